@@ -1,0 +1,52 @@
+// Records to event bodies and back. The keys are part of the file format: data/README.md describes them.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "data/session_log.h"
+#include "protocols/vocabulary.h"
+
+namespace jnd {
+
+namespace event_kind {
+inline constexpr std::string_view kSessionOpened = "session.opened";
+inline constexpr std::string_view kSessionResumed = "session.resumed";
+inline constexpr std::string_view kSessionClosed = "session.closed";
+inline constexpr std::string_view kTrialCompleted = "trial.completed";
+inline constexpr std::string_view kTrialVoided = "trial.voided";
+inline constexpr std::string_view kTrialsShort = "trial.abandoned";        // attempts used up: its cell is short
+inline constexpr std::string_view kPracticeEnded = "practice.ended";      // body: rounds, correct share, passed
+inline constexpr std::string_view kQuestionAnswered = "questionnaire.answered";
+inline constexpr std::string_view kBreakTaken = "break.taken";
+}  // namespace event_kind
+
+nlohmann::ordered_json to_body(const TrialRecord& record);          // trial.completed
+TrialRecord trial_record_from(const nlohmann::ordered_json& body);  // throws StorageError
+// trial.voided: the trial with its attempt and the reason ("stale_pose", "no_answer", "saturated", ...).
+nlohmann::ordered_json voided_body(const Trial& trial, int attempt, std::string_view reason);
+nlohmann::ordered_json question_body(std::string_view id, std::string_view when, std::string_view condition,
+                                     const std::optional<std::string>& answer, int after_trial);
+
+// What a log says has happened: where a session goes on.
+struct SessionState {
+  bool opened = false;
+  bool closed = false;
+  std::vector<TrialRecord> completed;                  // in order
+  std::map<int, int> voided;                           // trial index -> attempts voided
+  std::set<int> abandoned;                             // trial indices whose attempts were used up
+  std::vector<int> void_order;                         // trial indices in the order in which they were voided (last time each)
+  bool practice_ended = false;
+  std::set<std::string> answered;                      // "id" or "id/condition", with "@series" where asked after a series
+  std::set<int> breaks_after;                          // main trials done when a break was taken
+  std::int64_t last_monotonic_ns = 0;
+  std::int64_t last_utc_ns = 0;
+};
+SessionState replay(const std::vector<Event>& events);
+
+}  // namespace jnd

@@ -1,0 +1,20 @@
+// Tidy CSV files of a study: sub-P01/{trials,cells,report}.csv, group.csv, dictionary.csv.
+// RFC 4180 with LF, UTF-8 without BOM, decimal points in any locale, full precision, rows in a fixed order.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "data/study.h"
+#include "data/study_analysis.h"
+#include "protocols/protocol.h"
+
+namespace jnd {
+
+// Writes into a fresh folder beside `folder` and renames it into place, so that a failed export leaves nothing half
+// written. Returns the files, relative. Throws StorageError; also where folder exists and replace is false.
+std::vector<std::string> export_csv(const Study& study, const Protocol& protocol, const StudyAnalysis& analysis,
+                                    const std::filesystem::path& folder, bool replace);
+
+}  // namespace jnd

@@ -1,0 +1,100 @@
+// A study: one SQLite file that holds everything that happened. See data/README.md for the schema.
+//
+// One append-only table of events is the truth; trials, sessions and counts are views over it. Every event is
+// committed on its own (WAL; synchronous=FULL for real and pilot sessions, NORMAL for simulated ones), and its hash
+// chains over the stored bytes of the session's events before it.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "data/session_log.h"
+#include "data/storage_error.h"
+#include "protocols/vocabulary.h"
+
+namespace jnd {
+
+struct StudyInfo {
+  std::uint64_t seed = 0;
+  std::string protocol_sha256;
+  std::string protocol_name;
+  std::string protocol_bytes;
+};
+
+struct SessionInfo {
+  std::string id;
+  std::string participant;      // code: "P01"
+  int participant_number = 0;   // of the plan
+  SessionKind kind = SessionKind::simulated;
+  std::string state;            // "open" or "closed"
+  std::string responder;        // "keyboard" or "profile NAME"
+  int trials_done = 0;          // main trials answered
+  int trials_voided = 0;
+  int trials_total = 0;         // main trials planned
+  std::string started, ended;   // ISO 8601 UTC; ended empty while open
+  std::string head;             // hash of its last event
+};
+
+struct NewSession {
+  std::string id;
+  std::string participant;
+  int participant_number = 0;
+  SessionKind kind = SessionKind::simulated;
+  std::string responder;
+  std::string profile_sha256;   // empty for people
+  std::string rig, rig_mode, tracker;
+  int trials_total = 0;
+  Stamp stamp;
+};
+
+// Thread rule: all members may be called from any thread (one connection behind one mutex).
+class Study {
+ public:
+  // Creates the file; throws StorageError where it exists already or the folder cannot be written.
+  static std::unique_ptr<Study> create(const std::filesystem::path& path, const std::string& protocol_name,
+                                       const std::string& protocol_bytes, std::uint64_t seed, Stamp stamp);
+  // Throws StorageError: missing, not a study, written by a newer program, locked by another process (for writing).
+  enum class Access { read_only, read_write };
+  static std::unique_ptr<Study> open(const std::filesystem::path& path, Access access);
+  ~Study();
+
+  const StudyInfo& info() const noexcept;
+  std::vector<SessionInfo> sessions() const;  // by kind, then participant number
+
+  // A new session, its session.opened event committed. Simulated and pilot sessions have numbers of their own.
+  std::unique_ptr<SessionLog> open_session(const NewSession& session);
+  // The log of a session that exists, to go on with it.
+  std::unique_ptr<SessionLog> resume_session(const std::string& id);
+  // Ends a session: session.closed in its chain, and its head hash into the study's chain.
+  void close_session(const std::string& id, Stamp stamp);
+
+  std::vector<Event> events(const std::string& session) const;
+
+  // Checkpoints the WAL away, so that the study is one file. Also done by the destructor, which cannot report.
+  void close();
+
+  struct Impl;
+  Impl& impl() const noexcept { return *impl_; }
+
+ private:
+  explicit Study(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+// What verify found. problems is empty for a whole study.
+struct VerifyReport {
+  int sessions = 0;
+  std::int64_t events = 0;
+  std::int64_t trials = 0;   // completed, main part
+  std::int64_t voided = 0;
+  std::vector<std::string> problems;
+};
+// Recomputes every hash, and every trial's stimuli from the protocol, seed and participant.
+VerifyReport verify(const Study& study);
+
+}  // namespace jnd

@@ -1,0 +1,31 @@
+// The seam between an experiment and the person who answers: a keyboard, a button box, or a simulated participant.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "protocols/protocol.h"
+#include "protocols/vocabulary.h"
+
+namespace jnd {
+
+// What a responder is told when a trial's two intervals are over.
+struct TrialQuestion {
+  const Trial& trial;
+  int attempt = 1;
+  const std::array<Presentation, 2>& presentations;  // what was delivered, felt by simulated participants only
+  double time_out_s = 0;
+};
+
+class Responder {
+ public:
+  virtual ~Responder() = default;
+  // None where no answer came within the time-out (or the operator interrupts: see the implementation).
+  virtual std::optional<Answer> judge(const TrialQuestion& question) = 0;
+  // The answer as text: a number in plain decimals, one of the options, or free text; none = skipped.
+  // condition: the condition's place in Protocol::conditions, or -1.
+  virtual std::optional<std::string> reply(const Question& question, int condition) = 0;
+};
+
+}  // namespace jnd

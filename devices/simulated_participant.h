@@ -1,0 +1,48 @@
+// A participant who does not exist: explores like a hand, feels only what the device delivered, and answers.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "devices/clock.h"
+#include "devices/responder.h"
+#include "devices/rig.h"
+#include "protocols/protocol.h"
+
+namespace jnd {
+
+// JSON form: devices/profiles/*.json. See science of the strategies in devices/README.md.
+struct ParticipantProfile {
+  enum class Strategy { magnitude, differencing } strategy = Strategy::magnitude;
+  std::string name;
+  std::string title;
+  std::string sha256;               // of the file
+  double sigma_force_n_per_m = 0;      // noise of the force cue
+  double sigma_vibration_n_per_m = 0;  // noise of the vibration cue
+  // The criterion: a fixed difference, or a multiple of the condition's combined sigma; exactly one is > 0.
+  double criterion_n_per_m = 0;
+  double criterion_sigmas = 0;
+  double lapse_rate = 0;            // share of trials answered by a coin
+  double drift_per_trial = 0;       // relative growth of the noise over one trial (fatigue)
+  double spread_cv = 0;             // between participants, of the noise (log-normal)
+  double response_time_median_s = 1.2, response_time_sigma = 0.3;  // log-normal
+  // The hand
+  double press_depth_m = 0.005, press_depth_sd_m = 0.001;  // used when the protocol gives no expectation
+  double closing_speed_m_per_s = 0.05;
+  double press_period_s = 1.0;
+  double lateral_sd_m = 0.001;
+  double pulp_stiffness_n_per_m = 1000;
+  std::map<std::string, std::pair<double, double>> ratings;  // condition name -> mean, SD of its effectiveness rating
+};
+
+ParticipantProfile load_profile(const std::filesystem::path& path);  // throws InputError
+
+// Answers for one participant of one study. All randomness is keyed by (seed, participant, trial, attempt), so that a
+// resumed session answers exactly as an undisturbed one.
+std::unique_ptr<Responder> make_simulated_participant(const ParticipantProfile& profile, const Protocol& protocol,
+                                                      int participant, std::uint64_t seed, Clock& clock);
+
+}  // namespace jnd
