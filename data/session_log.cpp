@@ -1,0 +1,14 @@
+#include "data/session_log.h"
+
+namespace jnd {
+
+void MemoryLog::append(std::string_view kind, const nlohmann::ordered_json& body, Stamp stamp) {
+  Event event;
+  event.seq = static_cast<std::int64_t>(events_.size()) + 1;
+  event.kind = kind;
+  event.stamp = stamp;
+  event.body = body.dump();
+  events_.push_back(std::move(event));
+}
+
+}  // namespace jnd
