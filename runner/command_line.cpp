@@ -1,2 +1,149 @@
 #include "runner/command_line.h"
-namespace jnd { int run_command_line(int, const char* const*) { return 2; } }
+
+#include <functional>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "data/storage_error.h"
+#include "protocols/input_error.h"
+#include "protocols/version.h"
+#include "runner/commands.h"
+#include "runner/interrupt.h"
+
+namespace jnd {
+
+namespace {
+
+// Messages go to stderr, each line marked, so that a script's output stays clean.
+int failed(int code, const std::string& message) {
+  std::string::size_type begin = 0;
+  while (begin <= message.size()) {
+    const auto end = std::min(message.find('\n', begin), message.size());
+    fmt::print(stderr, "jnd: {}\n", message.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return code;
+}
+
+// Adds a command whose help ends with an example.
+CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& what, const std::string& example) {
+  CLI::App* command = app.add_subcommand(name, what);
+  command->footer("Example:\n  " + example);
+  return command;
+}
+
+}  // namespace
+
+int run_command_line(int argc, const char* const* argv) {
+  install_interrupt_handlers();
+  CLI::App app{"jnd: plan, rehearse, run and analyse stiffness-discrimination studies", "jnd"};
+  app.set_version_flag("--version", std::string("jnd ") + kVersion);
+  app.require_subcommand(1);
+  app.footer(
+      "Start here:\n  jnd new my-study.json          a protocol to start from\n"
+      "  jnd check my-study.json        what is wrong with it, where\n"
+      "  jnd simulate chinello2017 --participants 18 --study s.sqlite\n"
+      "  jnd analyze s.sqlite           d', JND, Weber fractions");
+  std::function<int()> chosen;
+
+  NewOptions make;
+  CLI::App* command =
+      add_command(app, "new", "Write a protocol to start from", "jnd new my-study.json --from chinello2017-balanced");
+  command->add_option("FILE", make.file, "the file to write; it must not exist")->required();
+  command->add_option("--from", make.from, "the shipped protocol to copy (default: tutorial)");
+  command->callback([&] { chosen = [&] { return command_new(make); }; });
+
+  CheckOptions check;
+  command = add_command(app, "check", "Find every mistake in a protocol", "jnd check my-study.json");
+  command->add_option("PROTOCOL", check.protocols, "protocol files or names of shipped ones")->required();
+  command->add_flag("--json", check.json, "one JSON object a file");
+  command->callback([&] { chosen = [&] { return command_check(check); }; });
+
+  PlanOptions plan;
+  command = add_command(app, "plan", "Print the trials of a participant, or the balance of a cohort",
+                        "jnd plan chinello2017 --participant 7 --seed 1");
+  command->add_option("PROTOCOL", plan.protocol, "protocol file, or name of a shipped one")->required();
+  command->add_option("--participant", plan.participant, "participant number, from 1")->check(CLI::Range(1, 100'000));
+  command->add_option("--cohort", plan.cohort, "show the balance over participants 1..N instead")
+      ->check(CLI::Range(1, 10'000));
+  command->add_option("--seed", plan.seed, "the study's seed (default: 1)");
+  command->add_flag("--json", plan.json, "machine-readable");
+  command->callback([&] { chosen = [&] { return command_plan(plan); }; });
+
+  RunOptions run;
+  command = add_command(app, "run", "Run a session from this terminal, or go on with one",
+                        "jnd run tutorial --study pilot.sqlite --participant P01");
+  command->add_option("PROTOCOL", run.protocol, "protocol file, or name of a shipped one")->required();
+  command->add_option("--study", run.study, "the study's file; made where it does not exist")->required();
+  command->add_option("--participant", run.participant,
+                      "participant code (letters and digits); asked for if not given");
+  command->add_option("--seed", run.seed, "seed of a new study (default: drawn, and kept in the study)");
+  command->add_option("--responder", run.responder, "a live demonstration: this profile answers instead of a person");
+  command->add_flag("--participant-presses", run.participant_presses,
+                    "the participant presses the answer keys (otherwise the operator enters what is said)");
+  command->add_flag("--fast", run.fast, "rehearse without waiting: stimuli and pauses take no time");
+  command->callback([&] { chosen = [&] { return command_run(run); }; });
+
+  SimulateOptions simulate;
+  command = add_command(app, "simulate", "Run simulated participants through the study",
+                        "jnd simulate chinello2017 --participants 18 --study s.sqlite --seed 1");
+  command->add_option("PROTOCOL", simulate.protocol, "protocol file, or name of a shipped one")->required();
+  command->add_option("--study", simulate.study, "the study's file; made where it does not exist");
+  command->add_option("--participants", simulate.participants, "how many, numbered from 1")
+      ->check(CLI::Range(1, 100'000));
+  command->add_option("--seed", simulate.seed, "seed of a new study (default: drawn, printed and kept in the study)");
+  command->add_option("--profile", simulate.profile, "profile file, or name of a shipped one (default: chinello2017)");
+  command->add_option("--threads", simulate.threads, "participants at a time (default: one a processor)")
+      ->check(CLI::Range(1, 1024));
+  command->add_flag("--no-study", simulate.no_study, "keep nothing: print the group's result only");
+  command->add_flag("--json", simulate.json, "machine-readable result of --no-study");
+  command->callback([&] { chosen = [&] { return command_simulate(simulate); }; });
+
+  StudyOptions status;
+  command = add_command(app, "status", "What a study holds", "jnd status s.sqlite");
+  command->add_option("STUDY", status.study, "the study's file")->required();
+  command->add_flag("--json", status.json, "machine-readable");
+  command->callback([&] { chosen = [&] { return command_status(status); }; });
+
+  StudyOptions verified;
+  command = add_command(app, "verify", "Recompute every hash and every planned stimulus", "jnd verify s.sqlite");
+  command->add_option("STUDY", verified.study, "the study's file")->required();
+  command->add_flag("--json", verified.json, "machine-readable");
+  command->callback([&] { chosen = [&] { return command_verify(verified); }; });
+
+  AnalyzeOptions analyze;
+  command = add_command(app, "analyze", "d', JND and Weber fractions by the registered plan", "jnd analyze s.sqlite");
+  command->add_option("STUDY", analyze.study, "the study's file")->required();
+  command->add_option("--kind", analyze.kind, "real, pilot or simulated (default: the only one, or real)");
+  command->add_flag("--cells", analyze.cells, "also every cell: counts, rates, z and d'");
+  command->add_flag("--json", analyze.json, "machine-readable");
+  command->callback([&] { chosen = [&] { return command_analyze(analyze); }; });
+
+  ExportOptions exported;
+  command = add_command(app, "export", "Write tidy CSV files with a dictionary of every column",
+                        "jnd export s.sqlite --to results");
+  command->add_option("STUDY", exported.study, "the study's file")->required();
+  command->add_option("--to", exported.folder, "the folder to write")->required();
+  command->add_option("--kind", exported.kind, "real, pilot or simulated (default: the only one, or real)");
+  command->add_flag("--replace", exported.replace, "replace the folder of an earlier export");
+  command->callback([&] { chosen = [&] { return command_export(exported); }; });
+
+  try {
+    app.parse(argc, argv);
+    return chosen();
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);  // prints help, version or the message
+    return code == 0 ? exit_code::kDone : exit_code::kUsage;
+  } catch (const UsageError& error) {
+    return failed(exit_code::kUsage, error.what());
+  } catch (const InputError& error) {
+    return failed(exit_code::kInvalidInput, error.what());
+  } catch (const StorageError& error) {
+    return failed(exit_code::kStorage, error.what());
+  } catch (const std::exception& error) {
+    return failed(exit_code::kStorage, error.what());
+  }
+}
+
+}  // namespace jnd

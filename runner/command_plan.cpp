@@ -1,0 +1,87 @@
+// jnd plan: every trial of a participant in order, or the balance of a whole cohort.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "protocols/cohort.h"
+#include "protocols/plan.h"
+#include "runner/commands.h"
+#include "runner/json_output.h"
+#include "runner/study_access.h"
+#include "runner/terminal.h"
+#include "runner/text_table.h"
+
+namespace jnd {
+
+namespace {
+
+std::vector<std::string> names_in_order(const std::vector<int>& order, const auto& things) {
+  std::vector<std::string> names;
+  for (const int place : order) names.push_back(things[static_cast<std::size_t>(place)].name);
+  return names;
+}
+
+void print_plan(const Protocol& protocol, const Plan& plan) {
+  fmt::print("{}\n{}\n", bold(printable(protocol.title)),
+             dim(fmt::format("participant {}, seed {}, protocol {}", plan.participant, plan.seed,
+                             protocol.sha256.substr(0, 12))));
+  fmt::print("series: {}\n", fmt::join(names_in_order(plan.series_order, protocol.series), ", "));
+  for (std::size_t i = 0; i < plan.condition_orders.size(); ++i)
+    fmt::print("conditions in series {}: {}\n", protocol.series[static_cast<std::size_t>(plan.series_order[i])].name,
+               fmt::join(names_in_order(plan.condition_orders[i], protocol.conditions), ", "));
+  fmt::print("\n");
+  using Align = TextTable::Align;
+  TextTable table(
+      {"trial", "block", "series", "condition", "first N/m", "second N/m", "", ""},
+      {Align::right, Align::right, Align::left, Align::left, Align::right, Align::right, Align::left, Align::left});
+  int block = plan.trials.empty() ? 0 : plan.trials.front().block;
+  for (const Trial& trial : plan.trials) {
+    if (trial.block != block) table.rule();
+    block = trial.block;
+    table.add({std::to_string(trial.index), trial.practice ? "-" : std::to_string(trial.block),
+               protocol.series[static_cast<std::size_t>(trial.series)].name,
+               protocol.conditions[static_cast<std::size_t>(trial.condition)].name,
+               fmt::format("{:g}", trial.stimuli_n_per_m[0]), fmt::format("{:g}", trial.stimuli_n_per_m[1]),
+               trial.same ? "same" : "different", trial.practice ? fmt::format("practice round {}", trial.round) : ""});
+  }
+  fmt::print("{}", table.text());
+}
+
+void print_plan_json(const Protocol& protocol, const Plan& plan) {
+  nlohmann::ordered_json out = {
+      {"participant", plan.participant}, {"protocol_sha256", protocol.sha256}, {"seed", plan.seed}};
+  out["trials"] = nlohmann::ordered_json::array();
+  for (const Trial& trial : plan.trials) {
+    nlohmann::ordered_json row = {{"index", trial.index},
+                                  {"block", trial.block},
+                                  {"series", protocol.series[static_cast<std::size_t>(trial.series)].name},
+                                  {"condition", protocol.conditions[static_cast<std::size_t>(trial.condition)].name},
+                                  {"practice", trial.practice},
+                                  {"stimuli", trial.stimuli_n_per_m},
+                                  {"same", trial.same}};
+    if (trial.practice) row["round"] = trial.round;
+    out["trials"].push_back(row);
+  }
+  fmt::print("{}\n", out.dump());
+}
+
+}  // namespace
+
+int command_plan(const PlanOptions& options) {
+  const Protocol protocol = load_checked_protocol(options.protocol);
+  if (options.cohort) {
+    const CohortBalance balance = cohort_balance(protocol, *options.cohort, options.seed);
+    if (options.json)
+      fmt::print("{}\n", to_json(balance, protocol).dump());
+    else
+      fmt::print("{}", to_text(balance, protocol));
+    return exit_code::kDone;
+  }
+  const Plan plan = make_plan(protocol, options.participant, options.seed);
+  if (options.json)
+    print_plan_json(protocol, plan);
+  else
+    print_plan(protocol, plan);
+  return exit_code::kDone;
+}
+
+}  // namespace jnd

@@ -1,0 +1,116 @@
+// jnd new and jnd check: protocols before anyone takes part.
+#include <cerrno>
+#include <cstring>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "protocols/device_lint.h"
+#include "protocols/duration.h"
+#include "protocols/plan.h"
+#include "protocols/protocol_json.h"
+#include "protocols/read_file.h"
+#include "runner/commands.h"
+#include "runner/json_output.h"
+#include "runner/resources.h"
+#include "runner/study_access.h"
+#include "runner/terminal.h"
+
+namespace jnd {
+
+int command_new(const NewOptions& options) {
+  const std::string bytes = read_file(find_resource(Resource::protocol, options.from));
+  const std::string file = options.file.ends_with(".json") ? options.file : options.file + ".json";
+  // O_EXCL: never over somebody's protocol, even if two programs do this at once.
+  const int descriptor = open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL, 0644);
+  if (descriptor < 0) {
+    if (errno == EEXIST) throw UsageError(fmt::format("{} exists already; choose another name", file));
+    throw InputError(fmt::format("{} cannot be written: {}", file, std::strerror(errno)));
+  }
+  const ssize_t written = write(descriptor, bytes.data(), bytes.size());
+  close(descriptor);
+  if (written != static_cast<ssize_t>(bytes.size())) {
+    unlink(file.c_str());
+    throw InputError(fmt::format("{} could not be written in full; nothing was left behind", file));
+  }
+  fmt::print("{} written, a copy of {}.\n  edit it, then:  jnd check {}\n", file, options.from, file);
+  return exit_code::kDone;
+}
+
+namespace {
+
+struct CheckedFile {
+  ProtocolCheck check;
+  int trials = 0;
+  double duration_s = 0;
+};
+
+CheckedFile check_file(const std::string& name_or_path) {
+  const std::filesystem::path path = find_resource(Resource::protocol, name_or_path);
+  CheckedFile result;
+  result.check = check_protocol(read_file(path), path.string());
+  if (!result.check.protocol) return result;
+  const Protocol& protocol = *result.check.protocol;
+  DeviceLint lint = lint_against_device(protocol, device_of(protocol));
+  for (Diagnostic& error : lint.errors) {
+    error.file = path.string();
+    result.check.errors.push_back(error);
+  }
+  for (Diagnostic& warning : lint.warnings) {
+    warning.file = path.string();
+    result.check.warnings.push_back(warning);
+  }
+  for (const Trial& trial : make_plan(protocol, 1, 1).trials) result.trials += trial.practice ? 0 : 1;
+  result.duration_s = expected_duration_s(protocol);
+  return result;
+}
+
+void print_check(const std::string& name, const CheckedFile& result) {
+  for (const Diagnostic& error : result.check.errors) fmt::print("error: {}\n", to_text(error));
+  for (const Diagnostic& warning : result.check.warnings) fmt::print("{}: {}\n", warn("warning"), to_text(warning));
+  if (!result.check.errors.empty()) {
+    fmt::print("{}: {} error{}, {} warning{}\n", name, result.check.errors.size(),
+               result.check.errors.size() == 1 ? "" : "s", result.check.warnings.size(),
+               result.check.warnings.size() == 1 ? "" : "s");
+    return;
+  }
+  const Protocol& protocol = *result.check.protocol;
+  fmt::print(
+      "{}: {}\n  {}\n  {} conditions x {} series x {} trials a cell = {} trials a participant, about {} a session\n  "
+      "SHA-256 {}\n",
+      name, bold("ok"), printable(protocol.title), protocol.conditions.size(), protocol.series.size(),
+      protocol.design.trials_per_cell, result.trials, duration_text(result.duration_s), protocol.sha256);
+}
+
+void print_check_json(const CheckedFile& result) {
+  nlohmann::ordered_json out;
+  const bool ok = result.check.errors.empty();
+  out["ok"] = ok;
+  out["errors"] = nlohmann::ordered_json::array();
+  for (const Diagnostic& error : result.check.errors) out["errors"].push_back(to_json(error));
+  out["warnings"] = nlohmann::ordered_json::array();
+  for (const Diagnostic& warning : result.check.warnings) out["warnings"].push_back(to_json(warning));
+  out["trials"] = ok ? nlohmann::ordered_json(result.trials) : nlohmann::ordered_json(nullptr);
+  out["duration_s"] = ok ? nlohmann::ordered_json(result.duration_s) : nlohmann::ordered_json(nullptr);
+  out["precision"] = nullptr;
+  if (ok) out["sha256"] = result.check.protocol->sha256;
+  fmt::print("{}\n", out.dump());
+}
+
+}  // namespace
+
+int command_check(const CheckOptions& options) {
+  bool all_ok = true;
+  for (const std::string& name : options.protocols) {
+    const CheckedFile result = check_file(name);
+    all_ok = all_ok && result.check.errors.empty();
+    if (options.json)
+      print_check_json(result);
+    else
+      print_check(name, result);
+  }
+  return all_ok ? exit_code::kDone : exit_code::kInvalidInput;
+}
+
+}  // namespace jnd

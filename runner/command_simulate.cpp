@@ -1,0 +1,76 @@
+// jnd simulate: a whole study of simulated participants.
+#include <algorithm>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "runner/analysis_text.h"
+#include "runner/commands.h"
+#include "runner/interrupt.h"
+#include "runner/resources.h"
+#include "runner/simulate.h"
+#include "runner/study_access.h"
+#include "runner/terminal.h"
+
+namespace jnd {
+
+namespace {
+
+int simulate_without_study(const Simulation& simulation, bool json) {
+  const std::vector<CellCounts> cells = simulate_counts(simulation);
+  if (interrupt_requested()) {
+    fmt::print(stderr, "jnd: interrupted; nothing was kept\n");
+    return exit_code::kInterrupted;
+  }
+  const StudyAnalysis analysis = analyze_counts(cells, simulation.protocol, SessionKind::simulated);
+  if (json)
+    fmt::print("{}\n", to_json(analysis, simulation.protocol).dump());
+  else
+    print_group(analysis, simulation.protocol);
+  return exit_code::kDone;
+}
+
+}  // namespace
+
+int command_simulate(const SimulateOptions& options) {
+  if (options.no_study == options.study.has_value())
+    throw UsageError("say where the data go: --study FILE, or --no-study to keep nothing");
+  const Protocol protocol = load_checked_protocol(options.protocol);
+  const DeviceSpec spec = device_of(protocol);
+  const ParticipantProfile profile = load_profile(find_resource(Resource::profile, options.profile));
+  const int processors = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  Simulation simulation{protocol, spec, profile};
+  simulation.participants = options.participants;
+  simulation.threads = options.threads > 0 ? options.threads : processors;
+  simulation.progress = true;
+  if (options.no_study) {
+    simulation.seed = options.seed.value_or(1);
+    return simulate_without_study(simulation, options.json);
+  }
+
+  const std::unique_ptr<Study> study =
+      open_or_create_study(*options.study, protocol, options.seed, {simulated_epoch_ns(1), 0});
+  simulation.seed = study->info().seed;
+  const SimulationResult result = simulate_study(simulation, *study);
+  study->close();
+  if (result.interrupted) {
+    fmt::print("Interrupted. Every answer so far is in {}; the same command goes on from here.\n", *options.study);
+    return exit_code::kInterrupted;
+  }
+  std::int64_t trials = 0;
+  std::int64_t voided = 0;
+  for (const SessionInfo& session : Study::open(*options.study, Study::Access::read_only)->sessions()) {
+    if (session.kind != SessionKind::simulated) continue;
+    trials += session.trials_done;
+    voided += session.trials_voided;
+  }
+  if (result.already_complete > 0)
+    fmt::print("{} participant{} had finished before.\n", result.already_complete,
+               result.already_complete == 1 ? "" : "s");
+  fmt::print("{}: {} participants, profile {}, seed {}: {} trials, {} voided\n", *options.study,
+             result.completed + result.already_complete, printable(profile.name), simulation.seed, trials, voided);
+  fmt::print("  next:  jnd analyze {}\n", *options.study);
+  return exit_code::kDone;
+}
+
+}  // namespace jnd

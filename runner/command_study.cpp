@@ -1,0 +1,132 @@
+// jnd status, verify, analyze and export: what a study holds and what it says.
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "data/export.h"
+#include "data/study_analysis.h"
+#include "runner/analysis_text.h"
+#include "runner/commands.h"
+#include "runner/json_output.h"
+#include "runner/study_access.h"
+#include "runner/terminal.h"
+#include "runner/text_table.h"
+
+namespace jnd {
+
+int command_status(const StudyOptions& options) {
+  const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_only);
+  const StudyInfo& info = study->info();
+  const std::vector<SessionInfo> sessions = study->sessions();
+  if (options.json) {
+    nlohmann::ordered_json out = {
+        {"protocol", info.protocol_name}, {"protocol_sha256", info.protocol_sha256}, {"seed", info.seed}};
+    out["sessions"] = nlohmann::ordered_json::array();
+    for (const SessionInfo& session : sessions)
+      out["sessions"].push_back(
+          {{"id", session.id},
+           {"participant", session.participant},
+           {"kind", to_string(session.kind)},
+           {"state", session.state},
+           {"trials_done", session.trials_done},
+           {"trials_total", session.trials_total},
+           {"trials_voided", session.trials_voided},
+           {"responder", session.responder},
+           {"started", session.started},
+           {"ended", session.ended.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(session.ended)},
+           {"head", session.head}});
+    fmt::print("{}\n", out.dump());
+    return exit_code::kDone;
+  }
+  fmt::print("{}: protocol {} ({}...), seed {}\n", bold(options.study), printable(info.protocol_name),
+             info.protocol_sha256.substr(0, 12), info.seed);
+  if (sessions.empty()) {
+    fmt::print("  no session yet\n");
+    return exit_code::kDone;
+  }
+  using Align = TextTable::Align;
+  TextTable table(
+      {"participant", "kind", "state", "trials", "voided", "started", "ended", "answers by"},
+      {Align::left, Align::left, Align::left, Align::right, Align::right, Align::left, Align::left, Align::left});
+  for (const SessionInfo& session : sessions)
+    table.add({printable(session.participant), std::string(to_string(session.kind)), session.state,
+               fmt::format("{} of {}", session.trials_done, session.trials_total),
+               std::to_string(session.trials_voided), session.started.substr(0, 19),
+               session.ended.substr(0, std::min<std::size_t>(19, session.ended.size())), printable(session.responder)});
+  fmt::print("{}", table.text());
+  return exit_code::kDone;
+}
+
+int command_verify(const StudyOptions& options) {
+  const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_only);
+  const VerifyReport report = verify(*study);
+  const bool ok = report.problems.empty();
+  if (options.json) {
+    const nlohmann::ordered_json out = {{"ok", ok},
+                                        {"sessions", report.sessions},
+                                        {"events", report.events},
+                                        {"trials", report.trials},
+                                        {"voided", report.voided},
+                                        {"problems", report.problems}};
+    fmt::print("{}\n", out.dump());
+  } else {
+    for (const std::string& problem : report.problems) fmt::print("problem: {}\n", printable(problem));
+    fmt::print("{}: {} ({} sessions, {} events, {} trials, {} voided)\n", options.study,
+               ok ? bold("every hash and every planned stimulus agrees")
+                  : fmt::format("{} problem{}", report.problems.size(), report.problems.size() == 1 ? "" : "s"),
+               report.sessions, report.events, report.trials, report.voided);
+  }
+  return ok ? exit_code::kDone : exit_code::kProblemFound;
+}
+
+namespace {
+
+void say_other_kinds(const Study& study, SessionKind analysed) {
+  for (const SessionKind kind : kinds_in(study))
+    if (kind != analysed)
+      fmt::print("{}\n", warn(fmt::format("This study also has {} sessions; they are not in these numbers (--kind {}).",
+                                          to_string(kind), to_string(kind))));
+}
+
+}  // namespace
+
+int command_analyze(const AnalyzeOptions& options) {
+  const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_only);
+  const Protocol protocol = protocol_of(*study);
+  const SessionKind kind = kind_to_analyse(*study, options.kind);
+  const StudyAnalysis analysis = analyze(*study, protocol, kind);
+  if (options.json) {
+    fmt::print("{}\n", to_json(analysis, protocol).dump());
+    return exit_code::kDone;
+  }
+  fmt::print("{}\n{}\n\n", bold(printable(protocol.title)),
+             dim(fmt::format("protocol {}, seed {}", protocol.sha256.substr(0, 12), study->info().seed)));
+  if (analysis.participants == 0) {
+    fmt::print("  no {} session yet\n", to_string(kind));
+    return exit_code::kDone;
+  }
+  if (options.cells) print_cells(analysis, protocol);
+  print_participants(analysis, protocol);
+  print_group(analysis, protocol);
+  int open = 0;
+  for (const SessionHead& head : analysis.heads) open += head.closed ? 0 : 1;
+  if (open > 0)
+    fmt::print("{}\n", warn(fmt::format("{} of {} sessions are not finished: these numbers are not final.", open,
+                                        analysis.heads.size())));
+  say_other_kinds(*study, kind);
+  return exit_code::kDone;
+}
+
+int command_export(const ExportOptions& options) {
+  const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_only);
+  const Protocol protocol = protocol_of(*study);
+  const SessionKind kind = kind_to_analyse(*study, options.kind);
+  const StudyAnalysis analysis = analyze(*study, protocol, kind);
+  const std::vector<std::string> files = export_csv(*study, protocol, analysis, options.folder, options.replace);
+  fmt::print("{} CSV files ({} data) in {}; dictionary.csv says what every column is\n", files.size(), to_string(kind),
+             options.folder);
+  say_other_kinds(*study, kind);
+  return exit_code::kDone;
+}
+
+}  // namespace jnd

@@ -1,0 +1,96 @@
+// The commands of the program, one function each; runner/command_line.cpp turns arguments into these options.
+// Each returns the exit code and prints to stdout. They throw InputError, StorageError and UsageError.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace jnd {
+
+namespace exit_code {
+inline constexpr int kDone = 0;
+inline constexpr int kProblemFound = 1;
+inline constexpr int kUsage = 2;
+inline constexpr int kInvalidInput = 3;
+inline constexpr int kDevice = 4;
+inline constexpr int kStorage = 5;
+inline constexpr int kInterrupted = 130;
+}  // namespace exit_code
+
+// The options do not fit each other or the study. The program exits with 2.
+class UsageError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct NewOptions {
+  std::string file;               // to write
+  std::string from = "tutorial";  // a shipped protocol
+};
+int command_new(const NewOptions& options);
+
+struct CheckOptions {
+  std::vector<std::string> protocols;
+  bool json = false;
+};
+int command_check(const CheckOptions& options);
+
+struct PlanOptions {
+  std::string protocol;
+  int participant = 1;
+  std::optional<int> cohort;
+  std::uint64_t seed = 1;
+  bool json = false;
+};
+int command_plan(const PlanOptions& options);
+
+struct RunOptions {
+  std::string protocol;
+  std::string study;
+  std::string participant;               // asked for where empty
+  std::optional<std::uint64_t> seed;     // of a new study; drawn where not given
+  std::optional<std::string> responder;  // a profile that answers instead of a person
+  bool participant_presses = false;      // who presses the answer keys
+  bool fast = false;
+};
+int command_run(const RunOptions& options);
+
+struct SimulateOptions {
+  std::string protocol;
+  std::optional<std::string> study;
+  int participants = 1;
+  std::optional<std::uint64_t> seed;
+  std::string profile = "chinello2017";
+  int threads = 0;  // 0: as many as the machine has processors
+  bool no_study = false;
+  bool json = false;
+};
+int command_simulate(const SimulateOptions& options);
+
+struct StudyOptions {
+  std::string study;
+  bool json = false;
+};
+int command_status(const StudyOptions& options);
+int command_verify(const StudyOptions& options);
+
+struct AnalyzeOptions {
+  std::string study;
+  std::optional<std::string> kind;  // real, pilot or simulated
+  bool cells = false;
+  bool json = false;
+};
+int command_analyze(const AnalyzeOptions& options);
+
+struct ExportOptions {
+  std::string study;
+  std::string folder;
+  std::optional<std::string> kind;
+  bool replace = false;
+};
+int command_export(const ExportOptions& options);
+
+}  // namespace jnd

@@ -1,0 +1,66 @@
+#include "runner/study_access.h"
+
+#include <random>
+
+#include <fmt/format.h>
+
+#include "data/study_analysis.h"
+#include "protocols/device_lint.h"
+#include "protocols/protocol_json.h"
+#include "runner/commands.h"
+#include "runner/resources.h"
+
+namespace jnd {
+
+DeviceSpec device_of(const Protocol& protocol) {
+  return load_device_spec(find_resource(Resource::device_spec, protocol.rig.device));
+}
+
+Protocol load_checked_protocol(const std::string& name_or_path) {
+  Protocol protocol = load_protocol(find_resource(Resource::protocol, name_or_path));
+  const DeviceLint lint = lint_against_device(protocol, device_of(protocol));
+  if (!lint.errors.empty()) throw InputError(lint.errors);
+  return protocol;
+}
+
+std::unique_ptr<Study> open_or_create_study(const std::filesystem::path& path, const Protocol& protocol,
+                                            std::optional<std::uint64_t> seed, Stamp stamp) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) {
+    if (!seed) {
+      std::random_device device;
+      seed = (std::uint64_t{device()} << 32U) | device();
+    }
+    return Study::create(path, protocol.name, protocol.bytes, *seed, stamp);
+  }
+  std::unique_ptr<Study> study = Study::open(path, Study::Access::read_write);
+  const StudyInfo& info = study->info();
+  if (info.protocol_sha256 != protocol.sha256)
+    throw InputError(fmt::format(
+        "the study {} was made with another protocol ('{}', SHA-256 {}...), not with this one ('{}', {}...); "
+        "go on with the protocol it was made with, or start a new study file",
+        path.string(), info.protocol_name, info.protocol_sha256.substr(0, 12), protocol.name,
+        protocol.sha256.substr(0, 12)));
+  if (seed && *seed != info.seed)
+    throw UsageError(
+        fmt::format("the study {} has seed {}, not {}; leave --seed out to go on with it, or start a new study file",
+                    path.string(), info.seed, *seed));
+  return study;
+}
+
+Protocol protocol_of(const Study& study) {
+  return parse_protocol(study.info().protocol_bytes, study.info().protocol_name + ".json");
+}
+
+SessionKind kind_to_analyse(const Study& study, const std::optional<std::string>& named) {
+  const std::vector<SessionKind> kinds = kinds_in(study);
+  if (named) {
+    const std::optional<SessionKind> kind = session_kind_from(*named);
+    if (!kind)
+      throw UsageError(fmt::format("'{}' is not a kind of session; there are real, pilot and simulated", *named));
+    return *kind;
+  }
+  return kinds.empty() ? SessionKind::real : kinds.front();
+}
+
+}  // namespace jnd

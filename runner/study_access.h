@@ -1,0 +1,31 @@
+// How the commands come to a protocol, its device and a study.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "data/study.h"
+#include "protocols/device_spec.h"
+#include "protocols/protocol.h"
+
+namespace jnd {
+
+// Loads and lints a protocol, also against its device. Throws InputError with every mistake.
+Protocol load_checked_protocol(const std::string& name_or_path);
+DeviceSpec device_of(const Protocol& protocol);
+
+// Opens the study, or makes it where there is none: with the given seed, or a drawn one.
+// Throws UsageError where the study has another seed than the one asked for, InputError where it has another protocol.
+std::unique_ptr<Study> open_or_create_study(const std::filesystem::path& path, const Protocol& protocol,
+                                            std::optional<std::uint64_t> seed, Stamp stamp);
+
+// The protocol that a study keeps. Throws InputError where this version cannot read it.
+Protocol protocol_of(const Study& study);
+
+// The kind to analyse: the one named, else the only one there is, else real. Throws UsageError.
+SessionKind kind_to_analyse(const Study& study, const std::optional<std::string>& named);
+
+}  // namespace jnd

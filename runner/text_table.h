@@ -1,0 +1,28 @@
+// Tables of text for people: columns as wide as their cells, numbers to the right.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace jnd {
+
+class TextTable {
+ public:
+  enum class Align { left, right };
+  // align is one entry a column; header.size() == align.size().
+  TextTable(std::vector<std::string> header, std::vector<Align> align);
+
+  void add(std::vector<std::string> row);  // as many cells as the header has
+  void rule();                             // a blank line between groups of rows
+  // Each line indented by two spaces and ended by a newline.
+  std::string text() const;
+
+ private:
+  std::vector<Align> align_;
+  std::vector<std::vector<std::string>> rows_;  // the header first; an empty row is a rule
+};
+
+// How many columns a UTF-8 text takes, at one column a code point.
+std::size_t display_width(const std::string& text) noexcept;
+
+}  // namespace jnd
