@@ -1,0 +1,129 @@
+// A small protocol, a rig that delivers exactly what is asked, and a responder that follows a rule: the engine's
+// outside world, under the test's control.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "data/event_body.h"
+#include "data/session_log.h"
+#include "devices/clock.h"
+#include "devices/responder.h"
+#include "devices/rig.h"
+#include "protocols/plan.h"
+#include "protocols/protocol_json.h"
+#include "runner/session_engine.h"
+
+namespace jnd::test {
+
+// Two conditions, two series, 4 balanced trials a cell; `changes` is merged into it (RFC 7396).
+inline Protocol small_protocol(const nlohmann::json& changes = {}) {
+  nlohmann::json json = nlohmann::json::parse(R"({
+    "format": 1, "title": "A small study", "source": {"citation": "none"},
+    "rig": {"device": "rrs3", "fingers": ["thumb", "index"], "tracker": "hand", "separation_m": 0.13, "sphere_radius_m": 0.04},
+    "paradigm": "same-different",
+    "trial": {"explore_s": 1, "no_contact_time_out_s": 5, "gap_s": 0.5, "between_trials_s": 0.5, "answer_time_out_s": 20,
+              "max_attempts": 3,
+              "cues": {"first": {"kind": "sound"}, "second": {"kind": "sound"}, "question": {"kind": "sound"}},
+              "keys": {"same": "s", "different": "d"}},
+    "stimulus": {"quantity": "stiffness", "unit": "N/m", "reference": 900, "expected_press_m": 0.004, "on_saturation": "flag"},
+    "conditions": [{"name": "S", "label": "servo", "cues": ["force"]}, {"name": "V", "label": "vibration", "cues": ["vibration"]}],
+    "series": [{"name": "1", "pair": [500, 900]}, {"name": "2", "pair": [700, 900]}],
+    "design": {"participants": 4, "trials_per_cell": 4, "sampling": "balanced", "conditions": "blocked",
+               "order": {"series": "fixed", "conditions": "fixed"}},
+    "feedback": "none",
+    "analysis": {"model": "yes-no", "correction": "loglinear", "jnd": "least_squares"}
+  })");
+  if (!changes.is_null()) json.merge_patch(changes);
+  return parse_protocol(json.dump(), "small.json");
+}
+
+// Delivers what is asked, unless `fault` says otherwise for an interval.
+class IdealRig final : public Rig {
+ public:
+  explicit IdealRig(Clock& clock) : clock_(clock) {}
+  const RigInfo& info() const noexcept override { return info_; }
+  Presentation present(const PresentRequest& request) override {
+    clock_.sleep_until_ns(clock_.now_ns() + static_cast<std::int64_t>(request.explore_s * 1e9));
+    Presentation presentation;
+    presentation.fault = fault(request);
+    presentation.duration_s = request.explore_s;
+    for (int finger = 0; finger < 2; ++finger) {
+      FingerPresentation delivered;
+      if (request.stimulus.cues.force) delivered.stiffness_n_per_m = request.stimulus.stiffness_n_per_m;
+      if (request.stimulus.cues.vibration) delivered.vibration_g = request.stimulus.stiffness_n_per_m / 1500 + 0.4;
+      delivered.saturated_share = saturated_share(request);
+      presentation.fingers.push_back(delivered);
+    }
+    return presentation;
+  }
+  void neutral() noexcept override { ++neutral_calls; }
+
+  std::function<Fault(const PresentRequest&)> fault = [](const PresentRequest&) { return Fault::none; };
+  std::function<double(const PresentRequest&)> saturated_share = [](const PresentRequest&) { return 0.0; };
+  int neutral_calls = 0;
+
+ private:
+  Clock& clock_;
+  RigInfo info_{"ideal", "ideal", "none", true};
+};
+
+// Right on odd trials, "different" on even ones, unless `rule` is replaced; asks nothing twice.
+class RuleResponder final : public Responder {
+ public:
+  explicit RuleResponder(Clock& clock) : clock_(clock) {}
+  std::optional<Answer> judge(const TrialQuestion& question) override {
+    clock_.sleep_until_ns(clock_.now_ns() + 1'000'000'000);
+    const std::optional<Judgement> judgement = rule(question);
+    if (!judgement) return std::nullopt;
+    return Answer{*judgement, EnteredBy::participant, 1.0};
+  }
+  std::optional<std::string> reply(const Question& question, int condition) override {
+    asked.push_back(question.id + "/" + std::to_string(condition));
+    return "5";
+  }
+  std::function<std::optional<Judgement>(const TrialQuestion&)> rule = [](const TrialQuestion& question) {
+    return std::optional(question.trial.index % 2 == 0 || !question.trial.same ? Judgement::different
+                                                                               : Judgement::same);
+  };
+  std::vector<std::string> asked;
+
+ private:
+  Clock& clock_;
+};
+
+// Everything an engine needs, for one session.
+struct Bench {
+  explicit Bench(Protocol chosen, int participant = 1)
+      : protocol(std::move(chosen)), plan(make_plan(protocol, participant, 1)) {}
+
+  SessionEnd run(SessionView& with_view) {
+    SessionEngine engine(protocol, plan, rig, responder, log, clock, with_view, stop);
+    return engine.run(replay(log.events()));
+  }
+  SessionEnd run() {
+    SessionView quiet;
+    return run(quiet);
+  }
+  std::vector<TrialRecord> completed() const { return replay(log.events()).completed; }
+  std::vector<std::string> kinds() const {
+    std::vector<std::string> kinds;
+    for (const Event& event : log.events()) kinds.push_back(event.kind);
+    return kinds;
+  }
+
+  Protocol protocol;
+  Plan plan;
+  SimulatedClock clock{0};
+  IdealRig rig{clock};
+  RuleResponder responder{clock};
+  MemoryLog log;
+  std::atomic<bool> stop{false};
+};
+
+}  // namespace jnd::test
