@@ -10,40 +10,58 @@
 #include <nlohmann/json.hpp>
 
 #include "data/session_log.h"
+#include "protocols/protocol.h"
 #include "protocols/vocabulary.h"
 
 namespace jnd {
 
 namespace event_kind {
+inline constexpr std::string_view kStudyCreated = "study.created";  // in the chain of the study itself
 inline constexpr std::string_view kSessionOpened = "session.opened";
 inline constexpr std::string_view kSessionResumed = "session.resumed";
 inline constexpr std::string_view kSessionClosed = "session.closed";
 inline constexpr std::string_view kTrialCompleted = "trial.completed";
 inline constexpr std::string_view kTrialVoided = "trial.voided";
-inline constexpr std::string_view kTrialsShort = "trial.abandoned";        // attempts used up: its cell is short
-inline constexpr std::string_view kPracticeEnded = "practice.ended";      // body: rounds, correct share, passed
+inline constexpr std::string_view kTrialsShort = "trial.abandoned";   // attempts used up: its cell is short
+inline constexpr std::string_view kPracticeEnded = "practice.ended";  // body: rounds, correct share, passed
 inline constexpr std::string_view kQuestionAnswered = "questionnaire.answered";
 inline constexpr std::string_view kBreakTaken = "break.taken";
 }  // namespace event_kind
 
 nlohmann::ordered_json to_body(const TrialRecord& record);          // trial.completed
 TrialRecord trial_record_from(const nlohmann::ordered_json& body);  // throws StorageError
+Trial trial_from(const nlohmann::ordered_json& body);  // of a completed, voided or abandoned trial; throws StorageError
+// Of any finger in either interval, 0..1: what the analysis plan's saturation rule looks at.
+double largest_saturated_share(const TrialRecord& record) noexcept;
 // trial.voided: the trial with its attempt and the reason ("stale_pose", "no_answer", "saturated", ...).
 nlohmann::ordered_json voided_body(const Trial& trial, int attempt, std::string_view reason);
+// The same with the names of its condition and series, which the view `voided` shows.
+nlohmann::ordered_json voided_body(const Protocol& protocol, const Trial& trial, int attempt, std::string_view reason);
 nlohmann::ordered_json question_body(std::string_view id, std::string_view when, std::string_view condition,
                                      const std::optional<std::string>& answer, int after_trial);
+// The same with the question's text and kind, so that the log can be read without the protocol.
+nlohmann::ordered_json question_body(const Question& question, std::string_view condition,
+                                     const std::optional<std::string>& answer, int after_trial);
+// Which asking of a question an answer belongs to: "id", "id/condition", and "@n" behind it where the question comes
+// again in a session (n: main trials planned up to there; 0 before and after the session, where nothing is added).
+std::string question_key(std::string_view id, std::string_view condition, int after_trial);
+std::string_view to_string(Question::When when) noexcept;
+std::string_view to_string(Question::Kind kind) noexcept;
+
+// The text of a body as it is stored. Text that is not UTF-8 keeps its readable part (U+FFFD for the rest).
+std::string body_text(const nlohmann::ordered_json& body);
 
 // What a log says has happened: where a session goes on.
 struct SessionState {
   bool opened = false;
   bool closed = false;
-  std::vector<TrialRecord> completed;                  // in order
-  std::map<int, int> voided;                           // trial index -> attempts voided
-  std::set<int> abandoned;                             // trial indices whose attempts were used up
-  std::vector<int> void_order;                         // trial indices in the order in which they were voided (last time each)
+  std::vector<TrialRecord> completed;  // in order
+  std::map<int, int> voided;           // trial index -> attempts voided
+  std::set<int> abandoned;             // trial indices whose attempts were used up
+  std::vector<int> void_order;         // trial indices in the order in which they were voided (last time each)
   bool practice_ended = false;
-  std::set<std::string> answered;                      // "id" or "id/condition", with "@series" where asked after a series
-  std::set<int> breaks_after;                          // main trials done when a break was taken
+  std::set<std::string> answered;  // question_key of each
+  std::set<int> breaks_after;      // main trials done when a break was taken
   std::int64_t last_monotonic_ns = 0;
   std::int64_t last_utc_ns = 0;
 };

@@ -1,5 +1,7 @@
 #include "data/session_log.h"
 
+#include "data/event_body.h"
+
 namespace jnd {
 
 void MemoryLog::append(std::string_view kind, const nlohmann::ordered_json& body, Stamp stamp) {
@@ -7,7 +9,7 @@ void MemoryLog::append(std::string_view kind, const nlohmann::ordered_json& body
   event.seq = static_cast<std::int64_t>(events_.size()) + 1;
   event.kind = kind;
   event.stamp = stamp;
-  event.body = body.dump();
+  event.body = body_text(body);
   events_.push_back(std::move(event));
 }
 

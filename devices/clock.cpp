@@ -13,8 +13,12 @@ std::int64_t read_clock(clockid_t id) noexcept {
 }
 }  // namespace
 
-std::int64_t SteadyClock::now_ns() const noexcept { return read_clock(CLOCK_MONOTONIC); }
-std::int64_t SteadyClock::utc_ns() const noexcept { return read_clock(CLOCK_REALTIME); }
+std::int64_t SteadyClock::now_ns() const noexcept {
+  return read_clock(CLOCK_MONOTONIC);
+}
+std::int64_t SteadyClock::utc_ns() const noexcept {
+  return read_clock(CLOCK_REALTIME);
+}
 
 void SteadyClock::sleep_until_ns(std::int64_t deadline) noexcept {
   const timespec time{static_cast<time_t>(deadline / 1'000'000'000), static_cast<long>(deadline % 1'000'000'000)};

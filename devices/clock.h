@@ -9,8 +9,8 @@ namespace jnd {
 class Clock {
  public:
   virtual ~Clock() = default;
-  virtual std::int64_t now_ns() const noexcept = 0;          // monotonic
-  virtual std::int64_t utc_ns() const noexcept = 0;          // since 1970-01-01T00:00:00Z
+  virtual std::int64_t now_ns() const noexcept = 0;                 // monotonic
+  virtual std::int64_t utc_ns() const noexcept = 0;                 // since 1970-01-01T00:00:00Z
   virtual void sleep_until_ns(std::int64_t deadline) noexcept = 0;  // absolute, monotonic; returns at once if past
 };
 

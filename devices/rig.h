@@ -10,22 +10,22 @@ namespace jnd {
 
 // Which interval of which trial is presented: simulated hands key their randomness by it, telemetry its records.
 struct IntervalId {
-  int trial = 0;     // Trial::index
+  int trial = 0;  // Trial::index
   int attempt = 1;
   int interval = 0;  // 0 or 1
 };
 
 struct PresentRequest {
   Stimulus stimulus;
-  double explore_s = 0;               // from first contact
+  double explore_s = 0;  // from first contact
   double no_contact_time_out_s = 0;
   IntervalId id;
 };
 
 struct RigInfo {
-  std::string name;       // "rrs3 x 2"
-  std::string mode;       // rendering mode: "wrench"
-  std::string tracker;    // "hand"
+  std::string name;     // "rrs3 x 2"
+  std::string mode;     // rendering mode: "wrench"
+  std::string tracker;  // "hand"
   bool simulated = true;
 };
 

@@ -19,15 +19,15 @@ struct ParticipantProfile {
   enum class Strategy { magnitude, differencing } strategy = Strategy::magnitude;
   std::string name;
   std::string title;
-  std::string sha256;               // of the file
+  std::string sha256;                  // of the file
   double sigma_force_n_per_m = 0;      // noise of the force cue
   double sigma_vibration_n_per_m = 0;  // noise of the vibration cue
   // The criterion: a fixed difference, or a multiple of the condition's combined sigma; exactly one is > 0.
   double criterion_n_per_m = 0;
   double criterion_sigmas = 0;
-  double lapse_rate = 0;            // share of trials answered by a coin
-  double drift_per_trial = 0;       // relative growth of the noise over one trial (fatigue)
-  double spread_cv = 0;             // between participants, of the noise (log-normal)
+  double lapse_rate = 0;       // share of trials answered by a coin
+  double drift_per_trial = 0;  // relative growth of the noise over one trial (fatigue)
+  double spread_cv = 0;        // between participants, of the noise (log-normal)
   double response_time_median_s = 1.2, response_time_sigma = 0.3;  // log-normal
   // The hand
   double press_depth_m = 0.005, press_depth_sd_m = 0.001;  // used when the protocol gives no expectation

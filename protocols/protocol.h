@@ -160,6 +160,7 @@ struct Protocol {
   std::vector<Question> questions;
   Feedback feedback = Feedback::none;
   AnalysisPlan analysis;
+  std::vector<std::string> notes;  // for people: why the design is as it is
 };
 
 }  // namespace jnd

@@ -64,12 +64,37 @@ void print_plan_json(const Protocol& protocol, const Plan& plan) {
   fmt::print("{}\n", out.dump());
 }
 
+nlohmann::ordered_json to_json(const CohortBalance& balance, const Protocol& protocol) {
+  nlohmann::ordered_json out = {{"participants", balance.participants},
+                                {"seed", balance.seed},
+                                {"protocol_sha256", protocol.sha256},
+                                {"group_size", balance.group_size},
+                                {"pair_count", balance.pair_count},
+                                {"different_pairs_of_orders", balance.different_pairs_of_orders},
+                                {"most_used_pair", balance.most_used_pair},
+                                {"same", balance.same},
+                                {"different", balance.different},
+                                {"condition_positions", balance.condition_positions},
+                                {"series_positions", balance.series_positions},
+                                {"condition_transitions", balance.condition_transitions},
+                                {"cells", nlohmann::ordered_json::array()}};
+  for (const CellBalance& cell : balance.cells)
+    out["cells"].push_back({{"series", protocol.series[static_cast<std::size_t>(cell.series)].name},
+                            {"condition", protocol.conditions[static_cast<std::size_t>(cell.condition)].name},
+                            {"pairs", cell.pairs},
+                            {"same", cell.same},
+                            {"different", cell.different},
+                            {"least_same", cell.least_same},
+                            {"most_same", cell.most_same}});
+  return out;
+}
+
 }  // namespace
 
 int command_plan(const PlanOptions& options) {
   const Protocol protocol = load_checked_protocol(options.protocol);
   if (options.cohort) {
-    const CohortBalance balance = cohort_balance(protocol, *options.cohort, options.seed);
+    const CohortBalance balance = balance_of_cohort(protocol, *options.cohort, options.seed);
     if (options.json)
       fmt::print("{}\n", to_json(balance, protocol).dump());
     else

@@ -20,7 +20,7 @@
 namespace jnd {
 
 int command_new(const NewOptions& options) {
-  const std::string bytes = read_file(find_resource(Resource::protocol, options.from));
+  const std::string bytes = read_input_file(find_resource(Resource::protocol, options.from));
   const std::string file = options.file.ends_with(".json") ? options.file : options.file + ".json";
   // O_EXCL: never over somebody's protocol, even if two programs do this at once.
   const int descriptor = open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL, 0644);
@@ -49,18 +49,12 @@ struct CheckedFile {
 CheckedFile check_file(const std::string& name_or_path) {
   const std::filesystem::path path = find_resource(Resource::protocol, name_or_path);
   CheckedFile result;
-  result.check = check_protocol(read_file(path), path.string());
+  result.check = check_protocol(read_input_file(path), path.string());
   if (!result.check.protocol) return result;
   const Protocol& protocol = *result.check.protocol;
-  DeviceLint lint = lint_against_device(protocol, device_of(protocol));
-  for (Diagnostic& error : lint.errors) {
-    error.file = path.string();
-    result.check.errors.push_back(error);
-  }
-  for (Diagnostic& warning : lint.warnings) {
-    warning.file = path.string();
-    result.check.warnings.push_back(warning);
-  }
+  const DeviceLint lint = lint_against_device(protocol, device_of(protocol), path.string());
+  result.check.errors.insert(result.check.errors.end(), lint.errors.begin(), lint.errors.end());
+  result.check.warnings.insert(result.check.warnings.end(), lint.warnings.begin(), lint.warnings.end());
   for (const Trial& trial : make_plan(protocol, 1, 1).trials) result.trials += trial.practice ? 0 : 1;
   result.duration_s = expected_duration_s(protocol);
   return result;

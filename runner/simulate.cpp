@@ -14,6 +14,7 @@
 
 #include "data/event_body.h"
 #include "devices/rig_factory.h"
+#include "protocols/input_error.h"
 #include "protocols/plan.h"
 #include "protocols/sha256.h"
 #include "runner/counts_log.h"

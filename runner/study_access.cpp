@@ -17,8 +17,9 @@ DeviceSpec device_of(const Protocol& protocol) {
 }
 
 Protocol load_checked_protocol(const std::string& name_or_path) {
-  Protocol protocol = load_protocol(find_resource(Resource::protocol, name_or_path));
-  const DeviceLint lint = lint_against_device(protocol, device_of(protocol));
+  const std::filesystem::path path = find_resource(Resource::protocol, name_or_path);
+  Protocol protocol = load_protocol(path);
+  const DeviceLint lint = lint_against_device(protocol, device_of(protocol), path.string());
   if (!lint.errors.empty()) throw InputError(lint.errors);
   return protocol;
 }

@@ -23,7 +23,7 @@ const std::string kSource = JND_SOURCE_DIR;
 constexpr double kExplore_s = 0.5;
 
 Protocol published(int trials_per_cell) {
-  nlohmann::json json = nlohmann::json::parse(read_file(kSource + "/protocols/chinello2017.json"));
+  nlohmann::json json = nlohmann::json::parse(read_input_file(kSource + "/protocols/chinello2017.json"));
   json["design"]["trials_per_cell"] = trials_per_cell;
   json["design"]["sampling"] = "balanced";
   json["trial"]["explore_s"] = kExplore_s;

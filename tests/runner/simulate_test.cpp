@@ -29,7 +29,7 @@ ParticipantProfile profile(const std::string& name) {
 
 // The published design with other trials a cell, balanced, and short explorations.
 Protocol published(int trials_per_cell, double explore_s) {
-  nlohmann::json json = nlohmann::json::parse(read_file(kSource + "/protocols/chinello2017.json"));
+  nlohmann::json json = nlohmann::json::parse(read_input_file(kSource + "/protocols/chinello2017.json"));
   json["design"]["trials_per_cell"] = trials_per_cell;
   json["design"]["sampling"] = "balanced";
   json["trial"]["explore_s"] = explore_s;
@@ -52,7 +52,7 @@ std::string all_files(const fs::path& folder) {
     if (entry.is_regular_file()) files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   std::string text;
-  for (const fs::path& file : files) text += fs::relative(file, folder).string() + "\n" + read_file(file);
+  for (const fs::path& file : files) text += fs::relative(file, folder).string() + "\n" + read_input_file(file);
   return text;
 }
 

@@ -1,0 +1,64 @@
+// CSV as RFC 4180 has it, with LF, UTF-8 without BOM, and numbers that no locale touches.
+//
+// A table is a list of columns, each with its meaning: the file and its part of dictionary.csv come from the same list,
+// so that the dictionary cannot say anything else than the file.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace jnd {
+
+// A number's shortest decimal form that reads back the same (std::to_chars); NaN is an empty cell, infinities are Inf
+// and -Inf.
+std::string csv_number(double value);
+std::string csv_number(std::int64_t value);
+inline std::string csv_number(int value) {
+  return csv_number(static_cast<std::int64_t>(value));
+}
+inline std::string csv_flag(bool value) {
+  return value ? "1" : "0";
+}
+// Text that people typed or named. A spreadsheet runs cells that begin with = + - @ (or a tab or return): those get an
+// apostrophe in front. Numbers written by csv_number never need it.
+std::string csv_text(std::string_view text);
+// A finished cell, quoted where RFC 4180 asks for it.
+std::string csv_cell(std::string_view cell);
+// Cells joined by commas, with a line feed.
+std::string csv_line(const std::vector<std::string>& cells);
+
+template <typename Row>
+struct CsvColumn {
+  std::string name;
+  std::string meaning;
+  std::string unit;    // empty for text and counts
+  std::string levels;  // of text columns: the values that occur, or empty
+  std::function<std::string(const Row&)> cell;
+};
+
+template <typename Row>
+std::string csv_table(const std::vector<CsvColumn<Row>>& columns, const std::vector<Row>& rows) {
+  std::vector<std::string> cells;
+  for (const auto& column : columns) cells.push_back(column.name);
+  std::string text = csv_line(cells);
+  for (const Row& row : rows) {
+    for (std::size_t i = 0; i < columns.size(); ++i) cells[i] = columns[i].cell(row);
+    text += csv_line(cells);
+  }
+  return text;
+}
+
+// A line of dictionary.csv.
+struct DictionaryRow {
+  std::string file, column, meaning, unit, levels;
+};
+
+template <typename Row>
+void describe(const std::string& file, const std::vector<CsvColumn<Row>>& columns, std::vector<DictionaryRow>& rows) {
+  for (const auto& column : columns) rows.push_back({file, column.name, column.meaning, column.unit, column.levels});
+}
+
+}  // namespace jnd

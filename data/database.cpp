@@ -1,0 +1,181 @@
+#include "data/database.h"
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <string_view>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sqlite3.h>
+#include <unistd.h>
+
+#include "data/schema.h"
+
+namespace jnd {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kBusyTimeout_ms = 5000;
+
+void refuse_other_files(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status))
+    throw StorageError(fmt::format("{}: there is no such study; jnd run and jnd simulate create one", path.string()));
+  if (!fs::is_regular_file(status)) throw StorageError(fmt::format("{}: is not a file", path.string()));
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw StorageError(fmt::format("{}: cannot be read: {}", path.string(), std::strerror(errno)));
+  std::array<char, 16> start{};
+  file.read(start.data(), start.size());
+  if (std::string_view(start.data(), static_cast<std::size_t>(file.gcount())) !=
+      std::string_view("SQLite format 3\0", 16))
+    throw StorageError(
+        fmt::format("{}: is not a study (not an SQLite file); it was not changed. Check the name", path.string()));
+}
+
+int pragma(SQLite::Database& database, const char* name) {
+  SQLite::Statement query(database, fmt::format("PRAGMA {}", name));
+  return query.executeStep() ? query.getColumn(0).getInt() : 0;
+}
+
+void refuse_other_databases(const fs::path& path, SQLite::Database& database, bool writable) {
+  if (pragma(database, "application_id") != kApplicationId)
+    throw StorageError(fmt::format("{}: is an SQLite database but not a jnd study; it was not changed", path.string()));
+  const int version = pragma(database, "user_version");
+  if (version > kSchemaVersion)
+    throw StorageError(fmt::format(
+        "{}: was written by a newer jnd (file version {}, this program knows up to {}); it was not changed. "
+        "Install the newer program to go on",
+        path.string(), version, kSchemaVersion));
+  if (version < 1)
+    throw StorageError(
+        fmt::format("{}: is an unfinished study (file version {}); it was not changed", path.string(), version));
+  if (version < kSchemaVersion && !writable)
+    throw StorageError(
+        fmt::format("{}: was written by an older jnd (file version {}, now {}); open it once for writing (jnd run) to "
+                    "bring it up to date",
+                    path.string(), version, kSchemaVersion));
+}
+
+void refuse_damage(const fs::path& path, SQLite::Database& database) {
+  SQLite::Statement check(database, "PRAGMA quick_check(1)");
+  if (check.executeStep() && check.getColumn(0).getString() != "ok")
+    throw StorageError(
+        fmt::format("{}: is damaged ({}); it was not changed. Go on with a copy or a backup; jnd verify says more",
+                    path.string(), check.getColumn(0).getString()));
+}
+
+void settle(SQLite::Database& database) {
+  database.setBusyTimeout(kBusyTimeout_ms);
+  database.exec("PRAGMA foreign_keys = ON");
+}
+
+}  // namespace
+
+std::unique_ptr<SQLite::Database> create_database(const fs::path& path) {
+  // Made by us and not by SQLite: exclusively, and private from its first moment (-wal and -shm take over its mode).
+  const int descriptor = ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  if (descriptor < 0) {
+    if (errno == EEXIST) throw StorageError(fmt::format("{}: exists already; it was not changed", path.string()));
+    throw StorageError(fmt::format("{}: cannot be created: {}", path.string(), std::strerror(errno)));
+  }
+  ::close(descriptor);
+  try {
+    return with_storage_errors(path, [&] {
+      auto database = std::make_unique<SQLite::Database>(path.string(), SQLite::OPEN_READWRITE);
+      settle(*database);
+      database->exec("PRAGMA synchronous = FULL");
+      SQLite::Transaction transaction(*database);
+      migrate(*database, 0);
+      transaction.commit();
+      return database;
+    });
+  } catch (...) {
+    ::unlink(path.c_str());
+    throw;
+  }
+}
+
+std::unique_ptr<SQLite::Database> open_database(const fs::path& path, bool writable) {
+  refuse_other_files(path);
+  // A reader opens for writing too where it may: after a crash SQLite must replay the write-ahead log, which needs its
+  // index file. query_only then keeps it from changing any row.
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  const bool may_write = ::access(path.c_str(), W_OK) == 0 && ::access(folder.c_str(), W_OK) == 0;
+  if (writable && !may_write)
+    throw StorageError(
+        fmt::format("{}: may not be written: check the permissions of the file and its folder", path.string()));
+  return with_storage_errors(path, [&] {
+    auto database =
+        std::make_unique<SQLite::Database>(path.string(), may_write ? SQLite::OPEN_READWRITE : SQLite::OPEN_READONLY);
+    settle(*database);
+    database->exec("PRAGMA query_only = ON");
+    refuse_other_databases(path, *database, writable);
+    if (!writable) return database;
+    refuse_damage(path, *database);
+    database->exec("PRAGMA query_only = OFF");
+    const int version = pragma(*database, "user_version");
+    if (version < kSchemaVersion) {
+      SQLite::Transaction transaction(*database, SQLite::TransactionBehavior::IMMEDIATE);
+      migrate(*database, version);
+      transaction.commit();
+    }
+    return database;
+  });
+}
+
+void begin_writing(SQLite::Database& database) {
+  database.exec("PRAGMA synchronous = FULL");
+  SQLite::Statement mode(database, "PRAGMA journal_mode = WAL");
+  if (!mode.executeStep() || mode.getColumn(0).getString() != "wal")
+    throw StorageError(
+        fmt::format("{}: this file system does not support SQLite's write-ahead log; keep the study on a local disk",
+                    database.getFilename()));
+}
+
+void end_writing(SQLite::Database& database) {
+  SQLite::Statement checkpoint(database, "PRAGMA wal_checkpoint(TRUNCATE)");
+  checkpoint.executeStep();
+  checkpoint.reset();
+  database.setBusyTimeout(0);  // a reader that stays is no reason to wait: what matters is committed
+  SQLite::Statement mode(database, "PRAGMA journal_mode = DELETE");
+  const int result = mode.tryExecuteStep();
+  if (result != SQLITE_ROW && result != SQLITE_BUSY && result != SQLITE_LOCKED)
+    throw SQLite::Exception(database.getHandle(), result);
+}
+
+StorageError storage_error(const fs::path& path, const SQLite::Exception& error) {
+  const std::string where = path.string();
+  switch (error.getErrorCode()) {
+    case SQLITE_CORRUPT:
+    case SQLITE_NOTADB:
+      return StorageError(
+          fmt::format("{}: is damaged ({}); it was not changed. Go on with a copy or a backup; jnd verify says more",
+                      where, error.what()));
+    case SQLITE_FULL:
+      return StorageError(fmt::format(
+          "{}: the disk is full; this event was not saved, all earlier ones are. Free some space and resume", where));
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+      return StorageError(
+          fmt::format("{}: another program holds the file ({}); close it and try again", where, error.what()));
+    case SQLITE_READONLY:
+    case SQLITE_CANTOPEN:
+    case SQLITE_PERM:
+      return StorageError(
+          fmt::format("{}: cannot be opened or written ({}); check the permissions of the file and its folder", where,
+                      error.what()));
+    case SQLITE_IOERR:
+      return StorageError(
+          fmt::format("{}: the disk reported an error ({}); all events said to be saved are. Check the disk and resume",
+                      where, error.what()));
+    default:
+      return StorageError(fmt::format("{}: {}", where, error.what()));
+  }
+}
+
+}  // namespace jnd

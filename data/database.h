@@ -1,0 +1,41 @@
+// Opening the SQLite file of a study: what is refused, and with which words.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include <SQLiteCpp/SQLiteCpp.h>
+
+#include "data/storage_error.h"
+
+namespace jnd {
+
+// A new file with the schema in it, readable by its owner only. Throws StorageError; a file that could not be finished
+// is removed.
+std::unique_ptr<SQLite::Database> create_database(const std::filesystem::path& path);
+
+// An existing study. Nothing is written before the file was found to be a whole study of this version or an older one.
+// Throws StorageError.
+std::unique_ptr<SQLite::Database> open_database(const std::filesystem::path& path, bool writable);
+
+// Write-ahead log on, for as long as the file is open for writing.
+void begin_writing(SQLite::Database& database);
+// Everything into the one file, and no -wal or -shm beside it (unless a reader has the file open: then the last one to
+// close it does that).
+void end_writing(SQLite::Database& database);
+
+// What went wrong, where, and what to do, from SQLite's error.
+StorageError storage_error(const std::filesystem::path& path, const SQLite::Exception& error);
+
+// Runs `action` and gives SQLite's errors as StorageError.
+template <typename Action>
+decltype(auto) with_storage_errors(const std::filesystem::path& path, Action&& action) {
+  try {
+    return action();
+  } catch (const SQLite::Exception& error) {
+    throw storage_error(path, error);
+  }
+}
+
+}  // namespace jnd

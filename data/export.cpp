@@ -1,0 +1,95 @@
+#include "data/export.h"
+
+#include <fmt/format.h>
+
+#include "data/event_body.h"
+#include "data/export_folder.h"
+#include "data/export_tables.h"
+#include "data/trial_rows.h"
+#include "data/utc_time.h"
+
+namespace jnd {
+
+namespace {
+
+// All that the events of one session give to an export.
+void read_session(const Study& study, const Protocol& protocol, const SessionInfo& session,
+                  std::vector<ExportTrial>& trials, std::vector<ExportAnswer>& answers) {
+  for (const Event& event : study.events(session.id)) {
+    if (event.kind != event_kind::kTrialCompleted && event.kind != event_kind::kQuestionAnswered) continue;
+    try {
+      const auto body = nlohmann::ordered_json::parse(event.body);
+      if (event.kind == event_kind::kTrialCompleted) {
+        ExportTrial row{session, event.seq, to_iso8601(event.stamp.utc_ns), trial_record_from(body), {}};
+        const TrialRecord& record = row.record;
+        if (!record.trial.practice)
+          row.excluded_reason =
+              exclusion_reason(protocol.analysis.exclude, record.answer.entered_by == EnteredBy::participant,
+                               record.answer.response_time_s, largest_saturated_share(record));
+        trials.push_back(std::move(row));
+      } else {
+        const auto text_at = [&](const char* key) {
+          return body.contains(key) && body.at(key).is_string() ? body.at(key).get<std::string>() : std::string();
+        };
+        answers.push_back({session, to_iso8601(event.stamp.utc_ns), text_at("question"), text_at("text"),
+                           text_at("when"), text_at("condition"), text_at("answer"), body.at("after_trial").get<int>(),
+                           body.at("answer").is_string()});
+      }
+    } catch (const nlohmann::json::exception& error) {
+      throw StorageError(fmt::format("session {}, event {} ({}): the body cannot be read: {}; run jnd verify",
+                                     session.id, event.seq, event.kind, error.what()));
+    }
+  }
+}
+
+// The rows of one participant, which stand together.
+template <typename Row>
+std::vector<Row> rows_of(const std::vector<Row>& rows, const std::string& participant) {
+  std::vector<Row> found;
+  for (const Row& row : rows)
+    if (row.participant == participant) found.push_back(row);
+  return found;
+}
+
+}  // namespace
+
+std::vector<std::string> export_csv(const Study& study, const Protocol& protocol, const StudyAnalysis& analysis,
+                                    const std::filesystem::path& folder, bool replace) {
+  ExportFolder files(folder, replace);
+  std::vector<SessionInfo> sessions = study.sessions();
+  std::erase_if(sessions, [&](const SessionInfo& session) { return session.kind != analysis.kind; });
+
+  const auto trials_columns = trial_columns(protocol);
+  const auto cells_columns = cell_columns(protocol);
+  const auto reports_columns = report_columns(protocol);
+  std::vector<ExportAnswer> answers;
+  for (auto session = sessions.begin(); session != sessions.end();) {
+    const std::string participant = session->participant;
+    std::vector<ExportTrial> trials;
+    for (; session != sessions.end() && session->participant == participant; ++session)
+      read_session(study, protocol, *session, trials, answers);
+    const std::string sub = "sub-" + participant + "/";
+    files.write(sub + "trials.csv", csv_table(trials_columns, trials));
+    files.write(sub + "cells.csv", csv_table(cells_columns, rows_of(analysis.cells, participant)));
+    files.write(sub + "report.csv", csv_table(reports_columns, rows_of(analysis.thresholds, participant)));
+  }
+
+  std::vector<DictionaryRow> dictionary;
+  describe("sub-*/trials.csv", trials_columns, dictionary);
+  describe("sub-*/cells.csv", cells_columns, dictionary);
+  describe("sub-*/report.csv", reports_columns, dictionary);
+  const auto write = [&](const std::string& name, const auto& columns, const auto& rows) {
+    files.write(name, csv_table(columns, rows));
+    describe(name, columns, dictionary);
+  };
+  write("group.csv", group_columns(protocol, analysis.kind), analysis.group);
+  if (!analysis.contrasts.empty())
+    write("contrasts.csv", contrast_columns(protocol, analysis.kind), analysis.contrasts);
+  if (!answers.empty()) write("answers.csv", answer_columns(), answers);
+  write("sessions.csv", session_columns(study.info(), protocol), sessions);
+  describe("dictionary.csv", dictionary_columns(), dictionary);
+  files.write("dictionary.csv", csv_table(dictionary_columns(), dictionary));
+  return files.publish();
+}
+
+}  // namespace jnd

@@ -1,0 +1,179 @@
+#include "data/study_analysis.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "data/trial_rows.h"
+
+namespace jnd {
+
+namespace {
+
+std::size_t place(int index) {
+  return static_cast<std::size_t>(index);
+}
+
+Correction correction_of(const Protocol& protocol) {
+  const std::optional<Correction> correction = correction_from(protocol.analysis.correction);
+  if (!correction)
+    throw StorageError(
+        fmt::format("protocol {}: unknown correction \"{}\"", protocol.name, protocol.analysis.correction));
+  return *correction;
+}
+
+// Everything of one participant, before it is turned into estimates.
+struct ParticipantData {
+  struct Cell {
+    Counts counts;
+    int excluded = 0;
+    int missing = 0;
+  };
+  struct Times {
+    std::vector<double> response_times_s;
+    double sum_s = 0;
+    int trials = 0;
+  };
+  std::string participant;
+  std::vector<Cell> cells;   // conditions x series
+  std::vector<Times> times;  // conditions
+};
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto upper = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), upper, values.end());
+  if (values.size() % 2 == 1) return *upper;
+  return 0.5 * (*std::max_element(values.begin(), upper) + *upper);
+}
+
+ParticipantData empty_data(std::string participant, const Protocol& protocol) {
+  ParticipantData data;
+  data.participant = std::move(participant);
+  data.cells.resize(protocol.conditions.size() * protocol.series.size());
+  data.times.resize(protocol.conditions.size());
+  return data;
+}
+
+void add_contrasts(StudyAnalysis& analysis, const Protocol& protocol) {
+  const std::size_t conditions = protocol.conditions.size();
+  for (const Contrast& contrast : protocol.analysis.contrasts) {
+    std::vector<double> differences;
+    for (std::size_t row = 0; row + conditions <= analysis.thresholds.size(); row += conditions) {
+      const JndEstimate& a = analysis.thresholds[row + place(contrast.a)].jnd;
+      const JndEstimate& b = analysis.thresholds[row + place(contrast.b)].jnd;
+      if (a.status == JndStatus::ok && b.status == JndStatus::ok) differences.push_back(a.jnd - b.jnd);
+    }
+    analysis.contrasts.push_back({contrast.a, contrast.b, mean_with_ci(differences)});
+  }
+}
+
+// participants: in the order of the report.
+void estimate(StudyAnalysis& analysis, std::vector<ParticipantData> participants, const Protocol& protocol) {
+  const Correction correction = correction_of(protocol);
+  const int conditions = static_cast<int>(protocol.conditions.size()),
+            series = static_cast<int>(protocol.series.size());
+  analysis.participants = static_cast<int>(participants.size());
+  for (ParticipantData& data : participants) {
+    for (int condition = 0; condition < conditions; ++condition) {
+      std::vector<SeriesCounts> of_series;
+      for (int one = 0; one < series; ++one) {
+        const ParticipantData::Cell& cell = data.cells[place(condition * series + one)];
+        const std::array<double, 2>& pair = protocol.series[place(one)].pair_n_per_m;
+        of_series.push_back({std::abs(pair[1] - pair[0]), cell.counts});
+        analysis.cells.push_back({data.participant, analysis.kind, condition, one, cell.counts, cell.excluded,
+                                  cell.missing, yes_no(cell.counts, correction)});
+      }
+      ParticipantData::Times& times = data.times[place(condition)];
+      analysis.thresholds.push_back({data.participant, analysis.kind, condition,
+                                     least_squares_jnd(of_series, protocol.stimulus.reference_n_per_m, correction),
+                                     median(std::move(times.response_times_s)),
+                                     times.trials > 0 ? times.sum_s / times.trials : 0});
+    }
+  }
+  for (int condition = 0; condition < conditions; ++condition) {
+    std::vector<JndEstimate> estimates;
+    for (const ThresholdResult& threshold : analysis.thresholds)
+      if (threshold.condition == condition) estimates.push_back(threshold.jnd);
+    analysis.group.push_back({condition, jnd_group(estimates)});
+  }
+  add_contrasts(analysis, protocol);
+}
+
+}  // namespace
+
+StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind kind) {
+  StudyAnalysis analysis;
+  analysis.kind = kind;
+  std::vector<SessionInfo> sessions = study.sessions();  // by participant number
+  std::erase_if(sessions, [&](const SessionInfo& session) { return session.kind != kind; });
+
+  std::vector<ParticipantData> participants;
+  std::vector<std::size_t> participant_of;  // session -> place in participants
+  for (const SessionInfo& session : sessions) {
+    if (participants.empty() || participants.back().participant != session.participant)
+      participants.push_back(empty_data(session.participant, protocol));
+    participant_of.push_back(participants.size() - 1);
+    analysis.heads.push_back({session.participant, session.id, session.head, kind, session.state == "closed"});
+  }
+
+  const std::size_t series = protocol.series.size();
+  for (const CountedTrial& trial : read_counted_trials(study, protocol, sessions)) {
+    ParticipantData& data = participants[participant_of[place(trial.session)]];
+    ParticipantData::Cell& cell = data.cells[place(trial.condition) * series + place(trial.series)];
+    const std::string_view reason =
+        exclusion_reason(protocol.analysis.exclude, trial.by_participant, trial.response_time_s, trial.saturated_share);
+    if (!reason.empty()) {
+      ++cell.excluded;
+      ++analysis.exclusions[std::string(reason)];
+      continue;
+    }
+    (trial.same ? cell.counts.n_same : cell.counts.n_diff) += 1;
+    if (trial.said_different) (trial.same ? cell.counts.false_alarms : cell.counts.hits) += 1;
+    ParticipantData::Times& times = data.times[place(trial.condition)];
+    times.sum_s += trial.duration_s;
+    ++times.trials;
+    if (trial.by_participant) times.response_times_s.push_back(trial.response_time_s);
+  }
+  for (ParticipantData& data : participants)
+    for (ParticipantData::Cell& cell : data.cells)
+      cell.missing =
+          std::max(0, protocol.design.trials_per_cell - cell.counts.n_diff - cell.counts.n_same - cell.excluded);
+  estimate(analysis, std::move(participants), protocol);
+  return analysis;
+}
+
+std::vector<SessionKind> kinds_in(const Study& study) {
+  std::vector<SessionKind> kinds;
+  for (const SessionInfo& session : study.sessions())
+    if (kinds.empty() || kinds.back() != session.kind) kinds.push_back(session.kind);
+  return kinds;
+}
+
+StudyAnalysis analyze_counts(const std::vector<CellCounts>& cells, const Protocol& protocol, SessionKind kind) {
+  StudyAnalysis analysis;
+  analysis.kind = kind;
+  std::map<std::string, std::size_t> places;
+  std::vector<ParticipantData> participants;  // in the order of their first cell
+  for (const CellCounts& cell : cells) {
+    if (cell.condition < 0 || cell.condition >= static_cast<int>(protocol.conditions.size()) || cell.series < 0 ||
+        cell.series >= static_cast<int>(protocol.series.size()))
+      throw StorageError(fmt::format("participant {}: condition {} or series {} is not in protocol {}",
+                                     cell.participant, cell.condition, cell.series, protocol.name));
+    const auto [found, is_new] = places.try_emplace(cell.participant, participants.size());
+    if (is_new) participants.push_back(empty_data(cell.participant, protocol));
+    Counts& counts =
+        participants[found->second].cells[place(cell.condition) * protocol.series.size() + place(cell.series)].counts;
+    counts.n_diff += cell.counts.n_diff;
+    counts.hits += cell.counts.hits;
+    counts.n_same += cell.counts.n_same;
+    counts.false_alarms += cell.counts.false_alarms;
+  }
+  estimate(analysis, std::move(participants), protocol);
+  return analysis;
+}
+
+}  // namespace jnd

@@ -1,0 +1,48 @@
+// The seam between the control loop and one fingertip device: a platform that presses the pulp, and a vibration motor.
+//
+// Device frame: z dorsal (out of the nail), the platform pushes along +z in its rest orientation. The device closes its
+// own platform loop; the host says how hard, along which direction, and how the platform should lie.
+#pragma once
+
+#include <cstdint>
+
+#include <Eigen/Core>
+
+namespace jnd {
+
+// One tick's command, as the governor lets it through.
+struct DeviceCommand {
+  double force_n = 0;                                 // on the finger, along normal; >= 0
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // unit, device frame: which way the finger is pushed
+  double roll_rad = 0, pitch_rad = 0;                 // platform orientation asked
+  double vibration_g = 0;                             // amplitude, 0 = off
+  double vibration_hz = 0;
+};
+
+struct PlatformPose {
+  double pz_m = 0, roll_rad = 0, pitch_rad = 0;
+  double sin_yaw = 0, cos_yaw = 1;  // of the parasitic yaw: the tick needs no more of it
+};
+
+struct DeviceReading {
+  double force_n = 0;      // on the finger, measured under the platform
+  double vibration_g = 0;  // amplitude
+  PlatformPose platform;
+};
+
+enum class DeviceStatus { ok, lost };
+
+// Thread rule: the control loop's thread only. Nothing in read or write allocates, locks or waits.
+class FingertipDevice {
+ public:
+  virtual ~FingertipDevice() = default;
+
+  // Before an interval: ready, at rest, without force.
+  virtual DeviceStatus engage(std::int64_t now_ns) noexcept = 0;
+  virtual DeviceStatus read(std::int64_t now_ns, DeviceReading& reading) noexcept = 0;
+  virtual DeviceStatus write(const DeviceCommand& command, std::int64_t now_ns) noexcept = 0;
+  // Force to zero and the platform to rest, at once. Safe at any time.
+  virtual void neutral() noexcept = 0;
+};
+
+}  // namespace jnd

@@ -1,0 +1,36 @@
+// What a contact should feel like: the laws of Chinello et al. 2017 (section 5.1.2), before any limit.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace jnd {
+
+// Length of the vibration burst at each making of contact (section 5.1.2).
+inline constexpr double kBurst_s = 0.100;
+// Frequency of the burst. The paper prints none; the eccentric motor's rated frequency lies near the top of its range.
+inline constexpr double kBurst_hz = 200;
+
+// (37): f = kS dx, N.
+constexpr double contact_force_n(double stiffness_n_per_m, double penetration_m) noexcept {
+  return stiffness_n_per_m * penetration_m;
+}
+
+// (38): A = (kS / 1500 + 0.4) g, in g. Above 1 g (kS > 900 N/m) the device clamps.
+constexpr double burst_amplitude_g(double stiffness_n_per_m) noexcept {
+  return stiffness_n_per_m / 1500 + 0.4;
+}
+
+// (38) read backwards: the stiffness that an amplitude stands for, N/m.
+constexpr double stiffness_of_amplitude_n_per_m(double amplitude_g) noexcept {
+  return 1500 * (amplitude_g - 0.4);
+}
+
+struct Tilt {
+  double roll_rad = 0, pitch_rad = 0;
+};
+
+// Roll and pitch that lay the platform's normal along a unit direction of the device frame, at the platform's present
+// yaw. Yaw depends on roll and pitch, so the exact tilt is reached over the ticks in which the platform turns.
+Tilt tilt_toward(const Eigen::Vector3d& normal, double sin_yaw, double cos_yaw) noexcept;
+
+}  // namespace jnd

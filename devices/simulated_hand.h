@@ -1,0 +1,61 @@
+// A hand that explores a sphere between thumb and index as a person would: it closes, presses about once a second,
+// lets go between presses, and never repeats a press exactly.
+//
+// It knows neither the stimulus nor the force: what it does is a pure function of (seed, participant, trial, attempt,
+// interval), so nothing about the answer can leak through it, and a resumed session moves as an undisturbed one.
+#pragma once
+
+#include <vector>
+
+#include "devices/tracker.h"
+
+namespace jnd {
+
+struct HandHabits {
+  double separation_m = 0.130;     // between the fingertips at rest, along x
+  double sphere_radius_m = 0.040;  // where the surface is expected
+  double press_depth_m = 0.005;    // mean of the depths; a normal cut at kLeastPress_m
+  double press_depth_sd_m = 0.001;
+  double closing_speed_m_per_s = 0.05;  // mean, from rest to the surface
+  double press_period_s = 1.0;
+  double lateral_sd_m = 0.001;  // wander of the contact point on the surface, each direction, from press to press
+};
+
+inline constexpr double kLeastPress_m = 0.0005;
+// Share of the period that the finger is in the sphere.
+inline constexpr double kPressShare = 0.65;
+// The hand never reaches the surface sooner than this after the cue: the soft start (200 ms) is then over.
+inline constexpr double kLeastApproach_s = 0.3;
+
+class SimulatedHand final : public Tracker {
+ public:
+  // fingers: 1 or 2, thumb (at -x) first. Throws InputError where the fingers would rest inside the sphere, or a habit
+  // is not positive.
+  SimulatedHand(const HandHabits& habits, int fingers, std::uint64_t seed, int participant);
+
+  void begin(const PresentRequest& request, std::int64_t start_ns) override;
+  bool read(int finger, std::int64_t now_ns, FingerPose& pose) noexcept override;
+
+  double approach_s() const noexcept { return approach_s_; }
+  // Depth of the finger below the expected surface (negative above it) at a time after the interval's start, m.
+  double depth_m(int finger, double time_s) const noexcept;
+
+ private:
+  struct Press {
+    double depth_m = 0;
+    double wander_y_m = 0, wander_z_m = 0;
+  };
+  struct Finger {
+    double side = 1;  // of the sphere, along x
+    Eigen::Matrix3d axes;
+    std::vector<Press> presses;
+  };
+  HandHabits habits_;
+  std::vector<Finger> fingers_;
+  std::uint64_t seed_;
+  int participant_;
+  double approach_s_ = 0;
+  std::int64_t start_ns_ = 0;
+};
+
+}  // namespace jnd

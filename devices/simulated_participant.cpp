@@ -1,0 +1,112 @@
+#include "devices/simulated_participant.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "devices/interval_key.h"
+#include "devices/perceived_stiffness.h"
+#include "protocols/random_stream.h"
+
+namespace jnd {
+
+namespace {
+
+// Factor on a participant's noise: log-normal, mean 1, coefficient of variation cv.
+double spread_factor(double cv, std::uint64_t seed, int participant) noexcept {
+  if (!(cv > 0)) return 1;
+  const double variance = std::log1p(cv * cv);
+  RandomStream random(seed, static_cast<std::uint64_t>(participant), "participant/spread");
+  return std::exp(std::sqrt(variance) * random.normal() - variance / 2);
+}
+
+class SimulatedParticipant final : public Responder {
+ public:
+  SimulatedParticipant(const ParticipantProfile& profile, const Protocol& protocol, int participant, std::uint64_t seed,
+                       Clock& clock)
+      : profile_(profile), participant_(participant), seed_(seed), clock_(clock) {
+    for (const Condition& condition : protocol.conditions) condition_names_.push_back(condition.name);
+    spread_ = spread_factor(profile.spread_cv, seed, participant);
+  }
+
+  std::optional<Answer> judge(const TrialQuestion& question) override {
+    const IntervalId id{.trial = question.trial.index, .attempt = question.attempt, .interval = 0};
+    RandomStream random(seed_, static_cast<std::uint64_t>(participant_), "participant/judge", interval_part(id, 0));
+    // Always the same draws in the same order, whatever is used of them.
+    const bool lapse = random.uniform() < profile_.lapse_rate;
+    const Judgement coin = random.coin() ? Judgement::different : Judgement::same;
+    const double hesitation = random.normal();
+    PerceptNoise noise;
+    for (double& value : noise) value = random.normal();
+
+    const double tired = 1 + profile_.drift_per_trial * static_cast<double>(std::max(question.trial.index - 1, 0));
+    const Judgement felt = judge_cues(profile_, cues_of(question.presentations[0]), cues_of(question.presentations[1]),
+                                      spread_ * std::max(tired, 0.0), noise);
+
+    Answer answer;
+    answer.judgement = lapse ? coin : felt;
+    answer.entered_by = EnteredBy::participant;
+    answer.response_time_s = profile_.response_time_median_s * std::exp(profile_.response_time_sigma * hesitation);
+    const bool too_late = question.time_out_s > 0 && answer.response_time_s > question.time_out_s;
+    const double waited_s = too_late ? question.time_out_s : answer.response_time_s;
+    clock_.sleep_until_ns(clock_.now_ns() + std::llround(1e9 * waited_s));
+    if (too_late) return std::nullopt;
+    return answer;
+  }
+
+  // The same question about the same condition gets the same reply, however often it is asked.
+  std::optional<std::string> reply(const Question& question, int condition) override {
+    RandomStream random(seed_, static_cast<std::uint64_t>(participant_), "participant/reply/" + question.id,
+                        static_cast<std::uint64_t>(condition + 1));
+    switch (question.kind) {
+      case Question::Kind::rating:
+        return fmt::format("{:.0f}", rating(question, condition, random));
+      case Question::Kind::number: {
+        const double low = std::ceil(question.min), high = std::floor(question.max);
+        if (high < low) return fmt::format("{}", question.min);
+        const double count = std::min(high - low + 1, 1e15);
+        return fmt::format("{:.0f}", low + static_cast<double>(random.below(static_cast<std::uint64_t>(count))));
+      }
+      case Question::Kind::choice:
+        if (question.options.empty()) return std::nullopt;
+        return question.options[static_cast<std::size_t>(random.below(question.options.size()))];
+      case Question::Kind::text:
+        break;
+    }
+    // Nothing to say; but a text that must be given must not be empty.
+    if (question.required) return "(simulated participant)";
+    return std::nullopt;
+  }
+
+ private:
+  double rating(const Question& question, int condition, RandomStream& random) const {
+    double mean = (question.min + question.max) / 2, sd = (question.max - question.min) / 6;
+    if (condition >= 0 && static_cast<std::size_t>(condition) < condition_names_.size()) {
+      const auto found = profile_.ratings.find(condition_names_[static_cast<std::size_t>(condition)]);
+      if (found != profile_.ratings.end()) std::tie(mean, sd) = found->second;
+    }
+    return std::clamp(std::round(mean + sd * random.normal()), std::ceil(question.min),
+                      std::max(std::ceil(question.min), std::floor(question.max)));
+  }
+
+  ParticipantProfile profile_;
+  std::vector<std::string> condition_names_;
+  int participant_;
+  std::uint64_t seed_;
+  Clock& clock_;
+  double spread_ = 1;
+};
+
+}  // namespace
+
+std::unique_ptr<Responder> make_simulated_participant(const ParticipantProfile& profile, const Protocol& protocol,
+                                                      int participant, std::uint64_t seed, Clock& clock) {
+  return std::make_unique<SimulatedParticipant>(profile, protocol, participant, seed, clock);
+}
+
+}  // namespace jnd

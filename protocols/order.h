@@ -1,0 +1,57 @@
+// Orders of series and conditions, and their deal to participants.
+//
+// Each factor has a list of orders: the one of the file (`fixed`), all permutations (`permuted`) or a Williams square
+// (`williams`), shuffled once for the whole study. Participant i (from 0) gets order i mod A of the A series orders and
+// order (i + floor(i / L)) mod B of the B condition orders, L = lcm(A, B): every L participants use each order of a
+// factor equally often, and all A B pairs occur before any repeats. For A = B = 6, participant 6r + s takes series
+// order s and condition order (s + r) mod 6. `random` orders are drawn for each participant and are not dealt.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "protocols/protocol.h"
+
+namespace jnd {
+
+using OrderList = std::vector<std::vector<int>>;
+
+// All k! orders of 0..k-1, lexicographically. k is 1..8.
+OrderList all_permutations(int k);
+
+// A Williams design of 0..k-1 (Williams 1949, "Experimental designs balanced for the estimation of residual effects of
+// treatments"): k sequences for even k, 2k for odd k. Each item stands in each position, and directly before each other
+// item, equally often. k >= 1; one item has one sequence.
+OrderList williams_square(int k);
+
+class OrderDeal {
+ public:
+  // protocol: as loaded. study_seed: shuffles the lists and the labels of Williams squares.
+  OrderDeal(const Protocol& protocol, std::uint64_t study_seed);
+
+  // participant: from 1. Places in Protocol::series, in presented order.
+  std::vector<int> series_order(int participant) const;
+  // For each presented series, the places in Protocol::conditions. series_order is the one of the same participant.
+  std::vector<std::vector<int>> condition_orders(int participant, const std::vector<int>& series_order) const;
+
+  // Lists of orders; empty where a factor's order is random.
+  const OrderList& series_list() const noexcept { return series_list_; }
+  const OrderList& condition_list() const noexcept { return condition_list_; }
+  // The participant's place in each list; 0 where it is empty.
+  int series_place(int participant) const noexcept;
+  int condition_place(int participant) const noexcept;
+
+  // Every so many participants each order of a factor has been used equally often (lcm of the lists' sizes) ...
+  int group_size() const noexcept;
+  // ... and each pair of a series order and a condition order once (their product).
+  int pair_count() const noexcept;
+
+ private:
+  int series_count_, condition_count_;
+  std::vector<std::string> series_names_;
+  bool per_series_;
+  std::uint64_t seed_;
+  OrderList series_list_, condition_list_;
+};
+
+}  // namespace jnd

@@ -1,0 +1,126 @@
+// Reads what is registered about results and sources: the members "source", "published", "assumed" and "analysis".
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "protocols/protocol_reading.h"
+
+namespace jnd {
+namespace {
+
+void collect_paths(const JsonNode& node, std::vector<std::string_view>& paths) {
+  paths.push_back(node.path);
+  for (const JsonNode& item : node.items) collect_paths(item, paths);
+}
+
+void read_exclusions(const JsonNode& node, ProtocolReading& reading) {
+  Exclusions& exclude = reading.protocol.analysis.exclude;
+  JsonReader reader(node, reading.errors, reading.file);
+  exclude.response_time_below_s = reader.optional_number("response_time_below_s", {.min = 0, .max = 60, .unit = "s"});
+  exclude.response_time_above_s =
+      reader.optional_number("response_time_above_s", {.min = 0, .max = 600, .above = true, .unit = "s"});
+  exclude.saturated_share_above = reader.optional_number("saturated_share_above", {.min = 0, .max = 1});
+  reader.finish();
+  if (exclude.response_time_below_s && exclude.response_time_above_s &&
+      *exclude.response_time_below_s >= *exclude.response_time_above_s) {
+    reader.error("response_time_above_s",
+                 fmt::format("{} s is not above response_time_below_s, {} s: every trial would be excluded",
+                             plain(*exclude.response_time_above_s), plain(*exclude.response_time_below_s)));
+  }
+}
+
+void read_contrasts(const JsonNode& list, ProtocolReading& reading) {
+  std::set<std::pair<int, int>> seen;
+  for (const JsonNode& item : list.items) {
+    if (item.kind != JsonNode::Kind::array || item.items.size() != 2) {
+      reading.error(item, "a contrast is a list of two conditions", "such as [\"S\", \"V\"]: S minus V");
+      continue;
+    }
+    const auto a = condition_place(item.items[0], reading);
+    const auto b = condition_place(item.items[1], reading);
+    if (!a || !b) continue;
+    if (*a == *b) {
+      reading.error(item, fmt::format("compares {} with itself", quoted(item.items[0].text)), "name two conditions");
+      continue;
+    }
+    if (!seen.insert(std::minmax(*a, *b)).second) reading.error(item, "this contrast is given twice", "remove one");
+    reading.protocol.analysis.contrasts.push_back({*a, *b});
+  }
+}
+
+}  // namespace
+
+void read_source(const JsonNode& node, ProtocolReading& reading) {
+  Source& source = reading.protocol.source;
+  JsonReader reader(node, reading.errors, reading.file);
+  source.citation = reader.text("citation", {.max_length = 1000});
+  source.doi = reader.text_or("doi", "", {.max_length = 200});
+  if (!source.doi.empty() && (source.doi.substr(0, 3) != "10." || source.doi.find('/') == std::string::npos ||
+                              source.doi.find(' ') != std::string::npos)) {
+    reader.error("doi", quoted(source.doi) + " is not a DOI", "write it as 10.1109/TOH.2017.2755015, without https://");
+  }
+  reader.finish();
+}
+
+void read_published(const JsonNode& list, ProtocolReading& reading) {
+  std::set<std::pair<std::string, std::string>> seen;
+  for (const JsonNode& item : list.items) {
+    PublishedValue value;
+    JsonReader reader(item, reading.errors, reading.file);
+    value.condition = reader.text("condition", {.max_length = 100});
+    if (const JsonNode* condition = item.find("condition"); condition != nullptr && reading.sound(condition->path))
+      (void)condition_place(*condition, reading);
+    value.quantity = reader.one_of<std::string>("quantity", {{"jnd", "jnd"}, {"weber", "weber"}, {"rating", "rating"}});
+    NumberLimits limits{.min = 0, .max = 20000, .above = true, .unit = "N/m"};
+    if (value.quantity == "weber") limits = {.min = 0, .max = 100, .above = true, .unit = "(a fraction)"};
+    if (value.quantity == "rating") limits = {.min = -100, .max = 100};
+    value.value = reader.number("value", limits);
+    value.ci95_half_width = reader.optional_number("ci95_half_width", {.min = 0, .max = 20000});
+    value.note = reader.text_or("note", "", {.max_length = 500});
+    reader.finish();
+    if (reading.sound(item.path) && !seen.insert({value.condition, value.quantity}).second)
+      reading.error(item, fmt::format("the {} of {} is given twice", value.quantity, quoted(value.condition)), "remove one");
+    reading.protocol.published.push_back(std::move(value));
+  }
+}
+
+void read_assumed(const JsonNode& list, ProtocolReading& reading) {
+  std::vector<std::string_view> paths;
+  collect_paths(reading.root, paths);
+  for (const JsonNode& item : list.items) {
+    Assumption assumption;
+    JsonReader reader(item, reading.errors, reading.file);
+    assumption.path = reader.text("path", {.max_length = 200});
+    assumption.why = reader.text("why", {.max_length = 1000});
+    reader.finish();
+    if (!assumption.path.empty() && std::find(paths.begin(), paths.end(), assumption.path) == paths.end()) {
+      const std::string near = nearest_word(assumption.path, paths);
+      reader.error("path", fmt::format("there is no {} in this file", quoted(assumption.path)),
+                   near.empty() ? "a path looks like \"$.trial.gap_s\" or \"$.series[0].pair\""
+                                : fmt::format("did you mean {}?", quoted(near)));
+    }
+    reading.protocol.assumed.push_back(std::move(assumption));
+  }
+}
+
+void read_analysis(const JsonNode& node, ProtocolReading& reading) {
+  AnalysisPlan& analysis = reading.protocol.analysis;
+  JsonReader reader(node, reading.errors, reading.file);
+  if (reader.word("model", {"yes-no"}, {"differencing", "independent-observation"}, true)) analysis.model = "yes-no";
+  analysis.correction =
+      reader.one_of<std::string>("correction", {{"none", "none"}, {"loglinear", "loglinear"}, {"half", "half"}});
+  if (reader.word("jnd", {"least_squares"}, {"ml", "weighted", "mean_of_ratios", "inverse_mean_slope"}, true))
+    analysis.jnd_method = "least_squares";
+  if (const JsonNode* exclude = reader.object_or_null("exclude")) read_exclusions(*exclude, reading);
+  if (const JsonNode* contrasts = reader.array_or_null("contrasts", 0, 190)) read_contrasts(*contrasts, reading);
+  if (const JsonNode* tests = node.find("tests")) {
+    reader.ignore("tests");  // reported here, not as an unknown key
+    reading.error(*tests, "registered tests are not available in this version",
+                  "remove it; the contrasts' differences are available");
+  }
+  reader.finish();
+}
+
+}  // namespace jnd

@@ -1,0 +1,120 @@
+// Reads the factors of the design: the members "conditions", "series" and "design".
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "protocols/protocol_reading.h"
+
+namespace jnd {
+namespace {
+
+Order read_order(JsonReader& reader, std::string_view key) {
+  return reader.one_of<Order>(
+      key, {{"fixed", Order::fixed}, {"random", Order::random}, {"permuted", Order::permuted}, {"williams", Order::williams}});
+}
+
+Cues read_cues(const JsonNode& list, ProtocolReading& reading) {
+  Cues cues;
+  if (list.items.empty())
+    reading.error(list, "a condition without a cue renders nothing", "name \"force\", \"vibration\" or both");
+  for (const JsonNode& item : list.items) {
+    const auto place = word_of(item, {"force", "vibration"}, {}, reading.errors, reading.file);
+    if (!place) continue;
+    bool& cue = *place == 0 ? cues.force : cues.vibration;
+    if (cue) reading.error(item, quoted(item.text) + " is named twice", "remove one");
+    cue = true;
+  }
+  return cues;
+}
+
+template <typename Named>
+std::optional<int> place_of(const JsonNode& name, const std::vector<Named>& all, std::string_view what,
+                            ProtocolReading& reading) {
+  const auto text = text_of(name, {.max_length = 100}, reading.errors, reading.file);
+  if (!text) return std::nullopt;
+  std::vector<std::string_view> names;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all[i].name == *text) return static_cast<int>(i);
+    if (!all[i].name.empty()) names.push_back(all[i].name);
+  }
+  reading.error(name, fmt::format("there is no {} {}", what, quoted(*text)),
+                names.empty() ? "" : "known: " + listed(names));
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<std::string> read_name(JsonReader& reader, std::string_view key, ProtocolReading& reading) {
+  const std::string text = reader.text(key, {.max_length = 200});
+  const JsonNode* node = reader.node().find(key);
+  if (text.empty() || node == nullptr) return std::nullopt;
+  const bool good = text.size() <= 16 && std::all_of(text.begin(), text.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '+' || c == '-';
+  });
+  if (good) return text;
+  reading.error(*node, quoted(text) + " cannot be a name",
+                "1 to 16 letters, digits, _, + or -; a label may say the rest");
+  return std::nullopt;
+}
+
+std::optional<int> condition_place(const JsonNode& name, ProtocolReading& reading) {
+  return place_of(name, reading.protocol.conditions, "condition", reading);
+}
+
+std::optional<int> series_place(const JsonNode& name, ProtocolReading& reading) {
+  return place_of(name, reading.protocol.series, "series", reading);
+}
+
+void read_conditions(const JsonNode& list, ProtocolReading& reading) {
+  for (const JsonNode& item : list.items) {
+    Condition condition;
+    JsonReader reader(item, reading.errors, reading.file);
+    condition.name = read_name(reader, "name", reading).value_or("");
+    condition.label = reader.text("label", {.max_length = 100});
+    if (const JsonNode* cues = reader.array("cues", 0, 2)) condition.cues = read_cues(*cues, reading);
+    reader.finish();
+    reading.protocol.conditions.push_back(std::move(condition));
+  }
+}
+
+void read_series(const JsonNode& list, ProtocolReading& reading) {
+  for (const JsonNode& item : list.items) {
+    Series series;
+    JsonReader reader(item, reading.errors, reading.file);
+    series.name = read_name(reader, "name", reading).value_or("");
+    if (const JsonNode* pair = reader.array("pair", 2, 2)) {
+      for (std::size_t i = 0; i < 2; ++i) {
+        series.pair_n_per_m[i] =
+            number_of(pair->items[i], {.min = 1, .max = 20000, .unit = "N/m"}, reading.errors, reading.file).value_or(0);
+      }
+      if (reading.sound(pair->path) && series.pair_n_per_m[0] == series.pair_n_per_m[1]) {
+        reading.error(*pair, fmt::format("both stiffnesses are {} N/m", plain(series.pair_n_per_m[0])),
+                      "a series compares two different stiffnesses");
+      }
+    }
+    reader.finish();
+    reading.protocol.series.push_back(std::move(series));
+  }
+}
+
+void read_design(const JsonNode& node, ProtocolReading& reading) {
+  Design& design = reading.protocol.design;
+  JsonReader reader(node, reading.errors, reading.file);
+  design.participants = reader.integer("participants", {.min = 1, .max = 1000});
+  design.trials_per_cell = reader.integer("trials_per_cell", {.min = 2, .max = 2000});
+  design.sampling =
+      reader.one_of<Sampling>("sampling", {{"random", Sampling::random}, {"balanced", Sampling::balanced}});
+  design.arrangement =
+      reader.one_of<Arrangement>("conditions", {{"blocked", Arrangement::blocked}, {"mixed", Arrangement::mixed}});
+  if (const JsonNode* order = reader.object("order")) {
+    JsonReader part(*order, reading.errors, reading.file);
+    design.series_order = read_order(part, "series");
+    design.condition_order = read_order(part, "conditions");
+    part.finish();
+  }
+  design.per_series = reader.boolean_or("per_series", false);
+  design.run_limit = reader.optional_integer("run_limit", {.min = 1, .max = 1000});
+  reader.finish();
+}
+
+}  // namespace jnd

@@ -1,0 +1,91 @@
+// What a reviewer would ask about a protocol: every finding is a warning with its numbers.
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "analysis/normal.h"
+#include "protocols/duration.h"
+#include "protocols/extreme_rates.h"
+#include "protocols/order.h"
+#include "protocols/protocol_reading.h"
+
+namespace jnd {
+namespace {
+
+constexpr int kFewTrialsOfClass = 10;
+constexpr double kMuchExtreme = 0.10;
+constexpr double kLongSession_s = 90 * 60;
+
+void warn_about_counts(ProtocolReading& reading) {
+  const Design& design = reading.protocol.design;
+  if (design.trials_per_cell < 2 * kFewTrialsOfClass) {
+    reading.warn_at("$.design.trials_per_cell",
+                    fmt::format("{} trials a cell give about {} \"same\" and {} \"different\" ones: rates in steps of {:.0f} %",
+                                design.trials_per_cell, design.trials_per_cell / 2,
+                                design.trials_per_cell - design.trials_per_cell / 2, 200.0 / design.trials_per_cell),
+                    fmt::format("plan at least {} of each class, {} trials", kFewTrialsOfClass, 2 * kFewTrialsOfClass));
+  }
+  std::string shares;
+  double worst = 0;
+  for (const Condition& condition : reading.protocol.conditions) {
+    const double share = extreme_rate_probability(reading.protocol, condition.name);
+    worst = std::max(worst, share);
+    shares += fmt::format("{}{} {:.0f} %", shares.empty() ? "" : ", ", condition.name, 100 * share);
+  }
+  if (worst > kMuchExtreme) {
+    reading.warn_at("$.design.trials_per_cell",
+                    fmt::format("a hit or false-alarm rate of 0 or 1 in some series is expected for {} of the participants",
+                                shares),
+                    "where d' depends on the correction; more trials a cell make it rarer");
+  }
+}
+
+void warn_about_draws(ProtocolReading& reading) {
+  const Design& design = reading.protocol.design;
+  if (design.sampling == Sampling::random) {
+    reading.warn_at("$.design.sampling",
+                    "independent draws leave the number of \"same\" trials of a cell to chance",
+                    "\"balanced\" blocks have the same P(same) and equal classes");
+  }
+  if (design.run_limit && *design.run_limit == 1) {
+    reading.warn_at("$.design.run_limit", "a run limit of 1 makes \"same\" and \"different\" alternate: answers can be guessed",
+                    "3 or 4 keep long runs away");
+  }
+}
+
+void warn_about_cohort(ProtocolReading& reading) {
+  const OrderDeal deal(reading.protocol, 0);
+  const int group = deal.group_size();
+  const int participants = reading.protocol.design.participants;
+  if (participants % group != 0) {
+    const int above = (participants / group + 1) * group;
+    reading.warn_at("$.design.participants",
+                    fmt::format("{} participants do not use the {} orders equally often", participants, group),
+                    above - group > 0 ? fmt::format("{} or {} would", above - group, above) : fmt::format("{} would", above));
+  }
+}
+
+void warn_about_session(ProtocolReading& reading) {
+  if (!reading.protocol.practice) {
+    reading.warn_at("$.practice", "there is no practice: learning falls into the first blocks",
+                    "add \"practice\" with a criterion");
+  }
+  const double duration = expected_duration_s(reading.protocol);
+  if (duration > kLongSession_s) {
+    reading.warn_at("$.design", fmt::format("a session takes about {:.0f} min", duration / 60),
+                    "beyond 90 min fatigue counts: plan fewer trials, or series on several days");
+  }
+}
+
+}  // namespace
+
+void warn_about_protocol(ProtocolReading& reading) {
+  warn_about_counts(reading);
+  warn_about_draws(reading);
+  warn_about_cohort(reading);
+  warn_about_session(reading);
+}
+
+}  // namespace jnd

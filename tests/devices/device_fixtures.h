@@ -1,0 +1,47 @@
+// What the tests of this room share: the shipped device and profile, a protocol's rig, and a rig of chosen parts.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+
+#include "devices/fingertip_rig.h"
+#include "devices/rig_factory.h"
+#include "devices/rrs3_device.h"
+#include "devices/simulated_hand.h"
+#include "protocols/device_spec.h"
+
+namespace jnd::testing {
+
+inline std::filesystem::path source_path(const char* relative) {
+  return std::filesystem::path(JND_SOURCE_DIR) / relative;
+}
+inline DeviceSpec rrs3_spec() {
+  return load_device_spec(source_path("devices/specs/rrs3.json"));
+}
+inline ParticipantProfile shipped_profile(const char* name) {
+  return load_profile(source_path("devices/profiles") / (std::string(name) + ".json"));
+}
+
+// The parts of a protocol that devices read: those of the published experiment.
+inline Protocol small_protocol() {
+  Protocol protocol;
+  protocol.rig = {.device = "rrs3", .fingers = {"thumb", "index"}, .tracker = "hand"};
+  protocol.conditions = {{.name = "S", .label = "force", .cues = {.force = true, .vibration = false}},
+                         {.name = "V", .label = "vibration", .cues = {.force = false, .vibration = true}},
+                         {.name = "SV", .label = "both", .cues = {.force = true, .vibration = true}}};
+  return protocol;
+}
+
+inline constexpr Cues kForce{.force = true, .vibration = false};
+inline constexpr Cues kVibration{.force = false, .vibration = true};
+inline constexpr Cues kBoth{.force = true, .vibration = true};
+
+inline PresentRequest request(double stiffness, Cues cues, IntervalId id = {.trial = 1}) {
+  return {.stimulus = {.stiffness_n_per_m = stiffness, .cues = cues},
+          .explore_s = 3,
+          .no_contact_time_out_s = 10,
+          .id = id};
+}
+
+}  // namespace jnd::testing

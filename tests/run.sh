@@ -1,0 +1,17 @@
+#!/usr/bin/env bash
+# All tests on a fresh Debian machine: installs what is missing, builds, runs every test program, the README's commands
+# and the end-to-end scripts.
+# Usage: tests/run.sh [PRESET]   a preset of CMakePresets.json: dev (default), asan, tsan, release
+set -euo pipefail
+cd "$(dirname "$0")/.."
+source runner/setup.sh
+# shellcheck disable=SC2086
+install_missing $packages_to_build catch2 librapidcheck-dev libvalijson-dev python3 sqlite3
+
+preset=${1:-dev}
+launcher=()
+command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+echo "Building (preset $preset)"
+cmake --preset "$preset" "${launcher[@]}" >/dev/null
+cmake --build --preset "$preset" -- --quiet
+ctest --preset "$preset" --output-on-failure
