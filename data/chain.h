@@ -1,4 +1,4 @@
-// The hash chain of the event log. data/README.md gives the recipe and ten lines of Python that recompute it.
+// The hash chain of the event log. data/README.md gives the recipe and a few lines of Python that recompute it.
 #pragma once
 
 #include <string>

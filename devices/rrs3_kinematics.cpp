@@ -149,6 +149,8 @@ std::optional<Rrs3Differential> Rrs3Kinematics::differential(const Rrs3Configura
                             turning.z() * out.h(5, column)) *
                            inverse;
   }
+  const Eigen::Vector3d column = out.j.col(0);
+  if (!(std::abs(column.dot(out.j.col(1).cross(out.j.col(2)))) * geometry_.b_m > kSingular)) return std::nullopt;
   return result;
 }
 

@@ -13,7 +13,9 @@ namespace {
 
 using Table = std::vector<std::vector<int>>;
 
-Table square(std::size_t size) { return Table(size, std::vector<int>(size, 0)); }
+Table square(std::size_t size) {
+  return Table(size, std::vector<int>(size, 0));
+}
 
 int& at(Table& table, int row, int column) {
   return table[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)];
@@ -31,8 +33,8 @@ void count_trials(const Plan& plan, const Protocol& protocol, CohortBalance& bal
   std::vector<int> same_of_cell(balance.cells.size(), 0);
   for (const Trial& trial : plan.trials) {
     if (trial.practice) continue;
-    const std::size_t cell = static_cast<std::size_t>(trial.series) * protocol.conditions.size() +
-                             static_cast<std::size_t>(trial.condition);
+    const std::size_t cell =
+        static_cast<std::size_t>(trial.series) * protocol.conditions.size() + static_cast<std::size_t>(trial.condition);
     const double a = protocol.series[static_cast<std::size_t>(trial.series)].pair_n_per_m[0];
     const bool first_is_a = trial.stimuli_n_per_m[0] == a;
     ++balance.cells[cell].pairs[trial.same ? (first_is_a ? 0U : 1U) : (first_is_a ? 2U : 3U)];

@@ -12,33 +12,33 @@ namespace jnd {
 
 // Main trials of one condition in one series, over all participants.
 struct CellBalance {
-  int series = 0, condition = 0;       // places in the protocol
-  std::array<int, 4> pairs{};          // (a, a), (b, b), (a, b), (b, a) with pair [a, b]
+  int series = 0, condition = 0;  // places in the protocol
+  std::array<int, 4> pairs{};     // (a, a), (b, b), (a, b), (b, a) with pair [a, b]
   int same = 0, different = 0;
-  int least_same = 0, most_same = 0;   // of a single participant
+  int least_same = 0, most_same = 0;  // of a single participant
 };
 
 struct OrderUse {
-  std::vector<int> order;              // places in the protocol, as presented
+  std::vector<int> order;  // places in the protocol, as presented
   int participants = 0;
 };
 
 struct CohortBalance {
   int participants = 0;
   std::uint64_t seed = 0;
-  std::vector<CellBalance> cells;      // series by series, conditions within
+  std::vector<CellBalance> cells;          // series by series, conditions within
   std::vector<OrderUse> series_orders;     // those used, most used first
   std::vector<OrderUse> condition_orders;  // of the first presented series
-  int different_pairs_of_orders = 0;   // (series order, condition order) that occur
-  int most_used_pair = 0;              // participants who share the commonest one
+  int different_pairs_of_orders = 0;       // (series order, condition order) that occur
+  int most_used_pair = 0;                  // participants who share the commonest one
   // [condition][position]: participants' series in which the condition stands there; empty for mixed conditions.
   std::vector<std::vector<int>> condition_positions;
-  std::vector<std::vector<int>> series_positions;       // [series][position]
+  std::vector<std::vector<int>> series_positions;  // [series][position]
   // [a][b]: how often condition a comes directly before b within a series; empty for mixed conditions.
   std::vector<std::vector<int>> condition_transitions;
-  int same = 0, different = 0;         // all main trials
-  int group_size = 1;                  // orders of each factor are equally used at its multiples; 0: random orders
-  int pair_count = 1;                  // pairs of orders are equally used at its multiples; 0: random orders
+  int same = 0, different = 0;  // all main trials
+  int group_size = 1;           // orders of each factor are equally used at its multiples; 0: random orders
+  int pair_count = 1;           // pairs of orders are equally used at its multiples; 0: random orders
 };
 
 // The plans of participants 1..participants. Throws std::invalid_argument where participants < 1.

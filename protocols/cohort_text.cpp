@@ -72,8 +72,9 @@ std::vector<std::string> positions(std::size_t count) {
 }
 
 std::string cells_text(const CohortBalance& balance, const Protocol& protocol) {
-  std::string text = fmt::format("Stimuli of the main trials, a and b being the stiffnesses of the pair\n  {:<17}{:<17}{:>12}", "series",
-                                 "condition", "pair (N/m)");
+  std::string text =
+      fmt::format("Stimuli of the main trials, a and b being the stiffnesses of the pair\n  {:<17}{:<17}{:>12}",
+                  "series", "condition", "pair (N/m)");
   for (const char* const title : {"aa", "bb", "ab", "ba"}) text += fmt::format("{:>7}", title);
   text += fmt::format("{:>20}\n", "same a participant");
   for (const CellBalance& cell : balance.cells) {
@@ -82,8 +83,9 @@ std::string cells_text(const CohortBalance& balance, const Protocol& protocol) {
     text += fmt::format("  {:<17}{:<17}{:>12}", series.name, condition.name,
                         plain(series.pair_n_per_m[0]) + " " + plain(series.pair_n_per_m[1]));
     for (const int count : cell.pairs) text += fmt::format("{:>7}", count);
-    const std::string range = cell.least_same == cell.most_same ? fmt::format("{}", cell.most_same)
-                                                                : fmt::format("{} to {}", cell.least_same, cell.most_same);
+    const std::string range = cell.least_same == cell.most_same
+                                  ? fmt::format("{}", cell.most_same)
+                                  : fmt::format("{} to {}", cell.least_same, cell.most_same);
     text += fmt::format("{:>20}\n", fmt::format("{} of {}", range, protocol.design.trials_per_cell));
   }
   const int all = balance.same + balance.different;
@@ -103,8 +105,9 @@ std::string verdict(const CohortBalance& balance) {
     text += fmt::format("Not exact: {} participants are not a multiple of {}; {} would be.", balance.participants,
                         balance.group_size, balance.participants - over + balance.group_size);
   }
-  text += fmt::format("\nOrders are balanced at multiples of {}, pairs of series and condition orders at multiples of {}.\n",
-                      balance.group_size, balance.pair_count);
+  text += fmt::format(
+      "\nOrders are balanced at multiples of {}, pairs of series and condition orders at multiples of {}.\n",
+      balance.group_size, balance.pair_count);
   return text;
 }
 

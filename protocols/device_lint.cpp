@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kPressSd_m = 0.001;
 constexpr double kPressPeriod_s = 1;
-constexpr double kToldShare = 0.05;      // rarer saturation is not worth a warning
+constexpr double kToldShare = 0.05;  // rarer saturation is not worth a warning
 constexpr double kUsablePressShare = 0.25;
 
 class Lint {
@@ -68,12 +68,13 @@ class Lint {
     if (usable >= kUsablePressShare * protocol_.stimulus.expected_press_m) return;
     for (const Condition& condition : protocol_.conditions) {
       if (!condition.cues.force || condition.cues.vibration) continue;
-      error(path,
-            fmt::format("in condition {} both spheres reach the force limit of {} N within {:.2f} mm of a {:.1f} mm press: they "
-                        "would feel the same",
-                        condition.name, plain(spec_.max_force_n), 1e3 * usable,
-                        1e3 * protocol_.stimulus.expected_press_m),
-            "take softer spheres");
+      error(
+          path,
+          fmt::format(
+              "in condition {} both spheres reach the force limit of {} N within {:.2f} mm of a {:.1f} mm press: they "
+              "would feel the same",
+              condition.name, plain(spec_.max_force_n), 1e3 * usable, 1e3 * protocol_.stimulus.expected_press_m),
+          "take softer spheres");
     }
   }
 
@@ -82,8 +83,9 @@ class Lint {
     for (const Condition& condition : protocol_.conditions) {
       if (!condition.cues.vibration || condition.cues.force) continue;
       error(path,
-            fmt::format("in condition {} both spheres vibrate with {} g ({:.3f} and {:.3f} g asked): they would feel the same",
-                        condition.name, plain(clamped_g(pair[0])), burst_amplitude_g(pair[0]), burst_amplitude_g(pair[1])),
+            fmt::format(
+                "in condition {} both spheres vibrate with {} g ({:.3f} and {:.3f} g asked): they would feel the same",
+                condition.name, plain(clamped_g(pair[0])), burst_amplitude_g(pair[0]), burst_amplitude_g(pair[1])),
             fmt::format("the {} gives {} to {} g: take stiffnesses whose k/1500 + 0.4 lies within", spec_.name,
                         plain(spec_.min_vibration_g), plain(spec_.max_vibration_g)));
     }
@@ -108,9 +110,10 @@ class Lint {
     if (worst <= kToldShare) return;
     const bool repeats = protocol_.stimulus.on_saturation == OnSaturation::repeat;
     warn("$.stimulus.expected_press_m",
-         fmt::format("presses of {:.1f} +- 1 mm reach the {}'s limit of {} N: {}", 1e3 * protocol_.stimulus.expected_press_m,
-                     spec_.name, plain(spec_.max_force_n), numbers),
-         repeats ? "\"on_saturation\": \"repeat\" would void these trials, mostly stiff ones, and bias the study: write \"flag\""
+         fmt::format("presses of {:.1f} +- 1 mm reach the {}'s limit of {} N: {}",
+                     1e3 * protocol_.stimulus.expected_press_m, spec_.name, plain(spec_.max_force_n), numbers),
+         repeats ? "\"on_saturation\": \"repeat\" would void these trials, mostly stiff ones, and bias the study: "
+                   "write \"flag\""
                  : "recorded for every interval; the delivered stiffness is fitted on unsaturated samples");
   }
 
@@ -123,8 +126,9 @@ class Lint {
                              burst_amplitude_g(stiffness), plain(clamped_g(stiffness)));
     }
     if (numbers.empty()) return;
-    warn("$.series", fmt::format("vibrations are clamped to {} to {} g: {}", plain(spec_.min_vibration_g),
-                                 plain(spec_.max_vibration_g), numbers),
+    warn("$.series",
+         fmt::format("vibrations are clamped to {} to {} g: {}", plain(spec_.min_vibration_g),
+                     plain(spec_.max_vibration_g), numbers),
          "flagged in every interval");
   }
 
@@ -141,14 +145,17 @@ double depth_at_force_limit_m(double stiffness_n_per_m, const DeviceSpec& spec) 
   return spec.max_force_n / stiffness_n_per_m;
 }
 
-double expected_saturated_intervals(double stiffness_n_per_m, const Protocol& protocol, const DeviceSpec& spec) noexcept {
-  const double presses =
-      std::max(1.0, std::floor(protocol.timeline.explore_s / kPressPeriod_s)) * static_cast<double>(protocol.rig.fingers.size());
+double expected_saturated_intervals(double stiffness_n_per_m, const Protocol& protocol,
+                                    const DeviceSpec& spec) noexcept {
+  const double presses = std::max(1.0, std::floor(protocol.timeline.explore_s / kPressPeriod_s)) *
+                         static_cast<double>(protocol.rig.fingers.size());
   const double margin = depth_at_force_limit_m(stiffness_n_per_m, spec) - protocol.stimulus.expected_press_m;
   return 1 - std::pow(normal_cdf(margin / kPressSd_m), presses);
 }
 
-double burst_amplitude_g(double stiffness_n_per_m) noexcept { return stiffness_n_per_m / 1500 + 0.4; }
+double burst_amplitude_g(double stiffness_n_per_m) noexcept {
+  return stiffness_n_per_m / 1500 + 0.4;
+}
 
 DeviceLint lint_against_device(const Protocol& protocol, const DeviceSpec& spec, const std::string& file) {
   return Lint(protocol, spec, file).run();

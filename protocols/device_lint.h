@@ -27,7 +27,8 @@ double depth_at_force_limit_m(double stiffness_n_per_m, const DeviceSpec& spec) 
 
 // The share of intervals, 0..1, in which at least one press goes deeper than the force limit allows. Presses are
 // Gaussian, the protocol's expected depth with a standard deviation of 1 mm, one a second on each finger.
-double expected_saturated_intervals(double stiffness_n_per_m, const Protocol& protocol, const DeviceSpec& spec) noexcept;
+double expected_saturated_intervals(double stiffness_n_per_m, const Protocol& protocol,
+                                    const DeviceSpec& spec) noexcept;
 
 // Amplitude of the contact burst in g, unclamped: k / 1500 + 0.4 (Chinello et al. 2017, equation 38).
 double burst_amplitude_g(double stiffness_n_per_m) noexcept;

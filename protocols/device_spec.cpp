@@ -8,7 +8,8 @@
 namespace jnd {
 namespace {
 
-void read_limits(const JsonNode& node, std::vector<Diagnostic>& diagnostics, const std::string& file, DeviceSpec& spec) {
+void read_limits(const JsonNode& node, std::vector<Diagnostic>& diagnostics, const std::string& file,
+                 DeviceSpec& spec) {
   constexpr double kQuarterTurn = std::numbers::pi / 2;
   JsonReader reader(node, diagnostics, file);
   spec.max_force_n = reader.number("max_force_n", {.min = 0, .max = 50, .above = true, .unit = "N"});

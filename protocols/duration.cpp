@@ -11,10 +11,14 @@ int times_asked(const Protocol& protocol, const Question& question) {
   const auto series = static_cast<int>(protocol.series.size());
   const auto conditions = static_cast<int>(protocol.conditions.size());
   switch (question.when) {
-    case Question::When::before_session: return 1;
-    case Question::When::after_condition: return series * conditions;
-    case Question::When::after_series: return series;
-    case Question::When::after_session: return question.per_condition ? conditions : 1;
+    case Question::When::before_session:
+      return 1;
+    case Question::When::after_condition:
+      return series * conditions;
+    case Question::When::after_series:
+      return series;
+    case Question::When::after_session:
+      return question.per_condition ? conditions : 1;
   }
   return 0;
 }
@@ -25,9 +29,12 @@ int times_taken(const Protocol& protocol, const Break& pause, int trials) {
   const auto conditions = static_cast<int>(protocol.conditions.size());
   const int blocks = protocol.design.arrangement == Arrangement::mixed ? series : series * conditions;
   switch (pause.after) {
-    case Break::After::block: return blocks - 1;
-    case Break::After::series: return series - 1;
-    case Break::After::trials: return (trials - 1) / pause.trials;
+    case Break::After::block:
+      return blocks - 1;
+    case Break::After::series:
+      return series - 1;
+    case Break::After::trials:
+      return (trials - 1) / pause.trials;
   }
   return 0;
 }
@@ -39,7 +46,8 @@ double expected_trial_s(const Timeline& timeline) {
 }
 
 double expected_duration_s(const Protocol& protocol) {
-  const int trials = protocol.design.trials_per_cell * static_cast<int>(protocol.series.size() * protocol.conditions.size());
+  const int trials =
+      protocol.design.trials_per_cell * static_cast<int>(protocol.series.size() * protocol.conditions.size());
   const int practice = protocol.practice ? protocol.practice->trials : 0;
   double duration = (trials + practice) * expected_trial_s(protocol.timeline);
   for (const Break& pause : protocol.breaks) duration += times_taken(protocol, pause, trials) * pause.duration_s;

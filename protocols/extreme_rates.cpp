@@ -17,7 +17,9 @@ double expected_jnd(const Protocol& protocol, std::string_view condition) {
 }
 
 // The probability that n answers give a rate of neither 0 nor 1.
-double inner(double rate, int n) { return n == 0 ? 0 : 1 - std::pow(rate, n) - std::pow(1 - rate, n); }
+double inner(double rate, int n) {
+  return n == 0 ? 0 : 1 - std::pow(rate, n) - std::pow(1 - rate, n);
+}
 
 double inner_of_series(double hit, double false_alarm, int trials, Sampling sampling) {
   if (sampling == Sampling::balanced) return inner(hit, trials / 2) * inner(false_alarm, trials - trials / 2);

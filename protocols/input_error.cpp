@@ -31,6 +31,7 @@ std::string join(const std::vector<Diagnostic>& diagnostics) {
 InputError::InputError(std::vector<Diagnostic> diagnostics)
     : std::runtime_error(join(diagnostics)), diagnostics_(std::move(diagnostics)) {}
 
-InputError::InputError(const std::string& message) : std::runtime_error(message), diagnostics_{{"", 0, 0, "", message, ""}} {}
+InputError::InputError(const std::string& message)
+    : std::runtime_error(message), diagnostics_{{"", 0, 0, "", message, ""}} {}
 
 }  // namespace jnd

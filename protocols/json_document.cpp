@@ -66,8 +66,7 @@ class TreeBuilder {
 
   [[noreturn]] void fail(std::size_t offset, std::string message, std::string suggestion) {
     const auto [line, column] = cursor_.place(offset);
-    throw InputError(
-        std::vector<Diagnostic>{{file_, line, column, "", std::move(message), std::move(suggestion)}});
+    throw InputError(std::vector<Diagnostic>{{file_, line, column, "", std::move(message), std::move(suggestion)}});
   }
 
   JsonNode take() { return std::move(root_); }
@@ -82,9 +81,8 @@ class TreeBuilder {
       JsonNode& parent = *open_.back();
       parent.items.emplace_back();
       node = &parent.items.back();
-      node->path = parent.kind == JsonNode::Kind::object
-                       ? member_path(parent.path, parent.keys.back())
-                       : fmt::format("{}[{}]", parent.path, parent.items.size() - 1);
+      node->path = parent.kind == JsonNode::Kind::object ? member_path(parent.path, parent.keys.back())
+                                                         : fmt::format("{}[{}]", parent.path, parent.items.size() - 1);
     }
     node->kind = kind;
     std::tie(node->line, node->column) = cursor_.place(token.begin);

@@ -15,13 +15,13 @@ struct JsonNode {
   enum class Kind { null, boolean, number, string, array, object } kind = Kind::null;
   bool boolean = false;
   double number = 0;
-  bool integer = false;                   // the number was written without fraction or exponent
-  std::string text;                       // string value; for numbers the literal
-  std::vector<JsonNode> items;            // array elements, or the values of an object
-  std::vector<std::string> keys;          // of an object, parallel to items, in the file's order, duplicates kept
-  int line = 0, column = 0;               // of the value's first character
+  bool integer = false;                         // the number was written without fraction or exponent
+  std::string text;                             // string value; for numbers the literal
+  std::vector<JsonNode> items;                  // array elements, or the values of an object
+  std::vector<std::string> keys;                // of an object, parallel to items, in the file's order, duplicates kept
+  int line = 0, column = 0;                     // of the value's first character
   std::vector<std::pair<int, int>> key_places;  // of the keys, parallel to keys
-  std::string path;                       // "$", "$.trial.gap_s", "$.series[1]"
+  std::string path;                             // "$", "$.trial.gap_s", "$.series[1]"
 
   const JsonNode* find(std::string_view key) const noexcept;  // first member of that name, or null
 };

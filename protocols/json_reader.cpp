@@ -12,12 +12,18 @@ namespace {
 
 std::string_view name_of(JsonNode::Kind kind) noexcept {
   switch (kind) {
-    case JsonNode::Kind::null: return "null";
-    case JsonNode::Kind::boolean: return "true or false";
-    case JsonNode::Kind::number: return "a number";
-    case JsonNode::Kind::string: return "a text";
-    case JsonNode::Kind::array: return "a list";
-    case JsonNode::Kind::object: return "an object";
+    case JsonNode::Kind::null:
+      return "null";
+    case JsonNode::Kind::boolean:
+      return "true or false";
+    case JsonNode::Kind::number:
+      return "a number";
+    case JsonNode::Kind::string:
+      return "a text";
+    case JsonNode::Kind::array:
+      return "a list";
+    case JsonNode::Kind::object:
+      return "an object";
   }
   return "";
 }
@@ -25,7 +31,7 @@ std::string_view name_of(JsonNode::Kind kind) noexcept {
 // "the number 5", "the text "5"", "a list": what stands in the file.
 std::string found(const JsonNode& node) {
   if (node.kind == JsonNode::Kind::number) return "the number " + node.text;
-  if (node.kind == JsonNode::Kind::string) return "the text " + quoted(node.text);
+  if (node.kind == JsonNode::Kind::string) return "the text " + in_quotes(node.text);
   if (node.kind == JsonNode::Kind::boolean) return node.boolean ? "true" : "false";
   return std::string(name_of(node.kind));
 }
@@ -64,9 +70,8 @@ std::optional<double> number_of(const JsonNode& node, const NumberLimits& limits
   }
   const bool too_low = limits.above ? node.number <= limits.min : node.number < limits.min;
   if (too_low || node.number > limits.max) {
-    diagnostics.push_back(diagnostic_at(
-        node, file, fmt::format("{} is out of range", node.text),
-        "must be " + range_text(limits.min, limits.max, limits.above, limits.unit)));
+    diagnostics.push_back(diagnostic_at(node, file, fmt::format("{} is out of range", node.text),
+                                        "must be " + range_text(limits.min, limits.max, limits.above, limits.unit)));
     return std::nullopt;
   }
   return node.number;
@@ -107,11 +112,11 @@ std::optional<std::size_t> word_of(const JsonNode& node, const std::vector<std::
   const auto at = std::find(words.begin(), words.end(), node.text);
   if (at != words.end()) return static_cast<std::size_t>(at - words.begin());
   if (std::find(later.begin(), later.end(), node.text) != later.end())
-    return fail(quoted(node.text) + " is not available in this version", "available: " + listed(words));
+    return fail(in_quotes(node.text) + " is not available in this version", "available: " + listed(words));
   const std::string near = nearest_word(node.text, words);
-  return fail(quoted(node.text) + " is not known", near.empty() ? "must be " + listed(words)
-                                                                : fmt::format("did you mean {}? known: {}", quoted(near),
-                                                                              listed(words)));
+  return fail(in_quotes(node.text) + " is not known",
+              near.empty() ? "must be " + listed(words)
+                           : fmt::format("did you mean {}? known: {}", in_quotes(near), listed(words)));
 }
 
 JsonReader::JsonReader(const JsonNode& node, std::vector<Diagnostic>& diagnostics, std::string file)
@@ -124,14 +129,17 @@ const JsonNode* JsonReader::find(std::string_view key, bool required, std::strin
   if (!usable_) return nullptr;
   const JsonNode* node = node_.find(key);
   if (node == nullptr && required) {
-    Diagnostic missing = diagnostic_at(node_, file_, fmt::format("{} is missing", quoted(key)), fmt::format("add {}", what));
+    Diagnostic missing =
+        diagnostic_at(node_, file_, fmt::format("{} is missing", in_quotes(key)), fmt::format("add {}", what));
     missing.path = member_path(node_.path, key);
     diagnostics_.push_back(std::move(missing));
   }
   return node;
 }
 
-const JsonNode* JsonReader::member(std::string_view key) { return find(key, false, ""); }
+const JsonNode* JsonReader::member(std::string_view key) {
+  return find(key, false, "");
+}
 
 std::optional<double> JsonReader::read_number(std::string_view key, const NumberLimits& limits, bool required) {
   const bool bounded = std::isfinite(limits.min) || std::isfinite(limits.max);
@@ -174,7 +182,9 @@ double JsonReader::number(std::string_view key, const NumberLimits& limits) {
 int JsonReader::integer(std::string_view key, const IntegerLimits& limits) {
   return read_integer(key, limits, true).value_or(0);
 }
-bool JsonReader::boolean(std::string_view key) { return read_boolean(key, true).value_or(false); }
+bool JsonReader::boolean(std::string_view key) {
+  return read_boolean(key, true).value_or(false);
+}
 std::string JsonReader::text(std::string_view key, const TextLimits& limits) {
   return read_text(key, limits, true).value_or("");
 }
@@ -184,7 +194,9 @@ double JsonReader::number_or(std::string_view key, double fallback, const Number
 int JsonReader::integer_or(std::string_view key, int fallback, const IntegerLimits& limits) {
   return read_integer(key, limits, false).value_or(fallback);
 }
-bool JsonReader::boolean_or(std::string_view key, bool fallback) { return read_boolean(key, false).value_or(fallback); }
+bool JsonReader::boolean_or(std::string_view key, bool fallback) {
+  return read_boolean(key, false).value_or(fallback);
+}
 std::string JsonReader::text_or(std::string_view key, std::string fallback, const TextLimits& limits) {
   return read_text(key, limits, false).value_or(std::move(fallback));
 }
@@ -212,7 +224,8 @@ const JsonNode* JsonReader::read_object(std::string_view key, bool required) {
   return nullptr;
 }
 
-const JsonNode* JsonReader::read_array(std::string_view key, std::size_t min_items, std::size_t max_items, bool required) {
+const JsonNode* JsonReader::read_array(std::string_view key, std::size_t min_items, std::size_t max_items,
+                                       bool required) {
   const JsonNode* node = find(key, required, "a list [...]");
   if (node == nullptr) return nullptr;
   if (node->kind != JsonNode::Kind::array) {
@@ -228,8 +241,12 @@ const JsonNode* JsonReader::read_array(std::string_view key, std::size_t min_ite
   return node;
 }
 
-const JsonNode* JsonReader::object(std::string_view key) { return read_object(key, true); }
-const JsonNode* JsonReader::object_or_null(std::string_view key) { return read_object(key, false); }
+const JsonNode* JsonReader::object(std::string_view key) {
+  return read_object(key, true);
+}
+const JsonNode* JsonReader::object_or_null(std::string_view key) {
+  return read_object(key, false);
+}
 const JsonNode* JsonReader::array(std::string_view key, std::size_t min_items, std::size_t max_items) {
   return read_array(key, min_items, max_items, true);
 }
@@ -243,7 +260,8 @@ void JsonReader::error(const JsonNode& at, std::string message, std::string sugg
 
 void JsonReader::error(std::string_view key, std::string message, std::string suggestion) {
   const JsonNode* node = node_.find(key);
-  Diagnostic diagnostic = diagnostic_at(node == nullptr ? node_ : *node, file_, std::move(message), std::move(suggestion));
+  Diagnostic diagnostic =
+      diagnostic_at(node == nullptr ? node_ : *node, file_, std::move(message), std::move(suggestion));
   diagnostic.path = member_path(node_.path, key);
   diagnostics_.push_back(std::move(diagnostic));
 }
@@ -260,12 +278,12 @@ void JsonReader::finish() {
     };
     const auto first = std::find(node_.keys.begin(), node_.keys.end(), key) - node_.keys.begin();
     if (first != static_cast<std::ptrdiff_t>(i)) {
-      report(fmt::format("the key {} is given twice", quoted(key)),
+      report(fmt::format("the key {} is given twice", in_quotes(key)),
              fmt::format("it stands on line {} already", node_.key_places[static_cast<std::size_t>(first)].first));
     } else if (std::find(known_.begin(), known_.end(), key) == known_.end()) {
       const std::string near = nearest_word(key, known);
-      report(fmt::format("the key {} is not known", quoted(key)),
-             near.empty() ? "known here: " + listed(known) : fmt::format("did you mean {}?", quoted(near)));
+      report(fmt::format("the key {} is not known", in_quotes(key)),
+             near.empty() ? "known here: " + listed(known) : fmt::format("did you mean {}?", in_quotes(near)));
     }
   }
 }

@@ -49,7 +49,8 @@ struct IntegerLimits {
   std::string_view unit = "";
 };
 
-// What a text may be. Control characters and direction overrides are never allowed: texts reach terminals and CSV files.
+// What a text may be. Control characters and direction overrides are never allowed: texts reach terminals and CSV
+// files.
 struct TextLimits {
   std::size_t max_length = 500;  // characters (code points)
   bool may_be_empty = false;
@@ -147,14 +148,15 @@ std::optional<std::string> text_of(const JsonNode& node, const TextLimits& limit
 std::optional<std::size_t> word_of(const JsonNode& node, const std::vector<std::string_view>& words,
                                    const std::vector<std::string_view>& later, std::vector<Diagnostic>& diagnostics,
                                    const std::string& file);
-Diagnostic diagnostic_at(const JsonNode& node, const std::string& file, std::string message, std::string suggestion = "");
+Diagnostic diagnostic_at(const JsonNode& node, const std::string& file, std::string message,
+                         std::string suggestion = "");
 
 // Where an error may be looked for: is there no diagnostic at this JSON path, under it, or at one that contains it?
 // Checks across members use it, so that one mistake is reported once.
 bool is_sound(const std::vector<Diagnostic>& diagnostics, std::string_view path);
 
 // For messages: the text in quotes, control characters escaped, cut after 60 characters.
-std::string quoted(std::string_view text);
+std::string in_quotes(std::string_view text);
 // The path of a member, as JsonNode::path has it.
 std::string member_path(std::string_view parent, std::string_view key);
 // The nearest of the words by edit distance, where one is near enough to be meant; else empty.

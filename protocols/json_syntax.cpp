@@ -13,7 +13,9 @@ namespace {
 constexpr std::string_view kBlanks = " \t\r\n";
 constexpr std::string_view kNumberCharacters = "0123456789+-.eE";
 
-bool is_continuation(char byte) noexcept { return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U; }
+bool is_continuation(char byte) noexcept {
+  return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U;
+}
 
 std::size_t skip(std::string_view bytes, std::size_t at, std::string_view what) noexcept {
   return std::min(bytes.find_first_not_of(what, at), bytes.size());
@@ -42,10 +44,11 @@ SyntaxError explain_word(std::string_view bytes, std::size_t begin) {
   const std::string_view word = word_at(bytes, begin);
   std::string lower;
   for (const char c : word) lower += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  const std::string bare = lower.substr(lower.find_first_not_of("+-") == std::string::npos ? 0 : lower.find_first_not_of("+-"));
-  SyntaxError error{begin, quoted(word) + " is not a JSON value", ""};
+  const std::string bare =
+      lower.substr(lower.find_first_not_of("+-") == std::string::npos ? 0 : lower.find_first_not_of("+-"));
+  SyntaxError error{begin, in_quotes(word) + " is not a JSON value", ""};
   if (bare == "nan" || bare == "inf" || bare == "infinity") {
-    error.message = quoted(word) + " is not a number that JSON knows";
+    error.message = in_quotes(word) + " is not a number that JSON knows";
     error.suggestion = "numbers must be finite; leave the member out where there is none";
   } else if (lower == "true" || lower == "false" || lower == "null") {
     error.suggestion = "write " + lower;
@@ -57,7 +60,7 @@ SyntaxError explain_word(std::string_view bytes, std::size_t begin) {
     error.message = "JSON has no comments";
     error.suggestion = "say it in \"notes\"";
   } else if (kNumberCharacters.find(word.front()) != std::string_view::npos) {
-    error.message = quoted(word) + " is not a number that JSON knows";
+    error.message = in_quotes(word) + " is not a number that JSON knows";
     error.suggestion = "write it as in 0.5, -3 or 1e-3";
   } else {
     error.suggestion = "texts stand in double quotes";
@@ -153,7 +156,7 @@ SyntaxError explain_syntax_error(std::string_view bytes, std::size_t end_of_last
 
   if (skip(bytes, 0, kBlanks) == bytes.size()) return {0, "the file is empty", "start from a shipped protocol"};
   if (has("out_of_range") || has("number overflow"))
-    return {begin, quoted(word_at(bytes, begin)) + " is too large a number", ""};
+    return {begin, in_quotes(word_at(bytes, begin)) + " is too large a number", ""};
   if (has("invalid string")) return explain_string(bytes, begin, position, what);
   if (has("unexpected end of input")) {
     if (open_brackets.empty()) return {bytes.size(), "the file ends before its value is complete", ""};
@@ -163,14 +166,13 @@ SyntaxError explain_syntax_error(std::string_view bytes, std::size_t end_of_last
   }
   if (has("expected end of input")) {
     const std::size_t extra = skip(bytes, end_of_last, kBlanks);
-    return {extra, "something follows the end of the document: " + quoted(word_at(bytes, extra)), "remove it"};
+    return {extra, "something follows the end of the document: " + in_quotes(word_at(bytes, extra)), "remove it"};
   }
   if (has("invalid literal") || has("invalid number")) return explain_word(bytes, begin);
 
   // From here on single tokens are fine and their order is not; one-character tokens end where the parser stands.
   const std::size_t last_read = position > 0 ? std::min(position - 1, bytes.size() - 1) : 0;
-  if (has("unexpected ','"))
-    return {last_read, "a comma without a value before it", "remove it"};
+  if (has("unexpected ','")) return {last_read, "a comma without a value before it", "remove it"};
   if (has("unexpected ':'")) return {last_read, "a ':' that does not follow a key", "keys stand in double quotes"};
   if (has("unexpected '}'") || has("unexpected ']'")) {
     if (after_comma)
@@ -181,7 +183,7 @@ SyntaxError explain_syntax_error(std::string_view bytes, std::size_t end_of_last
   }
   if (has("object separator")) return {begin, "a ':' is missing between the key and this value", "add it"};
   if (has("object key")) return {begin, "a key in double quotes should stand here", "keys stand in double quotes"};
-  return {begin, "a comma is missing before " + quoted(word_at(bytes, begin)), "separate members with commas"};
+  return {begin, "a comma is missing before " + in_quotes(word_at(bytes, begin)), "separate members with commas"};
 }
 
 }  // namespace jnd

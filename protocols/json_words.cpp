@@ -50,7 +50,7 @@ bool is_sound(const std::vector<Diagnostic>& diagnostics, std::string_view path)
   });
 }
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   constexpr std::size_t kMost = 60;
   std::string result = "\"";
   std::size_t shown = 0;
@@ -74,7 +74,7 @@ std::string quoted(std::string_view text) {
 }
 
 std::string member_path(std::string_view parent, std::string_view key) {
-  return is_plain_key(key) ? fmt::format("{}.{}", parent, key) : fmt::format("{}[{}]", parent, quoted(key));
+  return is_plain_key(key) ? fmt::format("{}.{}", parent, key) : fmt::format("{}[{}]", parent, in_quotes(key));
 }
 
 std::string nearest_word(std::string_view word, const std::vector<std::string_view>& words) {
@@ -91,7 +91,8 @@ std::string nearest_word(std::string_view word, const std::vector<std::string_vi
   if (!best.empty()) return std::string(best);
   // Units that were left out, such as "gap" for "gap_s".
   for (const std::string_view candidate : words)
-    if (word.size() >= 3 && candidate.substr(0, word.size() + 1) == std::string(word) + "_") return std::string(candidate);
+    if (word.size() >= 3 && candidate.substr(0, word.size() + 1) == std::string(word) + "_")
+      return std::string(candidate);
   return "";
 }
 
@@ -99,7 +100,7 @@ std::string listed(const std::vector<std::string_view>& words) {
   std::string text;
   for (std::size_t i = 0; i < words.size(); ++i) {
     if (i > 0) text += i + 1 == words.size() ? " or " : ", ";
-    text += quoted(words[i]);
+    text += in_quotes(words[i]);
   }
   return text;
 }
@@ -108,8 +109,9 @@ std::string plain(double value) {
   std::array<char, 32> buffer{};
   // Fixed notation reads better for everything a lab would write; the rest gets an exponent.
   const bool fixed = value == 0 || (std::abs(value) >= 1e-4 && std::abs(value) < 1e15);
-  const auto result = fixed ? std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::fixed)
-                            : std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
+  const auto result = fixed
+                          ? std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::fixed)
+                          : std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
   return {buffer.data(), result.ptr};
 }
 

@@ -19,9 +19,13 @@ std::vector<int> counting(int k) {
 OrderList make_list(Order order, int k, std::uint64_t seed, const std::string& factor) {
   OrderList list;
   switch (order) {
-    case Order::fixed: return {counting(k)};
-    case Order::random: return {};
-    case Order::permuted: list = all_permutations(k); break;
+    case Order::fixed:
+      return {counting(k)};
+    case Order::random:
+      return {};
+    case Order::permuted:
+      list = all_permutations(k);
+      break;
     case Order::williams: {
       std::vector<int> labels = counting(k);
       RandomStream(seed, 0, "labels/" + factor).shuffle(labels);
@@ -35,7 +39,9 @@ OrderList make_list(Order order, int k, std::uint64_t seed, const std::string& f
   return list;
 }
 
-int size_of(const OrderList& list) noexcept { return std::max(1, static_cast<int>(list.size())); }
+int size_of(const OrderList& list) noexcept {
+  return std::max(1, static_cast<int>(list.size()));
+}
 
 }  // namespace
 
@@ -78,16 +84,22 @@ OrderDeal::OrderDeal(const Protocol& protocol, std::uint64_t study_seed)
   for (const Series& series : protocol.series) series_names_.push_back(series.name);
 }
 
-int OrderDeal::series_place(int participant) const noexcept { return (participant - 1) % size_of(series_list_); }
+int OrderDeal::series_place(int participant) const noexcept {
+  return (participant - 1) % size_of(series_list_);
+}
 
 int OrderDeal::condition_place(int participant) const noexcept {
   const int i = participant - 1;
   return static_cast<int>((static_cast<std::int64_t>(i) + i / group_size()) % size_of(condition_list_));
 }
 
-int OrderDeal::group_size() const noexcept { return std::lcm(size_of(series_list_), size_of(condition_list_)); }
+int OrderDeal::group_size() const noexcept {
+  return std::lcm(size_of(series_list_), size_of(condition_list_));
+}
 
-int OrderDeal::pair_count() const noexcept { return size_of(series_list_) * size_of(condition_list_); }
+int OrderDeal::pair_count() const noexcept {
+  return size_of(series_list_) * size_of(condition_list_);
+}
 
 std::vector<int> OrderDeal::series_order(int participant) const {
   if (!series_list_.empty()) return series_list_[static_cast<std::size_t>(series_place(participant))];
@@ -105,8 +117,9 @@ std::vector<std::vector<int>> OrderDeal::condition_orders(int participant, const
           condition_list_[(static_cast<std::size_t>(condition_place(participant)) + advance) % condition_list_.size()]);
       continue;
     }
-    const std::string purpose =
-        per_series_ ? "order/conditions/" + series_names_[static_cast<std::size_t>(series_order[j])] : "order/conditions";
+    const std::string purpose = per_series_
+                                    ? "order/conditions/" + series_names_[static_cast<std::size_t>(series_order[j])]
+                                    : "order/conditions";
     std::vector<int> order = counting(condition_count_);
     RandomStream(seed_, static_cast<std::uint64_t>(participant), purpose).shuffle(order);
     orders.push_back(std::move(order));

@@ -61,7 +61,8 @@ class Draws {
       std::vector<std::vector<Pair>> cells;
       for (int c = 0; c < conditions; ++c) cells.push_back(cell(series, c));
       std::vector<std::size_t> next(cells.size(), 0);
-      for (const int c : turns) block.push_back({c, cells[static_cast<std::size_t>(c)][next[static_cast<std::size_t>(c)]++]});
+      for (const int c : turns)
+        block.push_back({c, cells[static_cast<std::size_t>(c)][next[static_cast<std::size_t>(c)]++]});
       return block;
     }
     std::vector<Classes> cells;
@@ -86,7 +87,8 @@ class Draws {
 
   // One round of practice: about half of the trials are "same"; both classes occur where there are two trials.
   std::vector<Pair> practice(const Practice& practice, int round) const {
-    RandomStream stream(seed_, participant_, "practice/" + series_name(practice.series), static_cast<std::uint64_t>(round));
+    RandomStream stream(seed_, participant_, "practice/" + series_name(practice.series),
+                        static_cast<std::uint64_t>(round));
     const Pair& pair = pair_of(practice.series);
     if (practice.trials % 4 == 0) return balanced(pair, practice.trials, stream);
     std::vector<Pair> pairs = independent(pair, practice.trials, stream);
@@ -135,7 +137,8 @@ class Draws {
     return RandomStream(seed_, participant_, "classes/" + block);
   }
   std::vector<bool> limited(std::size_t same, std::size_t different, RandomStream& stream) const {
-    return draw_limited_sequence(static_cast<int>(same), static_cast<int>(different), *protocol_.design.run_limit, stream);
+    return draw_limited_sequence(static_cast<int>(same), static_cast<int>(different), *protocol_.design.run_limit,
+                                 stream);
   }
   const Pair& pair_of(int series) const { return protocol_.series[static_cast<std::size_t>(series)].pair_n_per_m; }
   const std::string& series_name(int series) const { return protocol_.series[static_cast<std::size_t>(series)].name; }

@@ -9,11 +9,11 @@
 namespace jnd {
 
 struct Plan {
-  int participant = 0;               // number, from 1
-  std::uint64_t seed = 0;            // of the study
-  std::vector<int> series_order;     // places in Protocol::series
+  int participant = 0;                             // number, from 1
+  std::uint64_t seed = 0;                          // of the study
+  std::vector<int> series_order;                   // places in Protocol::series
   std::vector<std::vector<int>> condition_orders;  // for each series in presented order: places in Protocol::conditions
-  std::vector<Trial> trials;         // practice rounds first (all that may be needed), then the main part
+  std::vector<Trial> trials;                       // practice rounds first (all that may be needed), then the main part
 };
 
 // Throws std::invalid_argument where participant < 1; a protocol that was loaded never fails otherwise.

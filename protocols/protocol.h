@@ -25,8 +25,8 @@ struct Source {
 
 // A published number to print beside ours.
 struct PublishedValue {
-  std::string condition;                  // a condition's name
-  std::string quantity;                   // "jnd" (N/m), "weber" (fraction) or "rating"
+  std::string condition;  // a condition's name
+  std::string quantity;   // "jnd" (N/m), "weber" (fraction) or "rating"
   double value = 0;
   std::optional<double> ci95_half_width;  // same unit as value
   std::string note;
@@ -39,11 +39,11 @@ struct Assumption {
 };
 
 struct RigRequest {
-  std::string device;                 // name of a device spec: "rrs3"
-  std::vector<std::string> fingers;   // such as thumb, index; 1 or 2
-  std::string tracker;                // "hand" (simulated)
-  double separation_m = 0.130;        // between the devices' rest positions
-  double sphere_radius_m = 0.040;     // of the virtual sphere between them
+  std::string device;                // name of a device spec: "rrs3"
+  std::vector<std::string> fingers;  // such as thumb, index; 1 or 2
+  std::string tracker;               // "hand" (simulated)
+  double separation_m = 0.130;       // between the devices' rest positions
+  double sphere_radius_m = 0.040;    // of the virtual sphere between them
 };
 
 // A signal to the participant; identical for all stimuli.
@@ -54,21 +54,21 @@ struct CueSignal {
 
 struct Timeline {
   CueSignal first_cue, second_cue, question_cue;
-  double explore_s = 3;              // from first contact
+  double explore_s = 3;  // from first contact
   double no_contact_time_out_s = 10;
-  double gap_s = 1;                  // platform neutral between the intervals
+  double gap_s = 1;  // platform neutral between the intervals
   double between_trials_s = 1;
   char key_same = 's';
   char key_different = 'd';
-  double answer_time_out_s = 30;     // then the trial is voided and repeated
+  double answer_time_out_s = 30;  // then the trial is voided and repeated
   int max_attempts = 3;
 };
 
 struct StimulusSpec {
   std::string quantity = "stiffness";
   std::string unit = "N/m";
-  double reference_n_per_m = 0;      // base of the Weber fraction
-  double expected_press_m = 0.005;   // typical depth, for lint against the force limit and for simulated hands
+  double reference_n_per_m = 0;     // base of the Weber fraction
+  double expected_press_m = 0.005;  // typical depth, for lint against the force limit and for simulated hands
   OnSaturation on_saturation = OnSaturation::flag;
 };
 
@@ -84,29 +84,29 @@ struct Series {
 };
 
 struct Design {
-  int participants = 1;             // planned
-  int trials_per_cell = 4;          // a condition in a series
+  int participants = 1;     // planned
+  int trials_per_cell = 4;  // a condition in a series
   Sampling sampling = Sampling::balanced;
   Arrangement arrangement = Arrangement::blocked;
   Order series_order = Order::fixed;
   Order condition_order = Order::fixed;
-  bool per_series = false;          // a new condition order in every series
-  std::optional<int> run_limit;     // most trials in a row of one class (same or different) within a block
+  bool per_series = false;       // a new condition order in every series
+  std::optional<int> run_limit;  // most trials in a row of one class (same or different) within a block
 };
 
 struct Practice {
-  int trials = 0;                   // a round
-  int series = 0;                   // whose pair is used, place in Protocol::series
-  std::vector<int> conditions;      // places in Protocol::conditions, in turn
-  double criterion_correct = 0;     // share correct that ends practice, 0..1
+  int trials = 0;                // a round
+  int series = 0;                // whose pair is used, place in Protocol::series
+  std::vector<int> conditions;   // places in Protocol::conditions, in turn
+  double criterion_correct = 0;  // share correct that ends practice, 0..1
   int max_rounds = 1;
   Feedback feedback = Feedback::correctness;
 };
 
 struct Break {
   enum class After { block, series, trials } after = After::block;
-  int trials = 0;                   // for After::trials: every so many main trials
-  double duration_s = 0;            // the least; the operator may prolong it
+  int trials = 0;         // for After::trials: every so many main trials
+  double duration_s = 0;  // the least; the operator may prolong it
   std::string say;
 };
 
@@ -115,35 +115,35 @@ struct Question {
   enum class Kind { rating, number, choice, text } kind = Kind::rating;
   std::string id;
   std::string text;
-  double min = 0, max = 0;          // rating and number, inclusive
+  double min = 0, max = 0;            // rating and number, inclusive
   std::string low_label, high_label;  // rating
-  std::vector<std::string> options; // choice
-  bool per_condition = false;       // after_session: asked once for each condition
+  std::vector<std::string> options;   // choice
+  bool per_condition = false;         // after_session: asked once for each condition
   bool required = true;
 };
 
-struct Exclusions {                 // of single trials, before anything is counted
+struct Exclusions {  // of single trials, before anything is counted
   std::optional<double> response_time_below_s;
   std::optional<double> response_time_above_s;
   std::optional<double> saturated_share_above;  // of any finger in either interval
 };
 
 struct Contrast {
-  int a = 0, b = 0;                 // places in Protocol::conditions; the difference is a - b
+  int a = 0, b = 0;  // places in Protocol::conditions; the difference is a - b
 };
 
 struct AnalysisPlan {
   std::string model = "yes-no";
-  std::string correction = "loglinear";    // none, loglinear, half
+  std::string correction = "loglinear";  // none, loglinear, half
   std::string jnd_method = "least_squares";
   Exclusions exclude;
   std::vector<Contrast> contrasts;
 };
 
 struct Protocol {
-  std::string bytes;        // the file, verbatim
-  std::string sha256;       // of bytes, 64 lower-case hexadecimal digits
-  std::string name;         // file name without folder and .json
+  std::string bytes;   // the file, verbatim
+  std::string sha256;  // of bytes, 64 lower-case hexadecimal digits
+  std::string name;    // file name without folder and .json
   std::string title;
   Source source;
   std::vector<PublishedValue> published;

@@ -42,7 +42,7 @@ void read_contrasts(const JsonNode& list, ProtocolReading& reading) {
     const auto b = condition_place(item.items[1], reading);
     if (!a || !b) continue;
     if (*a == *b) {
-      reading.error(item, fmt::format("compares {} with itself", quoted(item.items[0].text)), "name two conditions");
+      reading.error(item, fmt::format("compares {} with itself", in_quotes(item.items[0].text)), "name two conditions");
       continue;
     }
     if (!seen.insert(std::minmax(*a, *b)).second) reading.error(item, "this contrast is given twice", "remove one");
@@ -59,7 +59,8 @@ void read_source(const JsonNode& node, ProtocolReading& reading) {
   source.doi = reader.text_or("doi", "", {.max_length = 200});
   if (!source.doi.empty() && (source.doi.substr(0, 3) != "10." || source.doi.find('/') == std::string::npos ||
                               source.doi.find(' ') != std::string::npos)) {
-    reader.error("doi", quoted(source.doi) + " is not a DOI", "write it as 10.1109/TOH.2017.2755015, without https://");
+    reader.error("doi", in_quotes(source.doi) + " is not a DOI",
+                 "write it as 10.1109/TOH.2017.2755015, without https://");
   }
   reader.finish();
 }
@@ -81,7 +82,8 @@ void read_published(const JsonNode& list, ProtocolReading& reading) {
     value.note = reader.text_or("note", "", {.max_length = 500});
     reader.finish();
     if (reading.sound(item.path) && !seen.insert({value.condition, value.quantity}).second)
-      reading.error(item, fmt::format("the {} of {} is given twice", value.quantity, quoted(value.condition)), "remove one");
+      reading.error(item, fmt::format("the {} of {} is given twice", value.quantity, in_quotes(value.condition)),
+                    "remove one");
     reading.protocol.published.push_back(std::move(value));
   }
 }
@@ -97,9 +99,9 @@ void read_assumed(const JsonNode& list, ProtocolReading& reading) {
     reader.finish();
     if (!assumption.path.empty() && std::find(paths.begin(), paths.end(), assumption.path) == paths.end()) {
       const std::string near = nearest_word(assumption.path, paths);
-      reader.error("path", fmt::format("there is no {} in this file", quoted(assumption.path)),
+      reader.error("path", fmt::format("there is no {} in this file", in_quotes(assumption.path)),
                    near.empty() ? "a path looks like \"$.trial.gap_s\" or \"$.series[0].pair\""
-                                : fmt::format("did you mean {}?", quoted(near)));
+                                : fmt::format("did you mean {}?", in_quotes(near)));
     }
     reading.protocol.assumed.push_back(std::move(assumption));
   }

@@ -16,7 +16,7 @@ void read_fingers(const JsonNode& list, ProtocolReading& reading) {
     if (!place) continue;
     const std::string finger(kFingers[*place]);
     if (std::find(fingers.begin(), fingers.end(), finger) != fingers.end())
-      reading.error(item, quoted(finger) + " is named twice", "name two different fingers, or one");
+      reading.error(item, in_quotes(finger) + " is named twice", "name two different fingers, or one");
     fingers.push_back(finger);
   }
 }
@@ -43,11 +43,12 @@ char read_key(JsonReader& keys, std::string_view key, char fallback, ProtocolRea
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
   };
   if (text.size() != 1 || !is_letter_or_digit(text[0])) {
-    reading.error(*node, quoted(text) + " is not a key", "must be one ASCII letter or digit");
+    reading.error(*node, in_quotes(text) + " is not a key", "must be one ASCII letter or digit");
     return fallback;
   }
   if (kReservedKeys.find(text[0]) != std::string_view::npos) {
-    reading.error(*node, quoted(text) + " is reserved", "p pauses, q quits and x stops the devices; take another key");
+    reading.error(*node, in_quotes(text) + " is reserved",
+                  "p pauses, q quits and x stops the devices; take another key");
     return fallback;
   }
   return text[0];
@@ -117,8 +118,8 @@ void read_stimulus(const JsonNode& node, ProtocolReading& reading) {
   }
   stimulus.reference_n_per_m = reader.number("reference", {.min = 1, .max = 20000, .unit = "N/m"});
   stimulus.expected_press_m = reader.number("expected_press_m", {.min = 0.0005, .max = 0.03, .unit = "m"});
-  stimulus.on_saturation = reader.one_of<OnSaturation>(
-      "on_saturation", {{"flag", OnSaturation::flag}, {"repeat", OnSaturation::repeat}});
+  stimulus.on_saturation =
+      reader.one_of<OnSaturation>("on_saturation", {{"flag", OnSaturation::flag}, {"repeat", OnSaturation::repeat}});
   reader.finish();
 }
 

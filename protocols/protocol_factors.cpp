@@ -9,8 +9,10 @@ namespace jnd {
 namespace {
 
 Order read_order(JsonReader& reader, std::string_view key) {
-  return reader.one_of<Order>(
-      key, {{"fixed", Order::fixed}, {"random", Order::random}, {"permuted", Order::permuted}, {"williams", Order::williams}});
+  return reader.one_of<Order>(key, {{"fixed", Order::fixed},
+                                    {"random", Order::random},
+                                    {"permuted", Order::permuted},
+                                    {"williams", Order::williams}});
 }
 
 Cues read_cues(const JsonNode& list, ProtocolReading& reading) {
@@ -21,7 +23,7 @@ Cues read_cues(const JsonNode& list, ProtocolReading& reading) {
     const auto place = word_of(item, {"force", "vibration"}, {}, reading.errors, reading.file);
     if (!place) continue;
     bool& cue = *place == 0 ? cues.force : cues.vibration;
-    if (cue) reading.error(item, quoted(item.text) + " is named twice", "remove one");
+    if (cue) reading.error(item, in_quotes(item.text) + " is named twice", "remove one");
     cue = true;
   }
   return cues;
@@ -37,7 +39,7 @@ std::optional<int> place_of(const JsonNode& name, const std::vector<Named>& all,
     if (all[i].name == *text) return static_cast<int>(i);
     if (!all[i].name.empty()) names.push_back(all[i].name);
   }
-  reading.error(name, fmt::format("there is no {} {}", what, quoted(*text)),
+  reading.error(name, fmt::format("there is no {} {}", what, in_quotes(*text)),
                 names.empty() ? "" : "known: " + listed(names));
   return std::nullopt;
 }
@@ -49,10 +51,11 @@ std::optional<std::string> read_name(JsonReader& reader, std::string_view key, P
   const JsonNode* node = reader.node().find(key);
   if (text.empty() || node == nullptr) return std::nullopt;
   const bool good = text.size() <= 16 && std::all_of(text.begin(), text.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '+' || c == '-';
-  });
+                      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+                             c == '+' || c == '-';
+                    });
   if (good) return text;
-  reading.error(*node, quoted(text) + " cannot be a name",
+  reading.error(*node, in_quotes(text) + " cannot be a name",
                 "1 to 16 letters, digits, _, + or -; a label may say the rest");
   return std::nullopt;
 }
@@ -85,7 +88,8 @@ void read_series(const JsonNode& list, ProtocolReading& reading) {
     if (const JsonNode* pair = reader.array("pair", 2, 2)) {
       for (std::size_t i = 0; i < 2; ++i) {
         series.pair_n_per_m[i] =
-            number_of(pair->items[i], {.min = 1, .max = 20000, .unit = "N/m"}, reading.errors, reading.file).value_or(0);
+            number_of(pair->items[i], {.min = 1, .max = 20000, .unit = "N/m"}, reading.errors, reading.file)
+                .value_or(0);
       }
       if (reading.sound(pair->path) && series.pair_n_per_m[0] == series.pair_n_per_m[1]) {
         reading.error(*pair, fmt::format("both stiffnesses are {} N/m", plain(series.pair_n_per_m[0])),

@@ -79,8 +79,12 @@ Diagnostic diagnostic_at_path(const JsonNode& root, const std::string& file, std
     outer = outer.substr(0, outer.find_last_of(".["));
     node = node_at(root, outer);
   }
-  return {file, node == nullptr ? 0 : node->line, node == nullptr ? 0 : node->column, std::string(path),
-          std::move(message), std::move(suggestion)};
+  return {file,
+          node == nullptr ? 0 : node->line,
+          node == nullptr ? 0 : node->column,
+          std::string(path),
+          std::move(message),
+          std::move(suggestion)};
 }
 
 void ProtocolReading::error_at(std::string_view path, std::string message, std::string suggestion) {

@@ -11,7 +11,7 @@
 namespace jnd {
 
 struct ProtocolCheck {
-  std::optional<Protocol> protocol;     // none where errors is not empty
+  std::optional<Protocol> protocol;  // none where errors is not empty
   std::vector<Diagnostic> errors;
   std::vector<Diagnostic> warnings;
 };

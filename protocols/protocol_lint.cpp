@@ -26,7 +26,8 @@ void lint_names(ProtocolReading& reading) {
       if (all[i].name.empty()) continue;
       const auto [known, is_new] = first.emplace(all[i].name, i);
       if (!is_new)
-        reading.error_at(element(list, i, "name"), fmt::format("there are two {} named {}", what, quoted(all[i].name)),
+        reading.error_at(element(list, i, "name"),
+                         fmt::format("there are two {} named {}", what, in_quotes(all[i].name)),
                          "names must differ: draws and results are keyed by them");
     }
   };
@@ -38,10 +39,11 @@ void lint_conditions(ProtocolReading& reading) {
   const auto& conditions = reading.protocol.conditions;
   for (std::size_t i = 1; i < conditions.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      const bool readable = reading.sound(element("conditions", i, "cues")) && reading.sound(element("conditions", j, "cues"));
+      const bool readable =
+          reading.sound(element("conditions", i, "cues")) && reading.sound(element("conditions", j, "cues"));
       if (readable && conditions[i].cues == conditions[j].cues) {
         reading.error_at(element("conditions", i, "cues"),
-                         fmt::format("has the same cues as condition {}", quoted(conditions[j].name)),
+                         fmt::format("has the same cues as condition {}", in_quotes(conditions[j].name)),
                          "the two would feel alike: change one, or remove it");
         break;
       }
@@ -110,13 +112,13 @@ void lint_trials(ProtocolReading& reading) {
                                 : fmt::format("balanced sampling needs a multiple of 4: {} or {}", below, below + 4));
   }
   if (design.run_limit && sampling && design.sampling == Sampling::random) {
-    reading.error_at("$.design.run_limit",
-                     "a run limit changes P(same) of independent random draws",
+    reading.error_at("$.design.run_limit", "a run limit changes P(same) of independent random draws",
                      "remove it, or write \"sampling\": \"balanced\"");
   }
   if (!counts || !reading.sound("$.conditions") || !reading.sound("$.series")) return;
   const auto conditions = static_cast<int>(protocol.conditions.size());
-  const int block = design.arrangement == Arrangement::mixed ? design.trials_per_cell * conditions : design.trials_per_cell;
+  const int block =
+      design.arrangement == Arrangement::mixed ? design.trials_per_cell * conditions : design.trials_per_cell;
   if (design.run_limit && block > kMostTrialsOfLimitedBlock) {
     reading.error_at("$.design.run_limit", fmt::format("a block has {} trials", block),
                      fmt::format("a run limit works for blocks of at most {}", kMostTrialsOfLimitedBlock));

@@ -37,7 +37,7 @@ void read_options(JsonReader& reader, Question& question, ProtocolReading& readi
     const auto option = text_of(item, {.max_length = 100}, reading.errors, reading.file);
     if (!option) continue;
     if (std::find(question.options.begin(), question.options.end(), *option) != question.options.end())
-      reading.error(item, fmt::format("the option {} is given twice", quoted(*option)), "options must differ");
+      reading.error(item, fmt::format("the option {} is given twice", in_quotes(*option)), "options must differ");
     question.options.push_back(*option);
   }
 }
@@ -58,7 +58,7 @@ Question read_question(const JsonNode& node, ProtocolReading& reading) {
   const bool good_id = std::all_of(question.id.begin(), question.id.end(), [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
   });
-  if (!good_id) reader.error("id", quoted(question.id) + " cannot be an id", "letters, digits, _ and -, at most 32");
+  if (!good_id) reader.error("id", in_quotes(question.id) + " cannot be an id", "letters, digits, _ and -, at most 32");
   question.when = reader.one_of<When>("when", {{"before-session", When::before_session},
                                                {"after-condition", When::after_condition},
                                                {"after-series", When::after_series},
@@ -85,7 +85,9 @@ Question read_question(const JsonNode& node, ProtocolReading& reading) {
         read_options(reader, question, reading);
         refuse_others(reader, "choice", {"min", "max", "low", "high"});
         break;
-      case Kind::text: refuse_others(reader, "text", {"min", "max", "low", "high", "options"}); break;
+      case Kind::text:
+        refuse_others(reader, "text", {"min", "max", "low", "high", "options"});
+        break;
     }
   }
   if (question.per_condition && question.when != When::after_session && reading.sound(node.path + ".when"))
@@ -109,7 +111,7 @@ void read_practice(const JsonNode& node, ProtocolReading& reading) {
       const auto place = condition_place(item, reading);
       if (!place) continue;
       if (std::find(practice.conditions.begin(), practice.conditions.end(), *place) != practice.conditions.end())
-        reading.error(item, quoted(item.text) + " is named twice", "name each condition once; they take turns");
+        reading.error(item, in_quotes(item.text) + " is named twice", "name each condition once; they take turns");
       practice.conditions.push_back(*place);
     }
   } else {
@@ -129,8 +131,8 @@ void read_breaks(const JsonNode& list, ProtocolReading& reading) {
   for (const JsonNode& item : list.items) {
     Break pause;
     JsonReader reader(item, reading.errors, reading.file);
-    pause.after = reader.one_of<After>(
-        "after", {{"block", After::block}, {"series", After::series}, {"trials", After::trials}});
+    pause.after =
+        reader.one_of<After>("after", {{"block", After::block}, {"series", After::series}, {"trials", After::trials}});
     if (!reading.sound(item.path + ".after")) {
       reader.ignore("trials");
     } else if (pause.after == After::trials) {
@@ -151,7 +153,8 @@ void read_questions(const JsonNode& list, ProtocolReading& reading) {
   for (const JsonNode& item : list.items) {
     Question question = read_question(item, reading);
     if (!question.id.empty() && !ids.insert(question.id).second)
-      reading.error(*item.find("id"), fmt::format("the id {} is taken already", quoted(question.id)), "ids must differ");
+      reading.error(*item.find("id"), fmt::format("the id {} is taken already", in_quotes(question.id)),
+                    "ids must differ");
     reading.protocol.questions.push_back(std::move(question));
   }
 }

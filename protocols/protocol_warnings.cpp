@@ -21,11 +21,12 @@ constexpr double kLongSession_s = 90 * 60;
 void warn_about_counts(ProtocolReading& reading) {
   const Design& design = reading.protocol.design;
   if (design.trials_per_cell < 2 * kFewTrialsOfClass) {
-    reading.warn_at("$.design.trials_per_cell",
-                    fmt::format("{} trials a cell give about {} \"same\" and {} \"different\" ones: rates in steps of {:.0f} %",
-                                design.trials_per_cell, design.trials_per_cell / 2,
-                                design.trials_per_cell - design.trials_per_cell / 2, 200.0 / design.trials_per_cell),
-                    fmt::format("plan at least {} of each class, {} trials", kFewTrialsOfClass, 2 * kFewTrialsOfClass));
+    reading.warn_at(
+        "$.design.trials_per_cell",
+        fmt::format("{} trials a cell give about {} \"same\" and {} \"different\" ones: rates in steps of {:.0f} %",
+                    design.trials_per_cell, design.trials_per_cell / 2,
+                    design.trials_per_cell - design.trials_per_cell / 2, 200.0 / design.trials_per_cell),
+        fmt::format("plan at least {} of each class, {} trials", kFewTrialsOfClass, 2 * kFewTrialsOfClass));
   }
   std::string shares;
   double worst = 0;
@@ -35,22 +36,23 @@ void warn_about_counts(ProtocolReading& reading) {
     shares += fmt::format("{}{} {:.0f} %", shares.empty() ? "" : ", ", condition.name, 100 * share);
   }
   if (worst > kMuchExtreme) {
-    reading.warn_at("$.design.trials_per_cell",
-                    fmt::format("a hit or false-alarm rate of 0 or 1 in some series is expected for {} of the participants",
-                                shares),
-                    "where d' depends on the correction; more trials a cell make it rarer");
+    reading.warn_at(
+        "$.design.trials_per_cell",
+        fmt::format("a hit or false-alarm rate of 0 or 1 in some series is expected for {} of the participants",
+                    shares),
+        "where d' depends on the correction; more trials a cell make it rarer");
   }
 }
 
 void warn_about_draws(ProtocolReading& reading) {
   const Design& design = reading.protocol.design;
   if (design.sampling == Sampling::random) {
-    reading.warn_at("$.design.sampling",
-                    "independent draws leave the number of \"same\" trials of a cell to chance",
+    reading.warn_at("$.design.sampling", "independent draws leave the number of \"same\" trials of a cell to chance",
                     "\"balanced\" blocks have the same P(same) and equal classes");
   }
   if (design.run_limit && *design.run_limit == 1) {
-    reading.warn_at("$.design.run_limit", "a run limit of 1 makes \"same\" and \"different\" alternate: answers can be guessed",
+    reading.warn_at("$.design.run_limit",
+                    "a run limit of 1 makes \"same\" and \"different\" alternate: answers can be guessed",
                     "3 or 4 keep long runs away");
   }
 }
@@ -61,9 +63,10 @@ void warn_about_cohort(ProtocolReading& reading) {
   const int participants = reading.protocol.design.participants;
   if (participants % group != 0) {
     const int above = (participants / group + 1) * group;
-    reading.warn_at("$.design.participants",
-                    fmt::format("{} participants do not use the {} orders equally often", participants, group),
-                    above - group > 0 ? fmt::format("{} or {} would", above - group, above) : fmt::format("{} would", above));
+    reading.warn_at(
+        "$.design.participants",
+        fmt::format("{} participants do not use the {} orders equally often", participants, group),
+        above - group > 0 ? fmt::format("{} or {} would", above - group, above) : fmt::format("{} would", above));
   }
 }
 

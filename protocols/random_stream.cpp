@@ -37,6 +37,8 @@ double RandomStream::uniform() noexcept {
   return (static_cast<double>(next() >> 12U) + 0.5) * 0x1.0p-52;
 }
 
-double RandomStream::normal() noexcept { return normal_quantile(uniform()); }
+double RandomStream::normal() noexcept {
+  return normal_quantile(uniform());
+}
 
 }  // namespace jnd

@@ -28,13 +28,14 @@ class RandomStream {
  public:
   // participant: 0 for what belongs to the whole study. purpose: a fixed name, such as "classes/1/SV".
   // part: separates streams of one purpose, such as a trial's index.
-  RandomStream(std::uint64_t study_seed, std::uint64_t participant, std::string_view purpose, std::uint64_t part = 0) noexcept;
+  RandomStream(std::uint64_t study_seed, std::uint64_t participant, std::string_view purpose,
+               std::uint64_t part = 0) noexcept;
 
-  std::uint64_t next() noexcept;                            // uniform over all 64-bit values
-  std::uint64_t below(std::uint64_t bound) noexcept;        // uniform over 0..bound-1, without modulo bias; bound >= 1
-  bool coin() noexcept { return (next() >> 63U) != 0; }     // true half the time
-  double uniform() noexcept;                                // open interval (0, 1)
-  double normal() noexcept;                                 // mean 0, standard deviation 1, by inverse CDF
+  std::uint64_t next() noexcept;                         // uniform over all 64-bit values
+  std::uint64_t below(std::uint64_t bound) noexcept;     // uniform over 0..bound-1, without modulo bias; bound >= 1
+  bool coin() noexcept { return (next() >> 63U) != 0; }  // true half the time
+  double uniform() noexcept;                             // open interval (0, 1)
+  double normal() noexcept;                              // mean 0, standard deviation 1, by inverse CDF
 
   // Fisher-Yates: every order of the elements is equally likely.
   template <typename Container>

@@ -12,7 +12,9 @@ constexpr int kMostTrials = 1000;
 class RunCounts {
  public:
   RunCounts(int same, int different, int limit)
-      : width_(static_cast<std::size_t>(different) + 1), limit_(limit), ways_(2 * (static_cast<std::size_t>(same) + 1) * width_) {
+      : width_(static_cast<std::size_t>(different) + 1),
+        limit_(limit),
+        ways_(2 * (static_cast<std::size_t>(same) + 1) * width_) {
     for (int s = 0; s <= same; ++s) {
       for (int d = 0; d <= different; ++d) {
         for (const int first : {0, 1}) {

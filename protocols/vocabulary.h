@@ -50,12 +50,12 @@ struct FingerPresentation {
   std::int64_t fit_samples = 0;
   double peak_force_n = 0;
   double deepest_penetration_m = 0;
-  double work_j = 0;             // done by the finger on the sphere while loading: integral of force d(penetration), rising part
+  double work_j = 0;  // done by the finger on the sphere while loading: integral of force d(penetration), rising part
   double mean_speed_m_per_s = 0;  // mean absolute penetration rate in contact
   int contacts = 0;
-  double dwell_s = 0;            // time in contact
-  double saturated_share = 0;    // of contact time, the part in which a limit reduced the asked force
-  double vibration_g = 0;        // amplitude of the bursts delivered; 0 without one
+  double dwell_s = 0;          // time in contact
+  double saturated_share = 0;  // of contact time, the part in which a limit reduced the asked force
+  double vibration_g = 0;      // amplitude of the bursts delivered; 0 without one
   bool vibration_clamped = false;
 };
 
@@ -65,8 +65,8 @@ struct Presentation {
   double first_contact_s = -1;              // after the interval began; -1 without contact
   double duration_s = 0;
   std::int64_t ticks = 0;
-  std::int64_t overruns = 0;                // whole periods skipped
-  double lateness_p50_us = 0;               // of the ticks' wake-ups; 0 on the simulated clock
+  std::int64_t overruns = 0;   // whole periods skipped
+  double lateness_p50_us = 0;  // of the ticks' wake-ups; 0 on the simulated clock
   double lateness_p99_us = 0;
   double lateness_max_us = 0;
   Fault fault = Fault::none;
@@ -74,8 +74,8 @@ struct Presentation {
 
 // One planned trial.
 struct Trial {
-  int index = 0;      // place in the plan, from 1; practice comes first
-  int block = 0;      // from 1; 0 for practice
+  int index = 0;  // place in the plan, from 1; practice comes first
+  int block = 0;  // from 1; 0 for practice
   bool practice = false;
   int round = 0;      // practice round from 1; 0 in the main part
   int series = 0;     // place in Protocol::series, from 0

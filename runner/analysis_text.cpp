@@ -80,7 +80,7 @@ void print_participants(const StudyAnalysis& analysis, const Protocol& protocol)
   for (const ThresholdResult& row : analysis.thresholds) {
     table.add({row.participant == last ? "" : row.participant, condition_at(protocol, row.condition).name,
                number(100 * row.jnd.slope, 3), number(row.jnd.jnd, 1), percent(row.jnd.weber),
-               number(row.mean_trial_s, 1), remarks(row.jnd)});
+               row.mean_trial_s > 0 ? number(row.mean_trial_s, 1) : "-", remarks(row.jnd)});
     last = row.participant;
   }
   fmt::print("{}\n", table.text());
@@ -97,7 +97,7 @@ void print_cells(const StudyAnalysis& analysis, const Protocol& protocol) {
   for (const CellResult& cell : analysis.cells) {
     std::string note = cell.yes_no.status == RateStatus::ok ? "" : std::string(to_string(cell.yes_no.status));
     if (cell.excluded > 0) note += fmt::format("{}{} excluded", note.empty() ? "" : ", ", cell.excluded);
-    if (cell.missing > 0) note += fmt::format("{}{} missing", note.empty() ? "" : ", ", cell.missing);
+    if (cell.missing > 0) note += fmt::format("{}{} not done", note.empty() ? "" : ", ", cell.missing);
     table.add({cell.participant, condition_at(protocol, cell.condition).name,
                protocol.series[static_cast<std::size_t>(cell.series)].name,
                fmt::format("{}/{}", cell.counts.hits, cell.counts.n_diff),

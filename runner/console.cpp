@@ -4,7 +4,6 @@
 #include <cstdio>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "runner/interrupt.h"
 #include "runner/terminal.h"
@@ -107,12 +106,20 @@ std::optional<Answer> KeyboardResponder::judge(const TrialQuestion& question) {
 
 namespace {
 
+// A choice may be typed as its number.
+std::string chosen(const Question& question, const std::string& text) {
+  if (question.kind != Question::Kind::choice) return text;
+  for (std::size_t i = 0; i < question.options.size(); ++i)
+    if (text == std::to_string(i + 1)) return question.options[i];
+  return text;
+}
+
 // What is wrong with a reply, or an empty text.
 std::string mistake_in(const Question& question, const std::string& text) {
   if (question.kind == Question::Kind::choice) {
     for (const std::string& option : question.options)
       if (option == text) return "";
-    return fmt::format("please type one of: {}", fmt::join(question.options, ", "));
+    return "please type the number of an answer";
   }
   if (question.kind == Question::Kind::text) return "";
   std::size_t used = 0;
@@ -138,18 +145,19 @@ std::optional<std::string> KeyboardResponder::reply(const Question& question, in
   if (question.kind == Question::Kind::rating)
     say("  {:g} = {}  ...  {:g} = {}\n", question.min, printable(question.low_label), question.max,
         printable(question.high_label));
-  for (std::size_t i = 0; i < question.options.size(); ++i) say("  - {}\n", printable(question.options[i]));
+  for (std::size_t i = 0; i < question.options.size(); ++i) say("  [{}] {}\n", i + 1, printable(question.options[i]));
   if (!question.required) say("{}\n", dim("  an empty line skips this question"));
   while (!interrupt_requested()) {
     say("  > ");
-    const std::optional<std::string> text = keyboard_.line();
-    if (!text) {
+    const std::optional<std::string> line = keyboard_.line();
+    if (!line) {
       if (keyboard_.at_end()) request_interrupt();
       return std::nullopt;
     }
-    if (text->empty() && !question.required) return std::nullopt;
-    const std::string mistake = mistake_in(question, *text);
-    if (mistake.empty() && !text->empty()) return text;
+    if (line->empty() && !question.required) return std::nullopt;
+    const std::string text = chosen(question, *line);
+    const std::string mistake = mistake_in(question, text);
+    if (mistake.empty() && !text.empty()) return text;
     say("  {}\n", mistake.empty() ? "please type an answer" : mistake);
   }
   return std::nullopt;

@@ -7,6 +7,7 @@ program had acknowledged must be there. Two kinds of session: simulated particip
 Usage: kill_sessions.py JND [--kills N] [--seed N]
 """
 import argparse
+import contextlib
 import json
 import os
 import pty
@@ -26,9 +27,8 @@ COLUMNS = ("participant", "trial", "attempt", "block", "practice", "series", "co
 
 def trials(study):
     """The trials table without times, in presented order."""
-    with sqlite3.connect(study) as connection:
-        rows = connection.execute(f"SELECT {', '.join(COLUMNS)} FROM trials ORDER BY participant, seq").fetchall()
-    return rows
+    with contextlib.closing(sqlite3.connect(study)) as connection:
+        return connection.execute(f"SELECT {', '.join(COLUMNS)} FROM trials ORDER BY participant, seq").fetchall()
 
 
 def check(condition, message):

@@ -8,8 +8,12 @@
 
 namespace jnd::test {
 
-std::filesystem::path protocols_folder() { return std::filesystem::path(JND_SOURCE_DIR) / "protocols"; }
-std::filesystem::path corpus_folder() { return std::filesystem::path(JND_SOURCE_DIR) / "tests/protocols/corpus"; }
+std::filesystem::path protocols_folder() {
+  return std::filesystem::path(JND_SOURCE_DIR) / "protocols";
+}
+std::filesystem::path corpus_folder() {
+  return std::filesystem::path(JND_SOURCE_DIR) / "tests/protocols/corpus";
+}
 
 std::string read_text(const std::filesystem::path& path) {
   std::ifstream stream(path, std::ios::binary);
@@ -21,7 +25,8 @@ std::vector<std::filesystem::path> json_files(const std::filesystem::path& folde
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
-    if (entry.path().extension() == ".json" && name.find(".schema.") == std::string::npos) files.push_back(entry.path());
+    if (entry.path().extension() == ".json" && name.find(".schema.") == std::string::npos)
+      files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end());
   return files;

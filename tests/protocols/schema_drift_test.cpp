@@ -109,7 +109,8 @@ TEST_CASE("the complete example uses every key that the schema knows") {
         CHECK(text.find("\"" + key + "\":") != std::string::npos);
       }
     }
-    if (part.is_structured()) for (const auto& item : part) visit(item);
+    if (part.is_structured())
+      for (const auto& item : part) visit(item);
   };
   visit(schema);
 }

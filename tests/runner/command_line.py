@@ -3,6 +3,7 @@
 
 Usage: command_line.py JND
 """
+import contextlib
 import csv
 import json
 import os
@@ -17,6 +18,16 @@ import unittest
 JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
 
 
+def read(path):
+    with open(path, encoding="utf-8") as file:
+        return file.read()
+
+
+def write(path, text):
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(text)
+
+
 class CommandLine(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -24,11 +35,11 @@ class CommandLine(unittest.TestCase):
         cls.path = cls.folder.name
         cls.small = os.path.join(cls.path, "small.json")
         cls.jnd_class("new", cls.small, "--from", "chinello2017")
-        protocol = json.load(open(cls.small))
+        protocol = json.loads(read(cls.small))
         protocol.pop("assumed")
         protocol["design"]["trials_per_cell"] = 4
         protocol["trial"].update(explore_s=0.5, gap_s=0.1, between_trials_s=0.1)
-        json.dump(protocol, open(cls.small, "w"), indent=1)
+        write(cls.small, json.dumps(protocol, indent=1))
 
     @classmethod
     def tearDownClass(cls):
@@ -61,8 +72,8 @@ class CommandLine(unittest.TestCase):
 
     def test_check_locates_mistakes_and_exits_with_3(self):
         bad = os.path.join(self.path, "bad.json")
-        text = open(self.small).read().replace('"explore_s"', '"explor_s"').replace('"balanced"', '"balancd"')
-        open(bad, "w").write(text)
+        text = read(self.small).replace('"explore_s"', '"explor_s"').replace('"balanced"', '"balancd"')
+        write(bad, text)
         out = self.jnd("check", bad, code=3).stdout
         self.assertRegex(out, r"bad\.json:\d+:\d+: \$\.trial")
         self.assertIn("explore_s", out)
@@ -90,9 +101,9 @@ class CommandLine(unittest.TestCase):
 
     def test_new_never_overwrites(self):
         self.jnd("new", "mine.json")
-        before = open(os.path.join(self.path, "mine.json")).read()
+        before = read(os.path.join(self.path, "mine.json"))
         self.jnd("new", "mine.json", "--from", "chinello2017", code=2)
-        self.assertEqual(open(os.path.join(self.path, "mine.json")).read(), before)
+        self.assertEqual(read(os.path.join(self.path, "mine.json")), before)
 
     def test_plan_is_a_pure_function(self):
         one = json.loads(self.jnd("plan", "chinello2017", "--participant", "7", "--seed", "5", "--json").stdout)
@@ -121,7 +132,7 @@ class CommandLine(unittest.TestCase):
             cells = list(csv.DictReader(file))
         self.assertEqual(len(cells), 9)
         # The counts of the CSV are those of the JSON and of the view.
-        with sqlite3.connect(study) as connection:
+        with contextlib.closing(sqlite3.connect(study)) as connection:
             hits = connection.execute("SELECT count(*) FROM trials WHERE participant = 'P02' AND same = 0 AND answer = 'different'").fetchone()[0]
         self.assertEqual(sum(int(cell["hits"]) for cell in cells), hits)
         self.assertEqual(sum(c["hits"] for p in analysis["participants"] if p["participant"] == "P02" for c in p["cells"]), hits)
@@ -149,14 +160,14 @@ class CommandLine(unittest.TestCase):
         self.assertIn("participant code", self.jnd("run", self.small, "--study", study, "--participant", "../x", code=2).stderr)
         self.assertEqual(os.path.getsize(study), size)
         text = os.path.join(self.path, "text.sqlite")
-        open(text, "w").write("not a database, but longer than a header would be " * 40)
+        write(text, "not a database, but longer than a header would be " * 40)
         self.jnd("analyze", text, code=5)
         self.jnd("simulate", self.small, "--study", text, code=5)
-        self.assertTrue(open(text).read().startswith("not a database"))
+        self.assertTrue(read(text).startswith("not a database"))
 
     def test_a_changed_answer_is_found(self):
         study = self.study("tampered.sqlite")
-        with sqlite3.connect(study) as connection:
+        with contextlib.closing(sqlite3.connect(study)) as connection:
             names = [row[0] for row in connection.execute("SELECT name FROM sqlite_master WHERE type = 'trigger'")]
             self.assertTrue(names)
             with self.assertRaises(sqlite3.DatabaseError):
@@ -166,7 +177,8 @@ class CommandLine(unittest.TestCase):
             for name in names:
                 connection.execute(f"DROP TRIGGER {name}")
             changed = connection.execute("UPDATE event SET body = replace(body, '\"answer\":\"same\"', '\"answer\":\"different\"') "
-                                         "WHERE seq = 5 AND kind = 'trial.completed'").rowcount
+                                         "WHERE rowid = (SELECT min(rowid) FROM event WHERE kind = 'trial.completed' AND body LIKE '%\"answer\":\"same\"%')").rowcount
+            connection.commit()
         self.assertGreater(changed, 0)
         self.assertIn("problem", self.jnd("verify", study, code=1).stdout)
 

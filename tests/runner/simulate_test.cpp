@@ -92,7 +92,7 @@ struct Recovered {
 
 Recovered recover(const std::string& profile_name, int participants, int trials_per_cell,
                   const RigFilter& filter = {}) {
-  const Protocol protocol = published(trials_per_cell, 0.4);
+  const Protocol protocol = published(trials_per_cell, 0.5);
   const DeviceSpec device = spec();
   const ParticipantProfile who = profile(profile_name);
   Simulation simulation{protocol, device, who};
@@ -152,7 +152,7 @@ class OneStiffnessRig final : public Rig {
 
 TEST_CASE("Nothing leaks: a rig that renders every sphere alike brings every d' to 0 within its error") {
   for (const char* name : {"chinello2017", "chinello2017-differencing"}) {
-    const Protocol protocol = published(80, 0.4);
+    const Protocol protocol = published(80, 0.5);
     const DeviceSpec device = spec();
     const ParticipantProfile who = profile(name);
     Simulation simulation{protocol, device, who};

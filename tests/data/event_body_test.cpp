@@ -1,0 +1,174 @@
+// Records survive the log exactly, and a replay says where a session goes on.
+#include "data/event_body.h"
+
+#include <rapidcheck.h>
+
+#include "data/storage_error.h"
+#include "tests/catch.h"
+#include "tests/data/study_fixture.h"
+
+namespace jnd {
+namespace {
+
+bool equal(const FingerPresentation& a, const FingerPresentation& b) {
+  return a.stiffness_n_per_m == b.stiffness_n_per_m && a.fit_samples == b.fit_samples &&
+         a.peak_force_n == b.peak_force_n && a.deepest_penetration_m == b.deepest_penetration_m &&
+         a.work_j == b.work_j && a.mean_speed_m_per_s == b.mean_speed_m_per_s && a.contacts == b.contacts &&
+         a.dwell_s == b.dwell_s && a.saturated_share == b.saturated_share && a.vibration_g == b.vibration_g &&
+         a.vibration_clamped == b.vibration_clamped;
+}
+
+bool equal(const Presentation& a, const Presentation& b) {
+  if (a.fingers.size() != b.fingers.size()) return false;
+  for (std::size_t i = 0; i < a.fingers.size(); ++i)
+    if (!equal(a.fingers[i], b.fingers[i])) return false;
+  return a.first_contact_s == b.first_contact_s && a.duration_s == b.duration_s && a.ticks == b.ticks &&
+         a.overruns == b.overruns && a.lateness_p50_us == b.lateness_p50_us && a.lateness_p99_us == b.lateness_p99_us &&
+         a.lateness_max_us == b.lateness_max_us && a.fault == b.fault;
+}
+
+bool equal(const TrialRecord& a, const TrialRecord& b) {
+  return a.trial == b.trial && a.attempt == b.attempt && a.condition_name == b.condition_name &&
+         a.series_name == b.series_name && a.answer.judgement == b.answer.judgement &&
+         a.answer.entered_by == b.answer.entered_by && a.answer.response_time_s == b.answer.response_time_s &&
+         equal(a.presentations[0], b.presentations[0]) && equal(a.presentations[1], b.presentations[1]) &&
+         a.duration_s == b.duration_s;
+}
+
+// Any finite double, from its bits: tiny, huge and subnormal ones among them.
+double any_double() {
+  const double value = *rc::gen::arbitrary<double>();
+  return std::isfinite(value) ? value : 0.1;
+}
+
+FingerPresentation any_finger() {
+  FingerPresentation finger;
+  if (*rc::gen::arbitrary<bool>()) finger.stiffness_n_per_m = any_double();
+  finger.fit_samples = *rc::gen::arbitrary<std::int64_t>();
+  finger.peak_force_n = any_double();
+  finger.deepest_penetration_m = any_double();
+  finger.work_j = any_double();
+  finger.mean_speed_m_per_s = any_double();
+  finger.contacts = *rc::gen::arbitrary<int>();
+  finger.dwell_s = any_double();
+  finger.saturated_share = any_double();
+  finger.vibration_g = any_double();
+  finger.vibration_clamped = *rc::gen::arbitrary<bool>();
+  return finger;
+}
+
+Presentation any_presentation() {
+  Presentation presentation;
+  for (int i = *rc::gen::inRange(0, 3); i > 0; --i) presentation.fingers.push_back(any_finger());
+  if (*rc::gen::arbitrary<bool>()) presentation.first_contact_s = std::abs(any_double());
+  presentation.duration_s = any_double();
+  presentation.ticks = *rc::gen::arbitrary<std::int64_t>();
+  presentation.overruns = *rc::gen::arbitrary<std::int64_t>();
+  presentation.lateness_p50_us = any_double();
+  presentation.lateness_p99_us = any_double();
+  presentation.lateness_max_us = any_double();
+  presentation.fault = *rc::gen::element(Fault::none, Fault::no_contact, Fault::stale_pose, Fault::non_finite,
+                                         Fault::device_lost, Fault::emergency_stop, Fault::interrupted);
+  return presentation;
+}
+
+TEST_CASE("any trial record comes back from its stored text, every double to the bit", "[data]") {
+  REQUIRE(rc::check([] {
+    TrialRecord record;
+    record.trial.index = *rc::gen::arbitrary<int>();
+    record.trial.block = *rc::gen::arbitrary<int>();
+    record.trial.practice = *rc::gen::arbitrary<bool>();
+    record.trial.round = *rc::gen::arbitrary<int>();
+    record.trial.series = *rc::gen::arbitrary<int>();
+    record.trial.condition = *rc::gen::arbitrary<int>();
+    record.trial.stimuli_n_per_m = {any_double(), any_double()};
+    record.trial.same = *rc::gen::arbitrary<bool>();
+    record.attempt = *rc::gen::arbitrary<int>();
+    record.condition_name = *rc::gen::string<std::string>();
+    for (char& c : record.condition_name) c = static_cast<char>(c & 0x7F);  // names are UTF-8
+    record.series_name = "\"500, 900\"\n\xC3\xA9";
+    record.answer.judgement = *rc::gen::element(Judgement::same, Judgement::different);
+    record.answer.entered_by = *rc::gen::element(EnteredBy::participant, EnteredBy::operator_);
+    record.answer.response_time_s = any_double();
+    record.duration_s = any_double();
+    record.presentations = {any_presentation(), any_presentation()};
+    const std::string text = body_text(to_body(record));
+    RC_ASSERT(equal(trial_record_from(nlohmann::ordered_json::parse(text)), record));
+  }));
+}
+
+TEST_CASE("a value that could not be computed is null in the log and NaN again when read", "[data]") {
+  TrialRecord record = record_of(tutorial(), make_plan(tutorial(), 1, kSeed).trials.front(), Judgement::same);
+  record.presentations[0].fingers[0].work_j = std::nan("");
+  const std::string text = body_text(to_body(record));
+  CHECK(text.find("\"work_j\":null") != std::string::npos);
+  CHECK(std::isnan(trial_record_from(nlohmann::ordered_json::parse(text)).presentations[0].fingers[0].work_j));
+}
+
+TEST_CASE("text that is not UTF-8 is stored in its readable part, not refused", "[data]") {
+  const std::string text = body_text(question_body("comment", "after_session", "", "caf\xE9!", 0));
+  CHECK(text.find("caf\xEF\xBF\xBD!") != std::string::npos);
+}
+
+TEST_CASE("a body that is not a trial is refused with the reason", "[data]") {
+  const auto good = to_body(record_of(tutorial(), make_plan(tutorial(), 1, kSeed).trials.front(), Judgement::same));
+  for (const char* key : {"index", "stimulus_1_n_per_m", "answer", "presentations", "entered_by"}) {
+    auto body = good;
+    body.erase(key);
+    CHECK_THROWS_AS(trial_record_from(body), StorageError);
+  }
+  auto body = good;
+  body["answer"] = "maybe";
+  CHECK_THROWS_WITH(trial_record_from(body), Catch::Contains("maybe"));
+  CHECK_THROWS_AS(trial_record_from(nlohmann::ordered_json(3)), StorageError);
+}
+
+TEST_CASE("a question asked several times has a key for each asking", "[data]") {
+  CHECK(question_key("age", "", 0) == "age");
+  CHECK(question_key("rating", "SV", 0) == "rating/SV");
+  CHECK(question_key("rating", "SV", 36) == "rating/SV@36");
+  CHECK(question_key("tired", "", 12) == "tired@12");
+}
+
+TEST_CASE("a replay says what happened and what is still open", "[data]") {
+  const Plan plan = make_plan(tutorial(), 1, kSeed);
+  MemoryLog log;
+  log.append(event_kind::kSessionOpened, {{"participant", "P01"}}, {1, 1});
+  CHECK_FALSE(replay(log.events()).closed);
+  const Trial &a = plan.trials[8], &b = plan.trials[9], &c = plan.trials[10];
+  log.append(event_kind::kQuestionAnswered, question_body("handedness", "before_session", "", "left", 0), {2, 2});
+  log.append(event_kind::kPracticeEnded, {{"rounds", 1}, {"share_correct", 1.0}, {"passed", true}}, {3, 3});
+  log.append(event_kind::kTrialVoided, voided_body(a, 1, "no_answer"), {4, 4});
+  log.append(event_kind::kTrialVoided, voided_body(tutorial(), b, 1, "stale_pose"), {5, 5});
+  log.append(event_kind::kTrialVoided, voided_body(a, 2, "no_answer"), {6, 6});
+  log.append(event_kind::kTrialsShort, voided_body(b, 3, "attempts used up"), {7, 7});
+  log.append(event_kind::kTrialCompleted, to_body(record_of(tutorial(), c, Judgement::different)), {8, 8});
+  log.append(event_kind::kBreakTaken, {{"after_trial", 12}, {"duration_s", 20.0}}, {9, 9});
+  log.append(event_kind::kQuestionAnswered, question_body(tutorial().questions.back(), "SV", "7", 4), {10, 10});
+  log.append(event_kind::kSessionResumed, nlohmann::ordered_json::object(), {11, 12});
+
+  SessionState state = replay(log.events());
+  CHECK(state.opened);
+  CHECK_FALSE(state.closed);
+  CHECK(state.practice_ended);
+  CHECK(state.voided == std::map<int, int>{{a.index, 2}, {b.index, 1}});
+  CHECK(state.void_order == std::vector<int>{b.index, a.index});
+  CHECK(state.abandoned == std::set<int>{b.index});
+  REQUIRE(state.completed.size() == 1);
+  CHECK(state.completed[0].trial == c);
+  CHECK(state.breaks_after == std::set<int>{12});
+  CHECK(state.answered == std::set<std::string>{"handedness", "effectiveness/SV@4"});
+  CHECK(state.last_utc_ns == 11);
+  CHECK(state.last_monotonic_ns == 12);
+  log.append(event_kind::kSessionClosed, nlohmann::ordered_json::object(), {13, 13});
+  CHECK(replay(log.events()).closed);
+}
+
+TEST_CASE("a replay of a broken event names it", "[data]") {
+  MemoryLog log;
+  log.append(event_kind::kTrialCompleted, {{"index", 1}}, {1, 1});
+  CHECK_THROWS_WITH(replay(log.events()), Catch::Contains("event 1") && Catch::Contains("jnd verify"));
+}
+
+}  // namespace
+}  // namespace jnd

@@ -1,0 +1,221 @@
+// CSV files: exact text, the same whatever the locale, threads or order of sessions, and never over other people's
+// files.
+#include "data/export.h"
+
+#include <clocale>
+#include <limits>
+#include <locale>
+#include <map>
+#include <set>
+#include <thread>
+
+#include "data/csv_writer.h"
+#include "tests/catch.h"
+#include "tests/data/study_fixture.h"
+
+namespace jnd {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A reader of RFC 4180, written apart from the writer.
+std::vector<std::vector<std::string>> read_csv(const std::string& text) {
+  std::vector<std::vector<std::string>> rows(1, {""});
+  bool quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (quoted && c == '"' && i + 1 < text.size() && text[i + 1] == '"') {
+      rows.back().back() += text[++i];
+    } else if (c == '"') {
+      quoted = !quoted;
+    } else if (!quoted && c == ',') {
+      rows.back().emplace_back();
+    } else if (!quoted && c == '\n') {
+      rows.push_back({""});
+    } else {
+      rows.back().back() += c;
+    }
+  }
+  rows.pop_back();  // the last line ends with a line feed
+  return rows;
+}
+
+std::map<std::string, std::string> files_in(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.is_regular_file()) files[entry.path().lexically_relative(folder).string()] = bytes_of(entry.path());
+  return files;
+}
+
+std::map<std::string, std::string> exported(const Study& study, const Protocol& protocol, const fs::path& folder,
+                                            bool replace = false) {
+  export_csv(study, protocol, analyze(study, protocol, SessionKind::simulated), folder, replace);
+  return files_in(folder);
+}
+
+std::unique_ptr<Study> small_study(const fs::path& path) {
+  auto study = new_study(path);
+  for (int number = 1; number <= 2; ++number) {
+    const NewSession session = new_session(number);
+    const auto log = study->open_session(session);
+    answer_all(*log, tutorial(), number);
+    log->append(event_kind::kQuestionAnswered, question_body(tutorial().questions[0], "", "=1+1, \"both\"\nhands", 0),
+                {9, 9});
+    log->append(event_kind::kQuestionAnswered, question_body(tutorial().questions[1], "SV", std::nullopt, 0), {9, 9});
+    study->close_session(session.id, {10, 10});
+  }
+  return study;
+}
+
+TEST_CASE("cells are quoted where they must be, and numbers keep every digit", "[data]") {
+  CHECK(csv_line({"a", "b,c", "say \"x\"", "two\nlines", ""}) == "a,\"b,c\",\"say \"\"x\"\"\",\"two\nlines\",\n");
+  CHECK(csv_number(0.1 + 0.2) == "0.30000000000000004");
+  CHECK(csv_number(500.0) == "500");
+  CHECK(csv_number(std::numeric_limits<double>::infinity()) == "Inf");
+  CHECK(csv_number(-std::numeric_limits<double>::infinity()) == "-Inf");
+  CHECK(csv_number(std::numeric_limits<double>::quiet_NaN()).empty());
+  CHECK(csv_number(std::numeric_limits<std::int64_t>::min()) == "-9223372036854775808");
+  CHECK(csv_flag(true) == "1");
+  CHECK(csv_flag(false) == "0");
+  for (const char* text : {"=1+1", "+1", "-1", "@SUM(A1)", "\tx", "\rx"})
+    CHECK(csv_text(text) == "'" + std::string(text));
+  CHECK(csv_text("a=1") == "a=1");
+  CHECK(csv_text("").empty());
+}
+
+TEST_CASE("an export holds every trial and result, and its dictionary every column of every file", "[data]") {
+  const TemporaryFolder folder;
+  const auto study = small_study(folder / "study.jnd");
+  const StudyAnalysis analysis = analyze(*study, tutorial(), SessionKind::simulated);
+  const auto listed = export_csv(*study, tutorial(), analysis, folder / "out", false);
+  const auto files = files_in(folder / "out");
+  CHECK(listed == std::vector<std::string>{"answers.csv", "contrasts.csv", "dictionary.csv", "group.csv",
+                                           "sessions.csv", "sub-P01/cells.csv", "sub-P01/report.csv",
+                                           "sub-P01/trials.csv", "sub-P02/cells.csv", "sub-P02/report.csv",
+                                           "sub-P02/trials.csv"});
+  CHECK(files.size() == listed.size());
+
+  std::map<std::string, std::set<std::string>> described;
+  for (const auto& row : read_csv(files.at("dictionary.csv"))) {
+    REQUIRE(row.size() == 5);
+    CHECK_FALSE(row[2].empty());
+    CHECK(described[row[0]].insert(row[1]).second);
+  }
+  for (const auto& [name, bytes] : files) {
+    CAPTURE(name);
+    const auto rows = read_csv(bytes);
+    const std::string pattern = name.starts_with("sub-") ? "sub-*" + name.substr(name.find('/')) : name;
+    const std::set<std::string> columns(rows[0].begin(), rows[0].end());
+    CHECK(columns.size() == rows[0].size());
+    CHECK(described.at(pattern) == columns);
+    for (const auto& row : rows) CHECK(row.size() == rows[0].size());
+    CHECK(bytes.find('\r') == std::string::npos);
+    CHECK(bytes.substr(0, 3) != "\xEF\xBB\xBF");
+  }
+
+  const auto trials = read_csv(files.at("sub-P01/trials.csv"));
+  CHECK(trials.size() == 1 + 24);  // practice too, marked
+  const auto at = [&](std::size_t row, const std::string& column) {
+    for (std::size_t i = 0; i < trials[0].size(); ++i)
+      if (trials[0][i] == column) return trials[row][i];
+    throw std::out_of_range(column);
+  };
+  CHECK(at(1, "practice") == "1");
+  CHECK(at(24, "practice") == "0");
+  CHECK(at(24, "kind") == "simulated");
+  CHECK(at(24, "protocol_sha256") == tutorial().sha256);
+  const Trial trial = make_plan(tutorial(), 1, kSeed).trials[23];
+  CHECK(at(24, "stimulus_1_n_per_m") == csv_number(trial.stimuli_n_per_m[0]));
+  CHECK(std::stod(at(24, "i1_thumb_stiffness_n_per_m")) == trial.stimuli_n_per_m[0] - 0.1 / 3);
+  CHECK(at(24, "i2_index_peak_force_n") == "4.1");
+  CHECK(at(24, "utc") == "2023-11-14T22:13:46.000000168Z");
+
+  CHECK(read_csv(files.at("sub-P02/cells.csv")).size() == 1 + 2);
+  CHECK(read_csv(files.at("sub-P02/report.csv")).size() == 1 + 2);
+  CHECK(read_csv(files.at("group.csv")).size() == 1 + 2);
+  const auto answers = read_csv(files.at("answers.csv"));
+  REQUIRE(answers.size() == 1 + 4);
+  CHECK(answers[1][9] == "'=1+1, \"both\"\nhands");
+  CHECK(answers[2][8] == "0");
+  CHECK(answers[2][9].empty());
+  CHECK(files.at("sessions.csv").find(analysis.heads[0].hash) != std::string::npos);
+  CHECK(files.at("sessions.csv").find(std::to_string(kSeed)) != std::string::npos);
+}
+
+TEST_CASE("the same events give the same bytes, however their sessions were interleaved", "[data]") {
+  const TemporaryFolder folder;
+  const auto one = new_study(folder / "one.jnd", chinello());
+  for (int number = 1; number <= 3; ++number) run_whole_session(*one, chinello(), number);
+  const auto two = new_study(folder / "two.jnd", chinello());
+  {
+    std::vector<std::thread> threads;
+    for (int number = 3; number >= 1; --number)
+      threads.emplace_back([&two, number] { run_whole_session(*two, chinello(), number); });
+    for (std::thread& thread : threads) thread.join();
+  }
+  const auto expected = exported(*one, chinello(), folder / "a");
+  CHECK(exported(*two, chinello(), folder / "b") == expected);
+  // Twice the same, and into a folder given with a slash.
+  CHECK(exported(*two, chinello(), (folder / "c").string() + "/") == expected);
+}
+
+TEST_CASE("no locale changes a number", "[data]") {
+  const TemporaryFolder folder;
+  const auto study = small_study(folder / "study.jnd");
+  const auto expected = exported(*study, tutorial(), folder / "c");
+  // A comma for the C++ library, whatever is installed; for the C library too where such a locale is there.
+  struct Comma : std::numpunct<char> {
+    char do_decimal_point() const override { return ','; }
+    char do_thousands_sep() const override { return '.'; }
+    std::string do_grouping() const override { return "\3"; }
+  };
+  const std::locale before = std::locale::global(std::locale(std::locale::classic(), new Comma));
+  for (const char* name : {"de_DE.UTF-8", "de_DE", "fr_FR.UTF-8"})
+    if (std::setlocale(LC_NUMERIC, name) != nullptr) break;
+  const auto found = exported(*small_study(folder / "again.jnd"), tutorial(), folder / "other");
+  std::setlocale(LC_NUMERIC, "C");
+  std::locale::global(before);
+  CHECK(found == expected);
+}
+
+TEST_CASE("an existing folder is replaced only if asked, and never one that holds anything else", "[data]") {
+  const TemporaryFolder folder;
+  const auto study = small_study(folder / "study.jnd");
+  const auto out = folder / "out";
+  const auto first = exported(*study, tutorial(), out);
+  CHECK_THROWS_WITH(exported(*study, tutorial(), out), Catch::Contains("exists already"));
+  CHECK(exported(*study, tutorial(), out, true) == first);
+
+  std::ofstream(out / "sub-P01" / "thesis.txt") << "precious";
+  CHECK_THROWS_WITH(exported(*study, tutorial(), out, true), Catch::Contains("sub-P01/thesis.txt"));
+  CHECK(bytes_of(out / "sub-P01" / "thesis.txt") == "precious");
+  CHECK(bytes_of(out / "group.csv") == first.at("group.csv"));
+  fs::remove(out / "sub-P01" / "thesis.txt");
+  fs::create_directory(out / "figures");
+  CHECK_THROWS_WITH(exported(*study, tutorial(), out, true), Catch::Contains("figures"));
+  fs::remove(out / "figures");
+  std::ofstream(folder / "file") << "x";
+  CHECK_THROWS_WITH(exported(*study, tutorial(), folder / "file", true), Catch::Contains("not a folder"));
+  fs::create_directory_symlink(out, folder / "link");
+  CHECK_THROWS_WITH(exported(*study, tutorial(), folder / "link", true), Catch::Contains("not a folder"));
+  CHECK_NOTHROW(exported(*study, tutorial(), out, true));
+
+  std::set<std::string> left;
+  for (const auto& entry : fs::directory_iterator(folder.path())) left.insert(entry.path().filename().string());
+  for (const std::string& name : left) CHECK(name.find("partial") == std::string::npos);
+}
+
+TEST_CASE("exclusions are marked in the trials with their reason", "[data]") {
+  const TemporaryFolder folder;
+  const auto study = small_study(folder / "study.jnd");
+  Protocol protocol = tutorial();
+  protocol.analysis.exclude.response_time_above_s = 0.5 + 0.01 * 20 + 0.001;  // trials 21 to 24
+  const auto rows = read_csv(exported(*study, protocol, folder / "out").at("sub-P01/trials.csv"));
+  int excluded = 0;
+  for (const auto& row : rows)
+    for (const std::string& cell : row) excluded += cell == "response_time_above" ? 1 : 0;
+  CHECK(excluded == 4);
+}
+
+}  // namespace
+}  // namespace jnd

@@ -1,0 +1,126 @@
+// A folder that goes when the test does, and sessions whose every answer is a pure function of the plan.
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <stdlib.h>
+
+#include "data/event_body.h"
+#include "data/study.h"
+#include "protocols/plan.h"
+#include "protocols/protocol_json.h"
+
+namespace jnd {
+
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "jnd-data-XXXXXX").string();
+    path_ = ::mkdtemp(name.data());
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+inline const Protocol& tutorial() {
+  static const Protocol protocol = load_protocol(std::string(JND_SOURCE_DIR) + "/protocols/tutorial.json");
+  return protocol;
+}
+
+inline const Protocol& chinello() {
+  static const Protocol protocol = load_protocol(std::string(JND_SOURCE_DIR) + "/protocols/chinello2017.json");
+  return protocol;
+}
+
+inline constexpr std::uint64_t kSeed = 18446744073709551557ULL;  // does not fit into a signed integer
+
+inline std::unique_ptr<Study> new_study(const std::filesystem::path& path, const Protocol& protocol = tutorial()) {
+  return Study::create(path, protocol.name, protocol.bytes, kSeed, {1'700'000'000'000'000'001, 5});
+}
+
+inline NewSession new_session(int number, SessionKind kind = SessionKind::simulated) {
+  NewSession session;
+  session.participant = (number < 10 ? "P0" : "P") + std::to_string(number);
+  session.id = session.participant + "-" + std::string(to_string(kind));
+  session.participant_number = number;
+  session.kind = kind;
+  session.responder = kind == SessionKind::simulated ? "profile test" : "keyboard";
+  session.rig = "rrs3";
+  session.trials_total = 16;
+  session.stamp = {1'700'000'001'000'000'000 + number, 10};
+  return session;
+}
+
+// An answered trial with everything delivered differing from trial to trial.
+inline TrialRecord record_of(const Protocol& protocol, const Trial& trial, Judgement answer) {
+  TrialRecord record;
+  record.trial = trial;
+  record.condition_name = protocol.conditions.at(static_cast<std::size_t>(trial.condition)).name;
+  record.series_name = protocol.series.at(static_cast<std::size_t>(trial.series)).name;
+  record.answer = {answer, EnteredBy::participant, 0.5 + 0.01 * trial.index};
+  record.duration_s = 7 + 0.1 * trial.index;
+  for (std::size_t i = 0; i < 2; ++i) {
+    Presentation& presentation = record.presentations[i];
+    presentation.first_contact_s = 0.25;
+    presentation.duration_s = 3.0 / trial.index;
+    presentation.ticks = 3000;
+    presentation.fingers.resize(protocol.rig.fingers.size());
+    for (FingerPresentation& finger : presentation.fingers) {
+      finger.stiffness_n_per_m = trial.stimuli_n_per_m[i] - 0.1 / 3;
+      finger.fit_samples = 1000;
+      finger.peak_force_n = 4.1;
+      finger.contacts = 1;
+    }
+  }
+  return record;
+}
+
+// Right except every seventh trial.
+inline Judgement usual_answer(const Trial& trial) {
+  const bool same = trial.index % 7 == 0 ? !trial.same : trial.same;
+  return same ? Judgement::same : Judgement::different;
+}
+
+inline Stamp stamp_of(const Trial& trial) {
+  return {1'700'000'002'000'000'000 + trial.index * 1'000'000'007LL, trial.index * 1'000'000'007LL};
+}
+
+inline void answer_all(SessionLog& log, const Protocol& protocol, int number, int at_most = 1'000'000) {
+  for (const Trial& trial : make_plan(protocol, number, kSeed).trials) {
+    if (at_most-- <= 0) return;
+    log.append(event_kind::kTrialCompleted, to_body(record_of(protocol, trial, usual_answer(trial))), stamp_of(trial));
+  }
+}
+
+inline void run_whole_session(Study& study, const Protocol& protocol, int number,
+                              SessionKind kind = SessionKind::simulated) {
+  const NewSession session = new_session(number, kind);
+  answer_all(*study.open_session(session), protocol, number);
+  study.close_session(session.id, {1'700'000'900'000'000'000, 900});
+}
+
+inline std::string bytes_of(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+// SQL as someone with the sqlite3 shell would run it.
+inline void raw_sql(const std::filesystem::path& path, const std::string& sql) {
+  SQLite::Database database(path.string(), SQLite::OPEN_READWRITE);
+  database.exec(sql);
+}
+
+}  // namespace jnd
