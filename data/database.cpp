@@ -1,5 +1,6 @@
 #include "data/database.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -9,6 +10,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sqlite3.h>
+#include <sys/vfs.h>
 #include <unistd.h>
 
 #include "data/schema.h"
@@ -86,7 +88,7 @@ std::unique_ptr<SQLite::Database> create_database(const fs::path& path) {
   ::close(descriptor);
   try {
     return with_storage_errors(path, [&] {
-      auto database = std::make_unique<SQLite::Database>(path.string(), SQLite::OPEN_READWRITE);
+      auto database = std::make_unique<SQLite::Database>(fs::absolute(path).string(), SQLite::OPEN_READWRITE);
       settle(*database);
       database->exec("PRAGMA synchronous = FULL");
       SQLite::Transaction transaction(*database);
@@ -110,8 +112,9 @@ std::unique_ptr<SQLite::Database> open_database(const fs::path& path, bool writa
     throw StorageError(
         fmt::format("{}: may not be written: check the permissions of the file and its folder", path.string()));
   return with_storage_errors(path, [&] {
-    auto database =
-        std::make_unique<SQLite::Database>(path.string(), may_write ? SQLite::OPEN_READWRITE : SQLite::OPEN_READONLY);
+    // An absolute name: SQLite gives names such as ":memory:" a meaning of their own.
+    auto database = std::make_unique<SQLite::Database>(fs::absolute(path).string(),
+                                                       may_write ? SQLite::OPEN_READWRITE : SQLite::OPEN_READONLY);
     settle(*database);
     database->exec("PRAGMA query_only = ON");
     refuse_other_databases(path, *database, writable);
@@ -146,6 +149,22 @@ void end_writing(SQLite::Database& database) {
   const int result = mode.tryExecuteStep();
   if (result != SQLITE_ROW && result != SQLITE_BUSY && result != SQLITE_LOCKED)
     throw SQLite::Exception(database.getHandle(), result);
+}
+
+bool is_network_file_system(long f_type) noexcept {
+  // statfs(2); SMB2 and Ceph from the kernel's own headers. As unsigned: some have the top bit of 32 set.
+  constexpr std::array<unsigned, 9> kNetwork = {0x6969,     0x517B,     0xFF534D42, 0xFE534D42, 0x5346414F,
+                                                0x73757245, 0x01021997, 0x00C36400, 0x6B414653};
+  return std::find(kNetwork.begin(), kNetwork.end(), static_cast<unsigned>(f_type)) != kNetwork.end();
+}
+
+void refuse_network_file_system(const fs::path& path) {
+  struct statfs status {};
+  if (::statfs(path.c_str(), &status) == 0 && is_network_file_system(static_cast<long>(status.f_type)))
+    throw StorageError(
+        fmt::format("{}: is on a network file system, which cannot promise that an answer is saved; run real sessions "
+                    "with the study on a local disk",
+                    path.string()));
 }
 
 StorageError storage_error(const fs::path& path, const SQLite::Exception& error) {

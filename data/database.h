@@ -25,6 +25,12 @@ void begin_writing(SQLite::Database& database);
 // close it does that).
 void end_writing(SQLite::Database& database);
 
+// Whether statfs(2)'s f_type is a network file system (NFS, SMB, CIFS, AFS, Coda, 9P, Ceph): their locks and flushes
+// cannot be trusted with people's answers.
+bool is_network_file_system(long f_type) noexcept;
+// Throws StorageError where the study is on one.
+void refuse_network_file_system(const std::filesystem::path& path);
+
 // What went wrong, where, and what to do, from SQLite's error.
 StorageError storage_error(const std::filesystem::path& path, const SQLite::Exception& error);
 

@@ -40,8 +40,8 @@ void add_mean(std::vector<CsvColumn<Row>>& columns, const std::string& prefix, c
     columns.push_back({prefix + part + suffix, text + meaning, unit, "",
                        [estimate, member](const Row& r) { return csv_number(estimate(r).*member); }});
   };
-  columns.push_back({"n_" + prefix + suffix.substr(suffix.empty() ? 0 : 1), "participants in the mean of " + meaning,
-                     "", "", [estimate](const Row& r) { return csv_number(estimate(r).n); }});
+  columns.push_back({"n_" + prefix.substr(0, prefix.size() - 1), "participants in the mean of " + meaning, "", "",
+                     [estimate](const Row& r) { return csv_number(estimate(r).n); }});
   add("mean", "mean of ", &MeanEstimate::mean);
   add("sd", "standard deviation (n - 1) of ", &MeanEstimate::sd);
   add("ci95_low", "lower end of the 95 % interval (Student t) of the mean of ", &MeanEstimate::ci_low);

@@ -66,6 +66,7 @@ class Study {
   const StudyInfo& info() const noexcept;
   std::vector<SessionInfo> sessions() const;  // by kind, then participant number
 
+  // Both logs must not outlive the study. Real sessions are refused on network file systems.
   // A new session, its session.opened event committed. Simulated and pilot sessions have numbers of their own.
   std::unique_ptr<SessionLog> open_session(const NewSession& session);
   // The log of a session that exists, to go on with it.

@@ -97,6 +97,7 @@ std::unique_ptr<SessionLog> Study::open_session(const NewSession& session) {
   const std::scoped_lock lock(impl_->mutex);
   impl_->require_writable();
   refuse_names(session, *impl_);
+  if (session.kind == SessionKind::real) refuse_network_file_system(impl_->path);
   return with_storage_errors(impl_->path, [&]() -> std::unique_ptr<SessionLog> {
     impl_->set_durability(session.kind);
     impl_->append(session.id, event_kind::kSessionOpened, body_text(opened_body(session, impl_->info)), session.stamp);
@@ -116,6 +117,7 @@ std::unique_ptr<SessionLog> Study::resume_session(const std::string& id) {
     throw StorageError(fmt::format("{}: there is no session {}; jnd status lists them", impl_->path.string(), id));
   if (found->second.closed)
     throw StorageError(fmt::format("{}: session {} is closed: it cannot be resumed", impl_->path.string(), id));
+  if (found->second.kind == SessionKind::real) refuse_network_file_system(impl_->path);
   with_storage_errors(impl_->path, [&] { impl_->set_durability(found->second.kind); });
   return std::make_unique<StudyLog>(*impl_, id);
 }

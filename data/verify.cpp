@@ -143,7 +143,7 @@ class Verifier {
       } else if (event.kind == event_kind::kSessionClosed) {
         walk.closed = true;
       } else if (event.kind == event_kind::kTrialCompleted) {
-        check_completed(walk, event, trial_record_from(body));
+        check_completed(walk, event, body);
       } else if (event.kind == event_kind::kTrialVoided || event.kind == event_kind::kTrialsShort) {
         if (event.kind == event_kind::kTrialVoided) ++report_.voided;
         check_planned(walk, event, trial_from(body));
@@ -194,12 +194,12 @@ class Verifier {
     }
   }
 
-  void check_completed(Walk& walk, const Event& event, const TrialRecord& record) {
+  void check_completed(Walk& walk, const Event& event, const Json& body) {
+    const TrialRecord record = trial_record_from(body);
     if (!record.trial.practice) ++report_.trials;
     if (!walk.completed.insert(record.trial.index).second)
       problem("Session {}, event {}: trial {} was completed before.", event.session, event.seq, record.trial.index);
     check_planned(walk, event, record.trial);
-    const Json body = Json::parse(event.body);
     const bool correct = (record.answer.judgement == Judgement::same) == record.trial.same;
     if (body.at("correct").get<bool>() != correct ||
         body.at("saturated_share").get<double>() != largest_saturated_share(record))

@@ -52,7 +52,7 @@ struct Rrs3Configuration {
 struct Rrs3Differential {
   Eigen::Matrix<double, 6, 3> h;  // (17)
   Eigen::Matrix3d j;              // (22), rad/s per m/s (column 0) and per rad/s
-  double det_u = 0;  // of (14)'s dependent block, m; zero where the constraints no longer fix [vx, vy, wz]
+  double det_u = 0;               // of (14)'s dependent block, m; zero where the constraints no longer fix [vx, vy, wz]
 };
 
 class Rrs3Kinematics {
@@ -68,8 +68,8 @@ class Rrs3Kinematics {
   // (6), (7): joint angles, rad.
   Eigen::Vector3d joint_angles(const Rrs3Configuration& at) const noexcept;
 
-  // (11)..(22). Empty at a singularity: constraint (det U), serial (a leg's lever in F) or parallel (det J) below 1e-9 of
-  // its scale.
+  // (11)..(22). Empty at a singularity: constraint (det U), serial (a leg's lever in F) or parallel (det J) below 1e-9
+  // of its scale.
   std::optional<Rrs3Differential> differential(const Rrs3Configuration& at) const noexcept;
 
   // Brate: chi = Brate xi'.

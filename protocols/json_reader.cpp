@@ -38,6 +38,7 @@ std::string found(const JsonNode& node) {
 
 std::string range_text(double min, double max, bool above, std::string_view unit) {
   const std::string of_unit = unit.empty() ? "" : " " + std::string(unit);
+  if (min == max) return plain(min) + of_unit;
   if (std::isfinite(min) && std::isfinite(max)) {
     return above ? fmt::format("above {} and at most {}{}", plain(min), plain(max), of_unit)
                  : fmt::format("from {} to {}{}", plain(min), plain(max), of_unit);
@@ -62,7 +63,7 @@ std::uint32_t forbidden_character(std::string_view text, std::size_t at) noexcep
 
 std::optional<double> number_of(const JsonNode& node, const NumberLimits& limits, std::vector<Diagnostic>& diagnostics,
                                 const std::string& file) {
-  const std::string unit = limits.unit.empty() ? "" : fmt::format(" of {}", limits.unit);
+  const std::string unit = limits.unit.empty() ? "" : fmt::format(" in {}", limits.unit);
   if (node.kind != JsonNode::Kind::number) {
     diagnostics.push_back(diagnostic_at(node, file, fmt::format("must be a number{}, not {}", unit, found(node)),
                                         node.kind == JsonNode::Kind::string ? "write it without quotes" : ""));
@@ -151,7 +152,7 @@ std::optional<double> JsonReader::read_number(std::string_view key, const Number
 
 std::optional<int> JsonReader::read_integer(std::string_view key, const IntegerLimits& limits, bool required) {
   const NumberLimits range{static_cast<double>(limits.min), static_cast<double>(limits.max), false, limits.unit};
-  const JsonNode* node = find(key, required, "a whole number " + range_text(range.min, range.max, false, limits.unit));
+  const JsonNode* node = find(key, required, "a whole number, " + range_text(range.min, range.max, false, limits.unit));
   if (node == nullptr) return std::nullopt;
   if (node->kind == JsonNode::Kind::number && !node->integer) {
     error(*node, fmt::format("must be a whole number, not {}", node->text), "write it without fraction or exponent");

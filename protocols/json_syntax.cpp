@@ -23,6 +23,8 @@ std::size_t skip(std::string_view bytes, std::size_t at, std::string_view what) 
 
 // A run of characters that a person would take for one word.
 std::string_view word_at(std::string_view bytes, std::size_t at) noexcept {
+  const bool is_text = at < bytes.size() && bytes[at] == '"';
+  if (is_text) return bytes.substr(at + 1, std::min(bytes.find('"', at + 1), bytes.size()) - at - 1);
   const std::size_t end = std::min(bytes.find_first_of(" \t\r\n,:{}[]\"", at), bytes.size());
   return bytes.substr(at, std::max<std::size_t>(end - at, 1));
 }
@@ -63,7 +65,7 @@ SyntaxError explain_word(std::string_view bytes, std::size_t begin) {
     error.message = in_quotes(word) + " is not a number that JSON knows";
     error.suggestion = "write it as in 0.5, -3 or 1e-3";
   } else {
-    error.suggestion = "texts stand in double quotes";
+    error.suggestion = "keys and texts stand in double quotes";
   }
   return error;
 }

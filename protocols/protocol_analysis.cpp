@@ -75,7 +75,7 @@ void read_published(const JsonNode& list, ProtocolReading& reading) {
       (void)condition_place(*condition, reading);
     value.quantity = reader.one_of<std::string>("quantity", {{"jnd", "jnd"}, {"weber", "weber"}, {"rating", "rating"}});
     NumberLimits limits{.min = 0, .max = 20000, .above = true, .unit = "N/m"};
-    if (value.quantity == "weber") limits = {.min = 0, .max = 100, .above = true, .unit = "(a fraction)"};
+    if (value.quantity == "weber") limits = {.min = 0, .max = 100, .above = true};
     if (value.quantity == "rating") limits = {.min = -100, .max = 100};
     value.value = reader.number("value", limits);
     value.ci95_half_width = reader.optional_number("ci95_half_width", {.min = 0, .max = 20000});

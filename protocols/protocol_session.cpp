@@ -118,7 +118,7 @@ void read_practice(const JsonNode& node, ProtocolReading& reading) {
     practice.conditions.resize(reading.protocol.conditions.size());
     std::iota(practice.conditions.begin(), practice.conditions.end(), 0);
   }
-  practice.criterion_correct = reader.number("criterion_correct", {.min = 0, .max = 1, .unit = "(a share)"});
+  practice.criterion_correct = reader.number("criterion_correct", {.min = 0, .max = 1});
   practice.max_rounds = reader.integer("max_rounds", {.min = 1, .max = 20});
   practice.feedback = reader.one_of_or<Feedback>(
       "feedback", {{"none", Feedback::none}, {"correctness", Feedback::correctness}}, Feedback::correctness);

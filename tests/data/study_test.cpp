@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 
 #include "data/schema.h"
+#include "data/study_impl.h"
 #include "data/utc_time.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
@@ -147,6 +148,43 @@ TEST_CASE("a failed append leaves the log as it was and usable", "[data]") {
   CHECK(log->events().size() == 3);
   log->append(event_kind::kBreakTaken, {{"after_trial", 2}, {"duration_s", 1.0}}, {9, 9});
   CHECK(verify(*study).problems.empty());
+}
+
+TEST_CASE("a full disk is said, loses nothing saved, and the session goes on when there is room", "[data]") {
+  const TemporaryFolder folder;
+  const auto study = new_study(folder / "study.jnd");
+  const auto log = study->open_session(new_session(1, SessionKind::real));
+  const std::vector<Trial> trials = make_plan(tutorial(), 1, kSeed).trials;
+  SQLite::Database& database = study->impl().database();
+  const int pages = database.execAndGet("PRAGMA page_count").getInt();
+  database.exec("PRAGMA max_page_count = " + std::to_string(pages + 4));  // SQLite's own SQLITE_FULL
+  std::size_t saved = 0;
+  const auto append = [&] {
+    const Trial& trial = trials.at(saved);
+    log->append(event_kind::kTrialCompleted, to_body(record_of(tutorial(), trial, usual_answer(trial))),
+                stamp_of(trial));
+    ++saved;
+  };
+  CHECK_THROWS_WITH(
+      [&] {
+        for (;;) append();
+      }(),
+      Catch::Contains("disk is full"));
+  REQUIRE(saved < trials.size());
+  CHECK(log->events().size() == 1 + saved);
+  CHECK_THROWS_AS(append(), StorageError);
+  database.exec("PRAGMA max_page_count = 1000000");
+  while (saved < trials.size()) append();
+  study->close_session("P01-real", {9, 9});
+  CHECK(verify(*study).problems.empty());
+}
+
+TEST_CASE("network file systems are known by their numbers", "[data]") {
+  CHECK(is_network_file_system(0x6969));                        // NFS
+  CHECK(is_network_file_system(0xFE534D42));                    // SMB2
+  CHECK(is_network_file_system(static_cast<int>(0xFE534D42)));  // where f_type is a signed 32-bit number
+  CHECK_FALSE(is_network_file_system(0xEF53));                  // ext4
+  CHECK_FALSE(is_network_file_system(0x01021994));              // tmpfs
 }
 
 TEST_CASE("what is not a study of ours is named and left alone", "[data]") {

@@ -111,7 +111,7 @@ TEST_CASE("the reader collects mistakes and goes on") {
   std::vector<std::string> messages;
   for (const Diagnostic& diagnostic : diagnostics) messages.push_back(to_text(diagnostic));
   REQUIRE(messages.size() == 7);
-  CHECK(messages[0] == "f.json:1:11: $.sigma: must be a number of N/m, not the text \"3\" (write it without quotes)");
+  CHECK(messages[0] == "f.json:1:11: $.sigma: must be a number in N/m, not the text \"3\" (write it without quotes)");
   CHECK(messages[1] == "f.json:1:25: $.count: must be a whole number, not 2.5 (write it without fraction or exponent)");
   CHECK(messages[2] ==
         "f.json:1:38: $.mode: \"slwo\" is not known (did you mean \"slow\"? known: \"slow\" or \"fast\")");
