@@ -141,14 +141,17 @@ void begin_writing(SQLite::Database& database) {
 }
 
 void end_writing(SQLite::Database& database) {
-  SQLite::Statement checkpoint(database, "PRAGMA wal_checkpoint(TRUNCATE)");
-  checkpoint.executeStep();
-  checkpoint.reset();
-  database.setBusyTimeout(0);  // a reader that stays is no reason to wait: what matters is committed
-  SQLite::Statement mode(database, "PRAGMA journal_mode = DELETE");
-  const int result = mode.tryExecuteStep();
-  if (result != SQLITE_ROW && result != SQLITE_BUSY && result != SQLITE_LOCKED)
-    throw SQLite::Exception(database.getHandle(), result);
+  // Busy or locked (a reader that stays, or nothing read yet on this connection) is no error: what matters is committed,
+  // and the next opening or closing puts the rest in its place.
+  const auto unless_busy = [&](const char* pragma_text) {
+    SQLite::Statement statement(database, pragma_text);
+    const int result = statement.tryExecuteStep();
+    if (result != SQLITE_ROW && result != SQLITE_BUSY && result != SQLITE_LOCKED)
+      throw SQLite::Exception(database.getHandle(), result);
+  };
+  unless_busy("PRAGMA wal_checkpoint(TRUNCATE)");
+  database.setBusyTimeout(0);
+  unless_busy("PRAGMA journal_mode = DELETE");
 }
 
 bool is_network_file_system(long f_type) noexcept {

@@ -1,9 +1,13 @@
 #include "data/study.h"
 
+#include <cerrno>
 #include <charconv>
+#include <cstring>
 #include <utility>
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "data/event_body.h"
 #include "data/schema.h"
@@ -22,13 +26,40 @@ Study::~Study() {
   }
 }
 
+namespace {
+
+// Gives a finished file its name, which must be free, and makes that survive a power cut.
+void publish(const std::filesystem::path& made, const std::filesystem::path& path) {
+  if (::link(made.c_str(), path.c_str()) != 0) {
+    const int error = errno;
+    ::unlink(made.c_str());
+    if (error == EEXIST) throw StorageError(fmt::format("{}: exists already; it was not changed", path.string()));
+    throw StorageError(fmt::format("{}: cannot be created: {}", path.string(), std::strerror(error)));
+  }
+  ::unlink(made.c_str());
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  ::fsync(descriptor);
+  ::close(descriptor);
+}
+
+}  // namespace
+
 std::unique_ptr<Study> Study::create(const std::filesystem::path& path, const std::string& protocol_name,
                                      const std::string& protocol_bytes, std::uint64_t seed, Stamp stamp) {
   auto impl = std::make_unique<Impl>();
   impl->path = path;
   impl->info = {seed, sha256_hex(protocol_bytes), protocol_name, protocol_bytes};
   impl->lock = std::make_unique<StudyLock>(path);
-  impl->connection = create_database(path);
+  if (std::filesystem::exists(path))
+    throw StorageError(fmt::format("{}: exists already; it was not changed", path.string()));
+  // Made under another name and renamed when whole: killed at any instant, there is a study or there is none. What a
+  // killed program left under that name is ours to remove, since we hold the study's lock.
+  const std::filesystem::path made = path.string() + ".new";
+  ::unlink(made.c_str());
+  ::unlink((made.string() + "-journal").c_str());
+  impl->connection = create_database(made);
   try {
     with_storage_errors(path, [&] {
       SQLite::Database& database = *impl->connection;
@@ -48,13 +79,16 @@ std::unique_ptr<Study> Study::create(const std::filesystem::path& path, const st
                               {"protocol_name", protocol_name}}),
                    stamp);
       transaction.commit();
-      begin_writing(database);
     });
+    impl->insert.reset();
+    impl->connection.reset();
+    publish(made, path);
+    impl->connection = open_database(path, true);
+    with_storage_errors(path, [&] { begin_writing(*impl->connection); });
   } catch (...) {
     impl->insert.reset();
     impl->connection.reset();
-    std::error_code ignored;
-    std::filesystem::remove(path, ignored);  // made a moment ago, by us, and empty
+    ::unlink(made.c_str());
     throw;
   }
   return std::unique_ptr<Study>(new Study(std::move(impl)));

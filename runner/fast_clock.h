@@ -1,7 +1,11 @@
-// A clock for quick rehearsals: a person's thinking takes real time, waiting takes none.
+// Quick rehearsals: a person's thinking takes real time, waiting and stimuli take none.
 #pragma once
 
+#include <memory>
+#include <utility>
+
 #include "devices/clock.h"
+#include "devices/rig.h"
 
 namespace jnd {
 
@@ -17,6 +21,29 @@ class FastClock final : public Clock {
  private:
   SteadyClock steady_;
   std::int64_t skipped_ns_ = 0;
+};
+
+// A rig whose loop runs on a simulated clock of its own, inside a session on a FastClock: a busy machine cannot make it
+// late, and the session's clock moves on by what the presentation took.
+class FastRig final : public Rig {
+ public:
+  // rig: built on `device_clock`, which must outlive it, as must session_clock.
+  FastRig(std::unique_ptr<Rig> rig, SimulatedClock& device_clock, Clock& session_clock) noexcept
+      : rig_(std::move(rig)), device_clock_(device_clock), session_clock_(session_clock) {}
+  const RigInfo& info() const noexcept override { return rig_->info(); }
+  Presentation present(const PresentRequest& request) override {
+    const std::int64_t began = device_clock_.now_ns();
+    rig_->stop_requested = stop_requested.load();
+    Presentation presentation = rig_->present(request);
+    session_clock_.sleep_until_ns(session_clock_.now_ns() + device_clock_.now_ns() - began);
+    return presentation;
+  }
+  void neutral() noexcept override { rig_->neutral(); }
+
+ private:
+  std::unique_ptr<Rig> rig_;
+  SimulatedClock& device_clock_;
+  Clock& session_clock_;
 };
 
 }  // namespace jnd

@@ -96,7 +96,7 @@ class Person:
         if pid == 0:
             os.environ["NO_COLOR"] = "1"
             os.execv(self.command[0], self.command)
-        unread, number = "", 0
+        unread, number, finished_before = "", 0, False
         while True:
             if deadline is not None and time.monotonic() > deadline:
                 os.kill(pid, signal.SIGKILL)
@@ -111,6 +111,7 @@ class Person:
             if not data:
                 break
             unread += data.decode(errors="replace")
+            finished_before = finished_before or "has finished this study" in unread
             while "\n" in unread:
                 line, unread = unread.split("\n", 1)
                 if match := re.match(r"Trial (\d+) of", line):
@@ -125,6 +126,8 @@ class Person:
         _, status = os.waitpid(pid, 0)
         if os.WIFSIGNALED(status):
             return False
+        if finished_before:  # killed between the session's last event and the program's end
+            return True
         check(os.WEXITSTATUS(status) == 0, f"run ended with {os.WEXITSTATUS(status)}")
         return True
 
