@@ -10,7 +10,7 @@ std::string csv_number(double value) {
   if (std::isnan(value)) return "";
   if (std::isinf(value)) return value > 0 ? "Inf" : "-Inf";
   std::array<char, 32> text{};
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  auto* const end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
   return std::string(text.data(), end);
 }
 

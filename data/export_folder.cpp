@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <string_view>
 #include <system_error>
 
 #include <fmt/format.h>
-#include <stdlib.h>
 
 #include "data/storage_error.h"
 

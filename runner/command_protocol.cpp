@@ -19,22 +19,33 @@
 
 namespace jnd {
 
-int command_new(const NewOptions& options) {
-  const std::string bytes = read_input_file(find_resource(Resource::protocol, options.from));
-  const std::string file = options.file.ends_with(".json") ? options.file : options.file + ".json";
-  // O_EXCL: never over somebody's protocol, even if two programs do this at once.
-  const int descriptor = open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL, 0644);
-  if (descriptor < 0) {
-    if (errno == EEXIST) throw UsageError(fmt::format("{} exists already; choose another name", file));
-    throw InputError(fmt::format("{} cannot be written: {}", file, std::strerror(errno)));
-  }
+namespace {
+
+// False where the file exists. O_EXCL: never over somebody's file, even if two programs do this at once.
+bool write_new_file(const std::filesystem::path& path, const std::string& bytes) {
+  const int descriptor = open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
+  if (descriptor < 0 && errno == EEXIST) return false;
+  if (descriptor < 0) throw InputError(fmt::format("{} cannot be written: {}", path.string(), std::strerror(errno)));
   const ssize_t written = write(descriptor, bytes.data(), bytes.size());
   close(descriptor);
-  if (written != static_cast<ssize_t>(bytes.size())) {
-    unlink(file.c_str());
-    throw InputError(fmt::format("{} could not be written in full; nothing was left behind", file));
-  }
-  fmt::print("{} written, a copy of {}.\n  edit it, then:  jnd check {}\n", file, options.from, file);
+  if (written == static_cast<ssize_t>(bytes.size())) return true;
+  unlink(path.c_str());
+  throw InputError(fmt::format("{} could not be written in full; nothing was left behind", path.string()));
+}
+
+}  // namespace
+
+int command_new(const NewOptions& options) {
+  const std::filesystem::path from = find_resource(Resource::protocol, options.from);
+  const std::filesystem::path file = options.file.ends_with(".json") ? options.file : options.file + ".json";
+  if (!write_new_file(file, read_input_file(from)))
+    throw UsageError(fmt::format("{} exists already; choose another name", file.string()));
+  fmt::print("{} written, a copy of {}.\n", file.string(), options.from);
+  // The protocol names its schema by a relative path, so that editors help with it.
+  const std::filesystem::path schema = from.parent_path() / "protocol.schema.json";
+  if (std::filesystem::exists(schema) && write_new_file(file.parent_path() / schema.filename(), read_input_file(schema)))
+    fmt::print("  protocol.schema.json is beside it: editors that know JSON Schema help while you type\n");
+  fmt::print("  edit it, then:  jnd check {}\n", file.string());
   return exit_code::kDone;
 }
 
