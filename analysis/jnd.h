@@ -19,10 +19,10 @@ std::string_view to_string(JndStatus status) noexcept;
 
 // Remarks that exclude nothing.
 enum class Caution {
-  extrapolated,    // JND outside the tested differences
-  floor,           // every d' at the largest value that the correction allows: the JND cannot come out lower
-  few_trials,      // fewer than 10 trials a class in some series
-  series_missing   // a series with an empty class was left out
+  extrapolated,   // JND outside the tested differences
+  floor,          // every d' at the largest value that the correction allows: the JND cannot come out lower
+  few_trials,     // fewer than 10 trials a class in some series
+  series_missing  // a series with an empty class was left out
 };
 std::string_view to_string(Caution caution) noexcept;
 
@@ -36,9 +36,9 @@ struct JndEstimate {
   JndStatus status = JndStatus::no_information;
   std::vector<Caution> cautions;
   int series_used = 0;
-  double slope = 0;   // d' per N/m; NaN under no_information
-  double jnd = 0;     // N/m, 1 / slope; NaN under no_sensitivity and no_information, 0 at the ceiling
-  double weber = 0;   // jnd / reference; NaN where jnd is
+  double slope = 0;  // d' per N/m; NaN under no_information
+  double jnd = 0;    // N/m, 1 / slope; NaN under no_sensitivity and no_information, 0 at the ceiling
+  double weber = 0;  // jnd / reference; NaN where jnd is
 };
 
 // Least squares through the origin: m = sum(dK d') / sum(dK^2), JND = 1/m (Chinello 2017, section 5.1.3: d' assumed

@@ -11,10 +11,11 @@ namespace jnd {
 namespace {
 // Never throws and never sets errno: the edges are handled before the call. No promotion to long double, so that the
 // same bits come out on machines with and without it.
-using Policy = boost::math::policies::policy<
-    boost::math::policies::promote_double<false>, boost::math::policies::domain_error<boost::math::policies::ignore_error>,
-    boost::math::policies::overflow_error<boost::math::policies::ignore_error>,
-    boost::math::policies::evaluation_error<boost::math::policies::ignore_error>>;
+using Policy =
+    boost::math::policies::policy<boost::math::policies::promote_double<false>,
+                                  boost::math::policies::domain_error<boost::math::policies::ignore_error>,
+                                  boost::math::policies::overflow_error<boost::math::policies::ignore_error>,
+                                  boost::math::policies::evaluation_error<boost::math::policies::ignore_error>>;
 }  // namespace
 
 double normal_density(double z) noexcept {

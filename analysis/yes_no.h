@@ -22,8 +22,8 @@ struct YesNo {
   double raw_hit_rate, raw_false_alarm_rate;
   double hit_rate, false_alarm_rate;
   double z_hit, z_false_alarm;
-  double dprime;      // zH - zF
-  double criterion;   // c = -(zH + zF) / 2; positive: tends to say "same"
+  double dprime;     // zH - zF
+  double criterion;  // c = -(zH + zF) / 2; positive: tends to say "same"
 };
 
 YesNo yes_no(const Counts& counts, Correction correction) noexcept;

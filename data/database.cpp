@@ -141,8 +141,8 @@ void begin_writing(SQLite::Database& database) {
 }
 
 void end_writing(SQLite::Database& database) {
-  // Busy or locked (a reader that stays, or nothing read yet on this connection) is no error: what matters is committed,
-  // and the next opening or closing puts the rest in its place.
+  // Busy or locked (a reader that stays, or nothing read yet on this connection) is no error: what matters is
+  // committed, and the next opening or closing puts the rest in its place.
   const auto unless_busy = [&](const char* pragma_text) {
     SQLite::Statement statement(database, pragma_text);
     const int result = statement.tryExecuteStep();

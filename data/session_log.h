@@ -17,12 +17,12 @@ struct Stamp {
 
 struct Event {
   std::string session;
-  std::int64_t seq = 0;           // from 1 in each session
-  std::string kind;               // data/README.md lists them
+  std::int64_t seq = 0;  // from 1 in each session
+  std::string kind;      // data/README.md lists them
   Stamp stamp;
-  std::string version;            // of the program that wrote it
-  std::string body;               // JSON text as stored
-  std::string hash;               // SHA-256, 64 hexadecimal digits
+  std::string version;  // of the program that wrote it
+  std::string body;     // JSON text as stored
+  std::string hash;     // SHA-256, 64 hexadecimal digits
 };
 
 // Thread rule: one session's log is used by one thread; logs of several sessions may be used at the same time.

@@ -28,16 +28,16 @@ struct StudyInfo {
 
 struct SessionInfo {
   std::string id;
-  std::string participant;      // code: "P01"
-  int participant_number = 0;   // of the plan
+  std::string participant;     // code: "P01"
+  int participant_number = 0;  // of the plan
   SessionKind kind = SessionKind::simulated;
-  std::string state;            // "open" or "closed"
-  std::string responder;        // "keyboard" or "profile NAME"
-  int trials_done = 0;          // main trials answered
+  std::string state;      // "open" or "closed"
+  std::string responder;  // "keyboard" or "profile NAME"
+  int trials_done = 0;    // main trials answered
   int trials_voided = 0;
-  int trials_total = 0;         // main trials planned
-  std::string started, ended;   // ISO 8601 UTC; ended empty while open
-  std::string head;             // hash of its last event
+  int trials_total = 0;        // main trials planned
+  std::string started, ended;  // ISO 8601 UTC; ended empty while open
+  std::string head;            // hash of its last event
 };
 
 struct NewSession {
@@ -46,7 +46,7 @@ struct NewSession {
   int participant_number = 0;
   SessionKind kind = SessionKind::simulated;
   std::string responder;
-  std::string profile_sha256;   // empty for people
+  std::string profile_sha256;  // empty for people
   std::string rig, rig_mode, tracker;
   int trials_total = 0;
   Stamp stamp;
@@ -91,7 +91,7 @@ class Study {
 struct VerifyReport {
   int sessions = 0;
   std::int64_t events = 0;
-  std::int64_t trials = 0;   // completed, main part
+  std::int64_t trials = 0;  // completed, main part
   std::int64_t voided = 0;
   std::vector<std::string> problems;
 };

@@ -20,11 +20,11 @@ namespace jnd {
 struct CellResult {
   std::string participant;
   SessionKind kind = SessionKind::simulated;
-  int condition = 0, series = 0;       // places in the protocol
+  int condition = 0, series = 0;  // places in the protocol
   Counts counts;
-  int excluded = 0;                    // trials left out by the registered rules
-  int missing = 0;                     // planned trials without an answer
-  YesNo yes_no;                        // under the registered correction
+  int excluded = 0;  // trials left out by the registered rules
+  int missing = 0;   // planned trials without an answer
+  YesNo yes_no;      // under the registered correction
 };
 
 // One participant and condition.
@@ -33,18 +33,18 @@ struct ThresholdResult {
   SessionKind kind = SessionKind::simulated;
   int condition = 0;
   JndEstimate jnd;
-  double median_response_time_s = 0;   // participant's own entries; 0 without one
-  double mean_trial_s = 0;             // time per trial
+  double median_response_time_s = 0;  // participant's own entries; 0 without one
+  double mean_trial_s = 0;            // time per trial
 };
 
 struct GroupResult {
   int condition = 0;
-  JndGroup jnd;                        // mean, CI, median, ... with n used of N
+  JndGroup jnd;  // mean, CI, median, ... with n used of N
 };
 
 struct ContrastResult {
   int a = 0, b = 0;
-  MeanEstimate difference;             // paired JND difference a - b, N/m, over participants with both
+  MeanEstimate difference;  // paired JND difference a - b, N/m, over participants with both
 };
 
 struct SessionHead {
@@ -60,8 +60,8 @@ struct StudyAnalysis {
   std::vector<ThresholdResult> thresholds;  // by participant, condition
   std::vector<GroupResult> group;           // by condition
   std::vector<ContrastResult> contrasts;
-  std::vector<SessionHead> heads;           // by participant
-  std::map<std::string, int> exclusions;    // reason -> trials
+  std::vector<SessionHead> heads;         // by participant
+  std::map<std::string, int> exclusions;  // reason -> trials
 };
 
 // Sessions of one kind only: the three kinds are never pooled.

@@ -43,7 +43,8 @@ int command_new(const NewOptions& options) {
   fmt::print("{} written, a copy of {}.\n", file.string(), options.from);
   // The protocol names its schema by a relative path, so that editors help with it.
   const std::filesystem::path schema = from.parent_path() / "protocol.schema.json";
-  if (std::filesystem::exists(schema) && write_new_file(file.parent_path() / schema.filename(), read_input_file(schema)))
+  if (std::filesystem::exists(schema) &&
+      write_new_file(file.parent_path() / schema.filename(), read_input_file(schema)))
     fmt::print("  protocol.schema.json is beside it: editors that know JSON Schema help while you type\n");
   fmt::print("  edit it, then:  jnd check {}\n", file.string());
   return exit_code::kDone;

@@ -135,8 +135,8 @@ int command_run(const RunOptions& options) {
                                        person ? "" : profile.sha256, *clock);
   const Plan plan = make_plan(protocol, opened.info.participant_number, seed);
   SimulatedClock device_clock(clock->utc_ns());
-  std::unique_ptr<Rig> rig = make_simulated_rig(protocol, spec, profile, plan.participant, seed,
-                                                options.fast ? device_clock : *clock);
+  std::unique_ptr<Rig> rig =
+      make_simulated_rig(protocol, spec, profile, plan.participant, seed, options.fast ? device_clock : *clock);
   if (options.fast) rig = std::make_unique<FastRig>(std::move(rig), device_clock, *clock);
   const StopOnInterrupt stop_rig(rig->stop_requested);
   std::unique_ptr<Responder> responder;
