@@ -1,0 +1,15 @@
+#!/usr/bin/env bash
+# An installed program finds its own protocols, profiles and device specs, also after the prefix was moved.
+# Usage: install.sh BUILD_FOLDER
+set -euo pipefail
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+cmake --install "$1" --prefix "$folder/prefix" >/dev/null
+mv "$folder/prefix" "$folder/moved"
+jnd=$folder/moved/bin/jnd
+cd "$folder"
+# Warnings name the file that was read: it must be the installed one.
+"$jnd" check chinello2017 | grep -q "$folder/moved/share/jnd/protocols/chinello2017.json"
+"$jnd" new mine --from tutorial >/dev/null
+"$jnd" simulate mine.json --participants 1 --study s.sqlite --seed 1 --profile chinello2017-varied >/dev/null 2>&1
+"$jnd" verify s.sqlite
