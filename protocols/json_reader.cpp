@@ -272,10 +272,10 @@ void JsonReader::finish() {
   const std::vector<std::string_view> known(known_.begin(), known_.end());
   for (std::size_t i = 0; i < node_.keys.size(); ++i) {
     const std::string& key = node_.keys[i];
-    const auto [line, column] = node_.key_places[i];
+    const std::pair<int, int>& place = node_.key_places[i];
     const auto report = [&](std::string message, std::string suggestion) {
       diagnostics_.push_back(
-          {file_, line, column, member_path(node_.path, key), std::move(message), std::move(suggestion)});
+          {file_, place.first, place.second, member_path(node_.path, key), std::move(message), std::move(suggestion)});
     };
     const auto first = std::find(node_.keys.begin(), node_.keys.end(), key) - node_.keys.begin();
     if (first != static_cast<std::ptrdiff_t>(i)) {
