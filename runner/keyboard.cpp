@@ -49,7 +49,7 @@ std::optional<std::string> Keyboard::line() {
   return text;
 }
 
-void Keyboard::forget_early_keys() noexcept {
+void Keyboard::forget_early_keys() const noexcept {
   if (terminal_) tcflush(STDIN_FILENO, TCIFLUSH);
 }
 

@@ -22,7 +22,7 @@ class Keyboard {
   // A line, without its end; none at the end of input. Shows what is typed.
   std::optional<std::string> line();
   // Forgets keys that were pressed before now; on a terminal only, since a pipe's writer cannot wait.
-  void forget_early_keys() noexcept;
+  void forget_early_keys() const noexcept;
   bool at_end() const noexcept { return at_end_; }
 
  private:

@@ -73,7 +73,7 @@ fs::path find_resource(Resource resource, const std::string& name_or_path) {
   if (plain_name) {
     std::string file = name_or_path;
     if (!file.ends_with(".json")) file += ".json";
-    const fs::path shipped = folder_of(resource) / file;
+    fs::path shipped = folder_of(resource) / file;
     if (fs::is_regular_file(shipped, error)) return shipped;
   }
   throw InputError(fmt::format("there is no {} file '{}', and none of that name is shipped (shipped: {})",
