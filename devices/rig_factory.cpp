@@ -12,6 +12,13 @@
 
 namespace jnd {
 
+RigInfo simulated_rig_info(const Protocol& protocol, const DeviceSpec& spec) {
+  return {.name = fmt::format("{} x {}", spec.name, protocol.rig.fingers.size()),
+          .mode = "wrench",
+          .tracker = protocol.rig.tracker,
+          .simulated = true};
+}
+
 std::unique_ptr<Rig> make_simulated_rig(const Protocol& protocol, const DeviceSpec& spec,
                                         const ParticipantProfile& profile, int participant, std::uint64_t seed,
                                         Clock& clock) {
@@ -42,12 +49,9 @@ std::unique_ptr<Rig> make_simulated_rig(const Protocol& protocol, const DeviceSp
                                                  .lateral_sd_m = profile.lateral_sd_m},
                                       static_cast<int>(asked.fingers.size()), seed, participant);
 
-  RigInfo info{.name = fmt::format("{} x {}", spec.name, asked.fingers.size()),
-               .mode = "wrench",
-               .tracker = asked.tracker,
-               .simulated = true};
   const Sphere sphere{.centre_m = Eigen::Vector3d::Zero(), .radius_m = asked.sphere_radius_m};
-  return std::make_unique<FingertipRig>(std::move(info), std::move(devices), std::move(hand), clock, spec, sphere);
+  return std::make_unique<FingertipRig>(simulated_rig_info(protocol, spec), std::move(devices), std::move(hand), clock,
+                                        spec, sphere);
 }
 
 }  // namespace jnd

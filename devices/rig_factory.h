@@ -12,6 +12,9 @@
 
 namespace jnd {
 
+// What the rig below says of itself; the log keeps it.
+RigInfo simulated_rig_info(const Protocol& protocol, const DeviceSpec& spec);
+
 // A rig of simulated devices around a simulated hand, on the given clock (simulated, or steady for rehearsals).
 // Throws InputError where the protocol asks for a device, finger or tracker that does not exist.
 std::unique_ptr<Rig> make_simulated_rig(const Protocol& protocol, const DeviceSpec& spec,

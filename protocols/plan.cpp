@@ -211,4 +211,9 @@ Plan make_plan(const Protocol& protocol, int participant, std::uint64_t seed) {
   return plan;
 }
 
+int main_trial_count(const Plan& plan) noexcept {
+  return static_cast<int>(
+      std::count_if(plan.trials.begin(), plan.trials.end(), [](const Trial& trial) { return !trial.practice; }));
+}
+
 }  // namespace jnd

@@ -19,4 +19,7 @@ struct Plan {
 // Throws std::invalid_argument where participant < 1; a protocol that was loaded never fails otherwise.
 Plan make_plan(const Protocol& protocol, int participant, std::uint64_t seed);
 
+// How many trials the main part has: practice is not counted.
+int main_trial_count(const Plan& plan) noexcept;
+
 }  // namespace jnd

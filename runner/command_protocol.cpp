@@ -67,7 +67,7 @@ CheckedFile check_file(const std::string& name_or_path) {
   const DeviceLint lint = lint_against_device(protocol, device_of(protocol), path.string());
   result.check.errors.insert(result.check.errors.end(), lint.errors.begin(), lint.errors.end());
   result.check.warnings.insert(result.check.warnings.end(), lint.warnings.begin(), lint.warnings.end());
-  for (const Trial& trial : make_plan(protocol, 1, 1).trials) result.trials += trial.practice ? 0 : 1;
+  result.trials = main_trial_count(make_plan(protocol, 1, 1));
   result.duration_s = expected_duration_s(protocol);
   return result;
 }

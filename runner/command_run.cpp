@@ -58,7 +58,8 @@ struct Opened {
 };
 
 Opened open_or_resume(Study& study, const Protocol& protocol, const std::string& code, SessionKind kind,
-                      const std::string& responder, const std::string& profile_sha256, Clock& clock) {
+                      const std::string& responder, const std::string& profile_sha256, const RigInfo& rig,
+                      Clock& clock) {
   const std::vector<SessionInfo> sessions = study.sessions();
   for (const SessionInfo& session : sessions) {
     if (session.participant != code || session.kind != kind) continue;
@@ -83,11 +84,11 @@ Opened open_or_resume(Study& study, const Protocol& protocol, const std::string&
                                               : to_string(boost::uuids::random_generator()());
   session.responder = responder;
   session.profile_sha256 = profile_sha256;
-  session.rig = protocol.rig.device;
-  session.rig_mode = "wrench";
-  session.tracker = protocol.rig.tracker;
+  session.rig = rig.name;
+  session.rig_mode = rig.mode;
+  session.tracker = rig.tracker;
   const Plan plan = make_plan(protocol, session.participant_number, study.info().seed);
-  for (const Trial& trial : plan.trials) session.trials_total += trial.practice ? 0 : 1;
+  session.trials_total = main_trial_count(plan);
   session.stamp = {clock.utc_ns(), clock.now_ns()};
   Opened opened;
   opened.log = study.open_session(session);
@@ -132,7 +133,7 @@ int command_run(const RunOptions& options) {
       open_or_create_study(options.study, protocol, options.seed, {clock->utc_ns(), clock->now_ns()});
   const std::uint64_t seed = study->info().seed;
   const Opened opened = open_or_resume(*study, protocol, code, kind, person ? "keyboard" : "profile " + profile.name,
-                                       person ? "" : profile.sha256, *clock);
+                                       person ? "" : profile.sha256, simulated_rig_info(protocol, spec), *clock);
   const Plan plan = make_plan(protocol, opened.info.participant_number, seed);
   SimulatedClock device_clock(clock->utc_ns());
   std::unique_ptr<Rig> rig =

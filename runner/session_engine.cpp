@@ -36,12 +36,9 @@ SessionEngine::SessionEngine(const Protocol& protocol, const Plan& plan, Rig& ri
       clock_(clock),
       view_(view),
       stop_(stop),
-      codes_(condition_codes(protocol, plan.seed)) {
-  for (const Trial& trial : plan.trials) {
-    if (trial.practice) continue;
-    ++main_total_;
-    blocks_ = std::max(blocks_, trial.block);
-  }
+      codes_(condition_codes(protocol, plan.seed)),
+      main_total_(main_trial_count(plan)) {
+  for (const Trial& trial : plan.trials) blocks_ = std::max(blocks_, trial.block);
 }
 
 SessionEnd SessionEngine::run(const SessionState& state) {
@@ -192,8 +189,11 @@ SessionEngine::TrialEnd SessionEngine::conduct(const Trial& trial, const TrialOu
   view_.cue(CuePlace::question, protocol_.timeline.question_cue);
   const TrialQuestion question{trial, outline.attempt, record.presentations, protocol_.timeline.answer_time_out_s};
   const std::optional<Answer> answer = responder_.judge(question);
-  check_stop();
-  if (!answer) return void_trial(trial, outline, "no_answer");
+  if (!answer) {
+    check_stop();
+    return void_trial(trial, outline, "no_answer");
+  }
+  // An answer that was given is kept, also where a stop came with it.
 
   record.answer = *answer;
   record.duration_s = static_cast<double>(clock_.now_ns() - began) * 1e-9;

@@ -38,8 +38,6 @@ class SessionEngine {
   // said to be saved is saved).
   SessionEnd run(const SessionState& state);
 
-  int trials_total() const noexcept { return main_total_; }
-
  private:
   enum class TrialEnd { answered, voided };
   struct Interrupted {};  // unwinds to run()

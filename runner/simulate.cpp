@@ -41,11 +41,6 @@ class CountingView final : public SessionView {
   std::atomic<std::int64_t>& trials_;
 };
 
-int main_trials(const Plan& plan) {
-  return static_cast<int>(
-      std::count_if(plan.trials.begin(), plan.trials.end(), [](const Trial& trial) { return !trial.practice; }));
-}
-
 SessionEnd run_participant(const Simulation& simulation, const RigFilter& rig_filter, const Plan& plan, SessionLog& log,
                            std::atomic<std::int64_t>& trials) {
   SimulatedClock clock(simulated_epoch_ns(plan.participant));
@@ -136,7 +131,7 @@ SimulationResult simulate_study(const Simulation& simulation, Study& study) {
   std::int64_t total = 0;
   std::vector<int> already;
   for (int participant = 1; participant <= simulation.participants; ++participant) {
-    total += main_trials(make_plan(simulation.protocol, participant, simulation.seed));
+    total += main_trial_count(make_plan(simulation.protocol, participant, simulation.seed));
     const auto found = known.find(simulated_session_id(simulation.seed, participant));
     if (found == known.end()) continue;
     if (found->second.responder != responder)
@@ -165,10 +160,11 @@ SimulationResult simulate_study(const Simulation& simulation, Study& study) {
       session.kind = SessionKind::simulated;
       session.responder = responder;
       session.profile_sha256 = simulation.profile.sha256;
-      session.rig = simulation.spec.name;
-      session.rig_mode = "wrench";
-      session.tracker = simulation.protocol.rig.tracker;
-      session.trials_total = main_trials(plan);
+      const RigInfo rig = simulated_rig_info(simulation.protocol, simulation.spec);
+      session.rig = rig.name;
+      session.rig_mode = rig.mode;
+      session.tracker = rig.tracker;
+      session.trials_total = main_trial_count(plan);
       session.stamp = {simulated_epoch_ns(participant), 0};
       log = study.open_session(session);
     }
@@ -192,7 +188,7 @@ std::vector<CellCounts> simulate_counts(const Simulation& simulation, const RigF
   std::vector<std::vector<CellCounts>> cells(static_cast<std::size_t>(simulation.participants) + 1);
   std::atomic<std::int64_t> trials{0};
   const std::int64_t total =
-      std::int64_t{simulation.participants} * main_trials(make_plan(simulation.protocol, 1, simulation.seed));
+      std::int64_t{simulation.participants} * main_trial_count(make_plan(simulation.protocol, 1, simulation.seed));
   const auto work = [&](int participant) {
     if (interrupt_requested()) return Work::interrupted;
     CountsLog log;

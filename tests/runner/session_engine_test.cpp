@@ -73,6 +73,16 @@ TEST_CASE("A stop in the middle of a presentation keeps no half trial") {
   CHECK(replay(bench.log.events()).voided.empty());
 }
 
+TEST_CASE("An answer that came together with a stop is kept") {
+  Bench bench(small_protocol());
+  bench.responder.rule = [&](const TrialQuestion& question) {
+    if (question.trial.index == 4) bench.stop = true;
+    return std::optional(Judgement::different);
+  };
+  REQUIRE(bench.run() == SessionEnd::interrupted);
+  CHECK(indices(bench.completed()) == std::vector<int>{1, 2, 3, 4});
+}
+
 TEST_CASE("A faulted trial comes again at the end of its own block, with the same stimuli") {
   Bench bench(small_protocol());
   bench.rig.fault = [](const PresentRequest& request) {
