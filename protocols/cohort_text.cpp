@@ -74,14 +74,14 @@ std::vector<std::string> positions(std::size_t count) {
 std::string cells_text(const CohortBalance& balance, const Protocol& protocol) {
   std::string text =
       fmt::format("Stimuli of the main trials, a and b being the stiffnesses of the pair\n  {:<17}{:<17}{:>12}",
-                  "series", "condition", "pair (N/m)");
+                  "series", "condition", fmt::format("pair ({})", to_string(protocol.stimulus.unit)));
   for (const char* const title : {"aa", "bb", "ab", "ba"}) text += fmt::format("{:>7}", title);
   text += fmt::format("{:>20}\n", "same a participant");
   for (const CellBalance& cell : balance.cells) {
     const Series& series = protocol.series[static_cast<std::size_t>(cell.series)];
     const Condition& condition = protocol.conditions[static_cast<std::size_t>(cell.condition)];
     text += fmt::format("  {:<17}{:<17}{:>12}", series.name, condition.name,
-                        plain(series.pair_n_per_m[0]) + " " + plain(series.pair_n_per_m[1]));
+                        plain(series.pair[0]) + " " + plain(series.pair[1]));
     for (const int count : cell.pairs) text += fmt::format("{:>7}", count);
     const std::string range = cell.least_same == cell.most_same
                                   ? fmt::format("{}", cell.most_same)

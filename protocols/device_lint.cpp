@@ -2,163 +2,186 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include <fmt/format.h>
 
-#include "analysis/normal.h"
-#include "protocols/protocol_reading.h"
+#include "protocols/device_linting.h"
 
 namespace jnd {
 namespace {
 
-constexpr double kPressSd_m = 0.001;
-constexpr double kPressPeriod_s = 1;
 constexpr double kToldShare = 0.05;  // rarer saturation is not worth a warning
 constexpr double kUsablePressShare = 0.25;
 
-class Lint {
- public:
-  Lint(const Protocol& protocol, const DeviceSpec& spec, const std::string& file)
-      : protocol_(protocol), spec_(spec), file_(file) {
-    if (!protocol.bytes.empty()) root_ = parse_json(protocol.bytes, file);
-  }
+double clamped_g(double stiffness, const DeviceSpec& spec) {
+  return std::clamp(burst_amplitude_g(stiffness), spec.min_vibration_g, spec.max_vibration_g);
+}
 
-  DeviceLint run() {
-    for (std::size_t i = 0; i < protocol_.series.size(); ++i) {
-      const std::string path = fmt::format("$.series[{}].pair", i);
-      const auto& pair = protocol_.series[i].pair_n_per_m;
-      for (std::size_t j = 0; j < 2; ++j) {
-        if (pair[j] > spec_.max_stiffness_n_per_m) {
-          error(fmt::format("{}[{}]", path, j),
-                fmt::format("{} N/m is more than the {} renders stably, {} N/m", plain(pair[j]), spec_.name,
-                            plain(spec_.max_stiffness_n_per_m)),
-                "take a softer sphere");
-        }
-      }
-      look_at_forces(path, pair);
-      look_at_vibrations(path, pair);
+void look_at_limits(DeviceLinting& linting, std::size_t series) {
+  for (std::size_t j = 0; j < 2; ++j) {
+    const double stiffness = linting.protocol.series[series].pair[j];
+    const std::string path = fmt::format("$.series[{}].pair[{}]", series, j);
+    const std::string softer = "take a softer " + linting.objects(false);
+    const DeviceSpec* const platform = linting.rig.cutaneous();
+    if (platform != nullptr && stiffness > platform->max_stiffness) {
+      linting.error(path,
+                    fmt::format("{} N/m is more than the {} renders stably, {} N/m", plain(stiffness), platform->name,
+                                plain(platform->max_stiffness)),
+                    softer);
     }
-    warn_about_forces();
-    warn_about_vibrations();
-    return std::move(lint_);
+    const DeviceSpec* const joint = linting.rig.kinaesthetic();
+    if (joint == nullptr || !linting.any(&Cues::kinaesthetic)) continue;
+    const double at_joint = linting.at_joint(stiffness, *joint);
+    if (at_joint <= joint->max_stiffness) continue;
+    const std::string asked =
+        linting.in_metres()
+            ? fmt::format("{} N/m, {} m from the joint, asks {:.4g} N/rad at the device's own lever arm of {} m, which",
+                          plain(stiffness), plain(linting.rig.lever_arm_m), at_joint, plain(joint->lever_arm_m))
+            : fmt::format("{} N/rad", plain(stiffness));
+    linting.error(
+        path, fmt::format("{} is more than the {} renders, {} N/rad", asked, joint->name, plain(joint->max_stiffness)),
+        softer);
   }
+}
 
- private:
-  void error(const std::string& path, std::string message, std::string suggestion) {
-    lint_.errors.push_back(diagnostic_at_path(root_, file_, path, std::move(message), std::move(suggestion)));
-  }
-  void warn(const std::string& path, std::string message, std::string suggestion) {
-    lint_.warnings.push_back(diagnostic_at_path(root_, file_, path, std::move(message), std::move(suggestion)));
-  }
+// Only the force limit is felt where even the softer object reaches it early in the press.
+bool forces_differ(const DeviceLinting& linting, const DeviceSpec& spec, double softer) {
+  return depth_at_force_limit(softer, spec, linting.force_gain(spec)) >=
+         kUsablePressShare * linting.protocol.stimulus.expected_press;
+}
 
-  double clamped_g(double stiffness) const {
-    return std::clamp(burst_amplitude_g(stiffness), spec_.min_vibration_g, spec_.max_vibration_g);
-  }
+std::string force_reason(const DeviceLinting& linting, const DeviceSpec& spec, double softer) {
+  return fmt::format("reach the force limit of {} N of the {} within {} of a {} press", plain(spec.max_force_n),
+                     spec.name, linting.depth(depth_at_force_limit(softer, spec, linting.force_gain(spec))),
+                     linting.depth(linting.protocol.stimulus.expected_press));
+}
 
-  bool any(bool (*wanted)(const Cues&)) const {
-    return std::any_of(protocol_.conditions.begin(), protocol_.conditions.end(),
-                       [wanted](const Condition& condition) { return wanted(condition.cues); });
+// A pair must be told apart by one cue of a condition at least.
+void look_at_pair(DeviceLinting& linting, std::size_t series, const Condition& condition) {
+  const auto& pair = linting.protocol.series[series].pair;
+  const double softer = std::min(pair[0], pair[1]);
+  const DeviceSpec* const platform = linting.rig.cutaneous();
+  const DeviceSpec* const joint = linting.rig.kinaesthetic();
+  std::string alike, remedy;
+  const auto say = [&](const std::string& reason, const std::string& suggestion) {
+    alike += alike.empty() ? reason : " and " + reason;
+    if (remedy.empty()) remedy = suggestion;
+  };
+  const std::string take_softer = "take softer " + linting.objects(true);
+  if (condition.cues.force && platform != nullptr) {
+    if (forces_differ(linting, *platform, softer)) return;
+    say(force_reason(linting, *platform, softer), take_softer);
   }
-
-  // Only the force limit is felt where even the softer sphere reaches it early in the press.
-  void look_at_forces(const std::string& path, const std::array<double, 2>& pair) {
-    const double softer = std::min(pair[0], pair[1]);
-    const double usable = depth_at_force_limit_m(softer, spec_);
-    if (usable >= kUsablePressShare * protocol_.stimulus.expected_press_m) return;
-    for (const Condition& condition : protocol_.conditions) {
-      if (!condition.cues.force || condition.cues.vibration) continue;
-      error(
-          path,
-          fmt::format(
-              "in condition {} both spheres reach the force limit of {} N within {:.2f} mm of a {:.1f} mm press: they "
-              "would feel the same",
-              condition.name, plain(spec_.max_force_n), 1e3 * usable, 1e3 * protocol_.stimulus.expected_press_m),
-          "take softer spheres");
-    }
+  if (condition.cues.vibration && platform != nullptr) {
+    if (clamped_g(pair[0], *platform) != clamped_g(pair[1], *platform)) return;
+    say(fmt::format("vibrate with {} g ({:.3f} and {:.3f} g asked)", plain(clamped_g(pair[0], *platform)),
+                    burst_amplitude_g(pair[0]), burst_amplitude_g(pair[1])),
+        fmt::format("the {} gives {} to {} g: take stiffnesses whose k/1500 + 0.4 lies within", platform->name,
+                    plain(platform->min_vibration_g), plain(platform->max_vibration_g)));
   }
-
-  void look_at_vibrations(const std::string& path, const std::array<double, 2>& pair) {
-    if (clamped_g(pair[0]) != clamped_g(pair[1])) return;
-    for (const Condition& condition : protocol_.conditions) {
-      if (!condition.cues.vibration || condition.cues.force) continue;
-      error(path,
-            fmt::format(
-                "in condition {} both spheres vibrate with {} g ({:.3f} and {:.3f} g asked): they would feel the same",
-                condition.name, plain(clamped_g(pair[0])), burst_amplitude_g(pair[0]), burst_amplitude_g(pair[1])),
-            fmt::format("the {} gives {} to {} g: take stiffnesses whose k/1500 + 0.4 lies within", spec_.name,
-                        plain(spec_.min_vibration_g), plain(spec_.max_vibration_g)));
-    }
+  if (condition.cues.kinaesthetic && joint != nullptr) {
+    if (forces_differ(linting, *joint, softer)) return;
+    say(force_reason(linting, *joint, softer), take_softer);
   }
+  if (alike.empty()) return;
+  linting.error(
+      fmt::format("$.series[{}].pair", series),
+      fmt::format("in condition {} both {} {}: they would feel the same", condition.name, linting.objects(true), alike),
+      remedy);
+}
 
-  std::set<double> stiffnesses() const {
-    std::set<double> all;
-    for (const Series& series : protocol_.series) all.insert(series.pair_n_per_m.begin(), series.pair_n_per_m.end());
-    return all;
+void warn_about_forces(DeviceLinting& linting, const DeviceSpec& spec) {
+  const Protocol& protocol = linting.protocol;
+  std::string numbers;
+  double worst = 0;
+  for (const double stiffness : linting.stiffnesses()) {
+    const double share = expected_saturated_intervals(stiffness, protocol, spec, linting.force_gain(spec));
+    worst = std::max(worst, share);
+    numbers += fmt::format("{}{} {} at {}, in {:.0f} % of intervals and {:.1f} % of contact time",
+                           numbers.empty() ? "" : "; ", plain(stiffness), linting.unit(),
+                           linting.depth(depth_at_force_limit(stiffness, spec, linting.force_gain(spec))), 100 * share,
+                           100 * expected_saturated_share(stiffness, protocol, spec, linting.force_gain(spec)));
   }
+  if (worst <= kToldShare) return;
+  const bool repeats = protocol.stimulus.on_saturation == OnSaturation::repeat;
+  linting.warn(linting.press_path(),
+               fmt::format("presses of {} +- {} reach the {}'s limit of {} N: {}",
+                           linting.depth(protocol.stimulus.expected_press), linting.depth(expected_press_sd(protocol)),
+                           spec.name, plain(spec.max_force_n), numbers),
+               repeats
+                   ? "\"on_saturation\": \"repeat\" would void these trials, mostly stiff ones, and bias the study: "
+                     "write \"flag\""
+                   : "recorded for every interval; the delivered stiffness is fitted on unsaturated samples");
+}
 
-  void warn_about_forces() {
-    if (!any([](const Cues& cues) { return cues.force; })) return;
-    std::string numbers;
-    double worst = 0;
-    for (const double stiffness : stiffnesses()) {
-      const double share = expected_saturated_intervals(stiffness, protocol_, spec_);
-      worst = std::max(worst, share);
-      numbers += fmt::format("{}{} N/m at {:.2f} mm, in {:.0f} % of intervals", numbers.empty() ? "" : "; ",
-                             plain(stiffness), 1e3 * depth_at_force_limit_m(stiffness, spec_), 100 * share);
-    }
-    if (worst <= kToldShare) return;
-    const bool repeats = protocol_.stimulus.on_saturation == OnSaturation::repeat;
-    warn("$.stimulus.expected_press_m",
-         fmt::format("presses of {:.1f} +- 1 mm reach the {}'s limit of {} N: {}",
-                     1e3 * protocol_.stimulus.expected_press_m, spec_.name, plain(spec_.max_force_n), numbers),
-         repeats ? "\"on_saturation\": \"repeat\" would void these trials, mostly stiff ones, and bias the study: "
-                   "write \"flag\""
-                 : "recorded for every interval; the delivered stiffness is fitted on unsaturated samples");
+void warn_about_vibrations(DeviceLinting& linting, const DeviceSpec& spec) {
+  std::string numbers;
+  for (const double stiffness : linting.stiffnesses()) {
+    if (clamped_g(stiffness, spec) == burst_amplitude_g(stiffness)) continue;
+    numbers += fmt::format("{}{} N/m asks {:.3f} g and gets {} g", numbers.empty() ? "" : "; ", plain(stiffness),
+                           burst_amplitude_g(stiffness), plain(clamped_g(stiffness, spec)));
   }
-
-  void warn_about_vibrations() {
-    if (!any([](const Cues& cues) { return cues.vibration; })) return;
-    std::string numbers;
-    for (const double stiffness : stiffnesses()) {
-      if (clamped_g(stiffness) == burst_amplitude_g(stiffness)) continue;
-      numbers += fmt::format("{}{} N/m asks {:.3f} g and gets {} g", numbers.empty() ? "" : "; ", plain(stiffness),
-                             burst_amplitude_g(stiffness), plain(clamped_g(stiffness)));
-    }
-    if (numbers.empty()) return;
-    warn("$.series",
-         fmt::format("vibrations are clamped to {} to {} g: {}", plain(spec_.min_vibration_g),
-                     plain(spec_.max_vibration_g), numbers),
-         "flagged in every interval");
-  }
-
-  const Protocol& protocol_;
-  const DeviceSpec& spec_;
-  const std::string& file_;
-  JsonNode root_;
-  DeviceLint lint_;
-};
+  if (numbers.empty()) return;
+  linting.warn("$.series",
+               fmt::format("vibrations are clamped to {} to {} g: {}", plain(spec.min_vibration_g),
+                           plain(spec.max_vibration_g), numbers),
+               "flagged in every interval");
+}
 
 }  // namespace
 
-double depth_at_force_limit_m(double stiffness_n_per_m, const DeviceSpec& spec) noexcept {
-  return spec.max_force_n / stiffness_n_per_m;
+void DeviceLinting::error(const std::string& path, std::string message, std::string suggestion) {
+  lint.errors.push_back(diagnostic_at_path(root, file, path, std::move(message), std::move(suggestion)));
 }
 
-double expected_saturated_intervals(double stiffness_n_per_m, const Protocol& protocol,
-                                    const DeviceSpec& spec) noexcept {
-  const double presses = std::max(1.0, std::floor(protocol.timeline.explore_s / kPressPeriod_s)) *
-                         static_cast<double>(protocol.rig.fingers.size());
-  const double margin = depth_at_force_limit_m(stiffness_n_per_m, spec) - protocol.stimulus.expected_press_m;
-  return 1 - std::pow(normal_cdf(margin / kPressSd_m), presses);
+void DeviceLinting::warn(const std::string& path, std::string message, std::string suggestion) {
+  lint.warnings.push_back(diagnostic_at_path(root, file, path, std::move(message), std::move(suggestion)));
+}
+
+bool DeviceLinting::any(bool Cues::*cue) const {
+  return std::any_of(protocol.conditions.begin(), protocol.conditions.end(),
+                     [cue](const Condition& condition) { return condition.cues.*cue; });
+}
+
+std::set<double> DeviceLinting::stiffnesses() const {
+  std::set<double> all;
+  for (const Series& series : protocol.series) all.insert(series.pair.begin(), series.pair.end());
+  return all;
+}
+
+std::string DeviceLinting::depth(double value) const {
+  return in_metres() ? fmt::format("{:.2f} mm", 1e3 * value) : fmt::format("{:.3f} rad", value);
+}
+
+std::string DeviceLinting::press_path() const {
+  return fmt::format("$.stimulus.expected_press_{}", length_suffix(protocol.stimulus.unit));
+}
+
+std::string DeviceLinting::objects(bool plural) const {
+  const bool spheres = rig.kinaesthetic() == nullptr && protocol.rig.object.empty();
+  return std::string(spheres ? "sphere" : "object") + (plural ? "s" : "");
 }
 
 double burst_amplitude_g(double stiffness_n_per_m) noexcept {
   return stiffness_n_per_m / 1500 + 0.4;
 }
 
-DeviceLint lint_against_device(const Protocol& protocol, const DeviceSpec& spec, const std::string& file) {
-  return Lint(protocol, spec, file).run();
+DeviceLint lint_against_device(const Protocol& protocol, const RigSpec& rig, const std::string& file) {
+  DeviceLinting linting{protocol, rig, file, protocol.bytes.empty() ? JsonNode{} : parse_json(protocol.bytes, file)};
+  for (std::size_t i = 0; i < protocol.series.size(); ++i) {
+    look_at_limits(linting, i);
+    for (const Condition& condition : protocol.conditions) look_at_pair(linting, i, condition);
+  }
+  lint_travel(linting);
+  lint_mode(linting);
+  lint_sampled_contact(linting);
+  if (rig.cutaneous() != nullptr) {
+    if (linting.any(&Cues::force)) warn_about_forces(linting, *rig.cutaneous());
+    if (linting.any(&Cues::vibration)) warn_about_vibrations(linting, *rig.cutaneous());
+  }
+  if (rig.kinaesthetic() != nullptr && linting.any(&Cues::kinaesthetic))
+    warn_about_forces(linting, *rig.kinaesthetic());
+  return std::move(linting.lint);
 }
 
 }  // namespace jnd

@@ -1,12 +1,13 @@
-// Does a protocol ask more of a device than it can do? Told before the first participant, with the numbers.
+// Does a protocol ask more of its rig than the devices can do? Told before the first participant, with the numbers.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "protocols/device_spec.h"
 #include "protocols/input_error.h"
+#include "protocols/press_saturation.h"
 #include "protocols/protocol.h"
+#include "protocols/rig_spec.h"
 
 namespace jnd {
 
@@ -15,22 +16,27 @@ struct DeviceLint {
   std::vector<Diagnostic> warnings;  // it can, and the numbers should be known
 };
 
-// file: for messages; places come from Protocol::bytes (0 where a protocol was not loaded from a file).
+// rig: the one that the protocol names. file: for messages; places come from Protocol::bytes (0 where a protocol was
+// not loaded from a file).
 //
-// Errors: a stiffness above the device's limit; a pair that the device cannot tell apart in a condition, because both
-// vibrations clamp to one amplitude, or because the force limit is reached within a quarter of the expected press
-// already at the softer stiffness. Warnings: presses beyond the force limit, clamped vibrations.
-DeviceLint lint_against_device(const Protocol& protocol, const DeviceSpec& spec, const std::string& file);
-
-// The penetration at which the force limit is reached (m): max_force / stiffness.
-double depth_at_force_limit_m(double stiffness_n_per_m, const DeviceSpec& spec) noexcept;
-
-// The share of intervals, 0..1, in which at least one press goes deeper than the force limit allows. Presses are
-// Gaussian, the protocol's expected depth with a standard deviation of 1 mm, one a second on each finger.
-double expected_saturated_intervals(double stiffness_n_per_m, const Protocol& protocol,
-                                    const DeviceSpec& spec) noexcept;
+// Errors: a stiffness above a device's limit; a pair that feels the same in a condition, because each of its cues does:
+// vibrations clamp to one amplitude, or the force limit is reached within a quarter of the expected press already at
+// the softer stiffness; an object or a press beyond the range of the joint or of the platform; a viscosity that cannot
+// be rendered at 1 kHz. Warnings: presses beyond the force limit, or sometimes beyond the range; clamped vibrations;
+// stiffnesses that a position-controlled platform compresses, or that rely on more than the finger's own damping.
+DeviceLint lint_against_device(const Protocol& protocol, const RigSpec& rig, const std::string& file);
 
 // Amplitude of the contact burst in g, unclamped: k / 1500 + 0.4 (Chinello et al. 2017, equation 38).
 double burst_amplitude_g(double stiffness_n_per_m) noexcept;
+
+// Viscosity and stiffness at the fingertip that a finger's own damping keeps passive at the loop's rate: b > K T / 2 +
+// |B| (Colgate and Schenkel 1997), with T of one period of 1 ms and one of delay. The damping needed, in N s/m or N
+// s/rad.
+double needed_damping(double stiffness, double viscosity) noexcept;
+
+// Of the fingertip, N s/m; assumed, as in the stiffness limit of devices/specs/rrs3.json.
+inline constexpr double kFingerDamping_n_s_per_m = 2;
+// Of the finger pulp, N/m; assumed.
+inline constexpr double kPulpStiffness_n_per_m = 1000;
 
 }  // namespace jnd

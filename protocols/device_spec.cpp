@@ -8,9 +8,10 @@
 namespace jnd {
 namespace {
 
-void read_limits(const JsonNode& node, std::vector<Diagnostic>& diagnostics, const std::string& file,
-                 DeviceSpec& spec) {
-  constexpr double kQuarterTurn = std::numbers::pi / 2;
+constexpr double kQuarterTurn = std::numbers::pi / 2;
+
+void read_rrs3_limits(const JsonNode& node, std::vector<Diagnostic>& diagnostics, const std::string& file,
+                      DeviceSpec& spec) {
   JsonReader reader(node, diagnostics, file);
   spec.max_force_n = reader.number("max_force_n", {.min = 0, .max = 50, .above = true, .unit = "N"});
   spec.stroke_m = reader.number("stroke_m", {.min = 0, .max = 0.1, .above = true, .unit = "m"});
@@ -22,8 +23,7 @@ void read_limits(const JsonNode& node, std::vector<Diagnostic>& diagnostics, con
   spec.max_vibration_g = reader.number("max_vibration_g", {.min = 0, .max = 10, .unit = "g"});
   spec.min_vibration_hz = reader.number("min_vibration_hz", {.min = 0, .max = 2000, .unit = "Hz"});
   spec.max_vibration_hz = reader.number("max_vibration_hz", {.min = 0, .max = 2000, .unit = "Hz"});
-  spec.max_stiffness_n_per_m =
-      reader.number("max_stiffness_n_per_m", {.min = 0, .max = 20000, .above = true, .unit = "N/m"});
+  spec.max_stiffness = reader.number("max_stiffness_n_per_m", {.min = 0, .max = 20000, .above = true, .unit = "N/m"});
   if (spec.max_vibration_g < spec.min_vibration_g && is_sound(diagnostics, node.path))
     reader.error("max_vibration_g", "is below min_vibration_g", "swap them");
   if (spec.max_vibration_hz < spec.min_vibration_hz && is_sound(diagnostics, node.path))
@@ -46,6 +46,60 @@ void read_geometry(const JsonNode& node, std::vector<Diagnostic>& diagnostics, c
   reader.finish();
 }
 
+void read_rrs3(JsonReader& reader, std::vector<Diagnostic>& diagnostics, const std::string& file, DeviceSpec& spec) {
+  spec.model = DeviceModel::rrs3;
+  spec.unit = StiffnessUnit::n_per_m;
+  if (const JsonNode* limits = reader.object("limits")) read_rrs3_limits(*limits, diagnostics, file, spec);
+  if (const JsonNode* geometry = reader.object("geometry")) read_geometry(*geometry, diagnostics, file, spec);
+  spec.lowest_travel = spec.rest_z_m - spec.stroke_m / 2;
+  spec.highest_travel = spec.rest_z_m + spec.stroke_m / 2;
+}
+
+void read_mckibben_limits(const JsonNode& node, std::vector<Diagnostic>& diagnostics, const std::string& file,
+                          DeviceSpec& spec) {
+  constexpr NumberLimits kAngle{.min = 0, .max = 2 * kQuarterTurn, .unit = "rad"};
+  JsonReader reader(node, diagnostics, file);
+  spec.max_force_n = reader.number("max_force_n", {.min = 0, .max = 50, .above = true, .unit = "N"});
+  spec.lowest_travel = reader.number("min_angle_rad", kAngle);
+  spec.highest_travel = reader.number("max_angle_rad", kAngle);
+  spec.max_stiffness = reader.number("max_stiffness_n_per_rad", {.min = 0, .max = 500, .above = true, .unit = "N/rad"});
+  if (spec.highest_travel <= spec.lowest_travel && is_sound(diagnostics, node.path))
+    reader.error("max_angle_rad", "is not above min_angle_rad", "swap them");
+  reader.finish();
+}
+
+void read_sensors(const JsonNode& node, std::vector<Diagnostic>& diagnostics, const std::string& file,
+                  DeviceSpec& spec) {
+  JsonReader reader(node, diagnostics, file);
+  spec.sensors.force_noise_sd_n = reader.number_or("force_noise_sd_n", 0, {.min = 0, .max = 10, .unit = "N"});
+  spec.sensors.force_resolution_n = reader.number_or("force_resolution_n", 0, {.min = 0, .max = 10, .unit = "N"});
+  if (spec.model == DeviceModel::mckibben)
+    spec.sensors.encoder_pulses = reader.number_or("encoder_pulses", 0, {.min = 0, .max = 1e7});
+  reader.finish();
+}
+
+void read_gains(const JsonNode& node, std::vector<Diagnostic>& diagnostics, const std::string& file, DeviceSpec& spec) {
+  JsonReader reader(node, diagnostics, file);
+  spec.gains.kp = reader.number("kp", {.min = 0, .max = 10, .unit = "V/N"});
+  spec.gains.ki = reader.number("ki", {.min = 0, .max = 1000, .unit = "V/(N s)"});
+  spec.gains.kd = reader.number("kd", {.min = 0, .max = 10, .unit = "V s/N"});
+  if (spec.gains.kp + spec.gains.ki <= 0 && is_sound(diagnostics, node.path))
+    reader.error("kp", "is 0, as is ki: the controller would do nothing", "give a positive kp, such as 0.28");
+  reader.finish();
+}
+
+void read_mckibben(JsonReader& reader, std::vector<Diagnostic>& diagnostics, const std::string& file,
+                   DeviceSpec& spec) {
+  spec.model = DeviceModel::mckibben;
+  spec.unit = StiffnessUnit::n_per_rad;
+  if (const JsonNode* limits = reader.object("limits")) read_mckibben_limits(*limits, diagnostics, file, spec);
+  if (const JsonNode* finger = reader.object("finger"))
+    spec.finger = read_mckibben_parameters(*finger, diagnostics, file);
+  if (const JsonNode* control = reader.object("control")) read_gains(*control, diagnostics, file, spec);
+  spec.tendon = reader.one_of<Tendon>("tendon", {{"bilateral", Tendon::bilateral}, {"unilateral", Tendon::unilateral}});
+  spec.lever_arm_m = reader.number("lever_arm_m", {.min = 0, .max = 0.3, .above = true, .unit = "m"});
+}
+
 }  // namespace
 
 DeviceSpec load_device_spec(const std::filesystem::path& path) {
@@ -55,14 +109,28 @@ DeviceSpec load_device_spec(const std::filesystem::path& path) {
   DeviceSpec spec;
   JsonReader reader(root, diagnostics, file);
   reader.ignore("$schema");
+  reader.ignore("notes");
   reader.integer("format", {.min = 1, .max = 1});
   spec.name = reader.text("name", {.max_length = 16});
   spec.title = reader.text("title", {.max_length = 200});
-  if (const JsonNode* limits = reader.object("limits")) read_limits(*limits, diagnostics, file, spec);
-  if (const JsonNode* geometry = reader.object("geometry")) read_geometry(*geometry, diagnostics, file, spec);
+  if (root.find("finger") != nullptr)
+    read_mckibben(reader, diagnostics, file, spec);
+  else
+    read_rrs3(reader, diagnostics, file, spec);
+  if (const JsonNode* sensors = reader.object_or_null("sensors")) read_sensors(*sensors, diagnostics, file, spec);
   reader.finish();
   if (!diagnostics.empty()) throw InputError(std::move(diagnostics));
   return spec;
+}
+
+std::string_view to_string(Tendon tendon) noexcept {
+  return tendon == Tendon::bilateral ? "bilateral" : "unilateral";
+}
+
+std::optional<Tendon> tendon_from(std::string_view text) noexcept {
+  for (const Tendon tendon : {Tendon::bilateral, Tendon::unilateral})
+    if (text == to_string(tendon)) return tendon;
+  return std::nullopt;
 }
 
 }  // namespace jnd

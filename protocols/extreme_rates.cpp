@@ -13,7 +13,7 @@ constexpr double kAssumedWeber = 0.25;
 double expected_jnd(const Protocol& protocol, std::string_view condition) {
   for (const PublishedValue& value : protocol.published)
     if (value.condition == condition && value.quantity == "jnd" && value.value > 0) return value.value;
-  return kAssumedWeber * protocol.stimulus.reference_n_per_m;
+  return kAssumedWeber * protocol.stimulus.reference;
 }
 
 // The probability that n answers give a rate of neither 0 nor 1.
@@ -38,7 +38,7 @@ double extreme_rate_probability(const Protocol& protocol, std::string_view condi
   const double jnd = expected_jnd(protocol, condition);
   double none = 1;
   for (const Series& series : protocol.series) {
-    const double dprime = std::abs(series.pair_n_per_m[0] - series.pair_n_per_m[1]) / jnd;
+    const double dprime = std::abs(series.pair[0] - series.pair[1]) / jnd;
     none *= inner_of_series(normal_cdf(dprime / 2), normal_cdf(-dprime / 2), protocol.design.trials_per_cell,
                             protocol.design.sampling);
   }

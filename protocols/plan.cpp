@@ -140,7 +140,7 @@ class Draws {
     return draw_limited_sequence(static_cast<int>(same), static_cast<int>(different), *protocol_.design.run_limit,
                                  stream);
   }
-  const Pair& pair_of(int series) const { return protocol_.series[static_cast<std::size_t>(series)].pair_n_per_m; }
+  const Pair& pair_of(int series) const { return protocol_.series[static_cast<std::size_t>(series)].pair; }
   const std::string& series_name(int series) const { return protocol_.series[static_cast<std::size_t>(series)].name; }
   const std::string& condition_name(int c) const { return protocol_.conditions[static_cast<std::size_t>(c)].name; }
 
@@ -152,13 +152,18 @@ class Draws {
 // Numbers the trials as they are added.
 class TrialList {
  public:
+  explicit TrialList(StiffnessUnit unit) noexcept : unit_(unit) {}
   void add(Trial trial, const Pair& pair) {
     trial.index = static_cast<int>(trials.size()) + 1;
-    trial.stimuli_n_per_m = pair;
+    trial.stimuli = pair;
+    trial.unit = unit_;
     trial.same = pair[0] == pair[1];
     trials.push_back(trial);
   }
   std::vector<Trial> trials;
+
+ private:
+  StiffnessUnit unit_;
 };
 
 void add_practice(const Practice& practice, const Draws& draws, TrialList& list) {
@@ -187,7 +192,7 @@ Plan make_plan(const Protocol& protocol, int participant, std::uint64_t seed) {
   plan.series_order = deal.series_order(participant);
   plan.condition_orders = deal.condition_orders(participant, plan.series_order);
 
-  TrialList list;
+  TrialList list(protocol.stimulus.unit);
   if (protocol.practice) add_practice(*protocol.practice, draws, list);
   int block = 0;
   for (std::size_t j = 0; j < plan.series_order.size(); ++j) {

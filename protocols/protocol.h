@@ -26,7 +26,7 @@ struct Source {
 // A published number to print beside ours.
 struct PublishedValue {
   std::string condition;  // a condition's name
-  std::string quantity;   // "jnd" (N/m), "weber" (fraction) or "rating"
+  std::string quantity;   // "jnd" (in the study's unit), "weber" (fraction) or "rating"
   double value = 0;
   std::optional<double> ci95_half_width;  // same unit as value
   std::string note;
@@ -39,11 +39,16 @@ struct Assumption {
 };
 
 struct RigRequest {
-  std::string device;                // name of a device spec: "rrs3"
-  std::vector<std::string> fingers;  // such as thumb, index; 1 or 2
-  std::string tracker;               // "hand" (simulated)
-  double separation_m = 0.130;       // between the devices' rest positions
-  double sphere_radius_m = 0.040;    // of the virtual sphere between them
+  std::string device;                // name of a rig: "rrs3", "mckibben", "rrs3+mckibben"
+  std::vector<std::string> fingers;  // such as thumb, index; 1 or 2, one where a joint is driven
+  std::string tracker;               // "hand" (simulated), or "encoder": the joint's own, of a McKibben finger
+  RenderingMode mode = RenderingMode::wrench;  // of a 3RRS device
+  // Fingertip devices around a virtual object.
+  double separation_m = 0.130;     // between the devices' rest positions
+  double sphere_radius_m = 0.040;  // of the virtual sphere between them
+  std::string object{};            // name of another virtual object; empty: the sphere
+  // A joint: the flexion from straight at which the finger meets the object.
+  double contact_flexion_rad = 0;
 };
 
 // A signal to the participant; identical for all stimuli.
@@ -66,9 +71,10 @@ struct Timeline {
 
 struct StimulusSpec {
   std::string quantity = "stiffness";
-  std::string unit = "N/m";
-  double reference_n_per_m = 0;     // base of the Weber fraction
-  double expected_press_m = 0.005;  // typical depth, for lint against the force limit and for simulated hands
+  StiffnessUnit unit = StiffnessUnit::n_per_m;
+  double reference = 0;           // base of the Weber fraction, in that unit
+  double damping_n_s_per_m = 0;   // viscosity of every contact, N s/m or N s/rad; the source papers have none
+  double expected_press = 0.005;  // typical depth, m or rad: for lint against the force limit and for simulated hands
   OnSaturation on_saturation = OnSaturation::flag;
 };
 
@@ -80,7 +86,7 @@ struct Condition {
 
 struct Series {
   std::string name;
-  std::array<double, 2> pair_n_per_m{};  // two different stiffnesses
+  std::array<double, 2> pair{};  // two different stiffnesses, in the unit of StimulusSpec
 };
 
 struct Design {
@@ -136,6 +142,7 @@ struct AnalysisPlan {
   std::string model = "yes-no";
   std::string correction = "loglinear";  // none, loglinear, half
   std::string jnd_method = "least_squares";
+  bool by_delivered = false;  // slopes over the delivered stiffness differences
   Exclusions exclude;
   std::vector<Contrast> contrasts;
 };

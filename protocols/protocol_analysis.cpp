@@ -74,7 +74,8 @@ void read_published(const JsonNode& list, ProtocolReading& reading) {
     if (const JsonNode* condition = item.find("condition"); condition != nullptr && reading.sound(condition->path))
       (void)condition_place(*condition, reading);
     value.quantity = reader.one_of<std::string>("quantity", {{"jnd", "jnd"}, {"weber", "weber"}, {"rating", "rating"}});
-    NumberLimits limits{.min = 0, .max = 20000, .above = true, .unit = "N/m"};
+    const StiffnessUnit unit = reading.protocol.stimulus.unit;
+    NumberLimits limits{.min = 0, .max = stiffness_limits(unit).max, .above = true, .unit = to_string(unit)};
     if (value.quantity == "weber") limits = {.min = 0, .max = 100, .above = true};
     if (value.quantity == "rating") limits = {.min = -100, .max = 100};
     value.value = reader.number("value", limits);
@@ -115,6 +116,7 @@ void read_analysis(const JsonNode& node, ProtocolReading& reading) {
       reader.one_of<std::string>("correction", {{"none", "none"}, {"loglinear", "loglinear"}, {"half", "half"}});
   if (reader.word("jnd", {"least_squares"}, {"ml", "weighted", "mean_of_ratios", "inverse_mean_slope"}, true))
     analysis.jnd_method = "least_squares";
+  analysis.by_delivered = reader.one_of_or<bool>("stiffness", {{"nominal", false}, {"delivered", true}}, false);
   if (const JsonNode* exclude = reader.object_or_null("exclude")) read_exclusions(*exclude, reading);
   if (const JsonNode* contrasts = reader.array_or_null("contrasts", 0, 190)) read_contrasts(*contrasts, reading);
   if (const JsonNode* tests = node.find("tests")) {

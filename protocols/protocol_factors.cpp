@@ -15,15 +15,28 @@ Order read_order(JsonReader& reader, std::string_view key) {
                                     {"williams", Order::williams}});
 }
 
+// A cue that no device of the rig renders.
+void look_at_cue(const JsonNode& item, bool of_joint, ProtocolReading& reading) {
+  const RigRequest& rig = reading.protocol.rig;
+  if (!reading.knows_rig() || (of_joint ? acts_on_joint(rig) : acts_on_pulp(rig))) return;
+  reading.error(item, fmt::format("{} cannot be rendered by {}", in_quotes(item.text), in_quotes(rig.device)),
+                of_joint ? "it needs a McKibben finger: the rig \"mckibben\" or \"rrs3+mckibben\""
+                         : "it needs a 3RRS device: the rig \"rrs3\" or \"rrs3+mckibben\"");
+}
+
 Cues read_cues(const JsonNode& list, ProtocolReading& reading) {
+  static const std::vector<std::string_view> kCues = {"force", "vibration", "kinaesthetic"};
   Cues cues;
   if (list.items.empty())
-    reading.error(list, "a condition without a cue renders nothing", "name \"force\", \"vibration\" or both");
+    reading.error(list, "a condition without a cue renders nothing", "name one or more of " + listed(kCues));
   for (const JsonNode& item : list.items) {
-    const auto place = word_of(item, {"force", "vibration"}, {}, reading.errors, reading.file);
+    const auto place = word_of(item, kCues, {}, reading.errors, reading.file);
     if (!place) continue;
-    bool& cue = *place == 0 ? cues.force : cues.vibration;
-    if (cue) reading.error(item, in_quotes(item.text) + " is named twice", "remove one");
+    bool& cue = *place == 0 ? cues.force : *place == 1 ? cues.vibration : cues.kinaesthetic;
+    if (cue)
+      reading.error(item, in_quotes(item.text) + " is named twice", "remove one");
+    else
+      look_at_cue(item, *place == 2, reading);
     cue = true;
   }
   return cues;
@@ -74,25 +87,24 @@ void read_conditions(const JsonNode& list, ProtocolReading& reading) {
     JsonReader reader(item, reading.errors, reading.file);
     condition.name = read_name(reader, "name", reading).value_or("");
     condition.label = reader.text("label", {.max_length = 100});
-    if (const JsonNode* cues = reader.array("cues", 0, 2)) condition.cues = read_cues(*cues, reading);
+    if (const JsonNode* cues = reader.array("cues", 0, 3)) condition.cues = read_cues(*cues, reading);
     reader.finish();
     reading.protocol.conditions.push_back(std::move(condition));
   }
 }
 
 void read_series(const JsonNode& list, ProtocolReading& reading) {
+  const StiffnessUnit unit = reading.protocol.stimulus.unit;
   for (const JsonNode& item : list.items) {
     Series series;
     JsonReader reader(item, reading.errors, reading.file);
     series.name = read_name(reader, "name", reading).value_or("");
     if (const JsonNode* pair = reader.array("pair", 2, 2)) {
       for (std::size_t i = 0; i < 2; ++i) {
-        series.pair_n_per_m[i] =
-            number_of(pair->items[i], {.min = 1, .max = 20000, .unit = "N/m"}, reading.errors, reading.file)
-                .value_or(0);
+        series.pair[i] = number_of(pair->items[i], stiffness_limits(unit), reading.errors, reading.file).value_or(0);
       }
-      if (reading.sound(pair->path) && series.pair_n_per_m[0] == series.pair_n_per_m[1]) {
-        reading.error(*pair, fmt::format("both stiffnesses are {} N/m", plain(series.pair_n_per_m[0])),
+      if (reading.sound(pair->path) && series.pair[0] == series.pair[1]) {
+        reading.error(*pair, fmt::format("both stiffnesses are {} {}", plain(series.pair[0]), to_string(unit)),
                       "a series compares two different stiffnesses");
       }
     }

@@ -53,15 +53,16 @@ void lint_conditions(ProtocolReading& reading) {
 
 void lint_series(ProtocolReading& reading) {
   const auto& series = reading.protocol.series;
-  const double reference = reading.protocol.stimulus.reference_n_per_m;
+  const double reference = reading.protocol.stimulus.reference;
+  const std::string_view unit = to_string(reading.protocol.stimulus.unit);
   if (!reading.sound("$.stimulus.reference")) return;
   for (std::size_t i = 0; i < series.size(); ++i) {
     const std::string path = element("series", i, "pair");
-    const auto& pair = series[i].pair_n_per_m;
+    const auto& pair = series[i].pair;
     if (reading.sound(path) && pair[0] != reference && pair[1] != reference) {
       reading.error_at(path,
-                       fmt::format("neither {} nor {} N/m is the reference, {} N/m", plain(pair[0]), plain(pair[1]),
-                                   plain(reference)),
+                       fmt::format("neither {} nor {} {} is the reference, {} {}", plain(pair[0]), plain(pair[1]), unit,
+                                   plain(reference), unit),
                        "the Weber fraction's base must be in every pair: change the pair or $.stimulus.reference");
     }
   }

@@ -22,6 +22,8 @@ struct ProtocolReading {
   std::vector<Diagnostic>& warnings;
 
   bool sound(std::string_view path) const { return is_sound(errors, path); }
+  // Has the rig's device been read, so that what depends on it can be checked?
+  bool knows_rig() const { return !protocol.rig.device.empty() && sound("$.rig.device"); }
   void error(const JsonNode& at, std::string message, std::string suggestion = "") {
     errors.push_back(diagnostic_at(at, file, std::move(message), std::move(suggestion)));
   }
@@ -36,10 +38,19 @@ const JsonNode* node_at(const JsonNode& root, std::string_view path);
 Diagnostic diagnostic_at_path(const JsonNode& root, const std::string& file, std::string_view path, std::string message,
                               std::string suggestion);
 
-// protocol_apparatus.cpp: what is presented, and how a trial goes.
+// protocol_rig.cpp: what the stimuli are presented with. Sets the stimulus's unit to the rig's.
 void read_rig(const JsonNode& node, ProtocolReading& reading);
-void read_trial(const JsonNode& node, ProtocolReading& reading);
+// Has the rig a 3RRS device, or a McKibben finger? Of a known rig.
+bool acts_on_pulp(const RigRequest& rig);
+bool acts_on_joint(const RigRequest& rig);
+
+// protocol_stimulus.cpp: what is varied. After the rig.
 void read_stimulus(const JsonNode& node, ProtocolReading& reading);
+StiffnessUnit fitting_unit(const RigRequest& rig);
+NumberLimits stiffness_limits(StiffnessUnit unit);
+
+// protocol_trial.cpp: how a trial goes.
+void read_trial(const JsonNode& node, ProtocolReading& reading);
 
 // protocol_factors.cpp: conditions, series and the design that crosses them.
 void read_conditions(const JsonNode& list, ProtocolReading& reading);

@@ -9,24 +9,36 @@
 #include <string_view>
 #include <vector>
 
+#include "protocols/tick_record.h"
+
 namespace jnd {
 
 // What kind of session the data come from. The three are never pooled unless a user asks for it.
 enum class SessionKind { real, pilot, simulated };
 
-// Which of the device's channels carry the stimulus.
+// The unit of every stiffness of a study: N/m of a contact, or N/rad of a joint (force at the fingertip per angle).
+enum class StiffnessUnit { n_per_m, n_per_rad };
+
+// What carries the stimulus: force on the pulp and a vibration burst (3RRS device), resistance of the joint (McKibben
+// finger).
 struct Cues {
   bool force = false;
   bool vibration = false;
+  bool kinaesthetic = false;
   bool operator==(const Cues&) const = default;
 };
 
 // One interval's sphere.
 struct Stimulus {
-  double stiffness_n_per_m = 0;  // > 0
+  double stiffness = 0;          // > 0, in the study's unit
+  double damping_n_s_per_m = 0;  // >= 0: viscosity of the contact
   Cues cues;
   bool operator==(const Stimulus&) const = default;
 };
+
+// How a 3RRS platform turns a contact into torques (Chinello et al. 2017): wrench = force control, (26); pd = position
+// control in the platform's coordinates; pd_literal = position control in the joints as printed, (36).
+enum class RenderingMode { wrench, pd, pd_literal };
 
 enum class Judgement { same, different };
 
@@ -40,28 +52,61 @@ struct Answer {
 };
 
 // Why a presentation was not delivered as asked. `none` and `no_contact` need no operator; the others stop the device.
-enum class Fault { none, no_contact, stale_pose, non_finite, device_lost, emergency_stop, interrupted };
+enum class Fault {
+  none,
+  no_contact,
+  stale_pose,     // the tracker has no news of the finger
+  stale_reading,  // nor the device of itself
+  command_gap,    // the loop itself came too late
+  non_finite,
+  sensor_stuck,  // the measured force does not follow what is given
+  device_lost,
+  emergency_stop,
+  interrupted
+};
 
-// What one finger got in one interval. Shares are of contact time, 0..1.
+// What a device acts on: the pulp of the finger, or its joint.
+enum class Channel { cutaneous, kinaesthetic };
+
+// What one limit of the governor did in one interval: in how many ticks, and asked and given where it took most.
+struct Intervention {
+  std::string limit;  // "force_cap", "force_rise", ...: devices/governor.h
+  std::int64_t ticks = 0;
+  double asked = 0, given = 0;  // N; g or Hz for vibrations; rad or m for the workspace
+  bool operator==(const Intervention&) const = default;
+};
+
+// What one device of a rig did to its finger in one interval. Shares are of contact time, 0..1. Penetration and speed
+// are in m and m/s where the study's stiffness is in N/m, in rad and rad/s where it is in N/rad.
 struct FingerPresentation {
+  int finger = 0;  // place in RigRequest::fingers
+  Channel channel = Channel::cutaneous;
   // Least-squares slope through the origin of delivered force on penetration, over the unsaturated samples in contact
-  // outside the soft start; none where there is no such sample or no force was commanded.
-  std::optional<double> stiffness_n_per_m;
+  // outside the soft start, in the study's unit; none where there is no such sample or no force was commanded.
+  std::optional<double> stiffness;
+  // Standard error of that slope from its residuals, as if the samples were independent; none with fewer than two.
+  std::optional<double> stiffness_se;
+  // The same slope as a torque per angle, of a joint whose contact is described in N/m.
+  std::optional<double> joint_stiffness_n_m_per_rad;
   std::int64_t fit_samples = 0;
   double peak_force_n = 0;
-  double deepest_penetration_m = 0;
-  double work_j = 0;  // done by the finger on the sphere while loading: integral of force d(penetration), rising part
-  double mean_speed_m_per_s = 0;  // mean absolute penetration rate in contact
+  double deepest_penetration = 0;
+  double work_j = 0;      // done by the finger on the object while loading: integral of force d(path), rising part
+  double mean_speed = 0;  // mean absolute penetration rate in contact
   int contacts = 0;
   double dwell_s = 0;          // time in contact
   double saturated_share = 0;  // of contact time, the part in which a limit reduced the asked force
   double vibration_g = 0;      // amplitude of the bursts delivered; 0 without one
   bool vibration_clamped = false;
+  std::vector<Intervention> interventions;
 };
+
+// Upper edges of a presentation's lateness histogram, us; what is later than the last falls into one bucket more.
+inline constexpr std::array<double, 12> kLatenessEdges_us = {1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000};
 
 // What was really delivered in one interval.
 struct Presentation {
-  std::vector<FingerPresentation> fingers;  // in the protocol's order of fingers
+  std::vector<FingerPresentation> fingers;  // an entry for each device, in the protocol's order of fingers
   double first_contact_s = -1;              // after the interval began; -1 without contact
   double duration_s = 0;
   std::int64_t ticks = 0;
@@ -69,8 +114,13 @@ struct Presentation {
   double lateness_p50_us = 0;  // of the ticks' wake-ups; 0 on the simulated clock
   double lateness_p99_us = 0;
   double lateness_max_us = 0;
+  std::array<std::int64_t, kLatenessEdges_us.size() + 1> lateness_histogram{};  // ticks by kLatenessEdges_us
   Fault fault = Fault::none;
+  std::string stopped_by;              // who latched an emergency stop: "key", "signal", "button", "program"
+  std::vector<TickRecord> last_ticks;  // before a fault other than no_contact: the last kTicksBeforeStop of each device
 };
+
+inline constexpr std::size_t kTicksBeforeStop = 100;
 
 // One planned trial.
 struct Trial {
@@ -80,7 +130,8 @@ struct Trial {
   int round = 0;      // practice round from 1; 0 in the main part
   int series = 0;     // place in Protocol::series, from 0
   int condition = 0;  // place in Protocol::conditions, from 0
-  std::array<double, 2> stimuli_n_per_m{};
+  std::array<double, 2> stimuli{};
+  StiffnessUnit unit = StiffnessUnit::n_per_m;  // of the stimuli
   bool same = true;
   bool operator==(const Trial&) const = default;
 };
@@ -97,10 +148,19 @@ struct TrialRecord {
 };
 
 std::string_view to_string(SessionKind kind) noexcept;
+std::string_view to_string(StiffnessUnit unit) noexcept;      // "N/m", "N/rad"
+std::string_view name_suffix(StiffnessUnit unit) noexcept;    // of a field's name: "n_per_m", "n_per_rad"
+std::string_view length_suffix(StiffnessUnit unit) noexcept;  // of a penetration's name: "m", "rad"
+std::string_view to_string(Channel channel) noexcept;
+std::string_view to_string(RenderingMode mode) noexcept;  // "wrench", "pd", "pd-literal"
 std::string_view to_string(Judgement judgement) noexcept;
 std::string_view to_string(EnteredBy who) noexcept;  // "participant", "operator"
 std::string_view to_string(Fault fault) noexcept;
 std::optional<SessionKind> session_kind_from(std::string_view text) noexcept;
+std::optional<StiffnessUnit> stiffness_unit_from(std::string_view text) noexcept;  // "N/m", "N/rad"
+std::optional<Channel> channel_from(std::string_view text) noexcept;
+std::optional<Fault> fault_from(std::string_view text) noexcept;
+std::optional<RenderingMode> rendering_mode_from(std::string_view text) noexcept;
 std::optional<Judgement> judgement_from(std::string_view text) noexcept;
 
 }  // namespace jnd
