@@ -1,7 +1,9 @@
-// The seam between the control loop and one fingertip device: a platform that presses the pulp, and a vibration motor.
+// The seam between the control loop and one device that acts on a fingertip: a platform that presses the pulp, with a
+// vibration motor (3RRS), or a linkage that resists the finger's flexion (McKibben finger).
 //
-// Device frame: z dorsal (out of the nail), the platform pushes along +z in its rest orientation. The device closes its
-// own platform loop; the host says how hard, along which direction, and how the platform should lie.
+// Device frame: z dorsal (out of the nail), the platform pushes along +z in its rest orientation; a linkage pushes
+// along +z too, against flexion. The device closes its own loop; the host says how hard, along which direction, and how
+// the platform should lie.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +14,8 @@ namespace jnd {
 
 // One tick's command, as the governor lets it through.
 struct DeviceCommand {
-  double force_n = 0;                                 // on the finger, along normal; >= 0
+  double force_n = 0;            // on the finger, along normal; >= 0
+  double stiffness_n_per_m = 0;  // of the contact behind it, for position-controlled modes; 0: none
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // unit, device frame: which way the finger is pushed
   double roll_rad = 0, pitch_rad = 0;                 // platform orientation asked
   double vibration_g = 0;                             // amplitude, 0 = off
@@ -25,9 +28,11 @@ struct PlatformPose {
 };
 
 struct DeviceReading {
-  double force_n = 0;      // on the finger, measured under the platform
-  double vibration_g = 0;  // amplitude
-  PlatformPose platform;
+  std::int64_t time_ns = 0;  // when it was true, on the loop's clock
+  double force_n = 0;        // on the finger, measured
+  double vibration_g = 0;    // amplitude
+  double travel = 0;         // along the device's own range: platform height in m, or joint angle in rad
+  PlatformPose platform;     // at rest for a device without one
 };
 
 enum class DeviceStatus { ok, lost };
@@ -37,6 +42,8 @@ class FingertipDevice {
  public:
   virtual ~FingertipDevice() = default;
 
+  // Which interval begins: what a model keys its noise by, so that a resumed session feels as an undisturbed one.
+  virtual void begin_interval(std::uint64_t /*part*/) noexcept {}
   // Before an interval: ready, at rest, without force.
   virtual DeviceStatus engage(std::int64_t now_ns) noexcept = 0;
   virtual DeviceStatus read(std::int64_t now_ns, DeviceReading& reading) noexcept = 0;

@@ -4,27 +4,26 @@
 
 namespace jnd {
 
-namespace {
-std::vector<FingertipDevice*> pointers(const std::vector<std::unique_ptr<FingertipDevice>>& devices) {
-  std::vector<FingertipDevice*> result;
-  for (const auto& device : devices) result.push_back(device.get());
-  return result;
-}
-}  // namespace
-
-FingertipRig::FingertipRig(RigInfo info, std::vector<std::unique_ptr<FingertipDevice>> devices,
-                           std::unique_ptr<Tracker> tracker, Clock& clock, const DeviceSpec& spec, const Sphere& sphere)
+FingertipRig::FingertipRig(RigInfo info, RigParts parts, Clock& clock, const RigOptions& options)
     : info_(std::move(info)),
-      devices_(std::move(devices)),
-      tracker_(std::move(tracker)),
-      loop_(pointers(devices_), *tracker_, clock, spec, sphere) {}
+      parts_(std::move(parts)),
+      telemetry_(options.telemetry_ticks > 0 ? std::make_unique<TelemetryRing>(options.telemetry_ticks) : nullptr),
+      loop_(parts_.channels, *parts_.tracker, clock, parts_.scene, telemetry_.get()),
+      thread_(options.realtime ? std::make_unique<RenderThread>(*options.realtime) : nullptr) {}
 
 Presentation FingertipRig::present(const PresentRequest& request) {
-  return loop_.run(request, stop_requested);
+  if (!thread_) return loop_.run(request, stop);
+  Presentation presentation;
+  thread_->run([&] { presentation = loop_.run(request, stop); });
+  return presentation;
 }
 
 void FingertipRig::neutral() noexcept {
-  for (const auto& device : devices_) device->neutral();
+  for (const auto& device : parts_.devices) device->neutral();
+}
+
+RealtimeReport FingertipRig::realtime() const {
+  return thread_ ? thread_->report() : RealtimeReport{};
 }
 
 }  // namespace jnd

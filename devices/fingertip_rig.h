@@ -1,32 +1,51 @@
-// A rig of fingertip devices around one virtual sphere: owns them, and presents through the control loop.
+// A rig of devices on fingers: owns them, and presents through the control loop, on a thread of its own where the clock
+// is real.
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "devices/control_loop.h"
+#include "devices/finger_flexion.h"
+#include "devices/render_thread.h"
 #include "devices/rig.h"
 
 namespace jnd {
 
+// What a rig owns and drives. Members are destroyed last to first: what others refer to comes first.
+struct RigParts {
+  std::vector<std::unique_ptr<FingerFlexion>> motions;  // what moves models of joints
+  std::vector<std::unique_ptr<FingertipDevice>> devices;
+  std::vector<LoopDevice> channels;  // what each device acts on
+  std::unique_ptr<Tracker> tracker;
+  LoopScene scene;
+};
+
+struct RigOptions {
+  std::size_t telemetry_ticks = 0;  // room of the telemetry ring, device-ticks; 0: no telemetry
+  // Without a value the loop runs on the calling thread, as it does on a simulated clock.
+  std::optional<RealtimePolicy> realtime;
+};
+
 class FingertipRig final : public Rig {
  public:
-  // One device a finger, in the protocol's order. The clock must outlive the rig.
-  FingertipRig(RigInfo info, std::vector<std::unique_ptr<FingertipDevice>> devices, std::unique_ptr<Tracker> tracker,
-               Clock& clock, const DeviceSpec& spec, const Sphere& sphere);
+  // The clock must outlive the rig. Throws DeviceError where real-time scheduling is required and not to be had.
+  FingertipRig(RigInfo info, RigParts parts, Clock& clock, const RigOptions& options = {});
 
   const RigInfo& info() const noexcept override { return info_; }
   // While the latch is set nothing is presented: the result is an emergency stop of no length.
   Presentation present(const PresentRequest& request) override;
   void neutral() noexcept override;
-
-  const TickRing& last_ticks() const noexcept { return loop_.last_ticks(); }
+  TelemetryRing* telemetry() noexcept override { return telemetry_.get(); }
+  RealtimeReport realtime() const override;
 
  private:
   RigInfo info_;
-  std::vector<std::unique_ptr<FingertipDevice>> devices_;
-  std::unique_ptr<Tracker> tracker_;
+  RigParts parts_;
+  std::unique_ptr<TelemetryRing> telemetry_;
   ControlLoop loop_;
+  std::unique_ptr<RenderThread> thread_;
 };
 
 }  // namespace jnd

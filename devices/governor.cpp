@@ -1,6 +1,7 @@
 #include "devices/governor.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace jnd {
@@ -9,14 +10,15 @@ namespace {
 
 // A force counts as reduced beyond rounding only: the shares of saturated time are data.
 constexpr double kRounding = 1e-12;
-// Slack of the stroke's ends, m: a platform that rests on its stop is inside.
-constexpr double kStrokeSlack_m = 1e-6;
+// Slack of the range's ends, m or rad: a device that rests on its stop is inside.
+constexpr double kTravelSlack = 1e-6;
 
 bool all_finite(const GovernorInput& input) noexcept {
   const DeviceCommand& asked = input.asked;
   // One sum: it is finite only if all its parts are (opposite infinities make a NaN).
   return std::isfinite(asked.force_n + asked.normal.x() + asked.normal.y() + asked.normal.z() + asked.roll_rad +
-                       asked.pitch_rad + asked.vibration_g + asked.vibration_hz + input.platform_z_m);
+                       asked.pitch_rad + asked.vibration_g + asked.vibration_hz + asked.stiffness_n_per_m +
+                       input.travel);
 }
 
 }  // namespace
@@ -36,8 +38,8 @@ void Governor::configure(const DeviceSpec& spec) noexcept {
   max_force_n_ = spec.max_force_n;
   max_roll_rad_ = spec.max_roll_rad;
   max_pitch_rad_ = spec.max_pitch_rad;
-  lowest_z_m_ = spec.rest_z_m - spec.stroke_m / 2 - kStrokeSlack_m;
-  highest_z_m_ = spec.rest_z_m + spec.stroke_m / 2 + kStrokeSlack_m;
+  lowest_travel_ = spec.lowest_travel - kTravelSlack;
+  highest_travel_ = spec.highest_travel + kTravelSlack;
   min_vibration_g_ = spec.min_vibration_g;
   max_vibration_g_ = spec.max_vibration_g;
   min_vibration_hz_ = spec.min_vibration_hz;
@@ -52,6 +54,7 @@ bool Governor::activate(std::int64_t now_ns) noexcept {
     activated_ns_ = last_call_ns_ = now_ns;
     previous_force_n_ = 0;
     vibrating_ = false;
+    tallies_ = {};
   }
   return state_ == State::active;
 }
@@ -72,10 +75,23 @@ void Governor::reset() noexcept {
   state_ = State::inactive;
 }
 
-GovernorOutput Governor::zero(unsigned limits) const noexcept {
+void Governor::act(unsigned bit, double asked, double given, unsigned& limits) noexcept {
+  limits |= bit;
+  LimitTally& tally = tallies_[static_cast<std::size_t>(std::countr_zero(bit))];
+  if (tally.ticks == 0 || std::abs(asked - given) > std::abs(tally.asked - tally.given)) {
+    tally.asked = asked;
+    tally.given = given;
+  }
+  ++tally.ticks;
+}
+
+// Nothing is given; what was asked is still told.
+GovernorOutput Governor::refuse(const DeviceCommand& asked) noexcept {
   GovernorOutput out;
-  out.limits = limits;
   out.fault = fault_;
+  out.force_reduced = asked.force_n > kRounding;
+  out.limits = limit::kNotActive;
+  if (!(asked.force_n == 0)) act(limit::kNotActive, asked.force_n, 0, out.limits);
   return out;
 }
 
@@ -89,78 +105,70 @@ double Governor::govern_vibration(const DeviceCommand& asked, std::int64_t now_n
     burst_start_ns_ = now_ns;
   }
   if (now_ns - burst_start_ns_ >= kMaxBurst_ns) {
-    limits |= limit::kBurst;
+    act(limit::kBurst, asked.vibration_g, 0, limits);
     return 0;
   }
   const double given = std::clamp(asked.vibration_g, min_vibration_g_, max_vibration_g_);
-  if (std::abs(given - asked.vibration_g) > kRounding) limits |= limit::kVibration;
+  if (std::abs(given - asked.vibration_g) > kRounding) act(limit::kVibration, asked.vibration_g, given, limits);
   return given;
 }
 
+double Governor::govern_force(const GovernorInput& input, std::int64_t now_ns, std::int64_t elapsed_ns,
+                              GovernorOutput& out) noexcept {
+  const DeviceCommand& asked = input.asked;
+  double force = asked.force_n;
+  const auto reduce = [&](unsigned bit, double given) {
+    act(bit, force, given, out.limits);
+    force = given;
+  };
+  if (force < 0) reduce(limit::kPull, 0);
+  if (force > max_force_n_) reduce(limit::kForceCap, max_force_n_);
+  const double gain = soft_start_gain(now_ns - activated_ns_);
+  out.soft_start = gain < 1;
+  if (out.soft_start && force > 0) reduce(limit::kSoftStart, force * gain);
+  // The direction is a unit vector that pushes the finger; anything else is a mistake of the host's and gets no force.
+  const bool pushes = asked.normal.z() > 0 && std::abs(asked.normal.squaredNorm() - 1) < 1e-6;
+  const bool in_range = input.travel >= lowest_travel_ && input.travel <= highest_travel_;
+  if (force > 0 && !(pushes && in_range)) reduce(limit::kWorkspace, 0);
+  const double limited = rise_limited_n(force, previous_force_n_, elapsed_ns);
+  if (limited < force) reduce(limit::kForceRise, limited);
+  return force;
+}
+
+void Governor::govern_tilt(const DeviceCommand& asked, GovernorOutput& out) noexcept {
+  out.given.roll_rad = std::clamp(asked.roll_rad, -max_roll_rad_, max_roll_rad_);
+  out.given.pitch_rad = std::clamp(asked.pitch_rad, -max_pitch_rad_, max_pitch_rad_);
+  if (out.given.roll_rad != asked.roll_rad) act(limit::kWorkspace, asked.roll_rad, out.given.roll_rad, out.limits);
+  if (out.given.pitch_rad != asked.pitch_rad) act(limit::kWorkspace, asked.pitch_rad, out.given.pitch_rad, out.limits);
+}
+
 GovernorOutput Governor::govern(const GovernorInput& input, std::int64_t now_ns) noexcept {
-  if (state_ != State::active) {
-    GovernorOutput out = zero(limit::kNotActive);
-    out.force_reduced = input.asked.force_n > kRounding;
-    return out;
-  }
+  const DeviceCommand& asked = input.asked;
+  if (state_ != State::active) return refuse(asked);
   const std::int64_t elapsed_ns = now_ns - last_call_ns_;
   last_call_ns_ = now_ns;
   const std::int64_t age_ns = now_ns - input.pose_time_ns;
   if (!all_finite(input)) {
     trip(Fault::non_finite);
-  } else if (elapsed_ns > kMaxAge_ns || elapsed_ns < 0 || age_ns > kMaxAge_ns || age_ns < -kMaxAge_ns) {
-    // A late command is as bad as a late pose: the force in effect rested on an old one.
+  } else if (elapsed_ns > kMaxAge_ns || elapsed_ns < 0) {
+    trip(Fault::command_gap);  // the force in effect rested on a command that old
+  } else if (age_ns > kMaxAge_ns || age_ns < -kMaxAge_ns) {
     trip(Fault::stale_pose);
   }
-  if (state_ != State::active) {
-    GovernorOutput out = zero(limit::kNotActive);
-    out.force_reduced = input.asked.force_n > kRounding;
-    return out;
-  }
+  if (state_ != State::active) return refuse(asked);
 
   GovernorOutput out;
-  const DeviceCommand& asked = input.asked;
   out.given = asked;
-  double force = asked.force_n;
-  if (force < 0) {
-    force = 0;
-    out.limits |= limit::kPull;
-  }
-  if (force > max_force_n_) {
-    force = max_force_n_;
-    out.limits |= limit::kForceCap;
-  }
-  const double gain = soft_start_gain(now_ns - activated_ns_);
-  out.soft_start = gain < 1;
-  if (out.soft_start && force > 0) {
-    force *= gain;
-    out.limits |= limit::kSoftStart;
-  }
-  // The direction is a unit vector that pushes the finger; anything else is a mistake of the host's and gets no force.
-  const bool pushes = asked.normal.z() > 0 && std::abs(asked.normal.squaredNorm() - 1) < 1e-6;
-  const bool in_stroke = input.platform_z_m >= lowest_z_m_ && input.platform_z_m <= highest_z_m_;
-  if (force > 0 && !(pushes && in_stroke)) {
-    force = 0;
-    out.limits |= limit::kWorkspace;
-  }
-  const double limited = rise_limited_n(force, previous_force_n_, elapsed_ns);
-  if (limited < force) {
-    force = limited;
-    out.limits |= limit::kForceRise;
-  }
-  out.given.roll_rad = std::clamp(asked.roll_rad, -max_roll_rad_, max_roll_rad_);
-  out.given.pitch_rad = std::clamp(asked.pitch_rad, -max_pitch_rad_, max_pitch_rad_);
-  if (out.given.roll_rad != asked.roll_rad || out.given.pitch_rad != asked.pitch_rad) out.limits |= limit::kWorkspace;
-
-  out.given.force_n = force;
-  out.force_reduced = asked.force_n - force > kRounding;
-  previous_force_n_ = force;
-
+  out.given.force_n = govern_force(input, now_ns, elapsed_ns, out);
+  out.force_reduced = asked.force_n - out.given.force_n > kRounding;
+  previous_force_n_ = out.given.force_n;
+  govern_tilt(asked, out);
   out.given.vibration_g = govern_vibration(asked, now_ns, out.limits);
   out.given.vibration_hz = 0;
   if (out.given.vibration_g > 0) {
     out.given.vibration_hz = std::clamp(asked.vibration_hz, min_vibration_hz_, max_vibration_hz_);
-    if (out.given.vibration_hz != asked.vibration_hz) out.limits |= limit::kVibration;
+    if (out.given.vibration_hz != asked.vibration_hz)
+      act(limit::kVibration, asked.vibration_hz, out.given.vibration_hz, out.limits);
   }
   return out;
 }

@@ -7,7 +7,9 @@
 //                                  ^------deactivate------'
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <string_view>
 
 #include "devices/fingertip_device.h"
 #include "protocols/device_spec.h"
@@ -33,12 +35,22 @@ namespace limit {
 inline constexpr unsigned kForceCap = 1U << 0U;
 inline constexpr unsigned kForceRise = 1U << 1U;
 inline constexpr unsigned kSoftStart = 1U << 2U;
-inline constexpr unsigned kWorkspace = 1U << 3U;  // tilt beyond the device's, or the platform beyond its stroke
+inline constexpr unsigned kWorkspace = 1U << 3U;  // beyond the device's tilt or travel, or a direction that pulls
 inline constexpr unsigned kPull = 1U << 4U;       // a negative force: the platform can only push
 inline constexpr unsigned kVibration = 1U << 5U;  // amplitude or frequency outside the motor's range
 inline constexpr unsigned kBurst = 1U << 6U;      // vibration longer than kMaxBurst_ns
 inline constexpr unsigned kNotActive = 1U << 7U;
+
+// By bit: what the log calls them.
+inline constexpr std::array<std::string_view, 8> kNames = {"force_cap", "force_rise", "soft_start", "workspace",
+                                                           "pull",      "vibration",  "burst",      "not_active"};
 }  // namespace limit
+
+// How often a limit acted since the activation, and what was asked and given where it took most.
+struct LimitTally {
+  std::int64_t ticks = 0;
+  double asked = 0, given = 0;  // N; g or Hz for vibrations; rad for a tilt
+};
 
 // The pieces, as pure functions. All times ns, forces N.
 double rise_limited_n(double asked, double previous, std::int64_t elapsed_ns) noexcept;
@@ -46,7 +58,7 @@ double soft_start_gain(std::int64_t since_activation_ns) noexcept;  // 0..1
 
 struct GovernorInput {
   DeviceCommand asked;
-  double platform_z_m = 0;        // where the platform is, of the last reading
+  double travel = 0;              // where the device is along its range, of the last reading
   std::int64_t pose_time_ns = 0;  // of the finger pose that the command rests on
 };
 
@@ -74,20 +86,27 @@ class Governor {
 
   State state() const noexcept { return state_; }
   Fault fault() const noexcept { return fault_; }
+  // By bit of namespace limit.
+  const std::array<LimitTally, limit::kNames.size()>& tallies() const noexcept { return tallies_; }
 
  private:
-  GovernorOutput zero(unsigned limits) const noexcept;
+  GovernorOutput refuse(const DeviceCommand& asked) noexcept;
+  double govern_force(const GovernorInput& input, std::int64_t now_ns, std::int64_t elapsed_ns,
+                      GovernorOutput& out) noexcept;
+  void govern_tilt(const DeviceCommand& asked, GovernorOutput& out) noexcept;
+  void act(unsigned bit, double asked, double given, unsigned& limits) noexcept;
   double govern_vibration(const DeviceCommand& asked, std::int64_t now_ns, unsigned& limits) noexcept;
 
   State state_ = State::unconfigured;
   Fault fault_ = Fault::none;
   double max_force_n_ = 0, max_roll_rad_ = 0, max_pitch_rad_ = 0;
-  double lowest_z_m_ = 0, highest_z_m_ = 0;
+  double lowest_travel_ = 0, highest_travel_ = 0;
   double min_vibration_g_ = 0, max_vibration_g_ = 0, min_vibration_hz_ = 0, max_vibration_hz_ = 0;
   double previous_force_n_ = 0;
   std::int64_t activated_ns_ = 0, last_call_ns_ = 0;
   std::int64_t burst_start_ns_ = 0;
   bool vibrating_ = false;
+  std::array<LimitTally, limit::kNames.size()> tallies_{};
 };
 
 }  // namespace jnd

@@ -1,13 +1,17 @@
-// How late the ticks of a loop woke, as percentiles, without keeping them: a histogram of whole microseconds.
+// How late the ticks of a loop woke, as percentiles and by the edges that a presentation keeps, without keeping them.
 #pragma once
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
+
+#include "protocols/vocabulary.h"
 
 namespace jnd {
 
-// Lateness above kBuckets - 1 us shares the last bucket; the largest is kept exactly.
+// Percentiles come of buckets of whole microseconds: lateness above kBuckets - 2 us shares the last bucket, whose
+// percentile is the largest of all, which is kept exactly.
 class LatenessHistogram {
  public:
   void clear() noexcept { *this = LatenessHistogram{}; }
@@ -16,6 +20,8 @@ class LatenessHistogram {
     largest_ns_ = std::max(largest_ns_, late);
     ++counts_[static_cast<std::size_t>(std::min<std::int64_t>(late / 1000, kBuckets - 1))];
     ++total_;
+    ++by_edges_[static_cast<std::size_t>(std::lower_bound(kEdges_ns.begin(), kEdges_ns.end(), late) -
+                                         kEdges_ns.begin())];
   }
   // The least whole number of microseconds that at least `share` (0..1) of the ticks did not exceed, rounded down to
   // the bucket; 0 without ticks.
@@ -24,15 +30,28 @@ class LatenessHistogram {
     std::int64_t seen = 0;
     for (std::size_t bucket = 0; bucket < counts_.size(); ++bucket) {
       seen += counts_[bucket];
-      if (seen > 0 && static_cast<double>(seen) >= wanted) return static_cast<double>(bucket);
+      if (seen > 0 && static_cast<double>(seen) >= wanted)
+        return bucket + 1 < counts_.size() ? static_cast<double>(bucket) : largest_us();
     }
     return 0;
   }
   double largest_us() const noexcept { return 1e-3 * static_cast<double>(largest_ns_); }
+  std::int64_t total() const noexcept { return total_; }
+
+  // Ticks by kLatenessEdges_us: entry i those later than edge i - 1 and not later than edge i; the last those later
+  // than every edge.
+  using ByEdges = std::array<std::int64_t, kLatenessEdges_us.size() + 1>;
+  const ByEdges& by_edges() const noexcept { return by_edges_; }
 
  private:
+  static constexpr auto kEdges_ns = [] {
+    std::array<std::int64_t, kLatenessEdges_us.size()> edges{};
+    for (std::size_t i = 0; i < edges.size(); ++i) edges[i] = static_cast<std::int64_t>(kLatenessEdges_us[i] * 1000);
+    return edges;
+  }();
   static constexpr std::int64_t kBuckets = 2048;
   std::array<std::uint32_t, kBuckets> counts_{};
+  ByEdges by_edges_{};
   std::int64_t total_ = 0, largest_ns_ = 0;
 };
 

@@ -9,22 +9,29 @@ namespace jnd {
 
 StiffnessCues cues_of(const Presentation& presentation) noexcept {
   StiffnessCues cues;
-  double sum = 0, strongest_g = 0;
-  int fitted = 0;
+  struct Mean {
+    double sum = 0;
+    int fitted = 0;
+    std::optional<double> value() const { return fitted > 0 ? std::optional(sum / fitted) : std::nullopt; }
+  };
+  Mean force, kinaesthetic;
+  double strongest_g = 0;
   for (const FingerPresentation& finger : presentation.fingers) {
-    if (finger.stiffness_n_per_m) {
-      sum += *finger.stiffness_n_per_m;
-      ++fitted;
+    if (finger.stiffness) {
+      Mean& mean = finger.channel == Channel::cutaneous ? force : kinaesthetic;
+      mean.sum += *finger.stiffness;
+      ++mean.fitted;
     }
     strongest_g = std::max(strongest_g, finger.vibration_g);
   }
-  if (fitted > 0) cues.force = sum / fitted;
+  cues.force = force.value();
+  cues.kinaesthetic = kinaesthetic.value();
   if (strongest_g > 0) cues.vibration = stiffness_of_amplitude_n_per_m(strongest_g);
   return cues;
 }
 
 Judgement judge_cues(const ParticipantProfile& profile, const StiffnessCues& first, const StiffnessCues& second,
-                     double noise_factor, const PerceptNoise& noise) noexcept {
+                     double noise_factor, const PerceptNoise& noise, double reference) noexcept {
   const bool differencing = profile.strategy == ParticipantProfile::Strategy::differencing;
   double weights = 0, weighted = 0;
   const auto add = [&](const std::optional<double>& k1, const std::optional<double>& k2, double sigma, double n1,
@@ -39,7 +46,9 @@ Judgement judge_cues(const ParticipantProfile& profile, const StiffnessCues& fir
   const double sigma_force = noise_factor * profile.sigma_force_n_per_m;
   const double sigma_vibration = noise_factor * profile.sigma_vibration_n_per_m;
   add(first.force, second.force, sigma_force, noise[0], noise[1]);
+  const double sigma_joint = noise_factor * profile.kinaesthetic_weber * reference;
   add(first.vibration, second.vibration, sigma_vibration, noise[2], noise[3]);
+  add(first.kinaesthetic, second.kinaesthetic, sigma_joint, noise[4], noise[5]);
 
   double sigma = std::max(sigma_force, sigma_vibration), difference = 0;
   if (weights > 0) {

@@ -2,6 +2,7 @@
 //
 // A participant has at most one estimate of each cue in an interval:
 //   force      the fitted slope of delivered force on penetration, mean of the fingers that have one;
+//   kinaesthetic  the same slope at the joint;
 //   vibration  1500 (A / g - 0.4) N/m from the delivered amplitude A, (38) read backwards, of the strongest finger.
 // A cue that only one interval has cannot be compared and is not used. Cues combine with weights 1 / sigma^2 (maximum
 // likelihood), so that 1 / sigma^2 of the combination is the sum over cues.
@@ -20,19 +21,22 @@
 
 namespace jnd {
 
-// N/m; none where the interval did not carry the cue.
+// N/m, but for a joint in N/rad; none where the interval did not carry the cue.
 struct StiffnessCues {
   std::optional<double> force;
   std::optional<double> vibration;
+  std::optional<double> kinaesthetic{};  // in the study's unit
 };
 
 StiffnessCues cues_of(const Presentation& presentation) noexcept;
 
-// Standard normal draws: force in intervals 1 and 2, vibration in intervals 1 and 2. `magnitude` uses the first.
-using PerceptNoise = std::array<double, 4>;
+// Standard normal draws: force in intervals 1 and 2, vibration in 1 and 2, kinaesthetic in 1 and 2. `magnitude` uses
+// the first.
+using PerceptNoise = std::array<double, 6>;
 
-// noise_factor scales both sigmas (spread between participants, fatigue), not a fixed criterion; 1 = the profile's.
+// noise_factor scales all sigmas (spread between participants, fatigue), not a fixed criterion; 1 = the profile's.
+// reference: the study's, of which the kinaesthetic noise is a fraction.
 Judgement judge_cues(const ParticipantProfile& profile, const StiffnessCues& first, const StiffnessCues& second,
-                     double noise_factor, const PerceptNoise& noise) noexcept;
+                     double noise_factor, const PerceptNoise& noise, double reference = 0) noexcept;
 
 }  // namespace jnd

@@ -63,6 +63,8 @@ ParticipantProfile load_profile(const std::filesystem::path& path) {
       "strategy", {{"magnitude", Strategy::magnitude}, {"differencing", Strategy::differencing}});
   profile.sigma_force_n_per_m = reader.number("sigma_force_n_per_m", kNoise);
   profile.sigma_vibration_n_per_m = reader.number("sigma_vibration_n_per_m", kNoise);
+  profile.kinaesthetic_weber =
+      reader.number_or("kinaesthetic_weber", profile.kinaesthetic_weber, {.min = 0, .max = 10, .above = true});
   const std::optional<double> fixed = reader.optional_number("criterion_n_per_m", kNoise);
   const std::optional<double> sigmas =
       reader.optional_number("criterion_sigmas", {.min = 0, .max = 100, .above = true, .unit = "sigma"});

@@ -15,6 +15,17 @@ constexpr double contact_force_n(double stiffness_n_per_m, double penetration_m)
   return stiffness_n_per_m * penetration_m;
 }
 
+// The same with a damper in the contact: f = kS dx + b dx', N. The paper names a matrix Dq as future work; b = 0 is
+// (37). damping >= 0, N s/m; penetration_rate > 0 while the finger goes deeper, m/s. No force without penetration, and
+// never a negative one: a surface cannot pull a finger that leaves faster than it springs back. A number that is not
+// finite stays one, so that the governor sees it.
+constexpr double contact_force_n(double stiffness_n_per_m, double penetration_m, double damping_n_s_per_m,
+                                 double penetration_rate_m_per_s) noexcept {
+  if (penetration_m <= 0) return 0;
+  const double force = stiffness_n_per_m * penetration_m + damping_n_s_per_m * penetration_rate_m_per_s;
+  return force < 0 ? 0 : force;
+}
+
 // (38): A = (kS / 1500 + 0.4) g, in g. Above 1 g (kS > 900 N/m) the device clamps.
 constexpr double burst_amplitude_g(double stiffness_n_per_m) noexcept {
   return stiffness_n_per_m / 1500 + 0.4;

@@ -1,9 +1,10 @@
 // The seam between an experiment and its devices: a rig presents a stimulus and says what was really delivered.
 #pragma once
 
-#include <atomic>
 #include <string>
 
+#include "devices/emergency_stop.h"
+#include "devices/realtime.h"
 #include "protocols/vocabulary.h"
 
 namespace jnd {
@@ -24,12 +25,15 @@ struct PresentRequest {
 
 struct RigInfo {
   std::string name;     // "rrs3 x 2"
-  std::string mode;     // rendering mode: "wrench"
-  std::string tracker;  // "hand"
+  std::string mode;     // rendering mode: "wrench", "pd", "pd-literal"; the controller of a joint: "PI"
+  std::string tracker;  // "hand", "encoder"
+  std::string sha256;   // of the rig's description
   bool simulated = true;
 };
 
-// Thread rule: one thread at a time calls present and neutral; stop_requested may be set from any thread.
+class TelemetryRing;
+
+// Thread rule: one thread at a time calls present and neutral; stop may be latched from any thread.
 class Rig {
  public:
   virtual ~Rig() = default;
@@ -42,8 +46,13 @@ class Rig {
   // Force to zero and platform to rest, at once. Safe to call at any time.
   virtual void neutral() noexcept = 0;
 
-  // The latch that stops any presentation within two ticks.
-  std::atomic<bool> stop_requested{false};
+  // Where every tick of a presentation is recorded, to be drained after it; null where none is.
+  virtual TelemetryRing* telemetry() noexcept { return nullptr; }
+  // What real-time scheduling the loop got.
+  virtual RealtimeReport realtime() const { return {}; }
+
+  // Stops any presentation within two ticks, and prevents the next one until it is cleared.
+  EmergencyStop stop;
 };
 
 }  // namespace jnd

@@ -5,20 +5,31 @@
 #include <memory>
 
 #include "devices/clock.h"
+#include "devices/fingertip_rig.h"
 #include "devices/rig.h"
 #include "devices/simulated_participant.h"
-#include "protocols/device_spec.h"
+#include "devices/virtual_object.h"
 #include "protocols/protocol.h"
+#include "protocols/rig_spec.h"
 
 namespace jnd {
 
-// What the rig below says of itself; the log keeps it.
-RigInfo simulated_rig_info(const Protocol& protocol, const DeviceSpec& spec);
+// What a protocol's rig is made of, as loaded from files.
+struct RigDescription {
+  RigSpec spec;
+  VirtualObject object{};  // where $.rig.object names one; otherwise the sphere of $.rig.sphere_radius_m is used
+};
 
-// A rig of simulated devices around a simulated hand, on the given clock (simulated, or steady for rehearsals).
-// Throws InputError where the protocol asks for a device, finger or tracker that does not exist.
-std::unique_ptr<Rig> make_simulated_rig(const Protocol& protocol, const DeviceSpec& spec,
+// What the rig below says of itself; the log keeps it.
+RigInfo simulated_rig_info(const Protocol& protocol, const RigSpec& spec);
+
+// A rig of simulated devices moved by a simulated hand or finger, on the given clock (simulated, or steady for
+// rehearsals). Throws InputError where the protocol asks for a device, finger or tracker that does not exist.
+std::unique_ptr<Rig> make_simulated_rig(const Protocol& protocol, const RigDescription& rig,
                                         const ParticipantProfile& profile, int participant, std::uint64_t seed,
-                                        Clock& clock);
+                                        Clock& clock, const RigOptions& options = {});
+
+// Device-ticks of the longest presentation of a protocol: room for its telemetry without a drop.
+std::size_t telemetry_ticks(const Protocol& protocol, const RigSpec& spec) noexcept;
 
 }  // namespace jnd

@@ -42,21 +42,24 @@ Rrs3Kinematics::Rrs3Kinematics(const Rrs3Geometry& geometry) : geometry_(geometr
   joints_in_platform_ << geometry.b_m, -geometry.bh_m, -geometry.bh_m,  //
       0, -half, half,                                                   //
       0, 0, 0;
+  for (int leg = 0; leg < 3; ++leg) {
+    axes_x_[leg] = joint_axis(leg).x();
+    axes_y_[leg] = joint_axis(leg).y();
+  }
+  axes_cross_ = axes_x_.cross(axes_y_);
 }
 
-std::optional<Rrs3Configuration> Rrs3Kinematics::configuration(const Rrs3Coordinates& xi) const noexcept {
+bool Rrs3Kinematics::solve_pose(const Rrs3Coordinates& xi, Rrs3Pose& at) const noexcept {
   const double sr = std::sin(xi.roll_rad), cr = std::cos(xi.roll_rad);
   const double sp = std::sin(xi.pitch_rad), cp = std::cos(xi.pitch_rad);
   // (1), general: tan(yaw) = (bd^2/4) sin(pitch) sin(roll) / (bh (b + bh) cos(pitch) + (bd^2/4) cos(roll)).
   const double square = geometry_.bd_m * geometry_.bd_m / 4;
   const double rise = square * sp * sr;
   const double run = geometry_.bh_m * (geometry_.b_m + geometry_.bh_m) * cp + square * cr;
-  if (!(run > 0) || !(cr > 0) || !(cp > 0)) return std::nullopt;  // also where an angle is not a number
+  if (!(run > 0) || !(cr > 0) || !(cp > 0)) return false;  // also where an angle is not a number
   const double length = std::sqrt(rise * rise + run * run);
   const double sy = rise / length, cy = run / length;
 
-  std::optional<Rrs3Configuration> result(std::in_place);
-  Rrs3Configuration& at = *result;
   at.sin_yaw = sy;
   at.cos_yaw = cy;
   at.rotation << cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr,  //
@@ -64,10 +67,29 @@ std::optional<Rrs3Configuration> Rrs3Kinematics::configuration(const Rrs3Coordin
       -sp, cp * sr, cp * cr;
   // (2), (3), exact.
   at.position << geometry_.bh_m * (at.rotation(0, 0) - at.rotation(1, 1)), -geometry_.b_m * at.rotation(1, 0), xi.pz_m;
+  return true;
+}
 
+std::optional<Rrs3Pose> Rrs3Kinematics::pose(const Rrs3Coordinates& xi) const noexcept {
+  std::optional<Rrs3Pose> result(std::in_place);
+  if (!solve_pose(xi, *result)) result.reset();
+  return result;
+}
+
+// In place, with one way out: the results are too large to be copied a thousand times a second.
+std::optional<Rrs3Configuration> Rrs3Kinematics::configuration(const Rrs3Coordinates& xi) const noexcept {
+  std::optional<Rrs3Configuration> result(std::in_place);
+  if (!solve_pose(xi, *result) || !solve_legs(*result)) result.reset();
+  return result;
+}
+
+bool Rrs3Kinematics::solve_legs(Rrs3Configuration& at) const noexcept {
   for (int leg = 0; leg < 3; ++leg) {
     const Leg& azimuth = legs_[static_cast<std::size_t>(leg)];
-    const Eigen::Vector3d joint = at.position + at.rotation * joints_in_platform_.col(leg);  // (4)
+    // (4); B_i lies in the platform's plane.
+    const Eigen::Vector3d arm =
+        at.rotation.col(0) * joints_in_platform_(0, leg) + at.rotation.col(1) * joints_in_platform_(1, leg);
+    const Eigen::Vector3d joint = at.position + arm;
     at.platform_joints.col(leg) = joint;
     const double radial = joint.x() * azimuth.cos_azimuth + joint.y() * azimuth.sin_azimuth - geometry_.a_m;
     const double z = joint.z();
@@ -76,7 +98,7 @@ std::optional<Rrs3Configuration> Rrs3Kinematics::configuration(const Rrs3Coordin
     const double along =
         (geometry_.l1_m * geometry_.l1_m + squared - geometry_.l2_m * geometry_.l2_m) / 2;    // times |s|
     const double across_squared = geometry_.l1_m * geometry_.l1_m * squared - along * along;  // times |s|^2
-    if (!(across_squared >= 0) || !(squared > 0)) return std::nullopt;
+    if (!(across_squared >= 0) || !(squared > 0)) return false;
     const double across = std::sqrt(across_squared);
     const double link_radial = (along * radial - across * z) / squared;
     const double link_z = (along * z + across * radial) / squared;
@@ -85,7 +107,7 @@ std::optional<Rrs3Configuration> Rrs3Kinematics::configuration(const Rrs3Coordin
     at.elbows.col(leg) << (geometry_.a_m + link_radial) * azimuth.cos_azimuth,
         (geometry_.a_m + link_radial) * azimuth.sin_azimuth, link_z;
   }
-  return result;
+  return true;
 }
 
 Eigen::Vector3d Rrs3Kinematics::joint_angles(const Rrs3Configuration& at) const noexcept {
@@ -107,51 +129,58 @@ Eigen::Vector3d Rrs3Kinematics::joint_axis(int leg) const noexcept {
 }
 
 std::optional<Rrs3Differential> Rrs3Kinematics::differential(const Rrs3Configuration& at) const noexcept {
-  // (9): u . v + w . (r x u) = 0 with r = b - p, for each leg; split as in (14) into chi and [vx, vy, wz].
-  Eigen::Matrix3d dependent;                // U of [vx, vy, wz]
-  Eigen::Matrix<double, 3, 2> independent;  // U of [wx, wy]; that of vz is zero, because the axes are horizontal
-  const Eigen::Matrix3d arms = at.platform_joints.colwise() - at.position;
-  for (int leg = 0; leg < 3; ++leg) {
-    const Leg& azimuth = legs_[static_cast<std::size_t>(leg)];
-    const double ux = azimuth.sin_azimuth, uy = -azimuth.cos_azimuth;
-    dependent.row(leg) << ux, uy, arms(0, leg) * uy - arms(1, leg) * ux;
-    independent.row(leg) << -arms(2, leg) * uy, arms(2, leg) * ux;
-  }
-  const Eigen::Vector3d c0 = dependent.col(0), c1 = dependent.col(1), c2 = dependent.col(2);
-  const Eigen::Vector3d r0 = c1.cross(c2), r1 = c2.cross(c0), r2 = c0.cross(c1);
-  const double determinant = c0.dot(r0);
-  if (!(std::abs(determinant) > kSingular * geometry_.b_m)) return std::nullopt;
-
   std::optional<Rrs3Differential> result(std::in_place);
-  Rrs3Differential& out = *result;
+  if (!solve_rates(at, *result)) result.reset();
+  return result;
+}
+
+bool Rrs3Kinematics::solve_rates(const Rrs3Configuration& at, Rrs3Differential& out) const noexcept {
+  // (9): u . v + w . (r x u) = 0 with r = b - p, for each leg; split as in (14) into chi and [vx, vy, wz].
+  // Columns, an element a leg: ux, uy and turn of vx, vy and wz; about_x, about_y of wx, wy; that of vz is zero,
+  // because the axes are horizontal. r0, r1, r2 are the rows of the adjoint of the dependent block.
+  const Eigen::Vector3d& ux = axes_x_;
+  const Eigen::Vector3d& uy = axes_y_;
+  Eigen::Vector3d turn, about_x, about_y;
+  for (int leg = 0; leg < 3; ++leg) {
+    const double x = at.platform_joints(0, leg) - at.position.x(), y = at.platform_joints(1, leg) - at.position.y();
+    const double z = at.platform_joints(2, leg) - at.position.z();
+    turn[leg] = x * uy[leg] - y * ux[leg];
+    about_x[leg] = -z * uy[leg];
+    about_y[leg] = z * ux[leg];
+  }
+  const Eigen::Vector3d r0 = uy.cross(turn), r1 = turn.cross(ux);
+  const Eigen::Vector3d& r2 = axes_cross_;
+  const double determinant = ux.dot(r0);
+  if (!(std::abs(determinant) > kSingular * geometry_.b_m)) return false;
+
   out.det_u = determinant;
   const double scale = -1 / determinant;
+  const double vx_wx = scale * r0.dot(about_x), vx_wy = scale * r0.dot(about_y);
+  const double vy_wx = scale * r1.dot(about_x), vy_wy = scale * r1.dot(about_y);
+  const double wz_wx = scale * r2.dot(about_x), wz_wy = scale * r2.dot(about_y);
   // (17)
-  out.h << 0, scale * r0.dot(independent.col(0)), scale * r0.dot(independent.col(1)),  //
-      0, scale * r1.dot(independent.col(0)), scale * r1.dot(independent.col(1)),       //
-      1, 0, 0,                                                                         //
-      0, 1, 0,                                                                         //
-      0, 0, 1,                                                                         //
-      0, scale * r2.dot(independent.col(0)), scale * r2.dot(independent.col(1));
+  out.h << 0, vx_wx, vx_wy,  //
+      0, vy_wx, vy_wy,       //
+      1, 0, 0,               //
+      0, 1, 0,               //
+      0, 0, 1,               //
+      0, wz_wx, wz_wy;
 
   for (int leg = 0; leg < 3; ++leg) {
     const Leg& azimuth = legs_[static_cast<std::size_t>(leg)];
     const double along = at.knee(0, leg) - at.link(0, leg), z = at.knee(1, leg) - at.link(1, leg);
     const Eigen::Vector3d distal(along * azimuth.cos_azimuth, along * azimuth.sin_azimuth, z);  // b - d
-    const Eigen::Vector3d turning = arms.col(leg).cross(distal);
+    const Eigen::Vector3d turning = (at.platform_joints.col(leg) - at.position).cross(distal);
     // (20), signs corrected: E = [(b-d)^T, ((b-p) x (b-d))^T]; F = (b-d) . (u x (d-a)), here in the leg's plane.
     const double lever = at.knee(1, leg) * at.link(0, leg) - at.knee(0, leg) * at.link(1, leg);
-    if (!(std::abs(lever) > kSingular * geometry_.l1_m * geometry_.l2_m)) return std::nullopt;
+    if (!(std::abs(lever) > kSingular * geometry_.l1_m * geometry_.l2_m)) return false;
     const double inverse = 1 / lever;
     out.j(leg, 0) = z * inverse;
-    for (int column = 1; column < 3; ++column)
-      out.j(leg, column) = (distal.x() * out.h(0, column) + distal.y() * out.h(1, column) + turning[column - 1] +
-                            turning.z() * out.h(5, column)) *
-                           inverse;
+    out.j(leg, 1) = (distal.x() * vx_wx + distal.y() * vy_wx + turning.x() + turning.z() * wz_wx) * inverse;
+    out.j(leg, 2) = (distal.x() * vx_wy + distal.y() * vy_wy + turning.y() + turning.z() * wz_wy) * inverse;
   }
   const Eigen::Vector3d column = out.j.col(0);
-  if (!(std::abs(column.dot(out.j.col(1).cross(out.j.col(2)))) * geometry_.b_m > kSingular)) return std::nullopt;
-  return result;
+  return std::abs(column.dot(out.j.col(1).cross(out.j.col(2)))) * geometry_.b_m > kSingular;
 }
 
 Eigen::Matrix3d Rrs3Kinematics::rate_map(const Rrs3Configuration& at, double pitch_rad) noexcept {
@@ -170,7 +199,7 @@ double Rrs3Kinematics::condition_number(const Eigen::Matrix3d& j) const noexcept
   return singular[0] / singular[2];
 }
 
-double yaw_of(const Rrs3Configuration& at) noexcept {
+double yaw_of(const Rrs3Pose& at) noexcept {
   return std::atan2(at.sin_yaw, at.cos_yaw);
 }
 

@@ -37,19 +37,28 @@ struct Rrs3Coordinates {
   double pz_m = 0, roll_rad = 0, pitch_rad = 0;
 };
 
+// The whole pose of the platform, with the yaw and the shift that come with the coordinates.
+struct Rrs3Pose {
+  Eigen::Matrix3d rotation;  // R, platform to S0
+  Eigen::Vector3d position;  // p, platform origin O1
+  double sin_yaw = 0, cos_yaw = 1;
+};
+
 // Where everything is at one pose. Columns are legs.
-struct Rrs3Configuration {
-  Eigen::Matrix3d rotation;          // R, platform to S0
-  Eigen::Vector3d position;          // p, platform origin O1
+struct Rrs3Configuration : Rrs3Pose {
+  // Not defaulted: std::optional would fill 350 bytes with zeros first, a tenth of a control step.
+  Rrs3Configuration() noexcept {}  // NOLINT(modernize-use-equals-default)
+
   Eigen::Matrix3d platform_joints;   // b_i
   Eigen::Matrix3d elbows;            // d_i
   Eigen::Matrix<double, 2, 3> knee;  // of the platform joints in the leg's plane, from its base joint: radial, z
   Eigen::Matrix<double, 2, 3> link;  // of the elbows, the same
-  double sin_yaw = 0, cos_yaw = 1;
 };
 
 // The velocities at one pose: q' = J chi and twist [v, w] = H chi, chi = [vz, wx, wy].
 struct Rrs3Differential {
+  Rrs3Differential() noexcept {}  // NOLINT(modernize-use-equals-default): as above
+
   Eigen::Matrix<double, 6, 3> h;  // (17)
   Eigen::Matrix3d j;              // (22), rad/s per m/s (column 0) and per rad/s
   double det_u = 0;               // of (14)'s dependent block, m; zero where the constraints no longer fix [vx, vy, wz]
@@ -61,6 +70,9 @@ class Rrs3Kinematics {
   explicit Rrs3Kinematics(const Rrs3Geometry& geometry);
 
   const Rrs3Geometry& geometry() const noexcept { return geometry_; }
+
+  // (1)..(3), whether the legs can reach it or not. Empty beyond a quarter turn of tilt.
+  std::optional<Rrs3Pose> pose(const Rrs3Coordinates& xi) const noexcept;
 
   // (1)..(4) and the elbows. Empty where a leg cannot reach, or beyond a quarter turn of tilt.
   std::optional<Rrs3Configuration> configuration(const Rrs3Coordinates& xi) const noexcept;
@@ -82,15 +94,20 @@ class Rrs3Kinematics {
   Eigen::Vector3d joint_axis(int leg) const noexcept;
 
  private:
+  bool solve_pose(const Rrs3Coordinates& xi, Rrs3Pose& at) const noexcept;
+  bool solve_legs(Rrs3Configuration& at) const noexcept;
+  bool solve_rates(const Rrs3Configuration& at, Rrs3Differential& out) const noexcept;
+
   struct Leg {
     double cos_azimuth = 1, sin_azimuth = 0;
   };
   Rrs3Geometry geometry_;
   std::array<Leg, 3> legs_{};
-  Eigen::Matrix3d joints_in_platform_;  // columns B_i in S1
+  Eigen::Matrix3d joints_in_platform_;            // columns B_i in S1
+  Eigen::Vector3d axes_x_, axes_y_, axes_cross_;  // x and y of the joint axes u_i, an element a leg, and their product
 };
 
 // Yaw of a configuration, rad.
-double yaw_of(const Rrs3Configuration& at) noexcept;
+double yaw_of(const Rrs3Pose& at) noexcept;
 
 }  // namespace jnd

@@ -6,7 +6,10 @@
 namespace jnd {
 
 Eigen::Vector3d joint_torques(const Rrs3Differential& at, const Wrench& wrench) noexcept {
-  const Eigen::Vector3d load = at.h.transpose() * wrench;
+  // H^T w without the zeros and ones of (17).
+  const double fx = wrench[0], fy = wrench[1], mz = wrench[5];
+  const Eigen::Vector3d load(wrench[2], at.h(0, 1) * fx + at.h(1, 1) * fy + wrench[3] + at.h(5, 1) * mz,
+                             at.h(0, 2) * fx + at.h(1, 2) * fy + wrench[4] + at.h(5, 2) * mz);
   // J^T tau = load by Cramer's rule on the rows of J: the columns of J^T.
   const Eigen::Vector3d a = at.j.row(0), b = at.j.row(1), c = at.j.row(2);
   const Eigen::Vector3d bc = b.cross(c);

@@ -7,6 +7,7 @@
 
 #include <vector>
 
+#include "devices/press_motion.h"
 #include "devices/tracker.h"
 
 namespace jnd {
@@ -22,11 +23,6 @@ struct HandHabits {
 };
 
 inline constexpr double kLeastPress_m = 0.0005;
-// Share of the period that the finger is in the sphere.
-inline constexpr double kPressShare = 0.65;
-// The hand never reaches the surface sooner than this after the cue: the soft start (200 ms) is then over.
-inline constexpr double kLeastApproach_s = 0.3;
-
 class SimulatedHand final : public Tracker {
  public:
   // fingers: 1 or 2, thumb (at -x) first. Throws InputError where the fingers would rest inside the sphere, or a habit
@@ -41,14 +37,14 @@ class SimulatedHand final : public Tracker {
   double depth_m(int finger, double time_s) const noexcept;
 
  private:
-  struct Press {
-    double depth_m = 0;
-    double wander_y_m = 0, wander_z_m = 0;
+  struct Wander {  // of the contact point, at one press
+    double y_m = 0, z_m = 0;
   };
   struct Finger {
     double side = 1;  // of the sphere, along x
     Eigen::Matrix3d axes;
-    std::vector<Press> presses;
+    PressMotion motion;
+    std::vector<Wander> wanders;
   };
   HandHabits habits_;
   std::vector<Finger> fingers_;

@@ -11,11 +11,14 @@
 
 #include "devices/interval_key.h"
 #include "devices/perceived_stiffness.h"
+#include "protocols/input_error.h"
 #include "protocols/random_stream.h"
 
 namespace jnd {
 
 namespace {
+
+constexpr const char* kKinaesthetic = "kinaesthetic";  // a shipped profile
 
 // Factor on a participant's noise: log-normal, mean 1, coefficient of variation cv.
 double spread_factor(double cv, std::uint64_t seed, int participant) noexcept {
@@ -29,7 +32,16 @@ class SimulatedParticipant final : public Responder {
  public:
   SimulatedParticipant(const ParticipantProfile& profile, const Protocol& protocol, int participant, std::uint64_t seed,
                        Clock& clock)
-      : profile_(profile), participant_(participant), seed_(seed), clock_(clock) {
+      : profile_(profile),
+        reference_(protocol.stimulus.reference),
+        participant_(participant),
+        seed_(seed),
+        clock_(clock) {
+    if (protocol.stimulus.unit != StiffnessUnit::n_per_m && profile.criterion_n_per_m > 0)
+      throw InputError(
+          fmt::format("profile {} has its criterion in N/m, but this study's stiffnesses are in {}: use a profile with "
+                      "criterion_sigmas, such as {}",
+                      profile.name, to_string(protocol.stimulus.unit), kKinaesthetic));
     for (const Condition& condition : protocol.conditions) condition_names_.push_back(condition.name);
     spread_ = spread_factor(profile.spread_cv, seed, participant);
   }
@@ -46,7 +58,7 @@ class SimulatedParticipant final : public Responder {
 
     const double tired = 1 + profile_.drift_per_trial * static_cast<double>(std::max(question.trial.index - 1, 0));
     const Judgement felt = judge_cues(profile_, cues_of(question.presentations[0]), cues_of(question.presentations[1]),
-                                      spread_ * std::max(tired, 0.0), noise);
+                                      spread_ * std::max(tired, 0.0), noise, reference_);
 
     Answer answer;
     answer.judgement = lapse ? coin : felt;
@@ -95,6 +107,7 @@ class SimulatedParticipant final : public Responder {
   }
 
   ParticipantProfile profile_;
+  double reference_;
   std::vector<std::string> condition_names_;
   int participant_;
   std::uint64_t seed_;
@@ -103,6 +116,12 @@ class SimulatedParticipant final : public Responder {
 };
 
 }  // namespace
+
+std::string default_profile(const Protocol& protocol) {
+  for (const Condition& condition : protocol.conditions)
+    if (condition.cues.kinaesthetic) return kKinaesthetic;
+  return "chinello2017";
+}
 
 std::unique_ptr<Responder> make_simulated_participant(const ParticipantProfile& profile, const Protocol& protocol,
                                                       int participant, std::uint64_t seed, Clock& clock) {

@@ -22,6 +22,10 @@ struct ParticipantProfile {
   std::string sha256;                  // of the file
   double sigma_force_n_per_m = 0;      // noise of the force cue
   double sigma_vibration_n_per_m = 0;  // noise of the vibration cue
+  // Noise of the kinaesthetic cue as a fraction of the protocol's reference, because joints are measured in N/rad and
+  // contacts in N/m: the differential threshold of stiffness at the elbow, 23 % (Jones and Hunter 1990, Exp. Brain Res.
+  // 79, 150-156).
+  double kinaesthetic_weber = 0.23;
   // The criterion: a fixed difference, or a multiple of the condition's combined sigma; exactly one is > 0.
   double criterion_n_per_m = 0;
   double criterion_sigmas = 0;
@@ -40,7 +44,11 @@ struct ParticipantProfile {
 
 ParticipantProfile load_profile(const std::filesystem::path& path);  // throws InputError
 
-// Answers for one participant of one study. All randomness is keyed by (seed, participant, trial, attempt), so that a
+// The profile that fits a protocol where a user names none.
+std::string default_profile(const Protocol& protocol);
+
+// Answers for one participant of one study. Throws InputError where the profile's criterion is in N/m and the study's
+// stiffness is not. All randomness is keyed by (seed, participant, trial, attempt), so that a
 // resumed session answers exactly as an undisturbed one.
 std::unique_ptr<Responder> make_simulated_participant(const ParticipantProfile& profile, const Protocol& protocol,
                                                       int participant, std::uint64_t seed, Clock& clock);

@@ -13,6 +13,7 @@ namespace jnd {
 struct FingerPose {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();       // of the fingertip
   Eigen::Matrix3d device_axes = Eigen::Matrix3d::Identity();  // columns: the device frame's axes in the world
+  double flexion_rad = 0;                                     // of the joint from straight, where one is tracked
   std::int64_t time_ns = 0;                                   // when it was true, on the loop's clock
 };
 

@@ -1,0 +1,45 @@
+// The latch that stops a rig: set from anywhere, cleared only by name.
+#pragma once
+
+#include <atomic>
+#include <string_view>
+
+namespace jnd {
+
+enum class StopSource : int { none, program, signal, key, button };
+
+constexpr std::string_view to_string(StopSource source) noexcept {
+  switch (source) {
+    case StopSource::none:
+      return "none";
+    case StopSource::program:
+      return "program";
+    case StopSource::signal:
+      return "signal";
+    case StopSource::key:
+      return "key";
+    case StopSource::button:
+      return "button";
+  }
+  return "";
+}
+
+// Thread rule: every member from any thread, latch also from a signal handler. While latched, a rig gives no force
+// within two ticks and presents nothing; only clear() ends that, and nothing in the loop calls it.
+class EmergencyStop {
+ public:
+  // The first source is kept until the latch is cleared.
+  void latch(StopSource source) noexcept {
+    StopSource expected = StopSource::none;
+    source_.compare_exchange_strong(expected, source, std::memory_order_acq_rel);
+  }
+  void clear() noexcept { source_.store(StopSource::none, std::memory_order_release); }
+  bool latched() const noexcept { return source() != StopSource::none; }
+  StopSource source() const noexcept { return source_.load(std::memory_order_acquire); }
+
+ private:
+  std::atomic<StopSource> source_{StopSource::none};
+  static_assert(std::atomic<StopSource>::is_always_lock_free, "a signal handler sets it");
+};
+
+}  // namespace jnd

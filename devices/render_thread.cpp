@@ -1,0 +1,93 @@
+#include "devices/render_thread.h"
+
+#include <csignal>
+#include <utility>
+
+namespace jnd {
+
+namespace {
+
+// While it lives, threads that are made start with every signal blocked: handlers belong to the main thread, whose
+// blocking reads they must interrupt.
+class SignalsBlocked {
+ public:
+  SignalsBlocked() noexcept {
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before_);
+  }
+  ~SignalsBlocked() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  SignalsBlocked(const SignalsBlocked&) = delete;
+  SignalsBlocked& operator=(const SignalsBlocked&) = delete;
+
+ private:
+  sigset_t before_{};
+};
+
+}  // namespace
+
+RenderThread::RenderThread(RealtimePolicy policy) {
+  {
+    const SignalsBlocked blocked;
+    thread_ = std::thread([this, policy] { serve(policy); });
+  }
+  try {
+    std::unique_lock lock(mutex_);
+    wait_done(lock);
+  } catch (...) {
+    thread_.join();  // it has ended: it could not become what was required
+    throw;
+  }
+}
+
+RenderThread::~RenderThread() {
+  {
+    const std::lock_guard lock(mutex_);
+    ends_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+void RenderThread::run(const std::function<void()>& job) {
+  std::unique_lock lock(mutex_);
+  job_ = &job;
+  busy_ = true;
+  changed_.notify_all();
+  wait_done(lock);
+}
+
+void RenderThread::wait_done(std::unique_lock<std::mutex>& lock) {
+  changed_.wait(lock, [this] { return !busy_; });
+  if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
+}
+
+void RenderThread::serve(RealtimePolicy policy) noexcept {
+  std::unique_ptr<RealtimeScope> realtime;
+  std::exception_ptr error;
+  try {
+    realtime = std::make_unique<RealtimeScope>(policy);
+  } catch (...) {
+    error = std::current_exception();
+  }
+  std::unique_lock lock(mutex_);
+  if (realtime) report_ = realtime->report();
+  for (;;) {
+    error_ = std::exchange(error, nullptr);
+    job_ = nullptr;
+    busy_ = false;
+    changed_.notify_all();
+    if (!realtime) return;
+    changed_.wait(lock, [this] { return ends_ || job_ != nullptr; });
+    if (ends_) return;
+    lock.unlock();
+    try {
+      (*job_)();
+    } catch (...) {
+      error = std::current_exception();
+    }
+    lock.lock();
+  }
+}
+
+}  // namespace jnd
