@@ -44,7 +44,7 @@ int pragma(SQLite::Database& database, const char* name) {
   return query.executeStep() ? query.getColumn(0).getInt() : 0;
 }
 
-void refuse_other_databases(const fs::path& path, SQLite::Database& database, bool writable) {
+void refuse_other_databases(const fs::path& path, SQLite::Database& database) {
   if (pragma(database, "application_id") != kApplicationId)
     throw StorageError(fmt::format("{}: is an SQLite database but not a jnd study; it was not changed", path.string()));
   const int version = pragma(database, "user_version");
@@ -56,11 +56,6 @@ void refuse_other_databases(const fs::path& path, SQLite::Database& database, bo
   if (version < 1)
     throw StorageError(
         fmt::format("{}: is an unfinished study (file version {}); it was not changed", path.string(), version));
-  if (version < kSchemaVersion && !writable)
-    throw StorageError(
-        fmt::format("{}: was written by an older jnd (file version {}, now {}); open it once for writing (jnd run) to "
-                    "bring it up to date",
-                    path.string(), version, kSchemaVersion));
 }
 
 void refuse_damage(const fs::path& path, SQLite::Database& database) {
@@ -117,7 +112,7 @@ std::unique_ptr<SQLite::Database> open_database(const fs::path& path, bool writa
                                                        may_write ? SQLite::OPEN_READWRITE : SQLite::OPEN_READONLY);
     settle(*database);
     database->exec("PRAGMA query_only = ON");
-    refuse_other_databases(path, *database, writable);
+    refuse_other_databases(path, *database);
     if (!writable) return database;
     refuse_damage(path, *database);
     database->exec("PRAGMA query_only = OFF");
@@ -129,6 +124,10 @@ std::unique_ptr<SQLite::Database> open_database(const fs::path& path, bool writa
     }
     return database;
   });
+}
+
+bool has_telemetry(SQLite::Database& database) {
+  return database.tableExists("telemetry");
 }
 
 void begin_writing(SQLite::Database& database) {

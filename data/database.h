@@ -16,8 +16,13 @@ namespace jnd {
 std::unique_ptr<SQLite::Database> create_database(const std::filesystem::path& path);
 
 // An existing study. Nothing is written before the file was found to be a whole study of this version or an older one.
-// Throws StorageError.
+// Opened for writing, an older file becomes one of this version; opened for reading it stays as it is, and what later
+// versions added is absent (has_telemetry). Throws StorageError.
 std::unique_ptr<SQLite::Database> open_database(const std::filesystem::path& path, bool writable);
+
+// Whether the file has telemetry: it is of version 2 or later. Asked where it matters and not kept, because a writer
+// may bring the file up to date while a reader has it open.
+bool has_telemetry(SQLite::Database& database);
 
 // Write-ahead log on, for as long as the file is open for writing.
 void begin_writing(SQLite::Database& database);

@@ -1,11 +1,10 @@
 #include "data/event_body.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
+#include "data/presentation_body.h"
 #include "data/storage_error.h"
 
 namespace jnd {
@@ -13,39 +12,6 @@ namespace jnd {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json number_or_null(const std::optional<double>& value) {
-  return value ? Json(*value) : Json(nullptr);
-}
-
-Json finger_body(const FingerPresentation& finger) {
-  return Json{{"stiffness_n_per_m", number_or_null(finger.stiffness_n_per_m)},
-              {"fit_samples", finger.fit_samples},
-              {"peak_force_n", finger.peak_force_n},
-              {"deepest_penetration_m", finger.deepest_penetration_m},
-              {"work_j", finger.work_j},
-              {"mean_speed_m_per_s", finger.mean_speed_m_per_s},
-              {"contacts", finger.contacts},
-              {"dwell_s", finger.dwell_s},
-              {"saturated_share", finger.saturated_share},
-              {"vibration_g", finger.vibration_g},
-              {"vibration_clamped", finger.vibration_clamped}};
-}
-
-Json presentation_body(const Presentation& presentation) {
-  Json fingers = Json::array();
-  for (const FingerPresentation& finger : presentation.fingers) fingers.push_back(finger_body(finger));
-  const bool contact = presentation.first_contact_s >= 0;
-  return Json{{"first_contact_s", contact ? Json(presentation.first_contact_s) : Json(nullptr)},
-              {"duration_s", presentation.duration_s},
-              {"ticks", presentation.ticks},
-              {"overruns", presentation.overruns},
-              {"lateness_p50_us", presentation.lateness_p50_us},
-              {"lateness_p99_us", presentation.lateness_p99_us},
-              {"lateness_max_us", presentation.lateness_max_us},
-              {"fault", to_string(presentation.fault)},
-              {"fingers", std::move(fingers)}};
-}
 
 void add_trial(Json& body, const Trial& trial, int attempt) {
   body["index"] = trial.index;
@@ -55,52 +21,9 @@ void add_trial(Json& body, const Trial& trial, int attempt) {
   body["round"] = trial.round;
   body["series_place"] = trial.series;
   body["condition_place"] = trial.condition;
-  body["stimulus_1_n_per_m"] = trial.stimuli_n_per_m[0];
-  body["stimulus_2_n_per_m"] = trial.stimuli_n_per_m[1];
+  body[key_with("stimulus_1_", name_suffix(trial.unit))] = trial.stimuli[0];
+  body[key_with("stimulus_2_", name_suffix(trial.unit))] = trial.stimuli[1];
   body["same"] = trial.same;
-}
-
-// JSON has no NaN: a number that could not be computed was stored as null.
-double number_at(const Json& body, const char* key) {
-  const Json& value = body.at(key);
-  return value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
-}
-
-Fault fault_from(const std::string& text) {
-  for (const Fault fault : {Fault::none, Fault::no_contact, Fault::stale_pose, Fault::non_finite, Fault::device_lost,
-                            Fault::emergency_stop, Fault::interrupted})
-    if (text == to_string(fault)) return fault;
-  throw StorageError(fmt::format("unknown fault \"{}\"", text));
-}
-
-FingerPresentation finger_from(const Json& body) {
-  FingerPresentation finger;
-  if (!body.at("stiffness_n_per_m").is_null()) finger.stiffness_n_per_m = body.at("stiffness_n_per_m").get<double>();
-  finger.fit_samples = body.at("fit_samples").get<std::int64_t>();
-  finger.peak_force_n = number_at(body, "peak_force_n");
-  finger.deepest_penetration_m = number_at(body, "deepest_penetration_m");
-  finger.work_j = number_at(body, "work_j");
-  finger.mean_speed_m_per_s = number_at(body, "mean_speed_m_per_s");
-  finger.contacts = body.at("contacts").get<int>();
-  finger.dwell_s = number_at(body, "dwell_s");
-  finger.saturated_share = number_at(body, "saturated_share");
-  finger.vibration_g = number_at(body, "vibration_g");
-  finger.vibration_clamped = body.at("vibration_clamped").get<bool>();
-  return finger;
-}
-
-Presentation presentation_from(const Json& body) {
-  Presentation presentation;
-  if (!body.at("first_contact_s").is_null()) presentation.first_contact_s = body.at("first_contact_s").get<double>();
-  presentation.duration_s = number_at(body, "duration_s");
-  presentation.ticks = body.at("ticks").get<std::int64_t>();
-  presentation.overruns = body.at("overruns").get<std::int64_t>();
-  presentation.lateness_p50_us = number_at(body, "lateness_p50_us");
-  presentation.lateness_p99_us = number_at(body, "lateness_p99_us");
-  presentation.lateness_max_us = number_at(body, "lateness_max_us");
-  presentation.fault = fault_from(body.at("fault").get<std::string>());
-  for (const Json& finger : body.at("fingers")) presentation.fingers.push_back(finger_from(finger));
-  return presentation;
 }
 
 }  // namespace
@@ -117,7 +40,9 @@ Json to_body(const TrialRecord& record) {
   body["response_time_s"] = record.answer.response_time_s;
   body["duration_s"] = record.duration_s;
   body["saturated_share"] = largest_saturated_share(record);
-  body["presentations"] = {presentation_body(record.presentations[0]), presentation_body(record.presentations[1])};
+  const StiffnessUnit unit = record.trial.unit;
+  body["presentations"] = {presentation_body(record.presentations[0], unit),
+                           presentation_body(record.presentations[1], unit)};
   return body;
 }
 
@@ -147,7 +72,8 @@ TrialRecord trial_record_from(const Json& body) {
     record.duration_s = number_at(body, "duration_s");
     const Json& presentations = body.at("presentations");
     if (presentations.size() != 2) throw StorageError("a trial has two presentations");
-    for (std::size_t i = 0; i < 2; ++i) record.presentations[i] = presentation_from(presentations.at(i));
+    for (std::size_t i = 0; i < 2; ++i)
+      record.presentations[i] = presentation_from(presentations.at(i), record.trial.unit);
     return record;
   } catch (const Json::exception& error) {
     throw StorageError(fmt::format("the body is not a completed trial: {}", error.what()));
@@ -163,7 +89,10 @@ Trial trial_from(const Json& body) {
     trial.round = body.at("round").get<int>();
     trial.series = body.at("series_place").get<int>();
     trial.condition = body.at("condition_place").get<int>();
-    trial.stimuli_n_per_m = {number_at(body, "stimulus_1_n_per_m"), number_at(body, "stimulus_2_n_per_m")};
+    trial.unit = body.contains("stimulus_1_n_per_rad") ? StiffnessUnit::n_per_rad : StiffnessUnit::n_per_m;
+    for (std::size_t i = 0; i < 2; ++i)
+      trial.stimuli[i] =
+          number_at(body, key_with(i == 0 ? "stimulus_1_" : "stimulus_2_", name_suffix(trial.unit)).c_str());
     trial.same = body.at("same").get<bool>();
     return trial;
   } catch (const Json::exception& error) {

@@ -26,6 +26,9 @@ inline constexpr std::string_view kTrialsShort = "trial.abandoned";   // attempt
 inline constexpr std::string_view kPracticeEnded = "practice.ended";  // body: rounds, correct share, passed
 inline constexpr std::string_view kQuestionAnswered = "questionnaire.answered";
 inline constexpr std::string_view kBreakTaken = "break.taken";
+inline constexpr std::string_view kDeviceFault = "device.fault";         // before the trial.voided that it causes
+inline constexpr std::string_view kStopCleared = "device.stop_cleared";  // body: reason, as the operator gives it
+inline constexpr std::string_view kRealtime = "rig.realtime";  // body: policy, items of what, ok, detail, why_not
 }  // namespace event_kind
 
 nlohmann::ordered_json to_body(const TrialRecord& record);          // trial.completed
@@ -37,6 +40,9 @@ double largest_saturated_share(const TrialRecord& record) noexcept;
 nlohmann::ordered_json voided_body(const Trial& trial, int attempt, std::string_view reason);
 // The same with the names of its condition and series, which the view `voided` shows.
 nlohmann::ordered_json voided_body(const Protocol& protocol, const Trial& trial, int attempt, std::string_view reason);
+// device.fault: why the presentation of `interval` (0 or 1) stopped, who stopped it, and presentation.last_ticks.
+nlohmann::ordered_json device_fault_body(const Trial& trial, int attempt, int interval,
+                                         const Presentation& presentation);
 nlohmann::ordered_json question_body(std::string_view id, std::string_view when, std::string_view condition,
                                      const std::optional<std::string>& answer, int after_trial);
 // The same with the question's text and kind, so that the log can be read without the protocol.

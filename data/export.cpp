@@ -1,12 +1,18 @@
 #include "data/export.h"
 
+#include <algorithm>
+#include <set>
+
 #include <fmt/format.h>
 
+#include "data/device_places.h"
 #include "data/event_body.h"
 #include "data/export_folder.h"
 #include "data/export_tables.h"
+#include "data/export_telemetry.h"
 #include "data/trial_rows.h"
 #include "data/utc_time.h"
+#include "protocols/sha256.h"
 
 namespace jnd {
 
@@ -42,6 +48,40 @@ void read_session(const Study& study, const Protocol& protocol, const SessionInf
   }
 }
 
+// Writes the ticks of every interval of one session that kept them.
+void write_telemetry(const Study& study, const SessionInfo& session, const std::string& sub,
+                     const std::vector<CsvColumn<TelemetryRow>>& columns, std::set<std::string>& taken,
+                     ExportFolder& files) {
+  for (const Event& event : study.events(session.id)) {
+    const auto body = nlohmann::ordered_json::parse(event.body, nullptr, false);
+    const std::vector<TelemetryBlob> named = named_telemetry(body);
+    if (named.empty()) continue;
+    const std::vector<TelemetryBlob> stored = study.telemetry(session.id, event.seq);
+    const auto at = [&](const char* key) {
+      if (const auto found = body.find(key); found != body.end() && found->is_number_integer())
+        return found->get<int>();
+      throw StorageError(fmt::format("session {}, event {} ({}): has telemetry but no \"{}\"; run jnd verify",
+                                     session.id, event.seq, event.kind, key));
+    };
+    for (const TelemetryBlob& one : named) {
+      const auto found = std::find_if(stored.begin(), stored.end(),
+                                      [&](const TelemetryBlob& blob) { return blob.interval == one.interval; });
+      if (found == stored.end() || sha256_hex(found->bytes) != one.sha256)
+        throw StorageError(
+            fmt::format("session {}, event {} ({}): the telemetry of interval {} is missing or was changed; run jnd "
+                        "verify, or export without telemetry",
+                        session.id, event.seq, event.kind, one.interval + 1));
+      std::string name;
+      int again = 0;
+      do {
+        name = sub + telemetry_file(at("index"), at("attempt"), one.interval, ++again);
+      } while (!taken.insert(name).second);
+      const Telemetry telemetry = decode_telemetry(found->bytes);
+      files.write(name, csv_table(columns, telemetry_rows(telemetry)));
+    }
+  }
+}
+
 // The rows of one participant, which stand together.
 template <typename Row>
 std::vector<Row> rows_of(const std::vector<Row>& rows, const std::string& participant) {
@@ -54,21 +94,27 @@ std::vector<Row> rows_of(const std::vector<Row>& rows, const std::string& partic
 }  // namespace
 
 std::vector<std::string> export_csv(const Study& study, const Protocol& protocol, const StudyAnalysis& analysis,
-                                    const std::filesystem::path& folder, bool replace) {
+                                    const std::filesystem::path& folder, bool replace,
+                                    const std::optional<TelemetryExport>& telemetry) {
   ExportFolder files(folder, replace);
   std::vector<SessionInfo> sessions = study.sessions();
   std::erase_if(sessions, [&](const SessionInfo& session) { return session.kind != analysis.kind; });
 
-  const auto trials_columns = trial_columns(protocol);
+  const auto trials_columns = trial_columns(protocol, device_places(study, protocol, sessions));
   const auto cells_columns = cell_columns(protocol);
   const auto reports_columns = report_columns(protocol);
+  const auto ticks_columns =
+      telemetry_columns(protocol, telemetry ? telemetry->limit_names : std::vector<std::string>{});
+  std::set<std::string> tick_files;
   std::vector<ExportAnswer> answers;
   for (auto session = sessions.begin(); session != sessions.end();) {
     const std::string participant = session->participant;
-    std::vector<ExportTrial> trials;
-    for (; session != sessions.end() && session->participant == participant; ++session)
-      read_session(study, protocol, *session, trials, answers);
     const std::string sub = "sub-" + participant + "/";
+    std::vector<ExportTrial> trials;
+    for (; session != sessions.end() && session->participant == participant; ++session) {
+      read_session(study, protocol, *session, trials, answers);
+      if (telemetry) write_telemetry(study, *session, sub, ticks_columns, tick_files, files);
+    }
     files.write(sub + "trials.csv", csv_table(trials_columns, trials));
     files.write(sub + "cells.csv", csv_table(cells_columns, rows_of(analysis.cells, participant)));
     files.write(sub + "report.csv", csv_table(reports_columns, rows_of(analysis.thresholds, participant)));
@@ -78,6 +124,7 @@ std::vector<std::string> export_csv(const Study& study, const Protocol& protocol
   describe("sub-*/trials.csv", trials_columns, dictionary);
   describe("sub-*/cells.csv", cells_columns, dictionary);
   describe("sub-*/report.csv", reports_columns, dictionary);
+  if (!tick_files.empty()) describe("sub-*/telemetry/*.csv", ticks_columns, dictionary);
   const auto write = [&](const std::string& name, const auto& columns, const auto& rows) {
     files.write(name, csv_table(columns, rows));
     describe(name, columns, dictionary);

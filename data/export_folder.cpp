@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "data/export_telemetry.h"
 #include "data/storage_error.h"
 
 namespace jnd {
@@ -29,15 +30,22 @@ bool among(const std::array<std::string_view, N>& names, const std::string& name
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
+bool plain(const fs::directory_entry& entry) {
+  return entry.is_regular_file() && !entry.is_symlink();
+}
+
 // The first thing in a folder that is not an export's; empty where there is none.
 fs::path foreign_entry(const fs::path& folder) {
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
-    if (entry.is_regular_file() && !entry.is_symlink() && among(kTopFiles, name)) continue;
+    if (plain(entry) && among(kTopFiles, name)) continue;
     if (!entry.is_directory() || entry.is_symlink() || !name.starts_with("sub-")) return entry.path();
-    for (const fs::directory_entry& inner : fs::directory_iterator(entry.path()))
-      if (!inner.is_regular_file() || inner.is_symlink() || !among(kParticipantFiles, inner.path().filename().string()))
-        return inner.path();
+    for (const fs::directory_entry& inner : fs::directory_iterator(entry.path())) {
+      if (plain(inner) && among(kParticipantFiles, inner.path().filename().string())) continue;
+      if (!inner.is_directory() || inner.is_symlink() || inner.path().filename() != "telemetry") return inner.path();
+      for (const fs::directory_entry& tick_file : fs::directory_iterator(inner.path()))
+        if (!plain(tick_file) || !is_telemetry_file(tick_file.path().filename().string())) return tick_file.path();
+    }
   }
   return {};
 }

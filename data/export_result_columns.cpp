@@ -20,9 +20,21 @@ std::string caution_names(const JndEstimate& estimate) {
   return names;
 }
 
+// A field that carries the study's unit in its name, and the unit for the dictionary.
+std::string in_unit(const std::string& name, const Protocol& protocol) {
+  return name + std::string(name_suffix(protocol.stimulus.unit));
+}
+
+std::string unit_of(const Protocol& protocol) {
+  return std::string(to_string(protocol.stimulus.unit));
+}
+
 // The convention behind a number stands in every row that holds one.
 template <typename Row>
 void add_convention(std::vector<CsvColumn<Row>>& columns, const Protocol& protocol, bool with_method) {
+  columns.push_back({"difference_source", "the stiffness differences behind the JND: as asked, or as delivered", "",
+                     with_method ? "nominal delivered mixed" : "nominal delivered",
+                     [](const Row& r) { return std::string(to_string(r.difference_source)); }});
   columns.push_back({"model", "model of d'", "", "yes-no", [m = protocol.analysis.model](const Row&) { return m; }});
   columns.push_back({"correction", "correction of rates of 0 and 1", "", "none loglinear half",
                      [c = protocol.analysis.correction](const Row&) { return c; }});
@@ -59,11 +71,23 @@ std::vector<CsvColumn<CellResult>> cell_columns(const Protocol& protocol) {
        [&protocol](const R& r) { return condition_name(protocol, r.condition); }},
       {"series", "series", "", "",
        [&protocol](const R& r) { return csv_text(protocol.series.at(static_cast<std::size_t>(r.series)).name); }},
-      {"difference_n_per_m", "stiffness difference of the series", "N/m", "",
+      {in_unit("difference_", protocol), "stiffness difference of the series, as asked", unit_of(protocol), "",
        [&protocol](const R& r) {
-         const auto& pair = protocol.series.at(static_cast<std::size_t>(r.series)).pair_n_per_m;
+         const auto& pair = protocol.series.at(static_cast<std::size_t>(r.series)).pair;
          return csv_number(std::abs(pair[1] - pair[0]));
        }},
+      {in_unit("delivered_difference_", protocol),
+       "mean delivered difference |k2 - k1| of the counted trials with different stimuli; empty without one",
+       unit_of(protocol), "", [](const R& r) { return csv_number(r.delivered_difference.mean); }},
+      {"n_delivered", "trials in that mean", "", "", [](const R& r) { return csv_number(r.delivered_difference.n); }},
+      {"n_without_fit", "trials left out of it: no stiffness could be fitted in one of their intervals", "", "",
+       [](const R& r) { return csv_number(r.without_fit); }},
+      {in_unit("delivered_softer_", protocol), "mean delivered stiffness where the softer one was asked",
+       unit_of(protocol), "", [](const R& r) { return csv_number(r.delivered[0].mean); }},
+      {"n_softer", "intervals in that mean", "", "", [](const R& r) { return csv_number(r.delivered[0].n); }},
+      {in_unit("delivered_stiffer_", protocol), "mean delivered stiffness where the stiffer one was asked",
+       unit_of(protocol), "", [](const R& r) { return csv_number(r.delivered[1].mean); }},
+      {"n_stiffer", "intervals in that mean", "", "", [](const R& r) { return csv_number(r.delivered[1].n); }},
       {"n_diff", "counted trials with different stimuli", "", "",
        [](const R& r) { return csv_number(r.counts.n_diff); }},
       {"hits", "of them answered different", "", "", [](const R& r) { return csv_number(r.counts.hits); }},
@@ -98,13 +122,15 @@ std::vector<CsvColumn<ThresholdResult>> report_columns(const Protocol& protocol)
       {"condition", "feedback condition", "", "",
        [&protocol](const R& r) { return condition_name(protocol, r.condition); }},
       {"series_used", "series in the fit", "", "", [](const R& r) { return csv_number(r.jnd.series_used); }},
-      {"slope_per_n_per_m", "slope of d' on the stiffness difference, through the origin", "m/N", "",
+      {in_unit("slope_per_", protocol), "slope of d' on the stiffness difference, through the origin",
+       protocol.stimulus.unit == StiffnessUnit::n_per_m ? "m/N" : "rad/N", "",
        [](const R& r) { return csv_number(r.jnd.slope); }},
-      {"jnd_n_per_m", "just-noticeable difference: 1 / slope; empty where status says why", "N/m", "",
-       [](const R& r) { return csv_number(r.jnd.jnd); }},
-      {"weber", "jnd_n_per_m / reference_n_per_m", "", "", [](const R& r) { return csv_number(r.jnd.weber); }},
-      {"reference_n_per_m", "base of the Weber fraction", "N/m", "",
-       [k = protocol.stimulus.reference_n_per_m](const R&) { return csv_number(k); }},
+      {in_unit("jnd_", protocol), "just-noticeable difference: 1 / slope; empty where status says why",
+       unit_of(protocol), "", [](const R& r) { return csv_number(r.jnd.jnd); }},
+      {"weber", in_unit("jnd_", protocol) + " / " + in_unit("reference_", protocol), "", "",
+       [](const R& r) { return csv_number(r.jnd.weber); }},
+      {in_unit("reference_", protocol), "base of the Weber fraction", unit_of(protocol), "",
+       [k = protocol.stimulus.reference](const R&) { return csv_number(k); }},
       {"status", "what the estimate is", "", "ok no_sensitivity ceiling no_information",
        [](const R& r) { return std::string(to_string(r.jnd.status)); }},
       {"cautions", "remarks, separated by blanks; none of them excludes anything", "",
@@ -125,17 +151,18 @@ std::vector<CsvColumn<GroupResult>> group_columns(const Protocol& protocol, Sess
       {"kind", "kind of the sessions", "", kKinds, [kind](const R&) { return std::string(to_string(kind)); }},
       {"participants", "participants with a row in this condition (N)", "", "",
        [](const R& r) { return csv_number(r.jnd.n); }}};
-  add_mean(columns, "jnd_", "_n_per_m", "the JND over status ok", "N/m", [](const R& r) { return r.jnd.mean_jnd; });
+  add_mean(columns, "jnd_", in_unit("_", protocol), "the JND over status ok", unit_of(protocol),
+           [](const R& r) { return r.jnd.mean_jnd; });
   columns.push_back(
       {"n_median", "participants in the median", "", "", [](const R& r) { return csv_number(r.jnd.median_n); }});
-  columns.push_back({"jnd_median_n_per_m", "median JND; no_sensitivity counts as Inf, ceiling as 0", "N/m", "",
-                     [](const R& r) { return csv_number(r.jnd.median_jnd); }});
-  add_mean(columns, "log_jnd_", "", "ln(JND / (N/m)) over status ok", "",
+  columns.push_back({in_unit("jnd_median_", protocol), "median JND; no_sensitivity counts as Inf, ceiling as 0",
+                     unit_of(protocol), "", [](const R& r) { return csv_number(r.jnd.median_jnd); }});
+  add_mean(columns, "log_jnd_", "", "ln(JND / (" + unit_of(protocol) + ")) over status ok", "",
            [](const R& r) { return r.jnd.mean_log_jnd; });
   columns.push_back(
       {"n_slope", "participants with a finite slope", "", "", [](const R& r) { return csv_number(r.jnd.slope_n); }});
-  columns.push_back({"inverse_mean_slope_n_per_m",
-                     "1 / mean slope over all finite slopes; empty where that is not positive", "N/m", "",
+  columns.push_back({in_unit("inverse_mean_slope_", protocol),
+                     "1 / mean slope over all finite slopes; empty where that is not positive", unit_of(protocol), "",
                      [](const R& r) { return csv_number(r.jnd.inverse_mean_slope); }});
   add_mean(columns, "weber_", "", "the Weber fraction over status ok", "", [](const R& r) { return r.jnd.mean_weber; });
   columns.push_back({"n_ok", "participants with status ok", "", "", [](const R& r) {
@@ -157,8 +184,8 @@ std::vector<CsvColumn<ContrastResult>> contrast_columns(const Protocol& protocol
       {"condition_a", "first condition", "", "", [&protocol](const R& r) { return condition_name(protocol, r.a); }},
       {"condition_b", "second condition", "", "", [&protocol](const R& r) { return condition_name(protocol, r.b); }},
       {"kind", "kind of the sessions", "", kKinds, [kind](const R&) { return std::string(to_string(kind)); }}};
-  add_mean(columns, "difference_", "_n_per_m", "JND(a) - JND(b) over participants with status ok in both", "N/m",
-           [](const R& r) { return r.difference; });
+  add_mean(columns, "difference_", in_unit("_", protocol), "JND(a) - JND(b) over participants with status ok in both",
+           unit_of(protocol), [](const R& r) { return r.difference; });
   add_convention(columns, protocol, true);
   return columns;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "data/csv_writer.h"
+#include "data/device_places.h"
 #include "data/study_analysis.h"
 #include "protocols/protocol.h"
 
@@ -27,7 +28,7 @@ struct ExportAnswer {
   bool answered = true;
 };
 
-std::vector<CsvColumn<ExportTrial>> trial_columns(const Protocol& protocol);
+std::vector<CsvColumn<ExportTrial>> trial_columns(const Protocol& protocol, const std::vector<DevicePlace>& places);
 std::vector<CsvColumn<CellResult>> cell_columns(const Protocol& protocol);
 std::vector<CsvColumn<ThresholdResult>> report_columns(const Protocol& protocol);
 std::vector<CsvColumn<GroupResult>> group_columns(const Protocol& protocol, SessionKind kind);

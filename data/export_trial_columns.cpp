@@ -18,16 +18,21 @@ std::string column_name(std::string text) {
   return text;
 }
 
-// A cell of one finger; empty where the presentation has no such finger.
+// A cell of one device; empty where the presentation has no such device.
 template <typename Cell>
-Column finger_column(std::size_t interval, std::size_t finger, const std::string& name, const std::string& quantity,
+Column device_column(std::size_t interval, DevicePlace place, const std::string& name, const std::string& quantity,
                      const std::string& meaning, const std::string& unit, Cell cell, const std::string& levels = "") {
   return {fmt::format("i{}_{}_{}", interval + 1, column_name(name), quantity),
           fmt::format("interval {}, {}: {}", interval + 1, name, meaning), unit, levels,
-          [interval, finger, cell](const ExportTrial& row) -> std::string {
-            const Presentation& presentation = row.record.presentations[interval];
-            return finger < presentation.fingers.size() ? cell(presentation.fingers[finger]) : std::string();
+          [interval, place, cell](const ExportTrial& row) -> std::string {
+            for (const FingerPresentation& finger : row.record.presentations[interval].fingers)
+              if (DevicePlace{finger.finger, finger.channel} == place) return cell(finger);
+            return {};
           }};
+}
+
+std::string optional_number(const std::optional<double>& value) {
+  return value ? csv_number(*value) : std::string();
 }
 
 template <typename Cell>
@@ -35,6 +40,16 @@ Column interval_column(std::size_t interval, const std::string& quantity, const 
                        const std::string& unit, Cell cell, const std::string& levels = "") {
   return {fmt::format("i{}_{}", interval + 1, quantity), fmt::format("interval {}: {}", interval + 1, meaning), unit,
           levels, [interval, cell](const ExportTrial& row) { return cell(row.record.presentations[interval]); }};
+}
+
+// Every word of Fault, in its order.
+std::string fault_names() {
+  std::string names;
+  for (int i = 0;; ++i) {
+    const std::string_view name = to_string(static_cast<Fault>(i));
+    if (fault_from(name) != static_cast<Fault>(i)) return names;
+    names.append(names.empty() ? "" : " ").append(name);
+  }
 }
 
 void add_interval(std::vector<Column>& columns, std::size_t i) {
@@ -54,28 +69,48 @@ void add_interval(std::vector<Column>& columns, std::size_t i) {
                                     [](const P& p) { return csv_number(p.lateness_p99_us); }));
   columns.push_back(interval_column(i, "lateness_max_us", "largest lateness", "us",
                                     [](const P& p) { return csv_number(p.lateness_max_us); }));
+  std::string edges;
+  for (const double edge : kLatenessEdges_us) edges.append(edges.empty() ? "" : " ").append(csv_number(edge));
+  columns.push_back(interval_column(
+      i, "lateness_histogram",
+      "ticks by lateness, separated by blanks: up to " + edges + " us and later; empty on the simulated clock", "",
+      [](const P& p) {
+        std::string counts;
+        if (p.lateness_max_us > 0)
+          for (const std::int64_t count : p.lateness_histogram)
+            counts.append(counts.empty() ? "" : " ").append(csv_number(count));
+        return counts;
+      }));
   columns.push_back(interval_column(
       i, "fault", "why the presentation was not delivered as asked", "",
-      [](const P& p) { return std::string(to_string(p.fault)); },
-      "none no_contact stale_pose non_finite device_lost emergency_stop interrupted"));
+      [](const P& p) { return std::string(to_string(p.fault)); }, fault_names()));
+  columns.push_back(interval_column(i, "stopped_by", "who latched an emergency stop; empty without one", "",
+                                    [](const P& p) { return csv_text(p.stopped_by); }));
 }
 
-void add_finger(std::vector<Column>& columns, std::size_t i, std::size_t f, const std::string& name) {
+void add_device(std::vector<Column>& columns, std::size_t i, DevicePlace place, const std::string& name,
+                StiffnessUnit unit) {
   using F = FingerPresentation;
-  const auto add = [&](const char* quantity, const char* meaning, const char* unit, auto cell,
+  const auto add = [&](const std::string& quantity, const char* meaning, const std::string& of, auto cell,
                        const char* levels = "") {
-    columns.push_back(finger_column(i, f, name, quantity, meaning, unit, cell, levels));
+    columns.push_back(device_column(i, place, name, quantity, meaning, of, cell, levels));
   };
-  add("stiffness_n_per_m",
+  const std::string stiffness(name_suffix(unit)), length(length_suffix(unit)), symbol(to_string(unit));
+  add("stiffness_" + stiffness,
       "delivered stiffness: slope of force on penetration over unsaturated contact; empty where none could be fitted",
-      "N/m", [](const F& p) { return p.stiffness_n_per_m ? csv_number(*p.stiffness_n_per_m) : std::string(); });
+      symbol, [](const F& p) { return optional_number(p.stiffness); });
+  add("stiffness_se_" + stiffness, "standard error of that slope, as if the samples were independent", symbol,
+      [](const F& p) { return optional_number(p.stiffness_se); });
+  if (place.channel == Channel::kinaesthetic && unit == StiffnessUnit::n_per_m)
+    add("joint_stiffness_n_m_per_rad", "the same slope as a torque per angle of the joint", "N m/rad",
+        [](const F& p) { return optional_number(p.joint_stiffness_n_m_per_rad); });
   add("fit_samples", "samples in that fit", "", [](const F& p) { return csv_number(p.fit_samples); });
   add("peak_force_n", "largest delivered force", "N", [](const F& p) { return csv_number(p.peak_force_n); });
-  add("deepest_penetration_m", "deepest penetration", "m",
-      [](const F& p) { return csv_number(p.deepest_penetration_m); });
-  add("work_j", "work done on the sphere while loading", "J", [](const F& p) { return csv_number(p.work_j); });
-  add("mean_speed_m_per_s", "mean absolute penetration rate in contact", "m/s",
-      [](const F& p) { return csv_number(p.mean_speed_m_per_s); });
+  add("deepest_penetration_" + length, "deepest penetration", length,
+      [](const F& p) { return csv_number(p.deepest_penetration); });
+  add("work_j", "work done on the object while loading", "J", [](const F& p) { return csv_number(p.work_j); });
+  add("mean_speed_" + length + "_per_s", "mean absolute penetration rate in contact", length + "/s",
+      [](const F& p) { return csv_number(p.mean_speed); });
   add("contacts", "number of contacts", "", [](const F& p) { return csv_number(p.contacts); });
   add("dwell_s", "time in contact", "s", [](const F& p) { return csv_number(p.dwell_s); });
   add("saturated_share", "share of contact time in which a limit reduced the force, 0..1", "",
@@ -85,11 +120,28 @@ void add_finger(std::vector<Column>& columns, std::size_t i, std::size_t f, cons
   add(
       "vibration_clamped", "whether the amplitude was limited by the device", "",
       [](const F& p) { return csv_flag(p.vibration_clamped); }, "0 1");
+  add("interventions", "limits that acted, each with its number of ticks (limit:ticks), separated by blanks", "",
+      [](const F& p) {
+        std::string text;
+        for (const Intervention& one : p.interventions)
+          text.append(text.empty() ? "" : " ").append(one.limit).append(":").append(csv_number(one.ticks));
+        return csv_text(text);
+      });
+}
+
+// Fingers by their names; where a finger has two devices, each with what it acts on.
+std::string device_name(const Protocol& protocol, const std::vector<DevicePlace>& places, DevicePlace place) {
+  const std::string& finger = protocol.rig.fingers.at(static_cast<std::size_t>(place.finger));
+  const auto devices = std::count_if(places.begin(), places.end(),
+                                     [&](const DevicePlace& other) { return other.finger == place.finger; });
+  return devices > 1 ? fmt::format("{} {}", finger, to_string(place.channel)) : finger;
 }
 
 }  // namespace
 
-std::vector<Column> trial_columns(const Protocol& protocol) {
+std::vector<Column> trial_columns(const Protocol& protocol, const std::vector<DevicePlace>& places) {
+  const StiffnessUnit unit = protocol.stimulus.unit;
+  const std::string suffix(name_suffix(unit)), symbol(to_string(unit));
   using R = ExportTrial;
   std::vector<Column> columns = {
       {"participant", "code of the participant", "", "", [](const R& r) { return csv_text(r.session.participant); }},
@@ -110,10 +162,10 @@ std::vector<Column> trial_columns(const Protocol& protocol) {
       {"block", "block, from 1; 0 in practice", "", "", [](const R& r) { return csv_number(r.record.trial.block); }},
       {"series", "series of the trial", "", "", [](const R& r) { return csv_text(r.record.series_name); }},
       {"condition", "feedback condition", "", "", [](const R& r) { return csv_text(r.record.condition_name); }},
-      {"stimulus_1_n_per_m", "stiffness asked in interval 1", "N/m", "",
-       [](const R& r) { return csv_number(r.record.trial.stimuli_n_per_m[0]); }},
-      {"stimulus_2_n_per_m", "stiffness asked in interval 2", "N/m", "",
-       [](const R& r) { return csv_number(r.record.trial.stimuli_n_per_m[1]); }},
+      {"stimulus_1_" + suffix, "stiffness asked in interval 1", symbol, "",
+       [](const R& r) { return csv_number(r.record.trial.stimuli[0]); }},
+      {"stimulus_2_" + suffix, "stiffness asked in interval 2", symbol, "",
+       [](const R& r) { return csv_number(r.record.trial.stimuli[1]); }},
       {"same", "whether the two were equal", "", "0 1", [](const R& r) { return csv_flag(r.record.trial.same); }},
       {"answer", "what was answered", "", "same different",
        [](const R& r) { return std::string(to_string(r.record.answer.judgement)); }},
@@ -131,8 +183,8 @@ std::vector<Column> trial_columns(const Protocol& protocol) {
        "response_time_below response_time_above saturated_share_above", [](const R& r) { return r.excluded_reason; }}};
   for (std::size_t interval = 0; interval < 2; ++interval) {
     add_interval(columns, interval);
-    for (std::size_t finger = 0; finger < protocol.rig.fingers.size(); ++finger)
-      add_finger(columns, interval, finger, protocol.rig.fingers[finger]);
+    for (const DevicePlace& place : places)
+      add_device(columns, interval, place, device_name(protocol, places, place), unit);
   }
   return columns;
 }

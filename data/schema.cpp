@@ -146,8 +146,50 @@ void to_version_1(SQLite::Database& database) {
   database.exec(kViews);
 }
 
+// Version 2: stiffnesses of a joint, and telemetry beside the events. A blob is inserted with its event or never.
+constexpr const char* kTelemetry = R"sql(
+ALTER TABLE event ADD COLUMN
+  stimulus_1_n_per_rad REAL GENERATED ALWAYS AS (json_extract(body, '$.stimulus_1_n_per_rad')) VIRTUAL;
+ALTER TABLE event ADD COLUMN
+  stimulus_2_n_per_rad REAL GENERATED ALWAYS AS (json_extract(body, '$.stimulus_2_n_per_rad')) VIRTUAL;
+
+CREATE TABLE telemetry (
+  session  TEXT NOT NULL,
+  seq      INTEGER NOT NULL,                           -- of the event it belongs to, whose body names sha256
+  interval INTEGER NOT NULL CHECK (interval IN (0, 1)),
+  sha256   TEXT NOT NULL CHECK (length(sha256) = 64),  -- of bytes
+  ticks    INTEGER NOT NULL CHECK (ticks >= 0),
+  dropped  INTEGER NOT NULL CHECK (dropped >= 0),      -- records lost before they could be kept
+  bytes    BLOB NOT NULL,                              -- zstd; data/README.md describes what is inside
+  PRIMARY KEY (session, seq, interval),
+  FOREIGN KEY (session, seq) REFERENCES event (session, seq)
+) STRICT;
+
+CREATE TRIGGER telemetry_no_update BEFORE UPDATE ON telemetry
+  BEGIN SELECT RAISE(ABORT, 'telemetry is never changed'); END;
+CREATE TRIGGER telemetry_no_delete BEFORE DELETE ON telemetry
+  BEGIN SELECT RAISE(ABORT, 'telemetry is never deleted'); END;
+CREATE TRIGGER telemetry_once BEFORE INSERT ON telemetry
+  WHEN NEW.seq IS NOT (SELECT max(seq) FROM event WHERE session = NEW.session)
+    OR EXISTS (SELECT 1 FROM telemetry
+               WHERE rowid = NEW.rowid OR (session = NEW.session AND seq = NEW.seq AND interval = NEW.interval))
+  BEGIN SELECT RAISE(ABORT, 'telemetry is kept with its event, once'); END;
+
+DROP VIEW trials;
+CREATE VIEW trials AS
+  SELECT e.session, s.participant, s.participant_number, s.kind, e.seq, e.utc, e.trial, e.attempt, e.block, e.practice,
+         e.round, e.series, e.condition, e.stimulus_1_n_per_m, e.stimulus_2_n_per_m, e.stimulus_1_n_per_rad,
+         e.stimulus_2_n_per_rad, e.same, e.answer, e.correct, e.entered_by, e.response_time_s, e.duration_s,
+         e.saturated_share
+  FROM sessions s JOIN event e ON e.kind = 'trial.completed' AND e.session = s.session;
+)sql";
+
+void to_version_2(SQLite::Database& database) {
+  database.exec(kTelemetry);
+}
+
 // Step i makes a file of version i one of version i + 1. A step that has been released is never edited.
-constexpr std::array<void (*)(SQLite::Database&), kSchemaVersion> kSteps = {to_version_1};
+constexpr std::array<void (*)(SQLite::Database&), kSchemaVersion> kSteps = {to_version_1, to_version_2};
 
 }  // namespace
 

@@ -1,8 +1,15 @@
 #include "data/session_log.h"
 
 #include "data/event_body.h"
+#include "data/storage_error.h"
+#include "data/telemetry.h"
 
 namespace jnd {
+
+void SessionLog::append(std::string_view kind, const nlohmann::ordered_json& body, Stamp stamp,
+                        const std::vector<TelemetryBlob>& /*telemetry*/) {
+  append(kind, body, stamp);
+}
 
 void MemoryLog::append(std::string_view kind, const nlohmann::ordered_json& body, Stamp stamp) {
   Event event;
@@ -11,6 +18,24 @@ void MemoryLog::append(std::string_view kind, const nlohmann::ordered_json& body
   event.stamp = stamp;
   event.body = body_text(body);
   events_.push_back(std::move(event));
+}
+
+void MemoryLog::append(std::string_view kind, const nlohmann::ordered_json& body, Stamp stamp,
+                       const std::vector<TelemetryBlob>& telemetry) {
+  require_named(body, telemetry);
+  append(kind, body, stamp);
+  if (!telemetry.empty()) telemetry_[events_.back().seq] = telemetry;
+}
+
+std::vector<TelemetryBlob> MemoryLog::telemetry(std::int64_t seq) const {
+  const auto found = telemetry_.find(seq);
+  return found == telemetry_.end() ? std::vector<TelemetryBlob>{} : found->second;
+}
+
+void require_named(const nlohmann::ordered_json& body, const std::vector<TelemetryBlob>& telemetry) {
+  if (telemetry.empty()) return;
+  if (!body.contains("telemetry") || body.at("telemetry") != telemetry_body(telemetry))
+    throw StorageError("an event must name the telemetry that is stored with it (\"telemetry\" in its body)");
 }
 
 }  // namespace jnd

@@ -123,6 +123,11 @@ std::vector<Event> Study::events(const std::string& session) const {
   return impl_->events(session);
 }
 
+std::vector<TelemetryBlob> Study::telemetry(const std::string& session, std::int64_t seq) const {
+  const std::scoped_lock lock(impl_->mutex);
+  return impl_->telemetry(session, seq);
+}
+
 std::vector<SessionInfo> Study::sessions() const {
   const std::scoped_lock lock(impl_->mutex);
   return impl_->sessions();
@@ -163,6 +168,7 @@ void Study::Impl::read_info() {
 void Study::Impl::close() {
   if (!connection) return;
   insert.reset();
+  insert_telemetry.reset();
   if (lock) with_storage_errors(path, [&] { end_writing(*connection); });
   connection.reset();
   lock.reset();

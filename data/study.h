@@ -48,6 +48,7 @@ struct NewSession {
   std::string responder;
   std::string profile_sha256;  // empty for people
   std::string rig, rig_mode, tracker;
+  std::string rig_sha256;  // of the rig's description; empty where it has none
   int trials_total = 0;
   Stamp stamp;
 };
@@ -75,6 +76,8 @@ class Study {
   void close_session(const std::string& id, Stamp stamp);
 
   std::vector<Event> events(const std::string& session) const;
+  // What was stored with one event, by interval; empty where there is none.
+  std::vector<TelemetryBlob> telemetry(const std::string& session, std::int64_t seq) const;
 
   // Checkpoints the WAL away, so that the study is one file. Also done by the destructor, which cannot report.
   void close();
@@ -93,9 +96,10 @@ struct VerifyReport {
   std::int64_t events = 0;
   std::int64_t trials = 0;  // completed, main part
   std::int64_t voided = 0;
+  std::int64_t telemetry = 0;  // blobs
   std::vector<std::string> problems;
 };
-// Recomputes every hash, and every trial's stimuli from the protocol, seed and participant.
+// Recomputes every hash, telemetry's among them, and every trial's stimuli from the protocol, seed and participant.
 VerifyReport verify(const Study& study);
 
 }  // namespace jnd

@@ -25,12 +25,42 @@ Correction correction_of(const Protocol& protocol) {
   return *correction;
 }
 
+// Sums over the counted trials of a cell.
+struct Delivered {
+  double differences = 0;  // of |k2 - k1|
+  int n = 0, without_fit = 0;
+  std::array<double, 2> stiffness{};  // by nominal stiffness: the softer, the stiffer
+  std::array<int, 2> intervals{};
+
+  void add(const CountedTrial& trial, const std::array<double, 2>& pair) noexcept {
+    const double middle = 0.5 * (pair[0] + pair[1]);
+    for (std::size_t i = 0; i < 2; ++i) {
+      if (!trial.delivered[i]) continue;
+      const std::size_t place = trial.asked[i] > middle ? 1 : 0;
+      stiffness[place] += *trial.delivered[i];
+      ++intervals[place];
+    }
+    if (trial.same) return;
+    if (trial.delivered[0] && trial.delivered[1]) {
+      differences += std::abs(*trial.delivered[1] - *trial.delivered[0]);
+      ++n;
+    } else {
+      ++without_fit;
+    }
+  }
+};
+
+DeliveredMean mean_of(double sum, int n) noexcept {
+  return n > 0 ? DeliveredMean{sum / n, n} : DeliveredMean{};
+}
+
 // Everything of one participant, before it is turned into estimates.
 struct ParticipantData {
   struct Cell {
     Counts counts;
     int excluded = 0;
     int missing = 0;
+    Delivered delivered;
   };
   struct Times {
     std::vector<double> response_times_s;
@@ -58,6 +88,23 @@ ParticipantData empty_data(std::string participant, const Protocol& protocol) {
   return data;
 }
 
+void set_difference(CellResult& cell, const Delivered& delivered, const Protocol& protocol, DifferenceSource by) {
+  const std::array<double, 2>& pair = protocol.series[place(cell.series)].pair;
+  cell.delivered_difference = mean_of(delivered.differences, delivered.n);
+  cell.without_fit = delivered.without_fit;
+  for (std::size_t i = 0; i < 2; ++i) cell.delivered[i] = mean_of(delivered.stiffness[i], delivered.intervals[i]);
+  const bool usable = by == DifferenceSource::delivered && delivered.n > 0;
+  cell.difference_source = usable ? DifferenceSource::delivered : DifferenceSource::nominal;
+  cell.difference = usable ? cell.delivered_difference.mean : std::abs(pair[1] - pair[0]);
+}
+
+DifferenceSource combined(const std::vector<DifferenceSource>& sources) {
+  if (sources.empty()) return DifferenceSource::nominal;
+  const bool alike =
+      std::all_of(sources.begin(), sources.end(), [&](DifferenceSource one) { return one == sources.front(); });
+  return alike ? sources.front() : DifferenceSource::mixed;
+}
+
 void add_contrasts(StudyAnalysis& analysis, const Protocol& protocol) {
   const std::size_t conditions = protocol.conditions.size();
   for (const Contrast& contrast : protocol.analysis.contrasts) {
@@ -67,7 +114,9 @@ void add_contrasts(StudyAnalysis& analysis, const Protocol& protocol) {
       const JndEstimate& b = analysis.thresholds[row + place(contrast.b)].jnd;
       if (a.status == JndStatus::ok && b.status == JndStatus::ok) differences.push_back(a.jnd - b.jnd);
     }
-    analysis.contrasts.push_back({contrast.a, contrast.b, mean_with_ci(differences)});
+    analysis.contrasts.push_back({contrast.a, contrast.b, mean_with_ci(differences),
+                                  combined({analysis.group[place(contrast.a)].difference_source,
+                                            analysis.group[place(contrast.b)].difference_source})});
   }
 }
 
@@ -80,34 +129,62 @@ void estimate(StudyAnalysis& analysis, std::vector<ParticipantData> participants
   for (ParticipantData& data : participants) {
     for (int condition = 0; condition < conditions; ++condition) {
       std::vector<SeriesCounts> of_series;
+      std::vector<DifferenceSource> sources;  // of the series in the fit
       for (int one = 0; one < series; ++one) {
         const ParticipantData::Cell& cell = data.cells[place(condition * series + one)];
-        const std::array<double, 2>& pair = protocol.series[place(one)].pair_n_per_m;
-        of_series.push_back({std::abs(pair[1] - pair[0]), cell.counts});
-        analysis.cells.push_back({data.participant, analysis.kind, condition, one, cell.counts, cell.excluded,
-                                  cell.missing, yes_no(cell.counts, correction)});
+        CellResult result{data.participant, analysis.kind, condition,    one,
+                          cell.counts,      cell.excluded, cell.missing, yes_no(cell.counts, correction)};
+        set_difference(result, cell.delivered, protocol, analysis.by);
+        of_series.push_back({result.difference, cell.counts});
+        if (result.yes_no.status != RateStatus::missing) sources.push_back(result.difference_source);
+        analysis.cells.push_back(std::move(result));
       }
       ParticipantData::Times& times = data.times[place(condition)];
       analysis.thresholds.push_back({data.participant, analysis.kind, condition,
-                                     least_squares_jnd(of_series, protocol.stimulus.reference_n_per_m, correction),
+                                     least_squares_jnd(of_series, protocol.stimulus.reference, correction),
                                      median(std::move(times.response_times_s)),
-                                     times.trials > 0 ? times.sum_s / times.trials : 0});
+                                     times.trials > 0 ? times.sum_s / times.trials : 0, combined(sources)});
     }
   }
   for (int condition = 0; condition < conditions; ++condition) {
     std::vector<JndEstimate> estimates;
-    for (const ThresholdResult& threshold : analysis.thresholds)
-      if (threshold.condition == condition) estimates.push_back(threshold.jnd);
-    analysis.group.push_back({condition, jnd_group(estimates)});
+    std::vector<DifferenceSource> sources;
+    for (const ThresholdResult& threshold : analysis.thresholds) {
+      if (threshold.condition != condition) continue;
+      estimates.push_back(threshold.jnd);
+      if (threshold.jnd.series_used > 0) sources.push_back(threshold.difference_source);
+    }
+    analysis.group.push_back({condition, jnd_group(estimates), combined(sources)});
   }
   add_contrasts(analysis, protocol);
 }
 
 }  // namespace
 
+std::string_view to_string(DifferenceSource source) noexcept {
+  switch (source) {
+    case DifferenceSource::nominal:
+      return "nominal";
+    case DifferenceSource::delivered:
+      return "delivered";
+    case DifferenceSource::mixed:
+      return "mixed";
+  }
+  return "";
+}
+
+DifferenceSource registered_source(const Protocol& protocol) noexcept {
+  return protocol.analysis.by_delivered ? DifferenceSource::delivered : DifferenceSource::nominal;
+}
+
 StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind kind) {
+  return analyze(study, protocol, kind, registered_source(protocol));
+}
+
+StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by) {
   StudyAnalysis analysis;
   analysis.kind = kind;
+  analysis.by = by;
   std::vector<SessionInfo> sessions = study.sessions();  // by participant number
   std::erase_if(sessions, [&](const SessionInfo& session) { return session.kind != kind; });
 
@@ -133,6 +210,7 @@ StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind 
     }
     (trial.same ? cell.counts.n_same : cell.counts.n_diff) += 1;
     if (trial.said_different) (trial.same ? cell.counts.false_alarms : cell.counts.hits) += 1;
+    cell.delivered.add(trial, protocol.series[place(trial.series)].pair);
     ParticipantData::Times& times = data.times[place(trial.condition)];
     times.sum_s += trial.duration_s;
     ++times.trials;

@@ -2,9 +2,12 @@
 // plan makes of them. Practice never counts; exclusions are the registered ones, each counted with its reason.
 #pragma once
 
+#include <array>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "analysis/counts.h"
@@ -16,6 +19,19 @@
 
 namespace jnd {
 
+// Which stiffness difference stands on the x axis of the fit: the one asked, or the one that the devices delivered.
+// mixed: some of several cells had nothing delivered to measure and fell back on the nominal difference.
+enum class DifferenceSource { nominal, delivered, mixed };
+std::string_view to_string(DifferenceSource source) noexcept;
+// What the protocol's analysis plan registers: nominal or delivered.
+DifferenceSource registered_source(const Protocol& protocol) noexcept;
+
+// A mean of what was delivered and how much it rests on; stiffnesses in the study's unit. NaN for n = 0.
+struct DeliveredMean {
+  double mean = std::numeric_limits<double>::quiet_NaN();
+  int n = 0;
+};
+
 // One participant, condition and series.
 struct CellResult {
   std::string participant;
@@ -25,6 +41,15 @@ struct CellResult {
   int excluded = 0;  // trials left out by the registered rules
   int missing = 0;   // planned trials without an answer
   YesNo yes_no;      // under the registered correction
+  // The x of the fit. By delivered stiffness it is delivered_difference where n > 0, else the nominal one.
+  double difference = 0;
+  DifferenceSource difference_source = DifferenceSource::nominal;  // nominal or delivered
+  // Mean of |k2 - k1| over the counted trials with different stimuli in which both intervals have a fitted stiffness;
+  // k is the mean over the interval's devices.
+  DeliveredMean delivered_difference{};
+  int without_fit = 0;  // the others of those trials
+  // By nominal stiffness of the series' pair, the softer and the stiffer: mean k over the intervals that asked it.
+  std::array<DeliveredMean, 2> delivered{};
 };
 
 // One participant and condition.
@@ -33,18 +58,21 @@ struct ThresholdResult {
   SessionKind kind = SessionKind::simulated;
   int condition = 0;
   JndEstimate jnd;
-  double median_response_time_s = 0;  // participant's own entries; 0 without one
-  double mean_trial_s = 0;            // time per trial
+  double median_response_time_s = 0;                               // participant's own entries; 0 without one
+  double mean_trial_s = 0;                                         // time per trial
+  DifferenceSource difference_source = DifferenceSource::nominal;  // of the series in the fit
 };
 
 struct GroupResult {
   int condition = 0;
-  JndGroup jnd;  // mean, CI, median, ... with n used of N
+  JndGroup jnd;                                                    // mean, CI, median, ... with n used of N
+  DifferenceSource difference_source = DifferenceSource::nominal;  // over all participants
 };
 
 struct ContrastResult {
   int a = 0, b = 0;
-  MeanEstimate difference;  // paired JND difference a - b, N/m, over participants with both
+  MeanEstimate difference;  // paired JND difference a - b, in the study's unit, over participants with both
+  DifferenceSource difference_source = DifferenceSource::nominal;  // of both conditions
 };
 
 struct SessionHead {
@@ -55,6 +83,7 @@ struct SessionHead {
 
 struct StudyAnalysis {
   SessionKind kind = SessionKind::simulated;
+  DifferenceSource by = DifferenceSource::nominal;  // what was asked for: nominal or delivered
   int participants = 0;
   std::vector<CellResult> cells;            // by participant, condition, series
   std::vector<ThresholdResult> thresholds;  // by participant, condition
@@ -64,12 +93,15 @@ struct StudyAnalysis {
   std::map<std::string, int> exclusions;  // reason -> trials
 };
 
-// Sessions of one kind only: the three kinds are never pooled.
+// Sessions of one kind only: the three kinds are never pooled. by: nominal or delivered; without it, the registered
+// one.
 StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind kind);
+StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by);
 // The kinds that the study holds, real first.
 std::vector<SessionKind> kinds_in(const Study& study);
 
-// The same from counts alone (no study): cells of one participant and condition.
+// The same from counts alone (no study), over nominal differences: counts do not say what was delivered. Cells of one
+// participant and condition.
 struct CellCounts {
   std::string participant;
   int condition = 0, series = 0;

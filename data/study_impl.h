@@ -6,6 +6,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <SQLiteCpp/SQLiteCpp.h>
 
@@ -31,7 +32,7 @@ struct Study::Impl {
   mutable std::mutex mutex;         // guards everything below
   std::unique_ptr<StudyLock> lock;  // for writing only; outlives the connection
   std::unique_ptr<SQLite::Database> connection;
-  std::unique_ptr<SQLite::Statement> insert;
+  std::unique_ptr<SQLite::Statement> insert, insert_telemetry;
   std::map<std::string, ChainEnd> ends;  // for writing only
   bool people = false;                   // a real or pilot session was opened: synchronous=FULL for good
 
@@ -41,8 +42,12 @@ struct Study::Impl {
   void read_info();
   void read_ends();
   void append(const std::string& session, std::string_view kind, const std::string& body, Stamp stamp);
+  // In one transaction with the event's telemetry.
+  void append(const std::string& session, std::string_view kind, const std::string& body, Stamp stamp,
+              const std::vector<TelemetryBlob>& telemetry);
   void set_durability(SessionKind kind);
   std::vector<Event> events(const std::string& session) const;
+  std::vector<TelemetryBlob> telemetry(const std::string& session, std::int64_t seq) const;
   std::vector<SessionInfo> sessions() const;
   void close();
 };

@@ -26,13 +26,19 @@ class StudyLog final : public SessionLog {
   StudyLog(Study::Impl& study, std::string session) : study_(study), session_(std::move(session)) {}
 
   void append(std::string_view kind, const nlohmann::ordered_json& body, Stamp stamp) override {
+    append(kind, body, stamp, {});
+  }
+
+  void append(std::string_view kind, const nlohmann::ordered_json& body, Stamp stamp,
+              const std::vector<TelemetryBlob>& telemetry) override {
+    require_named(body, telemetry);
     const std::string text = body_text(body);  // outside the mutex: other sessions go on meanwhile
     const std::scoped_lock lock(study_.mutex);
     study_.require_writable();
     if (study_.ends.at(session_).closed)
       throw StorageError(
           fmt::format("{}: session {} is closed; nothing can be added to it", study_.path.string(), session_));
-    with_storage_errors(study_.path, [&] { study_.append(session_, kind, text, stamp); });
+    with_storage_errors(study_.path, [&] { study_.append(session_, kind, text, stamp, telemetry); });
   }
 
   std::vector<Event> events() const override {
@@ -80,6 +86,8 @@ nlohmann::ordered_json opened_body(const NewSession& session, const StudyInfo& s
                                                             : nlohmann::ordered_json(session.profile_sha256)},
           {"rig", session.rig},
           {"rig_mode", session.rig_mode},
+          {"rig_sha256",
+           session.rig_sha256.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(session.rig_sha256)},
           {"tracker", session.tracker},
           {"trials_total", session.trials_total},
           {"protocol_sha256", study.protocol_sha256},

@@ -1,6 +1,7 @@
 // The trials of one kind of session as analyses read them, and the registered rules that leave some of them out.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -19,6 +20,8 @@ struct CountedTrial {
   bool said_different = false;
   bool by_participant = true;
   double response_time_s = 0, duration_s = 0, saturated_share = 0;
+  std::array<double, 2> asked{};                     // stiffness of the intervals, in the study's unit
+  std::array<std::optional<double>, 2> delivered{};  // mean over the devices with a fitted stiffness; none without one
 };
 
 // Reasons, in the order in which they are tried; the first that applies is counted.

@@ -11,6 +11,7 @@
 #include "data/schema.h"
 #include "data/study_impl.h"
 #include "data/utc_time.h"
+#include "data/verify_telemetry.h"
 #include "protocols/input_error.h"
 #include "protocols/plan.h"
 #include "protocols/protocol_json.h"
@@ -26,7 +27,8 @@ bool known_kind(std::string_view kind) {
   for (const std::string_view one :
        {event_kind::kStudyCreated, event_kind::kSessionOpened, event_kind::kSessionResumed, event_kind::kSessionClosed,
         event_kind::kTrialCompleted, event_kind::kTrialVoided, event_kind::kTrialsShort, event_kind::kPracticeEnded,
-        event_kind::kQuestionAnswered, event_kind::kBreakTaken})
+        event_kind::kQuestionAnswered, event_kind::kBreakTaken, event_kind::kDeviceFault, event_kind::kStopCleared,
+        event_kind::kRealtime})
     if (kind == one) return true;
   return false;
 }
@@ -45,14 +47,19 @@ struct Walk {
 
 class Verifier {
  public:
-  explicit Verifier(const Study::Impl& study) : study_(study) {}
+  explicit Verifier(const Study::Impl& study) : study_(study), telemetry_(study.database()) {}
 
   VerifyReport run() {
     try {
+      // One view of the file from beginning to end, whatever a session adds meanwhile.
+      SQLite::Transaction reading(study_.database());
       check_file();
       check_protocol();
       walk_chains();
       check_heads();
+      telemetry_.finish(report_.problems);
+      report_.telemetry = telemetry_.blobs();
+      reading.commit();
     } catch (const SQLite::Exception& error) {
       problem("The file is damaged: it could not be read to its end ({}).", error.what());
     }
@@ -136,6 +143,7 @@ class Verifier {
   void check_body(Walk& walk, const Event& event) {
     try {
       const Json body = Json::parse(event.body);
+      telemetry_.check(event, body, report_.problems);
       if (walk.session == kStudyChain) {
         check_study_event(event, body);
       } else if (event.kind == event_kind::kSessionOpened) {
@@ -147,6 +155,11 @@ class Verifier {
       } else if (event.kind == event_kind::kTrialVoided || event.kind == event_kind::kTrialsShort) {
         if (event.kind == event_kind::kTrialVoided) ++report_.voided;
         check_planned(walk, event, trial_from(body));
+      } else if (event.kind == event_kind::kDeviceFault) {
+        const int index = body.at("index").get<int>();
+        if (walk.has_plan && !walk.planned.contains(index))
+          problem("Session {}, event {}: trial {} is not in the plan of participant {}.", event.session, event.seq,
+                  index, walk.participant);
       }
     } catch (const StorageError& error) {
       problem("Session {}, event {} ({}): {}.", event.session, event.seq, event.kind, error.what());
@@ -221,10 +234,11 @@ class Verifier {
     if (planned == walk.planned.end()) {
       problem("Session {}, event {}: trial {} is not in the plan of participant {}.", event.session, event.seq,
               trial.index, walk.participant);
-    } else if (planned->second.stimuli_n_per_m != trial.stimuli_n_per_m) {
-      problem("Session {}, event {}: trial {} presented {} and {} N/m; the plan of participant {} has {} and {} N/m.",
-              event.session, event.seq, trial.index, trial.stimuli_n_per_m[0], trial.stimuli_n_per_m[1],
-              walk.participant, planned->second.stimuli_n_per_m[0], planned->second.stimuli_n_per_m[1]);
+    } else if (planned->second.stimuli != trial.stimuli || planned->second.unit != trial.unit) {
+      problem("Session {}, event {}: trial {} presented {} and {} {}; the plan of participant {} has {} and {} {}.",
+              event.session, event.seq, trial.index, trial.stimuli[0], trial.stimuli[1], to_string(trial.unit),
+              walk.participant, planned->second.stimuli[0], planned->second.stimuli[1],
+              to_string(planned->second.unit));
     } else if (planned->second != trial) {
       problem(
           "Session {}, event {}: trial {}: its block, series or condition is not the one planned for participant {}.",
@@ -269,6 +283,7 @@ class Verifier {
   std::map<std::string, End> ends_;           // what was found
   std::map<std::pair<std::string, std::string>, int> participants_;
   bool study_chain_ = false;
+  TelemetryCheck telemetry_;
 };
 
 }  // namespace

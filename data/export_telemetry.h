@@ -1,0 +1,30 @@
+// The ticks of one interval as a CSV file.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "data/csv_writer.h"
+#include "data/telemetry.h"
+#include "protocols/protocol.h"
+
+namespace jnd {
+
+struct TelemetryRow {
+  const Telemetry* telemetry = nullptr;
+  const TickRecord* tick = nullptr;
+};
+
+// limit_names: of the bits of TickRecord::limits, lowest first; data does not know the governor.
+std::vector<CsvColumn<TelemetryRow>> telemetry_columns(const Protocol& protocol,
+                                                       const std::vector<std::string>& limit_names);
+
+// The rows in the order in which they were recorded. `telemetry` must outlive them.
+std::vector<TelemetryRow> telemetry_rows(const Telemetry& telemetry);
+
+// "telemetry/trial-007-attempt-1-interval-1.csv"; again: 2 and up where that name is taken.
+std::string telemetry_file(int trial, int attempt, int interval, int again = 1);
+// Whether a file's name, without its folder, is such a name.
+bool is_telemetry_file(const std::string& name);
+
+}  // namespace jnd

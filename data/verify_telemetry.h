@@ -1,0 +1,34 @@
+// The telemetry of a study against what its events say of it. Internal to jnd verify.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <nlohmann/json.hpp>
+
+#include "data/session_log.h"
+
+namespace jnd {
+
+class TelemetryCheck {
+ public:
+  explicit TelemetryCheck(SQLite::Database& database);
+
+  // For every event, in the order of session and seq: recomputes the hash of each blob that its body names, and reads
+  // it. Throws StorageError where the body's "telemetry" cannot be read.
+  void check(const Event& event, const nlohmann::ordered_json& body, std::vector<std::string>& problems);
+  // At the end: the blobs that no event names.
+  void finish(std::vector<std::string>& problems);
+
+  std::int64_t blobs() const noexcept { return blobs_; }
+
+ private:
+  SQLite::Database& database_;
+  bool present_;  // the table: files of version 1 have none
+  std::int64_t blobs_ = 0;
+  std::vector<std::string> named_;  // "session/seq/interval"
+};
+
+}  // namespace jnd
