@@ -23,10 +23,22 @@ Json mean_json(const MeanEstimate& estimate) {
           {"ci_high", json_number(estimate.ci_high)}};
 }
 
+std::string in_unit(const char* name, const Protocol& protocol) {
+  return std::string(name).append(name_suffix(protocol.stimulus.unit));
+}
+
 Json cell_json(const CellResult& cell, const Protocol& protocol) {
   const Series& series = protocol.series[static_cast<std::size_t>(cell.series)];
   return {{"series", series.name},
-          {"difference_n_per_m", std::abs(series.pair_n_per_m[0] - series.pair_n_per_m[1])},
+          {in_unit("difference_", protocol), std::abs(series.pair[0] - series.pair[1])},
+          {in_unit("delivered_difference_", protocol), json_number(cell.delivered_difference.mean)},
+          {"n_delivered", cell.delivered_difference.n},
+          {"n_without_fit", cell.without_fit},
+          {in_unit("delivered_softer_", protocol), json_number(cell.delivered[0].mean)},
+          {"n_softer", cell.delivered[0].n},
+          {in_unit("delivered_stiffer_", protocol), json_number(cell.delivered[1].mean)},
+          {"n_stiffer", cell.delivered[1].n},
+          {"difference_source", to_string(cell.difference_source)},
           {"n_diff", cell.counts.n_diff},
           {"hits", cell.counts.hits},
           {"n_same", cell.counts.n_same},
@@ -49,6 +61,7 @@ Json group_json(const GroupResult& row, const Protocol& protocol) {
   Json out = {{"condition", condition.name},
               {"n_used", row.jnd.mean_jnd.n},
               {"n", row.jnd.n},
+              {"difference_source", to_string(row.difference_source)},
               {"jnd", mean_json(row.jnd.mean_jnd)},
               {"weber", mean_json(row.jnd.mean_weber)},
               {"log_jnd", mean_json(row.jnd.mean_log_jnd)},
@@ -74,7 +87,10 @@ Json to_json(const StudyAnalysis& analysis, const Protocol& protocol) {
               {"model", protocol.analysis.model},
               {"correction", protocol.analysis.correction},
               {"jnd_method", protocol.analysis.jnd_method},
-              {"reference_n_per_m", protocol.stimulus.reference_n_per_m},
+              {"unit", to_string(protocol.stimulus.unit)},
+              {"stiffness", to_string(analysis.by)},
+              {"registered_stiffness", to_string(registered_source(protocol))},
+              {in_unit("reference_", protocol), protocol.stimulus.reference},
               {"participants", Json::array()},
               {"group", Json::array()},
               {"contrasts", Json::array()},
@@ -91,6 +107,7 @@ Json to_json(const StudyAnalysis& analysis, const Protocol& protocol) {
                         {"status", to_string(row.jnd.status)},
                         {"cautions", cautions_json(row.jnd)},
                         {"series_used", row.jnd.series_used},
+                        {"difference_source", to_string(row.difference_source)},
                         {"mean_trial_s", json_number(row.mean_trial_s)},
                         {"median_response_time_s", json_number(row.median_response_time_s)},
                         {"cells", Json::array()}};
@@ -103,6 +120,7 @@ Json to_json(const StudyAnalysis& analysis, const Protocol& protocol) {
   for (const ContrastResult& row : analysis.contrasts)
     out["contrasts"].push_back({{"a", protocol.conditions[static_cast<std::size_t>(row.a)].name},
                                 {"b", protocol.conditions[static_cast<std::size_t>(row.b)].name},
+                                {"difference_source", to_string(row.difference_source)},
                                 {"difference", mean_json(row.difference)}});
   for (const SessionHead& head : analysis.heads)
     out["heads"].push_back(

@@ -6,9 +6,11 @@
 #include <fmt/format.h>
 
 #include "data/storage_error.h"
+#include "devices/device_error.h"
 #include "protocols/input_error.h"
 #include "protocols/version.h"
 #include "runner/commands.h"
+#include "runner/device_commands.h"
 #include "runner/interrupt.h"
 
 namespace jnd {
@@ -83,6 +85,10 @@ int run_command_line(int argc, const char* const* argv) {
   command->add_flag("--participant-presses", run.participant_presses,
                     "the participant presses the answer keys (otherwise the operator enters what is said)");
   command->add_flag("--fast", run.fast, "rehearse without waiting: stimuli and pauses take no time");
+  command->add_option("--record", run.record, "what is kept: off, events (faults), full (every tick; default)")
+      ->check(CLI::IsMember({"off", "events", "full"}));
+  command->add_option("--realtime", run.realtime, "real-time scheduling: off, prefer (default), require")
+      ->check(CLI::IsMember({"off", "prefer", "require"}));
   command->callback([&] { chosen = [&] { return command_run(run); }; });
 
   SimulateOptions simulate;
@@ -93,9 +99,11 @@ int run_command_line(int argc, const char* const* argv) {
   command->add_option("--participants", simulate.participants, "how many, numbered from 1")
       ->check(CLI::Range(1, 100'000));
   command->add_option("--seed", simulate.seed, "seed of a new study (default: drawn, printed and kept in the study)");
-  command->add_option("--profile", simulate.profile, "profile file, or name of a shipped one (default: chinello2017)");
+  command->add_option("--profile", simulate.profile, "profile file, or name of a shipped one (default: what fits)");
   command->add_option("--threads", simulate.threads, "participants at a time (default: one a processor)")
       ->check(CLI::Range(1, 1024));
+  command->add_option("--record", simulate.record, "what is kept: off, events (faults; default), full (every tick)")
+      ->check(CLI::IsMember({"off", "events", "full"}));
   command->add_flag("--no-study", simulate.no_study, "keep nothing: print the group's result only");
   command->add_flag("--json", simulate.json, "machine-readable result of --no-study");
   command->callback([&] { chosen = [&] { return command_simulate(simulate); }; });
@@ -116,6 +124,10 @@ int run_command_line(int argc, const char* const* argv) {
   command = add_command(app, "analyze", "d', JND and Weber fractions by the registered plan", "jnd analyze s.sqlite");
   command->add_option("STUDY", analyze.study, "the study's file")->required();
   command->add_option("--kind", analyze.kind, "real, pilot or simulated (default: the only one, or real)");
+  command
+      ->add_option("--by", analyze.by,
+                   "slopes over nominal or delivered stiffness differences (default: what the protocol registers)")
+      ->check(CLI::IsMember({"nominal", "delivered"}));
   command->add_flag("--cells", analyze.cells, "also every cell: counts, rates, z and d'");
   command->add_flag("--json", analyze.json, "machine-readable");
   command->callback([&] { chosen = [&] { return command_analyze(analyze); }; });
@@ -126,8 +138,23 @@ int run_command_line(int argc, const char* const* argv) {
   command->add_option("STUDY", exported.study, "the study's file")->required();
   command->add_option("--to", exported.folder, "the folder to write")->required();
   command->add_option("--kind", exported.kind, "real, pilot or simulated (default: the only one, or real)");
+  command
+      ->add_option("--by", exported.by,
+                   "slopes over nominal or delivered stiffness differences (default: what the protocol registers)")
+      ->check(CLI::IsMember({"nominal", "delivered"}));
+  command->add_flag("--telemetry", exported.telemetry, "also every tick of every interval, a file each");
   command->add_flag("--replace", exported.replace, "replace the folder of an earlier export");
   command->callback([&] { chosen = [&] { return command_export(exported); }; });
+
+  DoctorOptions doctor;
+  command = add_command(app, "doctor", "Is this machine fit to run a session", "jnd doctor --study studies");
+  command->add_option("--study", doctor.study, "a study, or the folder where studies go (default: this folder)");
+  command->add_option("--seconds", doctor.seconds, "length of each of the two measurements of lateness (default: 3)")
+      ->check(CLI::Range(0.1, 600.0));
+  command->add_flag("--json", doctor.json, "machine-readable");
+  command->callback([&] { chosen = [&] { return command_doctor(doctor); }; });
+
+  add_device_commands(app, chosen);
 
   try {
     app.parse(argc, argv);
@@ -137,6 +164,8 @@ int run_command_line(int argc, const char* const* argv) {
     return code == 0 ? exit_code::kDone : exit_code::kUsage;
   } catch (const UsageError& error) {
     return failed(exit_code::kUsage, error.what());
+  } catch (const DeviceError& error) {
+    return failed(exit_code::kDevice, error.what());
   } catch (const InputError& error) {
     return failed(exit_code::kInvalidInput, error.what());
   } catch (const StorageError& error) {

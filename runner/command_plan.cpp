@@ -30,8 +30,9 @@ void print_plan(const Protocol& protocol, const Plan& plan) {
                fmt::join(names_in_order(plan.condition_orders[i], protocol.conditions), ", "));
   fmt::print("\n");
   using Align = TextTable::Align;
+  const std::string_view unit = to_string(protocol.stimulus.unit);
   TextTable table(
-      {"trial", "block", "series", "condition", "first N/m", "second N/m", "", ""},
+      {"trial", "block", "series", "condition", fmt::format("first {}", unit), fmt::format("second {}", unit), "", ""},
       {Align::right, Align::right, Align::left, Align::left, Align::right, Align::right, Align::left, Align::left});
   int block = plan.trials.empty() ? 0 : plan.trials.front().block;
   for (const Trial& trial : plan.trials) {
@@ -40,7 +41,7 @@ void print_plan(const Protocol& protocol, const Plan& plan) {
     table.add({std::to_string(trial.index), trial.practice ? "-" : std::to_string(trial.block),
                protocol.series[static_cast<std::size_t>(trial.series)].name,
                protocol.conditions[static_cast<std::size_t>(trial.condition)].name,
-               fmt::format("{:g}", trial.stimuli_n_per_m[0]), fmt::format("{:g}", trial.stimuli_n_per_m[1]),
+               fmt::format("{:g}", trial.stimuli[0]), fmt::format("{:g}", trial.stimuli[1]),
                trial.same ? "same" : "different", trial.practice ? fmt::format("practice round {}", trial.round) : ""});
   }
   fmt::print("{}", table.text());
@@ -56,7 +57,7 @@ void print_plan_json(const Protocol& protocol, const Plan& plan) {
                                   {"series", protocol.series[static_cast<std::size_t>(trial.series)].name},
                                   {"condition", protocol.conditions[static_cast<std::size_t>(trial.condition)].name},
                                   {"practice", trial.practice},
-                                  {"stimuli", trial.stimuli_n_per_m},
+                                  {"stimuli", trial.stimuli},
                                   {"same", trial.same}};
     if (trial.practice) row["round"] = trial.round;
     out["trials"].push_back(row);

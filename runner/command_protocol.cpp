@@ -64,7 +64,7 @@ CheckedFile check_file(const std::string& name_or_path) {
   result.check = check_protocol(read_input_file(path), path.string());
   if (!result.check.protocol) return result;
   const Protocol& protocol = *result.check.protocol;
-  const DeviceLint lint = lint_against_device(protocol, device_of(protocol), path.string());
+  const DeviceLint lint = lint_against_device(protocol, rig_spec_of(protocol), path.string());
   result.check.errors.insert(result.check.errors.end(), lint.errors.begin(), lint.errors.end());
   result.check.warnings.insert(result.check.warnings.end(), lint.warnings.begin(), lint.warnings.end());
   result.trials = main_trial_count(make_plan(protocol, 1, 1));

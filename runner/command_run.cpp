@@ -87,6 +87,7 @@ Opened open_or_resume(Study& study, const Protocol& protocol, const std::string&
   session.rig = rig.name;
   session.rig_mode = rig.mode;
   session.tracker = rig.tracker;
+  session.rig_sha256 = rig.sha256;
   const Plan plan = make_plan(protocol, session.participant_number, study.info().seed);
   session.trials_total = main_trial_count(plan);
   session.stamp = {clock.utc_ns(), clock.now_ns()};
@@ -95,6 +96,16 @@ Opened open_or_resume(Study& study, const Protocol& protocol, const std::string&
   for (const SessionInfo& info : study.sessions())
     if (info.id == session.id) opened.info = info;
   return opened;
+}
+
+void note_realtime(SessionLog& log, const RealtimeReport& report, const Clock& clock) {
+  nlohmann::ordered_json items = nlohmann::ordered_json::array();
+  for (const RealtimeItem& item : report.items)
+    items.push_back({{"what", item.what}, {"ok", item.ok}, {"detail", item.detail}, {"why_not", item.why_not}});
+  log.append(event_kind::kRealtime, {{"policy", to_string(report.policy)}, {"items", std::move(items)}},
+             {clock.utc_ns(), clock.now_ns()});
+  const std::string problems = report.problems();
+  if (!problems.empty()) fmt::print("{}\n{}\n", warn("The loop is not real-time:"), problems);
 }
 
 void greet(const Protocol& protocol, const Opened& opened, SessionKind kind, bool fast) {
@@ -111,10 +122,11 @@ void greet(const Protocol& protocol, const Opened& opened, SessionKind kind, boo
 
 int command_run(const RunOptions& options) {
   const Protocol protocol = load_checked_protocol(options.protocol);
-  const DeviceSpec spec = device_of(protocol);
+  const RigDescription description = rig_of(protocol);
   const bool person = !options.responder;
   const ParticipantProfile profile =
-      load_profile(find_resource(Resource::profile, options.responder.value_or("chinello2017")));
+      load_profile(find_resource(Resource::profile, options.responder.value_or(default_profile(protocol))));
+  const RecordPolicy record = record_policy_of(options.record);
   const SessionKind kind = person ? SessionKind::pilot : SessionKind::simulated;
 
   std::unique_ptr<Keyboard> keyboard;
@@ -132,14 +144,20 @@ int command_run(const RunOptions& options) {
   const std::unique_ptr<Study> study =
       open_or_create_study(options.study, protocol, options.seed, {clock->utc_ns(), clock->now_ns()});
   const std::uint64_t seed = study->info().seed;
-  const Opened opened = open_or_resume(*study, protocol, code, kind, person ? "keyboard" : "profile " + profile.name,
-                                       person ? "" : profile.sha256, simulated_rig_info(protocol, spec), *clock);
+  const Opened opened =
+      open_or_resume(*study, protocol, code, kind, person ? "keyboard" : "profile " + profile.name,
+                     person ? "" : profile.sha256, simulated_rig_info(protocol, description.spec), *clock);
   const Plan plan = make_plan(protocol, opened.info.participant_number, seed);
   SimulatedClock device_clock(clock->utc_ns());
-  std::unique_ptr<Rig> rig =
-      make_simulated_rig(protocol, spec, profile, plan.participant, seed, options.fast ? device_clock : *clock);
+  RigOptions how = rig_options(record, protocol, description);
+  // On the real clock the loop has a thread of its own; in a quick rehearsal it runs inside the session's.
+  if (!options.fast) how.realtime = realtime_policy_of(options.realtime);
+  std::unique_ptr<Rig> rig = make_simulated_rig(protocol, description, profile, plan.participant, seed,
+                                                options.fast ? static_cast<Clock&>(device_clock) : *clock, how);
   if (options.fast) rig = std::make_unique<FastRig>(std::move(rig), device_clock, *clock);
-  const StopOnInterrupt stop_rig(rig->stop_requested);
+  const StopOnInterrupt stop_rig(rig->stop);
+  const StopOnKey stop_key(keyboard.get(), rig->stop);
+  if (how.realtime) note_realtime(*opened.log, rig->realtime(), *clock);
   std::unique_ptr<Responder> responder;
   if (person)
     responder = std::make_unique<KeyboardResponder>(
@@ -149,7 +167,7 @@ int command_run(const RunOptions& options) {
 
   greet(protocol, opened, kind, options.fast);
   ConsoleView view(keyboard.get(), *clock);
-  SessionEngine engine(protocol, plan, *rig, *responder, *opened.log, *clock, view, interrupt_requested());
+  SessionEngine engine(protocol, plan, *rig, *responder, *opened.log, *clock, view, interrupt_requested(), record);
   const SessionEnd end = engine.run(replay(opened.log->events()));
   if (end == SessionEnd::interrupted) {
     study->close();

@@ -36,10 +36,12 @@ int command_simulate(const SimulateOptions& options) {
   if (options.no_study == options.study.has_value())
     throw UsageError("say where the data go: --study FILE, or --no-study to keep nothing");
   const Protocol protocol = load_checked_protocol(options.protocol);
-  const DeviceSpec spec = device_of(protocol);
-  const ParticipantProfile profile = load_profile(find_resource(Resource::profile, options.profile));
+  const RigDescription rig = rig_of(protocol);
+  const ParticipantProfile profile = load_profile(
+      find_resource(Resource::profile, options.profile.empty() ? default_profile(protocol) : options.profile));
   const int processors = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  Simulation simulation{protocol, spec, profile};
+  Simulation simulation{protocol, rig, profile};
+  simulation.record = record_policy_of(options.record);
   simulation.participants = options.participants;
   simulation.threads = options.threads > 0 ? options.threads : processors;
   simulation.progress = true;

@@ -1,10 +1,12 @@
 // jnd status, verify, analyze and export: what a study holds and what it says.
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "data/export.h"
 #include "data/study_analysis.h"
+#include "devices/governor.h"
 #include "runner/analysis_text.h"
 #include "runner/commands.h"
 #include "runner/json_output.h"
@@ -67,14 +69,16 @@ int command_verify(const StudyOptions& options) {
                                         {"events", report.events},
                                         {"trials", report.trials},
                                         {"voided", report.voided},
+                                        {"telemetry", report.telemetry},
                                         {"problems", report.problems}};
     fmt::print("{}\n", out.dump());
   } else {
     for (const std::string& problem : report.problems) fmt::print("problem: {}\n", printable(problem));
-    fmt::print("{}: {} ({} sessions, {} events, {} trials, {} voided)\n", options.study,
+    fmt::print("{}: {} ({} sessions, {} events, {} trials, {} voided{})\n", options.study,
                ok ? bold("every hash and every planned stimulus agrees")
                   : fmt::format("{} problem{}", report.problems.size(), report.problems.size() == 1 ? "" : "s"),
-               report.sessions, report.events, report.trials, report.voided);
+               report.sessions, report.events, report.trials, report.voided,
+               report.telemetry > 0 ? fmt::format(", telemetry of {} intervals", report.telemetry) : std::string());
   }
   return ok ? exit_code::kDone : exit_code::kProblemFound;
 }
@@ -88,13 +92,20 @@ void say_other_kinds(const Study& study, SessionKind analysed) {
                                           to_string(kind), to_string(kind))));
 }
 
+DifferenceSource source_to_analyse(const Protocol& protocol, const std::optional<std::string>& named) {
+  if (!named) return registered_source(protocol);
+  for (const DifferenceSource source : {DifferenceSource::nominal, DifferenceSource::delivered})
+    if (*named == to_string(source)) return source;
+  throw UsageError(fmt::format("'{}': --by takes nominal or delivered", *named));
+}
+
 }  // namespace
 
 int command_analyze(const AnalyzeOptions& options) {
   const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_only);
   const Protocol protocol = protocol_of(*study);
   const SessionKind kind = kind_to_analyse(*study, options.kind);
-  const StudyAnalysis analysis = analyze(*study, protocol, kind);
+  const StudyAnalysis analysis = analyze(*study, protocol, kind, source_to_analyse(protocol, options.by));
   if (options.json) {
     fmt::print("{}\n", to_json(analysis, protocol).dump());
     return exit_code::kDone;
@@ -121,10 +132,17 @@ int command_export(const ExportOptions& options) {
   const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_only);
   const Protocol protocol = protocol_of(*study);
   const SessionKind kind = kind_to_analyse(*study, options.kind);
-  const StudyAnalysis analysis = analyze(*study, protocol, kind);
-  const std::vector<std::string> files = export_csv(*study, protocol, analysis, options.folder, options.replace);
+  const StudyAnalysis analysis = analyze(*study, protocol, kind, source_to_analyse(protocol, options.by));
+  std::optional<TelemetryExport> telemetry;
+  if (options.telemetry) telemetry = {{limit::kNames.begin(), limit::kNames.end()}};
+  const std::vector<std::string> files =
+      export_csv(*study, protocol, analysis, options.folder, options.replace, telemetry);
   fmt::print("{} CSV files ({} data) in {}; dictionary.csv says what every column is\n", files.size(), to_string(kind),
              options.folder);
+  if (options.telemetry && std::none_of(files.begin(), files.end(), [](const std::string& file) {
+        return file.find("/telemetry/") != std::string::npos;
+      }))
+    fmt::print("this study holds no telemetry of {} sessions\n", to_string(kind));
   say_other_kinds(*study, kind);
   return exit_code::kDone;
 }

@@ -55,6 +55,8 @@ struct RunOptions {
   std::optional<std::string> responder;  // a profile that answers instead of a person
   bool participant_presses = false;      // who presses the answer keys
   bool fast = false;
+  std::string record = "full";      // off, events, full
+  std::string realtime = "prefer";  // off, prefer, require
 };
 int command_run(const RunOptions& options);
 
@@ -63,10 +65,11 @@ struct SimulateOptions {
   std::optional<std::string> study;
   int participants = 1;
   std::optional<std::uint64_t> seed;
-  std::string profile = "chinello2017";
-  int threads = 0;  // 0: as many as the machine has processors
+  std::string profile;  // empty: the one that fits the protocol
+  int threads = 0;      // 0: as many as the machine has processors
   bool no_study = false;
   bool json = false;
+  std::string record = "events";  // off, events, full
 };
 int command_simulate(const SimulateOptions& options);
 
@@ -80,6 +83,7 @@ int command_verify(const StudyOptions& options);
 struct AnalyzeOptions {
   std::string study;
   std::optional<std::string> kind;  // real, pilot or simulated
+  std::optional<std::string> by;    // nominal or delivered; without it, what the protocol registers
   bool cells = false;
   bool json = false;
 };
@@ -89,8 +93,17 @@ struct ExportOptions {
   std::string study;
   std::string folder;
   std::optional<std::string> kind;
+  std::optional<std::string> by;
   bool replace = false;
+  bool telemetry = false;  // the ticks of every interval too
 };
 int command_export(const ExportOptions& options);
+
+struct DoctorOptions {
+  std::optional<std::string> study;  // a study, or the folder where studies go; where not given, this folder
+  double seconds = 3;                // of each measurement of the loop's lateness
+  bool json = false;
+};
+int command_doctor(const DoctorOptions& options);
 
 }  // namespace jnd

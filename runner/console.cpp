@@ -23,7 +23,6 @@ void say(fmt::format_string<Args...> format, Args&&... args) {
 
 bool ConsoleView::wait_for_space() {
   if (keyboard_ == nullptr) return !interrupt_requested();
-  keyboard_->forget_early_keys();
   while (!interrupt_requested()) {
     const std::optional<char> key = keyboard_->key(kPoll_s);
     if (keyboard_->at_end()) return false;
@@ -36,6 +35,7 @@ bool ConsoleView::wait_for_space() {
 }
 
 bool ConsoleView::ready(const TrialOutline& outline) {
+  if (keyboard_ != nullptr) keyboard_->forget_early_keys();
   if (outline.practice)
     say("\n{}", bold(fmt::format("Practice {} of {}", outline.number, outline.total)));
   else
@@ -45,7 +45,8 @@ bool ConsoleView::ready(const TrialOutline& outline) {
     say("  block {} of {}  about {} left", outline.block, outline.blocks, duration_text(outline.time_left_s));
   if (outline.attempt > 1) say("  (attempt {})", outline.attempt);
   say("\n");
-  if (keyboard_ != nullptr) say("{}\n", dim("  [space] when the participant is ready, [q] to end for now"));
+  if (keyboard_ != nullptr)
+    say("{}\n", dim("  [space] when the participant is ready, [x] stops the devices at any time, [q] to end for now"));
   return wait_for_space();
 }
 
@@ -64,6 +65,21 @@ void ConsoleView::voided(const TrialOutline&, const std::string& reason, bool wi
       will_repeat ? "it comes again at the end of this block" : "its attempts are used up");
 }
 
+bool ConsoleView::recover(const std::string& stopped_by) {
+  say("\n{}\n", warn(fmt::format("STOPPED ({}). The devices are at rest.", stopped_by)));
+  if (keyboard_ == nullptr) return false;
+  say("  See to the participant and the devices. This trial comes again later.\n");
+  keyboard_->forget_early_keys();
+  say("{}\n", dim("  [c] clears the stop and goes on, [q] ends the session for now"));
+  while (!interrupt_requested()) {
+    const std::optional<char> key = keyboard_->key(kPoll_s);
+    if (keyboard_->at_end() || key == 'q') return false;
+    if (key == 'c') return true;
+    if (key) say("  only [c] clears the stop; [q] ends the session\n");
+  }
+  return false;
+}
+
 void ConsoleView::feedback(bool correct) {
   say("  say: {}\n", correct ? "that was right" : "that was not right");
 }
@@ -80,25 +96,31 @@ void ConsoleView::break_begins(const Break& pause) {
 
 bool ConsoleView::break_over(const Break& pause) {
   clock_.sleep_until_ns(clock_.now_ns() + static_cast<std::int64_t>(pause.duration_s * 1e9));
-  if (keyboard_ != nullptr) say("{}\n", dim("  the break may end: [space] goes on"));
+  if (keyboard_ != nullptr) {
+    keyboard_->forget_early_keys();
+    say("{}\n", dim("  the break may end: [space] goes on"));
+  }
   return wait_for_space();
 }
 
 std::optional<Answer> KeyboardResponder::judge(const TrialQuestion& question) {
   const Timeline& timeline = protocol_.timeline;
+  keyboard_.forget_early_keys();
   say("{}\n",
       dim(fmt::format("  [{}] same  [{}] different  [q] end for now", timeline.key_same, timeline.key_different)));
-  keyboard_.forget_early_keys();
   const std::int64_t asked = clock_.now_ns();
   while (!interrupt_requested()) {
     const double waited = static_cast<double>(clock_.now_ns() - asked) * 1e-9;
     if (waited > question.time_out_s) return std::nullopt;
-    const std::optional<char> key = keyboard_.key(kPoll_s);
-    const double response_time = static_cast<double>(clock_.now_ns() - asked) * 1e-9;
-    if (keyboard_.at_end() || key == 'q') request_interrupt();
-    if (!key || key == 'q') continue;
-    if (*key == timeline.key_same) return Answer{Judgement::same, entered_by_, response_time};
-    if (*key == timeline.key_different) return Answer{Judgement::different, entered_by_, response_time};
+    const std::optional<KeyPress> pressed = keyboard_.press(kPoll_s);
+    const std::int64_t now = clock_.now_ns(), steady_now = SteadyClock().now_ns();
+    if (keyboard_.at_end() || (pressed && pressed->key == 'q')) request_interrupt();
+    if (!pressed || pressed->key == 'q') continue;
+    if (pressed->key == kStopKey) return std::nullopt;  // the latch is set: no answer counts
+    // The time of the key, not of its being noticed here.
+    const double response_time = static_cast<double>(now - asked - (steady_now - pressed->time_ns)) * 1e-9;
+    if (pressed->key == timeline.key_same) return Answer{Judgement::same, entered_by_, response_time};
+    if (pressed->key == timeline.key_different) return Answer{Judgement::different, entered_by_, response_time};
     say("  that key is no answer: [{}] is same, [{}] is different\n", timeline.key_same, timeline.key_different);
   }
   return std::nullopt;

@@ -21,6 +21,7 @@ class ConsoleView final : public SessionView {
   void cue(CuePlace place, const CueSignal& cue) override;
   void saved(const TrialOutline& outline, const Answer& answer) override;
   void voided(const TrialOutline& outline, const std::string& reason, bool will_repeat) override;
+  bool recover(const std::string& stopped_by) override;
   void feedback(bool correct) override;
   void practice_over(int rounds, double share_correct, bool passed) override;
   void break_begins(const Break& pause) override;

@@ -33,12 +33,17 @@ class FastRig final : public Rig {
   const RigInfo& info() const noexcept override { return rig_->info(); }
   Presentation present(const PresentRequest& request) override {
     const std::int64_t began = device_clock_.now_ns();
-    rig_->stop_requested = stop_requested.load();
+    if (stop.latched())
+      rig_->stop.latch(stop.source());
+    else
+      rig_->stop.clear();
     Presentation presentation = rig_->present(request);
     session_clock_.sleep_until_ns(session_clock_.now_ns() + device_clock_.now_ns() - began);
     return presentation;
   }
   void neutral() noexcept override { rig_->neutral(); }
+  TelemetryRing* telemetry() noexcept override { return rig_->telemetry(); }
+  RealtimeReport realtime() const override { return rig_->realtime(); }
 
  private:
   std::unique_ptr<Rig> rig_;

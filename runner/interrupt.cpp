@@ -7,13 +7,13 @@ namespace jnd {
 namespace {
 
 std::atomic<bool> requested{false};
-std::atomic<std::atomic<bool>*> rig_latch{nullptr};
+std::atomic<EmergencyStop*> rig_stop{nullptr};
 // A signal handler may touch lock-free atomics only.
-static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<std::atomic<bool>*>::is_always_lock_free);
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<EmergencyStop*>::is_always_lock_free);
 
 void on_signal(int signal_number) {
   requested = true;
-  if (std::atomic<bool>* latch = rig_latch) *latch = true;
+  if (EmergencyStop* stop = rig_stop) stop->latch(StopSource::signal);
   struct sigaction standard {};
   standard.sa_handler = SIG_DFL;
   sigaction(signal_number, &standard, nullptr);
@@ -37,11 +37,11 @@ void install_interrupt_handlers() noexcept {
   sigaction(SIGTERM, &action, nullptr);
 }
 
-StopOnInterrupt::StopOnInterrupt(std::atomic<bool>& latch) noexcept {
-  rig_latch = &latch;
+StopOnInterrupt::StopOnInterrupt(EmergencyStop& stop) noexcept {
+  rig_stop = &stop;
 }
 StopOnInterrupt::~StopOnInterrupt() {
-  rig_latch = nullptr;
+  rig_stop = nullptr;
 }
 
 }  // namespace jnd

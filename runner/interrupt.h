@@ -3,6 +3,8 @@
 
 #include <atomic>
 
+#include "devices/emergency_stop.h"
+
 namespace jnd {
 
 // The first signal sets the latches; a second one of the same kind ends the program at once, as usual.
@@ -10,10 +12,10 @@ const std::atomic<bool>& interrupt_requested() noexcept;
 void install_interrupt_handlers() noexcept;
 void request_interrupt() noexcept;  // as if Ctrl-C had been pressed
 
-// While it lives, a signal also sets `latch`, so that a rig is stopped within two ticks.
+// While it lives, a signal also latches `stop`, so that a rig is stopped within two ticks.
 class StopOnInterrupt {
  public:
-  explicit StopOnInterrupt(std::atomic<bool>& latch) noexcept;
+  explicit StopOnInterrupt(EmergencyStop& stop) noexcept;
   ~StopOnInterrupt();
   StopOnInterrupt(const StopOnInterrupt&) = delete;
   StopOnInterrupt& operator=(const StopOnInterrupt&) = delete;

@@ -28,6 +28,8 @@ Place place_of(Resource resource) {
       return {"profile", "devices/profiles", "profiles"};
     case Resource::device_spec:
       return {"device", "devices/specs", "specs"};
+    case Resource::object:
+      return {"object", "devices/objects", "objects"};
   }
   return {"", "", ""};
 }

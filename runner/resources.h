@@ -8,7 +8,7 @@
 
 namespace jnd {
 
-enum class Resource { protocol, profile, device_spec };
+enum class Resource { protocol, profile, device_spec, object };
 
 // A path that exists is taken as it is; otherwise a shipped file of that name, with or without ".json".
 // Throws InputError that lists the shipped names.

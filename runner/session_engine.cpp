@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <optional>
 
+#include "data/telemetry.h"
+#include "devices/telemetry_ring.h"
 #include "protocols/random_stream.h"
 
 namespace jnd {
@@ -27,7 +29,8 @@ std::vector<std::string> condition_codes(const Protocol& protocol, std::uint64_t
 }
 
 SessionEngine::SessionEngine(const Protocol& protocol, const Plan& plan, Rig& rig, Responder& responder,
-                             SessionLog& log, Clock& clock, SessionView& view, const std::atomic<bool>& stop)
+                             SessionLog& log, Clock& clock, SessionView& view, const std::atomic<bool>& stop,
+                             RecordPolicy record)
     : protocol_(protocol),
       plan_(plan),
       rig_(rig),
@@ -36,6 +39,7 @@ SessionEngine::SessionEngine(const Protocol& protocol, const Plan& plan, Rig& ri
       clock_(clock),
       view_(view),
       stop_(stop),
+      record_(record),
       codes_(condition_codes(protocol, plan.seed)),
       main_total_(main_trial_count(plan)) {
   for (const Trial& trial : plan.trials) blocks_ = std::max(blocks_, trial.block);
@@ -169,6 +173,7 @@ SessionEngine::TrialEnd SessionEngine::conduct(const Trial& trial, const TrialOu
   check_stop();
   if (!view_.ready(outline)) throw Interrupted{};
   const std::int64_t began = clock_.now_ns();
+  ticks_.clear();
   TrialRecord record;
   record.trial = trial;
   record.attempt = outline.attempt;
@@ -178,9 +183,14 @@ SessionEngine::TrialEnd SessionEngine::conduct(const Trial& trial, const TrialOu
   for (int interval = 0; interval < 2; ++interval) {
     if (interval == 1) sleep_s(protocol_.timeline.gap_s);
     record.presentations[static_cast<std::size_t>(interval)] = present(trial, outline.attempt, interval);
-    const Fault fault = record.presentations[static_cast<std::size_t>(interval)].fault;
+    const Presentation& presentation = record.presentations[static_cast<std::size_t>(interval)];
+    note_fault(trial, outline.attempt, interval, presentation);
     check_stop();
-    if (fault != Fault::none) return void_trial(trial, outline, std::string(to_string(fault)));
+    if (presentation.fault != Fault::none) {
+      const TrialEnd end = void_trial(trial, outline, std::string(to_string(presentation.fault)));
+      if (presentation.fault == Fault::emergency_stop) recover_from_stop(presentation.stopped_by);
+      return end;
+    }
   }
   if (protocol_.stimulus.on_saturation == OnSaturation::repeat &&
       (saturated(record.presentations[0]) || saturated(record.presentations[1])))
@@ -191,13 +201,17 @@ SessionEngine::TrialEnd SessionEngine::conduct(const Trial& trial, const TrialOu
   const std::optional<Answer> answer = responder_.judge(question);
   if (!answer) {
     check_stop();
-    return void_trial(trial, outline, "no_answer");
+    const StopSource source = rig_.stop.source();
+    if (source == StopSource::none) return void_trial(trial, outline, "no_answer");
+    const TrialEnd end = void_trial(trial, outline, std::string(to_string(Fault::emergency_stop)));
+    recover_from_stop(std::string(to_string(source)));
+    return end;
   }
   // An answer that was given is kept, also where a stop came with it.
 
   record.answer = *answer;
   record.duration_s = static_cast<double>(clock_.now_ns() - began) * 1e-9;
-  log_.append(event_kind::kTrialCompleted, to_body(record), stamp());
+  append_trial(event_kind::kTrialCompleted, to_body(record));
   // From here on the answer is safe; only now is anyone told.
   view_.saved(outline, *answer);
   remember(record);
@@ -210,9 +224,23 @@ SessionEngine::TrialEnd SessionEngine::conduct(const Trial& trial, const TrialOu
   return TrialEnd::answered;
 }
 
+// A stop's cause, and the ticks that led to it.
+void SessionEngine::note_fault(const Trial& trial, int attempt, int interval, const Presentation& presentation) {
+  if (record_ == RecordPolicy::off) return;
+  if (presentation.fault == Fault::none || presentation.fault == Fault::no_contact) return;
+  log_.append(event_kind::kDeviceFault, device_fault_body(trial, attempt, interval, presentation), stamp());
+}
+
+// Only a person's word clears the latch.
+void SessionEngine::recover_from_stop(const std::string& stopped_by) {
+  if (!view_.recover(stopped_by)) throw Interrupted{};
+  rig_.stop.clear();
+  log_.append(event_kind::kStopCleared, {{"stopped_by", stopped_by}, {"reason", "cleared by the operator"}}, stamp());
+}
+
 SessionEngine::TrialEnd SessionEngine::void_trial(const Trial& trial, const TrialOutline& outline,
                                                   const std::string& reason) {
-  log_.append(event_kind::kTrialVoided, voided_body(protocol_, trial, outline.attempt, reason), stamp());
+  append_trial(event_kind::kTrialVoided, voided_body(protocol_, trial, outline.attempt, reason));
   ++state_.voided[trial.index];
   view_.voided(outline, reason, attempts_voided(trial.index) < protocol_.timeline.max_attempts);
   sleep_s(protocol_.timeline.between_trials_s);
@@ -224,12 +252,34 @@ Presentation SessionEngine::present(const Trial& trial, int attempt, int interva
   view_.cue(interval == 0 ? CuePlace::first : CuePlace::second,
             interval == 0 ? timeline.first_cue : timeline.second_cue);
   PresentRequest request;
-  request.stimulus.stiffness_n_per_m = trial.stimuli_n_per_m[static_cast<std::size_t>(interval)];
+  request.stimulus.stiffness = trial.stimuli[static_cast<std::size_t>(interval)];
   request.stimulus.cues = protocol_.conditions[static_cast<std::size_t>(trial.condition)].cues;
   request.explore_s = timeline.explore_s;
   request.no_contact_time_out_s = timeline.no_contact_time_out_s;
+  request.stimulus.damping_n_s_per_m = protocol_.stimulus.damping_n_s_per_m;
   request.id = {trial.index, attempt, interval};
-  return rig_.present(request);
+  Presentation presentation = rig_.present(request);
+  keep_ticks(trial, interval, presentation);
+  return presentation;
+}
+
+// Every tick of the interval, to be stored with the trial.
+void SessionEngine::keep_ticks(const Trial& trial, int interval, const Presentation& presentation) {
+  TelemetryRing* ring = rig_.telemetry();
+  if (ring == nullptr) return;
+  Telemetry telemetry;
+  telemetry.unit = trial.unit;
+  telemetry.channels = telemetry_channels(presentation);
+  telemetry.dropped = ring->take_dropped();
+  ring->drain(telemetry.ticks);
+  if (!telemetry.channels.empty()) ticks_.push_back(encode_telemetry(interval, telemetry));
+}
+
+// A trial's event and its ticks are one transaction.
+void SessionEngine::append_trial(std::string_view kind, nlohmann::ordered_json body) {
+  if (!ticks_.empty()) body["telemetry"] = telemetry_body(ticks_);
+  log_.append(kind, body, stamp(), ticks_);
+  ticks_.clear();
 }
 
 void SessionEngine::take_breaks_within_block() {

@@ -19,6 +19,7 @@
 #include "devices/rig.h"
 #include "protocols/plan.h"
 #include "protocols/protocol.h"
+#include "runner/record_policy.h"
 #include "runner/session_view.h"
 
 namespace jnd {
@@ -32,7 +33,8 @@ class SessionEngine {
  public:
   // All references must outlive the engine. stop: set from a signal handler or another thread.
   SessionEngine(const Protocol& protocol, const Plan& plan, Rig& rig, Responder& responder, SessionLog& log,
-                Clock& clock, SessionView& view, const std::atomic<bool>& stop);
+                Clock& clock, SessionView& view, const std::atomic<bool>& stop,
+                RecordPolicy record = RecordPolicy::events);
 
   // state: replay of the log's events. Throws StorageError where an event cannot be written (nothing is lost: what was
   // said to be saved is saved).
@@ -49,6 +51,10 @@ class SessionEngine {
   void run_block(std::deque<Trial> queue);
   TrialEnd conduct(const Trial& trial, const TrialOutline& outline);
   Presentation present(const Trial& trial, int attempt, int interval);
+  void keep_ticks(const Trial& trial, int interval, const Presentation& presentation);
+  void append_trial(std::string_view kind, nlohmann::ordered_json body);
+  void note_fault(const Trial& trial, int attempt, int interval, const Presentation& presentation);
+  void recover_from_stop(const std::string& stopped_by);
   TrialEnd void_trial(const Trial& trial, const TrialOutline& outline, const std::string& reason);
   void give_up(const Trial& trial);
   void remember(const TrialRecord& record);
@@ -70,6 +76,7 @@ class SessionEngine {
   Clock& clock_;
   SessionView& view_;
   const std::atomic<bool>& stop_;
+  RecordPolicy record_;
 
   SessionState state_;
   std::unordered_set<int> finished_;  // indices of trials answered or given up
@@ -81,7 +88,8 @@ class SessionEngine {
   int main_total_ = 0;
   int main_done_ = 0;  // answered or given up
   int blocks_ = 0;
-  double seconds_in_trials_ = 0;  // of this run, for the time left
+  std::vector<TelemetryBlob> ticks_;  // of the present trial's intervals
+  double seconds_in_trials_ = 0;      // of this run, for the time left
   int trials_timed_ = 0;
 };
 

@@ -32,6 +32,8 @@ class SessionView {
   // After the answer's transaction is committed, and not before.
   virtual void saved(const TrialOutline&, const Answer&) {}
   virtual void voided(const TrialOutline&, const std::string& /*reason*/, bool /*will_repeat*/) {}
+  // After an emergency stop, with the devices at rest: true clears it and goes on, false ends the session here.
+  virtual bool recover(const std::string& /*stopped_by*/) { return false; }
   virtual void feedback(bool /*correct*/) {}
   virtual void practice_over(int /*rounds*/, double /*share_correct*/, bool /*passed*/) {}
   virtual void break_begins(const Break&) {}

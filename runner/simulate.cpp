@@ -46,13 +46,15 @@ SessionEnd run_participant(const Simulation& simulation, const RigFilter& rig_fi
   SimulatedClock clock(simulated_epoch_ns(plan.participant));
   const SessionState state = replay(log.events());
   clock.sleep_until_ns(state.last_monotonic_ns);
-  std::unique_ptr<Rig> rig = make_simulated_rig(simulation.protocol, simulation.spec, simulation.profile,
-                                                plan.participant, simulation.seed, clock);
+  std::unique_ptr<Rig> rig =
+      make_simulated_rig(simulation.protocol, simulation.rig, simulation.profile, plan.participant, simulation.seed,
+                         clock, rig_options(simulation.record, simulation.protocol, simulation.rig));
   if (rig_filter) rig = rig_filter(std::move(rig));
   const std::unique_ptr<Responder> responder =
       make_simulated_participant(simulation.profile, simulation.protocol, plan.participant, simulation.seed, clock);
   CountingView view(trials);
-  SessionEngine engine(simulation.protocol, plan, *rig, *responder, log, clock, view, interrupt_requested());
+  SessionEngine engine(simulation.protocol, plan, *rig, *responder, log, clock, view, interrupt_requested(),
+                       simulation.record);
   return engine.run(state);
 }
 
@@ -160,10 +162,11 @@ SimulationResult simulate_study(const Simulation& simulation, Study& study) {
       session.kind = SessionKind::simulated;
       session.responder = responder;
       session.profile_sha256 = simulation.profile.sha256;
-      const RigInfo rig = simulated_rig_info(simulation.protocol, simulation.spec);
+      const RigInfo rig = simulated_rig_info(simulation.protocol, simulation.rig.spec);
       session.rig = rig.name;
       session.rig_mode = rig.mode;
       session.tracker = rig.tracker;
+      session.rig_sha256 = rig.sha256;
       session.trials_total = main_trial_count(plan);
       session.stamp = {simulated_epoch_ns(participant), 0};
       log = study.open_session(session);

@@ -13,20 +13,22 @@
 #include "data/study.h"
 #include "data/study_analysis.h"
 #include "devices/rig.h"
+#include "devices/rig_factory.h"
 #include "devices/simulated_participant.h"
-#include "protocols/device_spec.h"
 #include "protocols/protocol.h"
+#include "runner/record_policy.h"
 
 namespace jnd {
 
 struct Simulation {
   const Protocol& protocol;
-  const DeviceSpec& spec;
+  const RigDescription& rig;
   const ParticipantProfile& profile;
   std::uint64_t seed = 0;
   int participants = 1;
   int threads = 1;
   bool progress = false;
+  RecordPolicy record = RecordPolicy::events;
 };
 
 struct SimulationResult {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "data/study_analysis.h"
+#include "devices/object_json.h"
 #include "protocols/device_lint.h"
 #include "protocols/protocol_json.h"
 #include "runner/commands.h"
@@ -12,14 +13,21 @@
 
 namespace jnd {
 
-DeviceSpec device_of(const Protocol& protocol) {
-  return load_device_spec(find_resource(Resource::device_spec, protocol.rig.device));
+RigSpec rig_spec_of(const Protocol& protocol) {
+  return load_rig_spec(find_resource(Resource::device_spec, protocol.rig.device));
+}
+
+RigDescription rig_of(const Protocol& protocol) {
+  RigDescription rig{.spec = rig_spec_of(protocol)};
+  if (!protocol.rig.object.empty())
+    rig.object = load_object(find_resource(Resource::object, protocol.rig.object)).shape;
+  return rig;
 }
 
 Protocol load_checked_protocol(const std::string& name_or_path) {
   const std::filesystem::path path = find_resource(Resource::protocol, name_or_path);
   Protocol protocol = load_protocol(path);
-  const DeviceLint lint = lint_against_device(protocol, device_of(protocol), path.string());
+  const DeviceLint lint = lint_against_device(protocol, rig_spec_of(protocol), path.string());
   if (!lint.errors.empty()) throw InputError(lint.errors);
   return protocol;
 }

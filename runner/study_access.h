@@ -8,14 +8,16 @@
 #include <string>
 
 #include "data/study.h"
-#include "protocols/device_spec.h"
+#include "devices/rig_factory.h"
 #include "protocols/protocol.h"
 
 namespace jnd {
 
 // Loads and lints a protocol, also against its device. Throws InputError with every mistake.
 Protocol load_checked_protocol(const std::string& name_or_path);
-DeviceSpec device_of(const Protocol& protocol);
+// The files that the protocol's rig names: its devices, and its virtual object. Throw InputError.
+RigSpec rig_spec_of(const Protocol& protocol);
+RigDescription rig_of(const Protocol& protocol);
 
 // Opens the study, or makes it where there is none: with the given seed, or a drawn one.
 // Throws UsageError where the study has another seed than the one asked for, InputError where it has another protocol.

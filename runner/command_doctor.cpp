@@ -1,0 +1,134 @@
+// jnd doctor: is this machine fit to run a session.
+#include <algorithm>
+#include <exception>
+#include <sstream>
+#include <thread>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "data/database.h"
+#include "devices/machine_checks.h"
+#include "runner/commands.h"
+#include "runner/interrupt.h"
+#include "runner/json_output.h"
+#include "runner/terminal.h"
+#include "runner/text_table.h"
+
+namespace jnd {
+
+namespace {
+
+// On a thread of its own, as the loop runs.
+JitterReport measure(RealtimePolicy policy, double seconds) {
+  JitterReport report;
+  std::exception_ptr error;
+  std::thread thread([&] {
+    try {
+      SteadyClock clock;
+      report = probe_jitter(policy, seconds, clock, interrupt_requested());
+    } catch (...) {
+      error = std::current_exception();
+    }
+  });
+  thread.join();
+  if (error) std::rethrow_exception(error);
+  return report;
+}
+
+nlohmann::ordered_json jitter_json(const JitterReport& report) {
+  return {{"scheduling", report.realtime.fifo() ? fmt::format("SCHED_FIFO {}", kRealtimePriority) : "ordinary"},
+          {"p50_us", json_number(report.lateness.percentile_us(0.50))},
+          {"p99_us", json_number(report.lateness.percentile_us(0.99))},
+          {"max_us", json_number(report.lateness.largest_us())},
+          {"ticks", report.ticks},
+          {"overruns", report.overruns}};
+}
+
+// Broken between words to the terminal's width, further lines indented. Whole where there is no terminal.
+std::string wrapped(const std::string& text, std::size_t indent) {
+  if (!is_terminal(STDOUT_FILENO)) return text;
+  const auto width = static_cast<std::size_t>(std::max(terminal_width() - 1, 40)) - std::min<std::size_t>(indent, 30);
+  std::istringstream words(text);
+  std::string out, line;
+  for (std::string word; words >> word;) {
+    if (!line.empty() && display_width(line) + 1 + display_width(word) > width) {
+      out += line + "\n" + std::string(indent, ' ');
+      line.clear();
+    }
+    line += (line.empty() ? "" : " ") + word;
+  }
+  return out + line;
+}
+
+std::string mark(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::ok:
+      return "ok  ";
+    case Verdict::warn:
+      return warn("warn");
+    case Verdict::bad:
+      return bold(warn("BAD "));
+  }
+  return "BAD ";
+}
+
+void print_check(const MachineCheck& check, std::size_t name_width) {
+  constexpr std::size_t kMarkWidth = 8;  // two spaces, the mark, two spaces
+  const std::size_t indent = kMarkWidth + name_width + 2;
+  fmt::print("  {}  {}{}  {}\n", mark(check.verdict), check.name,
+             std::string(name_width - display_width(check.name), ' '), wrapped(printable(check.found), indent));
+  if (!check.what_to_do.empty())
+    fmt::print("{}{} {}\n", std::string(indent, ' '), dim("->"), wrapped(printable(check.what_to_do), indent + 3));
+}
+
+}  // namespace
+
+int command_doctor(const DoctorOptions& options) {
+  std::vector<MachineCheck> checks = {check_kernel("/"), check_processors("/"), check_frequency("/"),
+                                      check_clock_source("/"), check_hid("/")};
+  checks.push_back(
+      check_storage(options.study.value_or("."), {.root = "/", .is_network = is_network_file_system, .syncs = 20}));
+  if (!options.json && is_terminal(STDERR_FILENO))
+    fmt::print(stderr, "measuring how late a loop of 1 ms wakes, with and without SCHED_FIFO, {:g} s each ...\n",
+               options.seconds);
+  const JitterReport session = measure(RealtimePolicy::prefer, options.seconds);
+  const bool compare = session.realtime.fifo();
+  const JitterReport ordinary = compare ? measure(RealtimePolicy::off, options.seconds) : JitterReport{};
+  if (interrupt_requested()) return exit_code::kInterrupted;
+  for (MachineCheck& check : check_realtime(session.realtime)) checks.push_back(std::move(check));
+  checks.push_back(judge_jitter(session, true));
+  if (compare) checks.push_back(judge_jitter(ordinary, false));
+
+  int bad = 0, warnings = 0;
+  std::size_t name_width = 0;
+  for (const MachineCheck& check : checks) {
+    bad += check.verdict == Verdict::bad ? 1 : 0;
+    warnings += check.verdict == Verdict::warn ? 1 : 0;
+    name_width = std::max(name_width, display_width(check.name));
+  }
+  const int code = bad > 0 ? exit_code::kProblemFound : exit_code::kDone;
+  if (options.json) {
+    nlohmann::ordered_json out = {{"ok", bad == 0}, {"checks", nlohmann::ordered_json::array()}};
+    for (const MachineCheck& check : checks)
+      out["checks"].push_back({{"name", check.name},
+                               {"verdict", to_string(check.verdict)},
+                               {"found", check.found},
+                               {"what_to_do", check.what_to_do}});
+    out["jitter"] = jitter_json(session);
+    out["jitter"]["without_fifo"] = compare ? jitter_json(ordinary) : nlohmann::ordered_json(nullptr);
+    fmt::print("{}\n", out.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+    return code;
+  }
+  for (const MachineCheck& check : checks) print_check(check, name_width);
+  if (bad > 0)
+    fmt::print("\n{}\n", bold(fmt::format("not fit for a real session: {} problem{} (BAD)", bad, bad == 1 ? "" : "s")));
+  else if (warnings > 0)
+    fmt::print("\n{}\n",
+               bold(fmt::format("fit to run a session, with {} warning{}", warnings, warnings == 1 ? "" : "s")));
+  else
+    fmt::print("\n{}\n", bold("fit to run a session"));
+  return code;
+}
+
+}  // namespace jnd
