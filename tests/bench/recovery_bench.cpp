@@ -33,9 +33,9 @@ Protocol published(int trials_per_cell) {
 
 void recover(const std::string& name, const double (&expected)[3], int participants, int trials, int threads) {
   const Protocol protocol = published(trials);
-  const DeviceSpec spec = load_device_spec(kSource + "/devices/specs/rrs3.json");
+  const RigDescription rig{.spec = load_rig_spec(kSource + "/devices/specs/rrs3.json")};
   const ParticipantProfile profile = load_profile(kSource + "/devices/profiles/" + name + ".json");
-  Simulation simulation{protocol, spec, profile};
+  Simulation simulation{protocol, rig, profile};
   simulation.participants = participants;
   simulation.threads = threads;
   simulation.seed = 1;

@@ -14,10 +14,11 @@ void present(benchmark::State& state, Cues cues) {
   protocol.rig = {.device = "rrs3", .fingers = {"thumb", "index"}, .tracker = "hand"};
   SimulatedClock clock{0};
   const std::string root = JND_SOURCE_DIR;
-  const auto rig = make_simulated_rig(protocol, load_device_spec(root + "/devices/specs/rrs3.json"),
-                                      load_profile(root + "/devices/profiles/chinello2017.json"), 1, 1, clock);
+  const auto rig =
+      make_simulated_rig(protocol, RigDescription{.spec = load_rig_spec(root + "/devices/specs/rrs3.json")},
+                         load_profile(root + "/devices/profiles/chinello2017.json"), 1, 1, clock);
   PresentRequest request{
-      .stimulus = {.stiffness_n_per_m = 700, .cues = cues}, .explore_s = 3, .no_contact_time_out_s = 10, .id = {}};
+      .stimulus = {.stiffness = 700, .cues = cues}, .explore_s = 3, .no_contact_time_out_s = 10, .id = {}};
   std::int64_t ticks = 0;
   double stimulus_s = 0;
   for (auto _ : state) {

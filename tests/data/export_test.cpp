@@ -11,41 +11,13 @@
 
 #include "data/csv_writer.h"
 #include "tests/catch.h"
+#include "tests/data/export_fixture.h"
 #include "tests/data/study_fixture.h"
 
 namespace jnd {
 namespace {
 
 namespace fs = std::filesystem;
-
-// A reader of RFC 4180, written apart from the writer.
-std::vector<std::vector<std::string>> read_csv(const std::string& text) {
-  std::vector<std::vector<std::string>> rows(1, {""});
-  bool quoted = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (quoted && c == '"' && i + 1 < text.size() && text[i + 1] == '"') {
-      rows.back().back() += text[++i];
-    } else if (c == '"') {
-      quoted = !quoted;
-    } else if (!quoted && c == ',') {
-      rows.back().emplace_back();
-    } else if (!quoted && c == '\n') {
-      rows.push_back({""});
-    } else {
-      rows.back().back() += c;
-    }
-  }
-  rows.pop_back();  // the last line ends with a line feed
-  return rows;
-}
-
-std::map<std::string, std::string> files_in(const fs::path& folder) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder))
-    if (entry.is_regular_file()) files[entry.path().lexically_relative(folder).string()] = bytes_of(entry.path());
-  return files;
-}
 
 std::map<std::string, std::string> exported(const Study& study, const Protocol& protocol, const fs::path& folder,
                                             bool replace = false) {
@@ -125,8 +97,8 @@ TEST_CASE("an export holds every trial and result, and its dictionary every colu
   CHECK(at(24, "kind") == "simulated");
   CHECK(at(24, "protocol_sha256") == tutorial().sha256);
   const Trial trial = make_plan(tutorial(), 1, kSeed).trials[23];
-  CHECK(at(24, "stimulus_1_n_per_m") == csv_number(trial.stimuli_n_per_m[0]));
-  CHECK(std::stod(at(24, "i1_thumb_stiffness_n_per_m")) == trial.stimuli_n_per_m[0] - 0.1 / 3);
+  CHECK(at(24, "stimulus_1_n_per_m") == csv_number(trial.stimuli[0]));
+  CHECK(std::stod(at(24, "i1_thumb_stiffness_n_per_m")) == trial.stimuli[0] - 0.1 / 3);
   CHECK(at(24, "i2_index_peak_force_n") == "4.1");
   CHECK(at(24, "utc") == "2023-11-14T22:13:46.000000168Z");
 
@@ -203,6 +175,51 @@ TEST_CASE("an existing folder is replaced only if asked, and never one that hold
   std::set<std::string> left;
   for (const auto& entry : fs::directory_iterator(folder.path())) left.insert(entry.path().filename().string());
   for (const std::string& name : left) CHECK(name.find("partial") == std::string::npos);
+}
+
+TEST_CASE("columns carry the protocol's unit, and a finger with two devices the columns of both", "[data]") {
+  const TemporaryFolder folder;
+  Protocol protocol = tutorial();
+  protocol.stimulus.unit = StiffnessUnit::n_per_rad;
+  protocol.rig.fingers = {"index"};
+  const auto study = new_study(folder / "study.jnd");
+  const auto log = study->open_session(new_session(1));
+  for (const Trial& trial : make_plan(protocol, 1, kSeed).trials) {
+    TrialRecord record = record_of(protocol, trial, usual_answer(trial));
+    for (Presentation& presentation : record.presentations) {
+      presentation.fingers.resize(2);
+      presentation.fingers[1] = presentation.fingers[0];
+      presentation.fingers[1].channel = Channel::kinaesthetic;
+      presentation.fingers[1].stiffness_se = 0.125;
+      presentation.fingers[1].interventions = {{"force_cap", 12, 6, 4.7}, {"soft_start", 3, 1, 0.5}};
+      presentation.lateness_max_us = 60;
+      presentation.lateness_histogram[3] = 7;
+    }
+    log->append(event_kind::kTrialCompleted, to_body(record), stamp_of(trial));
+  }
+  const auto files = exported(*study, protocol, folder / "out");
+  for (const auto& [name, bytes] : files) {
+    CAPTURE(name);
+    CHECK(bytes.find("n_per_m") == std::string::npos);
+    CHECK(bytes.find("N/m") == std::string::npos);
+  }
+  const auto first = [&](const std::string& file, const std::string& column) {
+    const auto rows = read_csv(files.at(file));
+    for (std::size_t i = 0; i < rows[0].size(); ++i)
+      if (rows[0][i] == column) return rows[1][i];
+    throw std::out_of_range(column);
+  };
+  const std::string trials = "sub-P01/trials.csv";
+  CHECK(first(trials, "stimulus_1_n_per_rad") == csv_number(make_plan(protocol, 1, kSeed).trials[0].stimuli[0]));
+  CHECK_FALSE(first(trials, "i1_index_cutaneous_stiffness_n_per_rad").empty());
+  CHECK(first(trials, "i1_index_cutaneous_stiffness_se_n_per_rad").empty());
+  CHECK(first(trials, "i2_index_kinaesthetic_stiffness_se_n_per_rad") == "0.125");
+  CHECK(first(trials, "i2_index_kinaesthetic_interventions") == "force_cap:12 soft_start:3");
+  CHECK(first(trials, "i2_index_kinaesthetic_deepest_penetration_rad") == "0");
+  CHECK(first(trials, "i1_lateness_histogram") == "0 0 0 7 0 0 0 0 0 0 0 0 0");
+  CHECK_NOTHROW(first("sub-P01/report.csv", "jnd_n_per_rad"));
+  CHECK_NOTHROW(first("group.csv", "jnd_mean_n_per_rad"));
+  CHECK_NOTHROW(first("sub-P01/cells.csv", "delivered_difference_n_per_rad"));
 }
 
 TEST_CASE("exclusions are marked in the trials with their reason", "[data]") {

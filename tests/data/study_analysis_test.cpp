@@ -161,7 +161,7 @@ TEST_CASE("the same counts give the same results without a study; contrasts use 
   for (const char* participant : {"P01", "P02"})
     for (int condition = 0; condition < 3; ++condition)
       for (int series = 0; series < 3; ++series) {
-        const auto& pair = chinello().series[place(series)].pair_n_per_m;
+        const auto& pair = chinello().series[place(series)].pair;
         const auto row = place(static_cast<int>((400 - std::abs(pair[1] - pair[0])) / 100));
         const bool all_same = std::string(participant) == "P02" && condition == 0;
         cells.push_back({participant, condition, series, all_same ? Counts{6, 0, 6, 0} : good.at(row)});

@@ -78,8 +78,10 @@ inline TrialRecord record_of(const Protocol& protocol, const Trial& trial, Judge
     presentation.duration_s = 3.0 / trial.index;
     presentation.ticks = 3000;
     presentation.fingers.resize(protocol.rig.fingers.size());
-    for (FingerPresentation& finger : presentation.fingers) {
-      finger.stiffness_n_per_m = trial.stimuli_n_per_m[i] - 0.1 / 3;
+    for (std::size_t place = 0; place < presentation.fingers.size(); ++place) {
+      FingerPresentation& finger = presentation.fingers[place];
+      finger.finger = static_cast<int>(place);
+      finger.stiffness = trial.stimuli[i] - 0.1 / 3;
       finger.fit_samples = 1000;
       finger.peak_force_n = 4.1;
       finger.contacts = 1;

@@ -1,11 +1,15 @@
 // What is append-only stays so, and what was changed behind the program's back is found.
+#include <atomic>
 #include <string>
+#include <thread>
 
 #include "data/chain.h"
 #include "data/study.h"
 #include "data/utc_time.h"
+#include "protocols/sha256.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
+#include "tests/data/telemetry_fixture.h"
 
 namespace jnd {
 namespace {
@@ -15,7 +19,8 @@ std::filesystem::path whole_study(const TemporaryFolder& folder) {
   const auto study = new_study(path);
   run_whole_session(*study, tutorial(), 1);
   run_whole_session(*study, tutorial(), 2);
-  study->open_session(new_session(3));  // still open
+  append_with_telemetry(*study->open_session(new_session(3)), make_plan(tutorial(), 3, kSeed).trials[0],
+                        {press(3), press(3)});  // still open
   return path;
 }
 
@@ -44,7 +49,8 @@ TEST_CASE("a whole study verifies, with its counts", "[data]") {
   CHECK(report.sessions == 3);
   CHECK(report.trials == 32);
   CHECK(report.voided == 0);
-  CHECK(report.events == 1 + 2 + 2 * (1 + 24 + 1) + 1);  // the study's, two whole sessions, one only opened
+  CHECK(report.events == 1 + 2 + 2 * (1 + 24 + 1) + 2);  // the study's, two whole sessions, one with a trial
+  CHECK(report.telemetry == 2);
 }
 
 TEST_CASE("the file refuses UPDATE, DELETE and every way round them", "[data]") {
@@ -67,6 +73,13 @@ TEST_CASE("the file refuses UPDATE, DELETE and every way round them", "[data]") 
                "'P01-simulated' AND seq = 3",
            std::string("INSERT INTO event VALUES ('x', 1, 'note', '2023-11-14T22:13:20.123456789Z', 1, '0', 'no JSON', "
                        "hex(randomblob(32)))"),
+           std::string("UPDATE telemetry SET ticks = 0"),
+           std::string("DELETE FROM telemetry"),
+           std::string(
+               "REPLACE INTO telemetry SELECT session, seq, interval, sha256, 0, dropped, bytes FROM telemetry"),
+           std::string("INSERT INTO telemetry VALUES ('P01-simulated', 3, 0, hex(randomblob(32)), 1, 0, x'00')"),
+           std::string("INSERT INTO telemetry VALUES ('P09-simulated', 1, 0, hex(randomblob(32)), 1, 0, x'00')"),
+           std::string("INSERT INTO telemetry VALUES ('P03-simulated', 2, 2, hex(randomblob(32)), 1, 0, x'00')"),
            std::string("UPDATE study SET seed = '1'"),
            std::string("DELETE FROM study"),
            std::string("REPLACE INTO study SELECT id, '1', protocol FROM study"),
@@ -119,7 +132,7 @@ TEST_CASE("trials that are not the plan's are found although their hashes are ri
   const auto log = study->open_session(new_session(1));
   const Plan plan = make_plan(tutorial(), 1, kSeed);
   Trial other = plan.trials[10];
-  other.stimuli_n_per_m = {450, 900};
+  other.stimuli = {450, 900};
   other.same = false;
   Trial moved = plan.trials[11];
   moved.block += 1;
@@ -143,6 +156,97 @@ TEST_CASE("a trial completed twice is found", "[data]") {
       "UPDATE event SET body = (SELECT body FROM event WHERE session = 'P01-simulated' AND seq = 11) WHERE session = "
       "'P01-simulated' AND seq = 12");
   CHECK_THAT(problems, Catch::Contains("event 12") && Catch::Contains("was completed before"));
+}
+
+std::filesystem::path study_with_telemetry(const TemporaryFolder& folder) {
+  const auto path = folder / "study.jnd";
+  const auto study = new_study(path);
+  const auto log = study->open_session(new_session(1));
+  const std::vector<Trial> trials = make_plan(tutorial(), 1, kSeed).trials;
+  for (std::size_t i = 0; i < 3; ++i) append_with_telemetry(*log, trials[i], {press(30), press(20)});
+  log->append(event_kind::kBreakTaken, {{"after_trial", 1}, {"duration_s", 1.0}}, {9, 9});
+  return path;
+}
+
+TEST_CASE("telemetry that was changed, removed, moved or slipped in is found", "[data]") {
+  const std::string at = " WHERE session = 'P01-simulated' AND seq = 3 AND interval = 1";
+  const auto after = [&](const std::string& sql) {
+    const TemporaryFolder folder;
+    const auto path = study_with_telemetry(folder);
+    CHECK(problems_of(path).empty());
+    raw_sql(path,
+            "DROP TRIGGER telemetry_no_update; DROP TRIGGER telemetry_no_delete; DROP TRIGGER telemetry_once;" + sql);
+    return problems_of(path);
+  };
+  const std::string interval = "Session P01-simulated, event 3 (trial.completed): the telemetry of interval 2 ";
+  const std::string blob_of_other = "(SELECT bytes FROM telemetry WHERE seq = 2 AND interval = 0)";
+  CHECK_THAT(after("UPDATE telemetry SET bytes = CAST(bytes || x'00' AS BLOB)" + at),
+             Catch::StartsWith(interval + "was changed"));
+  CHECK_THAT(after("UPDATE telemetry SET bytes = " + blob_of_other + at), Catch::StartsWith(interval + "was changed"));
+  CHECK_THAT(after("UPDATE telemetry SET ticks = ticks + 1" + at), Catch::Contains("contradict the event"));
+  CHECK_THAT(after("UPDATE telemetry SET sha256 = '" + std::string(64, '0') + "'" + at),
+             Catch::Contains("contradict the event"));
+  CHECK_THAT(after("DELETE FROM telemetry" + at), Catch::StartsWith(interval + "is missing"));
+  CHECK_THAT(after("DROP TABLE telemetry"), Catch::Contains(interval + "is missing"));
+  const std::string slipped_in =
+      "INSERT INTO telemetry SELECT session, 5, interval, sha256, ticks, dropped, bytes FROM telemetry" + at;
+  CHECK_THAT(after(slipped_in),
+             Catch::StartsWith(
+                 "Session P01-simulated, event 5: there is telemetry of interval 2 that the event does not name"));
+  const std::string moved = after("UPDATE telemetry SET seq = 5" + at);
+  CHECK_THAT(moved, Catch::Contains("is missing") && Catch::Contains("does not name"));
+}
+
+// Its hash is right, because the program that wrote it had a fault.
+TEST_CASE("telemetry that cannot be read is found although its hash is right", "[data]") {
+  const TemporaryFolder folder;
+  const auto study = new_study(folder / "study.jnd");
+  const auto log = study->open_session(new_session(1));
+  TelemetryBlob broken = encode_telemetry(0, press(5));
+  broken.bytes.resize(broken.bytes.size() - 6);
+  broken.sha256 = sha256_hex(broken.bytes);
+  TelemetryBlob miscounted = encode_telemetry(1, press(5));
+  miscounted.ticks = 11;
+  const std::vector<TelemetryBlob> blobs = {broken, miscounted};
+  log->append(event_kind::kDeviceFault, {{"index", 1}, {"telemetry", telemetry_body(blobs)}}, {2, 2}, blobs);
+  log->append(event_kind::kDeviceFault, {{"index", 999}, {"telemetry", 3}}, {3, 3});
+  log->append(event_kind::kDeviceFault, {{"index", 999}}, {4, 4});
+  const std::vector<std::string> problems = verify(*study).problems;
+  REQUIRE(problems.size() == 4);
+  CHECK_THAT(problems[0], Catch::Contains("interval 1") && Catch::Contains("cannot be read"));
+  CHECK_THAT(problems[1], Catch::Contains("holds 10 ticks") && Catch::Contains("says 11"));
+  CHECK_THAT(problems[2], Catch::Contains("event 3") && Catch::Contains("\"telemetry\" of the event cannot be read"));
+  CHECK_THAT(problems[3], Catch::Contains("trial 999 is not in the plan"));
+}
+
+TEST_CASE("a verification while a session writes sees one whole state", "[data]") {
+  const TemporaryFolder folder;
+  const auto path = folder / "study.jnd";
+  const auto writer = new_study(path, chinello());
+  const auto reader = Study::open(path, Study::Access::read_only);
+  const std::vector<TelemetryBlob> blobs = {encode_telemetry(0, press(20)), encode_telemetry(1, press(20))};
+  std::atomic<bool> verified = false;
+  std::atomic<int> stored = 0;
+  std::thread session([&] {  // as long as the verifications take
+    for (int number = 1; number <= 40 && !verified; ++number) {
+      const auto log = writer->open_session(new_session(number));
+      for (const Trial& trial : make_plan(chinello(), number, kSeed).trials) {
+        if (verified) break;
+        auto body = to_body(record_of(chinello(), trial, usual_answer(trial)));
+        body["telemetry"] = telemetry_body(blobs);
+        log->append(event_kind::kTrialCompleted, body, stamp_of(trial), blobs);
+        stored += 2;
+      }
+    }
+  });
+  std::vector<std::string> problems;
+  while (stored < 100) std::this_thread::yield();
+  for (int i = 0; i < 6; ++i)
+    for (const std::string& problem : verify(*reader).problems) problems.push_back(problem);
+  verified = true;
+  session.join();
+  CHECK(problems == std::vector<std::string>{});
+  CHECK(verify(*reader).telemetry == stored);
 }
 
 TEST_CASE("the hash is over netstrings of the stored fields", "[data]") {

@@ -65,7 +65,8 @@ class SpyDevice final : public FingertipDevice {
     if (now_ns - start_ >= lost_from_ns) return DeviceStatus::lost;
     reading.force_n = last.force_n;
     reading.vibration_g = last.vibration_g;
-    reading.platform.pz_m = -0.02;
+    reading.time_ns = now_ns;
+    reading.travel = reading.platform.pz_m = -0.02;
     return DeviceStatus::ok;
   }
   DeviceStatus write(const DeviceCommand& command, std::int64_t now_ns) noexcept override {
@@ -73,7 +74,7 @@ class SpyDevice final : public FingertipDevice {
     largest = std::max(largest, command.force_n);
     if (command.force_n > 0) last_force_ns = now_ns;
     if (latch && now_ns - start_ >= latch_at_ns && !latched_ns) {
-      latch->store(true);
+      latch->latch(StopSource::button);
       latched_ns = now_ns;
     }
     ++writes;
@@ -83,7 +84,7 @@ class SpyDevice final : public FingertipDevice {
 
   bool engages = true;
   std::int64_t lost_from_ns = std::numeric_limits<std::int64_t>::max();
-  std::atomic<bool>* latch = nullptr;
+  EmergencyStop* latch = nullptr;
   std::int64_t latch_at_ns = 0, latched_ns = 0, last_force_ns = 0;
   DeviceCommand last;
   double largest = 0;
@@ -97,8 +98,8 @@ struct LoopSetup {
   LateClock clock;
   ScriptedTracker tracker;
   SpyDevice a, b;
-  std::atomic<bool> stop{false};
-  ControlLoop loop{{&a, &b}, tracker, clock, rrs3_spec(), {.centre_m = Eigen::Vector3d::Zero(), .radius_m = 0.040}};
+  EmergencyStop stop;
+  ControlLoop loop{on_fingers({&a, &b}, rrs3_spec()), tracker, clock, sphere_scene()};
 
   Presentation run(double explore_s = 1) {
     PresentRequest asked = request(500, kForce);
@@ -126,7 +127,7 @@ TEST_CASE("an undisturbed interval ends at rest after the exploration") {
   CHECK(given.ticks == 1401);
   CHECK(given.overruns == 0);
   CHECK(setup.a.largest == Approx(2.0));
-  CHECK(*given.fingers[0].stiffness_n_per_m == Approx(500).epsilon(0.01));
+  CHECK(*given.fingers[0].stiffness == Approx(500).epsilon(0.01));
 }
 
 TEST_CASE("late ticks skip whole periods and are counted, never caught up") {
@@ -157,7 +158,7 @@ TEST_CASE("a loop that was held up for more than 20 ms stops with a fault") {
   LoopSetup setup;
   setup.clock.late_at = 700;
   setup.clock.late_ns = 25 * kMs;
-  setup.check_stopped(setup.run(), Fault::stale_pose);
+  setup.check_stopped(setup.run(), Fault::command_gap);
 }
 
 TEST_CASE("a silent tracker stops the device 20 ms later") {
@@ -204,10 +205,11 @@ TEST_CASE("force is zero within two ticks of the latch") {
   CHECK(setup.b.last_force_ns <= setup.b.latched_ns + 1 * kMs);
   CHECK(given.duration_s <= 0.702);
   // What led to the stop is kept, oldest first.
-  const std::vector<TickRecord> last = setup.loop.last_ticks().in_order();
-  REQUIRE(last.size() == TickRing::kSize);
+  CHECK(given.stopped_by == "button");
+  const std::vector<TickRecord>& last = given.last_ticks;
+  REQUIRE(last.size() == 2 * kTicksBeforeStop);
   CHECK(last.back().time_ns == 700 * kMs);
-  CHECK(last.front().time_ns == 445 * kMs);
+  CHECK(last.front().time_ns == 601 * kMs);
   CHECK(last.back().given_n == Approx(2.0));
 }
 
@@ -218,7 +220,7 @@ TEST_CASE("the loop can be used again after a fault") {
   setup.tracker.nan_from_ms = std::numeric_limits<double>::infinity();
   const Presentation given = setup.run();
   CHECK(given.fault == Fault::none);
-  CHECK(*given.fingers[1].stiffness_n_per_m == Approx(500).epsilon(0.01));
+  CHECK(*given.fingers[1].stiffness == Approx(500).epsilon(0.01));
 }
 
 TEST_CASE("exploring for no time at all, or without end of patience, is well defined") {

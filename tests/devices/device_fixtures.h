@@ -4,12 +4,15 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "devices/fingertip_rig.h"
 #include "devices/rig_factory.h"
 #include "devices/rrs3_device.h"
 #include "devices/simulated_hand.h"
 #include "protocols/device_spec.h"
+#include "protocols/rig_spec.h"
 
 namespace jnd::testing {
 
@@ -18,6 +21,12 @@ inline std::filesystem::path source_path(const char* relative) {
 }
 inline DeviceSpec rrs3_spec() {
   return load_device_spec(source_path("devices/specs/rrs3.json"));
+}
+inline RigDescription rrs3_rig() {
+  return {.spec = load_rig_spec(source_path("devices/specs/rrs3.json"))};
+}
+inline RigDescription shipped_rig(const char* name) {
+  return {.spec = load_rig_spec(source_path("devices/specs") / (std::string(name) + ".json"))};
 }
 inline ParticipantProfile shipped_profile(const char* name) {
   return load_profile(source_path("devices/profiles") / (std::string(name) + ".json"));
@@ -37,11 +46,19 @@ inline constexpr Cues kForce{.force = true, .vibration = false};
 inline constexpr Cues kVibration{.force = false, .vibration = true};
 inline constexpr Cues kBoth{.force = true, .vibration = true};
 
+// Devices around the sphere of 40 mm, one a finger.
+inline LoopScene sphere_scene(double radius_m = 0.040) {
+  return {.object = sphere_object({.radius_m = radius_m})};
+}
+inline std::vector<LoopDevice> on_fingers(const std::vector<FingertipDevice*>& devices, const DeviceSpec& spec) {
+  std::vector<LoopDevice> channels;
+  for (std::size_t i = 0; i < devices.size(); ++i)
+    channels.push_back({.device = devices[i], .spec = spec, .finger = static_cast<int>(i)});
+  return channels;
+}
+
 inline PresentRequest request(double stiffness, Cues cues, IntervalId id = {.trial = 1}) {
-  return {.stimulus = {.stiffness_n_per_m = stiffness, .cues = cues},
-          .explore_s = 3,
-          .no_contact_time_out_s = 10,
-          .id = id};
+  return {.stimulus = {.stiffness = stiffness, .cues = cues}, .explore_s = 3, .no_contact_time_out_s = 10, .id = id};
 }
 
 }  // namespace jnd::testing

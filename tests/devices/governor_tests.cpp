@@ -18,7 +18,7 @@ constexpr std::int64_t kMs = 1'000'000;
 GovernorInput push(double force, std::int64_t pose_time_ns) {
   GovernorInput input;
   input.asked.force_n = force;
-  input.platform_z_m = -0.02;
+  input.travel = -0.02;
   input.pose_time_ns = pose_time_ns;
   return input;
 }
@@ -72,7 +72,7 @@ TEST_CASE("whatever is asked, the given command is finite, within the limits, an
       GovernorInput input = push(*rc::gen::inRange(0, 10) == 0 ? wild() : 3.0, now);
       if (*rc::gen::inRange(0, 20) == 0) input.asked.vibration_g = wild();
       if (*rc::gen::inRange(0, 20) == 0) input.asked.roll_rad = wild();
-      if (*rc::gen::inRange(0, 20) == 0) input.platform_z_m = wild();
+      if (*rc::gen::inRange(0, 20) == 0) input.travel = wild();
       if (*rc::gen::inRange(0, 20) == 0) input.pose_time_ns -= *rc::gen::inRange(0, 40) * kMs;
       const GovernorOutput out = governor.govern(input, now);
       const DeviceCommand& given = out.given;
@@ -178,13 +178,13 @@ TEST_CASE("an old pose, a gap between commands and a number that is none are fau
   CHECK(fault_of([](GovernorInput& input, std::int64_t now) { input.pose_time_ns = now - 20 * kMs - 1; }) ==
         Fault::stale_pose);
   CHECK(fault_of([](GovernorInput& input, std::int64_t& now) { input.pose_time_ns = now = 321 * kMs; }) ==
-        Fault::stale_pose);
+        Fault::command_gap);
   CHECK(fault_of([](GovernorInput& input, std::int64_t& now) { input.pose_time_ns = now = 320 * kMs; }) == Fault::none);
   const double nan = std::nan("");
   CHECK(fault_of([&](GovernorInput& input, std::int64_t) { input.asked.force_n = nan; }) == Fault::non_finite);
   CHECK(fault_of([&](GovernorInput& input, std::int64_t) { input.asked.normal.y() = nan; }) == Fault::non_finite);
   CHECK(fault_of([&](GovernorInput& input, std::int64_t) { input.asked.vibration_g = nan; }) == Fault::non_finite);
-  CHECK(fault_of([&](GovernorInput& input, std::int64_t) { input.platform_z_m = nan; }) == Fault::non_finite);
+  CHECK(fault_of([&](GovernorInput& input, std::int64_t) { input.travel = nan; }) == Fault::non_finite);
 }
 
 TEST_CASE("the platform can only push, inside its stroke, along a unit direction") {
@@ -199,7 +199,7 @@ TEST_CASE("the platform can only push, inside its stroke, along a unit direction
   const GovernorOutput pull = given(302, [](GovernorInput& in) { in.asked.force_n = -1; });
   CHECK(pull.given.force_n == 0);
   CHECK(pull.limits == limit::kPull);
-  CHECK(given(303, [](GovernorInput& in) { in.platform_z_m = -0.0124; }).limits == limit::kWorkspace);
+  CHECK(given(303, [](GovernorInput& in) { in.travel = -0.0124; }).limits == limit::kWorkspace);
   CHECK(given(304, [](GovernorInput& in) { in.asked.normal.z() = -1; }).given.force_n == 0);
   CHECK(given(305, [](GovernorInput& in) { in.asked.normal *= 3; }).given.force_n == 0);
   const GovernorOutput tilted = given(306, [](GovernorInput& in) { in.asked.roll_rad = 1; });

@@ -7,7 +7,7 @@ using namespace jnd;
 
 namespace {
 IntervalSample touch(double x, double f) {
-  return {.duration_s = 0.001, .touching = true, .penetration_m = x, .force_n = f};
+  return {.duration_s = 0.001, .touching = true, .penetration = x, .force_n = f};
 }
 const IntervalSample kAway{.duration_s = 0.001};
 }  // namespace
@@ -20,13 +20,13 @@ TEST_CASE("stiffness is the least-squares slope through the origin") {
   summary.add(touch(0.003, 1.4));
   const FingerPresentation result = summary.result();
   // (0.001*0.6 + 0.002*1.1 + 0.003*1.4) / (1 + 4 + 9) 1e-6
-  CHECK(*result.stiffness_n_per_m == Approx(7.0e-3 / 14e-6));
+  CHECK(*result.stiffness == Approx(7.0e-3 / 14e-6));
   CHECK(result.fit_samples == 3);
   CHECK(result.peak_force_n == 1.4);
-  CHECK(result.deepest_penetration_m == 0.003);
+  CHECK(result.deepest_penetration == 0.003);
   CHECK(result.dwell_s == Approx(0.003));
   CHECK(result.contacts == 1);
-  CHECK(result.mean_speed_m_per_s == Approx(1.0));
+  CHECK(result.mean_speed == Approx(1.0));
   // From the surface: 0.3 mN m + 0.85 + 1.25.
   CHECK(result.work_j == Approx(0.3e-3 + 0.85e-3 + 1.25e-3));
 }
@@ -43,7 +43,7 @@ TEST_CASE("limited and soft-start samples do not enter the fit, but are counted"
   summary.add(soft);
   summary.add(touch(0.002, 1.0));
   const FingerPresentation result = summary.result();
-  CHECK(*result.stiffness_n_per_m == Approx(500));
+  CHECK(*result.stiffness == Approx(500));
   CHECK(result.fit_samples == 2);
   CHECK(result.saturated_share == Approx(0.25));
 }
@@ -52,17 +52,17 @@ TEST_CASE("nothing is fitted without force, without contact or without a usable 
   IntervalSummary summary;
   summary.begin(false);
   summary.add(touch(0.001, 0));
-  CHECK_FALSE(summary.result().stiffness_n_per_m);
+  CHECK_FALSE(summary.result().stiffness);
   CHECK(summary.result().fit_samples == 0);
   summary.begin(true);
   summary.add(kAway);
-  CHECK_FALSE(summary.result().stiffness_n_per_m);
+  CHECK_FALSE(summary.result().stiffness);
   CHECK(summary.result().saturated_share == 0);
-  CHECK(summary.result().mean_speed_m_per_s == 0);
+  CHECK(summary.result().mean_speed == 0);
   IntervalSample limited = touch(0.006, 4.7);
   limited.force_reduced = true;
   summary.add(limited);
-  CHECK_FALSE(summary.result().stiffness_n_per_m);
+  CHECK_FALSE(summary.result().stiffness);
   CHECK(summary.result().saturated_share == 1);
 }
 
@@ -77,7 +77,7 @@ TEST_CASE("work counts the way in only, and speed only within contacts") {
   const FingerPresentation result = summary.result();
   CHECK(result.contacts == 2);
   CHECK(result.work_j == Approx(2 * 0.5 * 1.0 * 0.002));
-  CHECK(result.mean_speed_m_per_s == Approx(1.0));
+  CHECK(result.mean_speed == Approx(1.0));
   CHECK(result.dwell_s == Approx(0.004));
 }
 

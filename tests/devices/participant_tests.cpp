@@ -21,7 +21,7 @@ Presentation delivered(double stiffness, Cues cues) {
   Presentation presentation;
   presentation.fingers.resize(2);
   for (FingerPresentation& finger : presentation.fingers) {
-    if (cues.force) finger.stiffness_n_per_m = stiffness;
+    if (cues.force) finger.stiffness = stiffness;
     if (cues.vibration) finger.vibration_g = std::min(burst_amplitude_g(stiffness), 1.0);
   }
   return presentation;
@@ -39,7 +39,7 @@ Rates rates_of(const ParticipantProfile& profile, double low, double high, Cues 
   int different = 0, hits = 0, same = 0, alarms = 0;
   Trial trial;
   trial.same = true;
-  trial.stimuli_n_per_m = {1, 1};
+  trial.stimuli = {1, 1};
   for (int i = 1; i <= trials; ++i) {
     trial.index = i;
     const double first = i % 4 < 2 ? low : high, second = i % 2 == 0 ? low : high;
@@ -102,7 +102,7 @@ TEST_CASE("a rig that always renders the same stiffness leaks nothing") {
     const RigInfo& info() const noexcept override { return rig_.info(); }
     Presentation present(const PresentRequest& request) override {
       PresentRequest changed = request;
-      changed.stimulus.stiffness_n_per_m = 700;
+      changed.stimulus.stiffness = 700;
       return rig_.present(changed);
     }
     void neutral() noexcept override { rig_.neutral(); }
@@ -114,7 +114,7 @@ TEST_CASE("a rig that always renders the same stiffness leaks nothing") {
   const Protocol protocol = small_protocol();
   for (const char* name : {"chinello2017", "chinello2017-differencing"}) {
     const ParticipantProfile profile = shipped_profile(name);
-    const auto device = make_simulated_rig(protocol, rrs3_spec(), profile, 1, 5, clock);
+    const auto device = make_simulated_rig(protocol, rrs3_rig(), profile, 1, 5, clock);
     OneStiffnessRig rig(*device);
     const auto responder = make_simulated_participant(profile, protocol, 1, 5, clock);
     std::map<bool, std::pair<int, int>> said;  // same -> (trials, "different")
@@ -122,11 +122,11 @@ TEST_CASE("a rig that always renders the same stiffness leaks nothing") {
       Trial trial;
       trial.index = i;
       trial.condition = 2;
-      trial.stimuli_n_per_m = {i % 2 == 0 ? 500.0 : 900.0, i % 4 < 2 ? 500.0 : 900.0};
-      trial.same = trial.stimuli_n_per_m[0] == trial.stimuli_n_per_m[1];
+      trial.stimuli = {i % 2 == 0 ? 500.0 : 900.0, i % 4 < 2 ? 500.0 : 900.0};
+      trial.same = trial.stimuli[0] == trial.stimuli[1];
       std::array<Presentation, 2> presentations;
       for (int interval = 0; interval < 2; ++interval) {
-        PresentRequest asked = request(trial.stimuli_n_per_m[static_cast<std::size_t>(interval)], kBoth,
+        PresentRequest asked = request(trial.stimuli[static_cast<std::size_t>(interval)], kBoth,
                                        {.trial = i, .attempt = 1, .interval = interval});
         asked.explore_s = 1;
         presentations[static_cast<std::size_t>(interval)] = rig.present(asked);
@@ -145,13 +145,13 @@ TEST_CASE("a rig that always renders the same stiffness leaks nothing") {
 
 TEST_CASE("cues are those delivered: mean force slope, strongest vibration, nothing where nothing was") {
   Presentation presentation = delivered(600, kBoth);
-  presentation.fingers[0].stiffness_n_per_m = 580;
-  presentation.fingers[1].stiffness_n_per_m = 620;
+  presentation.fingers[0].stiffness = 580;
+  presentation.fingers[1].stiffness = 620;
   presentation.fingers[0].vibration_g = 0.6;
   const StiffnessCues both = cues_of(presentation);
   CHECK(*both.force == Approx(600));
   CHECK(*both.vibration == Approx(600));
-  presentation.fingers[0].stiffness_n_per_m.reset();
+  presentation.fingers[0].stiffness.reset();
   CHECK(*cues_of(presentation).force == Approx(620));
   CHECK_FALSE(cues_of(delivered(600, kVibration)).force);
   CHECK_FALSE(cues_of(delivered(600, kForce)).vibration);

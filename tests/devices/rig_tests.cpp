@@ -15,7 +15,7 @@ struct SimulatedSetup {
   SimulatedClock clock{0};
   std::unique_ptr<Rig> rig;
   explicit SimulatedSetup(std::uint64_t seed = 7, int participant = 3) {
-    rig = make_simulated_rig(small_protocol(), rrs3_spec(), shipped_profile("chinello2017"), participant, seed, clock);
+    rig = make_simulated_rig(small_protocol(), rrs3_rig(), shipped_profile("chinello2017"), participant, seed, clock);
   }
 };
 
@@ -37,15 +37,15 @@ TEST_CASE("every finger's fitted stiffness is what was asked, within one per cen
       REQUIRE(given.fault == Fault::none);
       REQUIRE(given.fingers.size() == 2);
       for (const FingerPresentation& finger : given.fingers) {
-        REQUIRE(finger.stiffness_n_per_m.has_value());
-        CHECK(*finger.stiffness_n_per_m == Approx(stiffness).epsilon(0.01));
+        REQUIRE(finger.stiffness.has_value());
+        CHECK(*finger.stiffness == Approx(stiffness).epsilon(0.01));
         CHECK(finger.contacts == 3);
         CHECK(finger.peak_force_n <= 4.7 + 1e-9);
         CHECK(finger.peak_force_n > 0.9);
         CHECK(finger.dwell_s == Approx(3 * kPressShare).margin(0.005));
         CHECK(finger.vibration_g == 0);
         CHECK(finger.work_j > 0);
-        CHECK(finger.mean_speed_m_per_s > 0.005);
+        CHECK(finger.mean_speed > 0.005);
       }
       CHECK(given.first_contact_s > 0.3);
       CHECK(given.duration_s == Approx(given.first_contact_s + 3).margin(1e-9));
@@ -60,14 +60,14 @@ TEST_CASE("without the force cue no force is commanded and none is fitted") {
   SimulatedSetup setup;
   const Presentation given = setup.rig->present(request(600, kVibration));
   for (const FingerPresentation& finger : given.fingers) {
-    CHECK_FALSE(finger.stiffness_n_per_m.has_value());
+    CHECK_FALSE(finger.stiffness.has_value());
     CHECK(finger.fit_samples == 0);
     CHECK(finger.peak_force_n == 0);
     CHECK(finger.work_j == 0);
     CHECK(finger.saturated_share == 0);
     CHECK(finger.vibration_g == Approx(600.0 / 1500 + 0.4));
     CHECK_FALSE(finger.vibration_clamped);
-    CHECK(finger.deepest_penetration_m > 0.001);
+    CHECK(finger.deepest_penetration > 0.001);
   }
 }
 
@@ -110,9 +110,9 @@ TEST_CASE("an interval repeats exactly, whatever was presented before, at whatev
   REQUIRE(a.fingers.size() == b.fingers.size());
   CHECK(a.ticks == b.ticks);
   for (std::size_t i = 0; i < a.fingers.size(); ++i) {
-    CHECK(*a.fingers[i].stiffness_n_per_m == *b.fingers[i].stiffness_n_per_m);
+    CHECK(*a.fingers[i].stiffness == *b.fingers[i].stiffness);
     CHECK(a.fingers[i].peak_force_n == b.fingers[i].peak_force_n);
-    CHECK(a.fingers[i].deepest_penetration_m == b.fingers[i].deepest_penetration_m);
+    CHECK(a.fingers[i].deepest_penetration == b.fingers[i].deepest_penetration);
     CHECK(a.fingers[i].work_j == b.fingers[i].work_j);
   }
 }
@@ -123,10 +123,10 @@ TEST_CASE("what the hand does is the same for every stimulus") {
   const Presentation hard = setup.rig->present(request(900, kBoth));
   const Presentation silent = setup.rig->present(request(900, kVibration));
   for (std::size_t i = 0; i < soft.fingers.size(); ++i) {
-    CHECK(soft.fingers[i].deepest_penetration_m == hard.fingers[i].deepest_penetration_m);
-    CHECK(soft.fingers[i].deepest_penetration_m == silent.fingers[i].deepest_penetration_m);
+    CHECK(soft.fingers[i].deepest_penetration == hard.fingers[i].deepest_penetration);
+    CHECK(soft.fingers[i].deepest_penetration == silent.fingers[i].deepest_penetration);
     CHECK(soft.fingers[i].dwell_s == hard.fingers[i].dwell_s);
-    CHECK(soft.fingers[i].mean_speed_m_per_s == silent.fingers[i].mean_speed_m_per_s);
+    CHECK(soft.fingers[i].mean_speed == silent.fingers[i].mean_speed);
   }
   CHECK(soft.ticks == hard.ticks);
   CHECK(soft.first_contact_s == silent.first_contact_s);
@@ -140,17 +140,17 @@ TEST_CASE("an interval without contact ends at its time-out") {
   CHECK(given.fault == Fault::no_contact);
   CHECK(given.first_contact_s == -1);
   CHECK(given.duration_s == Approx(0.25));
-  CHECK_FALSE(given.fingers[0].stiffness_n_per_m.has_value());
+  CHECK_FALSE(given.fingers[0].stiffness.has_value());
 }
 
 TEST_CASE("a set latch refuses the next presentation until it is cleared") {
   SimulatedSetup setup;
-  setup.rig->stop_requested = true;
+  setup.rig->stop.latch(StopSource::program);
   const Presentation refused = setup.rig->present(request(500, kForce));
   CHECK(refused.fault == Fault::emergency_stop);
   CHECK(refused.duration_s == 0);
   CHECK(refused.fingers[0].peak_force_n == 0);
-  setup.rig->stop_requested = false;
+  setup.rig->stop.clear();
   CHECK(setup.rig->present(request(500, kForce)).fault == Fault::none);
 }
 
@@ -158,17 +158,17 @@ TEST_CASE("one finger is enough for a rig") {
   SimulatedClock clock{0};
   Protocol protocol = small_protocol();
   protocol.rig.fingers = {"index"};
-  const auto rig = make_simulated_rig(protocol, rrs3_spec(), shipped_profile("chinello2017"), 1, 1, clock);
+  const auto rig = make_simulated_rig(protocol, rrs3_rig(), shipped_profile("chinello2017"), 1, 1, clock);
   const Presentation given = rig->present(request(700, kForce));
   REQUIRE(given.fingers.size() == 1);
-  CHECK(*given.fingers[0].stiffness_n_per_m == Approx(700).epsilon(0.01));
+  CHECK(*given.fingers[0].stiffness == Approx(700).epsilon(0.01));
 }
 
 TEST_CASE("a rig that cannot be built says what to change") {
   SimulatedClock clock{0};
   const ParticipantProfile profile = shipped_profile("chinello2017");
   const auto build = [&](const Protocol& protocol, const ParticipantProfile& with) {
-    return make_simulated_rig(protocol, rrs3_spec(), with, 1, 1, clock);
+    return make_simulated_rig(protocol, rrs3_rig(), with, 1, 1, clock);
   };
   Protocol protocol = small_protocol();
   protocol.rig.tracker = "leap";

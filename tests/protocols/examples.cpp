@@ -41,7 +41,7 @@ std::string replaced(std::string text, const std::string& old, const std::string
 
 Protocol small_protocol(int series, int conditions, int trials_per_cell, Sampling sampling) {
   Protocol protocol;
-  protocol.stimulus.reference_n_per_m = 900;
+  protocol.stimulus.reference = 900;
   for (int s = 0; s < series; ++s) protocol.series.push_back({"s" + std::to_string(s), {400.0 + 50 * s, 900.0}});
   for (int c = 0; c < conditions; ++c) {
     Condition condition;

@@ -33,7 +33,7 @@ std::vector<std::array<double, 2>> cell_of(const Protocol& protocol, const Plan&
   for (const Trial& trial : main_trials(plan)) {
     if (protocol.series[static_cast<std::size_t>(trial.series)].name == series &&
         protocol.conditions[static_cast<std::size_t>(trial.condition)].name == condition)
-      cell.push_back(trial.stimuli_n_per_m);
+      cell.push_back(trial.stimuli);
   }
   return cell;
 }
@@ -51,10 +51,9 @@ int longest_run_within_blocks(const std::vector<Trial>& trials) {
 std::string digest(const Protocol& protocol, const Plan& plan) {
   std::string text;
   for (const Trial& trial : plan.trials) {
-    text +=
-        fmt::format("{} {} {} {:g} {:g}\n", trial.block, protocol.series[static_cast<std::size_t>(trial.series)].name,
-                    protocol.conditions[static_cast<std::size_t>(trial.condition)].name, trial.stimuli_n_per_m[0],
-                    trial.stimuli_n_per_m[1]);
+    text += fmt::format(
+        "{} {} {} {:g} {:g}\n", trial.block, protocol.series[static_cast<std::size_t>(trial.series)].name,
+        protocol.conditions[static_cast<std::size_t>(trial.condition)].name, trial.stimuli[0], trial.stimuli[1]);
   }
   return sha256_hex(text);
 }
@@ -69,12 +68,12 @@ TEST_CASE("plans never change: literal trials and digests") {
   const std::array<std::array<double, 2>, 6> first = {
       {{700, 700}, {700, 700}, {900, 900}, {900, 700}, {700, 700}, {700, 900}}};
   for (std::size_t i = 0; i < first.size(); ++i) {
-    CHECK(plan.trials[i].stimuli_n_per_m == first[i]);
+    CHECK(plan.trials[i].stimuli == first[i]);
     CHECK(plan.trials[i].series == 2);
     CHECK(plan.trials[i].condition == 2);
     CHECK(plan.trials[i].block == 1);
   }
-  CHECK(plan.trials.back().stimuli_n_per_m == std::array<double, 2>{900, 900});
+  CHECK(plan.trials.back().stimuli == std::array<double, 2>{900, 900});
   CHECK(plan.trials.back().series == 1);
   CHECK(plan.trials.back().condition == 0);
   CHECK(digest(published, plan) == "723be832b3637a48ecae85c5d96217aab41db3592b4152af0f9d07efd9e2e87d");
@@ -117,16 +116,16 @@ TEST_CASE("properties of any plan") {
       RC_ASSERT(trial.block == static_cast<int>(i) / per_block + 1);
       RC_ASSERT(!trial.practice);
       RC_ASSERT(trial.round == 0);
-      RC_ASSERT(trial.same == (trial.stimuli_n_per_m[0] == trial.stimuli_n_per_m[1]));
+      RC_ASSERT(trial.same == (trial.stimuli[0] == trial.stimuli[1]));
       const auto series_turn = i / static_cast<std::size_t>(conditions * trials);
       RC_ASSERT(trial.series == plan.series_order[series_turn]);
       if (!mixed) {
         const auto condition_turn = i / static_cast<std::size_t>(trials) % static_cast<std::size_t>(conditions);
         RC_ASSERT(trial.condition == plan.condition_orders[series_turn][condition_turn]);
       }
-      const auto& pair = protocol.series[static_cast<std::size_t>(trial.series)].pair_n_per_m;
-      for (const double stiffness : trial.stimuli_n_per_m) RC_ASSERT(stiffness == pair[0] || stiffness == pair[1]);
-      ++cells[{trial.series, trial.condition}][trial.stimuli_n_per_m];
+      const auto& pair = protocol.series[static_cast<std::size_t>(trial.series)].pair;
+      for (const double stiffness : trial.stimuli) RC_ASSERT(stiffness == pair[0] || stiffness == pair[1]);
+      ++cells[{trial.series, trial.condition}][trial.stimuli];
     }
     RC_ASSERT(static_cast<int>(cells.size()) == series * conditions);
     for (const auto& [cell, pairs] : cells) {
@@ -192,7 +191,7 @@ TEST_CASE("random draws: independent fair spheres, so that half of the trials ar
   const Protocol protocol = small_protocol(1, 1, 2000, Sampling::random);
   std::map<std::array<double, 2>, int> pairs;
   for (int participant = 1; participant <= 20; ++participant)
-    for (const Trial& trial : make_plan(protocol, participant, 4).trials) ++pairs[trial.stimuli_n_per_m];
+    for (const Trial& trial : make_plan(protocol, participant, 4).trials) ++pairs[trial.stimuli];
   CHECK(pairs.size() == 4);
   for (const auto& [pair, count] : pairs) CHECK(std::abs(count - 10000) < 5 * 87);  // SD 86.6
 }
@@ -244,7 +243,7 @@ TEST_CASE("practice comes first, in rounds, conditions in turn, about half same"
       without.practice.reset();
       const auto bare = main_trials(make_plan(without, participant, 6));
       const auto with = main_trials(plan);
-      for (std::size_t i = 0; i < bare.size(); ++i) CHECK(bare[i].stimuli_n_per_m == with[i].stimuli_n_per_m);
+      for (std::size_t i = 0; i < bare.size(); ++i) CHECK(bare[i].stimuli == with[i].stimuli);
     }
     CHECK(std::abs(same_of_all - 150 * trials) <= 5 * std::sqrt(75.0 * trials));
   }

@@ -60,7 +60,7 @@ class CommandLine(unittest.TestCase):
 
     def test_help_names_every_command_and_gives_examples(self):
         overview = self.jnd("--help").stdout
-        for command in ("new", "check", "plan", "run", "simulate", "status", "verify", "analyze", "export"):
+        for command in ("new", "check", "plan", "run", "simulate", "status", "verify", "analyze", "export", "doctor"):
             self.assertIn(command, overview)
             self.assertIn("Example:", self.jnd(command, "--help").stdout)
         self.assertRegex(self.jnd("--version").stdout, r"^jnd \d+\.\d+\.\d+\n$")
@@ -69,6 +69,28 @@ class CommandLine(unittest.TestCase):
         for arguments in ((), ("fly",), ("simulate", self.small), ("simulate", self.small, "--study", "x", "--no-study"),
                           ("plan", self.small, "--participant", "0"), ("plan", self.small, "--participant", "many")):
             self.assertEqual(self.jnd_class(*arguments).returncode, 2, arguments)
+
+    def test_doctor_says_whether_the_machine_is_fit_and_what_to_do(self):
+        done = self.jnd_class("doctor", "--seconds", "0.2", "--json")
+        report = json.loads(done.stdout, parse_constant=lambda name: self.fail(name))
+        self.assertEqual(set(report), {"ok", "checks", "jitter"})
+        verdicts = {check["name"]: check["verdict"] for check in report["checks"]}
+        self.assertLessEqual({"kernel", "processors", "clock source", "HID devices", "study folder"}, set(verdicts))
+        # A busy or restricted machine may be unfit; the exit code says what the report does.
+        self.assertEqual(report["ok"], "bad" not in verdicts.values())
+        self.assertEqual(done.returncode, 0 if report["ok"] else 1)
+        for check in report["checks"]:
+            self.assertIn(check["verdict"], ("ok", "warn", "bad"))
+            self.assertTrue(check["found"])
+            self.assertEqual(check["verdict"] != "ok", bool(check["what_to_do"]), check)
+        jitter = report["jitter"]
+        self.assertLessEqual(jitter["p50_us"], jitter["p99_us"])
+        self.assertGreater(jitter["ticks"], 0)
+        self.assertGreaterEqual(jitter["ticks"] + jitter["overruns"], 200)
+        text = self.jnd("doctor", "--seconds", "0.1", "--study", os.path.join(self.path, "no", "such", "s.sqlite"), code=1).stdout
+        self.assertIn("BAD", text)
+        self.assertNotIn("\x1b", text)
+        self.jnd("doctor", "--seconds", "0", code=2)
 
     def test_check_locates_mistakes_and_exits_with_3(self):
         bad = os.path.join(self.path, "bad.json")

@@ -55,8 +55,8 @@ class IdealRig final : public Rig {
     presentation.duration_s = request.explore_s;
     for (int finger = 0; finger < 2; ++finger) {
       FingerPresentation delivered;
-      if (request.stimulus.cues.force) delivered.stiffness_n_per_m = request.stimulus.stiffness_n_per_m;
-      if (request.stimulus.cues.vibration) delivered.vibration_g = request.stimulus.stiffness_n_per_m / 1500 + 0.4;
+      if (request.stimulus.cues.force) delivered.stiffness = request.stimulus.stiffness;
+      if (request.stimulus.cues.vibration) delivered.vibration_g = request.stimulus.stiffness / 1500 + 0.4;
       delivered.saturated_share = saturated_share(request);
       presentation.fingers.push_back(delivered);
     }
@@ -70,7 +70,7 @@ class IdealRig final : public Rig {
 
  private:
   Clock& clock_;
-  RigInfo info_{"ideal", "ideal", "none", true};
+  RigInfo info_{.name = "ideal", .mode = "ideal", .tracker = "none", .sha256 = "", .simulated = true};
 };
 
 // Right on odd trials, "different" on even ones, unless `rule` is replaced; asks nothing twice.

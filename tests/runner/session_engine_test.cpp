@@ -28,11 +28,11 @@ TEST_CASE("A session runs every planned trial once, in the planned order") {
   for (std::size_t i = 0; i < records.size(); ++i) {
     CHECK(records[i].trial == bench.plan.trials[i]);
     CHECK(records[i].attempt == 1);
-    const double asked = bench.plan.trials[i].stimuli_n_per_m[0];
+    const double asked = bench.plan.trials[i].stimuli[0];
     const FingerPresentation& felt = records[i].presentations[0].fingers[0];
     const bool force = bench.protocol.conditions[static_cast<std::size_t>(bench.plan.trials[i].condition)].cues.force;
-    CHECK(felt.stiffness_n_per_m.has_value() == force);
-    if (force) CHECK(*felt.stiffness_n_per_m == asked);
+    CHECK(felt.stiffness.has_value() == force);
+    if (force) CHECK(*felt.stiffness == asked);
   }
   CHECK(bench.rig.neutral_calls > 0);
 }

@@ -20,8 +20,8 @@ namespace fs = std::filesystem;
 
 const std::string kSource = JND_SOURCE_DIR;
 
-DeviceSpec spec() {
-  return load_device_spec(kSource + "/devices/specs/rrs3.json");
+RigDescription rig() {
+  return {.spec = load_rig_spec(kSource + "/devices/specs/rrs3.json")};
 }
 ParticipantProfile profile(const std::string& name) {
   return load_profile(kSource + "/devices/profiles/" + name + ".json");
@@ -58,7 +58,7 @@ std::string all_files(const fs::path& folder) {
 
 std::string exported(const Protocol& protocol, std::uint64_t seed, int threads) {
   const TemporaryFolder folder;
-  const DeviceSpec device = spec();
+  const RigDescription device = rig();
   const ParticipantProfile who = profile("chinello2017-varied");
   Simulation simulation{protocol, device, who};
   simulation.participants = 5;
@@ -93,7 +93,7 @@ struct Recovered {
 Recovered recover(const std::string& profile_name, int participants, int trials_per_cell,
                   const RigFilter& filter = {}) {
   const Protocol protocol = published(trials_per_cell, 0.5);
-  const DeviceSpec device = spec();
+  const RigDescription device = rig();
   const ParticipantProfile who = profile(profile_name);
   Simulation simulation{protocol, device, who};
   simulation.participants = participants;
@@ -141,7 +141,7 @@ class OneStiffnessRig final : public Rig {
   const RigInfo& info() const noexcept override { return rig_->info(); }
   Presentation present(const PresentRequest& request) override {
     PresentRequest same = request;
-    same.stimulus.stiffness_n_per_m = 700;
+    same.stimulus.stiffness = 700;
     return rig_->present(same);
   }
   void neutral() noexcept override { rig_->neutral(); }
@@ -153,7 +153,7 @@ class OneStiffnessRig final : public Rig {
 TEST_CASE("Nothing leaks: a rig that renders every sphere alike brings every d' to 0 within its error") {
   for (const char* name : {"chinello2017", "chinello2017-differencing"}) {
     const Protocol protocol = published(80, 0.5);
-    const DeviceSpec device = spec();
+    const RigDescription device = rig();
     const ParticipantProfile who = profile(name);
     Simulation simulation{protocol, device, who};
     simulation.participants = 10;
