@@ -12,6 +12,18 @@ namespace {
 constexpr std::int64_t kMostSteps = 10'000;
 }  // namespace
 
+MckibbenOptions mckibben_options(const DeviceSpec& spec, std::uint64_t seed) {
+  MckibbenOptions options;
+  options.parameters = spec.finger;
+  options.gains = spec.gains;
+  options.tendon = spec.tendon;
+  options.encoder.pulses_per_turn = spec.sensors.encoder_pulses;
+  options.force_sensor.noise_sd_n = spec.sensors.force_noise_sd_n;
+  options.force_sensor.resolution_n = spec.sensors.force_resolution_n;
+  options.force_sensor.seed = seed;
+  return options;
+}
+
 MckibbenDevice::MckibbenDevice(const MckibbenOptions& options, const FingerFlexion& flexion)
     : model_(options.parameters, options.tendon, options.gains),
       encoder_(options.encoder),

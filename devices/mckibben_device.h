@@ -14,6 +14,7 @@
 #include "devices/fingertip_device.h"
 #include "devices/mckibben_model.h"
 #include "devices/mckibben_sensors.h"
+#include "protocols/device_spec.h"
 
 namespace jnd {
 
@@ -26,6 +27,9 @@ struct MckibbenOptions {
   Encoder encoder;  // zero_rad is set by the device: it counts from the straight finger
   BeamForceSensor force_sensor;
 };
+
+// As the device's file describes it; seed of the force sensor's noise.
+MckibbenOptions mckibben_options(const DeviceSpec& spec, std::uint64_t seed = 0);
 
 class MckibbenDevice final : public FingertipDevice {
  public:

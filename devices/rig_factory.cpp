@@ -112,15 +112,7 @@ RigParts joint_parts(const Protocol& protocol, const RigDescription& rig, const 
                                                        .press_depth_rad = depth_rad,
                                                        .press_depth_sd_rad = depth_rad / 5},
                                          seed, participant);
-  MckibbenOptions options;
-  options.parameters = joint.finger;
-  options.gains = joint.gains;
-  options.tendon = joint.tendon;
-  options.encoder.pulses_per_turn = joint.sensors.encoder_pulses;
-  options.force_sensor.noise_sd_n = joint.sensors.force_noise_sd_n;
-  options.force_sensor.resolution_n = joint.sensors.force_resolution_n;
-  options.force_sensor.seed = seed;
-  auto device = std::make_unique<MckibbenDevice>(options, *finger);
+  auto device = std::make_unique<MckibbenDevice>(mckibben_options(joint, seed), *finger);
   RigParts parts;
   parts.scene.joint =
       JointObject{.contact_flexion_rad = protocol.rig.contact_flexion_rad, .penetration_per_rad = per_rad};

@@ -12,14 +12,7 @@ std::unique_ptr<FingertipDevice> make_device(const DeviceSpec& spec, const Finge
     options.sensor.resolution_n = spec.sensors.force_resolution_n;
     return std::make_unique<Rrs3Device>(spec, options);
   }
-  MckibbenOptions options;
-  options.parameters = spec.finger;
-  options.gains = spec.gains;
-  options.tendon = spec.tendon;
-  options.encoder.pulses_per_turn = spec.sensors.encoder_pulses;
-  options.force_sensor.noise_sd_n = spec.sensors.force_noise_sd_n;
-  options.force_sensor.resolution_n = spec.sensors.force_resolution_n;
-  return std::make_unique<MckibbenDevice>(options, finger);
+  return std::make_unique<MckibbenDevice>(mckibben_options(spec), finger);
 }
 
 DeviceBench::DeviceBench(const DeviceSpec& spec) : spec_(spec) {

@@ -72,6 +72,26 @@ Case draw(RandomStream& random) {
   return one;
 }
 
+// stop must outlive the clock.
+TroubledClock clock_of(const Case& one, EmergencyStop& stop) {
+  TroubledClock clock;
+  clock.hiccup_at_ns = one.from_ms * kMs;
+  clock.hiccup_ns = one.hiccup_ms * kMs;
+  if (one.latch_ms >= 0) {
+    clock.stop = &stop;
+    clock.latch_at_ns = one.latch_ms * kMs;
+  }
+  return clock;
+}
+
+// Of an interval of a second, two at most until the contact.
+PresentRequest request_of(const Case& one, int trial) {
+  PresentRequest asked = request(one.stiffness, one.cues, {.trial = trial});
+  asked.explore_s = 1;
+  asked.no_contact_time_out_s = 2;
+  return asked;
+}
+
 std::string text_of(const Case& one, int number) {
   return "case " + std::to_string(number) + ": device fault " + std::to_string(static_cast<int>(one.device)) +
          ", tracker fault " + std::to_string(static_cast<int>(one.tracker)) + ", device " + std::to_string(one.which) +
@@ -129,19 +149,10 @@ TEST_CASE("two fingers: no fault brings force where there should be none, and ea
     FaultyDevice a(left, one.which == 0 ? one.device : DeviceFault::none, one.from_ms, one.for_ms);
     FaultyDevice b(right, one.which == 1 ? one.device : DeviceFault::none, one.from_ms, one.for_ms);
     FaultyTracker tracker(hand, one.tracker, one.from_ms * kMs, one.for_ms * kMs);
-    TroubledClock clock;
     EmergencyStop stop;
-    clock.hiccup_at_ns = one.from_ms * kMs;
-    clock.hiccup_ns = one.hiccup_ms * kMs;
-    if (one.latch_ms >= 0) {
-      clock.stop = &stop;
-      clock.latch_at_ns = one.latch_ms * kMs;
-    }
+    TroubledClock clock = clock_of(one, stop);
     ControlLoop loop(on_fingers({&a, &b}, spec), tracker, clock, sphere_scene());
-    PresentRequest asked = request(one.stiffness, one.cues, {.trial = number + 1});
-    asked.explore_s = 1;
-    asked.no_contact_time_out_s = 2;
-    const Presentation given = loop.run(asked, stop);
+    const Presentation given = loop.run(request_of(one, number + 1), stop);
     check(one, given, clock, {&a, &b}, {spec.max_force_n, spec.max_force_n}, tally);
   }
   // The campaign did meet what it is for.
@@ -172,23 +183,14 @@ TEST_CASE("one finger with both devices: one's fault stops the other") {
     FaultyDevice a(platform, one.which == 0 ? one.device : DeviceFault::none, one.from_ms, one.for_ms);
     FaultyDevice b(muscle, one.which == 1 ? one.device : DeviceFault::none, one.from_ms, one.for_ms);
     FaultyTracker tracker(encoder, one.tracker, one.from_ms * kMs, one.for_ms * kMs);
-    TroubledClock clock;
     EmergencyStop stop;
-    clock.hiccup_at_ns = one.from_ms * kMs;
-    clock.hiccup_ns = one.hiccup_ms * kMs;
-    if (one.latch_ms >= 0) {
-      clock.stop = &stop;
-      clock.latch_at_ns = one.latch_ms * kMs;
-    }
+    TroubledClock clock = clock_of(one, stop);
     const std::vector<LoopDevice> devices = {
         {.device = &a, .spec = pulp, .finger = 0, .channel = Channel::cutaneous},
         {.device = &b, .spec = joint, .finger = 0, .channel = Channel::kinaesthetic, .force_gain = 0.6}};
     const LoopScene scene{.object = {}, .joint = JointObject{.contact_flexion_rad = 0.1, .penetration_per_rad = 0.08}};
     ControlLoop loop(devices, tracker, clock, scene);
-    PresentRequest asked = request(one.stiffness, one.cues, {.trial = number + 1});
-    asked.explore_s = 1;
-    asked.no_contact_time_out_s = 2;
-    const Presentation given = loop.run(asked, stop);
+    const Presentation given = loop.run(request_of(one, number + 1), stop);
     check(one, given, clock, {&a, &b}, {pulp.max_force_n, joint.max_force_n}, tally);
   }
 }
