@@ -87,7 +87,7 @@ TEST_CASE("sustained oscillation begins at a loop gain of 20 to 21, at every ang
   CHECK_THROWS_AS(onset_of_oscillation(kTable1, 0.1), InputError);
 }
 
-TEST_CASE("the frequency response is that of an independent model in the same window") {
+TEST_CASE("the frequency response is that of an independent model in the same window", "[long]") {
   for (const auto& row : mckibben_reference().at("freq")) {
     BodeOptions options{.loop = {.gains = {.kp = row.at("KP")}},
                         .angle_rad = row.at("alpha1"),

@@ -94,7 +94,7 @@ TEST_CASE("the criterion of each strategy gives the false alarms of its theory")
   CHECK(differencing.false_alarm == Approx(2 * normal_cdf(-std::sqrt(2.0))).margin(0.015));
 }
 
-TEST_CASE("a rig that always renders the same stiffness leaks nothing") {
+TEST_CASE("a rig that always renders the same stiffness leaks nothing", "[long]") {
   // The engine says 500 against 900; the rig delivers 700 whatever is asked.
   class OneStiffnessRig final : public Rig {
    public:

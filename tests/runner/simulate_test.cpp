@@ -113,7 +113,8 @@ Recovered recover(const std::string& profile_name, int participants, int trials_
   return recovered;
 }
 
-TEST_CASE("Simulated participants reproduce their profile's thresholds through the rig, and SV as predicted") {
+TEST_CASE("Simulated participants reproduce their profile's thresholds through the rig, and SV as predicted",
+          "[long]") {
   // S, V, SV: the first two are calibrated, the third is a prediction (magnitude: sqrt(1/(1/283.5^2 + 1/351^2)) =
   // 220.5).
   struct Expectation {
@@ -150,7 +151,7 @@ class OneStiffnessRig final : public Rig {
   std::unique_ptr<Rig> rig_;
 };
 
-TEST_CASE("Nothing leaks: a rig that renders every sphere alike brings every d' to 0 within its error") {
+TEST_CASE("Nothing leaks: a rig that renders every sphere alike brings every d' to 0 within its error", "[long]") {
   for (const char* name : {"chinello2017", "chinello2017-differencing"}) {
     const Protocol protocol = published(80, 0.5);
     const RigDescription device = rig();
