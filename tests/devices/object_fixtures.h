@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "devices/god_object.h"
 #include "devices/object_json.h"
 #include "devices/virtual_object.h"
 
@@ -44,6 +45,13 @@ inline VirtualObject random_object(std::uint64_t& state) {
 
 inline VirtualObject shipped_object(const std::string& name) {
   return load_object(std::string(JND_SOURCE_DIR) + "/devices/objects/" + name + ".json").shape;
+}
+
+// A finger about to meet the object, coming from that side.
+inline GodObject begun(const VirtualObject& object, const Eigen::Vector3d& from = Eigen::Vector3d::UnitX()) {
+  GodObject god;
+  god.begin(object, from);
+  return god;
 }
 
 // Evenly spread unit vectors (a Fibonacci lattice).

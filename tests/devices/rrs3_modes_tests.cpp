@@ -68,32 +68,34 @@ TEST_CASE("position control compresses the differences a study measures") {
 }
 
 TEST_CASE("no mode ever presses harder than the largest commanded force, nor pulls") {
-  REQUIRE(rc::check("passive", [] {
-    const auto mode = *rc::gen::element(RenderingMode::wrench, RenderingMode::pd, RenderingMode::pd_literal);
-    const double finger = *rc::gen::element(700.0, 1000.0, 5000.0);
-    Rrs3Device device(rrs3_spec(), {.pulp_stiffness_n_per_m = finger, .mode = mode});
-    std::int64_t now = 0;
-    (void)device.engage(now);
-    double largest = 0;
-    for (int i = 0; i < 200; ++i) {
-      DeviceReading reading;
-      (void)device.read(now, reading);
-      RC_ASSERT(reading.force_n <= largest * (1 + 1e-9));
-      RC_ASSERT(reading.force_n >= -1e-9);
-      DeviceCommand command;
-      if (*rc::gen::inRange(0, 3) > 0) {
-        const auto share = [] { return *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(-100, 101)) / 100.0; };
-        command.force_n = 4.7 * std::abs(share());
-        command.stiffness_n_per_m = *rc::gen::element(0.0, 100.0, 500.0, 900.0, 2000.0);
-        command.normal = Eigen::Vector3d(0.5 * share(), 0.6 * share(), 1).normalized();
-        command.roll_rad = 0.6 * share();
-        command.pitch_rad = 0.5 * share();
+  for (const auto mode : {RenderingMode::wrench, RenderingMode::pd, RenderingMode::pd_literal}) {
+    CAPTURE(to_string(mode));
+    REQUIRE(rc::check("passive", [mode] {
+      const double finger = *rc::gen::element(700.0, 1000.0, 5000.0);
+      Rrs3Device device(rrs3_spec(), {.pulp_stiffness_n_per_m = finger, .mode = mode});
+      std::int64_t now = 0;
+      (void)device.engage(now);
+      double largest = 0;
+      for (int i = 0; i < 300; ++i) {
+        DeviceReading reading;
+        (void)device.read(now, reading);
+        RC_ASSERT(reading.force_n <= largest * (1 + 1e-9));
+        RC_ASSERT(reading.force_n >= -1e-9);
+        DeviceCommand command;
+        if (*rc::gen::inRange(0, 3) > 0) {
+          const auto share = [] { return *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(-100, 101)) / 100.0; };
+          command.force_n = 4.7 * std::abs(share());
+          command.stiffness_n_per_m = *rc::gen::element(0.0, 100.0, 500.0, 900.0, 2000.0);
+          command.normal = Eigen::Vector3d(0.5 * share(), 0.6 * share(), 1).normalized();
+          command.roll_rad = 0.6 * share();
+          command.pitch_rad = 0.5 * share();
+        }
+        largest = std::max(largest, command.force_n);
+        (void)device.write(command, now);
+        now += kMs * *rc::gen::inRange(1, 4);
       }
-      largest = std::max(largest, command.force_n);
-      (void)device.write(command, now);
-      now += kMs * *rc::gen::inRange(1, 4);
-    }
-  }));
+    }));
+  }
 }
 
 TEST_CASE("the task-space law has no secant error; the printed one has, and stiffens with tilt") {
