@@ -35,14 +35,15 @@ struct Delivered {
   void add(const CountedTrial& trial, const std::array<double, 2>& pair) noexcept {
     const double middle = 0.5 * (pair[0] + pair[1]);
     for (std::size_t i = 0; i < 2; ++i) {
-      if (!trial.delivered[i]) continue;
+      const std::optional<double> delivered = trial.delivered(i);
+      if (!delivered) continue;
       const std::size_t place = trial.asked[i] > middle ? 1 : 0;
-      stiffness[place] += *trial.delivered[i];
+      stiffness[place] += *delivered;
       ++intervals[place];
     }
     if (trial.same) return;
-    if (trial.delivered[0] && trial.delivered[1]) {
-      differences += std::abs(*trial.delivered[1] - *trial.delivered[0]);
+    if (trial.delivered(0) && trial.delivered(1)) {
+      differences += std::abs(*trial.delivered(1) - *trial.delivered(0));
       ++n;
     } else {
       ++without_fit;
