@@ -19,6 +19,10 @@ std::string_view exclusion_reason(const Exclusions& rules, bool by_participant, 
   return {};
 }
 
+std::string_view exclusion_reason(const Exclusions& rules, const CountedTrial& trial) noexcept {
+  return exclusion_reason(rules, trial.by_participant, trial.response_time_s, trial.saturated_share);
+}
+
 namespace {
 
 // In the order of the file, without an index: page after page is several times faster than row after row, and the

@@ -19,6 +19,7 @@ inline constexpr std::string_view kSaturatedShareAbove = "saturated_share_above"
 // operator's time says nothing about the participant.
 std::string_view exclusion_reason(const Exclusions& rules, bool by_participant, double response_time_s,
                                   double saturated_share) noexcept;
+std::string_view exclusion_reason(const Exclusions& rules, const CountedTrial& trial) noexcept;
 
 // One pass over the file: the answered main trials of `sessions`; those of one session are in the order in which they
 // were answered. Throws StorageError where a trial names a condition or series that the protocol does not have.
