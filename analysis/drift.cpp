@@ -9,6 +9,7 @@
 #include "analysis/jnd_closed.h"
 #include "analysis/jnd_ml.h"
 #include "analysis/ml_cells.h"
+#include "analysis/normal.h"
 
 namespace jnd {
 
@@ -83,6 +84,24 @@ Drift drift(std::span<const JudgedTrial> trials) {
   std::vector<JudgedTrial> first, second;
   for (const JudgedTrial& trial : trials) (trial.time_fraction < 0.5 ? first : second).push_back(trial);
   return drift(counts_of(first), counts_of(second));
+}
+
+StratifiedDrift stratified_drift(std::span<const Drift> strata) {
+  StratifiedDrift result;
+  double sum = 0, weights = 0;
+  for (const Drift& one : strata) {
+    if (one.status == RateStatus::missing) continue;
+    const double weight = 1 / (one.dprime.se * one.dprime.se);
+    sum += weight * one.dprime.difference;
+    weights += weight;
+    ++result.strata;
+  }
+  result.difference = result.strata > 0 ? sum / weights : kNaN;
+  result.se = result.strata > 0 ? 1 / std::sqrt(weights) : kNaN;
+  result.ci_low = result.difference - kZ * result.se;
+  result.ci_high = result.difference + kZ * result.se;
+  result.p = result.strata > 0 ? 2 * normal_cdf(-std::abs(result.difference / result.se)) : kNaN;
+  return result;
 }
 
 }  // namespace jnd

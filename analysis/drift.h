@@ -30,4 +30,13 @@ Drift drift(const Counts& first, const Counts& second);
 // The first half: time_fraction < 0.5.
 Drift drift(std::span<const JudgedTrial> trials);
 
+// The change of d' over several strata, such as the series of a study, each with trials in both halves: a stratum that
+// happened to come early is compared with itself only.
+struct StratifiedDrift {
+  int strata = 0;  // with both classes in both halves
+  // Mean over the strata, weighted by 1/variance, with its Wald interval, 95 %, and two-sided p. NaN for no stratum.
+  double difference = 0, se = 0, ci_low = 0, ci_high = 0, p = 0;
+};
+StratifiedDrift stratified_drift(std::span<const Drift> strata);
+
 }  // namespace jnd

@@ -40,12 +40,16 @@ void add(std::vector<double>& values, double value) {
 }
 
 void collect(Collected& all, const PsychometricFit& fit) {
-  const bool flat = fit.status == PsychometricStatus::not_increasing;
-  const bool spread = fit.model.function == PsychometricFunction::gaussian;  // sigma grows as the slope falls
-  const double flattest = spread ? kInf : 0.0;
-  add(all.second, flat ? flattest : fit.second.value);
-  add(all.jnd, flat ? kInf : fit.jnd.value);
-  add(all.slope, flat ? 0.0 : fit.slope.value);
+  if (fit.status == PsychometricStatus::not_increasing) {
+    const bool grows = fit.model.function == PsychometricFunction::gaussian;  // sigma, as the slope falls
+    all.second.push_back(grows ? kInf : 0.0);
+    all.jnd.push_back(kInf);
+    all.slope.push_back(0);
+    return;
+  }
+  add(all.second, fit.second.value);
+  add(all.jnd, fit.jnd.value);
+  add(all.slope, fit.slope.value);
   add(all.location, fit.location.value);
   add(all.pse, fit.pse.value);
   if (!fit.model.lapse) add(all.lapse, fit.lapse.value);

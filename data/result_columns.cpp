@@ -177,18 +177,22 @@ Columns<BehaviourRow> behaviour_columns(const Protocol& protocol) {
                 [](const R& r) { return r.bias.said_different.value; }),
       number<R>("bias_p", "exact binomial p of that share against the planned one",
                 [](const R& r) { return r.bias.p; }),
-      text<R>("drift_status", "whether both halves of the session have both classes",
+      text<R>("drift_status", "whether both halves have both classes",
               [](const R& r) { return to_string(r.drift.status); }),
-      number<R>("drift_dprime", "d' in the second half minus the first",
+      number<R>("drift_dprime", "d' in the second half of each cell's trials minus the first",
                 [](const R& r) { return r.drift.dprime.difference; }),
       number<R>("drift_dprime_ci95_low", "lower end of its 95 % interval",
                 [](const R& r) { return r.drift.dprime.ci_low; }),
       number<R>("drift_dprime_ci95_high", "upper end", [](const R& r) { return r.drift.dprime.ci_high; }),
       number<R>("drift_dprime_p", "likelihood-ratio p of no change", [](const R& r) { return r.drift.dprime.p; }),
-      number<R>("drift_criterion", "criterion in the second half minus the first",
+      number<R>("drift_criterion", "criterion in the second half of each cell's trials minus the first",
                 [](const R& r) { return r.drift.criterion.difference; }),
-      number<R>("drift_criterion_p", "likelihood-ratio p of no change",
-                [](const R& r) { return r.drift.criterion.p; })};
+      number<R>("drift_criterion_p", "likelihood-ratio p of no change", [](const R& r) { return r.drift.criterion.p; }),
+      number<R>("session_drift_dprime",
+                "of all together: d' in the second half of the session minus the first, each series against itself",
+                [](const R& r) { return r.session_drift ? r.session_drift->difference : std::nan(""); }),
+      number<R>("session_drift_dprime_p", "p of no change",
+                [](const R& r) { return r.session_drift ? r.session_drift->p : std::nan(""); })};
 }
 
 struct RatingRow {

@@ -115,9 +115,7 @@ void add_contrasts(StudyAnalysis& analysis, const Protocol& protocol) {
   }
 }
 
-// Replicates of the bootstrap interval of a least-squares JND, and up to how many participants it is computed.
-constexpr int kReplicates = 2000;
-constexpr int kMostIntervals = 500;
+constexpr int kReplicates = 2000;  // of the bootstrap interval of a least-squares JND
 
 // The registered estimate. Maximum likelihood brings its profile interval; least squares has none of its own but the
 // bootstrap's.
@@ -140,7 +138,7 @@ void estimate(StudyAnalysis& analysis, std::vector<ParticipantData> participants
   const ThresholdMethod method = registered_method(protocol);
   const Correction rate_correction = correction_from(protocol.analysis.correction).value_or(Correction::loglinear);
   analysis.method = method;
-  analysis.intervals = participants.size() <= kMostIntervals;
+  analysis.intervals = participants.size() <= kMostInDetail;
   const int conditions = static_cast<int>(protocol.conditions.size()),
             series = static_cast<int>(protocol.series.size());
   analysis.participants = static_cast<int>(participants.size());

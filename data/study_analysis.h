@@ -83,6 +83,10 @@ struct SessionHead {
   bool closed = false;
 };
 
+// Beyond this many participants nobody reads a table of everybody: what takes a fit or a bootstrap for each of them is
+// left to studies of an ordinary size.
+inline constexpr std::size_t kMostInDetail = 200;
+
 struct StudyAnalysis {
   SessionKind kind = SessionKind::simulated;
   DifferenceSource by = DifferenceSource::nominal;  // what was asked for: nominal or delivered

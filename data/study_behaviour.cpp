@@ -32,7 +32,33 @@ CueTrial cue_trial(const CountedTrial& trial) {
 constexpr double kPlannedShare = 0.5;
 
 BehaviourRow row_of(const std::string& participant, int condition, const std::vector<JudgedTrial>& trials) {
-  return {participant, condition, order_effect(trials), response_bias(trials, kPlannedShare), drift(trials)};
+  return {participant, condition, order_effect(trials), response_bias(trials, kPlannedShare), drift(trials), {}};
+}
+
+double fraction(std::size_t position, std::size_t of) noexcept {
+  return of > 1 ? static_cast<double>(position) / static_cast<double>(of - 1) : 0;
+}
+
+// The trials of one session, each with its place among those of its cell.
+std::vector<JudgedTrial> judged_in_cells(const std::vector<const CountedTrial*>& trials, std::size_t series,
+                                         std::size_t cells) {
+  const auto cell_of = [series](const CountedTrial& trial) {
+    return place(trial.condition) * series + place(trial.series);
+  };
+  std::vector<std::size_t> sizes(cells), seen(cells);
+  for (const CountedTrial* trial : trials) ++sizes[cell_of(*trial)];
+  std::vector<JudgedTrial> judged;
+  for (const CountedTrial* trial : trials) {
+    JudgedTrial one;
+    one.same = trial->same;
+    one.first_stiffer = trial->asked[0] > trial->asked[1];
+    one.said_different = trial->said_different;
+    one.difference = std::abs(trial->asked[1] - trial->asked[0]);
+    const std::size_t cell = cell_of(*trial);
+    one.time_fraction = fraction(seen[cell]++, sizes[cell]);
+    judged.push_back(one);
+  }
+  return judged;
 }
 
 // Which cue explains each participant's own answers best.
@@ -59,11 +85,11 @@ StudyBehaviour study_behaviour(const Protocol& protocol, const std::vector<Sessi
   for (const CountedTrial& trial : trials)
     if (exclusion_reason(protocol.analysis.exclude, trial).empty()) by_session[place(trial.session)].push_back(&trial);
 
-  const std::size_t conditions = protocol.conditions.size();
-  std::vector<JudgedTrial> own_trials;                             // of the present participant
-  std::vector<std::vector<JudgedTrial>> of_condition(conditions);  // of everyone
-  // [condition][participant]
-  std::vector<std::vector<std::vector<CueTrial>>> cues(conditions);
+  const std::size_t conditions = protocol.conditions.size(), series = protocol.series.size();
+  std::vector<JudgedTrial> own_trials;                                 // of the present participant
+  std::vector<std::vector<JudgedTrial>> of_condition(conditions);      // of everyone
+  std::vector<std::vector<JudgedTrial>> of_cell(conditions * series);  // of everyone, by place in the session
+  std::vector<std::vector<std::vector<CueTrial>>> cues(conditions);    // [condition][participant]
   StudyBehaviour behaviour;
   for (std::size_t session = 0; session < sessions.size(); ++session) {
     const bool new_participant = session == 0 || sessions[session].participant != sessions[session - 1].participant;
@@ -72,24 +98,25 @@ StudyBehaviour study_behaviour(const Protocol& protocol, const std::vector<Sessi
       own_trials.clear();
       for (auto& one : cues) one.emplace_back();
     }
-    const std::vector<const CountedTrial*>& own = by_session[session];
-    for (std::size_t i = 0; i < own.size(); ++i) {
-      const CountedTrial& trial = *own[i];
-      JudgedTrial one;
-      one.same = trial.same;
-      one.first_stiffer = trial.asked[0] > trial.asked[1];
-      one.said_different = trial.said_different;
-      one.difference = std::abs(trial.asked[1] - trial.asked[0]);
-      one.time_fraction = own.size() > 1 ? static_cast<double>(i) / static_cast<double>(own.size() - 1) : 0;
-      own_trials.push_back(one);
-      of_condition[place(trial.condition)].push_back(one);
+    const std::vector<const CountedTrial*>& trials_of = by_session[session];
+    const std::vector<JudgedTrial> judged = judged_in_cells(trials_of, series, conditions * series);
+    own_trials.insert(own_trials.end(), judged.begin(), judged.end());
+    for (std::size_t i = 0; i < judged.size(); ++i) {
+      const CountedTrial& trial = *trials_of[i];
+      of_condition[place(trial.condition)].push_back(judged[i]);
       cues[place(trial.condition)].back().push_back(cue_trial(trial));
+      JudgedTrial in_session = judged[i];
+      in_session.time_fraction = fraction(i, judged.size());
+      of_cell[place(trial.condition) * series + place(trial.series)].push_back(in_session);
     }
   }
   if (!sessions.empty()) behaviour.participants.push_back(row_of(sessions.back().participant, -1, own_trials));
 
   for (std::size_t condition = 0; condition < conditions; ++condition) {
     behaviour.conditions.push_back(row_of("", static_cast<int>(condition), of_condition[condition]));
+    std::vector<Drift> strata;
+    for (std::size_t one = 0; one < series; ++one) strata.push_back(drift(of_cell[condition * series + one]));
+    behaviour.conditions.back().session_drift = stratified_drift(strata);
     CueRow row;
     row.condition = static_cast<int>(condition);
     std::vector<CueTrial> all;

@@ -3,6 +3,7 @@
 // answers? Counted trials only: practice and excluded trials take no part.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,7 +22,12 @@ struct BehaviourRow {
   int condition = -1;       // place in the protocol; -1: all together
   OrderEffect order;
   ResponseBias bias;
+  // d' in the second half of each cell's trials against the first: what is learnt or forgotten within a block. Halves
+  // of the session would compare different series and conditions wherever those come in blocks.
   Drift drift;
+  // Of everyone together, where the orders differ between participants: the second half of the session against the
+  // first, each series held against itself. Empty in a participant's row.
+  std::optional<StratifiedDrift> session_drift;
 };
 
 struct CueRow {

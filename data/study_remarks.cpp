@@ -82,7 +82,8 @@ void add_threshold_warnings(const StudyAnalysis& analysis, const Protocol& proto
   if (5 * extrapolated > thresholds)
     out.push_back(fmt::format("{} JNDs lie outside the tested differences: they are extrapolated along the line.",
                               share(extrapolated, thresholds)));
-  if (!analysis.intervals) out.push_back("Above 500 participants single JNDs carry no bootstrap interval.");
+  if (!analysis.intervals)
+    out.push_back(fmt::format("Above {} participants single JNDs carry no bootstrap interval.", kMostInDetail));
   int not_measured = 0;
   for (const GroupResult& row : analysis.group) not_measured += row.difference_source != analysis.by ? 1 : 0;
   if (not_measured > 0)

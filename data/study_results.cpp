@@ -8,9 +8,6 @@ namespace jnd {
 
 namespace {
 
-// Beyond this a table of everybody is not read by anybody, and the other models are left to those who ask for them.
-constexpr int kMostDetailed = 500;
-
 void add_ratings(StudyResults& results, const Study& study, const Protocol& protocol,
                  const std::vector<SessionInfo>& sessions) {
   std::vector<std::string> participants;
@@ -36,7 +33,7 @@ void add_tests(StudyResults& results, const Protocol& protocol) {
   results.comparisons.push_back(compare_thresholds(analysis.thresholds, protocol, protocol.analysis.tests.outcome));
   results.comparisons.back().registered = true;
   results.by_series = compare_series(analysis.cells, protocol);
-  results.detailed = analysis.participants <= kMostDetailed;
+  results.detailed = static_cast<std::size_t>(analysis.participants) <= kMostInDetail;
   if (results.detailed) results.sensitivity = study_sensitivity(analysis, protocol);
 }
 

@@ -19,7 +19,7 @@ struct StudyResults {
   StudyAnalysis analysis;                          // cells, thresholds, group, contrasts
   std::vector<OutcomeComparison> comparisons;      // the registered one first, then times, then ratings
   SeriesComparison by_series;                      // condition x series
-  bool detailed = true;                            // what follows was computed; not above 500 participants
+  bool detailed = true;                            // what follows was computed; not above kMostInDetail participants
   std::vector<SensitivityRow> sensitivity;         // the registered method first
   StudyBehaviour behaviour;                        // order effect, bias, drift, cue strategy
   PairedQuestionnaire ratings;                     // items rated under each condition

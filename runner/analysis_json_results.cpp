@@ -124,7 +124,13 @@ Json behaviour_json(const BehaviourRow& row, const Protocol& protocol) {
           {"drift",
            {{"status", to_string(row.drift.status)},
             {"dprime", half_json(row.drift.dprime)},
-            {"criterion", half_json(row.drift.criterion)}}}};
+            {"criterion", half_json(row.drift.criterion)}}},
+          {"session_drift", row.session_drift ? Json{{"strata", row.session_drift->strata},
+                                                     {"difference", json_number(row.session_drift->difference)},
+                                                     {"ci_low", json_number(row.session_drift->ci_low)},
+                                                     {"ci_high", json_number(row.session_drift->ci_high)},
+                                                     {"p", json_number(row.session_drift->p)}}
+                                              : Json(nullptr)}};
 }
 
 Json cue_strategy_json(const StudyBehaviour& behaviour, const Protocol& protocol) {

@@ -74,7 +74,8 @@ void print_results(const StudyResults& results, const Protocol& protocol, const 
   for (const ResultTable& table : tables)
     if (table.id != "cells" || options.cells) print_table(table);
   if (!results.detailed)
-    fmt::print("{}\n", dim("Above 500 participants other methods and the manner of answering are left out."));
+    fmt::print("{}\n", dim(fmt::format("Above {} participants other methods and the manner of answering are left out.",
+                                       kMostInDetail)));
   print_remarks(results);
 }
 

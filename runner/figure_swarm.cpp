@@ -41,7 +41,8 @@ std::vector<double> swarm_offsets(const std::vector<double>& heights, double rad
     if (heights.size() <= kMostCompared)
       for (int tried = 0; !placed; ++tried) {
         // Alternately to the right and to the left, the first side alternating too.
-        const double out = step * ((tried + 1) / 2);
+        const int steps = (tried + 1) / 2;
+        const double out = step * steps;
         if (out > half_width) break;
         const double offset = (tried % 2 == 0) == (place % 2 == 0) ? out : -out;
         if (!is_free(offset)) continue;

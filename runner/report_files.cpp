@@ -103,22 +103,22 @@ void check_report_place(const fs::path& page, const fs::path& folder, bool repla
   }
 }
 
-void write_report(const ReportFiles& wanted, bool replace) {
-  check_report_place(wanted.page, wanted.folder, replace);
-  ReportFiles files = wanted;
+void write_report(const ReportFiles& files, bool replace) {
+  check_report_place(files.page, files.folder, replace);
+  ReportFiles placed = files;
   try {
-    files.page = plain_path(wanted.page);
-    files.folder = plain_path(wanted.folder);
-    fs::create_directories(files.page.parent_path());
-    fs::create_directories(files.folder.parent_path());
-    const Draft draft(files);
-    write_file(draft.page, files.page_bytes);
-    if (!files.figures.empty()) fs::create_directory(draft.folder);
-    for (const auto& [name, bytes] : files.figures) write_file(draft.folder / name, bytes);
-    check_report_place(files.page, files.folder, replace);
-    move_into_place(files, draft);
+    placed.page = plain_path(files.page);
+    placed.folder = plain_path(files.folder);
+    fs::create_directories(placed.page.parent_path());
+    fs::create_directories(placed.folder.parent_path());
+    const Draft draft(placed);
+    write_file(draft.page, placed.page_bytes);
+    if (!placed.figures.empty()) fs::create_directory(draft.folder);
+    for (const auto& [name, bytes] : placed.figures) write_file(draft.folder / name, bytes);
+    check_report_place(placed.page, placed.folder, replace);
+    move_into_place(placed, draft);
   } catch (const fs::filesystem_error& error) {
-    throw failed(files.page, error.code().message());
+    throw failed(placed.page, error.code().message());
   }
 }
 

@@ -42,6 +42,8 @@ std::vector<std::string> behaviour_row(const BehaviourRow& row, const Protocol& 
           number_text(row.drift.dprime.difference, 2),
           range_text(row.drift.dprime.ci_low, row.drift.dprime.ci_high, 2),
           p_value_text(row.drift.dprime.p),
+          row.session_drift ? number_text(row.session_drift->difference, 2) : "",
+          row.session_drift ? p_value_text(row.session_drift->p) : "",
           remarks};
 }
 
@@ -51,16 +53,18 @@ ResultTable behaviour_table(const StudyResults& results, const Protocol& protoco
   ResultTable table{
       "behaviour",
       "How the answers were given",
-      "order: rate of \"different\" with the stiffer stimulus first minus second; bias: criterion c over all "
-      "trials (c > 0 leans to \"same\") and share of \"different\" answers; drift: d' in the second half minus "
-      "the first; no correction for many tests",
+      "order: rate of \"different\" with the stiffer stimulus first minus second; c: criterion over all trials (c > 0 "
+      "leans "
+      "to \"same\"), with the share of \"different\" answers; drift: d' in the second half of each cell minus the "
+      "first; session: second half of the session minus the first, each series held against itself; no "
+      "correction for many tests",
       {},
       {},
       {}};
-  table.columns = {{"participant"}, {"condition"},         {"order", true},   {"95 % CI", true},
-                   {"p", true},     {"c", true},           {"95 % CI", true}, {"said different", true},
-                   {"p", true},     {"drift of d'", true}, {"95 % CI", true}, {"p", true},
-                   {"remarks"}};
+  table.columns = {{"participant"},   {"condition"},         {"order", true},   {"95 % CI", true},
+                   {"p", true},       {"c", true},           {"95 % CI", true}, {"said different", true},
+                   {"p", true},       {"drift of d'", true}, {"95 % CI", true}, {"p", true},
+                   {"session", true}, {"p", true},           {"remarks"}};
   for (const BehaviourRow& row : results.behaviour.conditions) table.rows.push_back(behaviour_row(row, protocol));
   for (const BehaviourRow& row : results.behaviour.participants) table.rows.push_back(behaviour_row(row, protocol));
   return table;

@@ -15,7 +15,8 @@ JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
 
 HEADER = "participant,condition,delta,n_diff,hits,n_same,false_alarms\n"
 METHODS = ("least_squares", "weighted", "inverse_mean_slope", "mean_of_ratios",
-           "ml_yes_no_common", "ml_yes_no_series", "ml_differencing_common", "ml_differencing_series")
+           "ml_yes_no_common", "ml_yes_no_series", "ml_differencing_common", "ml_differencing_series",
+           "least_squares_independent")
 # Two participants whose rows are mixed, a participant at the ceiling, one without information, one with a missing series.
 COUNTS = HEADER + """P1,S,400,6,6,6,1
 P2,S,400,6,6,6,0

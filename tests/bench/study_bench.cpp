@@ -1,0 +1,138 @@
+// How long the registered analysis of a large study takes, from the closed file to tables of numbers, and how it grows
+// with the trials; beside it, the least that any analysis must do: read every body from the file.
+//
+//   study_bench [TRIALS] [full]    default 1000000; full: with what every finger got (2.3 kB a trial instead of 0.4 kB)
+//
+// The study is generated in bulk: one transaction, bodies as the program writes them, hashes left out (nothing here
+// verifies them).
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "data/event_body.h"
+#include "data/study_results.h"
+#include "protocols/plan.h"
+#include "protocols/protocol_json.h"
+
+namespace {
+
+using namespace jnd;
+namespace fs = std::filesystem;
+
+double seconds_of(const std::function<void()>& action) {
+  const auto begin = std::chrono::steady_clock::now();
+  action();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+std::string body_of(const Protocol& protocol, const Trial& trial, bool full) {
+  TrialRecord record;
+  record.trial = trial;
+  record.condition_name = protocol.conditions[static_cast<std::size_t>(trial.condition)].name;
+  record.series_name = protocol.series[static_cast<std::size_t>(trial.series)].name;
+  const bool wrong = trial.index % 4 == 1;
+  record.answer = {trial.same != wrong ? Judgement::same : Judgement::different, EnteredBy::participant,
+                   0.5 + 0.001 * trial.index};
+  record.duration_s = 9 + 0.001 * trial.index;
+  for (std::size_t i = 0; i < 2 && full; ++i) {
+    Presentation& presentation = record.presentations[i];
+    presentation.duration_s = 3.501;
+    presentation.ticks = 3501;
+    for (int finger = 0; finger < 2; ++finger) {
+      FingerPresentation one;
+      one.finger = finger;
+      one.stiffness = trial.stimuli[i] - 0.2823456 + finger * 1e-4;
+      one.stiffness_se = 0.3779869;
+      one.fit_samples = 1947;
+      one.peak_force_n = 3.8340401 + 0.001 * trial.index;
+      one.deepest_penetration = 0.0054778;
+      one.work_j = 0.0268156431 + 1e-5 * trial.index;
+      one.mean_speed = 0.0157919;
+      one.contacts = 3;
+      one.dwell_s = 1.947 + 0.001 * (trial.index % 7);
+      presentation.fingers.push_back(one);
+    }
+  }
+  return body_text(to_body(record));
+}
+
+// Returns how many trials the study holds: whole participants.
+int generate(const fs::path& path, const Protocol& protocol, int trials, bool full) {
+  Study::create(path, protocol.name, protocol.bytes, 1, {1, 1})->close();
+  SQLite::Database database(path.string(), SQLite::OPEN_READWRITE);
+  database.exec("PRAGMA synchronous = OFF");
+  SQLite::Transaction transaction(database);
+  SQLite::Statement insert(database,
+                           "INSERT INTO event (session, seq, kind, utc, monotonic_ns, version, body, hash) VALUES "
+                           "(?, ?, ?, '2026-01-01T00:00:00.000000000Z', 0, 'bench', ?, ?)");
+  const std::string hash(64, '0');
+  const auto add = [&](const std::string& session, int seq, std::string_view kind, const std::string& body) {
+    insert.bind(1, session);
+    insert.bind(2, seq);
+    insert.bind(3, std::string(kind));
+    insert.bind(4, body);
+    insert.bind(5, hash);
+    insert.exec();
+    insert.reset();
+  };
+  int written = 0;
+  for (int participant = 1; written < trials; ++participant) {
+    const Plan plan = make_plan(protocol, participant, 1);
+    const std::string session = fmt::format("s{:06}", participant);
+    int seq = 0;
+    add(session, ++seq, event_kind::kSessionOpened,
+        fmt::format(R"({{"participant":"P{0:06}","participant_number":{0},"kind":"simulated","responder":"bench",)"
+                    R"("trials_total":{1}}})",
+                    participant, plan.trials.size()));
+    for (const Trial& trial : plan.trials)
+      add(session, ++seq, event_kind::kTrialCompleted, body_of(protocol, trial, full));
+    add(session, ++seq, event_kind::kSessionClosed, "{}");
+    written += static_cast<int>(plan.trials.size());
+  }
+  transaction.commit();
+  return written;
+}
+
+// The reference: every body through the reader of the file, and nothing else.
+double read_bodies(const fs::path& path) {
+  return seconds_of([&] {
+    SQLite::Database database(path.string(), SQLite::OPEN_READONLY);
+    SQLite::Statement query(database, "SELECT body FROM event NOT INDEXED WHERE kind = 'trial.completed'");
+    std::size_t bytes = 0;
+    while (query.executeStep()) bytes += static_cast<std::size_t>(query.getColumn(0).getBytes());
+    if (bytes == 0) std::abort();
+  });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int most = argc > 1 ? std::atoi(argv[1]) : 1'000'000;
+  const bool full = argc > 2 && std::string(argv[2]) == "full";
+  const Protocol protocol = load_protocol(std::string(JND_SOURCE_DIR) + "/protocols/chinello2017.json");
+  const fs::path folder = fs::temp_directory_path() / fmt::format("jnd-study-bench-{}", ::getpid());
+  fs::create_directories(folder);
+  fmt::print("   trials   participants   analysis s   us/trial   bodies alone s   ratio\n");
+  for (const int trials : {most / 10, most}) {
+    const fs::path path = folder / fmt::format("{}.sqlite", trials);
+    const int written = generate(path, protocol, trials, full);
+    read_bodies(path);  // into the page cache
+    const double reading = read_bodies(path);
+    int participants = 0;
+    const double analysing = seconds_of([&] {
+      const auto study = Study::open(path, Study::Access::read_only);
+      participants = results_of(*study, protocol, SessionKind::simulated).analysis.participants;
+    });
+    fmt::print("{:9} {:14} {:12.3f} {:10.2f} {:16.3f} {:7.2f}\n", written, participants, analysing,
+               1e6 * analysing / written, reading, analysing / reading);
+    fs::remove(path);
+  }
+  fs::remove_all(folder);
+  return 0;
+}
