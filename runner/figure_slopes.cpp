@@ -45,11 +45,12 @@ Svg draw_grid(const std::vector<SlopePanel>& panels, const SlopeScales& scales, 
   Svg svg("figure-" + id, width, bottom + kBottom, title, description);
   draw_legend(&svg, legend, kLeft, 8, width - kLeft - 10);
   for (std::size_t i = 0; i < panels.size(); ++i) {
-    const double left = kLeft + static_cast<double>(i % columns) * (wide + kGapX);
-    const double upper = top + static_cast<double>(i / columns) * (high + kGapY);
+    const std::size_t row = i / columns, column = i % columns;
+    const double left = kLeft + static_cast<double>(column) * (wide + kGapX);
+    const double upper = top + static_cast<double>(row) * (high + kGapY);
     const bool lowest = i + columns >= panels.size();
     draw_slope_panel(svg, {left, upper, left + wide, upper + high}, panels[i], scales,
-                     {.y_labels = i % columns == 0, .x_labels = lowest, .points_named = enlarged == 1});
+                     {.y_labels = column == 0, .x_labels = lowest, .points_named = enlarged == 1});
   }
   const double middle_x = kLeft + 0.5 * (static_cast<double>(columns) * (wide + kGapX) - kGapX);
   svg.text(middle_x, bottom + 42, fmt::format("stiffness difference ({})", unit_of(protocol)),
@@ -78,8 +79,8 @@ std::string caption_of(const StudyAnalysis& analysis, const Protocol& protocol, 
 
 std::vector<SlopePanel> by_condition(const std::vector<SlopePanel>& people, const Protocol& protocol) {
   std::vector<SlopePanel> panels;
-  for (std::size_t i = 0; i < protocol.conditions.size(); ++i)
-    panels.push_back({fmt::format("{} (all participants)", protocol.conditions[i].name), {}});
+  for (const Condition& condition : protocol.conditions)
+    panels.push_back({fmt::format("{} (all participants)", condition.name), {}});
   for (const SlopePanel& person : people)
     for (const SlopeCurve& curve : person.curves)
       panels[static_cast<std::size_t>(curve.condition)].curves.push_back(curve);

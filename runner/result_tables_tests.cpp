@@ -75,6 +75,10 @@ ResultTable contrasts_table(const StudyResults& results, const Protocol& protoco
          joined(source_remark(row.difference_source, analysis), tested.refused.empty() ? "" : "refused")});
   }
   if (!tested.refused.empty()) table.remarks.push_back("no tests: " + tested.refused);
+  if (std::all_of(table.rows.begin(), table.rows.end(), [](const auto& row) { return row.back().empty(); })) {
+    table.columns.pop_back();
+    for (auto& row : table.rows) row.pop_back();
+  }
   return table;
 }
 
