@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace jnd {
 
@@ -73,16 +72,6 @@ double staircase_target(const StaircaseRule& rule) {
     (first_down(middle) < wanted ? low : high) = middle;
   }
   return high;
-}
-
-ReversalMean mean_of_reversals(const std::vector<double>& reversals, int at_most) {
-  const int n = std::min(static_cast<int>(reversals.size()), std::max(at_most, 0)) / 2 * 2;
-  if (n < 2) return {0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
-  double sum = 0, squares = 0;
-  for (auto at = reversals.end() - n; at != reversals.end(); ++at) sum += *at;
-  const double mean = sum / n;
-  for (auto at = reversals.end() - n; at != reversals.end(); ++at) squares += (*at - mean) * (*at - mean);
-  return {n, mean, std::sqrt(squares / (n - 1))};
 }
 
 }  // namespace jnd

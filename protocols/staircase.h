@@ -62,12 +62,4 @@ class Staircase {
 // step_down) for 1-up-1-down (Kaernbach, equation 1).
 double staircase_target(const StaircaseRule& rule);
 
-// Mean and standard deviation (n - 1) of the last `at_most` reversals, an even number of them so that peaks and valleys
-// weigh alike. The mean is NaN with fewer than two reversals.
-struct ReversalMean {
-  int n = 0;
-  double mean = 0, sd = 0;
-};
-ReversalMean mean_of_reversals(const std::vector<double>& reversals, int at_most);
-
 }  // namespace jnd

@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "analysis/adaptive_threshold.h"
 #include "protocols/quest.h"
 #include "protocols/staircase.h"
 #include "runner/calc.h"

@@ -150,19 +150,6 @@ TEST_CASE("long runs settle where the observer is correct as often as the rule s
   CHECK(settled_level(multiplying, threshold, width, 60000, 2000) == Approx(level_of(multiplying)).margin(5));
 }
 
-TEST_CASE("the mean of reversals takes an even number of the last") {
-  const std::vector<double> reversals = {90, 10, 40, 20, 60};
-  CHECK(mean_of_reversals(reversals, 4).n == 4);
-  CHECK(mean_of_reversals(reversals, 4).mean == Approx(32.5));
-  CHECK(mean_of_reversals(reversals, 4).sd ==
-        Approx(std::sqrt((22.5 * 22.5 + 7.5 * 7.5 + 12.5 * 12.5 + 27.5 * 27.5) / 3)));
-  CHECK(mean_of_reversals(reversals, 5).n == 4);
-  CHECK(mean_of_reversals(reversals, 99).n == 4);
-  CHECK(mean_of_reversals(reversals, 3).mean == Approx(40));
-  CHECK(mean_of_reversals({5}, 6).n == 0);
-  CHECK(std::isnan(mean_of_reversals({5}, 6).mean));
-}
-
 TEST_CASE("rules that cannot run say why") {
   CHECK(problem_of(rule_of(1, 1, 2, 1, 1)).empty());
   CHECK_FALSE(problem_of(rule_of(1, 0, 2, 1, 1)).empty());

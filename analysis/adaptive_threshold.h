@@ -1,0 +1,52 @@
+// Thresholds of adaptive tracks: the mean of a staircase's reversals, and the posterior of QUEST.
+#pragma once
+
+#include <array>
+#include <string_view>
+#include <vector>
+
+namespace jnd {
+
+// Mean and standard deviation (n - 1) of the last `at_most` reversals, an even number of them so that peaks and valleys
+// weigh alike (Levitt 1971, "Transformed up-down methods in psychoacoustics", J. Acoust. Soc. Am. 49, 467-477). n is 0,
+// mean and sd are NaN with fewer than two reversals.
+struct ReversalMean {
+  int n = 0;
+  double mean = 0, sd = 0;
+};
+ReversalMean mean_of_reversals(const std::vector<double>& reversals, int at_most);
+
+enum class AdaptiveStatus {
+  ok,
+  too_few_reversals,  // of a staircase: fewer than are to be averaged; a mean of fewer is given all the same
+  no_trials,          // no trial with a difference was answered
+  pinned_at_clamp     // the levels end at an end of the clamp: the threshold lies there or beyond
+};
+
+struct AdaptiveThreshold {
+  AdaptiveStatus status = AdaptiveStatus::no_trials;
+  // In the unit of the levels; NaN where there is none.
+  double threshold = 0;
+  // Of a staircase the standard deviation of the averaged reversals, in the unit of the levels; of QUEST that of the
+  // posterior, of log10 of the level.
+  double sd = 0;
+  int n = 0;  // reversals averaged; of QUEST the trials that the posterior rests on
+};
+
+// levels: presented, in order; clamp: lowest and highest level. A staircase is pinned where more than half of its
+// averaged reversals, or without any its last level, stand at one end of the clamp.
+AdaptiveThreshold staircase_threshold(const std::vector<double>& levels, const std::vector<double>& reversals,
+                                      int averaged, const std::array<double, 2>& clamp);
+
+// mean, sd: of the posterior of log10 of the level. Pinned where the mean is at or beyond an end of the clamp.
+AdaptiveThreshold quest_threshold(double mean, double sd, int trials, const std::array<double, 2>& clamp);
+
+// Several tracks of one participant and condition. Those that are ok are averaged: levels of staircases, logarithms of
+// QUEST, whose standard deviation is that of the mean of independent posteriors. n adds up; a staircase's sd is pooled
+// over the tracks. Without one that is ok the status is the tracks' worst.
+AdaptiveThreshold combined_staircases(const std::vector<AdaptiveThreshold>& tracks);
+AdaptiveThreshold combined_quests(const std::vector<AdaptiveThreshold>& tracks);
+
+std::string_view to_string(AdaptiveStatus status) noexcept;
+
+}  // namespace jnd
