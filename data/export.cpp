@@ -10,6 +10,8 @@
 #include "data/export_folder.h"
 #include "data/export_tables.h"
 #include "data/export_telemetry.h"
+#include "data/methods_text.h"
+#include "data/result_columns.h"
 #include "data/trial_rows.h"
 #include "data/utc_time.h"
 #include "protocols/sha256.h"
@@ -93,9 +95,10 @@ std::vector<Row> rows_of(const std::vector<Row>& rows, const std::string& partic
 
 }  // namespace
 
-std::vector<std::string> export_csv(const Study& study, const Protocol& protocol, const StudyAnalysis& analysis,
+std::vector<std::string> export_csv(const Study& study, const Protocol& protocol, const StudyResults& results,
                                     const std::filesystem::path& folder, bool replace,
                                     const std::optional<TelemetryExport>& telemetry) {
+  const StudyAnalysis& analysis = results.analysis;
   ExportFolder files(folder, replace);
   std::vector<SessionInfo> sessions = study.sessions();
   std::erase_if(sessions, [&](const SessionInfo& session) { return session.kind != analysis.kind; });
@@ -132,10 +135,15 @@ std::vector<std::string> export_csv(const Study& study, const Protocol& protocol
   write("group.csv", group_columns(protocol, analysis.kind), analysis.group);
   if (!analysis.contrasts.empty())
     write("contrasts.csv", contrast_columns(protocol, analysis.kind), analysis.contrasts);
+  for (const ResultFile& file : result_files(results, protocol, nullptr)) {
+    files.write(file.name, file.text);
+    dictionary.insert(dictionary.end(), file.dictionary.begin(), file.dictionary.end());
+  }
   if (!answers.empty()) write("answers.csv", answer_columns(), answers);
   write("sessions.csv", session_columns(study.info(), protocol), sessions);
   describe("dictionary.csv", dictionary_columns(), dictionary);
   files.write("dictionary.csv", csv_table(dictionary_columns(), dictionary));
+  files.write("methods.md", methods_text(study, protocol, results));
   return files.publish();
 }
 

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "analysis/jnd_bootstrap.h"
+#include "data/threshold_method.h"
 #include "data/trial_rows.h"
 
 namespace jnd {
@@ -15,14 +17,6 @@ namespace {
 
 std::size_t place(int index) {
   return static_cast<std::size_t>(index);
-}
-
-Correction correction_of(const Protocol& protocol) {
-  const std::optional<Correction> correction = correction_from(protocol.analysis.correction);
-  if (!correction)
-    throw StorageError(
-        fmt::format("protocol {}: unknown correction \"{}\"", protocol.name, protocol.analysis.correction));
-  return *correction;
 }
 
 // Sums over the counted trials of a cell.
@@ -35,14 +29,15 @@ struct Delivered {
   void add(const CountedTrial& trial, const std::array<double, 2>& pair) noexcept {
     const double middle = 0.5 * (pair[0] + pair[1]);
     for (std::size_t i = 0; i < 2; ++i) {
-      if (!trial.delivered[i]) continue;
+      const std::optional<double> delivered = trial.delivered(i);
+      if (!delivered) continue;
       const std::size_t place = trial.asked[i] > middle ? 1 : 0;
-      stiffness[place] += *trial.delivered[i];
+      stiffness[place] += *delivered;
       ++intervals[place];
     }
     if (trial.same) return;
-    if (trial.delivered[0] && trial.delivered[1]) {
-      differences += std::abs(*trial.delivered[1] - *trial.delivered[0]);
+    if (trial.delivered(0) && trial.delivered(1)) {
+      differences += std::abs(*trial.delivered(1) - *trial.delivered(0));
       ++n;
     } else {
       ++without_fit;
@@ -120,9 +115,32 @@ void add_contrasts(StudyAnalysis& analysis, const Protocol& protocol) {
   }
 }
 
-// participants: in the order of the report.
-void estimate(StudyAnalysis& analysis, std::vector<ParticipantData> participants, const Protocol& protocol) {
-  const Correction correction = correction_of(protocol);
+// Replicates of the bootstrap interval of a least-squares JND, and up to how many participants it is computed.
+constexpr int kReplicates = 2000;
+constexpr int kMostIntervals = 500;
+
+// The registered estimate. Maximum likelihood brings its profile interval; least squares has none of its own but the
+// bootstrap's.
+JndEstimate estimate_threshold(const std::vector<SeriesCounts>& series, const Protocol& protocol,
+                               const ThresholdMethod& method, bool intervals, std::uint64_t seed) {
+  JndEstimate estimate = estimate_jnd(series, protocol.stimulus.reference, method.method, method.correction);
+  if (!intervals || method.method != JndMethod::least_squares || estimate.status == JndStatus::no_information)
+    return estimate;
+  const JndBootstrap bootstrap = least_squares_bootstrap(series, method.correction, kReplicates, seed);
+  estimate.ci_low = bootstrap.ci_low;
+  estimate.ci_high = bootstrap.ci_high;
+  estimate.slope_ci_low = bootstrap.slope_ci_low;
+  estimate.slope_ci_high = bootstrap.slope_ci_high;
+  return estimate;
+}
+
+// participants: in the order of the report. seed: of the bootstrap.
+void estimate(StudyAnalysis& analysis, std::vector<ParticipantData> participants, const Protocol& protocol,
+              std::uint64_t seed) {
+  const ThresholdMethod method = registered_method(protocol);
+  const Correction rate_correction = correction_from(protocol.analysis.correction).value_or(Correction::loglinear);
+  analysis.method = method;
+  analysis.intervals = participants.size() <= kMostIntervals;
   const int conditions = static_cast<int>(protocol.conditions.size()),
             series = static_cast<int>(protocol.series.size());
   analysis.participants = static_cast<int>(participants.size());
@@ -133,7 +151,7 @@ void estimate(StudyAnalysis& analysis, std::vector<ParticipantData> participants
       for (int one = 0; one < series; ++one) {
         const ParticipantData::Cell& cell = data.cells[place(condition * series + one)];
         CellResult result{data.participant, analysis.kind, condition,    one,
-                          cell.counts,      cell.excluded, cell.missing, yes_no(cell.counts, correction)};
+                          cell.counts,      cell.excluded, cell.missing, yes_no(cell.counts, rate_correction)};
         set_difference(result, cell.delivered, protocol, analysis.by);
         of_series.push_back({result.difference, cell.counts});
         if (result.yes_no.status != RateStatus::missing) sources.push_back(result.difference_source);
@@ -141,7 +159,7 @@ void estimate(StudyAnalysis& analysis, std::vector<ParticipantData> participants
       }
       ParticipantData::Times& times = data.times[place(condition)];
       analysis.thresholds.push_back({data.participant, analysis.kind, condition,
-                                     least_squares_jnd(of_series, protocol.stimulus.reference, correction),
+                                     estimate_threshold(of_series, protocol, method, analysis.intervals, seed),
                                      median(std::move(times.response_times_s)),
                                      times.trials > 0 ? times.sum_s / times.trials : 0, combined(sources)});
     }
@@ -181,13 +199,22 @@ StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind 
   return analyze(study, protocol, kind, registered_source(protocol));
 }
 
+std::vector<SessionInfo> sessions_of(const Study& study, SessionKind kind) {
+  std::vector<SessionInfo> sessions = study.sessions();  // by participant number
+  std::erase_if(sessions, [&](const SessionInfo& session) { return session.kind != kind; });
+  return sessions;
+}
+
 StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by) {
+  const std::vector<SessionInfo> sessions = sessions_of(study, kind);
+  return analyze(study, protocol, kind, by, sessions, read_counted_trials(study, protocol, sessions));
+}
+
+StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by,
+                      const std::vector<SessionInfo>& sessions, const std::vector<CountedTrial>& trials) {
   StudyAnalysis analysis;
   analysis.kind = kind;
   analysis.by = by;
-  std::vector<SessionInfo> sessions = study.sessions();  // by participant number
-  std::erase_if(sessions, [&](const SessionInfo& session) { return session.kind != kind; });
-
   std::vector<ParticipantData> participants;
   std::vector<std::size_t> participant_of;  // session -> place in participants
   for (const SessionInfo& session : sessions) {
@@ -198,11 +225,10 @@ StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind 
   }
 
   const std::size_t series = protocol.series.size();
-  for (const CountedTrial& trial : read_counted_trials(study, protocol, sessions)) {
+  for (const CountedTrial& trial : trials) {
     ParticipantData& data = participants[participant_of[place(trial.session)]];
     ParticipantData::Cell& cell = data.cells[place(trial.condition) * series + place(trial.series)];
-    const std::string_view reason =
-        exclusion_reason(protocol.analysis.exclude, trial.by_participant, trial.response_time_s, trial.saturated_share);
+    const std::string_view reason = exclusion_reason(protocol.analysis.exclude, trial);
     if (!reason.empty()) {
       ++cell.excluded;
       ++analysis.exclusions[std::string(reason)];
@@ -220,7 +246,7 @@ StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind 
     for (ParticipantData::Cell& cell : data.cells)
       cell.missing =
           std::max(0, protocol.design.trials_per_cell - cell.counts.n_diff - cell.counts.n_same - cell.excluded);
-  estimate(analysis, std::move(participants), protocol);
+  estimate(analysis, std::move(participants), protocol, study.info().seed);
   return analysis;
 }
 
@@ -250,7 +276,7 @@ StudyAnalysis analyze_counts(const std::vector<CellCounts>& cells, const Protoco
     counts.n_same += cell.counts.n_same;
     counts.false_alarms += cell.counts.false_alarms;
   }
-  estimate(analysis, std::move(participants), protocol);
+  estimate(analysis, std::move(participants), protocol, 1);
   return analysis;
 }
 

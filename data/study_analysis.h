@@ -15,6 +15,8 @@
 #include "analysis/jnd.h"
 #include "analysis/yes_no.h"
 #include "data/study.h"
+#include "data/threshold_method.h"
+#include "data/trial_rows.h"
 #include "protocols/protocol.h"
 
 namespace jnd {
@@ -84,6 +86,10 @@ struct SessionHead {
 struct StudyAnalysis {
   SessionKind kind = SessionKind::simulated;
   DifferenceSource by = DifferenceSource::nominal;  // what was asked for: nominal or delivered
+  ThresholdMethod method;                           // the registered one, behind every slope and JND here
+  // Whether thresholds carry intervals: of the fit itself (maximum likelihood), or a bootstrap of least squares, which
+  // is left out above 500 participants.
+  bool intervals = true;
   int participants = 0;
   std::vector<CellResult> cells;            // by participant, condition, series
   std::vector<ThresholdResult> thresholds;  // by participant, condition
@@ -97,6 +103,11 @@ struct StudyAnalysis {
 // one.
 StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind kind);
 StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by);
+// The same of trials that were read before, for callers who want them for more than this.
+StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by,
+                      const std::vector<SessionInfo>& sessions, const std::vector<CountedTrial>& trials);
+// By participant number.
+std::vector<SessionInfo> sessions_of(const Study& study, SessionKind kind);
 // The kinds that the study holds, real first.
 std::vector<SessionKind> kinds_in(const Study& study);
 

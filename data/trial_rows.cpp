@@ -1,5 +1,8 @@
 #include "data/trial_rows.h"
 
+#include <string>
+#include <unordered_map>
+
 #include <fmt/format.h>
 
 #include "data/study_impl.h"
@@ -16,41 +19,39 @@ std::string_view exclusion_reason(const Exclusions& rules, bool by_participant, 
   return {};
 }
 
-namespace {
-
-// Two fingers with two devices each: the largest rig. One with more would be refused, not read in part.
-constexpr int kDevices = 4;
-constexpr int kFirstDelivered = 11;  // column of the query
-
-std::string query_text(StiffnessUnit unit) {
-  const std::string_view suffix = name_suffix(unit);
-  std::string text = fmt::format(
-      "SELECT json_extract(body, '$.series_place'), json_extract(body, '$.condition_place'), same, answer, entered_by, "
-      "response_time_s, duration_s, saturated_share, seq, json_extract(body, '$.stimulus_1_{0}'), json_extract(body, "
-      "'$.stimulus_2_{0}')",
-      suffix);
-  for (int interval = 0; interval < 2; ++interval) {
-    for (int device = 0; device < kDevices; ++device)
-      text +=
-          fmt::format(", json_extract(body, '$.presentations[{}].fingers[{}].stiffness_{}')", interval, device, suffix);
-    text += fmt::format(", json_extract(body, '$.presentations[{}].fingers[{}]') IS NOT NULL", interval, kDevices);
-  }
-  return text + " FROM event WHERE kind = 'trial.completed' AND session = ? AND practice = 0 ORDER BY seq";
+std::string_view exclusion_reason(const Exclusions& rules, const CountedTrial& trial) noexcept {
+  return exclusion_reason(rules, trial.by_participant, trial.response_time_s, trial.saturated_share);
 }
 
-std::optional<double> mean_delivered(SQLite::Statement& query, int interval) {
-  const int first = kFirstDelivered + interval * (kDevices + 1);
-  if (query.getColumn(first + kDevices).getInt() != 0)
-    throw StorageError(fmt::format("a presentation has more than {} devices", kDevices));
-  double sum = 0;
-  int fits = 0;
-  for (int device = 0; device < kDevices; ++device) {
-    const SQLite::Column stiffness = query.getColumn(first + device);
-    if (stiffness.isNull()) continue;
-    sum += stiffness.getDouble();
-    ++fits;
+namespace {
+
+// In the order of the file, without an index: page after page is several times faster than row after row, and the
+// events of one session still come in their order, because they are only ever appended.
+constexpr const char* kCompletedTrials =
+    "SELECT session, seq, body FROM event NOT INDEXED WHERE kind = 'trial.completed' ORDER BY rowid";
+
+// A session's place in the list that was asked for; -1 where it is not in it.
+class SessionPlaces {
+ public:
+  explicit SessionPlaces(const std::vector<SessionInfo>& sessions) {
+    for (std::size_t place = 0; place < sessions.size(); ++place)
+      places_.emplace(sessions[place].id, static_cast<int>(place));
   }
-  return fits > 0 ? std::optional<double>(sum / fits) : std::nullopt;
+  int of(const char* session) {
+    if (last_ == session) return place_;  // neighbours in the file are mostly of one session
+    last_ = session;
+    const auto found = places_.find(last_);
+    return place_ = found == places_.end() ? -1 : found->second;
+  }
+
+ private:
+  std::unordered_map<std::string, int> places_;
+  std::string last_;
+  int place_ = -1;
+};
+
+bool within(int place, std::size_t size) noexcept {
+  return place >= 0 && place < static_cast<int>(size);
 }
 
 }  // namespace
@@ -60,33 +61,30 @@ std::vector<CountedTrial> read_counted_trials(const Study& study, const Protocol
   const Study::Impl& impl = study.impl();
   const std::scoped_lock lock(impl.mutex);
   return with_storage_errors(impl.path, [&] {
-    SQLite::Statement query(impl.database(), query_text(protocol.stimulus.unit));
+    SQLite::Statement query(impl.database(), kCompletedTrials);
+    SessionPlaces places(sessions);
+    TrialBodyReader reader(protocol.stimulus.unit);
     std::vector<CountedTrial> trials;
-    for (std::size_t place = 0; place < sessions.size(); ++place) {
-      query.bind(1, sessions[place].id);
-      while (query.executeStep()) {
-        CountedTrial trial;
-        trial.session = static_cast<int>(place);
-        trial.series = query.getColumn(0).getInt();
-        trial.condition = query.getColumn(1).getInt();
-        const bool known = trial.series >= 0 && trial.series < static_cast<int>(protocol.series.size()) &&
-                           trial.condition >= 0 && trial.condition < static_cast<int>(protocol.conditions.size());
-        if (!known)
-          throw StorageError(fmt::format(
-              "{}: session {}, event {}: series {} or condition {} is not in the protocol; "
-              "run jnd verify",
-              impl.path.string(), sessions[place].id, query.getColumn(8).getInt64(), trial.series, trial.condition));
-        trial.same = query.getColumn(2).getInt() != 0;
-        trial.said_different = query.getColumn(3).getString() == to_string(Judgement::different);
-        trial.by_participant = query.getColumn(4).getString() == to_string(EnteredBy::participant);
-        trial.response_time_s = query.getColumn(5).getDouble();
-        trial.duration_s = query.getColumn(6).getDouble();
-        trial.saturated_share = query.getColumn(7).getDouble();
-        trial.asked = {query.getColumn(9).getDouble(), query.getColumn(10).getDouble()};
-        trial.delivered = {mean_delivered(query, 0), mean_delivered(query, 1)};
-        trials.push_back(trial);
+    while (query.executeStep()) {
+      const int place = places.of(query.getColumn(0).getText());
+      if (place < 0) continue;
+      const SQLite::Column body = query.getColumn(2);
+      const auto failed = [&](const std::string& what) {
+        return StorageError(fmt::format("{}: session {}, event {}: {}; run jnd verify", impl.path.string(),
+                                        sessions[static_cast<std::size_t>(place)].id, query.getColumn(1).getInt64(),
+                                        what));
+      };
+      CountedTrial trial;
+      try {
+        trial = reader.read({body.getText(), static_cast<std::size_t>(body.getBytes())});
+      } catch (const StorageError& error) {
+        throw failed(error.what());
       }
-      query.reset();
+      if (trial.practice) continue;
+      trial.session = place;
+      if (!within(trial.series, protocol.series.size()) || !within(trial.condition, protocol.conditions.size()))
+        throw failed(fmt::format("series {} or condition {} is not in the protocol", trial.series, trial.condition));
+      trials.push_back(trial);
     }
     return trials;
   });

@@ -157,13 +157,29 @@ struct Contrast {
   int a = 0, b = 0;  // places in Protocol::conditions; the difference is a - b
 };
 
+// Tests of the conditions against each other.
+enum class Outcome { slope, jnd, log_jnd };
+enum class Omnibus { none, anova, friedman };
+enum class PostHoc { holm_t, games_howell, tukey, wilcoxon };
+
+struct GroupTestPlan {
+  // The slope exists for nearly everyone; the JND and its logarithm only for those whose slope is positive, and tests
+  // on them are refused where somebody has none.
+  Outcome outcome = Outcome::slope;
+  Omnibus omnibus = Omnibus::anova;
+  PostHoc post_hoc = PostHoc::holm_t;
+  double alpha = 0.05;
+};
+
 struct AnalysisPlan {
-  std::string model = "yes-no";
-  std::string correction = "loglinear";  // none, loglinear, half
-  std::string jnd_method = "least_squares";
-  bool by_delivered = false;  // slopes over the delivered stiffness differences
+  std::string model = "yes-no";              // of d': yes-no, differencing, independent-observation
+  std::string correction = "loglinear";      // none, loglinear, half
+  std::string jnd_method = "least_squares";  // ml, weighted, inverse_mean_slope, mean_of_ratios
+  bool common_criterion = false;             // of ml: one criterion for all series of a condition
+  bool by_delivered = false;                 // slopes over the delivered stiffness differences
   Exclusions exclude;
   std::vector<Contrast> contrasts;
+  GroupTestPlan tests;
 };
 
 struct Protocol {

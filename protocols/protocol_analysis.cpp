@@ -50,6 +50,44 @@ void read_contrasts(const JsonNode& list, ProtocolReading& reading) {
   }
 }
 
+void read_tests(const JsonNode& node, ProtocolReading& reading) {
+  GroupTestPlan& tests = reading.protocol.analysis.tests;
+  JsonReader reader(node, reading.errors, reading.file);
+  tests.outcome = reader.one_of_or<Outcome>(
+      "on", {{"slope", Outcome::slope}, {"jnd", Outcome::jnd}, {"log-jnd", Outcome::log_jnd}}, tests.outcome);
+  tests.omnibus = reader.one_of_or<Omnibus>(
+      "omnibus", {{"anova", Omnibus::anova}, {"friedman", Omnibus::friedman}, {"none", Omnibus::none}}, tests.omnibus);
+  tests.post_hoc = reader.one_of_or<PostHoc>("post_hoc",
+                                             {{"holm-t", PostHoc::holm_t},
+                                              {"games-howell", PostHoc::games_howell},
+                                              {"tukey", PostHoc::tukey},
+                                              {"wilcoxon", PostHoc::wilcoxon}},
+                                             tests.post_hoc);
+  tests.alpha = reader.optional_number("alpha", {.min = 0, .max = 0.5, .above = true}).value_or(tests.alpha);
+  reader.finish();
+}
+
+// Which estimates there are: a JND by a line through d' needs a d' of each series, which the differencing model has
+// only by maximum likelihood over all series.
+void check_model_and_method(const JsonNode& node, JsonReader& reader, ProtocolReading& reading) {
+  const AnalysisPlan& analysis = reading.protocol.analysis;
+  if (const JsonNode* model = node.find("model"); model == nullptr || !reading.sound(model->path)) return;
+  if (const JsonNode* method = node.find("jnd"); method == nullptr || !reading.sound(method->path)) return;
+  if (analysis.model == "differencing" && analysis.jnd_method != "ml")
+    reader.error("jnd", fmt::format("{} does not go with the differencing model", in_quotes(analysis.jnd_method)),
+                 "write \"ml\": the joint fit of all series");
+  if (analysis.model == "independent-observation" && analysis.jnd_method != "least_squares")
+    reader.error("jnd",
+                 fmt::format("{} does not go with the independent-observation model", in_quotes(analysis.jnd_method)),
+                 "write \"least_squares\"");
+  if (analysis.model == "independent-observation" && analysis.correction == "none")
+    reader.error("correction", "rates of 0 and 1 have no d' in the independent-observation model",
+                 "write \"loglinear\" or \"half\"");
+  if (analysis.common_criterion && analysis.jnd_method != "ml")
+    reader.error("criterion", "a common criterion is part of the joint fit only",
+                 "write \"jnd\": \"ml\", or remove it");
+}
+
 }  // namespace
 
 void read_source(const JsonNode& node, ProtocolReading& reading) {
@@ -111,19 +149,22 @@ void read_assumed(const JsonNode& list, ProtocolReading& reading) {
 void read_analysis(const JsonNode& node, ProtocolReading& reading) {
   AnalysisPlan& analysis = reading.protocol.analysis;
   JsonReader reader(node, reading.errors, reading.file);
-  if (reader.word("model", {"yes-no"}, {"differencing", "independent-observation"}, true)) analysis.model = "yes-no";
+  analysis.model = reader.one_of<std::string>(
+      "model",
+      {{"yes-no", "yes-no"}, {"differencing", "differencing"}, {"independent-observation", "independent-observation"}});
   analysis.correction =
       reader.one_of<std::string>("correction", {{"none", "none"}, {"loglinear", "loglinear"}, {"half", "half"}});
-  if (reader.word("jnd", {"least_squares"}, {"ml", "weighted", "mean_of_ratios", "inverse_mean_slope"}, true))
-    analysis.jnd_method = "least_squares";
+  analysis.jnd_method = reader.one_of<std::string>("jnd", {{"least_squares", "least_squares"},
+                                                           {"ml", "ml"},
+                                                           {"weighted", "weighted"},
+                                                           {"inverse_mean_slope", "inverse_mean_slope"},
+                                                           {"mean_of_ratios", "mean_of_ratios"}});
+  analysis.common_criterion = reader.one_of_or<bool>("criterion", {{"per-series", false}, {"common", true}}, false);
+  check_model_and_method(node, reader, reading);
   analysis.by_delivered = reader.one_of_or<bool>("stiffness", {{"nominal", false}, {"delivered", true}}, false);
   if (const JsonNode* exclude = reader.object_or_null("exclude")) read_exclusions(*exclude, reading);
   if (const JsonNode* contrasts = reader.array_or_null("contrasts", 0, 190)) read_contrasts(*contrasts, reading);
-  if (const JsonNode* tests = node.find("tests")) {
-    reader.ignore("tests");  // reported here, not as an unknown key
-    reading.error(*tests, "registered tests are not available in this version",
-                  "remove it; the contrasts' differences are available");
-  }
+  if (const JsonNode* tests = reader.object_or_null("tests")) read_tests(*tests, reading);
   reader.finish();
 }
 

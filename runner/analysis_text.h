@@ -3,15 +3,19 @@
 
 #include <nlohmann/json.hpp>
 
-#include "data/study_analysis.h"
+#include "data/study_models.h"
+#include "data/study_results.h"
 #include "protocols/protocol.h"
+#include "runner/result_tables.h"
 
 namespace jnd {
 
-void print_participants(const StudyAnalysis& analysis, const Protocol& protocol);
-void print_cells(const StudyAnalysis& analysis, const Protocol& protocol);
-void print_group(const StudyAnalysis& analysis, const Protocol& protocol);
+void print_table(const ResultTable& table);
+// Deviations from the plan, then warnings; nothing where there are none.
+void print_remarks(const StudyResults& results);
 
 nlohmann::ordered_json to_json(const StudyAnalysis& analysis, const Protocol& protocol);
+nlohmann::ordered_json to_json(const StudyResults& results, const Protocol& protocol);
+nlohmann::ordered_json to_json(const StudyModels& models, const Protocol& protocol);
 
 }  // namespace jnd

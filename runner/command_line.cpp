@@ -9,6 +9,7 @@
 #include "devices/device_error.h"
 #include "protocols/input_error.h"
 #include "protocols/version.h"
+#include "runner/calc.h"
 #include "runner/commands.h"
 #include "runner/device_commands.h"
 #include "runner/interrupt.h"
@@ -128,7 +129,14 @@ int run_command_line(int argc, const char* const* argv) {
       ->add_option("--by", analyze.by,
                    "slopes over nominal or delivered stiffness differences (default: what the protocol registers)")
       ->check(CLI::IsMember({"nominal", "delivered"}));
+  command->add_option("--models", analyze.models, "registered (default), or all: every model beside it")
+      ->check(CLI::IsMember({"registered", "all"}));
   command->add_flag("--cells", analyze.cells, "also every cell: counts, rates, z and d'");
+  command->add_option("--csv", analyze.csv, "also the results as CSV files in this folder");
+  command->add_flag("--replace", analyze.replace, "replace the CSV folder of an earlier analysis");
+  command->add_option("--methods", analyze.methods,
+                      "the file for the methods in words (default: methods.md beside the study)");
+  command->add_flag("--no-methods", analyze.no_methods, "write no methods file");
   command->add_flag("--json", analyze.json, "machine-readable");
   command->callback([&] { chosen = [&] { return command_analyze(analyze); }; });
 
@@ -154,6 +162,7 @@ int run_command_line(int argc, const char* const* argv) {
   command->add_flag("--json", doctor.json, "machine-readable");
   command->callback([&] { chosen = [&] { return command_doctor(doctor); }; });
 
+  add_calc_commands(app, chosen);
   add_device_commands(app, chosen);
 
   try {

@@ -34,11 +34,14 @@ int simulate_without_study(const Simulation& simulation, bool json) {
   }
   const std::vector<CellCounts> cells = simulate_counts(simulation);
   if (interrupt_requested()) return interrupted();
-  const StudyAnalysis analysis = analyze_counts(cells, simulation.protocol, SessionKind::simulated);
-  if (json)
-    fmt::print("{}\n", to_json(analysis, simulation.protocol).dump());
-  else
-    print_group(analysis, simulation.protocol);
+  const StudyResults results =
+      results_of(analyze_counts(cells, simulation.protocol, SessionKind::simulated), simulation.protocol);
+  if (json) {
+    fmt::print("{}\n", to_json(results, simulation.protocol).dump());
+    return exit_code::kDone;
+  }
+  for (const ResultTable& table : result_tables(results, simulation.protocol))
+    if (table.id == "group" || table.id == "contrasts") print_table(table);
   return exit_code::kDone;
 }
 

@@ -1,13 +1,11 @@
-// jnd status, verify, analyze and export: what a study holds and what it says.
+// jnd status, verify and export: what a study holds.
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
 
 #include "data/export.h"
-#include "data/study_analysis.h"
+#include "data/study_results.h"
 #include "devices/governor.h"
-#include "runner/analysis_text.h"
 #include "runner/commands.h"
 #include "runner/json_output.h"
 #include "runner/study_access.h"
@@ -83,61 +81,16 @@ int command_verify(const StudyOptions& options) {
   return ok ? exit_code::kDone : exit_code::kProblemFound;
 }
 
-namespace {
-
-void say_other_kinds(const Study& study, SessionKind analysed) {
-  for (const SessionKind kind : kinds_in(study))
-    if (kind != analysed)
-      fmt::print("{}\n", warn(fmt::format("This study also has {} sessions; they are not in these numbers (--kind {}).",
-                                          to_string(kind), to_string(kind))));
-}
-
-DifferenceSource source_to_analyse(const Protocol& protocol, const std::optional<std::string>& named) {
-  if (!named) return registered_source(protocol);
-  for (const DifferenceSource source : {DifferenceSource::nominal, DifferenceSource::delivered})
-    if (*named == to_string(source)) return source;
-  throw UsageError(fmt::format("'{}': --by takes nominal or delivered", *named));
-}
-
-}  // namespace
-
-int command_analyze(const AnalyzeOptions& options) {
-  const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_only);
-  const Protocol protocol = protocol_of(*study);
-  const SessionKind kind = kind_to_analyse(*study, options.kind);
-  const StudyAnalysis analysis = analyze(*study, protocol, kind, source_to_analyse(protocol, options.by));
-  if (options.json) {
-    fmt::print("{}\n", to_json(analysis, protocol).dump());
-    return exit_code::kDone;
-  }
-  fmt::print("{}\n{}\n\n", bold(printable(protocol.title)),
-             dim(fmt::format("protocol {}, seed {}", protocol.sha256.substr(0, 12), study->info().seed)));
-  if (analysis.participants == 0) {
-    fmt::print("  no {} session yet\n", to_string(kind));
-    return exit_code::kDone;
-  }
-  if (options.cells) print_cells(analysis, protocol);
-  print_participants(analysis, protocol);
-  print_group(analysis, protocol);
-  int open = 0;
-  for (const SessionHead& head : analysis.heads) open += head.closed ? 0 : 1;
-  if (open > 0)
-    fmt::print("{}\n", warn(fmt::format("{} of {} sessions are not finished: these numbers are not final.", open,
-                                        analysis.heads.size())));
-  say_other_kinds(*study, kind);
-  return exit_code::kDone;
-}
-
 int command_export(const ExportOptions& options) {
   const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_only);
   const Protocol protocol = protocol_of(*study);
   const SessionKind kind = kind_to_analyse(*study, options.kind);
-  const StudyAnalysis analysis = analyze(*study, protocol, kind, source_to_analyse(protocol, options.by));
+  const StudyResults results = results_of(*study, protocol, kind, source_to_analyse(protocol, options.by));
   std::optional<TelemetryExport> telemetry;
   if (options.telemetry) telemetry = {{limit::kNames.begin(), limit::kNames.end()}};
   const std::vector<std::string> files =
-      export_csv(*study, protocol, analysis, options.folder, options.replace, telemetry);
-  fmt::print("{} CSV files ({} data) in {}; dictionary.csv says what every column is\n", files.size(), to_string(kind),
+      export_csv(*study, protocol, results, options.folder, options.replace, telemetry);
+  fmt::print("{} files ({} data) in {}; dictionary.csv says what every column is\n", files.size(), to_string(kind),
              options.folder);
   if (options.telemetry && std::none_of(files.begin(), files.end(), [](const std::string& file) {
         return file.find("/telemetry/") != std::string::npos;

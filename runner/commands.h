@@ -84,8 +84,13 @@ struct AnalyzeOptions {
   std::string study;
   std::optional<std::string> kind;  // real, pilot or simulated
   std::optional<std::string> by;    // nominal or delivered; without it, what the protocol registers
+  std::string models = "registered";  // or "all": every model, method and correction beside the registered one
   bool cells = false;
   bool json = false;
+  std::string csv;       // a folder for the results as CSV; empty: none
+  bool replace = false;  // that folder, where an earlier one is there
+  std::string methods;   // the file for the methods in words; empty: methods.md beside the study
+  bool no_methods = false;
 };
 int command_analyze(const AnalyzeOptions& options);
 

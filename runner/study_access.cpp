@@ -10,6 +10,7 @@
 #include "protocols/protocol_json.h"
 #include "runner/commands.h"
 #include "runner/resources.h"
+#include "runner/terminal.h"
 
 namespace jnd {
 
@@ -70,6 +71,20 @@ SessionKind kind_to_analyse(const Study& study, const std::optional<std::string>
     return *kind;
   }
   return kinds.empty() ? SessionKind::real : kinds.front();
+}
+
+void say_other_kinds(const Study& study, SessionKind analysed) {
+  for (const SessionKind kind : kinds_in(study))
+    if (kind != analysed)
+      fmt::print("{}\n", warn(fmt::format("This study also has {} sessions; they are not in these numbers (--kind {}).",
+                                          to_string(kind), to_string(kind))));
+}
+
+DifferenceSource source_to_analyse(const Protocol& protocol, const std::optional<std::string>& named) {
+  if (!named) return registered_source(protocol);
+  for (const DifferenceSource source : {DifferenceSource::nominal, DifferenceSource::delivered})
+    if (*named == to_string(source)) return source;
+  throw UsageError(fmt::format("'{}': --by takes nominal or delivered", *named));
 }
 
 }  // namespace jnd

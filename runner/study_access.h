@@ -8,6 +8,7 @@
 #include <string>
 
 #include "data/study.h"
+#include "data/study_analysis.h"
 #include "devices/rig_factory.h"
 #include "protocols/protocol.h"
 
@@ -29,5 +30,10 @@ Protocol protocol_of(const Study& study);
 
 // The kind to analyse: the one named, else the only one there is, else real. Throws UsageError.
 SessionKind kind_to_analyse(const Study& study, const std::optional<std::string>& named);
+// The kinds that an analysis left out, said on standard output.
+void say_other_kinds(const Study& study, SessionKind analysed);
+
+// The stiffness differences to analyse by: "nominal" or "delivered", or what the protocol registers. Throws UsageError.
+DifferenceSource source_to_analyse(const Protocol& protocol, const std::optional<std::string>& named);
 
 }  // namespace jnd

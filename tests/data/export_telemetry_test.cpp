@@ -25,12 +25,12 @@ TEST_CASE("the ticks of every interval are a file each, on request", "[data]") {
     log->append(event_kind::kTrialVoided, body, {1, 1}, blobs);
   }
   append_with_telemetry(*log, trials[0], {press(40), press(30)});
-  const StudyAnalysis analysis = analyze(*study, tutorial(), SessionKind::simulated);
-  export_csv(*study, tutorial(), analysis, folder / "plain", false);
+  const StudyResults results = results_of(*study, tutorial(), SessionKind::simulated);
+  export_csv(*study, tutorial(), results, folder / "plain", false);
   for (const auto& [name, bytes] : files_in(folder / "plain")) CHECK(name.find("telemetry") == std::string::npos);
 
   const TelemetryExport names{{"force_cap", "force_rise"}};
-  export_csv(*study, tutorial(), analysis, folder / "out", false, names);
+  export_csv(*study, tutorial(), results, folder / "out", false, names);
   const auto files = files_in(folder / "out");
   const std::string ticks = "sub-P01/telemetry/trial-001-attempt-1-interval-";
   REQUIRE(files.contains(ticks + "1.csv"));
@@ -64,17 +64,17 @@ TEST_CASE("the ticks of every interval are a file each, on request", "[data]") {
 
   // It may be replaced, with or without ticks, but not where anything else lies among them.
   std::ofstream(folder / "out" / "sub-P01" / "telemetry" / "trial-001-notes.csv") << "precious";
-  CHECK_THROWS_WITH(export_csv(*study, tutorial(), analysis, folder / "out", true),
+  CHECK_THROWS_WITH(export_csv(*study, tutorial(), results, folder / "out", true),
                     Catch::Contains("trial-001-notes.csv"));
   fs::remove(folder / "out" / "sub-P01" / "telemetry" / "trial-001-notes.csv");
-  export_csv(*study, tutorial(), analysis, folder / "out", true);
+  export_csv(*study, tutorial(), results, folder / "out", true);
   CHECK(files_in(folder / "out") == files_in(folder / "plain"));
 
   // What was changed is not exported as if it were not.
   study->close();
   raw_sql(folder / "study.jnd", "DROP TRIGGER telemetry_no_update; UPDATE telemetry SET bytes = x'00'");
   const auto changed = Study::open(folder / "study.jnd", Study::Access::read_only);
-  CHECK_THROWS_WITH(export_csv(*changed, tutorial(), analysis, folder / "changed", false, names),
+  CHECK_THROWS_WITH(export_csv(*changed, tutorial(), results, folder / "changed", false, names),
                     Catch::Contains("was changed"));
   CHECK_FALSE(fs::exists(folder / "changed"));
 }

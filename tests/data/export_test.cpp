@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 std::map<std::string, std::string> exported(const Study& study, const Protocol& protocol, const fs::path& folder,
                                             bool replace = false) {
-  export_csv(study, protocol, analyze(study, protocol, SessionKind::simulated), folder, replace);
+  export_csv(study, protocol, results_of(study, protocol, SessionKind::simulated), folder, replace);
   return files_in(folder);
 }
 
@@ -58,13 +58,14 @@ TEST_CASE("cells are quoted where they must be, and numbers keep every digit", "
 TEST_CASE("an export holds every trial and result, and its dictionary every column of every file", "[data]") {
   const TemporaryFolder folder;
   const auto study = small_study(folder / "study.jnd");
-  const StudyAnalysis analysis = analyze(*study, tutorial(), SessionKind::simulated);
-  const auto listed = export_csv(*study, tutorial(), analysis, folder / "out", false);
+  const StudyResults results = results_of(*study, tutorial(), SessionKind::simulated);
+  const auto listed = export_csv(*study, tutorial(), results, folder / "out", false);
   const auto files = files_in(folder / "out");
-  CHECK(listed == std::vector<std::string>{"answers.csv", "contrasts.csv", "dictionary.csv", "group.csv",
+  CHECK(listed == std::vector<std::string>{"answers.csv", "behaviour.csv", "contrasts.csv", "dictionary.csv",
+                                           "group.csv", "methods.md", "pairs.csv", "ratings.csv", "sensitivity.csv",
                                            "sessions.csv", "sub-P01/cells.csv", "sub-P01/report.csv",
                                            "sub-P01/trials.csv", "sub-P02/cells.csv", "sub-P02/report.csv",
-                                           "sub-P02/trials.csv"});
+                                           "sub-P02/trials.csv", "tests.csv"});
   CHECK(files.size() == listed.size());
 
   std::map<std::string, std::set<std::string>> described;
@@ -75,6 +76,7 @@ TEST_CASE("an export holds every trial and result, and its dictionary every colu
   }
   for (const auto& [name, bytes] : files) {
     CAPTURE(name);
+    if (name == "methods.md") continue;
     const auto rows = read_csv(bytes);
     const std::string pattern = name.starts_with("sub-") ? "sub-*" + name.substr(name.find('/')) : name;
     const std::set<std::string> columns(rows[0].begin(), rows[0].end());
@@ -110,7 +112,7 @@ TEST_CASE("an export holds every trial and result, and its dictionary every colu
   CHECK(answers[1][9] == "'=1+1, \"both\"\nhands");
   CHECK(answers[2][8] == "0");
   CHECK(answers[2][9].empty());
-  CHECK(files.at("sessions.csv").find(analysis.heads[0].hash) != std::string::npos);
+  CHECK(files.at("sessions.csv").find(results.analysis.heads[0].hash) != std::string::npos);
   CHECK(files.at("sessions.csv").find(std::to_string(kSeed)) != std::string::npos);
 }
 

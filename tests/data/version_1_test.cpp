@@ -48,7 +48,8 @@ TEST_CASE("a study of version 1 is read, verified, analysed and exported as it i
       CHECK(old.cells[i].counts == now.cells[i].counts);
       CHECK(old.cells[i].delivered_difference.mean == now.cells[i].delivered_difference.mean);
     }
-    export_csv(*study, tutorial(), old, folder / "out", false, TelemetryExport{});
+    export_csv(*study, tutorial(), results_of(*study, tutorial(), SessionKind::simulated), folder / "out", false,
+               TelemetryExport{});
     CHECK(bytes_of(folder / "out" / "sub-P01" / "cells.csv").size() > 100);
   }
   CHECK(bytes_of(path) == before);

@@ -12,6 +12,7 @@
 #include "data/export.h"
 #include "data/storage_error.h"
 #include "data/study_analysis.h"
+#include "data/study_results.h"
 #include "protocols/adaptive_run.h"
 #include "protocols/random_stream.h"
 #include "runner/adaptive_text.h"
@@ -369,7 +370,7 @@ TEST_CASE("A simulated adaptive study: verified, read, exported; a changed answe
     CHECK(to_json(again, protocol) == to_json(results, protocol));
     // The pipeline of counts does not fail on it.
     const StudyAnalysis counts = analyze(*study, protocol, SessionKind::simulated);
-    export_csv(*study, protocol, counts, folder.path / "csv", false);
+    export_csv(*study, protocol, results_of(counts, protocol), folder.path / "csv", false);
     study->close();
   }
   const auto tampered = [&](const std::string& sql) {

@@ -72,7 +72,7 @@ std::string exported(const Protocol& protocol, std::uint64_t seed, int threads) 
   CHECK(report.problems.empty());
   CHECK(report.trials == 5 * 9 * 4);
   CHECK(report.voided == 0);
-  export_csv(*study, protocol, analyze(*study, protocol, SessionKind::simulated), folder.path / "csv", false);
+  export_csv(*study, protocol, results_of(*study, protocol, SessionKind::simulated), folder.path / "csv", false);
   return all_files(folder.path / "csv");
 }
 

@@ -1,0 +1,24 @@
+// The ratings of the questionnaires, as numbers.
+#pragma once
+
+#include <vector>
+
+#include "data/study.h"
+#include "protocols/protocol.h"
+
+namespace jnd {
+
+// One rating question with its answers, by session (the places in the list that was asked for).
+struct RatedQuestion {
+  int question = 0;     // place in Protocol::questions
+  bool paired = false;  // answered for each condition, or once
+  // sessions x conditions (paired), or sessions x 1. Where a question came more than once in a condition: the mean of
+  // its answers. NaN where there is none.
+  std::vector<double> ratings;
+};
+
+// Every question of kind rating, in the protocol's order.
+std::vector<RatedQuestion> read_ratings(const Study& study, const Protocol& protocol,
+                                        const std::vector<SessionInfo>& sessions);
+
+}  // namespace jnd

@@ -1,0 +1,36 @@
+// Everything that a study says, by its registered plan and beside it: what `analyze` prints, `export` writes and
+// `report` draws. Computed once, from the log alone.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "analysis/questionnaire.h"
+#include "data/study_analysis.h"
+#include "data/study_behaviour.h"
+#include "data/study_comparisons.h"
+#include "data/study_remarks.h"
+#include "data/study_sensitivity.h"
+#include "protocols/protocol.h"
+
+namespace jnd {
+
+struct StudyResults {
+  StudyAnalysis analysis;                          // cells, thresholds, group, contrasts
+  std::vector<OutcomeComparison> comparisons;      // the registered one first, then times, then ratings
+  SeriesComparison by_series;                      // condition x series
+  bool detailed = true;                            // what follows was computed; not above 500 participants
+  std::vector<SensitivityRow> sensitivity;         // the registered method first
+  StudyBehaviour behaviour;                        // order effect, bias, drift, cue strategy
+  PairedQuestionnaire ratings;                     // items rated under each condition
+  std::vector<ComparativeItemResult> comparative;  // rating items asked once
+  std::vector<std::string> deviations;             // from what was registered
+  std::vector<std::string> warnings;               // where the design cannot carry the number
+};
+
+StudyResults results_of(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by);
+StudyResults results_of(const Study& study, const Protocol& protocol, SessionKind kind);  // by what is registered
+// Of counts alone: without behaviour and ratings, and no times.
+StudyResults results_of(StudyAnalysis analysis, const Protocol& protocol);
+
+}  // namespace jnd

@@ -1,0 +1,259 @@
+// The rest of a study's results as JSON: comparisons, sensitivity, behaviour, ratings, models.
+#include <fmt/format.h>
+
+#include "runner/analysis_text.h"
+#include "runner/calc_detection.h"
+#include "runner/calc_group.h"
+#include "runner/json_output.h"
+
+namespace jnd {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const std::string& condition_name(const Protocol& protocol, int place) {
+  return protocol.conditions[static_cast<std::size_t>(place)].name;
+}
+
+Json contrast_json(const Contrast& contrast, const Protocol& protocol) {
+  return Json{{"a", condition_name(protocol, contrast.a)}, {"b", condition_name(protocol, contrast.b)}};
+}
+
+Json left_out_json(const std::vector<LeftOut>& left_out) {
+  Json out = Json::array();
+  for (const LeftOut& one : left_out) out.push_back({{"participant", one.participant}, {"reason", one.reason}});
+  return out;
+}
+
+Json outcome_json(const OutcomeComparison& outcome, const Protocol& protocol) {
+  Json out = {{"outcome", outcome.outcome},
+              {"title", outcome.title},
+              {"unit", outcome.unit},
+              {"registered", outcome.registered},
+              {"n_used", outcome.table.n},
+              {"n", outcome.table.n + outcome.left_out.size()},
+              {"left_out", left_out_json(outcome.left_out)},
+              {"refused", outcome.refused.empty() ? Json(nullptr) : Json(outcome.refused)}};
+  if (!outcome.refused.empty()) return out;
+  if (outcome.registered) {
+    out["omnibus_p"] = json_number(omnibus_p(outcome.comparison, protocol.analysis));
+    out["contrasts"] = Json::array();
+    const std::vector<double> p = contrast_p(outcome.comparison, protocol.analysis);
+    for (std::size_t i = 0; i < p.size(); ++i) {
+      Json one = contrast_json(protocol.analysis.contrasts[i], protocol);
+      one["p"] = json_number(p[i]);
+      out["contrasts"].push_back(one);
+    }
+  }
+  std::vector<std::string> names;
+  for (const Condition& condition : protocol.conditions) names.push_back(condition.name);
+  out["comparison"] = comparison_json({names, outcome.comparison});
+  return out;
+}
+
+Json effect_json(const TwoWayEffect& effect) {
+  const WithinEffect& e = effect.effect;
+  return {{"f", json_number(e.f)},
+          {"df1", json_number(e.df1)},
+          {"df2", json_number(e.df2)},
+          {"p", json_number(e.p)},
+          {"p_gg", json_number(e.p_gg)},
+          {"p_hf", json_number(e.p_hf)},
+          {"epsilon_gg", json_number(e.epsilon_gg)},
+          {"eta2_generalised", json_number(effect.eta2_generalised)},
+          {"eta2_partial", json_number(e.eta2_partial)},
+          {"status", to_text(e.status)}};
+}
+
+Json sensitivity_json(const SensitivityRow& row, const Protocol& protocol) {
+  Json out = {{"model", row.method.model},
+              {"correction", to_string(row.method.correction)},
+              {"method", to_string(row.method.method)},
+              {"registered", row.registered},
+              {"n", row.n},
+              {"participants", row.participants},
+              {"omnibus_p", json_number(row.omnibus_p)},
+              {"same_conclusion", row.same_conclusion},
+              {"refused", row.refused.empty() ? Json(nullptr) : Json(row.refused)},
+              {"conditions", Json::array()},
+              {"contrasts", Json::array()}};
+  for (std::size_t i = 0; i < row.median_jnd.size(); ++i)
+    out["conditions"].push_back({{"condition", protocol.conditions[i].name},
+                                 {"median_jnd", json_number(row.median_jnd[i])},
+                                 {"mean_jnd", json_number(row.mean_jnd[i])},
+                                 {"n_ok", row.n_ok[i]}});
+  for (std::size_t i = 0; i < row.contrast_p.size(); ++i) {
+    Json one = contrast_json(protocol.analysis.contrasts[i], protocol);
+    one["mean_slope_difference"] = json_number(row.contrast_slope[i]);
+    one["p"] = json_number(row.contrast_p[i]);
+    out["contrasts"].push_back(one);
+  }
+  return out;
+}
+
+Json half_json(const HalfDifference& half) {
+  return {{"first", json_number(half.first)},           {"second", json_number(half.second)},
+          {"difference", json_number(half.difference)}, {"ci_low", json_number(half.ci_low)},
+          {"ci_high", json_number(half.ci_high)},       {"p", json_number(half.p)}};
+}
+
+Json share_json(const Share& share) {
+  return {{"k", share.k}, {"n", share.n}, {"value", json_number(share.value)}};
+}
+
+Json behaviour_json(const BehaviourRow& row, const Protocol& protocol) {
+  return {{"participant", row.participant.empty() ? Json(nullptr) : Json(row.participant)},
+          {"condition", row.condition < 0 ? Json(nullptr) : Json(condition_name(protocol, row.condition))},
+          {"order_effect",
+           {{"status", to_string(row.order.status)},
+            {"stiffer_first", share_json(row.order.stiffer_first)},
+            {"stiffer_second", share_json(row.order.stiffer_second)},
+            {"difference", json_number(row.order.difference)},
+            {"ci_low", json_number(row.order.ci_low)},
+            {"ci_high", json_number(row.order.ci_high)},
+            {"p", json_number(row.order.p)}}},
+          {"response_bias",
+           {{"status", to_string(row.bias.status)},
+            {"criterion", json_number(row.bias.criterion)},
+            {"ci_low", json_number(row.bias.ci_low)},
+            {"ci_high", json_number(row.bias.ci_high)},
+            {"said_different", share_json(row.bias.said_different)},
+            {"planned_share", json_number(row.bias.planned_share)},
+            {"p", json_number(row.bias.p)}}},
+          {"drift",
+           {{"status", to_string(row.drift.status)},
+            {"dprime", half_json(row.drift.dprime)},
+            {"criterion", half_json(row.drift.criterion)}}}};
+}
+
+Json cue_strategy_json(const StudyBehaviour& behaviour, const Protocol& protocol) {
+  Json out = Json::array();
+  for (const CueRow& row : behaviour.cues) {
+    const CueStrategy& strategy = row.strategy;
+    Json one = {{"condition", condition_name(protocol, row.condition)},
+                {"status", to_string(strategy.status)},
+                {"best", strategy.best ? Json(to_string(*strategy.best)) : Json(nullptr)},
+                {"common_trials", strategy.common_trials},
+                {"undecided_participants", row.undecided},
+                {"cues", Json::array()}};
+    for (std::size_t i = 0; i < strategy.cues.size(); ++i) {
+      const CueFit& fit = strategy.cues[i];
+      one["cues"].push_back({{"cue", to_string(fit.cue)},
+                             {"status", to_string(fit.status)},
+                             {"n", fit.n},
+                             {"missing", fit.missing},
+                             {"slope", json_number(fit.slope)},
+                             {"slope_se", json_number(fit.slope_se)},
+                             {"log_likelihood", json_number(fit.log_likelihood)},
+                             {"deviance_explained", json_number(fit.deviance_explained)},
+                             {"aic", json_number(fit.aic)},
+                             {"beside_stiffness",
+                              {{"status", to_string(fit.beside_stiffness.status)},
+                               {"chi2", json_number(fit.beside_stiffness.chi_square)},
+                               {"p", json_number(fit.beside_stiffness.p)}}},
+                             {"participants_best", row.best_of.empty() ? Json(nullptr) : Json(row.best_of[i])}});
+    }
+    out.push_back(one);
+  }
+  return out;
+}
+
+Json ratings_json(const StudyResults& results, const Protocol& protocol) {
+  Json out = {{"family", results.ratings.family}, {"items", Json::array()}, {"once", Json::array()}};
+  for (const PairedItemResult& item : results.ratings.items) {
+    Json one = {{"item", item.id}, {"conditions", Json::array()}, {"pairs", Json::array()}};
+    for (std::size_t i = 0; i < item.conditions.size(); ++i)
+      one["conditions"].push_back({{"condition", protocol.conditions[i].name},
+                                   {"n", item.conditions[i].n},
+                                   {"median", json_number(item.conditions[i].median)},
+                                   {"ci_low", json_number(item.conditions[i].ci_low)},
+                                   {"ci_high", json_number(item.conditions[i].ci_high)},
+                                   {"coverage", json_number(item.conditions[i].coverage)}});
+    for (const ItemPair& pair : item.pairs)
+      one["pairs"].push_back({{"a", protocol.conditions[pair.a].name},
+                              {"b", protocol.conditions[pair.b].name},
+                              {"n", pair.test.n},
+                              {"v", json_number(pair.test.v)},
+                              {"p", json_number(pair.p)},
+                              {"exact", pair.exact},
+                              {"p_holm", json_number(pair.p_holm)},
+                              {"p_bh", json_number(pair.p_bh)},
+                              {"median_difference", json_number(pair.median_difference)},
+                              {"rank_biserial", json_number(pair.test.rank_biserial)},
+                              {"status", to_text(pair.test.status)}});
+    out["items"].push_back(one);
+  }
+  for (const ComparativeItemResult& item : results.comparative)
+    out["once"].push_back({{"item", item.id},
+                           {"n", item.rating.n},
+                           {"median", json_number(item.rating.median)},
+                           {"ci_low", json_number(item.rating.ci_low)},
+                           {"ci_high", json_number(item.rating.ci_high)},
+                           {"coverage", json_number(item.rating.coverage)},
+                           {"status", to_text(item.rating.status)}});
+  return out;
+}
+
+}  // namespace
+
+nlohmann::ordered_json to_json(const StudyResults& results, const Protocol& protocol) {
+  Json out = to_json(results.analysis, protocol);
+  out["comparisons"] = Json::array();
+  for (const OutcomeComparison& outcome : results.comparisons)
+    out["comparisons"].push_back(outcome_json(outcome, protocol));
+  const SeriesComparison& series = results.by_series;
+  out["condition_by_series"] = {{"n_used", series.n},
+                                {"left_out", left_out_json(series.left_out)},
+                                {"refused", series.refused.empty() ? Json(nullptr) : Json(series.refused)}};
+  if (series.refused.empty()) {
+    out["condition_by_series"]["condition"] = effect_json(series.test.a);
+    out["condition_by_series"]["series"] = effect_json(series.test.b);
+    out["condition_by_series"]["interaction"] = effect_json(series.test.ab);
+  }
+  out["sensitivity"] = Json::array();
+  for (const SensitivityRow& row : results.sensitivity) out["sensitivity"].push_back(sensitivity_json(row, protocol));
+  out["behaviour"] = Json::array();
+  for (const auto* rows : {&results.behaviour.conditions, &results.behaviour.participants})
+    for (const BehaviourRow& row : *rows) out["behaviour"].push_back(behaviour_json(row, protocol));
+  out["cue_strategy"] = cue_strategy_json(results.behaviour, protocol);
+  out["ratings"] = ratings_json(results, protocol);
+  out["deviations"] = results.deviations;
+  out["warnings"] = results.warnings;
+  return out;
+}
+
+nlohmann::ordered_json to_json(const StudyModels& models, const Protocol& protocol) {
+  Json out = {{"thresholds", Json::array()}, {"cells", Json::array()}};
+  for (const ThresholdModel& row : models.thresholds) {
+    Json one = {{"participant", row.participant},
+                {"condition", condition_name(protocol, row.condition)},
+                {"model", row.method.model},
+                {"correction", to_string(row.method.correction)},
+                {"method", to_string(row.method.method)},
+                {"slope", json_number(row.jnd.slope)},
+                {"jnd", json_number(row.jnd.jnd)},
+                {"weber", json_number(row.jnd.weber)},
+                {"ci_low", json_number(row.jnd.ci_low)},
+                {"ci_high", json_number(row.jnd.ci_high)},
+                {"log_likelihood", json_number(row.jnd.log_likelihood)},
+                {"status", to_string(row.jnd.status)}};
+    if (row.quality)
+      one["fit"] = {{"status", to_string(row.quality->status)},
+                    {"deviance", json_number(row.quality->deviance)},
+                    {"df", row.quality->degrees_of_freedom},
+                    {"p", json_number(row.quality->deviance_p)}};
+    out["thresholds"].push_back(one);
+  }
+  for (const CellModel& cell : models.cells) {
+    Json one = {{"participant", cell.participant},
+                {"condition", condition_name(protocol, cell.condition)},
+                {"series", protocol.series[static_cast<std::size_t>(cell.series)].name}};
+    one.update(detection_json({"", cell.row}));
+    one.erase("id");
+    out["cells"].push_back(one);
+  }
+  return out;
+}
+
+}  // namespace jnd

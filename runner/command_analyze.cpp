@@ -1,0 +1,113 @@
+// jnd analyze: the registered analysis of a study, what stands beside it, and the methods in words.
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include "data/export_folder.h"
+#include "data/methods_text.h"
+#include "data/result_columns.h"
+#include "data/study_results.h"
+#include "runner/analysis_text.h"
+#include "runner/commands.h"
+#include "runner/study_access.h"
+#include "runner/terminal.h"
+
+namespace jnd {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kMethodsHeading = "# Methods: ";
+
+// Whether the file may be written over: there is none, or an earlier analysis wrote it.
+bool is_ours(const fs::path& path) {
+  std::error_code ignored;
+  if (!fs::exists(path, ignored)) return true;
+  std::ifstream stream(path, std::ios::binary);
+  std::string begin(kMethodsHeading.size(), '\0');
+  stream.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  return stream && begin == kMethodsHeading;
+}
+
+// The numbers come first: a folder that cannot be written is said, and does not take the analysis with it.
+void write_methods(const AnalyzeOptions& options, const std::string& text) {
+  const bool named = !options.methods.empty();
+  const fs::path path = named ? fs::path(options.methods) : fs::path(options.study).parent_path() / "methods.md";
+  if (!is_ours(path)) {
+    const std::string message = fmt::format("{}: is not a methods file of jnd, and was left as it is", path.string());
+    if (named) throw StorageError(message + "; name another one");
+    fmt::print(stderr, "jnd: {} (--methods FILE names another one)\n", message);
+    return;
+  }
+  const fs::path draft = path.string() + ".new";
+  std::ofstream stream(draft, std::ios::binary | std::ios::trunc);
+  stream << text;
+  stream.close();
+  std::error_code error;
+  if (stream) fs::rename(draft, path, error);
+  if (stream && !error) {
+    if (!options.json) fmt::print("The methods in words: {}\n", path.string());
+    return;
+  }
+  std::error_code ignored;
+  fs::remove(draft, ignored);
+  const std::string message = fmt::format("{}: cannot be written", path.string());
+  if (named) throw StorageError(message);
+  fmt::print(stderr, "jnd: {} (--methods FILE names another place)\n", message);
+}
+
+void write_csv(const std::string& folder, bool replace, const StudyResults& results, const Protocol& protocol,
+               const StudyModels* models) {
+  ExportFolder files(folder, replace);
+  write_results(files, results, protocol, models);
+  files.publish();
+}
+
+void print_results(const StudyResults& results, const Protocol& protocol, const AnalyzeOptions& options) {
+  // A terminal shows the end: what the study found comes last, after everything that it rests on.
+  const auto conclusion = [](const ResultTable& table) { return table.id == "group" || table.id == "contrasts"; };
+  std::vector<ResultTable> tables = result_tables(results, protocol);
+  std::stable_partition(tables.begin(), tables.end(), [&](const ResultTable& table) { return !conclusion(table); });
+  for (const ResultTable& table : tables)
+    if (table.id != "cells" || options.cells) print_table(table);
+  if (!results.detailed)
+    fmt::print("{}\n", dim("Above 500 participants other methods and the manner of answering are left out."));
+  print_remarks(results);
+}
+
+}  // namespace
+
+int command_analyze(const AnalyzeOptions& options) {
+  const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_only);
+  const Protocol protocol = protocol_of(*study);
+  const SessionKind kind = kind_to_analyse(*study, options.kind);
+  const StudyResults results = results_of(*study, protocol, kind, source_to_analyse(protocol, options.by));
+  const bool all_models = options.models == "all";
+  const StudyModels models = all_models ? study_models(results.analysis, protocol) : StudyModels{};
+  if (!options.csv.empty()) write_csv(options.csv, options.replace, results, protocol, all_models ? &models : nullptr);
+
+  if (options.json) {
+    nlohmann::ordered_json out = to_json(results, protocol);
+    if (all_models) out["models"] = to_json(models, protocol);
+    fmt::print("{}\n", out.dump());
+  } else {
+    fmt::print("{}\n{}\n\n", bold(printable(protocol.title)),
+               dim(fmt::format("protocol {}, seed {}", protocol.sha256.substr(0, 12), study->info().seed)));
+    if (results.analysis.participants == 0) {
+      fmt::print("  no {} session yet\n", to_string(kind));
+      return exit_code::kDone;
+    }
+    if (all_models) print_table(models_table(models, protocol));
+    print_results(results, protocol, options);
+    say_other_kinds(*study, kind);
+    if (!options.csv.empty()) fmt::print("CSV files of these results are in {}\n", options.csv);
+  }
+  if (results.analysis.participants > 0 && !options.no_methods)
+    write_methods(options, methods_text(*study, protocol, results));
+  return exit_code::kDone;
+}
+
+}  // namespace jnd

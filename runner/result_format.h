@@ -1,0 +1,31 @@
+// Numbers as people read them in tables: undefined is "-", infinities are "inf".
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "analysis/group.h"
+#include "data/study_analysis.h"
+#include "protocols/protocol.h"
+
+namespace jnd {
+
+std::string number_text(double value, int decimals);
+std::string percent_text(double fraction);                      // "35.5 %"
+std::string p_text(double p);                                   // "0.0312"; below 0.0001 "3.1e-07"
+std::string range_text(double low, double high, int decimals);  // "12.3 .. 15.6"; "-" where either is undefined
+
+// In the study's unit, with the digits that it deserves: stiffnesses of a contact are hundreds of N/m, those of a joint
+// tens of N/rad.
+int stiffness_decimals(const Protocol& protocol) noexcept;
+std::string stiffness_text(double value, const Protocol& protocol);
+std::string_view unit_of(const Protocol& protocol) noexcept;
+// Of slopes, so that they have digits to read: d' per 100 N/m, d' per 10 N/rad.
+int slope_step(const Protocol& protocol) noexcept;
+
+const std::string& condition_text(const Protocol& protocol, int place);  // its name
+std::string joined(const std::string& a, const std::string& b);          // "a, b", or the one that is not empty
+// Where the fit rests on another difference than the one asked for; empty where it does not.
+std::string source_remark(DifferenceSource source, const StudyAnalysis& analysis);
+
+}  // namespace jnd
