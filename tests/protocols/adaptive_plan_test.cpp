@@ -11,9 +11,11 @@
 #include "protocols/adaptive_run.h"
 #include "protocols/catch_trials.h"
 #include "protocols/cohort.h"
+#include "protocols/device_lint.h"
 #include "protocols/duration.h"
 #include "protocols/plan.h"
 #include "protocols/protocol_json.h"
+#include "rigs.h"
 #include "tests/catch.h"
 
 using namespace jnd;
@@ -291,4 +293,32 @@ TEST_CASE("what can hardly move is told at load") {
   CHECK(found(warnings("quest", {{"grain", 0.4}, {"range", 0.8}}), "grain", "can hardly move") == 1);
   CHECK(found(warnings("quest", {{"range", 0.5}}), "range", "only; the clamp allows") == 1);
   CHECK(found(warnings("quest", {{"stop", {{"trials", 10}}}}), "stop.trials", "are few") == 1);
+}
+
+TEST_CASE("levels that a device renders alike, or not at all, are told with the place of the clamp") {
+  const auto lint_with = [](double reference, const json& clamp, const json& starts) {
+    json document = good("staircase");
+    document["stimulus"]["reference"] = reference;
+    document["design"]["procedure"]["clamp"] = clamp;
+    document["design"]["procedure"]["starts"] = starts;
+    return lint_against_device(parsed(document), rig_named("rrs3"), "p.json");
+  };
+  const auto told = [](const std::vector<Diagnostic>& all, const std::string& path, const std::string& part) {
+    return std::count_if(all.begin(), all.end(), [&](const Diagnostic& one) {
+      return one.path == path && one.line > 1 && one.message.find(part) != std::string::npos;
+    });
+  };
+  const DeviceLint usual = lint_with(900, {20, 800}, {500, 100});
+  CHECK(usual.errors.empty());
+  CHECK(told(usual.warnings, "$.design.procedure.clamp[0]", "") == 0);
+  // Vibrations clamp at 900 N/m, so that in V the levels below 300 feel like none.
+  const DeviceLint stiffer = lint_with(1200, {20, 800}, {500, 100});
+  CHECK(stiffer.errors.empty());
+  CHECK(told(stiffer.warnings, "$.design.procedure.clamp[0]", "a difference of 20 N/m cannot be felt") == 1);
+  CHECK(told(stiffer.warnings, "$.design.procedure.starts[1]", "a difference of 100 N/m cannot be felt") == 1);
+  CHECK(told(stiffer.warnings, "$.design.procedure.starts[0]", "") == 0);
+  const DeviceLint never = lint_with(1200, {20, 200}, {100});
+  CHECK(told(never.errors, "$.design.procedure.clamp", "in condition V both spheres vibrate") == 1);
+  const DeviceLint beyond = lint_with(2500, {20, 800}, {500});
+  CHECK(told(beyond.errors, "$.stimulus.reference", "2500 N/m is more than") == 1);
 }
