@@ -1,29 +1,50 @@
 #include "analysis/jnd.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
 
-#include "analysis/yes_no.h"
+#include "analysis/jnd_closed.h"
+#include "analysis/jnd_ml.h"
+#include "analysis/jnd_series.h"
 
 namespace jnd {
 
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-// d' per N/m: below this a slope is a rounding zero. At 1e-9 the JND would be 1e9 N/m.
-constexpr double kLeastSlope = 1e-9;
+constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr int kFewTrials = 10;
 
-// Every different pair found and no equal pair mistaken: with a correction, d' cannot be larger with these n.
-bool at_largest_dprime(const Counts& counts) noexcept {
-  return counts.hits == counts.n_diff && counts.false_alarms == 0;
+constexpr std::array kMethods = {JndMethod::least_squares,
+                                 JndMethod::weighted,
+                                 JndMethod::inverse_mean_slope,
+                                 JndMethod::mean_of_ratios,
+                                 JndMethod::ml_yes_no_common,
+                                 JndMethod::ml_yes_no_series,
+                                 JndMethod::ml_differencing_common,
+                                 JndMethod::ml_differencing_series,
+                                 JndMethod::least_squares_independent};
+
+// Bounds of 1/m from bounds of m; a JND is positive, so that slopes at or below zero count as infinite JNDs.
+double jnd_bound(double slope) noexcept {
+  if (std::isnan(slope)) return kNaN;
+  return slope > kLeastSlope ? 1.0 / slope : kInf;
 }
 
 JndStatus status_of(double slope) noexcept {
   if (std::isnan(slope)) return JndStatus::no_information;
-  if (slope == std::numeric_limits<double>::infinity()) return JndStatus::ceiling;
+  if (slope == kInf) return JndStatus::ceiling;
   return slope <= kLeastSlope ? JndStatus::no_sensitivity : JndStatus::ok;
+}
+
+void add_cautions(JndEstimate& result, const UsableSeries& usable) {
+  const bool ok = result.status == JndStatus::ok;
+  if (ok && (result.jnd < usable.smallest || result.jnd > usable.largest))
+    result.cautions.push_back(Caution::extrapolated);
+  if (ok && usable.all_at_largest) result.cautions.push_back(Caution::floor);
+  if (usable.few_trials) result.cautions.push_back(Caution::few_trials);
+  if (usable.missing) result.cautions.push_back(Caution::series_missing);
 }
 
 }  // namespace
@@ -56,31 +77,95 @@ std::string_view to_string(Caution caution) noexcept {
   return "";
 }
 
-JndEstimate least_squares_jnd(std::span<const SeriesCounts> series, double reference_n_per_m, Correction correction) {
-  JndEstimate result;
-  double sum_products = 0, sum_squares = 0;
-  double smallest = std::numeric_limits<double>::infinity(), largest = 0;
-  bool missing = false, few = false, any_information = false, all_at_largest = true;
+std::string_view to_string(JndMethod method) noexcept {
+  switch (method) {
+    case JndMethod::least_squares:
+      return "least_squares";
+    case JndMethod::weighted:
+      return "weighted";
+    case JndMethod::inverse_mean_slope:
+      return "inverse_mean_slope";
+    case JndMethod::mean_of_ratios:
+      return "mean_of_ratios";
+    case JndMethod::ml_yes_no_common:
+      return "ml_yes_no_common";
+    case JndMethod::ml_yes_no_series:
+      return "ml_yes_no_series";
+    case JndMethod::ml_differencing_common:
+      return "ml_differencing_common";
+    case JndMethod::ml_differencing_series:
+      return "ml_differencing_series";
+    case JndMethod::least_squares_independent:
+      return "least_squares_independent";
+  }
+  return "";
+}
+
+std::optional<JndMethod> jnd_method_from(std::string_view name) noexcept {
+  for (const JndMethod method : kMethods)
+    if (name == to_string(method)) return method;
+  return std::nullopt;
+}
+
+bool is_maximum_likelihood(JndMethod method) noexcept {
+  switch (method) {
+    case JndMethod::ml_yes_no_common:
+    case JndMethod::ml_yes_no_series:
+    case JndMethod::ml_differencing_common:
+    case JndMethod::ml_differencing_series:
+      return true;
+    case JndMethod::least_squares:
+    case JndMethod::weighted:
+    case JndMethod::inverse_mean_slope:
+    case JndMethod::mean_of_ratios:
+    case JndMethod::least_squares_independent:
+      return false;
+  }
+  return false;
+}
+
+UsableSeries usable_series(std::span<const SeriesCounts> series) {
+  UsableSeries usable;
   for (const SeriesCounts& one : series) {
-    const YesNo rates = yes_no(one.counts, correction);
-    if (rates.status == RateStatus::missing) {
-      missing = true;
+    const Counts& counts = one.counts;
+    if (counts.n_diff == 0 || counts.n_same == 0) {
+      usable.missing = true;
       continue;
     }
-    ++result.series_used;
-    any_information = any_information || rates.status == RateStatus::ok;
-    few = few || std::min(one.counts.n_diff, one.counts.n_same) < kFewTrials;
-    all_at_largest = all_at_largest && at_largest_dprime(one.counts);
-    smallest = std::min(smallest, one.difference);
-    largest = std::max(largest, one.difference);
-    // Under Correction::none a series without information has d' = inf - inf = NaN, and opposite infinities cancel to
-    // NaN: the slope is then undefined, not a number of the remaining series.
-    sum_products += one.difference * rates.dprime;
-    sum_squares += one.difference * one.difference;
+    const bool first = usable.series.empty();
+    const bool at_largest = counts.hits == counts.n_diff && counts.false_alarms == 0;
+    const int answers = counts.hits + counts.false_alarms;
+    usable.series.push_back(one);
+    usable.few_trials = usable.few_trials || std::min(counts.n_diff, counts.n_same) < kFewTrials;
+    usable.any_information = usable.any_information ||
+                             !(answers == 0 || (counts.hits == counts.n_diff && counts.false_alarms == counts.n_same));
+    usable.all_at_largest = (first || usable.all_at_largest) && at_largest;
+    usable.smallest = first ? one.difference : std::min(usable.smallest, one.difference);
+    usable.largest = first ? one.difference : std::max(usable.largest, one.difference);
   }
+  return usable;
+}
 
-  result.slope = any_information ? sum_products / sum_squares : kNaN;
-  result.status = status_of(result.slope);
+JndEstimate estimate_jnd(std::span<const SeriesCounts> series, double reference_n_per_m, JndMethod method,
+                         Correction correction) {
+  const UsableSeries usable = usable_series(series);
+  JndEstimate result;
+  result.method = method;
+  result.series_used = static_cast<int>(usable.series.size());
+  if (is_maximum_likelihood(method)) {
+    const MlSlope fit = ml_slope(usable.series, method);
+    result.slope = fit.slope;
+    result.slope_ci_low = fit.ci_low;
+    result.slope_ci_high = fit.ci_high;
+    result.log_likelihood = fit.log_likelihood;
+    result.status = status_of(result.slope);
+    result.ci_low = jnd_bound(result.slope_ci_high);
+    result.ci_high = jnd_bound(result.slope_ci_low);
+  } else {
+    const ClosedSlope closed = closed_slope(usable, method, correction);
+    result.slope = closed.slope;
+    result.status = closed.refused ? JndStatus::no_sensitivity : status_of(result.slope);
+  }
   switch (result.status) {
     case JndStatus::ok:
       result.jnd = 1.0 / result.slope;
@@ -94,13 +179,12 @@ JndEstimate least_squares_jnd(std::span<const SeriesCounts> series, double refer
       break;
   }
   result.weber = result.jnd / reference_n_per_m;
-
-  if (result.status == JndStatus::ok && (result.jnd < smallest || result.jnd > largest))
-    result.cautions.push_back(Caution::extrapolated);
-  if (result.status == JndStatus::ok && all_at_largest) result.cautions.push_back(Caution::floor);
-  if (few) result.cautions.push_back(Caution::few_trials);
-  if (missing) result.cautions.push_back(Caution::series_missing);
+  add_cautions(result, usable);
   return result;
+}
+
+JndEstimate least_squares_jnd(std::span<const SeriesCounts> series, double reference_n_per_m, Correction correction) {
+  return estimate_jnd(series, reference_n_per_m, JndMethod::least_squares, correction);
 }
 
 }  // namespace jnd

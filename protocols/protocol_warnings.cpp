@@ -5,10 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "analysis/normal.h"
 #include "protocols/duration.h"
-#include "protocols/extreme_rates.h"
 #include "protocols/order.h"
+#include "protocols/planned_precision.h"
 #include "protocols/protocol_reading.h"
 
 namespace jnd {
@@ -16,6 +15,8 @@ namespace {
 
 constexpr int kFewTrialsOfClass = 10;
 constexpr double kMuchExtreme = 0.10;
+constexpr double kMuchNotPositive = 0.05;
+constexpr double kMuchVariation = 0.20;
 constexpr double kLongSession_s = 90 * 60;
 
 void warn_about_counts(ProtocolReading& reading) {
@@ -28,19 +29,57 @@ void warn_about_counts(ProtocolReading& reading) {
                     design.trials_per_cell - design.trials_per_cell / 2, 200.0 / design.trials_per_cell),
         fmt::format("plan at least {} of each class, {} trials", kFewTrialsOfClass, 2 * kFewTrialsOfClass));
   }
-  std::string shares;
-  double worst = 0;
-  for (const Condition& condition : reading.protocol.conditions) {
-    const double share = extreme_rate_probability(reading.protocol, condition.name);
-    worst = std::max(worst, share);
-    shares += fmt::format("{}{} {:.0f} %", shares.empty() ? "" : ", ", condition.name, 100 * share);
+}
+
+// "S 65 %, V 56 %"
+std::string shares_of(const Protocol& protocol, const std::vector<double>& shares) {
+  std::string text;
+  for (std::size_t i = 0; i < shares.size(); ++i)
+    text += fmt::format("{}{} {:.0f} %", text.empty() ? "" : ", ", protocol.conditions[i].name, 100 * shares[i]);
+  return text;
+}
+
+bool any_above(const std::vector<double>& shares, double limit) {
+  return std::any_of(shares.begin(), shares.end(), [&](double share) { return share > limit; });
+}
+
+void warn_about_precision(ProtocolReading& reading) {
+  const Protocol& protocol = reading.protocol;
+  const CountsDesign design = counts_design(protocol);
+  std::vector<double> extreme, not_positive, variation;
+  std::string trials;
+  for (const Condition& condition : protocol.conditions) {
+    const double jnd = planned_jnd(protocol, condition.name).value;
+    const DesignRisks risks = design_risks(design, jnd);
+    extreme.push_back(risks.any_extreme);
+    not_positive.push_back(risks.any_not_positive);
+    variation.push_back(asymptotic_cv(design, jnd));
+    if (const std::optional<int> needed = trials_for_cv(design, jnd, kMuchVariation))
+      trials += fmt::format("{}{} {}", trials.empty() ? "" : ", ", condition.name, *needed);
   }
-  if (worst > kMuchExtreme) {
+  const std::string path = "$.design.trials_per_cell";
+  if (any_above(extreme, kMuchExtreme)) {
     reading.warn_at(
-        "$.design.trials_per_cell",
+        path,
         fmt::format("a hit or false-alarm rate of 0 or 1 in some series is expected for {} of the participants",
-                    shares),
+                    shares_of(protocol, extreme)),
         "where d' depends on the correction; more trials a cell make it rarer");
+  }
+  if (any_above(not_positive, kMuchNotPositive)) {
+    reading.warn_at(path,
+                    fmt::format("a d' of 0 or less in some series is expected for {} of the participants",
+                                shares_of(protocol, not_positive)),
+                    "such a series has no JND of its own; more trials a cell make it rarer");
+  }
+  if (any_above(variation, kMuchVariation)) {
+    reading.warn_at(path,
+                    fmt::format("the JND of one participant is expected with a coefficient of variation of {}",
+                                shares_of(protocol, variation)),
+                    trials.empty()
+                        ? "the differences do not fit the JND"
+                        : fmt::format("{:.0f} % takes this many trials a cell: {}; \"jnd plan --precision\" says "
+                                      "more",
+                                      100 * kMuchVariation, trials));
   }
 }
 
@@ -89,6 +128,7 @@ void warn_about_protocol(ProtocolReading& reading) {
     warn_about_procedure(reading);
   } else {
     warn_about_counts(reading);
+    if (has_precision(reading.protocol)) warn_about_precision(reading);
     warn_about_draws(reading);
   }
   warn_about_cohort(reading);

@@ -19,8 +19,7 @@ struct SelftestOptions {
 
 int selftest(const SelftestOptions& options) {
   std::vector<SelftestQuantity> quantities;
-  for (const auto part :
-       {selftest_detection, selftest_jnd, selftest_group, selftest_psychometric, selftest_adaptive}) {
+  for (const auto part : {selftest_detection, selftest_jnd, selftest_group, selftest_psychometric, selftest_adaptive}) {
     const std::vector<SelftestQuantity> some = part();
     quantities.insert(quantities.end(), some.begin(), some.end());
   }
@@ -54,8 +53,8 @@ int selftest(const SelftestOptions& options) {
 
 void add_calc_selftest(CalcTree& tree) {
   const auto options = std::make_shared<SelftestOptions>();
-  CLI::App* command = tree.add("selftest", "Recompute independent reference numbers on this machine", "selftest",
-                               options, selftest);
+  CLI::App* command =
+      tree.add("selftest", "Recompute independent reference numbers on this machine", "selftest", options, selftest);
   command->add_flag("--json", options->json, "machine-readable");
 }
 

@@ -13,6 +13,8 @@
 #include "runner/commands.h"
 #include "runner/device_commands.h"
 #include "runner/interrupt.h"
+#include "runner/precision_options.h"
+#include "runner/report_command.h"
 
 namespace jnd {
 
@@ -64,6 +66,7 @@ int run_command_line(int argc, const char* const* argv) {
   command->callback([&] { chosen = [&] { return command_check(check); }; });
 
   PlanOptions plan;
+  PrecisionOptions precision;
   command = add_command(app, "plan", "Print the trials of a participant, or the balance of a cohort",
                         "jnd plan chinello2017 --participant 7 --seed 1");
   command->add_option("PROTOCOL", plan.protocol, "protocol file, or name of a shipped one")->required();
@@ -72,7 +75,10 @@ int run_command_line(int argc, const char* const* argv) {
       ->check(CLI::Range(1, 10'000));
   command->add_option("--seed", plan.seed, "the study's seed (default: 1)");
   command->add_flag("--json", plan.json, "machine-readable");
-  command->callback([&] { chosen = [&] { return command_plan(plan); }; });
+  add_precision_options(*command, precision);
+  command->callback([&] {
+    chosen = [&] { return precision.asked ? command_plan_precision(plan, precision) : command_plan(plan); };
+  });
 
   RunOptions run;
   command = add_command(app, "run", "Run a session from this terminal, or go on with one",
@@ -153,6 +159,21 @@ int run_command_line(int argc, const char* const* argv) {
   command->add_flag("--telemetry", exported.telemetry, "also every tick of every interval, a file each");
   command->add_flag("--replace", exported.replace, "replace the folder of an earlier export");
   command->callback([&] { chosen = [&] { return command_export(exported); }; });
+
+  ReportOptions report;
+  command = add_command(app, "report", "Write a page for people: figures, tables, warnings, methods",
+                        "jnd report s.sqlite");
+  command->add_option("STUDY", report.study, "the study's file")->required();
+  command->add_option("--to", report.file, "the page (default: the study's name with -report.html, beside it)");
+  command->add_option("--figures", report.figures_folder,
+                      "the folder for the figures as SVG files (default: the page's name with -figures)");
+  command->add_option("--kind", report.kind, "real, pilot or simulated (default: the only one, or real)");
+  command
+      ->add_option("--by", report.by,
+                   "slopes over nominal or delivered stiffness differences (default: what the protocol registers)")
+      ->check(CLI::IsMember({"nominal", "delivered"}));
+  command->add_flag("--replace", report.replace, "replace an earlier report");
+  command->callback([&] { chosen = [&] { return command_report(report); }; });
 
   DoctorOptions doctor;
   command = add_command(app, "doctor", "Is this machine fit to run a session", "jnd doctor --study studies");

@@ -1,6 +1,7 @@
 // jnd new and jnd check: protocols before anyone takes part.
 #include <cerrno>
 #include <cstring>
+#include <optional>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -13,6 +14,8 @@
 #include "protocols/read_file.h"
 #include "runner/commands.h"
 #include "runner/json_output.h"
+#include "runner/precision_json.h"
+#include "runner/precision_text.h"
 #include "runner/resources.h"
 #include "runner/study_access.h"
 #include "runner/terminal.h"
@@ -52,11 +55,26 @@ int command_new(const NewOptions& options) {
 
 namespace {
 
+// Few enough for an answer at once; `jnd plan --precision` draws more.
+constexpr int kDraws = 10'000;
+constexpr int kExperiments = 1'000;
+
 struct CheckedFile {
   ProtocolCheck check;
+  std::optional<PlannedPrecision> precision;  // of a protocol without errors that has one
   int trials = 0;
   double duration_s = 0;
 };
+
+PlannedPrecision planned_precision(const Protocol& protocol) {
+  PrecisionQuestion question = precision_question(protocol);
+  question.draws = kDraws;
+  question.experiments = kExperiments;
+  PlannedPrecision planned{precision(question), {}};
+  for (const Condition& condition : protocol.conditions)
+    planned.sources.push_back(planned_jnd(protocol, condition.name).source);
+  return planned;
+}
 
 CheckedFile check_file(const std::string& name_or_path) {
   const std::filesystem::path path = find_resource(Resource::protocol, name_or_path);
@@ -69,6 +87,7 @@ CheckedFile check_file(const std::string& name_or_path) {
   result.check.warnings.insert(result.check.warnings.end(), lint.warnings.begin(), lint.warnings.end());
   result.trials = main_trial_count(make_plan(protocol, 1, 1));
   result.duration_s = expected_duration_s(protocol);
+  if (result.check.errors.empty() && has_precision(protocol)) result.precision = planned_precision(protocol);
   return result;
 }
 
@@ -100,6 +119,7 @@ void print_check(const std::string& name, const CheckedFile& result) {
       "SHA-256 {}\n",
       name, bold("ok"), printable(protocol.title), protocol.conditions.size(), protocol.series.size(),
       protocol.design.trials_per_cell, result.trials, duration_text(result.duration_s), protocol.sha256);
+  if (result.precision) fmt::print("\n{}", precision_summary(*result.precision, protocol, name));
 }
 
 void print_check_json(const CheckedFile& result) {
@@ -112,7 +132,8 @@ void print_check_json(const CheckedFile& result) {
   for (const Diagnostic& warning : result.check.warnings) out["warnings"].push_back(to_json(warning));
   out["trials"] = ok ? nlohmann::ordered_json(result.trials) : nlohmann::ordered_json(nullptr);
   out["duration_s"] = ok ? nlohmann::ordered_json(result.duration_s) : nlohmann::ordered_json(nullptr);
-  out["precision"] = nullptr;
+  out["precision"] =
+      result.precision ? precision_json(*result.precision, *result.check.protocol) : nlohmann::ordered_json(nullptr);
   if (ok && result.check.protocol->design.procedure)
     out["trials_at_most"] = result.check.protocol->design.procedure->reversals > 0;
   if (ok) out["sha256"] = result.check.protocol->sha256;

@@ -144,8 +144,7 @@ CsvTable CsvTable::parse(std::string_view text, const std::string& file, const s
               "columns are " + listed(required));
   for (Row row; scanner.next(row.line, row.cells);) {
     if (row.cells.size() != table.header_.size())
-      fail_at(file, row.line, 0, "",
-              fmt::format("has {} cells, the header {}", row.cells.size(), table.header_.size()),
+      fail_at(file, row.line, 0, "", fmt::format("has {} cells, the header {}", row.cells.size(), table.header_.size()),
               "give every column a cell");
     table.rows_.push_back(row);
   }

@@ -1,19 +1,14 @@
-// Numbers as people read them in tables: undefined is "-", infinities are "inf".
+// Numbers of a study as people read them in tables.
 #pragma once
 
 #include <string>
 #include <string_view>
 
-#include "analysis/group.h"
 #include "data/study_analysis.h"
 #include "protocols/protocol.h"
+#include "runner/number_text.h"
 
 namespace jnd {
-
-std::string number_text(double value, int decimals);
-std::string percent_text(double fraction);                      // "35.5 %"
-std::string p_text(double p);                                   // "0.0312"; below 0.0001 "3.1e-07"
-std::string range_text(double low, double high, int decimals);  // "12.3 .. 15.6"; "-" where either is undefined
 
 // In the study's unit, with the digits that it deserves: stiffnesses of a contact are hundreds of N/m, those of a joint
 // tens of N/rad.

@@ -34,14 +34,14 @@ std::vector<std::string> behaviour_row(const BehaviourRow& row, const Protocol& 
           row.condition < 0 ? "all" : condition_text(protocol, row.condition),
           number_text(row.order.difference, 3),
           range_text(row.order.ci_low, row.order.ci_high, 2),
-          p_text(row.order.p),
+          p_value_text(row.order.p),
           number_text(row.bias.criterion, 2),
           range_text(row.bias.ci_low, row.bias.ci_high, 2),
           percent_text(row.bias.said_different.value),
-          p_text(row.bias.p),
+          p_value_text(row.bias.p),
           number_text(row.drift.dprime.difference, 2),
           range_text(row.drift.dprime.ci_low, row.drift.dprime.ci_high, 2),
-          p_text(row.drift.dprime.p),
+          p_value_text(row.drift.dprime.p),
           remarks};
 }
 
@@ -95,7 +95,7 @@ ResultTable cues_table(const StudyResults& results, const Protocol& protocol) {
       if (row.strategy.best && *row.strategy.best == fit.cue) remarks = joined("explains most", remarks);
       table.rows.push_back({i == 0 ? condition_text(protocol, row.condition) : "", std::string(to_string(fit.cue)),
                             std::to_string(fit.n), number_text(fit.slope, 3), percent_text(fit.deviance_explained),
-                            number_text(fit.aic, 1), p_text(fit.beside_stiffness.p),
+                            number_text(fit.aic, 1), p_value_text(fit.beside_stiffness.p),
                             row.best_of.empty() ? "-" : std::to_string(row.best_of[i]), remarks});
     }
   }
@@ -119,7 +119,7 @@ ResultTable ratings_table(const StudyResults& results, const Protocol& protocol)
       table.rows.push_back({item.id, protocol.conditions[pair.a].name + " - " + protocol.conditions[pair.b].name,
                             fmt::format("{:g} / {:g}", item.conditions[pair.a].median, item.conditions[pair.b].median),
                             std::to_string(pair.test.n), std::to_string(pair.test.zeros), number_text(pair.test.v, 1),
-                            p_text(pair.p), p_text(pair.p_holm), p_text(pair.p_bh),
+                            p_value_text(pair.p), p_value_text(pair.p_holm), p_value_text(pair.p_bh),
                             number_text(pair.test.rank_biserial, 2)});
     table.remarks.push_back(question_note(item.id, protocol));
   }

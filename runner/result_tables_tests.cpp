@@ -71,7 +71,7 @@ ResultTable contrasts_table(const StudyResults& results, const Protocol& protoco
         {contrast_name({row.a, row.b}, protocol), std::to_string(row.difference.n),
          stiffness_text(row.difference.mean, protocol),
          range_text(row.difference.ci_low, row.difference.ci_high, stiffness_decimals(protocol)), used(tested),
-         p_text(p[i]),
+         p_value_text(p[i]),
          joined(source_remark(row.difference_source, analysis), tested.refused.empty() ? "" : "refused")});
   }
   if (!tested.refused.empty()) table.remarks.push_back("no tests: " + tested.refused);
@@ -105,9 +105,9 @@ ResultTable omnibus_table(const StudyResults& results, const Protocol& protocol)
     const Comparison& c = outcome.comparison;
     const WithinEffect& e = c.anova.effect;
     table.rows.push_back({outcome_name(outcome), used(outcome), statistic(e.f), fmt::format("{:g}, {:g}", e.df1, e.df2),
-                          p_text(e.p), p_text(e.p_gg), statistic(c.anova.eta2_generalised), statistic(e.eta2_partial),
-                          p_text(e.mauchly.p), p_text(c.residuals.p), statistic(c.friedman.chi2), p_text(c.friedman.p),
-                          statistic(c.friedman.kendall_w)});
+                          p_value_text(e.p), p_value_text(e.p_gg), statistic(c.anova.eta2_generalised),
+                          statistic(e.eta2_partial), p_value_text(e.mauchly.p), p_value_text(c.residuals.p),
+                          statistic(c.friedman.chi2), p_value_text(c.friedman.p), statistic(c.friedman.kendall_w)});
   }
   return table;
 }
@@ -134,9 +134,9 @@ ResultTable pairs_table(const StudyResults& results, const Protocol& protocol) {
       table.rows.push_back(
           {outcome_name(outcome), protocol.conditions[pair.a].name + " - " + protocol.conditions[pair.b].name,
            std::to_string(outcome.table.n), compact(pair.mean_difference), compact_range(pair.t.ci_low, pair.t.ci_high),
-           statistic(pair.t.t), p_text(pair.t.p), p_text(pair.t_p_holm), number_text(pair.t.dz, 2),
-           p_text(pair.games_howell.p), p_text(pair.tukey.p), number_text(pair.wilcoxon.v, 1),
-           p_text(pair.wilcoxon.p_exact_permutation), p_text(pair.wilcoxon_p_holm)});
+           statistic(pair.t.t), p_value_text(pair.t.p), p_value_text(pair.t_p_holm), number_text(pair.t.dz, 2),
+           p_value_text(pair.games_howell.p), p_value_text(pair.tukey.p), number_text(pair.wilcoxon.v, 1),
+           p_value_text(pair.wilcoxon.p_exact_permutation), p_value_text(pair.wilcoxon_p_holm)});
   }
   return table;
 }
@@ -155,8 +155,8 @@ ResultTable series_table(const StudyResults& results, const Protocol& protocol) 
   const auto add = [&](const char* name, const TwoWayEffect& effect) {
     const WithinEffect& e = effect.effect;
     table.rows.push_back({name, fmt::format("{} of {}", series.n, series.n + static_cast<int>(series.left_out.size())),
-                          statistic(e.f), fmt::format("{:g}, {:g}", e.df1, e.df2), p_text(e.p), p_text(e.p_gg),
-                          statistic(effect.eta2_generalised), statistic(e.eta2_partial)});
+                          statistic(e.f), fmt::format("{:g}, {:g}", e.df1, e.df2), p_value_text(e.p),
+                          p_value_text(e.p_gg), statistic(effect.eta2_generalised), statistic(e.eta2_partial)});
   };
   add("condition", series.test.a);
   add("series", series.test.b);
@@ -188,8 +188,8 @@ ResultTable sensitivity_table(const StudyResults& results, const Protocol& proto
         std::string(to_string(row.method.method))};
     for (const double median : row.median_jnd) cells.push_back(stiffness_text(median, protocol));
     cells.push_back(fmt::format("{} of {}", row.n, row.participants));
-    cells.push_back(p_text(row.omnibus_p));
-    for (const double p : row.contrast_p) cells.push_back(p_text(p));
+    cells.push_back(p_value_text(row.omnibus_p));
+    for (const double p : row.contrast_p) cells.push_back(p_value_text(p));
     cells.push_back(row.registered         ? "registered"
                     : !row.refused.empty() ? "no test"
                     : row.same_conclusion  ? "the same"
@@ -219,7 +219,7 @@ ResultTable models_table(const StudyModels& models, const Protocol& protocol) {
          std::string(to_string(row.method.method)), number_text(slope_step(protocol) * row.jnd.slope, 3),
          stiffness_text(row.jnd.jnd, protocol),
          range_text(row.jnd.ci_low, row.jnd.ci_high, stiffness_decimals(protocol)), percent_text(row.jnd.weber),
-         row.quality ? p_text(row.quality->deviance_p) : "", std::string(to_string(row.jnd.status))});
+         row.quality ? p_value_text(row.quality->deviance_p) : "", std::string(to_string(row.jnd.status))});
   return table;
 }
 

@@ -3,7 +3,7 @@
 
 #include "examples.h"
 #include "protocols/duration.h"
-#include "protocols/extreme_rates.h"
+#include "protocols/planned_precision.h"
 #include "protocols/protocol_json.h"
 #include "tests/catch.h"
 
@@ -32,13 +32,32 @@ TEST_CASE("few trials a class are told until there are ten") {
   CHECK(warnings_with(more, "$.design.trials_per_cell", "trials a cell give") == 0);
 }
 
-TEST_CASE("extreme rates of the published design") {
-  const Protocol protocol = load_protocol(protocols_folder() / "chinello2017.json");
-  // 82 % of participants at a JND of 208.5 N/m: independent simulation, criterion at half the difference.
-  CHECK(extreme_rate_probability(protocol, "SV") == Approx(0.82).margin(0.01));
-  CHECK(warnings_with(protocol.bytes, "$.design.trials_per_cell", "rate of 0 or 1") == 1);
+TEST_CASE("extreme rates, d' of 0 and scatter of the published design") {
+  const std::string bytes = read_text(protocols_folder() / "chinello2017.json");
+  // Independent simulations of counts at the published JNDs, criterion at half the difference.
+  const std::string path = "$.design.trials_per_cell";
+  CHECK(warnings_with(bytes, path, "rate of 0 or 1 in some series is expected for S 65 %, V 56 %, SV 82 %") == 1);
+  CHECK(warnings_with(bytes, path, "d' of 0 or less in some series is expected for S 30 %, V 41 %, SV 15 %") == 1);
+  CHECK(warnings_with(bytes, path, "coefficient of variation of S 41 %, V 49 %, SV 32 %") == 1);
   const std::string many = replaced(base(), "\"trials_per_cell\": 8", "\"trials_per_cell\": 200");
-  CHECK(warnings_with(many, "$.design.trials_per_cell", "rate of 0 or 1") == 0);
+  CHECK(warnings_with(many, path, "rate of 0 or 1") == 0);
+  CHECK(warnings_with(many, path, "d' of 0 or less") == 0);
+  CHECK(warnings_with(many, path, "coefficient of variation") == 0);
+}
+
+TEST_CASE("following the advice about scatter ends the warning") {
+  const Protocol protocol = load_protocol(protocols_folder() / "chinello2017.json");
+  const std::string bytes = protocol.bytes;
+  const auto of_trials = [&](int trials) {
+    return replaced(bytes, "\"trials_per_cell\": 12", "\"trials_per_cell\": " + std::to_string(trials));
+  };
+  int most = 0;
+  for (const Condition& condition : protocol.conditions)
+    most = std::max(
+        most, trials_for_cv(counts_design(protocol), planned_jnd(protocol, condition.name).value, 0.2).value_or(0));
+  CHECK(most == 74);
+  CHECK(warnings_with(of_trials(most), "$.design.trials_per_cell", "coefficient of variation") == 0);
+  CHECK(warnings_with(of_trials(most - 1), "$.design.trials_per_cell", "coefficient of variation") == 1);
 }
 
 TEST_CASE("independent draws, missing practice, uneven cohorts, run limits of one and long sessions are told") {

@@ -1,0 +1,11 @@
+// The group's part of analysis/precision.h; used by precision.cpp only.
+#pragma once
+
+#include "analysis/precision.h"
+
+namespace jnd {
+
+// Simulates result.question.experiments studies; fills result.group and result.contrasts.
+void set_group_precision(Precision& result);
+
+}  // namespace jnd

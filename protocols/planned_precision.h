@@ -1,0 +1,41 @@
+// A protocol's design as a question about its precision (analysis/precision.h): what JNDs are to be expected, and what
+// the participants' counts will be drawn from.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "analysis/precision.h"
+#include "protocols/protocol.h"
+
+namespace jnd {
+
+// Where a true JND for planning comes from.
+enum class JndSource {
+  published,  // the protocol's published value of the condition
+  assumed,    // no value is published: a quarter of the reference
+  asked       // given by the user
+};
+std::string_view to_string(JndSource source) noexcept;
+
+struct PlannedJnd {
+  double value = 0;  // > 0, in the study's unit
+  JndSource source = JndSource::assumed;
+};
+PlannedJnd planned_jnd(const Protocol& protocol, std::string_view condition);
+
+// Is it a design whose precision can be foretold: same-different trials with a number of trials fixed for each series?
+bool has_precision(const Protocol& protocol) noexcept;
+
+// The following are for such protocols.
+CountsDesign counts_design(const Protocol& protocol);
+
+// Conditions in the protocol's order with their planned JNDs, its contrasts (without any: every pair), its
+// participants.
+PrecisionQuestion precision_question(const Protocol& protocol);
+
+// What the figures of analysis/precision.h do not cover of this protocol's registered analysis; empty where they are
+// for that very analysis.
+std::string precision_note(const Protocol& protocol);
+
+}  // namespace jnd

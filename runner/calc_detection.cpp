@@ -1,0 +1,126 @@
+// jnd calc sdt: d' of counts, model by model. jnd calc coverage: how often its intervals and tests are right.
+#include "runner/calc_detection.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "analysis/coverage.h"
+#include "runner/calc.h"
+#include "runner/commands.h"
+#include "runner/csv_table.h"
+#include "runner/json_output.h"
+
+namespace jnd {
+
+namespace {
+
+struct SdtOptions {
+  CalcInput input;
+};
+
+Counts counts_of(const CsvTable& table, std::size_t row) {
+  Counts counts;
+  counts.n_diff = table.integer(row, "n_diff", 0);
+  counts.hits = table.integer(row, "hits", 0);
+  counts.n_same = table.integer(row, "n_same", 0);
+  counts.false_alarms = table.integer(row, "false_alarms", 0);
+  if (counts.hits > counts.n_diff)
+    table.fail(row, "hits", fmt::format("{} hits of {} trials with different stimuli", counts.hits, counts.n_diff),
+               "hits are at most n_diff");
+  if (counts.false_alarms > counts.n_same)
+    table.fail(row, "false_alarms",
+               fmt::format("{} false alarms of {} trials with equal stimuli", counts.false_alarms, counts.n_same),
+               "false_alarms are at most n_same");
+  return counts;
+}
+
+int sdt(const SdtOptions& options) {
+  const CsvTable table = CsvTable::read(options.input.file, {"id", "n_diff", "hits", "n_same", "false_alarms"});
+  // The whole file is read before anything is printed: a mistake in the last row leaves no half an answer.
+  std::vector<Counts> counts;
+  for (std::size_t row = 0; row < table.rows(); ++row) counts.push_back(counts_of(table, row));
+  std::vector<NamedDetectionRow> rows;
+  for (std::size_t row = 0; row < counts.size(); ++row) {
+    const NamedDetectionRow named{table.text(row, "id"), detection_row(counts[row])};
+    if (options.input.json)
+      fmt::print("{}\n", detection_json(named).dump());
+    else
+      rows.push_back(named);
+  }
+  if (!options.input.json) fmt::print("{}", detection_text(rows));
+  return exit_code::kDone;
+}
+
+struct CoverageOptions {
+  std::vector<int> trials = {6, 12, 24, 48, 100, 200};
+  bool json = false;
+};
+
+constexpr double kDprimes[] = {0, 0.5, 1, 1.5, 2};
+constexpr double kCriteria[] = {-0.5, 0, 0.5};
+
+void print_coverage_json(const CoverageOptions& options) {
+  for (const int trials : options.trials) {
+    const ProfileCoverage coverage(trials);
+    for (const double criterion : kCriteria) {
+      const TestSizes sizes = test_sizes(trials, criterion);
+      nlohmann::ordered_json line = {{"trials_a_class", trials}, {"criterion", criterion}};
+      line["coverage"] = nlohmann::ordered_json::array();
+      for (const double dprime : kDprimes)
+        line["coverage"].push_back({{"dprime", dprime}, {"profile", coverage.at(dprime, criterion)}});
+      line["test_sizes"] = {{"yes_no_05", sizes.yes_no_05},
+                            {"yes_no_01", sizes.yes_no_01},
+                            {"differencing_05", sizes.differencing_05},
+                            {"differencing_01", sizes.differencing_01}};
+      fmt::print("{}\n", line.dump());
+    }
+  }
+}
+
+int coverage(const CoverageOptions& options) {
+  if (options.json) {
+    print_coverage_json(options);
+    return exit_code::kDone;
+  }
+  fmt::print("Coverage of the 95 % profile-likelihood interval of the yes-no d', in percent:\n\n");
+  fmt::print("| trials a class | c | d' = 0 | 0.5 | 1 | 1.5 | 2 |\n|---:|---:|---:|---:|---:|---:|---:|\n");
+  for (const int trials : options.trials) {
+    const ProfileCoverage coverage(trials);
+    for (const double criterion : kCriteria) {
+      fmt::print("| {} | {} |", trials, criterion);
+      for (const double dprime : kDprimes) fmt::print(" {:.1f} |", 100 * coverage.at(dprime, criterion));
+      fmt::print("\n");
+    }
+  }
+  fmt::print("\nSize of the tests of d' = 0, in percent of experiments that have p <= 5 % and p <= 1 %:\n\n");
+  fmt::print("| trials a class | c | yes-no 5 % | yes-no 1 % | differencing 5 % | differencing 1 % |\n");
+  fmt::print("|---:|---:|---:|---:|---:|---:|\n");
+  for (const int trials : options.trials)
+    for (const double criterion : kCriteria) {
+      const TestSizes sizes = test_sizes(trials, criterion);
+      fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} |\n", trials, criterion, 100 * sizes.yes_no_05,
+                 100 * sizes.yes_no_01, 100 * sizes.differencing_05, 100 * sizes.differencing_01);
+    }
+  return exit_code::kDone;
+}
+
+}  // namespace
+
+void add_calc_detection(CalcTree& tree) {
+  const auto sdt_options = std::make_shared<SdtOptions>();
+  CLI::App* command = tree.add("sdt", "d' of same-different counts, under every model and correction",
+                               "sdt counts.csv --json", sdt_options, sdt);
+  CalcTree::add_input(*command, sdt_options->input, "id, n_diff, hits, n_same, false_alarms");
+
+  const auto coverage_options = std::make_shared<CoverageOptions>();
+  command = tree.add("coverage", "How often the intervals and tests of sdt are right, by exact enumeration",
+                     "coverage --trials 12,48", coverage_options, coverage);
+  command->add_option("--trials", coverage_options->trials, "trials a class, each 1..500")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 500))
+      ->capture_default_str();
+  command->add_flag("--json", coverage_options->json, "machine-readable, a line per number of trials and criterion");
+}
+
+}  // namespace jnd

@@ -1,0 +1,126 @@
+#!/usr/bin/env python3
+"""The planner from outside: jnd plan --precision, and the same block in jnd check.
+
+Usage: precision_test.py JND
+"""
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+
+JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
+
+
+class Precision(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def jnd(self, *arguments, code=0):
+        done = subprocess.run([JND, *arguments], capture_output=True, text=True, cwd=self.folder.name)
+        self.assertEqual(done.returncode, code, f"{arguments}: {done.stdout}{done.stderr}")
+        return done
+
+    def plan(self, *arguments):
+        out = self.jnd("plan", "chinello2017", "--precision", "--json", *arguments).stdout
+        return json.loads(out, parse_constant=lambda name: self.fail(f"{arguments} print {name}"))["precision"]
+
+    def condition(self, block, name):
+        return next(row for row in block["conditions"] if row["condition"] == name)
+
+    def test_the_published_design(self):
+        block = self.plan()
+        sv = self.condition(block, "SV")
+        self.assertEqual((sv["true_jnd"], sv["jnd_source"], sv["method"], sv["replicates"]), (208.5, "published", "enumeration", 0))
+        self.assertAlmostEqual(sv["any_extreme_rate"], 0.82, delta=0.005)
+        self.assertAlmostEqual(sv["estimate"]["median"], 228, delta=1.5)
+        for name, share, trials in (("SV", 0.15, 122), ("S", 0.30, 200), ("V", 0.41, 293)):
+            row = self.condition(block, name)
+            self.assertAlmostEqual(row["any_dprime_not_positive"], share, delta=0.01)
+            self.assertAlmostEqual(row["trials_for_cv"], trials, delta=1)
+            self.assertAlmostEqual(sum(row["status"].values()), 1, places=9)
+            self.assertAlmostEqual(row["bias_of_median"], row["estimate"]["median"] - row["true_jnd"], places=9)
+        self.assertEqual((block["trials_per_cell"], block["sampling"], block["participants"]), (12, "random", 18))
+        self.assertEqual(block["group"]["method"], "simulation")
+        self.assertEqual([(c["a"], c["b"]) for c in block["group"]["contrasts"]], [("S", "V"), ("S", "SV"), ("V", "SV")])
+        for contrast in block["group"]["contrasts"]:
+            self.assertGreater(contrast["power_of_slopes"], contrast["power"])
+
+    def test_options_change_the_question(self):
+        block = self.plan("--jnd", "208.5", "--jnd", "V=351", "--trials", "40", "--participants", "12", "--cv", "0.2", "--between-cv", "0.2")
+        self.assertEqual([row["true_jnd"] for row in block["conditions"]], [208.5, 351, 208.5])
+        self.assertEqual({row["jnd_source"] for row in block["conditions"]}, {"asked"})
+        self.assertEqual((block["trials_per_cell"], block["participants"], block["wanted_cv"], block["between_cv"]), (40, 12, 0.2, 0.2))
+        sv = self.condition(block, "SV")
+        self.assertEqual(sv["method"], "simulation")
+        self.assertGreater(sv["replicates"], 0)
+        self.assertGreater(sv["median_se"], 0)
+        self.assertAlmostEqual(sv["trials_for_cv"], 122 / 4, delta=1)
+        # The name wins over the value for all, whatever the order.
+        other = self.plan("--jnd", "V=351", "--jnd", "208.5", "--trials", "40", "--participants", "12", "--cv", "0.2", "--between-cv", "0.2")
+        self.assertEqual(other, block)
+
+    def test_the_seed_decides(self):
+        one, same, other = self.plan("--seed", "5"), self.plan("--seed", "5"), self.plan("--seed", "6")
+        self.assertEqual(one, same)
+        self.assertNotEqual(one["group"], other["group"])
+        # What is enumerated does not depend on it.
+        self.assertEqual(one["conditions"][0]["estimate"], other["conditions"][0]["estimate"])
+
+    def test_extremes_have_no_bare_nan(self):
+        for arguments in (("--trials", "1"), ("--jnd", "0.001"), ("--jnd", "1000000"), ("--participants", "1"), ("--trials", "2000", "--participants", "2")):
+            block = self.plan(*arguments)
+            self.assertEqual(len(block["conditions"]), 3)
+        self.assertEqual(self.plan("--jnd", "1000000")["conditions"][0]["estimate"]["median"], "inf")
+        self.assertIsNone(self.plan("--jnd", "0.001")["conditions"][0]["trials_for_cv"])
+        self.assertIsNone(self.plan("--participants", "1")["group"]["conditions"][0]["ci_width"])
+
+    def test_tables_for_people(self):
+        out = self.jnd("plan", "chinello2017", "--precision").stdout
+        self.assertIn("trials a cell for a CV of 10 %", out)
+        self.assertIn("V - SV", out)
+        self.assertNotIn("\x1b", out)
+        self.assertNotIn("nan", out)
+        markdown = self.jnd("plan", "chinello2017", "--precision", "--markdown").stdout
+        rows = [line for line in markdown.splitlines() if line.startswith("|")]
+        self.assertEqual(sum(line.startswith("|---") for line in rows), 4)
+        self.assertTrue(any(line.startswith("| SV | 208.5 |") for line in rows))
+
+    def test_wrong_options_are_told(self):
+        for arguments, part in ((("--jnd", "X=5"), "S, V, SV"), (("--jnd", "SV=-5"), "above 0"), (("--jnd", "big"), "208.5"), (("--jnd", "S="), "above 0")):
+            self.assertIn(part, self.jnd("plan", "chinello2017", "--precision", *arguments, code=2).stderr)
+        self.assertIn("multiple of 4", self.jnd("plan", "chinello2017-balanced", "--precision", "--trials", "10", code=2).stderr)
+        self.jnd("plan", "chinello2017", "--trials", "10", code=2)  # without --precision
+        for arguments in (("--trials", "0"), ("--participants", "0"), ("--cv", "0"), ("--between-cv", "-1")):
+            self.jnd("plan", "chinello2017", "--precision", *arguments, code=2)
+
+    def test_check_has_the_same_block(self):
+        for name in ("chinello2017", "chinello2017-balanced", "tutorial", "mckibben-stiffness", "cutaneous-kinaesthetic"):
+            checked = json.loads(self.jnd("check", name, "--json").stdout)["precision"]
+            planned = json.loads(self.jnd("plan", name, "--precision", "--json").stdout)["precision"]
+            self.assertEqual(set(checked), set(planned))
+            for one, other in zip(checked["conditions"], planned["conditions"]):
+                self.assertEqual(one["condition"], other["condition"])
+                self.assertEqual(one["any_extreme_rate"], other["any_extreme_rate"])
+                self.assertEqual(one["trials_for_cv"], other["trials_for_cv"])
+                if one["method"] == "enumeration":
+                    self.assertEqual(one["estimate"], other["estimate"])
+        text = self.jnd("check", "chinello2017").stdout
+        for part in ("d' of 0 or less in some series", "coefficient of variation", "trials a cell for 10 %", "independent draws"):
+            self.assertIn(part, text)
+
+    def test_a_protocol_with_errors_has_no_precision(self):
+        path = os.path.join(self.folder.name, "bad.json")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write("{}")
+        self.assertIsNone(json.loads(self.jnd("check", "--json", path, code=3).stdout)["precision"])
+
+
+if __name__ == "__main__":
+    unittest.main()

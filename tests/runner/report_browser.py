@@ -1,0 +1,169 @@
+#!/usr/bin/env python3
+"""The report in a real browser: headless Chromium shows it without a word on the console, light, dark and on paper.
+
+Usage: report_browser.py JND [FOLDER]
+With FOLDER the report, its pictures and the PDF stay there, to be looked at. Exits with 77 where there is no Chromium.
+"""
+import os
+import re
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import xml.etree.ElementTree
+import zlib
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+FLAGS = ["--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--hide-scrollbars", "--no-first-run",
+         "--enable-logging=stderr", "--v=0", "--virtual-time-budget=5000", "--force-device-scale-factor=1"]
+# Blink's numbers for what a person prefers: 0 dark, 1 light.
+DARK, LIGHT = "--blink-settings=preferredColorScheme=0", "--blink-settings=preferredColorScheme=1"
+SIZE = (1100, 2400)
+
+
+def pixels(path):
+    """(width, height, rows of RGB or RGBA bytes, bytes a pixel) of a PNG with 8 bits a channel."""
+    data = open(path, "rb").read()
+    assert data[:8] == b"\x89PNG\r\n\x1a\n", "not a PNG"
+    at, packed, header = 8, b"", None
+    while at < len(data):
+        length, kind = struct.unpack(">I4s", data[at:at + 8])
+        body = data[at + 8:at + 8 + length]
+        if kind == b"IHDR":
+            header = struct.unpack(">IIBBBBB", body)
+        elif kind == b"IDAT":
+            packed += body
+        at += 12 + length
+    width, height, depth, colour = header[:4]
+    assert depth == 8 and colour in (2, 6) and header[6] == 0, f"unexpected PNG {header}"
+    step = 3 if colour == 2 else 4
+    raw, rows, above = zlib.decompress(packed), [], bytearray(width * step)
+    for y in range(height):
+        begin = y * (width * step + 1)
+        rows.append(unfiltered(raw[begin], bytearray(raw[begin + 1:begin + 1 + width * step]), above, step))
+        above = rows[-1]
+    return width, height, rows, step
+
+
+def unfiltered(kind, row, above, step):
+    """One row of a PNG: filters 0 none, 1 left, 2 above, 3 mean of both, 4 Paeth."""
+    if kind == 2:
+        return bytearray((a + b) & 255 for a, b in zip(row, above))
+    for i in range(len(row)) if kind else ():
+        left, corner = (row[i - step], above[i - step]) if i >= step else (0, 0)
+        if kind == 1:
+            guess = left
+        elif kind == 3:
+            guess = (left + above[i]) // 2
+        else:
+            near = left + above[i] - corner
+            guess = min((abs(near - left), 0, left), (abs(near - above[i]), 1, above[i]), (abs(near - corner), 2, corner))[2]
+        row[i] = (row[i] + guess) & 255
+    return row
+
+
+def brightness(path):
+    """(mean brightness 0..255, number of colours) over every fourth pixel of every fourth row."""
+    width, height, rows, step = pixels(path)
+    assert (width, height) == SIZE, f"{path}: {width} x {height}"
+    colours, total, count = set(), 0, 0
+    for row in rows[::4]:
+        for at in range(0, len(row), 4 * step):
+            colour = bytes(row[at:at + 3])
+            colours.add(colour)
+            total += sum(colour)
+            count += 3
+    return total / count, len(colours)
+
+
+class Report:
+    def __init__(self, jnd, browser, folder):
+        self.jnd, self.browser, self.folder = os.path.abspath(jnd), browser, folder
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def run(self, *command):
+        done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True, timeout=300)
+        assert done.returncode == 0, f"{command}: exit {done.returncode}\n{done.stdout}{done.stderr}"
+        return done
+
+    def browse(self, *flags):
+        """What the browser printed; its console must have stayed silent."""
+        with tempfile.TemporaryDirectory() as profile:
+            done = self.run(self.browser, *FLAGS, f"--user-data-dir={profile}", f"--window-size={SIZE[0]},{SIZE[1]}", *flags,
+                            "file://" + self.path("s-report.html"))
+        said = [line for line in done.stderr.splitlines() if "CONSOLE" in line]
+        assert not said, "\n".join(said)
+        return done.stdout
+
+    def make(self):
+        self.run(self.jnd, "simulate", "chinello2017", "--participants", "18", "--study", "s.sqlite", "--seed", "1")
+        self.run(self.jnd, "report", "s.sqlite")
+        first = open(self.path("s-report.html"), "rb").read()
+        refused = subprocess.run([self.jnd, "report", "s.sqlite"], cwd=self.folder, capture_output=True, text=True)
+        assert refused.returncode == 5 and "--replace" in refused.stderr, refused.stderr
+        self.run(self.jnd, "report", "s.sqlite", "--replace")
+        assert open(self.path("s-report.html"), "rb").read() == first, "the same study made another page"
+
+    def check_files(self):
+        names = sorted(os.listdir(self.path("s-report-figures")))
+        assert names == ["jnd.svg", "rating-1.svg", "sensitivity.svg", "slopes.svg", "time.svg"], names
+        for name in names:
+            root = xml.etree.ElementTree.parse(os.path.join(self.path("s-report-figures"), name)).getroot()
+            assert root.tag == "{http://www.w3.org/2000/svg}svg", root.tag
+            for element in root.iter():
+                for key, value in element.attrib.items():
+                    assert not re.search(r"\b(nan|inf)\b", value), f"{name}: {key}={value}"
+        slopes = open(self.path("s-report-figures/slopes.svg"), encoding="utf-8").read()
+        for number in range(1, 19):
+            assert f">P{number:02}<" in slopes, f"P{number:02} has no panel"
+
+    def check_document(self):
+        document = self.browse("--dump-dom")
+        for part in ('<figure id="fig-jnd">', '<figure id="fig-slopes">', '<figure id="fig-time">', '<figure id="fig-rating-1">',
+                     '<figure id="fig-sensitivity">', 'id="table-participants"', 'id="table-group"', 'id="methods"',
+                     'id="provenance"', "Warnings"):
+            assert part in document, f"{part} is not in the page as the browser understood it"
+        assert document.count("<svg") == 5 and document.count("</svg>") == 5
+        assert "<script" not in document
+
+    def check_screens(self):
+        seen = {}
+        for name, flag in (("light", LIGHT), ("dark", DARK)):
+            self.browse(flag, "--screenshot=" + self.path(name + ".png"))
+            seen[name] = brightness(self.path(name + ".png"))
+            assert seen[name][1] > 30, f"{name}: only {seen[name][1]} colours: is the page blank?"
+        assert seen["light"][0] > 200 and seen["dark"][0] < 80, f"brightness and colours: {seen}"
+
+    def check_paper(self):
+        # Paper is white whatever the person prefers on the screen.
+        self.browse(DARK, "--no-pdf-header-footer", "--print-to-pdf=" + self.path("report.pdf"))
+        pdf = open(self.path("report.pdf"), "rb").read()
+        assert pdf.startswith(b"%PDF-") and pdf.rstrip().endswith(b"%%EOF"), "no whole PDF"
+        pages = len(re.findall(rb"/Type\s*/Page\b", pdf))
+        assert 3 <= pages <= 40, f"{pages} pages"
+        return pages
+
+
+def main():
+    browser = next(filter(None, map(shutil.which, BROWSERS)), None)
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = os.path.abspath(sys.argv[2]) if len(sys.argv) > 2 else temporary
+        os.makedirs(folder, exist_ok=True)
+        report = Report(sys.argv[1], browser, folder)
+        report.make()
+        report.check_files()
+        if browser is None:
+            print("SKIPPED: no Chromium here (Debian: apt-get install chromium); nobody has looked at the report's page")
+            return 77
+        report.check_document()
+        report.check_screens()
+        pages = report.check_paper()
+    print(f"the report has 5 figures, {pages} printed pages, a light and a dark screen, and a silent console")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
