@@ -24,6 +24,7 @@ void add_trial(Json& body, const Trial& trial, int attempt) {
   body[key_with("stimulus_1_", name_suffix(trial.unit))] = trial.stimuli[0];
   body[key_with("stimulus_2_", name_suffix(trial.unit))] = trial.stimuli[1];
   body["same"] = trial.same;
+  if (trial.track > 0) body["track"] = trial.track;
 }
 
 }  // namespace
@@ -94,6 +95,7 @@ Trial trial_from(const Json& body) {
       trial.stimuli[i] =
           number_at(body, key_with(i == 0 ? "stimulus_1_" : "stimulus_2_", name_suffix(trial.unit)).c_str());
     trial.same = body.at("same").get<bool>();
+    if (body.contains("track")) trial.track = body.at("track").get<int>();
     return trial;
   } catch (const Json::exception& error) {
     throw StorageError(fmt::format("the body is not a trial: {}", error.what()));

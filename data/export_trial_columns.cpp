@@ -181,6 +181,9 @@ std::vector<Column> trial_columns(const Protocol& protocol, const std::vector<De
        [](const R& r) { return csv_flag(!r.excluded_reason.empty()); }},
       {"excluded_reason", "the first rule that applies; empty where the trial counts", "",
        "response_time_below response_time_above saturated_share_above", [](const R& r) { return r.excluded_reason; }}};
+  if (protocol.design.procedure)
+    columns.push_back({"track", "track of the adaptive procedure in its condition, from 1; 0 in practice", "", "",
+                       [](const R& r) { return csv_number(r.record.trial.track); }});
   for (std::size_t interval = 0; interval < 2; ++interval) {
     add_interval(columns, interval);
     for (const DevicePlace& place : places)

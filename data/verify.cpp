@@ -12,6 +12,7 @@
 #include "data/study_impl.h"
 #include "data/utc_time.h"
 #include "data/verify_telemetry.h"
+#include "protocols/adaptive_run.h"
 #include "protocols/input_error.h"
 #include "protocols/plan.h"
 #include "protocols/protocol_json.h"
@@ -42,6 +43,7 @@ struct Walk {
   std::string kind, participant;
   std::map<int, Trial> planned;  // by index
   bool has_plan = false;
+  std::optional<AdaptiveRun> adaptive;  // as far as the chain has been walked
   std::set<int> completed;
 };
 
@@ -201,6 +203,7 @@ class Verifier {
     try {
       for (const Trial& trial : make_plan(*protocol_, number, study_.info.seed).trials)
         walk.planned[trial.index] = trial;
+      walk.adaptive.emplace(*protocol_);
       walk.has_plan = true;
     } catch (const std::invalid_argument& error) {
       problem("Session {}: no plan for participant number {}: {}.", event.session, number, error.what());
@@ -213,6 +216,9 @@ class Verifier {
     if (!walk.completed.insert(record.trial.index).second)
       problem("Session {}, event {}: trial {} was completed before.", event.session, event.seq, record.trial.index);
     check_planned(walk, event, record.trial);
+    // As planned, so that one changed trial is one problem.
+    if (walk.has_plan && walk.planned.contains(record.trial.index))
+      walk.adaptive->answered(walk.planned.at(record.trial.index), record.answer.judgement);
     const bool correct = (record.answer.judgement == Judgement::same) == record.trial.same;
     if (body.at("correct").get<bool>() != correct ||
         body.at("saturated_share").get<double>() != largest_saturated_share(record))
@@ -230,16 +236,23 @@ class Verifier {
 
   void check_planned(const Walk& walk, const Event& event, const Trial& trial) {
     if (!walk.has_plan) return;
-    const auto planned = walk.planned.find(trial.index);
-    if (planned == walk.planned.end()) {
+    const auto found = walk.planned.find(trial.index);
+    if (found == walk.planned.end()) {
       problem("Session {}, event {}: trial {} is not in the plan of participant {}.", event.session, event.seq,
               trial.index, walk.participant);
-    } else if (planned->second.stimuli != trial.stimuli || planned->second.unit != trial.unit) {
-      problem("Session {}, event {}: trial {} presented {} and {} {}; the plan of participant {} has {} and {} {}.",
+      return;
+    }
+    // An adaptive level follows from the answers up to here.
+    const Trial planned = walk.adaptive->resolved(found->second);
+    if (walk.adaptive->over(planned))
+      problem("Session {}, event {}: trial {} comes after its track, {} of condition {}, had ended.", event.session,
+              event.seq, trial.index, planned.track, planned.condition + 1);
+    if (planned.stimuli != trial.stimuli || planned.unit != trial.unit) {
+      problem("Session {}, event {}: trial {} presented {} and {} {}; the plan of participant {} has {} and {} {}{}.",
               event.session, event.seq, trial.index, trial.stimuli[0], trial.stimuli[1], to_string(trial.unit),
-              walk.participant, planned->second.stimuli[0], planned->second.stimuli[1],
-              to_string(planned->second.unit));
-    } else if (planned->second != trial) {
+              walk.participant, planned.stimuli[0], planned.stimuli[1], to_string(planned.unit),
+              planned.track > 0 ? " after the answers before it" : "");
+    } else if (planned != trial) {
       problem(
           "Session {}, event {}: trial {}: its block, series or condition is not the one planned for participant {}.",
           event.session, event.seq, trial.index, walk.participant);

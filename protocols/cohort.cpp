@@ -35,7 +35,8 @@ void count_trials(const Plan& plan, const Protocol& protocol, CohortBalance& bal
     if (trial.practice) continue;
     const std::size_t cell =
         static_cast<std::size_t>(trial.series) * protocol.conditions.size() + static_cast<std::size_t>(trial.condition);
-    const double a = protocol.series[static_cast<std::size_t>(trial.series)].pair[0];
+    // Of an adaptive procedure a is the comparison, whatever its level.
+    const double a = trial.track > 0 ? kSetByAnswers : protocol.series[static_cast<std::size_t>(trial.series)].pair[0];
     const bool first_is_a = trial.stimuli[0] == a;
     ++balance.cells[cell].pairs[trial.same ? (first_is_a ? 0U : 1U) : (first_is_a ? 2U : 3U)];
     ++(trial.same ? balance.cells[cell].same : balance.cells[cell].different);

@@ -72,9 +72,11 @@ std::vector<std::string> positions(std::size_t count) {
 }
 
 std::string cells_text(const CohortBalance& balance, const Protocol& protocol) {
-  std::string text =
-      fmt::format("Stimuli of the main trials, a and b being the stiffnesses of the pair\n  {:<17}{:<17}{:>12}",
-                  "series", "condition", fmt::format("pair ({})", to_string(protocol.stimulus.unit)));
+  std::string text = fmt::format("{}\n  {:<17}{:<17}{:>12}",
+                                 protocol.design.procedure
+                                     ? "Trials planned at most: a is a comparison that the answers set, b the reference"
+                                     : "Stimuli of the main trials, a and b being the stiffnesses of the pair",
+                                 "series", "condition", fmt::format("pair ({})", to_string(protocol.stimulus.unit)));
   for (const char* const title : {"aa", "bb", "ab", "ba"}) text += fmt::format("{:>7}", title);
   text += fmt::format("{:>20}\n", "same a participant");
   for (const CellBalance& cell : balance.cells) {

@@ -20,7 +20,7 @@ double clamped_g(double stiffness, const DeviceSpec& spec) {
 void look_at_limits(DeviceLinting& linting, std::size_t series) {
   for (std::size_t j = 0; j < 2; ++j) {
     const double stiffness = linting.protocol.series[series].pair[j];
-    const std::string path = fmt::format("$.series[{}].pair[{}]", series, j);
+    const std::string path = linting.stiffness_path(series, j);
     const std::string softer = "take a softer " + linting.objects(false);
     const DeviceSpec* const platform = linting.rig.cutaneous();
     if (platform != nullptr && stiffness > platform->max_stiffness) {
@@ -56,38 +56,66 @@ std::string force_reason(const DeviceLinting& linting, const DeviceSpec& spec, d
                      linting.depth(linting.protocol.stimulus.expected_press));
 }
 
-// A pair must be told apart by one cue of a condition at least.
-void look_at_pair(DeviceLinting& linting, std::size_t series, const Condition& condition) {
-  const auto& pair = linting.protocol.series[series].pair;
+// Why a pair is not told apart by any cue of a condition, and what would help; empty where it is.
+struct Alike {
+  std::string reason, remedy;
+};
+Alike alike_in(const DeviceLinting& linting, const std::array<double, 2>& pair, const Condition& condition) {
   const double softer = std::min(pair[0], pair[1]);
   const DeviceSpec* const platform = linting.rig.cutaneous();
   const DeviceSpec* const joint = linting.rig.kinaesthetic();
-  std::string alike, remedy;
+  Alike alike;
   const auto say = [&](const std::string& reason, const std::string& suggestion) {
-    alike += alike.empty() ? reason : " and " + reason;
-    if (remedy.empty()) remedy = suggestion;
+    alike.reason += alike.reason.empty() ? reason : " and " + reason;
+    if (alike.remedy.empty()) alike.remedy = suggestion;
   };
   const std::string take_softer = "take softer " + linting.objects(true);
   if (condition.cues.force && platform != nullptr) {
-    if (forces_differ(linting, *platform, softer)) return;
+    if (forces_differ(linting, *platform, softer)) return {};
     say(force_reason(linting, *platform, softer), take_softer);
   }
   if (condition.cues.vibration && platform != nullptr) {
-    if (clamped_g(pair[0], *platform) != clamped_g(pair[1], *platform)) return;
+    if (clamped_g(pair[0], *platform) != clamped_g(pair[1], *platform)) return {};
     say(fmt::format("vibrate with {} g ({:.3f} and {:.3f} g asked)", plain(clamped_g(pair[0], *platform)),
                     burst_amplitude_g(pair[0]), burst_amplitude_g(pair[1])),
         fmt::format("the {} gives {} to {} g: take stiffnesses whose k/1500 + 0.4 lies within", platform->name,
                     plain(platform->min_vibration_g), plain(platform->max_vibration_g)));
   }
   if (condition.cues.kinaesthetic && joint != nullptr) {
-    if (forces_differ(linting, *joint, softer)) return;
+    if (forces_differ(linting, *joint, softer)) return {};
     say(force_reason(linting, *joint, softer), take_softer);
   }
-  if (alike.empty()) return;
-  linting.error(
-      fmt::format("$.series[{}].pair", series),
-      fmt::format("in condition {} both {} {}: they would feel the same", condition.name, linting.objects(true), alike),
-      remedy);
+  return alike;
+}
+
+// A pair must be told apart by one cue of a condition at least.
+void look_at_pair(DeviceLinting& linting, std::size_t series, const Condition& condition) {
+  const Alike alike = alike_in(linting, linting.protocol.series[series].pair, condition);
+  if (alike.reason.empty()) return;
+  linting.error(linting.pair_path(series),
+                fmt::format("in condition {} both {} {}: they would feel the same", condition.name,
+                            linting.objects(true), alike.reason),
+                alike.remedy);
+}
+
+// The smaller levels of an adaptive procedure, down to where the clamp ends: a track that gets there gets no further.
+void look_at_levels(DeviceLinting& linting, const Condition& condition) {
+  const AdaptiveProcedure& procedure = *linting.protocol.design.procedure;
+  const double reference = linting.protocol.stimulus.reference;
+  const auto alike_at = [&](double level) { return alike_in(linting, {reference - level, reference}, condition); };
+  if (!alike_at(procedure.clamp[1]).reason.empty()) return;  // told as an error of the pair
+  const auto tell = [&](double level, const std::string& path, bool start) {
+    const Alike alike = alike_at(level);
+    if (alike.reason.empty()) return;
+    linting.warn(path,
+                 fmt::format("in condition {} both {} {}: a difference of {} {} cannot be felt{}", condition.name,
+                             linting.objects(true), alike.reason, plain(level), linting.unit(),
+                             start ? "" : ", and no track can settle there"),
+                 alike.remedy);
+  };
+  tell(procedure.clamp[0], "$.design.procedure.clamp[0]", false);
+  for (std::size_t i = 0; i < procedure.starts.size(); ++i)
+    tell(procedure.starts[i], fmt::format("$.design.procedure.starts[{}]", i), true);
 }
 
 void warn_about_forces(DeviceLinting& linting, const DeviceSpec& spec) {
@@ -122,7 +150,7 @@ void warn_about_vibrations(DeviceLinting& linting, const DeviceSpec& spec) {
                            burst_amplitude_g(stiffness), plain(clamped_g(stiffness, spec)));
   }
   if (numbers.empty()) return;
-  linting.warn("$.series",
+  linting.warn(linting.series_path(),
                fmt::format("vibrations are clamped to {} to {} g: {}", plain(spec.min_vibration_g),
                            plain(spec.max_vibration_g), numbers),
                "flagged in every interval");
@@ -146,6 +174,8 @@ bool DeviceLinting::any(bool Cues::*cue) const {
 std::set<double> DeviceLinting::stiffnesses() const {
   std::set<double> all;
   for (const Series& series : protocol.series) all.insert(series.pair.begin(), series.pair.end());
+  if (protocol.design.procedure)
+    for (const double start : protocol.design.procedure->starts) all.insert(protocol.stimulus.reference - start);
   return all;
 }
 
@@ -155,6 +185,20 @@ std::string DeviceLinting::depth(double value) const {
 
 std::string DeviceLinting::press_path() const {
   return fmt::format("$.stimulus.expected_press_{}", length_suffix(protocol.stimulus.unit));
+}
+
+std::string DeviceLinting::series_path() const {
+  return protocol.design.procedure ? "$.design.procedure.clamp" : "$.series";
+}
+
+std::string DeviceLinting::pair_path(std::size_t series) const {
+  return protocol.design.procedure ? series_path() : fmt::format("$.series[{}].pair", series);
+}
+
+// The pair of a procedure is the comparison of the largest level, and the reference.
+std::string DeviceLinting::stiffness_path(std::size_t series, std::size_t of_pair) const {
+  if (!protocol.design.procedure) return fmt::format("{}[{}]", pair_path(series), of_pair);
+  return of_pair == 0 ? series_path() + "[1]" : "$.stimulus.reference";
 }
 
 std::string DeviceLinting::objects(bool plural) const {
@@ -172,6 +216,8 @@ DeviceLint lint_against_device(const Protocol& protocol, const RigSpec& rig, con
     look_at_limits(linting, i);
     for (const Condition& condition : protocol.conditions) look_at_pair(linting, i, condition);
   }
+  if (protocol.design.procedure)
+    for (const Condition& condition : protocol.conditions) look_at_levels(linting, condition);
   lint_travel(linting);
   lint_mode(linting);
   lint_sampled_contact(linting);

@@ -142,7 +142,7 @@ void lint_sampled_contact(DeviceLinting& linting) {
     linting.error(fmt::format("$.stimulus.viscosity_n_s_per_{}", length_suffix(protocol.stimulus.unit)), message,
                   remedy);
   else
-    linting.warn("$.series", message, remedy + "; the device's specification allows it");
+    linting.warn(linting.series_path(), message, remedy + "; the device's specification allows it");
 }
 
 double needed_damping(double stiffness, double viscosity) noexcept {

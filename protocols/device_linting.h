@@ -23,8 +23,12 @@ struct DeviceLinting {
   std::set<double> stiffnesses() const;  // of all series
   bool in_metres() const { return protocol.stimulus.unit == StiffnessUnit::n_per_m; }
   std::string_view unit() const { return to_string(protocol.stimulus.unit); }
-  std::string depth(double value) const;   // "5.22 mm" or "0.240 rad"
-  std::string press_path() const;          // of the expected press
+  std::string depth(double value) const;  // "5.22 mm" or "0.240 rad"
+  std::string press_path() const;         // of the expected press
+  // Where the stiffnesses of a series are written; beside an adaptive procedure, which makes its own series: its clamp.
+  std::string series_path() const;
+  std::string pair_path(std::size_t series) const;
+  std::string stiffness_path(std::size_t series, std::size_t of_pair) const;
   std::string objects(bool plural) const;  // "spheres" where they are spheres
 
   // Force asked of a device per force of the contact. A McKibben finger gives the torque of a contact, k L x, out of

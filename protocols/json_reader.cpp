@@ -101,6 +101,18 @@ std::optional<std::string> text_of(const JsonNode& node, const TextLimits& limit
   return node.text;
 }
 
+std::optional<int> integer_of(const JsonNode& node, const IntegerLimits& limits, std::vector<Diagnostic>& diagnostics,
+                              const std::string& file) {
+  if (node.kind == JsonNode::Kind::number && !node.integer) {
+    diagnostics.push_back(diagnostic_at(node, file, fmt::format("must be a whole number, not {}", node.text),
+                                        "write it without fraction or exponent"));
+    return std::nullopt;
+  }
+  const NumberLimits range{static_cast<double>(limits.min), static_cast<double>(limits.max), false, limits.unit};
+  const std::optional<double> value = number_of(node, range, diagnostics, file);
+  return value ? std::optional<int>(static_cast<int>(*value)) : std::nullopt;
+}
+
 std::optional<std::size_t> word_of(const JsonNode& node, const std::vector<std::string_view>& words,
                                    const std::vector<std::string_view>& later, std::vector<Diagnostic>& diagnostics,
                                    const std::string& file) {
@@ -153,13 +165,7 @@ std::optional<double> JsonReader::read_number(std::string_view key, const Number
 std::optional<int> JsonReader::read_integer(std::string_view key, const IntegerLimits& limits, bool required) {
   const NumberLimits range{static_cast<double>(limits.min), static_cast<double>(limits.max), false, limits.unit};
   const JsonNode* node = find(key, required, "a whole number, " + range_text(range.min, range.max, false, limits.unit));
-  if (node == nullptr) return std::nullopt;
-  if (node->kind == JsonNode::Kind::number && !node->integer) {
-    error(*node, fmt::format("must be a whole number, not {}", node->text), "write it without fraction or exponent");
-    return std::nullopt;
-  }
-  const std::optional<double> value = number_of(*node, range, diagnostics_, file_);
-  return value ? std::optional<int>(static_cast<int>(*value)) : std::nullopt;
+  return node == nullptr ? std::nullopt : integer_of(*node, limits, diagnostics_, file_);
 }
 
 std::optional<bool> JsonReader::read_boolean(std::string_view key, bool required) {

@@ -143,6 +143,8 @@ class JsonReader {
 // The same checks for values that are not members, such as elements of arrays.
 std::optional<double> number_of(const JsonNode& node, const NumberLimits& limits, std::vector<Diagnostic>& diagnostics,
                                 const std::string& file);
+std::optional<int> integer_of(const JsonNode& node, const IntegerLimits& limits, std::vector<Diagnostic>& diagnostics,
+                              const std::string& file);
 std::optional<std::string> text_of(const JsonNode& node, const TextLimits& limits, std::vector<Diagnostic>& diagnostics,
                                    const std::string& file);
 std::optional<std::size_t> word_of(const JsonNode& node, const std::vector<std::string_view>& words,

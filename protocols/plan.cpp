@@ -1,9 +1,12 @@
 #include "protocols/plan.h"
 
 #include <algorithm>
+#include <numeric>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
+#include "protocols/catch_trials.h"
 #include "protocols/order.h"
 #include "protocols/random_stream.h"
 #include "protocols/run_limit.h"
@@ -85,11 +88,45 @@ class Draws {
     return block;
   }
 
+  struct Slot {
+    int condition = 0, track = 0;
+    Pair pair{};
+  };
+
+  // The slots of an adaptive procedure's tracks, in rounds: each has one slot of every track, in any order, so that no
+  // track runs ahead and none can be told from its place. All conditions where mixed, else the one given.
+  std::vector<Slot> adaptive_block(std::optional<int> only) const {
+    const AdaptiveProcedure& procedure = *protocol_.design.procedure;
+    const CatchBlock catches = catch_block(procedure.catch_share).value();
+    std::vector<std::vector<Slot>> tracks;
+    for (int condition = 0; condition < static_cast<int>(protocol_.conditions.size()); ++condition) {
+      if (only && condition != *only) continue;
+      for (int track = 1; track <= static_cast<int>(procedure.starts.size()); ++track) {
+        RandomStream stream(seed_, participant_, "slots/" + condition_name(condition),
+                            static_cast<std::uint64_t>(track));
+        tracks.emplace_back();
+        for (const Pair& pair : draw_slots(catches, procedure.trials, protocol_.stimulus.reference, stream))
+          tracks.back().push_back({condition, track, pair});
+      }
+    }
+    RandomStream turns(seed_, participant_, only ? "tracks/" + condition_name(*only) : "tracks");
+    std::vector<std::size_t> round(tracks.size());
+    std::vector<Slot> block;
+    for (std::size_t i = 0; i < tracks.front().size(); ++i) {
+      std::iota(round.begin(), round.end(), 0);
+      turns.shuffle(round);
+      for (const std::size_t track : round) block.push_back(tracks[track][i]);
+    }
+    return block;
+  }
+
   // One round of practice: about half of the trials are "same"; both classes occur where there are two trials.
   std::vector<Pair> practice(const Practice& practice, int round) const {
     RandomStream stream(seed_, participant_, "practice/" + series_name(practice.series),
                         static_cast<std::uint64_t>(round));
-    const Pair& pair = pair_of(practice.series);
+    const double reference = protocol_.stimulus.reference;
+    const Pair pair =
+        practice.difference ? Pair{reference - *practice.difference, reference} : pair_of(practice.series);
     if (practice.trials % 4 == 0) return balanced(pair, practice.trials, stream);
     std::vector<Pair> pairs = independent(pair, practice.trials, stream);
     const auto is_same = [](const Pair& drawn) { return drawn[0] == drawn[1]; };
@@ -180,6 +217,14 @@ void add_practice(const Practice& practice, const Draws& draws, TrialList& list)
   }
 }
 
+void add_slots(const std::vector<Draws::Slot>& slots, Trial trial, TrialList& list) {
+  for (const Draws::Slot& slot : slots) {
+    trial.condition = slot.condition;
+    trial.track = slot.track;
+    list.add(trial, slot.pair);
+  }
+}
+
 }  // namespace
 
 Plan make_plan(const Protocol& protocol, int participant, std::uint64_t seed) {
@@ -200,6 +245,10 @@ Plan make_plan(const Protocol& protocol, int participant, std::uint64_t seed) {
     trial.series = plan.series_order[j];
     if (protocol.design.arrangement == Arrangement::mixed) {
       trial.block = ++block;
+      if (protocol.design.procedure) {
+        add_slots(draws.adaptive_block(std::nullopt), trial, list);
+        continue;
+      }
       for (const auto& drawn : draws.mixed_block(trial.series)) {
         trial.condition = drawn.condition;
         list.add(trial, drawn.pair);
@@ -209,6 +258,10 @@ Plan make_plan(const Protocol& protocol, int participant, std::uint64_t seed) {
     for (const int condition : plan.condition_orders[j]) {
       trial.block = ++block;
       trial.condition = condition;
+      if (protocol.design.procedure) {
+        add_slots(draws.adaptive_block(condition), trial, list);
+        continue;
+      }
       for (const Pair& pair : draws.block(trial.series, condition)) list.add(trial, pair);
     }
   }

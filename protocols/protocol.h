@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "protocols/quest.h"
+#include "protocols/staircase.h"
 #include "protocols/vocabulary.h"
 
 namespace jnd {
@@ -89,9 +91,25 @@ struct Series {
   std::array<double, 2> pair{};  // two different stiffnesses, in the unit of StimulusSpec
 };
 
+// How levels are set where the answers set them. A level is a difference: the comparison is the reference less the
+// level, in the unit of StimulusSpec; never stiffer than the reference, as in the source paper's pairs.
+struct AdaptiveProcedure {
+  enum class Kind { staircase, quest } kind = Kind::staircase;
+  std::vector<double> starts;     // one track of each condition for each: its first level
+  std::array<double, 2> clamp{};  // lowest and highest level
+  StaircaseRule staircase;        // without start
+  QuestParameters quest;          // of log10 of the level; without t_guess
+  int trials = 0;                 // most trials of a track that have a difference
+  int reversals = 0;              // that end a track before; 0: its trials only
+  double catch_share = 0.5;       // of a track's trials, those with equal stimuli
+  int averaged_reversals = 6;     // the last ones, of which a staircase's threshold is the mean
+};
+
 struct Design {
-  int participants = 1;     // planned
-  int trials_per_cell = 4;  // a condition in a series
+  int participants = 1;  // planned
+  // Constant stimuli where none. With a procedure Protocol::series is one entry, made from reference and clamp.
+  std::optional<AdaptiveProcedure> procedure;
+  int trials_per_cell = 4;  // a condition in a series; with a procedure, of a condition at most
   Sampling sampling = Sampling::balanced;
   Arrangement arrangement = Arrangement::blocked;
   Order series_order = Order::fixed;
@@ -107,6 +125,7 @@ struct Practice {
   double criterion_correct = 0;  // share correct that ends practice, 0..1
   int max_rounds = 1;
   Feedback feedback = Feedback::correctness;
+  std::optional<double> difference{};  // with an adaptive procedure: the pair is reference - difference, and reference
 };
 
 struct Break {

@@ -117,9 +117,19 @@ void read_design(const JsonNode& node, ProtocolReading& reading) {
   Design& design = reading.protocol.design;
   JsonReader reader(node, reading.errors, reading.file);
   design.participants = reader.integer("participants", {.min = 1, .max = 1000});
-  design.trials_per_cell = reader.integer("trials_per_cell", {.min = 2, .max = 2000});
-  design.sampling =
-      reader.one_of<Sampling>("sampling", {{"random", Sampling::random}, {"balanced", Sampling::balanced}});
+  const JsonNode* procedure = reader.object_or_null("procedure");
+  if (reading.adaptive()) {
+    for (const std::string_view key : {"trials_per_cell", "sampling", "run_limit"})
+      if (reader.member(key) != nullptr)
+        reader.error(key, "has no meaning beside \"procedure\"",
+                     "remove it: the procedure's \"stop\" and \"catch_share\" say how many trials there are");
+    if (procedure != nullptr) read_procedure(*procedure, reading);
+  } else {
+    design.trials_per_cell = reader.integer("trials_per_cell", {.min = 2, .max = 2000});
+    design.sampling =
+        reader.one_of<Sampling>("sampling", {{"random", Sampling::random}, {"balanced", Sampling::balanced}});
+    design.run_limit = reader.optional_integer("run_limit", {.min = 1, .max = 1000});
+  }
   design.arrangement =
       reader.one_of<Arrangement>("conditions", {{"blocked", Arrangement::blocked}, {"mixed", Arrangement::mixed}});
   if (const JsonNode* order = reader.object("order")) {
@@ -129,7 +139,6 @@ void read_design(const JsonNode& node, ProtocolReading& reading) {
     part.finish();
   }
   design.per_series = reader.boolean_or("per_series", false);
-  design.run_limit = reader.optional_integer("run_limit", {.min = 1, .max = 1000});
   reader.finish();
 }
 

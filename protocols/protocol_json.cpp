@@ -39,7 +39,12 @@ void read_protocol(ProtocolReading& reading) {
   if (const JsonNode* node = reader.object("trial")) read_trial(*node, reading);
   if (const JsonNode* node = reader.object("stimulus")) read_stimulus(*node, reading);
   if (const JsonNode* list = reader.array("conditions", 1, 20)) read_conditions(*list, reading);
-  if (const JsonNode* list = reader.array("series", 1, 50)) read_series(*list, reading);
+  if (!reading.adaptive()) {
+    if (const JsonNode* list = reader.array("series", 1, 50)) read_series(*list, reading);
+  } else if (reader.member("series") != nullptr) {
+    reader.error("series", "has no meaning beside $.design.procedure: the answers set the levels",
+                 "remove it; the procedure's \"starts\" and \"clamp\" say where they begin and end");
+  }
   if (const JsonNode* node = reader.object("design")) read_design(*node, reading);
   // These name conditions and series, so they come after them.
   if (published != nullptr) read_published(*published, reading);

@@ -100,9 +100,26 @@ void lint_orders(ProtocolReading& reading) {
   }
 }
 
+// With a procedure there is one series, and the trials follow from the tracks.
+void lint_adaptive(ProtocolReading& reading) {
+  const Design& design = reading.protocol.design;
+  if (reading.sound("$.design.order.series") && design.series_order != Order::fixed)
+    reading.error_at("$.design.order.series", "there are no series to order beside a procedure", "write \"fixed\"");
+  if (design.per_series && reading.sound("$.design.per_series"))
+    reading.error_at("$.design.per_series", "there are no series that could change the order beside a procedure",
+                     "remove it");
+  if (!reading.sound("$.design.procedure") || !reading.sound("$.conditions")) return;
+  const int total = design.trials_per_cell * static_cast<int>(reading.protocol.conditions.size());
+  if (total > kMostTrialsOfSession)
+    reading.error_at("$.design.procedure.stop",
+                     fmt::format("a session could have {} trials, catch trials among them", total),
+                     fmt::format("at most {} are possible", kMostTrialsOfSession));
+}
+
 void lint_trials(ProtocolReading& reading) {
   const Protocol& protocol = reading.protocol;
   const Design& design = protocol.design;
+  if (design.procedure) return lint_adaptive(reading);
   const bool counts = reading.sound("$.design.trials_per_cell");
   const bool sampling = reading.sound("$.design.sampling");
   if (counts && sampling && design.sampling == Sampling::balanced && design.trials_per_cell % 4 != 0) {

@@ -24,6 +24,8 @@ struct ProtocolReading {
   bool sound(std::string_view path) const { return is_sound(errors, path); }
   // Has the rig's device been read, so that what depends on it can be checked?
   bool knows_rig() const { return !protocol.rig.device.empty() && sound("$.rig.device"); }
+  // Do the answers set the levels? Then there are no series in the file.
+  bool adaptive() const;
   void error(const JsonNode& at, std::string message, std::string suggestion = "") {
     errors.push_back(diagnostic_at(at, file, std::move(message), std::move(suggestion)));
   }
@@ -56,6 +58,8 @@ void read_trial(const JsonNode& node, ProtocolReading& reading);
 void read_conditions(const JsonNode& list, ProtocolReading& reading);
 void read_series(const JsonNode& list, ProtocolReading& reading);
 void read_design(const JsonNode& node, ProtocolReading& reading);
+// protocol_procedure.cpp: how the answers set the levels. Sets the one series and the trials of a cell.
+void read_procedure(const JsonNode& node, ProtocolReading& reading);
 // A name that CSV files, streams of random numbers and command lines can carry: [A-Za-z0-9_+-]{1,16}.
 std::optional<std::string> read_name(JsonReader& reader, std::string_view key, ProtocolReading& reading);
 // Places of conditions and series by name; an unknown name is reported.
@@ -77,5 +81,7 @@ void read_analysis(const JsonNode& node, ProtocolReading& reading);
 void lint_protocol(ProtocolReading& reading);
 // protocol_warnings.cpp: what a reviewer would ask about. Only for protocols without errors.
 void warn_about_protocol(ProtocolReading& reading);
+// protocol_procedure_warnings.cpp: levels that could hardly move. Only with a procedure.
+void warn_about_procedure(ProtocolReading& reading);
 
 }  // namespace jnd

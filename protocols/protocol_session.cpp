@@ -97,15 +97,39 @@ Question read_question(const JsonNode& node, ProtocolReading& reading) {
   return question;
 }
 
+void read_practice_series(JsonReader& reader, Practice& practice, ProtocolReading& reading) {
+  (void)reader.text("series", {.max_length = 100});
+  if (const JsonNode* series = reader.node().find("series"); series != nullptr && reading.sound(series->path))
+    practice.series = series_place(*series, reading).value_or(0);
+  if (reader.member("difference") != nullptr)
+    reader.error("difference", "belongs to a design with a procedure", "remove it: \"series\" names the pair");
+}
+
+void read_practice_difference(JsonReader& reader, Practice& practice, ProtocolReading& reading) {
+  const StiffnessUnit unit = reading.protocol.stimulus.unit;
+  const double reference = reading.protocol.stimulus.reference, softest = stiffness_limits(unit).min;
+  practice.difference = reader.number("difference", {.min = 0, .max = 20000, .above = true, .unit = to_string(unit)});
+  const bool sound = reading.sound(reader.node().path + ".difference") && reading.sound("$.stimulus.reference");
+  if (sound && reference - *practice.difference < softest)
+    reader.error("difference",
+                 fmt::format("a comparison {} {} softer than the reference, {}, is too soft",
+                             plain(*practice.difference), to_string(unit), plain(reference)),
+                 fmt::format("at most {}", plain(reference - softest)));
+  if (reader.member("series") != nullptr)
+    reader.error("series", "has no meaning beside $.design.procedure",
+                 "remove it: \"difference\" says how much softer the comparison is");
+}
+
 }  // namespace
 
 void read_practice(const JsonNode& node, ProtocolReading& reading) {
   Practice practice;
   JsonReader reader(node, reading.errors, reading.file);
   practice.trials = reader.integer("trials", {.min = 1, .max = 200});
-  (void)reader.text("series", {.max_length = 100});
-  if (const JsonNode* series = node.find("series"); series != nullptr && reading.sound(series->path))
-    practice.series = series_place(*series, reading).value_or(0);
+  if (reading.adaptive())
+    read_practice_difference(reader, practice, reading);
+  else
+    read_practice_series(reader, practice, reading);
   if (const JsonNode* conditions = reader.array_or_null("conditions", 1, 20)) {
     for (const JsonNode& item : conditions->items) {
       const auto place = condition_place(item, reading);

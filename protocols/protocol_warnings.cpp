@@ -124,9 +124,13 @@ void warn_about_session(ProtocolReading& reading) {
 }  // namespace
 
 void warn_about_protocol(ProtocolReading& reading) {
-  warn_about_counts(reading);
-  if (has_precision(reading.protocol)) warn_about_precision(reading);
-  warn_about_draws(reading);
+  if (reading.protocol.design.procedure) {
+    warn_about_procedure(reading);
+  } else {
+    warn_about_counts(reading);
+    if (has_precision(reading.protocol)) warn_about_precision(reading);
+    warn_about_draws(reading);
+  }
   warn_about_cohort(reading);
   warn_about_session(reading);
 }

@@ -133,8 +133,13 @@ struct Trial {
   std::array<double, 2> stimuli{};
   StiffnessUnit unit = StiffnessUnit::n_per_m;  // of the stimuli
   bool same = true;
+  // Of an adaptive procedure: which of its condition's tracks, from 1; 0 with constant stimuli and in practice. In the
+  // plan a stimulus that the answers set is kSetByAnswers; protocols/adaptive_run.h knows it when its turn comes.
+  int track = 0;
   bool operator==(const Trial&) const = default;
 };
+
+inline constexpr double kSetByAnswers = 0;  // no object has this stiffness
 
 // One trial that was carried out and answered: what the log keeps of it.
 struct TrialRecord {

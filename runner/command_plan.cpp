@@ -20,6 +20,18 @@ std::vector<std::string> names_in_order(const std::vector<int>& order, const aut
   return names;
 }
 
+constexpr std::string_view kSetLater = "set by answers";
+
+std::string stimulus_text(const Trial& trial, std::size_t interval) {
+  if (trial.stimuli[interval] == kSetByAnswers) return std::string(kSetLater);
+  return fmt::format("{:g}", trial.stimuli[interval]);
+}
+
+nlohmann::ordered_json stimulus_json(const Trial& trial, std::size_t interval) {
+  if (trial.stimuli[interval] == kSetByAnswers) return nullptr;
+  return trial.stimuli[interval];
+}
+
 void print_plan(const Protocol& protocol, const Plan& plan) {
   fmt::print("{}\n{}\n", bold(printable(protocol.title)),
              dim(fmt::format("participant {}, seed {}, protocol {}", plan.participant, plan.seed,
@@ -40,11 +52,16 @@ void print_plan(const Protocol& protocol, const Plan& plan) {
     block = trial.block;
     table.add({std::to_string(trial.index), trial.practice ? "-" : std::to_string(trial.block),
                protocol.series[static_cast<std::size_t>(trial.series)].name,
-               protocol.conditions[static_cast<std::size_t>(trial.condition)].name,
-               fmt::format("{:g}", trial.stimuli[0]), fmt::format("{:g}", trial.stimuli[1]),
-               trial.same ? "same" : "different", trial.practice ? fmt::format("practice round {}", trial.round) : ""});
+               protocol.conditions[static_cast<std::size_t>(trial.condition)].name, stimulus_text(trial, 0),
+               stimulus_text(trial, 1), trial.same ? "same" : "different",
+               trial.practice    ? fmt::format("practice round {}", trial.round)
+               : trial.track > 0 ? fmt::format("track {}{}", trial.track, trial.same ? ", catch" : "")
+                                 : ""});
   }
   fmt::print("{}", table.text());
+  if (protocol.design.procedure && protocol.design.procedure->reversals > 0)
+    fmt::print("A track that has its {} reversals leaves the trials that are planned for it after them.\n",
+               protocol.design.procedure->reversals);
 }
 
 void print_plan_json(const Protocol& protocol, const Plan& plan) {
@@ -57,9 +74,10 @@ void print_plan_json(const Protocol& protocol, const Plan& plan) {
                                   {"series", protocol.series[static_cast<std::size_t>(trial.series)].name},
                                   {"condition", protocol.conditions[static_cast<std::size_t>(trial.condition)].name},
                                   {"practice", trial.practice},
-                                  {"stimuli", trial.stimuli},
+                                  {"stimuli", {stimulus_json(trial, 0), stimulus_json(trial, 1)}},
                                   {"same", trial.same}};
     if (trial.practice) row["round"] = trial.round;
+    if (trial.track > 0) row["track"] = trial.track;
     out["trials"].push_back(row);
   }
   fmt::print("{}\n", out.dump());

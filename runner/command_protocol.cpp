@@ -101,6 +101,19 @@ void print_check(const std::string& name, const CheckedFile& result) {
     return;
   }
   const Protocol& protocol = *result.check.protocol;
+  if (protocol.design.procedure) {
+    const AdaptiveProcedure& procedure = *protocol.design.procedure;
+    const bool at_most = procedure.reversals > 0;
+    fmt::print(
+        "{}: {}\n  {}\n  {} conditions x {} track{} = {}{} trials a participant, {:.0f} % of them catch trials, "
+        "{}about "
+        "{} a "
+        "session\n  SHA-256 {}\n",
+        name, bold("ok"), printable(protocol.title), protocol.conditions.size(), procedure.starts.size(),
+        procedure.starts.size() == 1 ? "" : "s", at_most ? "at most " : "", result.trials, 100 * procedure.catch_share,
+        at_most ? "at most " : "", duration_text(result.duration_s), protocol.sha256);
+    return;
+  }
   fmt::print(
       "{}: {}\n  {}\n  {} conditions x {} series x {} trials a cell = {} trials a participant, about {} a session\n  "
       "SHA-256 {}\n",
@@ -121,6 +134,8 @@ void print_check_json(const CheckedFile& result) {
   out["duration_s"] = ok ? nlohmann::ordered_json(result.duration_s) : nlohmann::ordered_json(nullptr);
   out["precision"] =
       result.precision ? precision_json(*result.precision, *result.check.protocol) : nlohmann::ordered_json(nullptr);
+  if (ok && result.check.protocol->design.procedure)
+    out["trials_at_most"] = result.check.protocol->design.procedure->reversals > 0;
   if (ok) out["sha256"] = result.check.protocol->sha256;
   fmt::print("{}\n", out.dump());
 }

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "runner/adaptive_text.h"
 #include "runner/analysis_text.h"
 #include "runner/commands.h"
 #include "runner/interrupt.h"
@@ -16,12 +17,23 @@ namespace jnd {
 
 namespace {
 
+int interrupted() {
+  fmt::print(stderr, "jnd: interrupted; nothing was kept\n");
+  return exit_code::kInterrupted;
+}
+
 int simulate_without_study(const Simulation& simulation, bool json) {
-  const std::vector<CellCounts> cells = simulate_counts(simulation);
-  if (interrupt_requested()) {
-    fmt::print(stderr, "jnd: interrupted; nothing was kept\n");
-    return exit_code::kInterrupted;
+  if (simulation.protocol.design.procedure) {
+    const AdaptiveResults results = simulate_thresholds(simulation);
+    if (interrupt_requested()) return interrupted();
+    if (json)
+      fmt::print("{}\n", to_json(results, simulation.protocol).dump());
+    else
+      fmt::print("{}", to_text(results, simulation.protocol));
+    return exit_code::kDone;
   }
+  const std::vector<CellCounts> cells = simulate_counts(simulation);
+  if (interrupt_requested()) return interrupted();
   const StudyResults results =
       results_of(analyze_counts(cells, simulation.protocol, SessionKind::simulated), simulation.protocol);
   if (json) {

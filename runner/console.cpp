@@ -39,7 +39,8 @@ bool ConsoleView::ready(const TrialOutline& outline) {
   if (outline.practice)
     say("\n{}", bold(fmt::format("Practice {} of {}", outline.number, outline.total)));
   else
-    say("\n{}", bold(fmt::format("Trial {} of {}", outline.number, outline.total)));
+    say("\n{}",
+        bold(fmt::format("Trial {} of {}{}", outline.number, outline.at_most ? "at most " : "", outline.total)));
   say("  condition {}", outline.condition_code);
   if (!outline.practice)
     say("  block {} of {}  about {} left", outline.block, outline.blocks, duration_text(outline.time_left_s));

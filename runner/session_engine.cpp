@@ -40,6 +40,7 @@ SessionEngine::SessionEngine(const Protocol& protocol, const Plan& plan, Rig& ri
       view_(view),
       stop_(stop),
       record_(record),
+      adaptive_(protocol),
       codes_(condition_codes(protocol, plan.seed)),
       main_total_(main_trial_count(plan)) {
   for (const Trial& trial : plan.trials) blocks_ = std::max(blocks_, trial.block);
@@ -47,6 +48,7 @@ SessionEngine::SessionEngine(const Protocol& protocol, const Plan& plan, Rig& ri
 
 SessionEnd SessionEngine::run(const SessionState& state) {
   state_ = state;
+  adaptive_ = AdaptiveRun(protocol_);
   finished_ = {state_.abandoned.begin(), state_.abandoned.end()};
   for (const TrialRecord& record : state_.completed) remember(record);
   main_done_ = static_cast<int>(std::count_if(plan_.trials.begin(), plan_.trials.end(), [&](const Trial& trial) {
@@ -142,15 +144,31 @@ std::deque<Trial> SessionEngine::open_trials(const std::vector<Trial>& block) co
 }
 
 void SessionEngine::run_block(std::deque<Trial> queue) {
+  drop_ended_tracks(queue);
   while (!queue.empty()) {
-    const Trial trial = queue.front();
+    const Trial planned = queue.front();
+    const Trial trial = adaptive_.resolved(planned);  // an adaptive level is known when its turn comes
     queue.pop_front();
     if (attempts_voided(trial.index) >= protocol_.timeline.max_attempts)
       give_up(trial);
     else if (conduct(trial, outline_of(trial)) == TrialEnd::voided)
-      queue.push_back(trial);
+      queue.push_back(planned);
+    drop_ended_tracks(queue);
     if (!trial.practice && !queue.empty()) take_breaks_within_block();
   }
+}
+
+// A track that has its reversals leaves the slots that were planned for it.
+void SessionEngine::drop_ended_tracks(std::deque<Trial>& queue) const {
+  std::erase_if(queue, [&](const Trial& trial) { return adaptive_.over(trial); });
+}
+
+// Main trials still to come; at most so many where the answers may end a track.
+int SessionEngine::main_left() const {
+  if (!protocol_.design.procedure) return main_total_ - main_done_;
+  return static_cast<int>(std::count_if(plan_.trials.begin(), plan_.trials.end(), [&](const Trial& trial) {
+    return !trial.practice && !finished_.contains(trial.index) && !adaptive_.over(trial);
+  }));
 }
 
 // Attempts used up: the cell stays short, and the log says so.
@@ -163,6 +181,7 @@ void SessionEngine::give_up(const Trial& trial) {
 
 void SessionEngine::remember(const TrialRecord& record) {
   finished_.insert(record.trial.index);
+  adaptive_.answered(record.trial, record.answer.judgement);
   if (!record.trial.practice) return;
   RoundTally& tally = practice_[record.trial.round];
   ++tally.answered;
@@ -314,6 +333,7 @@ void SessionEngine::take_break(const Break& pause, int after_trial) {
 }
 
 TrialOutline SessionEngine::outline_of(const Trial& trial) const {
+  const int left = main_left();
   TrialOutline outline;
   outline.practice = trial.practice;
   outline.round = trial.round;
@@ -327,12 +347,13 @@ TrialOutline SessionEngine::outline_of(const Trial& trial) const {
     outline.number = 1 + (tally == practice_.end() ? 0 : tally->second.answered);
   } else {
     outline.number = main_done_ + 1;
-    outline.total = main_total_;
+    outline.total = main_done_ + left;
+    outline.at_most = protocol_.design.procedure && protocol_.design.procedure->reversals > 0;
   }
   const Timeline& timeline = protocol_.timeline;
   const double pace = trials_timed_ > 0 ? seconds_in_trials_ / trials_timed_
                                         : 2 * timeline.explore_s + timeline.gap_s + kAssumedTrialOverhead_s;
-  outline.time_left_s = (main_total_ - main_done_) * (pace + timeline.between_trials_s);
+  outline.time_left_s = left * (pace + timeline.between_trials_s);
   return outline;
 }
 

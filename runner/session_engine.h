@@ -17,6 +17,7 @@
 #include "devices/clock.h"
 #include "devices/responder.h"
 #include "devices/rig.h"
+#include "protocols/adaptive_run.h"
 #include "protocols/plan.h"
 #include "protocols/protocol.h"
 #include "runner/record_policy.h"
@@ -61,6 +62,8 @@ class SessionEngine {
   void take_breaks_within_block();
   void take_breaks(int planned, bool series_over);
   void take_break(const Break& pause, int after_trial);
+  void drop_ended_tracks(std::deque<Trial>& queue) const;
+  int main_left() const;
   std::deque<Trial> open_trials(const std::vector<Trial>& block) const;
   TrialOutline outline_of(const Trial& trial) const;
   void sleep_s(double seconds);
@@ -79,6 +82,7 @@ class SessionEngine {
   RecordPolicy record_;
 
   SessionState state_;
+  AdaptiveRun adaptive_;
   std::unordered_set<int> finished_;  // indices of trials answered or given up
   struct RoundTally {
     int answered = 0, correct = 0;

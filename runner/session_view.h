@@ -12,6 +12,7 @@ namespace jnd {
 struct TrialOutline {
   int number = 0;  // k of n in the main part, or in the practice round
   int total = 0;
+  bool at_most = false;  // the answers may end the session before `total`
   bool practice = false;
   int round = 0;  // of practice
   int attempt = 1;

@@ -34,12 +34,21 @@ class CountingView final : public SessionView {
  public:
   explicit CountingView(std::atomic<std::int64_t>& trials) : trials_(trials) {}
   void saved(const TrialOutline& outline, const Answer&) override {
-    if (!outline.practice) ++trials_;
+    if (outline.practice) return;
+    ++trials_;
+    ++saved_;
   }
+  std::int64_t saved_trials() const noexcept { return saved_; }
 
  private:
+  std::int64_t saved_ = 0;
   std::atomic<std::int64_t>& trials_;
 };
+
+std::int64_t main_trials(const SessionState& state) {
+  return std::count_if(state.completed.begin(), state.completed.end(),
+                       [](const TrialRecord& record) { return !record.trial.practice; });
+}
 
 SessionEnd run_participant(const Simulation& simulation, const RigFilter& rig_filter, const Plan& plan, SessionLog& log,
                            std::atomic<std::int64_t>& trials) {
@@ -55,7 +64,11 @@ SessionEnd run_participant(const Simulation& simulation, const RigFilter& rig_fi
   CountingView view(trials);
   SessionEngine engine(simulation.protocol, plan, *rig, *responder, log, clock, view, interrupt_requested(),
                        simulation.record);
-  return engine.run(state);
+  const SessionEnd end = engine.run(state);
+  // Trials that ended tracks did not need count as done, for the bar.
+  if (simulation.protocol.design.procedure && end == SessionEnd::completed)
+    trials += main_trial_count(plan) - view.saved_trials() - main_trials(state);
+  return end;
 }
 
 enum class Work { finished, nothing_to_do, interrupted };
@@ -205,6 +218,29 @@ std::vector<CellCounts> simulate_counts(const Simulation& simulation, const RigF
   if (interrupt_requested()) return all;
   for (const auto& one : cells) all.insert(all.end(), one.begin(), one.end());
   return all;
+}
+
+AdaptiveResults simulate_thresholds(const Simulation& simulation) {
+  std::vector<std::vector<AdaptiveRow>> rows(static_cast<std::size_t>(simulation.participants) + 1);
+  std::atomic<std::int64_t> trials{0};
+  const std::int64_t total =
+      std::int64_t{simulation.participants} * main_trial_count(make_plan(simulation.protocol, 1, simulation.seed));
+  const auto work = [&](int participant) {
+    if (interrupt_requested()) return Work::interrupted;
+    MemoryLog log;
+    const Plan plan = make_plan(simulation.protocol, participant, simulation.seed);
+    if (run_participant(simulation, {}, plan, log, trials) != SessionEnd::completed) return Work::interrupted;
+    rows[static_cast<std::size_t>(participant)] =
+        adaptive_rows(log.events(), simulation.protocol, participant_code(participant), SessionKind::simulated);
+    return Work::finished;
+  };
+  for_each_participant(simulation, trials, total, work, [](int) {});
+  AdaptiveResults results;
+  results.kind = SessionKind::simulated;
+  if (interrupt_requested()) return results;
+  for (const auto& one : rows) results.rows.insert(results.rows.end(), one.begin(), one.end());
+  results.group = adaptive_group(results.rows, simulation.protocol);
+  return results;
 }
 
 }  // namespace jnd

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "data/adaptive_results.h"
 #include "data/study.h"
 #include "data/study_analysis.h"
 #include "devices/rig.h"
@@ -45,6 +46,9 @@ SimulationResult simulate_study(const Simulation& simulation, Study& study);
 // rig_filter: for experiments on the rig itself, such as one that renders every stimulus alike; may be empty.
 using RigFilter = std::function<std::unique_ptr<Rig>(std::unique_ptr<Rig>)>;
 std::vector<CellCounts> simulate_counts(const Simulation& simulation, const RigFilter& rig_filter = {});
+
+// The same for a protocol whose answers set the levels: its thresholds. Empty where interrupted.
+AdaptiveResults simulate_thresholds(const Simulation& simulation);
 
 // "P07"; at least two digits.
 std::string participant_code(int number);

@@ -2,7 +2,8 @@
 """Kills sessions with SIGKILL at random instants and runs the same command again, until the session is complete.
 
 Then the trials table must equal an undisturbed run's (times aside), `jnd verify` must agree, and every answer that the
-program had acknowledged must be there. Two kinds of session: simulated participants, and a person at a pseudo-terminal.
+program had acknowledged must be there. Three kinds of session: simulated participants, the same with levels that their answers set,
+and a person at a pseudo-terminal.
 
 Usage: kill_sessions.py JND [--kills N] [--seed N]
 """
@@ -43,14 +44,17 @@ def verify(jnd, study):
     return json.loads(done.stdout)
 
 
-def small_protocol(jnd, folder):
-    """The published design, shortened to 8 trials a cell and short explorations."""
-    path = os.path.join(folder, "small.json")
-    subprocess.run([jnd, "new", path, "--from", "chinello2017"], check=True, stdout=subprocess.DEVNULL)
+def small_protocol(jnd, folder, name="chinello2017"):
+    """A shipped design, shortened to 8 trials a cell, or 4 reversals, and short explorations."""
+    path = os.path.join(folder, f"small-{name}.json")
+    subprocess.run([jnd, "new", path, "--from", name], check=True, stdout=subprocess.DEVNULL)
     with open(path) as file:
         protocol = json.load(file)
     protocol.pop("assumed", None)
-    protocol["design"]["trials_per_cell"] = 8
+    if "procedure" in protocol["design"]:
+        protocol["design"]["procedure"].update(stop={"reversals": 4, "at_most": 12}, averaged_reversals=2)
+    else:
+        protocol["design"]["trials_per_cell"] = 8
     protocol["trial"].update(explore_s=0.5, gap_s=0.1, between_trials_s=0.1)
     protocol["questions"] = []
     with open(path, "w") as file:
@@ -178,6 +182,8 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         protocol = small_protocol(jnd, folder)
         campaign("simulated", Simulated, jnd, folder, protocol, options.kills, generator)
+        adaptive = small_protocol(jnd, folder, "adaptive-staircase")
+        campaign("adaptive", Simulated, jnd, folder, adaptive, options.kills, generator)
         campaign("interactive", Person, jnd, folder, protocol, options.kills, generator)
 
 

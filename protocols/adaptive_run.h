@@ -1,0 +1,68 @@
+// The levels of one session under an adaptive procedure: a pure function of protocol and answers so far, so that a
+// session that is taken up again, and a check of one long after, find the same.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "protocols/protocol.h"
+
+namespace jnd {
+
+// What one track has come to.
+struct AdaptiveTrack {
+  int condition = 0;                   // place in Protocol::conditions
+  int track = 1;                       // from 1, place in AdaptiveProcedure::starts + 1
+  double level = 0;                    // of the next trial
+  bool finished = false;               // it has its trials, or its reversals
+  std::vector<double> levels;          // of the answered trials with a difference
+  std::vector<bool> said_different;    // their answers
+  std::vector<double> reversals;       // of a staircase
+  int catch_trials = 0;                // answered
+  int false_alarms = 0;                // of these, "different" said
+  std::optional<QuestEstimate> quest;  // of QUEST: the posterior of log10 of the level
+};
+
+class AdaptiveRun {
+ public:
+  // Without a procedure every trial is what the plan says.
+  explicit AdaptiveRun(const Protocol& protocol);
+  AdaptiveRun(const AdaptiveRun&) = delete;
+  AdaptiveRun& operator=(const AdaptiveRun&) = delete;
+  AdaptiveRun(AdaptiveRun&&) noexcept;
+  AdaptiveRun& operator=(AdaptiveRun&&) noexcept;
+  ~AdaptiveRun();
+
+  // The planned trial with the stimuli that it has if it is presented now. Throws std::out_of_range where the protocol
+  // has no such track.
+  Trial resolved(Trial planned) const;
+  // Its track has its reversals: the trial is not presented any more. A track that has its trials has only catch trials
+  // left, which are presented, so that their share is kept.
+  bool over(const Trial& planned) const;
+  // The next answer, in the order in which they were given. Catch trials count, and move nothing.
+  void answered(const Trial& trial, Judgement judgement);
+
+  // By condition, then track; empty without a procedure.
+  std::vector<AdaptiveTrack> tracks() const;
+
+ private:
+  struct State;
+  const State& state_of(const Trial& trial) const;
+
+  double reference_ = 0;
+  std::optional<AdaptiveProcedure> procedure_;
+  std::map<std::pair<int, int>, std::unique_ptr<State>> states_;  // by condition and track
+};
+
+// The rule of one track: with its start, or its guess, and the clamp.
+StaircaseRule staircase_of_track(const AdaptiveProcedure& procedure, int track);
+QuestParameters quest_of_track(const AdaptiveProcedure& procedure, int track);
+
+// A QUEST level for a recommended log10 of it: within the clamp, to a thousandth of the unit, so that the last digits
+// of a logarithm, which differ between machines, do not matter.
+double quest_level(double log10_level, const std::array<double, 2>& clamp);
+
+}  // namespace jnd
