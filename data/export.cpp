@@ -119,20 +119,23 @@ std::vector<std::string> export_csv(const Study& study, const Protocol& protocol
       if (telemetry) write_telemetry(study, *session, sub, ticks_columns, tick_files, files);
     }
     files.write(sub + "trials.csv", csv_table(trials_columns, trials));
+    if (results.adaptive) continue;
     files.write(sub + "cells.csv", csv_table(cells_columns, rows_of(analysis.cells, participant)));
     files.write(sub + "report.csv", csv_table(reports_columns, rows_of(analysis.thresholds, participant)));
   }
 
   std::vector<DictionaryRow> dictionary;
   describe("sub-*/trials.csv", trials_columns, dictionary);
-  describe("sub-*/cells.csv", cells_columns, dictionary);
-  describe("sub-*/report.csv", reports_columns, dictionary);
+  if (!results.adaptive) {
+    describe("sub-*/cells.csv", cells_columns, dictionary);
+    describe("sub-*/report.csv", reports_columns, dictionary);
+  }
   if (!tick_files.empty()) describe("sub-*/telemetry/*.csv", ticks_columns, dictionary);
   const auto write = [&](const std::string& name, const auto& columns, const auto& rows) {
     files.write(name, csv_table(columns, rows));
     describe(name, columns, dictionary);
   };
-  write("group.csv", group_columns(protocol, analysis.kind), analysis.group);
+  if (!results.adaptive) write("group.csv", group_columns(protocol, analysis.kind), analysis.group);
   if (!analysis.contrasts.empty())
     write("contrasts.csv", contrast_columns(protocol, analysis.kind), analysis.contrasts);
   for (const ResultFile& file : result_files(results, protocol, nullptr)) {

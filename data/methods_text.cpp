@@ -27,6 +27,22 @@ std::string design_paragraph(const Protocol& protocol, const StudyResults& resul
   for (const Condition& one : protocol.conditions) conditions.push_back(fmt::format("{} ({})", one.name, one.label));
   for (const Series& one : protocol.series) pairs.push_back(fmt::format("{:g} and {:g}", one.pair[0], one.pair[1]));
   const Design& design = protocol.design;
+  if (design.procedure)
+    return fmt::format(
+        "{} {} participant{} compared pairs of stimuli that differed in stiffness (same-different, two intervals) "
+        "under {} "
+        "feedback condition{}: {}. The answers set the difference from the reference of {:g} {}: {} track{} a "
+        "condition, "
+        "differences from {:g} to {:g}, {:.0f} % catch trials (equal pairs, which move nothing), balanced in short "
+        "blocks. "
+        "The order of conditions, tracks and catch trials was drawn per participant from the study's seed with "
+        "counter-based random streams (Philox4x32, Salmon et al. 2011). Practice trials took no part in any number "
+        "below.\n",
+        results.analysis.participants, to_string(results.analysis.kind), results.analysis.participants == 1 ? "" : "s",
+        protocol.conditions.size(), protocol.conditions.size() == 1 ? "" : "s", list_of(conditions),
+        protocol.stimulus.reference, unit_of(protocol), design.procedure->starts.size(),
+        design.procedure->starts.size() == 1 ? "" : "s", design.procedure->clamp[0], design.procedure->clamp[1],
+        100 * design.procedure->catch_share);
   return fmt::format(
       "{} {} participant{} compared pairs of stimuli that differed in stiffness (same-different, two intervals) under "
       "{} "
@@ -101,7 +117,25 @@ std::string interval_words(const StudyAnalysis& analysis) {
   return "";
 }
 
+std::string adaptive_paragraph(const AdaptiveProcedure& procedure) {
+  const double target = 100 * adaptive_target(procedure);
+  if (procedure.kind == AdaptiveProcedure::Kind::quest)
+    return fmt::format(
+        "The threshold is the difference of which \"different\" is said in {:.1f} %: 10 to the mean of the posterior "
+        "of its "
+        "logarithm after the last trial (QUEST, Watson and Pelli 1983), averaged over the tracks of a condition.\n",
+        target);
+  return fmt::format(
+      "The threshold is the difference of which \"different\" is said in {:.1f} % (Levitt 1971): the mean of the last "
+      "{} "
+      "reversals of each track, averaged over the tracks of a condition. It moves with the criterion: the rate of "
+      "false "
+      "alarms on catch trials stands beside it.\n",
+      target, procedure.averaged_reversals / 2 * 2);
+}
+
 std::string estimate_paragraph(const Protocol& protocol, const StudyResults& results) {
+  if (protocol.design.procedure) return adaptive_paragraph(*protocol.design.procedure);
   const StudyAnalysis& analysis = results.analysis;
   return fmt::format(
       "{}{}{}; JND = 1/m, the difference at d' = 1, and the Weber fraction is JND / {:g} {}. Differences are the {} "
@@ -148,6 +182,8 @@ std::string test_paragraph(const Protocol& protocol, const OutcomeComparison& ou
 }
 
 std::string exclusion_paragraph(const Protocol& protocol, const StudyResults& results) {
+  if (protocol.design.procedure)
+    return "No answered trial was excluded: an excluded answer would have moved the levels all the same.\n";
   const Exclusions& rules = protocol.analysis.exclude;
   std::vector<std::string> words;
   if (rules.response_time_below_s)
@@ -189,11 +225,13 @@ constexpr const char* kReferences =
     "- Gourevitch V., Galanter E. (1967). Psychometrika 32, 25-33.\n"
     "- Hautus M. (1995). Behavior Research Methods 27, 46-51.\n"
     "- Holm S. (1979). Scandinavian Journal of Statistics 6, 65-70.\n"
+    "- Levitt H. (1971). Journal of the Acoustical Society of America 49, 467-477.\n"
     "- Macmillan N., Creelman C. (2005). Detection Theory: A User's Guide, 2nd ed. Erlbaum.\n"
     "- Macmillan N., Kaplan H. (1985). Psychological Bulletin 98, 185-199.\n"
     "- Morey R. (2008). Tutorials in Quantitative Methods for Psychology 4, 61-64.\n"
     "- Royston P. (1995). Applied Statistics 44, 547-551 (AS R94).\n"
-    "- Salmon J. et al. (2011). Parallel random numbers: as easy as 1, 2, 3. SC '11.\n";
+    "- Salmon J. et al. (2011). Parallel random numbers: as easy as 1, 2, 3. SC '11.\n"
+    "- Watson A., Pelli D. (1983). Perception and Psychophysics 33, 113-120.\n";
 
 }  // namespace
 

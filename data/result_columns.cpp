@@ -251,6 +251,36 @@ Columns<ThresholdModel> model_columns(const Protocol& protocol) {
                     [](const R& r) { return r.quality ? r.quality->deviance_p : std::nan(""); })};
 }
 
+Columns<AdaptiveRow> track_columns(const Protocol& protocol) {
+  using R = AdaptiveRow;
+  const std::string unit(to_string(protocol.stimulus.unit));
+  const bool staircase = protocol.design.procedure->kind == AdaptiveProcedure::Kind::staircase;
+  return {
+      text<R>("participant", "code of the participant", [](const R& r) { return r.participant; }),
+      text<R>("condition", "feedback condition",
+              [&protocol](const R& r) { return condition_of(protocol, r.condition); }),
+      {"track", "track of the condition, from 1; empty for all of them", "", "",
+       [](const R& r) { return r.track == 0 ? std::string() : csv_number(r.track); }},
+      {"finished", "1 where the stopping rule was met", "", "0 1", [](const R& r) { return csv_flag(r.finished); }},
+      number<R>("trials", "answered trials with a difference", [](const R& r) { return r.trials; }),
+      number<R>("hits", "of them answered different", [](const R& r) { return r.hits; }),
+      number<R>("catch_trials", "answered trials with equal stimuli", [](const R& r) { return r.catch_trials; }),
+      number<R>("false_alarms", "of them answered different", [](const R& r) { return r.false_alarms; }),
+      number<R>(
+          "threshold", "difference at the procedure's target rate", [](const R& r) { return r.threshold.threshold; },
+          unit),
+      number<R>(
+          "sd",
+          staircase ? "standard deviation of the averaged reversals" : "standard deviation of the posterior of log10",
+          [](const R& r) { return r.threshold.sd; }, staircase ? unit : ""),
+      number<R>("n", staircase ? "reversals averaged" : "trials behind the posterior",
+                [](const R& r) { return r.threshold.n; }),
+      number<R>("weber", "threshold / reference", [](const R& r) { return r.weber; }),
+      text<R>(
+          "status", "what the threshold is", [](const R& r) { return to_string(r.threshold.status); },
+          "ok too_few_reversals no_trials pinned_at_clamp")};
+}
+
 }  // namespace
 
 std::vector<ResultFile> result_files(const StudyResults& results, const Protocol& protocol, const StudyModels* models) {
@@ -272,6 +302,7 @@ std::vector<ResultFile> result_files(const StudyResults& results, const Protocol
     for (const ItemPair& pair : item.pairs) ratings.push_back({&item, &pair});
 
   std::vector<ResultFile> files;
+  if (results.adaptive) add_file(files, "tracks.csv", track_columns(protocol), results.adaptive->rows);
   add_file(files, "tests.csv", test_columns(), tests);
   add_file(files, "pairs.csv", pair_columns(protocol), pairs);
   add_file(files, "sensitivity.csv", sensitivity_columns(protocol), sensitivity);
@@ -285,6 +316,7 @@ void write_results(ExportFolder& files, const StudyResults& results, const Proto
                    const StudyModels* models) {
   const StudyAnalysis& analysis = results.analysis;
   std::vector<ResultFile> all;
+  // Those of an adaptive study are empty, and so left out.
   add_file(all, "thresholds.csv", report_columns(protocol), analysis.thresholds);
   add_file(all, "cells.csv", cell_columns(protocol), analysis.cells);
   add_file(all, "group.csv", group_columns(protocol, analysis.kind), analysis.group);

@@ -113,6 +113,32 @@ OutcomeComparison compare_thresholds(const std::vector<ThresholdResult>& thresho
   return result;
 }
 
+OutcomeComparison compare_adaptive(const std::vector<AdaptiveRow>& rows, const Protocol& protocol) {
+  const std::size_t conditions = protocol.conditions.size();
+  std::vector<const AdaptiveRow*> whole;  // by participant, condition
+  for (const AdaptiveRow& row : rows)
+    if (row.track == 0) whole.push_back(&row);
+  OutcomeComparison result;
+  result.outcome = "threshold";
+  result.title = "adaptive threshold";
+  result.unit = to_string(protocol.stimulus.unit);
+  fill(
+      result, whole.size() / conditions, protocol,
+      [&](std::size_t row) -> const std::string& { return whole[row * conditions]->participant; },
+      [&](std::size_t row, std::size_t condition) {
+        const AdaptiveThreshold& threshold = whole[row * conditions + condition]->threshold;
+        return threshold.status == AdaptiveStatus::ok ? threshold.threshold : kNone;
+      },
+      [&](std::size_t row, std::size_t condition) {
+        return std::string(to_string(whole[row * conditions + condition]->threshold.status));
+      });
+  if (!result.left_out.empty())
+    result.refused =
+        fmt::format("tests on thresholds need one of everyone; without one: {}", joined_names(result.left_out));
+  test(result);
+  return result;
+}
+
 OutcomeComparison compare_times(const std::vector<ThresholdResult>& thresholds, const Protocol& protocol) {
   const std::size_t conditions = protocol.conditions.size();
   OutcomeComparison result;

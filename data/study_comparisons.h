@@ -7,6 +7,7 @@
 #include "analysis/compare.h"
 #include "analysis/two_way_within.h"
 #include "analysis/within_table.h"
+#include "data/adaptive_results.h"
 #include "data/rating_answers.h"
 #include "data/study_analysis.h"
 #include "protocols/protocol.h"
@@ -45,6 +46,8 @@ std::string_view to_string(Outcome outcome) noexcept;  // "slope", "jnd", "log_j
 // those on the JND or its logarithm are refused where anybody has none (a mean over the rest would be biased).
 OutcomeComparison compare_thresholds(const std::vector<ThresholdResult>& thresholds, const Protocol& protocol,
                                      Outcome outcome);
+// Of an adaptive study; tests are refused where anybody has no threshold. rows: of adaptive_results.
+OutcomeComparison compare_adaptive(const std::vector<AdaptiveRow>& rows, const Protocol& protocol);
 OutcomeComparison compare_times(const std::vector<ThresholdResult>& thresholds, const Protocol& protocol);
 // participants: one for each session that the ratings were read for.
 OutcomeComparison compare_ratings(const RatedQuestion& ratings, const std::vector<std::string>& participants,

@@ -70,6 +70,7 @@ void add_rate_warnings(const StudyAnalysis& analysis, std::vector<std::string>& 
 }
 
 void add_threshold_warnings(const StudyAnalysis& analysis, const Protocol& protocol, std::vector<std::string>& out) {
+  if (analysis.thresholds.empty()) return;
   int thresholds = 0, extrapolated = 0, ok = 0;
   for (const ThresholdResult& row : analysis.thresholds) {
     ++thresholds;
@@ -120,9 +121,13 @@ void add_test_warnings(const OutcomeComparison& outcome, const Protocol& protoco
 std::vector<std::string> deviations_of(const StudyAnalysis& analysis, const std::vector<OutcomeComparison>& comparisons,
                                        const Protocol& protocol) {
   std::vector<std::string> out;
-  if (analysis.by != registered_source(protocol))
+  if (!protocol.design.procedure && analysis.by != registered_source(protocol))
     out.push_back(fmt::format("The protocol registers slopes over {} stiffness differences; these are over {} ones.",
                               to_string(registered_source(protocol)), to_string(analysis.by)));
+  const Exclusions& rules = protocol.analysis.exclude;
+  if (protocol.design.procedure &&
+      (rules.response_time_below_s || rules.response_time_above_s || rules.saturated_share_above))
+    out.push_back("The registered exclusions are not applied: an excluded answer has moved the levels all the same.");
   int open = 0;
   for (const SessionHead& head : analysis.heads) open += head.closed ? 0 : 1;
   if (open > 0)

@@ -42,9 +42,27 @@ void add_remarks(StudyResults& results, const Protocol& protocol) {
   results.warnings = warnings_of(results.analysis, results.comparisons, protocol);
 }
 
+// Of a protocol with a procedure: thresholds of its own kind, compared over the conditions like any other outcome.
+StudyResults adaptive_results_of(const Study& study, const Protocol& protocol, SessionKind kind) {
+  StudyResults results;
+  const std::vector<SessionInfo> sessions = sessions_of(study, kind);
+  results.analysis.kind = kind;
+  for (const SessionInfo& session : sessions)
+    results.analysis.heads.push_back({session.participant, session.id, session.head, kind, session.state == "closed"});
+  results.analysis.participants = static_cast<int>(sessions.size());
+  results.adaptive = adaptive_results(study, protocol, kind);
+  results.by_series.refused = "the answers set the levels: there are no series";
+  results.comparisons.push_back(compare_adaptive(results.adaptive->rows, protocol));
+  results.comparisons.back().registered = true;
+  add_ratings(results, study, protocol, sessions);
+  add_remarks(results, protocol);
+  return results;
+}
+
 }  // namespace
 
 StudyResults results_of(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by) {
+  if (protocol.design.procedure) return adaptive_results_of(study, protocol, kind);
   StudyResults results;
   const std::vector<SessionInfo> sessions = sessions_of(study, kind);
   const std::vector<CountedTrial> trials = read_counted_trials(study, protocol, sessions);

@@ -2,10 +2,12 @@
 // `report` draws. Computed once, from the log alone.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "analysis/questionnaire.h"
+#include "data/adaptive_results.h"
 #include "data/study_analysis.h"
 #include "data/study_behaviour.h"
 #include "data/study_comparisons.h"
@@ -16,7 +18,10 @@
 namespace jnd {
 
 struct StudyResults {
-  StudyAnalysis analysis;                          // cells, thresholds, group, contrasts
+  StudyAnalysis analysis;  // cells, thresholds, group, contrasts
+  // Where the answers set the levels, thresholds are the procedure's: cells, thresholds, group and what rests on them
+  // are then empty, and the registered tests are on these.
+  std::optional<AdaptiveResults> adaptive;
   std::vector<OutcomeComparison> comparisons;      // the registered one first, then times, then ratings
   SeriesComparison by_series;                      // condition x series
   bool detailed = true;                            // what follows was computed; not above kMostInDetail participants

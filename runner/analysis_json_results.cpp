@@ -1,6 +1,7 @@
 // The rest of a study's results as JSON: comparisons, sensitivity, behaviour, ratings, models.
 #include <fmt/format.h>
 
+#include "runner/adaptive_text.h"
 #include "runner/analysis_text.h"
 #include "runner/calc_detection.h"
 #include "runner/calc_group.h"
@@ -204,7 +205,7 @@ Json ratings_json(const StudyResults& results, const Protocol& protocol) {
 }  // namespace
 
 nlohmann::ordered_json to_json(const StudyResults& results, const Protocol& protocol) {
-  Json out = to_json(results.analysis, protocol);
+  Json out = results.adaptive ? to_json(*results.adaptive, protocol) : to_json(results.analysis, protocol);
   out["comparisons"] = Json::array();
   for (const OutcomeComparison& outcome : results.comparisons)
     out["comparisons"].push_back(outcome_json(outcome, protocol));

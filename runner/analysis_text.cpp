@@ -7,7 +7,7 @@
 
 namespace jnd {
 
-void print_table(const ResultTable& table) {
+std::string text_of(const ResultTable& table) {
   std::vector<std::string> header;
   std::vector<TextTable::Align> align;
   for (const ResultTable::Column& column : table.columns) {
@@ -20,11 +20,15 @@ void print_table(const ResultTable& table) {
     for (const std::string& cell : row) cells.push_back(printable(cell));
     text.add(cells);
   }
-  fmt::print("{}\n", bold(table.title));
-  if (!table.note.empty()) fmt::print("{}\n", dim(table.note));
-  fmt::print("{}", text.text());
-  for (const std::string& remark : table.remarks) fmt::print("  {}\n", printable(remark));
-  fmt::print("\n");
+  std::string all = bold(table.title) + "\n";
+  if (!table.note.empty()) all += dim(table.note) + "\n";
+  all += text.text();
+  for (const std::string& remark : table.remarks) all += fmt::format("  {}\n", printable(remark));
+  return all + "\n";
+}
+
+void print_table(const ResultTable& table) {
+  fmt::print("{}", text_of(table));
 }
 
 void print_remarks(const StudyResults& results) {

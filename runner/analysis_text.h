@@ -10,6 +10,7 @@
 
 namespace jnd {
 
+std::string text_of(const ResultTable& table);  // ends with an empty line
 void print_table(const ResultTable& table);
 // Deviations from the plan, then warnings; nothing where there are none.
 void print_remarks(const StudyResults& results);

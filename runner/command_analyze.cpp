@@ -86,7 +86,8 @@ int command_analyze(const AnalyzeOptions& options) {
   const Protocol protocol = protocol_of(*study);
   const SessionKind kind = kind_to_analyse(*study, options.kind);
   const StudyResults results = results_of(*study, protocol, kind, source_to_analyse(protocol, options.by));
-  const bool all_models = options.models == "all";
+  // Nothing but the procedure's own threshold exists where the answers set the levels.
+  const bool all_models = options.models == "all" && !results.adaptive;
   const StudyModels models = all_models ? study_models(results.analysis, protocol) : StudyModels{};
   if (!options.csv.empty()) write_csv(options.csv, options.replace, results, protocol, all_models ? &models : nullptr);
 

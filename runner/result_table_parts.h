@@ -15,6 +15,10 @@ ResultTable omnibus_table(const StudyResults& results, const Protocol& protocol)
 ResultTable pairs_table(const StudyResults& results, const Protocol& protocol);
 ResultTable series_table(const StudyResults& results, const Protocol& protocol);
 ResultTable sensitivity_table(const StudyResults& results, const Protocol& protocol);
+// result_tables_adaptive.cpp: in the place of participants and group where the answers set the levels. tracks: with a
+// line for each track.
+ResultTable adaptive_group_table(const AdaptiveResults& results, const Protocol& protocol);
+ResultTable adaptive_rows_table(const AdaptiveResults& results, const Protocol& protocol, bool tracks);
 // result_tables_answers.cpp
 ResultTable behaviour_table(const StudyResults& results, const Protocol& protocol);
 ResultTable cues_table(const StudyResults& results, const Protocol& protocol);

@@ -179,6 +179,15 @@ ResultTable group_table(const StudyResults& results, const Protocol& protocol) {
 
 std::vector<ResultTable> result_tables(const StudyResults& results, const Protocol& protocol) {
   std::vector<ResultTable> tables;
+  if (results.adaptive) {
+    tables.push_back(adaptive_rows_table(*results.adaptive, protocol, true));
+    tables.push_back(adaptive_group_table(*results.adaptive, protocol));
+    for (const auto make : {omnibus_table, pairs_table, ratings_table, comparative_table}) {
+      ResultTable table = make(results, protocol);
+      if (!table.rows.empty()) tables.push_back(std::move(table));
+    }
+    return tables;
+  }
   for (const auto make :
        {participants_table, group_table, contrasts_table, omnibus_table, pairs_table, series_table, sensitivity_table,
         behaviour_table, cues_table, ratings_table, comparative_table, cells_table}) {
