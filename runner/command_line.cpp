@@ -76,9 +76,8 @@ int run_command_line(int argc, const char* const* argv) {
   command->add_option("--seed", plan.seed, "the study's seed (default: 1)");
   command->add_flag("--json", plan.json, "machine-readable");
   add_precision_options(*command, precision);
-  command->callback([&] {
-    chosen = [&] { return precision.asked ? command_plan_precision(plan, precision) : command_plan(plan); };
-  });
+  command->callback(
+      [&] { chosen = [&] { return precision.asked ? command_plan_precision(plan, precision) : command_plan(plan); }; });
 
   RunOptions run;
   command = add_command(app, "run", "Run a session from this terminal, or go on with one",
@@ -161,8 +160,8 @@ int run_command_line(int argc, const char* const* argv) {
   command->callback([&] { chosen = [&] { return command_export(exported); }; });
 
   ReportOptions report;
-  command = add_command(app, "report", "Write a page for people: figures, tables, warnings, methods",
-                        "jnd report s.sqlite");
+  command =
+      add_command(app, "report", "Write a page for people: figures, tables, warnings, methods", "jnd report s.sqlite");
   command->add_option("STUDY", report.study, "the study's file")->required();
   command->add_option("--to", report.file, "the page (default: the study's name with -report.html, beside it)");
   command->add_option("--figures", report.figures_folder,
