@@ -22,6 +22,8 @@ struct Figure {
 // Figure 5 of the paper: mean and 95 % interval by condition, with every participant, the within-subject interval and
 // the published values. Who has no JND stands at the edges, counted.
 std::vector<Figure> jnd_figures(const StudyResults& results, const Protocol& protocol);
+// Where the answers set the levels: their thresholds by condition, in the same form.
+std::vector<Figure> threshold_figures(const StudyResults& results, const Protocol& protocol);
 
 // d' against the stiffness difference with the fitted line, a panel for every participant, 24 a figure; for more than
 // 96 participants a panel for every condition instead, with everyone in it.

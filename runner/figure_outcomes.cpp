@@ -71,6 +71,22 @@ constexpr std::string_view kMarks =
 
 }  // namespace
 
+std::vector<Figure> threshold_figures(const StudyResults& results, const Protocol& protocol) {
+  for (const OutcomeComparison& outcome : results.comparisons) {
+    if (outcome.outcome != "threshold" || outcome.question || nobody(outcome)) continue;
+    ConditionFigure figure = figure_of(outcome, protocol, stiffness_decimals(protocol));
+    figure.id = "threshold";
+    figure.title = "Threshold by condition";
+    figure.y_title = fmt::format("threshold ({})", outcome.unit);
+    figure.joined = true;
+    const std::string caption =
+        fmt::format("The difference at which the procedure settles, averaged over the tracks of a condition. {}{}",
+                    kMarks, left_out_text(outcome));
+    return {{figure.id, figure.title, caption, draw_condition_figure(figure, protocol)}};
+  }
+  return {};
+}
+
 std::vector<Figure> time_figures(const StudyResults& results, const Protocol& protocol) {
   for (const OutcomeComparison& outcome : results.comparisons) {
     if (outcome.outcome != "trial_time" || outcome.question || nobody(outcome)) continue;

@@ -10,6 +10,7 @@
 #include "runner/report_markdown.h"
 #include "runner/report_style.h"
 #include "runner/result_format.h"
+#include "runner/result_table_parts.h"
 
 namespace jnd {
 
@@ -47,11 +48,29 @@ std::string group_sentence(const GroupResult& row, const Protocol& protocol) {
   return text + fmt::format("; {} of {} participants", jnd.mean_jnd.n, jnd.n);
 }
 
+// Where the answers set the levels.
+std::string adaptive_summary(const StudyResults& results, const Protocol& protocol) {
+  const ResultTable table = adaptive_group_table(*results.adaptive, protocol);
+  std::string html =
+      fmt::format("<p class=\"lead\">{} {} participant{} ({} planned). {}.</p>\n<ul>\n", results.analysis.participants,
+                  to_string(results.analysis.kind), results.analysis.participants == 1 ? "" : "s",
+                  protocol.design.participants, escape_markup(table.note));
+  for (const AdaptiveGroup& row : results.adaptive->group)
+    html += fmt::format(
+        "<li><strong>{}</strong>: mean threshold <strong>{} {}</strong>, Weber fraction {}, false alarms {}; "
+        "{} of {} participants</li>\n",
+        escape_markup(condition_text(protocol, row.condition)), stiffness_text(row.mean, protocol),
+        escape_markup(unit_of(protocol)), percent_text(row.mean / protocol.stimulus.reference),
+        percent_text(row.false_alarms), row.n, row.of);
+  return html + "</ul>\n";
+}
+
 std::string summary_html(const StudyResults& results, const Protocol& protocol) {
   const StudyAnalysis& analysis = results.analysis;
   if (analysis.participants == 0)
     return fmt::format("<p class=\"lead\">This study holds no {} session yet: there is nothing to report.</p>\n",
                        to_string(analysis.kind));
+  if (results.adaptive) return adaptive_summary(results, protocol);
   std::string html = fmt::format(
       "<p class=\"lead\">{} {} participant{} ({} planned). JND: {}, through the origin of the {} stiffness "
       "differences; "

@@ -31,7 +31,7 @@ std::string sd_text(double sd, const Protocol& protocol) {
 std::string what_a_threshold_is(const Protocol& protocol) {
   const AdaptiveProcedure& procedure = *protocol.design.procedure;
   return fmt::format(
-      "threshold: the difference from {:g} {} of which \"different\" is said in {:.1f} %; {}",
+      "Threshold: the difference from {:g} {} of which \"different\" is said in {:.1f} %; {}",
       protocol.stimulus.reference, to_string(protocol.stimulus.unit), 100 * adaptive_target(procedure),
       by_staircase(protocol)
           ? fmt::format("mean of the last {} reversals of each track", procedure.averaged_reversals / 2 * 2)
