@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <ranges>
 
 namespace jnd {
 
@@ -119,9 +118,9 @@ void SlopeDistribution::add_part(std::span<const CellDistribution> cells, std::s
     part.head = std::move(sums);
   }
   double tail = 0;
-  for (Atom& atom : std::views::reverse(part.head)) {
-    tail += atom.probability;
-    atom.tail = tail;
+  for (auto atom = part.head.rbegin(); atom != part.head.rend(); ++atom) {
+    tail += atom->probability;
+    atom->tail = tail;
   }
   parts_.push_back(std::move(part));
 }

@@ -1,7 +1,5 @@
 #include "data/study_behaviour.h"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 
@@ -71,8 +69,7 @@ void count_best(CueRow& row, const std::vector<std::vector<CueTrial>>& of_partic
       ++row.undecided;
       continue;
     }
-    const auto found = std::find(kCues.begin(), kCues.end(), *best);
-    ++row.best_of[place(static_cast<int>(found - kCues.begin()))];
+    for (std::size_t i = 0; i < kCues.size(); ++i) row.best_of[i] += kCues[i] == *best ? 1 : 0;
   }
 }
 

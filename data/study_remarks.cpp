@@ -110,7 +110,7 @@ void add_test_warnings(const OutcomeComparison& outcome, const Protocol& protoco
                     "Greenhouse-Geisser correction.",
                     mauchly.w, mauchly.p));
   if (protocol.analysis.tests.post_hoc == PostHoc::games_howell || protocol.analysis.tests.post_hoc == PostHoc::tukey)
-    out.push_back(
+    out.emplace_back(
         "The registered post-hoc test ignores that every participant had every condition; the paired t tests "
         "stand beside it.");
   if (outcome.table.n < 6) out.push_back(fmt::format("The tests rest on {} participants.", outcome.table.n));
@@ -127,7 +127,8 @@ std::vector<std::string> deviations_of(const StudyAnalysis& analysis, const std:
   const Exclusions& rules = protocol.analysis.exclude;
   if (protocol.design.procedure &&
       (rules.response_time_below_s || rules.response_time_above_s || rules.saturated_share_above))
-    out.push_back("The registered exclusions are not applied: an excluded answer has moved the levels all the same.");
+    out.emplace_back(
+        "The registered exclusions are not applied: an excluded answer has moved the levels all the same.");
   int open = 0;
   for (const SessionHead& head : analysis.heads) open += head.closed ? 0 : 1;
   if (open > 0)

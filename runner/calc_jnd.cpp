@@ -26,10 +26,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array kMethods = {JndMethod::least_squares,          JndMethod::weighted,
-                                 JndMethod::inverse_mean_slope,     JndMethod::mean_of_ratios,
-                                 JndMethod::ml_yes_no_common,       JndMethod::ml_yes_no_series,
-                                 JndMethod::ml_differencing_common, JndMethod::ml_differencing_series,
+constexpr std::array kMethods = {JndMethod::least_squares,
+                                 JndMethod::weighted,
+                                 JndMethod::inverse_mean_slope,
+                                 JndMethod::mean_of_ratios,
+                                 JndMethod::ml_yes_no_common,
+                                 JndMethod::ml_yes_no_series,
+                                 JndMethod::ml_differencing_common,
+                                 JndMethod::ml_differencing_series,
                                  JndMethod::least_squares_independent};
 
 struct JndOptions {

@@ -82,8 +82,8 @@ int command_verify(const StudyOptions& options);
 
 struct AnalyzeOptions {
   std::string study;
-  std::optional<std::string> kind;  // real, pilot or simulated
-  std::optional<std::string> by;    // nominal or delivered; without it, what the protocol registers
+  std::optional<std::string> kind;    // real, pilot or simulated
+  std::optional<std::string> by;      // nominal or delivered; without it, what the protocol registers
   std::string models = "registered";  // or "all": every model, method and correction beside the registered one
   bool cells = false;
   bool json = false;

@@ -49,9 +49,10 @@ ResultTable adaptive_group_table(const AdaptiveResults& results, const Protocol&
     table.rows.push_back({condition_name(protocol, group.condition), level_text(group.mean, protocol),
                           level_text(group.sd, protocol), percent_text(group.mean / protocol.stimulus.reference),
                           percent_text(group.false_alarms), fmt::format("{} of {}", group.n, group.of)});
-  table.remarks.push_back("a threshold moves with the criterion: compare conditions where the false alarms are alike");
+  table.remarks.emplace_back(
+      "a threshold moves with the criterion: compare conditions where the false alarms are alike");
   if (protocol.design.procedure->catch_share == 0)
-    table.remarks.push_back("without catch trials there is no false-alarm rate, and no d'");
+    table.remarks.emplace_back("without catch trials there is no false-alarm rate, and no d'");
   return table;
 }
 

@@ -194,10 +194,10 @@ ResultTable sensitivity_table(const StudyResults& results, const Protocol& proto
     cells.push_back(fmt::format("{} of {}", row.n, row.participants));
     cells.push_back(p_value_text(row.omnibus_p));
     for (const double p : row.contrast_p) cells.push_back(p_value_text(p));
-    cells.push_back(row.registered         ? "registered"
-                    : !row.refused.empty() ? "no test"
-                    : row.same_conclusion  ? "the same"
-                                           : "DIFFERENT");
+    cells.emplace_back(row.registered         ? "registered"
+                       : !row.refused.empty() ? "no test"
+                       : row.same_conclusion  ? "the same"
+                                              : "DIFFERENT");
     table.rows.push_back(std::move(cells));
   }
   return table;
