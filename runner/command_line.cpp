@@ -69,15 +69,19 @@ int run_command_line(int argc, const char* const* argv) {
   PrecisionOptions precision;
   command = add_command(app, "plan", "Print the trials of a participant, or the balance of a cohort",
                         "jnd plan chinello2017 --participant 7 --seed 1");
-  command->add_option("PROTOCOL", plan.protocol, "protocol file, or name of a shipped one")->required();
+  command->add_option("PROTOCOL", plan.protocol,
+                      "protocol file, or name of a shipped one (with --precision: chinello2017 where none is named)");
   command->add_option("--participant", plan.participant, "participant number, from 1")->check(CLI::Range(1, 100'000));
   command->add_option("--cohort", plan.cohort, "show the balance over participants 1..N instead")
       ->check(CLI::Range(1, 10'000));
   command->add_option("--seed", plan.seed, "the study's seed (default: 1)");
   command->add_flag("--json", plan.json, "machine-readable");
   add_precision_options(*command, precision);
-  command->callback(
-      [&] { chosen = [&] { return precision.asked ? command_plan_precision(plan, precision) : command_plan(plan); }; });
+  command->callback([&] {
+    if (plan.protocol.empty() && !precision.asked) throw CLI::RequiredError("PROTOCOL");
+    if (plan.protocol.empty()) plan.protocol = "chinello2017";
+    chosen = [&] { return precision.asked ? command_plan_precision(plan, precision) : command_plan(plan); };
+  });
 
   RunOptions run;
   command = add_command(app, "run", "Run a session from this terminal, or go on with one",

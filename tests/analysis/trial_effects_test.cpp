@@ -255,5 +255,29 @@ TEST_CASE("the logistic trend in closed form, and where there is none", "[analys
   CHECK(correctness_trend({}).status == TrendStatus::no_times);
 }
 
+TEST_CASE("drift over strata weighs each by its precision, and a stratum only against itself", "[analysis][trials]") {
+  // An easy series in the first half and a hard one in the second would look like a loss; each held against itself does
+  // not change at all.
+  const Drift easy = drift({20, 18, 20, 2}, {20, 18, 20, 2}), hard = drift({20, 12, 20, 8}, {20, 12, 20, 8});
+  const StratifiedDrift none = stratified_drift(std::vector<Drift>{easy, hard});
+  CHECK(none.strata == 2);
+  CHECK(none.difference == Approx(0).margin(1e-12));
+  CHECK(none.p == Approx(1).epsilon(1e-10));
+
+  const Drift better = drift({20, 12, 20, 8}, {20, 17, 20, 3});
+  const StratifiedDrift both = stratified_drift(std::vector<Drift>{easy, better});
+  const double w1 = 1 / (easy.dprime.se * easy.dprime.se), w2 = 1 / (better.dprime.se * better.dprime.se);
+  CHECK(both.difference == Approx(w2 * better.dprime.difference / (w1 + w2)).epsilon(1e-12));
+  CHECK(both.se == Approx(1 / std::sqrt(w1 + w2)).epsilon(1e-12));
+  CHECK(both.p == Approx(std::erfc(both.difference / both.se / std::sqrt(2.0))).epsilon(1e-10));
+  CHECK(both.ci_low < both.difference);
+
+  // A stratum without a class in a half says nothing.
+  const StratifiedDrift one = stratified_drift(std::vector<Drift>{better, drift({20, 12, 0, 0}, {20, 12, 20, 8})});
+  CHECK(one.strata == 1);
+  CHECK(one.difference == Approx(better.dprime.difference).epsilon(1e-12));
+  CHECK(std::isnan(stratified_drift({}).p));
+}
+
 }  // namespace
 }  // namespace jnd

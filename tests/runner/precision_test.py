@@ -34,6 +34,11 @@ class Precision(unittest.TestCase):
     def condition(self, block, name):
         return next(row for row in block["conditions"] if row["condition"] == name)
 
+    def test_without_a_protocol_it_is_the_published_design(self):
+        out = self.jnd("plan", "--precision", "--jnd", "208.5", "--trials", "12", "--json").stdout
+        self.assertEqual(json.loads(out)["precision"]["conditions"], self.plan("--jnd", "208.5", "--trials", "12")["conditions"])
+        self.jnd("plan", "--participant", "1", code=2)
+
     def test_the_published_design(self):
         block = self.plan()
         sv = self.condition(block, "SV")

@@ -1,0 +1,120 @@
+#!/usr/bin/env python3
+"""The analysis of a study from outside: tables, JSON, CSV, methods in words, refusals; adaptive studies too.
+
+Usage: analyze_test.py JND
+"""
+import csv
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+
+JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
+
+
+class Analyze(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        for protocol in ("chinello2017", "adaptive-staircase"):
+            subprocess.run([JND, "simulate", protocol, "--participants", "4", "--study", f"{protocol}.sqlite", "--seed", "3"],
+                           cwd=cls.folder.name, check=True, capture_output=True)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def jnd(self, *arguments, code=0):
+        done = subprocess.run([JND, *arguments], capture_output=True, text=True, cwd=self.folder.name)
+        self.assertEqual(done.returncode, code, f"{arguments}: {done.stdout}{done.stderr}")
+        return done
+
+    def path(self, *names):
+        return os.path.join(self.folder.name, *names)
+
+    def analysis(self, *arguments):
+        out = self.jnd("analyze", *arguments, "--json", "--no-methods").stdout
+        return json.loads(out, parse_constant=lambda name: self.fail(f"{arguments} print {name}"))
+
+    def test_every_number_names_what_it_rests_on(self):
+        result = self.analysis("chinello2017.sqlite")
+        self.assertEqual((result["model"], result["correction"], result["jnd_method"]), ("yes-no", "loglinear", "least_squares"))
+        registered = result["comparisons"][0]
+        self.assertEqual((registered["outcome"], registered["registered"], registered["n"]), ("slope", True, 4))
+        # The test is on the slopes that the participants' rows print.
+        slopes = {c: [] for c in ("S", "V", "SV")}
+        for row in result["participants"]:
+            slopes[row["condition"]].append(row["slope"])
+        for row in registered["comparison"]["descriptives"]:
+            self.assertAlmostEqual(row["mean"], sum(slopes[row["condition"]]) / 4, places=12)
+        self.assertTrue(result["sensitivity"][0]["registered"])
+        self.assertEqual(sum(row["registered"] for row in result["sensitivity"]), 1)
+        self.assertEqual({row["condition"] for row in result["cue_strategy"]}, {"S", "V", "SV"})
+        self.assertEqual(len(result["behaviour"]), 3 + 4)
+
+    def test_all_models_stand_beside_the_registered_one(self):
+        models = self.analysis("chinello2017.sqlite", "--models", "all")["models"]
+        self.assertEqual(len(models["thresholds"]), 4 * 3 * 11)
+        self.assertEqual(len(models["cells"]), 4 * 9)
+        for cell in models["cells"]:
+            rates = cell["raw"]
+            self.assertAlmostEqual(rates["hit_rate"], cell["hits"] / cell["n_diff"], places=12)
+        self.assertNotIn("models", self.analysis("chinello2017.sqlite"))
+
+    def test_another_axis_is_a_deviation(self):
+        self.assertEqual(self.analysis("chinello2017.sqlite")["deviations"], [])
+        by = self.analysis("chinello2017.sqlite", "--by", "delivered")
+        self.assertIn("over delivered ones", by["deviations"][0])
+
+    def test_results_as_csv_have_a_dictionary(self):
+        self.jnd("analyze", "chinello2017.sqlite", "--csv", "out", "--models", "all", "--no-methods")
+        with open(self.path("out", "dictionary.csv"), newline="", encoding="utf-8") as file:
+            described = {(row["file"], row["column"]) for row in csv.DictReader(file)}
+        for name in os.listdir(self.path("out")):
+            with open(self.path("out", name), newline="", encoding="utf-8") as file:
+                for column in csv.DictReader(file).fieldnames:
+                    self.assertIn((name, column), described)
+        self.assertIn("models.csv", os.listdir(self.path("out")))
+        self.jnd("analyze", "chinello2017.sqlite", "--csv", "out", "--no-methods", code=5)
+        self.jnd("analyze", "chinello2017.sqlite", "--csv", "out", "--replace", "--no-methods")
+
+    def test_methods_in_words_never_replace_a_foreign_file(self):
+        self.jnd("analyze", "chinello2017.sqlite", "--methods", "words.md")
+        with open(self.path("words.md"), encoding="utf-8") as file:
+            text = file.read()
+        status = json.loads(self.jnd("status", "chinello2017.sqlite", "--json").stdout)
+        for part in [status["protocol_sha256"], "Seed of the study: 3", "jnd 0."] + [s["head"] for s in status["sessions"]]:
+            self.assertIn(part, text)
+        self.jnd("analyze", "chinello2017.sqlite", "--methods", "words.md")  # its own file
+        with open(self.path("mine.md"), "w", encoding="utf-8") as file:
+            file.write("my notes\n")
+        self.jnd("analyze", "chinello2017.sqlite", "--methods", "mine.md", code=5)
+        with open(self.path("mine.md"), encoding="utf-8") as file:
+            self.assertEqual(file.read(), "my notes\n")
+
+    def test_thresholds_that_the_answers_set(self):
+        result = self.analysis("adaptive-staircase.sqlite")
+        self.assertEqual([row["condition"] for row in result["group"]], ["S", "V", "SV"])
+        self.assertEqual(result["comparisons"][0]["outcome"], "threshold")
+        self.jnd("export", "adaptive-staircase.sqlite", "--to", "adaptive")
+        with open(self.path("adaptive", "tracks.csv"), newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(len(rows), sum(1 for _ in result["rows"]))
+        for name in ("group.csv", "cells.csv"):  # there is no d' of a cell: nothing pretends to be one
+            self.assertFalse(os.path.exists(self.path("adaptive", name)))
+
+    def test_the_page_is_written_once_and_whole(self):
+        for study in ("chinello2017", "adaptive-staircase"):
+            self.jnd("report", f"{study}.sqlite", "--to", f"{study}.html")
+            with open(self.path(f"{study}.html"), encoding="utf-8") as file:
+                page = file.read()
+            self.assertIsNone(re.search(r"<script|https?://(?!doi\.org)[^\"]*\.(js|css)", page))
+            self.assertIn("</html>", page)
+            self.jnd("report", f"{study}.sqlite", "--to", f"{study}.html", code=5)
+
+
+if __name__ == "__main__":
+    unittest.main()
