@@ -1,7 +1,6 @@
 #include "analysis/jnd.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "analysis/jnd_closed.h"
@@ -15,16 +14,6 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr int kFewTrials = 10;
-
-constexpr std::array kMethods = {JndMethod::least_squares,
-                                 JndMethod::weighted,
-                                 JndMethod::inverse_mean_slope,
-                                 JndMethod::mean_of_ratios,
-                                 JndMethod::ml_yes_no_common,
-                                 JndMethod::ml_yes_no_series,
-                                 JndMethod::ml_differencing_common,
-                                 JndMethod::ml_differencing_series,
-                                 JndMethod::least_squares_independent};
 
 // Bounds of 1/m from bounds of m; a JND is positive, so that slopes at or below zero count as infinite JNDs.
 double jnd_bound(double slope) noexcept {
@@ -102,7 +91,7 @@ std::string_view to_string(JndMethod method) noexcept {
 }
 
 std::optional<JndMethod> jnd_method_from(std::string_view name) noexcept {
-  for (const JndMethod method : kMethods)
+  for (const JndMethod method : kJndMethods)
     if (name == to_string(method)) return method;
   return std::nullopt;
 }

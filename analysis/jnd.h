@@ -1,6 +1,7 @@
 // The just-noticeable difference: the stiffness difference at d' = 1, from d' at several differences.
 #pragma once
 
+#include <array>
 #include <limits>
 #include <optional>
 #include <span>
@@ -46,6 +47,16 @@ enum class JndMethod {
   ml_differencing_series,    // the same, a criterion for each series
   least_squares_independent  // least_squares of the d' of the independent-observation model, unit slope
 };
+// All of them, in the order in which they are printed.
+inline constexpr std::array kJndMethods = {JndMethod::least_squares,
+                                           JndMethod::weighted,
+                                           JndMethod::inverse_mean_slope,
+                                           JndMethod::mean_of_ratios,
+                                           JndMethod::ml_yes_no_common,
+                                           JndMethod::ml_yes_no_series,
+                                           JndMethod::ml_differencing_common,
+                                           JndMethod::ml_differencing_series,
+                                           JndMethod::least_squares_independent};
 std::string_view to_string(JndMethod method) noexcept;
 std::optional<JndMethod> jnd_method_from(std::string_view name) noexcept;
 bool is_maximum_likelihood(JndMethod method) noexcept;

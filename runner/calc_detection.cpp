@@ -8,6 +8,7 @@
 #include "analysis/coverage.h"
 #include "runner/calc.h"
 #include "runner/commands.h"
+#include "runner/csv_counts.h"
 #include "runner/csv_table.h"
 #include "runner/json_output.h"
 
@@ -18,22 +19,6 @@ namespace {
 struct SdtOptions {
   CalcInput input;
 };
-
-Counts counts_of(const CsvTable& table, std::size_t row) {
-  Counts counts;
-  counts.n_diff = table.integer(row, "n_diff", 0);
-  counts.hits = table.integer(row, "hits", 0);
-  counts.n_same = table.integer(row, "n_same", 0);
-  counts.false_alarms = table.integer(row, "false_alarms", 0);
-  if (counts.hits > counts.n_diff)
-    table.fail(row, "hits", fmt::format("{} hits of {} trials with different stimuli", counts.hits, counts.n_diff),
-               "hits are at most n_diff");
-  if (counts.false_alarms > counts.n_same)
-    table.fail(row, "false_alarms",
-               fmt::format("{} false alarms of {} trials with equal stimuli", counts.false_alarms, counts.n_same),
-               "false_alarms are at most n_same");
-  return counts;
-}
 
 int sdt(const SdtOptions& options) {
   const CsvTable table = CsvTable::read(options.input.file, {"id", "n_diff", "hits", "n_same", "false_alarms"});

@@ -1,6 +1,5 @@
 // jnd calc jnd: thresholds of every participant and condition in a CSV of counts, by every method side by side.
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -15,6 +14,7 @@
 #include "analysis/jnd_bootstrap.h"
 #include "runner/calc.h"
 #include "runner/commands.h"
+#include "runner/csv_counts.h"
 #include "runner/csv_table.h"
 #include "runner/json_output.h"
 #include "runner/terminal.h"
@@ -25,16 +25,6 @@ namespace jnd {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr std::array kMethods = {JndMethod::least_squares,
-                                 JndMethod::weighted,
-                                 JndMethod::inverse_mean_slope,
-                                 JndMethod::mean_of_ratios,
-                                 JndMethod::ml_yes_no_common,
-                                 JndMethod::ml_yes_no_series,
-                                 JndMethod::ml_differencing_common,
-                                 JndMethod::ml_differencing_series,
-                                 JndMethod::least_squares_independent};
 
 struct JndOptions {
   CalcInput input;
@@ -51,7 +41,7 @@ struct Group {
 };
 
 struct GroupResult {
-  std::vector<JndEstimate> estimates;                // in the order of kMethods
+  std::vector<JndEstimate> estimates;                // in the order of kJndMethods
   std::vector<std::optional<FitQuality>> qualities;  // of the maximum-likelihood methods
   std::optional<JndBootstrap> bootstrap;             // of least_squares
 };
@@ -62,18 +52,7 @@ SeriesCounts series_of(const CsvTable& table, std::size_t row) {
   if (!(series.difference > 0))
     table.fail(row, "delta", fmt::format("{} is not a difference between two stimuli", series.difference),
                "delta is above 0, in the unit of the reference; equal pairs are counted in n_same");
-  Counts& counts = series.counts;
-  counts.n_diff = table.integer(row, "n_diff", 0);
-  counts.hits = table.integer(row, "hits", 0);
-  counts.n_same = table.integer(row, "n_same", 0);
-  counts.false_alarms = table.integer(row, "false_alarms", 0);
-  if (counts.hits > counts.n_diff)
-    table.fail(row, "hits", fmt::format("{} hits of {} trials with different stimuli", counts.hits, counts.n_diff),
-               "hits are at most n_diff");
-  if (counts.false_alarms > counts.n_same)
-    table.fail(row, "false_alarms",
-               fmt::format("{} false alarms of {} trials with equal stimuli", counts.false_alarms, counts.n_same),
-               "false_alarms are at most n_same");
+  series.counts = counts_of(table, row);
   return series;
 }
 
@@ -94,7 +73,7 @@ std::vector<Group> groups_of(const CsvTable& table) {
 GroupResult result_of(const Group& group, const JndOptions& options) {
   const Correction correction = *correction_from(options.correction);
   GroupResult result;
-  for (const JndMethod method : kMethods) {
+  for (const JndMethod method : kJndMethods) {
     JndEstimate estimate = estimate_jnd(group.series, options.reference, method, correction);
     if (method == JndMethod::least_squares && options.bootstrap > 0) {
       result.bootstrap = least_squares_bootstrap(group.series, correction, options.bootstrap, options.seed);
@@ -152,11 +131,12 @@ void print_json(const Group& group, const GroupResult& result, double reference)
                {"condition", group.condition},
                {"reference", reference},
                {"series", group.series.size()}};
-  for (std::size_t i = 0; i < kMethods.size(); ++i) {
+  for (std::size_t i = 0; i < kJndMethods.size(); ++i) {
     Json method = json_of(result.estimates[i]);
-    if (kMethods[i] == JndMethod::least_squares && result.bootstrap) method["bootstrap"] = json_of(*result.bootstrap);
+    if (kJndMethods[i] == JndMethod::least_squares && result.bootstrap)
+      method["bootstrap"] = json_of(*result.bootstrap);
     if (result.qualities[i]) method["fit"] = json_of(*result.qualities[i]);
-    line[std::string(to_string(kMethods[i]))] = std::move(method);
+    line[std::string(to_string(kJndMethods[i]))] = std::move(method);
   }
   fmt::print("{}\n", line.dump());
 }
@@ -189,11 +169,11 @@ std::string remarks(const JndEstimate& estimate) {
 }
 
 void add_rows(TextTable& table, const Group& group, const GroupResult& result) {
-  for (std::size_t i = 0; i < kMethods.size(); ++i) {
+  for (std::size_t i = 0; i < kJndMethods.size(); ++i) {
     const JndEstimate& estimate = result.estimates[i];
     table.add({i == 0 ? printable(group.participant) : "", i == 0 ? printable(group.condition) : "",
-               std::string(to_string(kMethods[i])), number(estimate.jnd), interval(estimate), percent(estimate.weber),
-               number(estimate.slope), fit_p(result.qualities[i]), remarks(estimate)});
+               std::string(to_string(kJndMethods[i])), number(estimate.jnd), interval(estimate),
+               percent(estimate.weber), number(estimate.slope), fit_p(result.qualities[i]), remarks(estimate)});
   }
 }
 
