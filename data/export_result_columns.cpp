@@ -35,11 +35,14 @@ void add_convention(std::vector<CsvColumn<Row>>& columns, const Protocol& protoc
   columns.push_back({"difference_source", "the stiffness differences behind the JND: as asked, or as delivered", "",
                      with_method ? "nominal delivered mixed" : "nominal delivered",
                      [](const Row& r) { return std::string(to_string(r.difference_source)); }});
-  columns.push_back({"model", "model of d'", "", "yes-no", [m = protocol.analysis.model](const Row&) { return m; }});
+  // The d' of a cell is the yes-no model's whatever is registered: models.csv and the thresholds have the others.
+  columns.push_back({"model", "model of d'", "", with_method ? "yes-no differencing independent-observation" : "yes-no",
+                     [m = with_method ? protocol.analysis.model : std::string("yes-no")](const Row&) { return m; }});
   columns.push_back({"correction", "correction of rates of 0 and 1", "", "none loglinear half",
                      [c = protocol.analysis.correction](const Row&) { return c; }});
   if (with_method)
-    columns.push_back({"method", "how the JND comes from d' at several differences", "", "least_squares",
+    columns.push_back({"method", "how the JND comes from d' at several differences", "",
+                       "least_squares ml weighted inverse_mean_slope mean_of_ratios",
                        [m = protocol.analysis.jnd_method](const Row&) { return m; }});
   columns.push_back({"protocol_sha256", "SHA-256 of the protocol's bytes", "", "",
                      [sha = protocol.sha256](const Row&) { return sha; }});
@@ -106,6 +109,11 @@ std::vector<CsvColumn<CellResult>> cell_columns(const Protocol& protocol) {
       {"z_false_alarm", "normal quantile of false_alarm_rate", "", "",
        [](const R& r) { return csv_number(r.yes_no.z_false_alarm); }},
       {"dprime", "d' = z_hit - z_false_alarm", "", "", [](const R& r) { return csv_number(r.yes_no.dprime); }},
+      {"dprime_se", "standard error of dprime (Gourevitch and Galanter 1967)", "", "",
+       [](const R& r) { return csv_number(r.yes_no.se); }},
+      {"dprime_ci95_low", "lower end of its 95 % interval, dprime - 1.96 dprime_se", "", "",
+       [](const R& r) { return csv_number(r.yes_no.ci_low); }},
+      {"dprime_ci95_high", "upper end", "", "", [](const R& r) { return csv_number(r.yes_no.ci_high); }},
       {"criterion", "c = -(z_hit + z_false_alarm) / 2; positive: tends to say same", "", "",
        [](const R& r) { return csv_number(r.yes_no.criterion); }},
       {"status", "whether the row holds information", "", "ok no_information missing",
@@ -127,6 +135,11 @@ std::vector<CsvColumn<ThresholdResult>> report_columns(const Protocol& protocol)
        [](const R& r) { return csv_number(r.jnd.slope); }},
       {in_unit("jnd_", protocol), "just-noticeable difference: 1 / slope; empty where status says why",
        unit_of(protocol), "", [](const R& r) { return csv_number(r.jnd.jnd); }},
+      {in_unit("jnd_ci95_low_", protocol),
+       "lower end of its 95 % interval: bootstrap of least squares, profile likelihood of ml; empty for other methods",
+       unit_of(protocol), "", [](const R& r) { return csv_number(r.jnd.ci_low); }},
+      {in_unit("jnd_ci95_high_", protocol), "upper end; Inf where no sensitivity cannot be ruled out",
+       unit_of(protocol), "", [](const R& r) { return csv_number(r.jnd.ci_high); }},
       {"weber", in_unit("jnd_", protocol) + " / " + in_unit("reference_", protocol), "", "",
        [](const R& r) { return csv_number(r.jnd.weber); }},
       {in_unit("reference_", protocol), "base of the Weber fraction", unit_of(protocol), "",

@@ -51,8 +51,13 @@ Json cell_json(const CellResult& cell, const Protocol& protocol) {
           {"false_alarm_rate", json_number(cell.yes_no.false_alarm_rate)},
           {"z_hit", json_number(cell.yes_no.z_hit)},
           {"z_false_alarm", json_number(cell.yes_no.z_false_alarm)},
+          {"model", "yes-no"},  // whatever is registered: `--models all` has the others
           {"dprime", json_number(cell.yes_no.dprime)},
+          {"se", json_number(cell.yes_no.se)},
+          {"ci_low", json_number(cell.yes_no.ci_low)},
+          {"ci_high", json_number(cell.yes_no.ci_high)},
           {"criterion", json_number(cell.yes_no.criterion)},
+          {"ln_beta", json_number(cell.yes_no.ln_beta)},
           {"status", to_string(cell.yes_no.status)}};
 }
 
@@ -104,6 +109,11 @@ Json to_json(const StudyAnalysis& analysis, const Protocol& protocol) {
                         {"slope", json_number(row.jnd.slope)},
                         {"jnd", json_number(row.jnd.jnd)},
                         {"weber", json_number(row.jnd.weber)},
+                        {"ci_low", json_number(row.jnd.ci_low)},
+                        {"ci_high", json_number(row.jnd.ci_high)},
+                        {"slope_ci_low", json_number(row.jnd.slope_ci_low)},
+                        {"slope_ci_high", json_number(row.jnd.slope_ci_high)},
+                        {"method", to_string(row.jnd.method)},
                         {"status", to_string(row.jnd.status)},
                         {"cautions", cautions_json(row.jnd)},
                         {"series_used", row.jnd.series_used},

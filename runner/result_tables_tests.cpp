@@ -150,7 +150,7 @@ ResultTable series_table(const StudyResults& results, const Protocol& protocol) 
   const SeriesComparison& series = results.by_series;
   if (protocol.conditions.size() < 2 || protocol.series.size() < 2) return table;
   table.note = fmt::format(
-      "d' of {} rates, both factors within participants; does the effect of a condition depend on the "
+      "yes-no d' of {} rates, both factors within participants; does the effect of a condition depend on the "
       "series?",
       protocol.analysis.correction);
   table.columns = {{"effect"},  {"n", true},     {"F", true},      {"df", true},
