@@ -74,8 +74,11 @@ MlSlope yes_no_slope(std::span<const SeriesCounts> series, std::span<const MlGro
     // The profile rises (falls) all the way: some finite place inside the interval.
     const double direction = where == MlMaximum::at_plus_infinity ? 1 : -1;
     inside = 0;
-    for (double step = profile.scale(); profile.at(inside).value < target && step < kInf; step *= 2)
+    double step = profile.scale();
+    while (profile.at(inside).value < target && step < kInf) {
       inside = direction * step;
+      step *= 2;
+    }
   }
   fit.ci_low = where == MlMaximum::at_minus_infinity ? -kInf : profile.crossing(inside, -1, target);
   fit.ci_high = where == MlMaximum::at_plus_infinity ? kInf : profile.crossing(inside, +1, target);

@@ -101,9 +101,11 @@ void DifferencingProfile::lay_grid() {
   points_.push_back(at(0));
   const double last = kLargestD / smallest;
   double best = points_.back().value;
-  for (double m = kLeastD / largest; best - highest_beyond_ <= kProfileDrop && points_.back().m < last; m *= kStep) {
+  double m = kLeastD / largest;
+  while (best - highest_beyond_ <= kProfileDrop && points_.back().m < last) {
     points_.push_back(at(std::min(m, last)));
     best = std::max(best, points_.back().value);
+    m *= kStep;
   }
   std::vector<Point> peaks;
   for (std::size_t i = 1; i < points_.size(); ++i)
@@ -158,7 +160,10 @@ DifferencingProfile::Interval DifferencingProfile::interval(double target, bool 
   }
   const auto last = std::find_if(points_.rbegin(), points_.rend(), inside);
   double near = last->m, far = last == points_.rbegin() ? 2 * near : (last - 1)->m;
-  for (; at(far).value >= target; far *= 2) near = far;
+  while (at(far).value >= target) {
+    near = far;
+    far *= 2;
+  }
   found.high = zero_between(near, far, target);
   return found;
 }

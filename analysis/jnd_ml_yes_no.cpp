@@ -126,7 +126,7 @@ double YesNoProfile::crossing(double inside, double direction, double target) {
   const Point start = at(inside);
   double near = 0, far = kInf, longest = 4 * scale_, t = scale_;
   if (start.curvature < 0) t = std::min(std::sqrt(2 * (start.value - target) / -start.curvature), longest);
-  for (int i = 0; i < kMostSteps; ++i, longest *= 2) {
+  for (int i = 0; i < kMostSteps; ++i) {
     const Point point = at(inside + direction * t);
     const double h = point.value - target, slope = direction * point.slope;
     (h >= 0 ? near : far) = t;
@@ -137,6 +137,7 @@ double YesNoProfile::crossing(double inside, double direction, double target) {
     if (matters && !(next > near && next < far)) next = 0.5 * (near + far);
     t = next;
     if (!matters) break;
+    longest *= 2;
   }
   return inside + direction * t;
 }
