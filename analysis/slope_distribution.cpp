@@ -118,9 +118,9 @@ void SlopeDistribution::add_part(std::span<const CellDistribution> cells, std::s
     part.head = std::move(sums);
   }
   double tail = 0;
-  for (auto atom = part.head.rbegin(); atom != part.head.rend(); ++atom) {
-    tail += atom->probability;
-    atom->tail = tail;
+  for (std::size_t i = part.head.size(); i-- > 0;) {
+    tail += part.head[i].probability;
+    part.head[i].tail = tail;
   }
   parts_.push_back(std::move(part));
 }
