@@ -2,7 +2,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <vector>
 
 #include "analysis/compare.h"
@@ -13,8 +12,6 @@
 
 namespace jnd {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // R 4.2.2 with car, afex and exactRankTests; 15 digits. t and Wilcoxon by pairs (0,1), (0,2), (1,2).
 struct PairReference {

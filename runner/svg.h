@@ -49,8 +49,8 @@ class Svg {
   void rectangle(double x, double y, double width, double height, const Look& look);
   void line(double x1, double y1, double x2, double y2, const Look& look);
   void circle(double x, double y, double radius, const Look& look);
-  void polygon(const std::vector<SvgPoint>& points, const Look& look);
-  void polyline(const std::vector<SvgPoint>& points, const Look& look);  // never filled
+  void polygon(const std::vector<SvgPoint>& corners, const Look& look);
+  void polyline(const std::vector<SvgPoint>& corners, const Look& look);  // never filled
   void text(double x, double y, std::string_view content, const TextLook& look);
   // Marks until the matching end() belong together; label, where not empty, is the tooltip of them.
   void begin(std::string_view css_class, std::string_view label = {});
