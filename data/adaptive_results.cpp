@@ -9,6 +9,7 @@
 
 #include "data/event_body.h"
 #include "data/storage_error.h"
+#include "data/study_analysis.h"
 #include "protocols/adaptive_run.h"
 
 namespace jnd {
@@ -65,8 +66,11 @@ AdaptiveRow sum_of(const std::vector<AdaptiveRow>& tracks, const Protocol& proto
 
 }  // namespace
 
-std::vector<AdaptiveRow> adaptive_rows(const std::vector<Event>& events, const Protocol& protocol,
-                                       const std::string& participant, SessionKind kind) {
+namespace {
+
+// Of one session; without answers that were taken back.
+std::vector<AdaptiveTrack> tracks_of(const std::vector<Event>& events, const Protocol& protocol,
+                                     const std::string& participant) {
   AdaptiveRun run(protocol);
   for (const TrialRecord& record : replay(events).completed) {
     try {
@@ -78,8 +82,30 @@ std::vector<AdaptiveRow> adaptive_rows(const std::vector<Event>& events, const P
                       participant, record.trial.index, record.trial.track, record.trial.condition));
     }
   }
+  return run.tracks();
+}
+
+}  // namespace
+
+std::vector<AdaptiveRow> adaptive_rows(const std::vector<Event>& events, const Protocol& protocol,
+                                       const std::string& participant, SessionKind kind) {
+  return adaptive_rows(std::vector<std::vector<Event>>{events}, protocol, participant, kind);
+}
+
+std::vector<AdaptiveRow> adaptive_rows(const std::vector<std::vector<Event>>& sessions, const Protocol& protocol,
+                                       const std::string& participant, SessionKind kind) {
+  std::vector<AdaptiveTrack> tracks;
+  for (const std::vector<Event>& events : sessions) {
+    int before = 0;  // tracks of a condition in the sessions before
+    for (const AdaptiveTrack& track : tracks) before = std::max(before, track.track);
+    for (AdaptiveTrack& track : tracks_of(events, protocol, participant)) {
+      track.track += before;
+      tracks.push_back(std::move(track));
+    }
+  }
+  std::stable_sort(tracks.begin(), tracks.end(),
+                   [](const AdaptiveTrack& a, const AdaptiveTrack& b) { return a.condition < b.condition; });
   std::vector<AdaptiveRow> rows, of_condition;
-  const std::vector<AdaptiveTrack> tracks = run.tracks();
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     of_condition.push_back(row_of(tracks[i], protocol));
     if (i + 1 < tracks.size() && tracks[i + 1].condition == tracks[i].condition) continue;
@@ -123,9 +149,12 @@ std::vector<AdaptiveGroup> adaptive_group(const std::vector<AdaptiveRow>& rows, 
 AdaptiveResults adaptive_results(const Study& study, const Protocol& protocol, SessionKind kind) {
   AdaptiveResults results;
   results.kind = kind;
-  for (const SessionInfo& session : study.sessions()) {
-    if (session.kind != kind) continue;
-    const std::vector<AdaptiveRow> rows = adaptive_rows(study.events(session.id), protocol, session.participant, kind);
+  const std::vector<SessionInfo> sessions = sessions_of(study, kind);
+  for (const std::string& participant : participants_of(sessions)) {
+    std::vector<std::vector<Event>> events;
+    for (const SessionInfo& session : sessions)
+      if (session.participant == participant) events.push_back(study.events(session.id));
+    const std::vector<AdaptiveRow> rows = adaptive_rows(events, protocol, participant, kind);
     results.rows.insert(results.rows.end(), rows.begin(), rows.end());
   }
   results.group = adaptive_group(results.rows, protocol);

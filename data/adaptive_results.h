@@ -50,6 +50,9 @@ AdaptiveResults adaptive_results(const Study& study, const Protocol& protocol, S
 std::vector<AdaptiveRow> adaptive_rows(const std::vector<Event>& events, const Protocol& protocol,
                                        const std::string& participant, SessionKind kind);
 // Their summary. rows: of any number of sessions.
+// Over all sessions of a participant: the tracks of later ones are numbered on.
+std::vector<AdaptiveRow> adaptive_rows(const std::vector<std::vector<Event>>& sessions, const Protocol& protocol,
+                                       const std::string& participant, SessionKind kind);
 std::vector<AdaptiveGroup> adaptive_group(const std::vector<AdaptiveRow>& rows, const Protocol& protocol);
 
 // Probability of "different" at which the procedure settles: of a staircase its target, of QUEST p_threshold.

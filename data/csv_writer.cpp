@@ -1,8 +1,10 @@
 #include "data/csv_writer.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <system_error>
 
 namespace jnd {
 
@@ -18,9 +20,37 @@ std::string csv_number(std::int64_t value) {
   return std::to_string(value);
 }
 
+namespace {
+
+// Spreadsheets skip these before they look whether a cell is a formula: blanks, quotes, no-break space, BOM.
+constexpr std::array<std::string_view, 6> kSkipped = {" ", "\"", "'", "\u00a0", "\ufeff", "\u200b"};
+// What begins a formula, or moves it to where it is one; some take the full-width forms too.
+constexpr std::array<std::string_view, 11> kBegins = {"=",  "+",      "-",      "@",      "\t",    "\r",
+                                                      "\n", "\uff1d", "\uff0b", "\uff0d", "\uff20"};
+
+bool plain_number(std::string_view text) noexcept {
+  if (text.find_first_not_of("+-.0123456789eE") != std::string_view::npos || text.ends_with('.')) return false;
+  if (text.starts_with('+')) text.remove_prefix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+bool would_run(std::string_view text) noexcept {
+  if (plain_number(text)) return false;
+  const auto begins_with = [&](std::string_view what) { return text.starts_with(what); };
+  for (;;) {
+    if (std::any_of(kBegins.begin(), kBegins.end(), begins_with)) return true;
+    const auto* const skipped = std::find_if(kSkipped.begin(), kSkipped.end(), begins_with);
+    if (skipped == kSkipped.end()) return false;
+    text.remove_prefix(skipped->size());
+  }
+}
+
+}  // namespace
+
 std::string csv_text(std::string_view text) {
-  const bool runs = !text.empty() && std::string_view("=+-@\t\r").find(text.front()) != std::string_view::npos;
-  return runs ? "'" + std::string(text) : std::string(text);
+  return would_run(text) ? "'" + std::string(text) : std::string(text);
 }
 
 std::string csv_cell(std::string_view cell) {

@@ -10,6 +10,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sqlite3.h>
+#include <sys/stat.h>
 #include <sys/vfs.h>
 #include <unistd.h>
 
@@ -66,6 +67,11 @@ void refuse_damage(const fs::path& path, SQLite::Database& database) {
                     path.string(), check.getColumn(0).getString()));
 }
 
+// Extended codes carry the primary one in their lowest byte.
+int primary_code(const SQLite::Exception& error) noexcept {
+  return error.getErrorCode() & 0xFF;
+}
+
 void settle(SQLite::Database& database) {
   database.setBusyTimeout(kBusyTimeout_ms);
   database.exec("PRAGMA foreign_keys = ON");
@@ -80,7 +86,13 @@ std::unique_ptr<SQLite::Database> create_database(const fs::path& path) {
     if (errno == EEXIST) throw StorageError(fmt::format("{}: exists already; it was not changed", path.string()));
     throw StorageError(fmt::format("{}: cannot be created: {}", path.string(), std::strerror(errno)));
   }
+  // Whatever the umask takes away.
+  const bool is_private = ::fchmod(descriptor, 0600) == 0;
   ::close(descriptor);
+  if (!is_private) {
+    ::unlink(path.c_str());
+    throw StorageError(fmt::format("{}: cannot be made private: {}", path.string(), std::strerror(errno)));
+  }
   try {
     return with_storage_errors(path, [&] {
       auto database = std::make_unique<SQLite::Database>(fs::absolute(path).string(), SQLite::OPEN_READWRITE);
@@ -171,15 +183,15 @@ void refuse_network_file_system(const fs::path& path) {
 
 StorageError storage_error(const fs::path& path, const SQLite::Exception& error) {
   const std::string where = path.string();
-  switch (error.getErrorCode()) {
+  switch (primary_code(error)) {
     case SQLITE_CORRUPT:
     case SQLITE_NOTADB:
       return StorageError(
           fmt::format("{}: is damaged ({}); it was not changed. Go on with a copy or a backup; jnd verify says more",
                       where, error.what()));
     case SQLITE_FULL:
-      return StorageError(fmt::format(
-          "{}: the disk is full; this event was not saved, all earlier ones are. Free some space and resume", where));
+      return StorageError(
+          fmt::format("{}: the disk is full; everything said to be saved is. Free some space and try again", where));
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
       return StorageError(
@@ -196,6 +208,33 @@ StorageError storage_error(const fs::path& path, const SQLite::Exception& error)
                       where, error.what()));
     default:
       return StorageError(fmt::format("{}: {}", where, error.what()));
+  }
+}
+
+bool is_disk_error(const SQLite::Exception& error) noexcept {
+  return primary_code(error) == SQLITE_IOERR;
+}
+
+void throw_write_error(const fs::path& path, const SQLite::Exception& error) {
+  const std::string where = path.string();
+  switch (primary_code(error)) {
+    case SQLITE_FULL:
+      throw StorageTrouble(fmt::format(
+          "{}: the disk is full: this event is not saved, all earlier ones are. Free some space on it and try again",
+          where));
+    case SQLITE_IOERR:
+      throw StorageTrouble(
+          fmt::format("{}: the disk reported an error ({}): this event is not saved, all earlier ones are. Look after "
+                      "the disk (space, cable, mount) and try again",
+                      where, error.what()));
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+      throw StorageTrouble(
+          fmt::format("{}: another program holds the file ({}): this event is not saved, all earlier ones are. Close "
+                      "that program and try again",
+                      where, error.what()));
+    default:
+      throw storage_error(path, error);
   }
 }
 

@@ -39,6 +39,11 @@ void refuse_network_file_system(const std::filesystem::path& path);
 // What went wrong, where, and what to do, from SQLite's error.
 StorageError storage_error(const std::filesystem::path& path, const SQLite::Exception& error);
 
+// The same for events that could not be added: StorageTrouble where the same event may be added later.
+[[noreturn]] void throw_write_error(const std::filesystem::path& path, const SQLite::Exception& error);
+// SQLITE_IOERR and its kin.
+bool is_disk_error(const SQLite::Exception& error) noexcept;
+
 // Runs `action` and gives SQLite's errors as StorageError.
 template <typename Action>
 decltype(auto) with_storage_errors(const std::filesystem::path& path, Action&& action) {

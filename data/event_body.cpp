@@ -27,6 +27,11 @@ void add_trial(Json& body, const Trial& trial, int attempt) {
   if (trial.track > 0) body["track"] = trial.track;
 }
 
+// Written only where it is false: bodies of voids that count are those of earlier programs.
+void add_counts(Json& body, bool counts) {
+  if (!counts) body["counts"] = false;
+}
+
 }  // namespace
 
 Json to_body(const TrialRecord& record) {
@@ -102,19 +107,21 @@ Trial trial_from(const Json& body) {
   }
 }
 
-Json voided_body(const Trial& trial, int attempt, std::string_view reason) {
+Json voided_body(const Trial& trial, int attempt, std::string_view reason, bool counts) {
   Json body;
   add_trial(body, trial, attempt);
   body["reason"] = reason;
+  add_counts(body, counts);
   return body;
 }
 
-Json voided_body(const Protocol& protocol, const Trial& trial, int attempt, std::string_view reason) {
+Json voided_body(const Protocol& protocol, const Trial& trial, int attempt, std::string_view reason, bool counts) {
   Json body;
   add_trial(body, trial, attempt);
   body["series"] = protocol.series.at(static_cast<std::size_t>(trial.series)).name;
   body["condition"] = protocol.conditions.at(static_cast<std::size_t>(trial.condition)).name;
   body["reason"] = reason;
+  add_counts(body, counts);
   return body;
 }
 
@@ -166,6 +173,8 @@ std::string_view to_string(Question::Kind kind) noexcept {
       return "choice";
     case Question::Kind::text:
       return "text";
+    case Question::Kind::confirm:
+      return "confirm";
   }
   return "";
 }

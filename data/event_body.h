@@ -28,6 +28,29 @@ inline constexpr std::string_view kQuestionAnswered = "questionnaire.answered";
 inline constexpr std::string_view kBreakTaken = "break.taken";
 inline constexpr std::string_view kDeviceFault = "device.fault";         // before the trial.voided that it causes
 inline constexpr std::string_view kStopCleared = "device.stop_cleared";  // body: reason, as the operator gives it
+inline constexpr std::string_view kTrialBegan = "trial.began";  // a mark: index, attempt; a person feels it from now on
+inline constexpr std::string_view kBlockEnded =
+    "block.ended";  // by the operator: block, practice, reason, trials (indices left)
+inline constexpr std::string_view kPaused = "session.paused";        // cause ("key", "ctrl-c", "storage"), reason
+inline constexpr std::string_view kContinued = "session.continued";  // paused_s
+inline constexpr std::string_view kLeft = "session.left";            // ended for now, resumable: cause, reason
+inline constexpr std::string_view kNote = "note";  // text, by, after_trial; in a session or in the study's chain
+inline constexpr std::string_view kChecklist = "checklist.answered";   // question, text, answer
+inline constexpr std::string_view kInstructed = "instructions.shown";  // id, language
+inline constexpr std::string_view kConsent = "consent.given";          // language, text_sha256, by; or "refused": true
+inline constexpr std::string_view kReadiness =
+    "readiness.checked";  // items (what, verdict, found), blocked, overridden
+inline constexpr std::string_view kExploration =
+    "exploration.completed";  // index, block, condition, object, duration_s, ...
+inline constexpr std::string_view kExplorationBegan = "exploration.began";    // a mark, as trial.began
+inline constexpr std::string_view kExplorationVoided = "exploration.voided";  // index, attempt, reason
+// In the chain of the study itself.
+inline constexpr std::string_view kExcluded = "participant.excluded";  // participant, kind, reason, replace
+inline constexpr std::string_view kUnblinded = "unblinded";            // reason
+inline constexpr std::string_view kMerged = "study.merged";            // what came from where
+inline constexpr std::string_view kRecovered = "study.recovered";      // from which damaged file, what was lost
+inline constexpr std::string_view kReworded =
+    "protocol.same_meaning";                                   // other bytes, equal documents: sha256 of the file used
 inline constexpr std::string_view kRealtime = "rig.realtime";  // body: policy, items of what, ok, detail, why_not
 }  // namespace event_kind
 
@@ -37,9 +60,12 @@ Trial trial_from(const nlohmann::ordered_json& body);  // of a completed, voided
 // Of any finger in either interval, 0..1: what the analysis plan's saturation rule looks at.
 double largest_saturated_share(const TrialRecord& record) noexcept;
 // trial.voided: the trial with its attempt and the reason ("stale_pose", "no_answer", "saturated", ...).
-nlohmann::ordered_json voided_body(const Trial& trial, int attempt, std::string_view reason);
+// counts: whether it uses up one of the trial's attempts; interruptions, and blocks and practice that come again, do
+// not.
+nlohmann::ordered_json voided_body(const Trial& trial, int attempt, std::string_view reason, bool counts = true);
 // The same with the names of its condition and series, which the view `voided` shows.
-nlohmann::ordered_json voided_body(const Protocol& protocol, const Trial& trial, int attempt, std::string_view reason);
+nlohmann::ordered_json voided_body(const Protocol& protocol, const Trial& trial, int attempt, std::string_view reason,
+                                   bool counts = true);
 // device.fault: why the presentation of `interval` (0 or 1) stopped, who stopped it, and presentation.last_ticks.
 nlohmann::ordered_json device_fault_body(const Trial& trial, int attempt, int interval,
                                          const Presentation& presentation);
@@ -57,17 +83,34 @@ std::string_view to_string(Question::Kind kind) noexcept;
 // The text of a body as it is stored. Text that is not UTF-8 keeps its readable part (U+FFFD for the rest).
 std::string body_text(const nlohmann::ordered_json& body);
 
+// A stimulus that was presented to a person and has no answer.
+struct PendingTrial {
+  int index = 0;
+  int attempt = 1;
+};
+
 // What a log says has happened: where a session goes on.
 struct SessionState {
   bool opened = false;
   bool closed = false;
-  std::vector<TrialRecord> completed;  // in order
-  std::map<int, int> voided;           // trial index -> attempts voided
-  std::set<int> abandoned;             // trial indices whose attempts were used up
-  std::vector<int> void_order;         // trial indices in the order in which they were voided (last time each)
+  std::vector<TrialRecord> completed;  // in order; without those that were voided afterwards
+  std::map<int, int> attempts;         // trial index -> attempts made so far, whatever became of them
+  std::map<int, int> voided;           // trial index -> attempts used up: voided ones that count
+  std::set<int> abandoned;             // trial indices whose attempts were used up, or whose block was ended
+  std::vector<int>
+      void_order;  // trial indices in the order in which they were voided (last time each); not those that come anew
+  std::optional<PendingTrial> pending;  // began, with neither answer nor void
   bool practice_ended = false;
-  std::set<std::string> answered;  // question_key of each
-  std::set<int> breaks_after;      // main trials done when a break was taken
+  std::set<std::string> answered;    // question_key of each
+  std::set<std::string> checked;     // checklist items, by id
+  std::set<std::string> instructed;  // instructions, by id
+  bool consented = false;
+  std::set<int> breaks_after;          // main trials done when a break was taken
+  std::set<int> explored;              // ExplorationSlot::index of those completed
+  std::map<int, int> explored_voided;  // ExplorationSlot::index -> attempts voided
+  // How it was left.
+  bool left = false;    // ended by the operator; otherwise the program was killed, or the machine
+  std::string boot_id;  // of the machine's run in which the last part of the session ran; empty where unknown
   std::int64_t last_monotonic_ns = 0;
   std::int64_t last_utc_ns = 0;
 };

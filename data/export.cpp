@@ -1,17 +1,21 @@
 #include "data/export.h"
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include <fmt/format.h>
 
+#include "data/blinding.h"
 #include "data/device_places.h"
 #include "data/event_body.h"
 #include "data/export_folder.h"
+#include "data/export_log.h"
 #include "data/export_tables.h"
 #include "data/export_telemetry.h"
 #include "data/methods_text.h"
 #include "data/result_columns.h"
+#include "data/study_impl.h"
 #include "data/trial_rows.h"
 #include "data/utc_time.h"
 #include "protocols/sha256.h"
@@ -21,10 +25,13 @@ namespace jnd {
 namespace {
 
 // All that the events of one session give to an export.
+// not_counted: seq of the answers that were taken back.
 void read_session(const Study& study, const Protocol& protocol, const SessionInfo& session,
-                  std::vector<ExportTrial>& trials, std::vector<ExportAnswer>& answers) {
+                  const std::set<std::int64_t>& not_counted, std::vector<ExportTrial>& trials,
+                  std::vector<ExportAnswer>& answers) {
   for (const Event& event : study.events(session.id)) {
     if (event.kind != event_kind::kTrialCompleted && event.kind != event_kind::kQuestionAnswered) continue;
+    if (not_counted.contains(event.seq)) continue;
     try {
       const auto body = nlohmann::ordered_json::parse(event.body);
       if (event.kind == event_kind::kTrialCompleted) {
@@ -50,6 +57,17 @@ void read_session(const Study& study, const Protocol& protocol, const SessionInf
   }
 }
 
+// By session: seq of the answers that were taken back.
+std::map<std::string, std::set<std::int64_t>> taken_back_of(const Study& study) {
+  const Study::Impl& impl = study.impl();
+  const std::scoped_lock lock(impl.mutex);
+  return with_storage_errors(impl.path, [&] {
+    std::map<std::string, std::set<std::int64_t>> found;
+    for (const TakenBack& one : taken_back(impl.database())) found[one.session].insert(one.seq);
+    return found;
+  });
+}
+
 // Writes the ticks of every interval of one session that kept them.
 void write_telemetry(const Study& study, const SessionInfo& session, const std::string& sub,
                      const std::vector<CsvColumn<TelemetryRow>>& columns, std::set<std::string>& taken,
@@ -65,6 +83,7 @@ void write_telemetry(const Study& study, const SessionInfo& session, const std::
       throw StorageError(fmt::format("session {}, event {} ({}): has telemetry but no \"{}\"; run jnd verify",
                                      session.id, event.seq, event.kind, key));
     };
+    const char* what = event.kind.starts_with("exploration.") ? "exploration" : "trial";
     for (const TelemetryBlob& one : named) {
       const auto found = std::find_if(stored.begin(), stored.end(),
                                       [&](const TelemetryBlob& blob) { return blob.interval == one.interval; });
@@ -76,7 +95,7 @@ void write_telemetry(const Study& study, const SessionInfo& session, const std::
       std::string name;
       int again = 0;
       do {
-        name = sub + telemetry_file(at("index"), at("attempt"), one.interval, ++again);
+        name = sub + telemetry_file(what, at("index"), at("attempt"), one.interval, ++again);
       } while (!taken.insert(name).second);
       const Telemetry telemetry = decode_telemetry(found->bytes);
       files.write(name, csv_table(columns, telemetry_rows(telemetry)));
@@ -99,10 +118,15 @@ std::vector<std::string> export_csv(const Study& study, const Protocol& protocol
                                     const std::filesystem::path& folder, bool replace,
                                     const std::optional<TelemetryExport>& telemetry) {
   const StudyAnalysis& analysis = results.analysis;
+  // Trial by trial, pilot and simulated sessions would show the plans that people of a blinded study have too.
+  const bool sealed = plan_sealed(study, protocol);
   ExportFolder files(folder, replace);
-  std::vector<SessionInfo> sessions = study.sessions();
-  std::erase_if(sessions, [&](const SessionInfo& session) { return session.kind != analysis.kind; });
+  std::vector<SessionInfo> listed = study.sessions();  // with those of excluded participants
+  std::erase_if(listed, [&](const SessionInfo& session) { return session.kind != analysis.kind; });
+  const std::vector<SessionInfo> sessions = sessions_of(study, analysis.kind);
+  auto not_counted = taken_back_of(study);
 
+  const bool has_trials = !results.questionnaire, has_thresholds = has_trials && !results.adaptive;
   const auto trials_columns = trial_columns(protocol, device_places(study, protocol, sessions));
   const auto cells_columns = cell_columns(protocol);
   const auto reports_columns = report_columns(protocol);
@@ -115,18 +139,18 @@ std::vector<std::string> export_csv(const Study& study, const Protocol& protocol
     const std::string sub = "sub-" + participant + "/";
     std::vector<ExportTrial> trials;
     for (; session != sessions.end() && session->participant == participant; ++session) {
-      read_session(study, protocol, *session, trials, answers);
-      if (telemetry) write_telemetry(study, *session, sub, ticks_columns, tick_files, files);
+      read_session(study, protocol, *session, not_counted[session->id], trials, answers);
+      if (telemetry && !sealed) write_telemetry(study, *session, sub, ticks_columns, tick_files, files);
     }
-    files.write(sub + "trials.csv", csv_table(trials_columns, trials));
-    if (results.adaptive) continue;
+    if (has_trials && !sealed) files.write(sub + "trials.csv", csv_table(trials_columns, trials));
+    if (!has_thresholds) continue;
     files.write(sub + "cells.csv", csv_table(cells_columns, rows_of(analysis.cells, participant)));
     files.write(sub + "report.csv", csv_table(reports_columns, rows_of(analysis.thresholds, participant)));
   }
 
   std::vector<DictionaryRow> dictionary;
-  describe("sub-*/trials.csv", trials_columns, dictionary);
-  if (!results.adaptive) {
+  if (has_trials && !sealed) describe("sub-*/trials.csv", trials_columns, dictionary);
+  if (has_thresholds) {
     describe("sub-*/cells.csv", cells_columns, dictionary);
     describe("sub-*/report.csv", reports_columns, dictionary);
   }
@@ -135,7 +159,7 @@ std::vector<std::string> export_csv(const Study& study, const Protocol& protocol
     files.write(name, csv_table(columns, rows));
     describe(name, columns, dictionary);
   };
-  if (!results.adaptive) write("group.csv", group_columns(protocol, analysis.kind), analysis.group);
+  if (has_thresholds) write("group.csv", group_columns(protocol, analysis.kind), analysis.group);
   if (!analysis.contrasts.empty())
     write("contrasts.csv", contrast_columns(protocol, analysis.kind), analysis.contrasts);
   for (const ResultFile& file : result_files(results, protocol, nullptr)) {
@@ -143,7 +167,9 @@ std::vector<std::string> export_csv(const Study& study, const Protocol& protocol
     dictionary.insert(dictionary.end(), file.dictionary.begin(), file.dictionary.end());
   }
   if (!answers.empty()) write("answers.csv", answer_columns(), answers);
-  write("sessions.csv", session_columns(study.info(), protocol), sessions);
+  write("sessions.csv", session_columns(seed_text(study, protocol, ""), protocol), listed);
+  if (const std::vector<LogRow> rows = log_rows(study, analysis.kind, listed); !rows.empty())
+    write("log.csv", log_columns(), rows);
   describe("dictionary.csv", dictionary_columns(), dictionary);
   files.write("dictionary.csv", csv_table(dictionary_columns(), dictionary));
   files.write("methods.md", methods_text(study, protocol, results));

@@ -21,10 +21,11 @@ namespace {
 namespace fs = std::filesystem;
 
 // The only names that an export writes, and so the only ones that replacing one may remove.
-constexpr std::array<std::string_view, 15> kTopFiles = {
-    "group.csv",     "contrasts.csv", "answers.csv", "sessions.csv",   "dictionary.csv",
-    "methods.md",    "tracks.csv",    "tests.csv",   "pairs.csv",      "sensitivity.csv",
-    "behaviour.csv", "ratings.csv",   "models.csv",  "thresholds.csv", "cells.csv"};
+constexpr std::array<std::string_view, 21> kTopFiles = {
+    "group.csv",   "contrasts.csv",  "answers.csv", "sessions.csv",    "dictionary.csv", "methods.md",
+    "tracks.csv",  "tests.csv",      "pairs.csv",   "sensitivity.csv", "behaviour.csv",  "ratings.csv",
+    "models.csv",  "thresholds.csv", "cells.csv",   "monitoring.csv",  "coded.csv",      "items.csv",
+    "choices.csv", "exposure.csv",   "log.csv"};
 constexpr std::array<std::string_view, 3> kParticipantFiles = {"trials.csv", "cells.csv", "report.csv"};
 
 template <std::size_t N>

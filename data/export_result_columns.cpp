@@ -208,6 +208,8 @@ std::vector<CsvColumn<ExportAnswer>> answer_columns() {
   return {
       {"participant", "code of the participant", "", "", [](const R& r) { return csv_text(r.session.participant); }},
       {"session", "session of the answer", "", "", [](const R& r) { return csv_text(r.session.id); }},
+      {"session_number", "which of the participant's sessions, from 1", "", "",
+       [](const R& r) { return csv_number(r.session.number); }},
       {"kind", "kind of the session", "", kKinds, [](const R& r) { return std::string(to_string(r.session.kind)); }},
       {"utc", "when the answer was saved, ISO 8601", "", "", [](const R& r) { return r.utc; }},
       {"question", "identifier of the question", "", "", [](const R& r) { return csv_text(r.question); }},
@@ -223,13 +225,19 @@ std::vector<CsvColumn<ExportAnswer>> answer_columns() {
       {"text", "the question as asked", "", "", [](const R& r) { return csv_text(r.text); }}};
 }
 
-std::vector<CsvColumn<SessionInfo>> session_columns(const StudyInfo& study, const Protocol& protocol) {
+std::vector<CsvColumn<SessionInfo>> session_columns(const std::string& seed, const Protocol& protocol) {
   using R = SessionInfo;
   return {
       {"participant", "code of the participant", "", "", [](const R& r) { return csv_text(r.participant); }},
       {"participant_number", "number of the plan", "", "", [](const R& r) { return csv_number(r.participant_number); }},
       {"session", "identifier of the session", "", "", [](const R& r) { return csv_text(r.id); }},
+      {"session_number", "which of the participant's sessions, from 1", "", "",
+       [](const R& r) { return csv_number(r.number); }},
       {"kind", "kind of the session", "", kKinds, [](const R& r) { return std::string(to_string(r.kind)); }},
+      {"language", "language of the participant; empty where none was chosen", "", "",
+       [](const R& r) { return csv_text(r.language); }},
+      {"excluded", "whether the participant was excluded: nothing of theirs is in the other files", "", "0 1",
+       [](const R& r) { return csv_flag(r.excluded); }},
       {"state", "whether it is finished", "", "open closed", [](const R& r) { return r.state; }},
       {"responder", "who or what answered", "", "", [](const R& r) { return csv_text(r.responder); }},
       {"started", "when it was opened, ISO 8601", "", "", [](const R& r) { return r.started; }},
@@ -239,7 +247,7 @@ std::vector<CsvColumn<SessionInfo>> session_columns(const StudyInfo& study, cons
        [](const R& r) { return csv_number(r.trials_voided); }},
       {"trials_total", "main trials planned", "", "", [](const R& r) { return csv_number(r.trials_total); }},
       {"head", "hash of its last event: names everything before it", "", "", [](const R& r) { return r.head; }},
-      {"seed", "seed of the study", "", "", [s = std::to_string(study.seed)](const R&) { return s; }},
+      {"seed", "seed of the study; empty while it is sealed", "", "", [seed](const R&) { return seed; }},
       {"protocol", "name of the protocol", "", "", [n = protocol.name](const R&) { return csv_text(n); }},
       {"protocol_sha256", "SHA-256 of the protocol's bytes", "", "", [sha = protocol.sha256](const R&) { return sha; }},
       {"exported_by", "version of the program that wrote these files", "", "",

@@ -34,7 +34,8 @@ std::vector<CsvColumn<ThresholdResult>> report_columns(const Protocol& protocol)
 std::vector<CsvColumn<GroupResult>> group_columns(const Protocol& protocol, SessionKind kind);
 std::vector<CsvColumn<ContrastResult>> contrast_columns(const Protocol& protocol, SessionKind kind);
 std::vector<CsvColumn<ExportAnswer>> answer_columns();
-std::vector<CsvColumn<SessionInfo>> session_columns(const StudyInfo& study, const Protocol& protocol);
+// seed: empty where it is sealed.
+std::vector<CsvColumn<SessionInfo>> session_columns(const std::string& seed, const Protocol& protocol);
 std::vector<CsvColumn<DictionaryRow>> dictionary_columns();
 
 }  // namespace jnd

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "data/csv_writer.h"
@@ -22,8 +23,9 @@ std::vector<CsvColumn<TelemetryRow>> telemetry_columns(const Protocol& protocol,
 // The rows in the order in which they were recorded. `telemetry` must outlive them.
 std::vector<TelemetryRow> telemetry_rows(const Telemetry& telemetry);
 
-// "telemetry/trial-007-attempt-1-interval-1.csv"; again: 2 and up where that name is taken.
-std::string telemetry_file(int trial, int attempt, int interval, int again = 1);
+// "telemetry/trial-007-attempt-1-interval-1.csv"; again: 2 and up where that name is taken. what: "trial", or
+// "exploration" of free interaction.
+std::string telemetry_file(std::string_view what, int index, int attempt, int interval, int again = 1);
 // Whether a file's name, without its folder, is such a name.
 bool is_telemetry_file(const std::string& name);
 

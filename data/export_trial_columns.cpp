@@ -146,6 +146,8 @@ std::vector<Column> trial_columns(const Protocol& protocol, const std::vector<De
   std::vector<Column> columns = {
       {"participant", "code of the participant", "", "", [](const R& r) { return csv_text(r.session.participant); }},
       {"session", "session of the trial", "", "", [](const R& r) { return csv_text(r.session.id); }},
+      {"session_number", "which of the participant's sessions, from 1", "", "",
+       [](const R& r) { return csv_number(r.session.number); }},
       {"kind", "kind of the session", "", "real pilot simulated",
        [](const R& r) { return std::string(to_string(r.session.kind)); }},
       {"protocol_sha256", "SHA-256 of the protocol's bytes", "", "", [sha = protocol.sha256](const R&) { return sha; }},

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "data/blinding.h"
+#include "data/questionnaire_methods.h"
 #include "protocols/version.h"
 
 namespace jnd {
@@ -211,7 +213,8 @@ std::string reproduction(const Study& study, const Protocol& protocol, const Stu
       "\n## To do it again\n\n"
       "- Program: jnd {}\n- Protocol: {}, SHA-256 `{}`\n- Seed of the study: {}\n- Sessions: {}, heads of their "
       "chains:\n",
-      kVersion, protocol.name, protocol.sha256, study.info().seed, results.analysis.heads.size());
+      kVersion, protocol.name, protocol.sha256, seed_text(study, protocol, "sealed while the study is blinded"),
+      results.analysis.heads.size());
   for (const SessionHead& head : results.analysis.heads)
     text += fmt::format("  - {} `{}`{}\n", head.participant, head.hash, head.closed ? "" : " (not finished)");
   return text;
@@ -243,6 +246,12 @@ std::string methods_text(const Study& study, const Protocol& protocol, const Stu
   if (!protocol.source.citation.empty())
     text += fmt::format("After: {}{}\n\n", protocol.source.citation,
                         protocol.source.doi.empty() ? "" : " https://doi.org/" + protocol.source.doi);
+  if (results.questionnaire) {
+    text += "## Design\n\n" + exploration_design(protocol, results);
+    text += "\n## Tests\n\n" + questionnaire_tests(results);
+    add_list(text, "Deviations from the registered plan", results.deviations, "None.");
+    return text + reproduction(study, protocol, results) + questionnaire_references();
+  }
   text += "## Design\n\n" + design_paragraph(protocol, results);
   text += "\n## Estimates\n\n" + estimate_paragraph(protocol, results) + "\n" + exclusion_paragraph(protocol, results);
   text += "\n## Tests\n\n" + test_paragraph(protocol, results.comparisons.front());

@@ -1,6 +1,7 @@
 #include "data/rating_answers.h"
 
 #include <charconv>
+#include <cmath>
 #include <limits>
 #include <string>
 #include <unordered_map>
@@ -69,6 +70,30 @@ std::vector<RatedQuestion> read_ratings(const Study& study, const Protocol& prot
   for (std::size_t i = 0; i < questions.size(); ++i)
     for (const Tally& tally : tallies[i])
       questions[i].ratings.push_back(tally.n > 0 ? tally.sum / tally.n : std::numeric_limits<double>::quiet_NaN());
+  return questions;
+}
+
+std::vector<RatedQuestion> read_pooled_ratings(const Study& study, const Protocol& protocol,
+                                               const std::vector<SessionInfo>& sessions) {
+  std::vector<RatedQuestion> questions = read_ratings(study, protocol, sessions);
+  for (RatedQuestion& question : questions) {
+    const std::size_t columns = question.paired ? protocol.conditions.size() : 1;
+    std::vector<Tally> tallies;
+    for (std::size_t session = 0; session < sessions.size(); ++session) {
+      if (session == 0 || sessions[session].participant != sessions[session - 1].participant)
+        tallies.resize(tallies.size() + columns);
+      for (std::size_t column = 0; column < columns; ++column) {
+        const double rating = question.ratings[session * columns + column];
+        if (std::isnan(rating)) continue;
+        Tally& tally = tallies[tallies.size() - columns + column];
+        tally.sum += rating;
+        ++tally.n;
+      }
+    }
+    question.ratings.clear();
+    for (const Tally& tally : tallies)
+      question.ratings.push_back(tally.n > 0 ? tally.sum / tally.n : std::numeric_limits<double>::quiet_NaN());
+  }
   return questions;
 }
 

@@ -20,5 +20,8 @@ struct RatedQuestion {
 // Every question of kind rating, in the protocol's order.
 std::vector<RatedQuestion> read_ratings(const Study& study, const Protocol& protocol,
                                         const std::vector<SessionInfo>& sessions);
+// The same with a row for each participant, in the order of participants_of: the mean over the participant's sessions.
+std::vector<RatedQuestion> read_pooled_ratings(const Study& study, const Protocol& protocol,
+                                               const std::vector<SessionInfo>& sessions);
 
 }  // namespace jnd

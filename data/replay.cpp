@@ -10,31 +10,114 @@ namespace jnd {
 
 namespace {
 
-void apply(const Event& event, const nlohmann::ordered_json& body, SessionState& state) {
-  if (event.kind == event_kind::kSessionOpened) {
-    state.opened = true;
-  } else if (event.kind == event_kind::kSessionClosed) {
-    state.closed = true;
-  } else if (event.kind == event_kind::kTrialCompleted) {
-    state.completed.push_back(trial_record_from(body));
-  } else if (event.kind == event_kind::kTrialVoided) {
-    const int index = trial_from(body).index;
-    ++state.voided[index];
-    std::erase(state.void_order, index);
-    state.void_order.push_back(index);
-  } else if (event.kind == event_kind::kTrialsShort) {
+using Json = nlohmann::ordered_json;
+
+// Empty where there is none, or null.
+std::string text_at(const Json& body, const char* key) {
+  const auto found = body.find(key);
+  return found != body.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+// The trial is done with, whatever became of it.
+void settle(SessionState& state, int index) {
+  if (state.pending && state.pending->index == index) state.pending.reset();
+}
+
+void attempted(SessionState& state, int index, int attempt) {
+  int& highest = state.attempts[index];
+  highest = std::max(highest, attempt);
+}
+
+void complete(SessionState& state, const Json& body) {
+  state.completed.push_back(trial_record_from(body));
+  const TrialRecord& record = state.completed.back();
+  attempted(state, record.trial.index, record.attempt);
+  settle(state, record.trial.index);
+}
+
+// Also of a trial that was answered: the answer is taken back.
+void take_void(SessionState& state, const Json& body) {
+  const int index = trial_from(body).index;
+  const int attempt = body.at("attempt").get<int>();
+  attempted(state, index, attempt);
+  if (body.value("counts", true)) ++state.voided[index];
+  std::erase(state.void_order, index);
+  if (!body.value("anew", false)) state.void_order.push_back(index);  // anew: in its planned place, as if never tried
+  std::erase_if(state.completed,
+                [&](const TrialRecord& record) { return record.trial.index == index && record.attempt == attempt; });
+  settle(state, index);
+}
+
+void end_block(SessionState& state, const Json& body) {
+  for (const Json& index : body.at("trials")) {
+    state.abandoned.insert(index.get<int>());
+    settle(state, index.get<int>());
+  }
+  if (body.value("practice", false)) state.practice_ended = true;
+}
+
+void resume(SessionState& state, const Json& body) {
+  state.boot_id = text_at(body, "boot_id");
+  if (body.value("practice_again", false)) state.practice_ended = false;
+}
+
+bool apply_to_trials(std::string_view kind, const Json& body, SessionState& state) {
+  if (kind == event_kind::kTrialBegan) {
+    state.pending = PendingTrial{body.at("index").get<int>(), body.at("attempt").get<int>()};
+    attempted(state, state.pending->index, state.pending->attempt);
+  } else if (kind == event_kind::kTrialCompleted) {
+    complete(state, body);
+  } else if (kind == event_kind::kTrialVoided) {
+    take_void(state, body);
+  } else if (kind == event_kind::kTrialsShort) {
     state.abandoned.insert(trial_from(body).index);
-  } else if (event.kind == event_kind::kPracticeEnded) {
+    settle(state, trial_from(body).index);
+  } else if (kind == event_kind::kBlockEnded) {
+    end_block(state, body);
+  } else if (kind == event_kind::kPracticeEnded) {
     state.practice_ended = true;
-  } else if (event.kind == event_kind::kQuestionAnswered) {
-    const auto& condition = body.at("condition");
+  } else if (kind == event_kind::kExploration) {
+    state.explored.insert(body.at("index").get<int>());
+  } else if (kind == event_kind::kExplorationVoided) {
+    state.explored.erase(body.at("index").get<int>());
+    ++state.explored_voided[body.at("index").get<int>()];
+  } else {
+    return false;
+  }
+  return true;
+}
+
+// Other kinds (notes, pauses, faults) change nothing about what is still to do.
+void apply_to_session(std::string_view kind, const Json& body, SessionState& state) {
+  if (kind == event_kind::kSessionOpened) {
+    state.opened = true;
+    state.boot_id = text_at(body, "boot_id");
+  } else if (kind == event_kind::kSessionResumed) {
+    resume(state, body);
+  } else if (kind == event_kind::kSessionClosed) {
+    state.closed = true;
+  } else if (kind == event_kind::kQuestionAnswered) {
+    const Json& condition = body.at("condition");
     state.answered.insert(question_key(body.at("question").get<std::string>(),
                                        condition.is_null() ? "" : condition.get<std::string>(),
                                        body.at("after_trial").get<int>()));
-  } else if (event.kind == event_kind::kBreakTaken) {
+  } else if (kind == event_kind::kBreakTaken) {
     state.breaks_after.insert(body.at("after_trial").get<int>());
+  } else if (kind == event_kind::kChecklist) {
+    state.checked.insert(body.at("question").get<std::string>());
+  } else if (kind == event_kind::kInstructed) {
+    state.instructed.insert(body.at("id").get<std::string>());
+  } else if (kind == event_kind::kConsent) {
+    state.consented = !body.value("refused", false);
   }
-  // Other kinds (session.resumed, notes) change nothing about what is still to do.
+}
+
+void apply(const Event& event, SessionState& state) {
+  const Json body = Json::parse(event.body);
+  if (!apply_to_trials(event.kind, body, state)) apply_to_session(event.kind, body, state);
+  state.left = event.kind == event_kind::kLeft;
+  state.last_monotonic_ns = event.stamp.monotonic_ns;
+  state.last_utc_ns = event.stamp.utc_ns;
 }
 
 }  // namespace
@@ -43,7 +126,7 @@ SessionState replay(const std::vector<Event>& events) {
   SessionState state;
   for (const Event& event : events) {
     try {
-      apply(event, nlohmann::ordered_json::parse(event.body), state);
+      apply(event, state);
     } catch (const StorageError& error) {
       throw StorageError(fmt::format("session {}, event {} ({}): {}; run jnd verify", event.session, event.seq,
                                      event.kind, error.what()));
@@ -51,8 +134,6 @@ SessionState replay(const std::vector<Event>& events) {
       throw StorageError(fmt::format("session {}, event {} ({}): the body cannot be read: {}; run jnd verify",
                                      event.session, event.seq, event.kind, error.what()));
     }
-    state.last_monotonic_ns = event.stamp.monotonic_ns;
-    state.last_utc_ns = event.stamp.utc_ns;
   }
   return state;
 }

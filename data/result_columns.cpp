@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "data/export_tables.h"
+#include "data/questionnaire_columns.h"
 
 namespace jnd {
 
@@ -309,6 +310,8 @@ std::vector<ResultFile> result_files(const StudyResults& results, const Protocol
   add_file(files, "behaviour.csv", behaviour_columns(protocol), behaviour);
   add_file(files, "ratings.csv", rating_columns(protocol), ratings);
   if (models != nullptr) add_file(files, "models.csv", model_columns(protocol), models->thresholds);
+  if (results.questionnaire)
+    for (ResultFile& file : questionnaire_files(*results.questionnaire, protocol)) files.push_back(std::move(file));
   return files;
 }
 

@@ -19,8 +19,8 @@ struct ResultFile {
   std::vector<DictionaryRow> dictionary;
 };
 
-// tests.csv, pairs.csv, sensitivity.csv, behaviour.csv, ratings.csv, and models.csv where models are given. Files
-// without rows are left out.
+// tests.csv, pairs.csv, sensitivity.csv, behaviour.csv, ratings.csv, and models.csv where models are given; of free
+// interaction items.csv, choices.csv and exposure.csv. Files without rows are left out.
 std::vector<ResultFile> result_files(const StudyResults& results, const Protocol& protocol, const StudyModels* models);
 
 // Those files, with group.csv, contrasts.csv, thresholds.csv (every participant) and cells.csv beside them, and

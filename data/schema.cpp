@@ -5,6 +5,8 @@
 
 #include <SQLiteCpp/SQLiteCpp.h>
 
+#include "data/schema_version_3.h"
+
 namespace jnd {
 
 namespace {
@@ -189,7 +191,7 @@ void to_version_2(SQLite::Database& database) {
 }
 
 // Step i makes a file of version i one of version i + 1. A step that has been released is never edited.
-constexpr std::array<void (*)(SQLite::Database&), kSchemaVersion> kSteps = {to_version_1, to_version_2};
+constexpr std::array<void (*)(SQLite::Database&), kSchemaVersion> kSteps = {to_version_1, to_version_2, to_version_3};
 
 }  // namespace
 

@@ -10,4 +10,11 @@ class StorageError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// The disk is full or failed just now: nothing was written, everything before is kept, and the same event may be tried
+// again.
+class StorageTrouble : public StorageError {
+ public:
+  using StorageError::StorageError;
+};
+
 }  // namespace jnd

@@ -11,6 +11,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "data/session_log.h"
@@ -30,6 +31,7 @@ struct SessionInfo {
   std::string id;
   std::string participant;     // code: "P01"
   int participant_number = 0;  // of the plan
+  int number = 1;              // which of the participant's sessions
   SessionKind kind = SessionKind::simulated;
   std::string state;      // "open" or "closed"
   std::string responder;  // "keyboard" or "profile NAME"
@@ -38,12 +40,19 @@ struct SessionInfo {
   int trials_total = 0;        // main trials planned
   std::string started, ended;  // ISO 8601 UTC; ended empty while open
   std::string head;            // hash of its last event
+  std::string rig_sha256;      // of the rig's description; empty where it has none
+  std::string language;        // of the participant; empty where none was chosen
+  bool excluded = false;       // the participant: never analysed
+  bool replaced = false;       // excluded, and the number is free again
 };
 
 struct NewSession {
   std::string id;
   std::string participant;
   int participant_number = 0;
+  int number = 1;        // which of the participant's sessions
+  std::string language;  // of the participant; empty: the protocol's own
+  std::string boot_id;   // of the machine's run: tells later whether the monotonic clock went on
   SessionKind kind = SessionKind::simulated;
   std::string responder;
   std::string profile_sha256;  // empty for people
@@ -68,12 +77,17 @@ class Study {
   std::vector<SessionInfo> sessions() const;  // by kind, then participant number
 
   // Both logs must not outlive the study. Real sessions are refused on network file systems.
-  // A new session, its session.opened event committed. Simulated and pilot sessions have numbers of their own.
+  // A new session, its session.opened event committed. Simulated and pilot sessions have numbers of their own; a
+  // participant may have several sessions, each with its `number`. Refused for who was excluded.
   std::unique_ptr<SessionLog> open_session(const NewSession& session);
   // The log of a session that exists, to go on with it.
   std::unique_ptr<SessionLog> resume_session(const std::string& id);
   // Ends a session: session.closed in its chain, and its head hash into the study's chain.
   void close_session(const std::string& id, Stamp stamp);
+
+  // Into the chain of the study itself, on the disk when this returns. data/study_care.h has the usual ones.
+  void add_study_event(std::string_view kind, const nlohmann::ordered_json& body, Stamp stamp);
+  std::vector<Event> study_events() const;
 
   std::vector<Event> events(const std::string& session) const;
   // What was stored with one event, by interval; empty where there is none.

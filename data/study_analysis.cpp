@@ -199,8 +199,21 @@ StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind 
 
 std::vector<SessionInfo> sessions_of(const Study& study, SessionKind kind) {
   std::vector<SessionInfo> sessions = study.sessions();  // by participant number
-  std::erase_if(sessions, [&](const SessionInfo& session) { return session.kind != kind; });
+  std::erase_if(sessions, [&](const SessionInfo& session) { return session.kind != kind || session.excluded; });
   return sessions;
+}
+
+std::vector<std::string> participants_of(const std::vector<SessionInfo>& sessions) {
+  std::vector<std::string> participants;
+  for (const SessionInfo& session : sessions)
+    if (participants.empty() || participants.back() != session.participant) participants.push_back(session.participant);
+  return participants;
+}
+
+std::vector<ExcludedParticipant> excluded_of(const Study& study, SessionKind kind) {
+  std::vector<ExcludedParticipant> excluded = excluded_from(study);
+  std::erase_if(excluded, [&](const ExcludedParticipant& one) { return one.kind != kind; });
+  return excluded;
 }
 
 StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by) {
@@ -213,6 +226,7 @@ StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind 
   StudyAnalysis analysis;
   analysis.kind = kind;
   analysis.by = by;
+  analysis.excluded = excluded_of(study, kind);
   std::vector<ParticipantData> participants;
   std::vector<std::size_t> participant_of;  // session -> place in participants
   for (const SessionInfo& session : sessions) {
@@ -242,8 +256,8 @@ StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind 
   }
   for (ParticipantData& data : participants)
     for (ParticipantData::Cell& cell : data.cells)
-      cell.missing =
-          std::max(0, protocol.design.trials_per_cell - cell.counts.n_diff - cell.counts.n_same - cell.excluded);
+      cell.missing = std::max(0, protocol.design.sessions * protocol.design.trials_per_cell - cell.counts.n_diff -
+                                     cell.counts.n_same - cell.excluded);
   estimate(analysis, std::move(participants), protocol, study.info().seed);
   return analysis;
 }
@@ -251,7 +265,7 @@ StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind 
 std::vector<SessionKind> kinds_in(const Study& study) {
   std::vector<SessionKind> kinds;
   for (const SessionInfo& session : study.sessions())
-    if (kinds.empty() || kinds.back() != session.kind) kinds.push_back(session.kind);
+    if (!session.excluded && (kinds.empty() || kinds.back() != session.kind)) kinds.push_back(session.kind);
   return kinds;
 }
 

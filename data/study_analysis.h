@@ -15,6 +15,7 @@
 #include "analysis/jnd.h"
 #include "analysis/yes_no.h"
 #include "data/study.h"
+#include "data/study_care.h"
 #include "data/threshold_method.h"
 #include "data/trial_rows.h"
 #include "protocols/protocol.h"
@@ -99,8 +100,9 @@ struct StudyAnalysis {
   std::vector<ThresholdResult> thresholds;  // by participant, condition
   std::vector<GroupResult> group;           // by condition
   std::vector<ContrastResult> contrasts;
-  std::vector<SessionHead> heads;         // by participant
-  std::map<std::string, int> exclusions;  // reason -> trials
+  std::vector<SessionHead> heads;             // by participant
+  std::map<std::string, int> exclusions;      // reason -> trials
+  std::vector<ExcludedParticipant> excluded;  // nothing of theirs is in here
 };
 
 // Sessions of one kind only: the three kinds are never pooled. by: nominal or delivered; without it, the registered
@@ -110,9 +112,13 @@ StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind 
 // The same of trials that were read before, for callers who want them for more than this.
 StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by,
                       const std::vector<SessionInfo>& sessions, const std::vector<CountedTrial>& trials);
-// By participant number.
+// What counts: without the sessions of excluded participants. By participant number, then the participant's session.
 std::vector<SessionInfo> sessions_of(const Study& study, SessionKind kind);
-// The kinds that the study holds, real first.
+// Each once, in the order of the sessions.
+std::vector<std::string> participants_of(const std::vector<SessionInfo>& sessions);
+// Those of one kind, in the order in which they were excluded.
+std::vector<ExcludedParticipant> excluded_of(const Study& study, SessionKind kind);
+// The kinds of which something counts, real first.
 std::vector<SessionKind> kinds_in(const Study& study);
 
 // The same from counts alone (no study), over nominal differences: counts do not say what was delivered. Cells of one

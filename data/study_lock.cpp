@@ -1,8 +1,10 @@
 #include "data/study_lock.h"
 
 #include <array>
+#include <cctype>
 #include <cerrno>
 #include <cstring>
+#include <fstream>
 #include <string>
 
 #include <fcntl.h>
@@ -21,7 +23,11 @@ std::string holder(int descriptor) {
   std::array<char, 32> text{};
   const ssize_t length = ::pread(descriptor, text.data(), text.size() - 1, 0);
   const std::string pid(text.data(), length > 0 ? static_cast<std::size_t>(length) : 0);
-  return pid.empty() ? "another process" : fmt::format("process {}", pid);
+  if (pid.empty()) return "another process";
+  std::string name;
+  if (std::ifstream file("/proc/" + pid + "/comm"); file) std::getline(file, name);
+  std::erase_if(name, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-' && c != '_'; });
+  return name.empty() ? fmt::format("process {}", pid) : fmt::format("process {} ({})", pid, name);
 }
 
 // False where another process removed the file between our open and our lock: the lock then guards nothing.
@@ -45,11 +51,14 @@ StudyLock::StudyLock(const std::filesystem::path& study) : path_(study.string() 
       const std::string who = holder(descriptor_);
       ::close(descriptor_);
       if (error == EWOULDBLOCK)
-        throw StorageError(fmt::format("{}: {} is writing to this study; wait until it ends, or end it, and try again",
-                                       study.string(), who));
+        throw StorageError(fmt::format(
+            "{}: {} is writing to this study; wait until it ends, or end it, and try again. Reading (status, "
+            "verify, backup, analyze) works meanwhile",
+            study.string(), who));
       throw StorageError(fmt::format("{}: cannot be locked: {}; a study must be on a local disk that supports locks",
                                      study.string(), std::strerror(error)));
     }
+    ::fchmod(descriptor_, 0600);  // whatever the umask took away; the lock holds without it
     if (still_there(descriptor_, path_)) break;
     ::close(descriptor_);
   }

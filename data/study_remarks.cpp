@@ -129,6 +129,12 @@ std::vector<std::string> deviations_of(const StudyAnalysis& analysis, const std:
       (rules.response_time_below_s || rules.response_time_above_s || rules.saturated_share_above))
     out.emplace_back(
         "The registered exclusions are not applied: an excluded answer has moved the levels all the same.");
+  if (!analysis.excluded.empty()) {
+    std::string who;
+    for (const ExcludedParticipant& one : analysis.excluded)
+      who += fmt::format("{}{} ({})", who.empty() ? "" : ", ", one.participant, one.reason);
+    out.push_back(fmt::format("Participants excluded: {}.", who));
+  }
   int open = 0;
   for (const SessionHead& head : analysis.heads) open += head.closed ? 0 : 1;
   if (open > 0)

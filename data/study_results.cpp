@@ -10,18 +10,17 @@ namespace {
 
 void add_ratings(StudyResults& results, const Study& study, const Protocol& protocol,
                  const std::vector<SessionInfo>& sessions) {
-  std::vector<std::string> participants;
-  for (const SessionInfo& session : sessions) participants.push_back(session.participant);
+  const std::vector<std::string> participants = participants_of(sessions);
   std::vector<PairedItem> paired;
   std::vector<ComparativeItem> once;
-  for (RatedQuestion& rated : read_ratings(study, protocol, sessions)) {
+  for (RatedQuestion& rated : read_pooled_ratings(study, protocol, sessions)) {
     const std::string& id = protocol.questions[static_cast<std::size_t>(rated.question)].id;
     if (!rated.paired) {
       once.push_back({id, std::move(rated.ratings)});
       continue;
     }
     results.comparisons.push_back(compare_ratings(rated, participants, protocol));
-    paired.push_back({id, {sessions.size(), protocol.conditions.size(), std::move(rated.ratings)}});
+    paired.push_back({id, {participants.size(), protocol.conditions.size(), std::move(rated.ratings)}});
   }
   results.ratings = paired_questionnaire(paired);
   results.comparative = comparative_questionnaire(once);
@@ -49,7 +48,8 @@ StudyResults adaptive_results_of(const Study& study, const Protocol& protocol, S
   results.analysis.kind = kind;
   for (const SessionInfo& session : sessions)
     results.analysis.heads.push_back({session.participant, session.id, session.head, kind, session.state == "closed"});
-  results.analysis.participants = static_cast<int>(sessions.size());
+  results.analysis.participants = static_cast<int>(participants_of(sessions).size());
+  results.analysis.excluded = excluded_of(study, kind);
   results.adaptive = adaptive_results(study, protocol, kind);
   results.by_series.refused = "the answers set the levels: there are no series";
   results.comparisons.push_back(compare_adaptive(results.adaptive->rows, protocol));
@@ -59,9 +59,32 @@ StudyResults adaptive_results_of(const Study& study, const Protocol& protocol, S
   return results;
 }
 
+// Of the paradigm explore: questionnaires alone.
+StudyResults explore_results_of(const Study& study, const Protocol& protocol, SessionKind kind) {
+  StudyResults results;
+  const std::vector<SessionInfo> sessions = sessions_of(study, kind);
+  results.analysis.kind = kind;
+  results.analysis.excluded = excluded_of(study, kind);
+  for (const SessionInfo& session : sessions)
+    results.analysis.heads.push_back({session.participant, session.id, session.head, kind, session.state == "closed"});
+  results.questionnaire = questionnaire_results(study, protocol, sessions);
+  results.analysis.participants = results.questionnaire->participants;
+  results.by_series.refused = "there are no trials";
+  results.ratings = results.questionnaire->tests;
+  for (const QuestionnaireItem& item : results.questionnaire->items)
+    if (!item.paired)
+      results.comparative.push_back(
+          {protocol.questions[static_cast<std::size_t>(item.question)].id, item.scores.front().median});
+  add_remarks(results, protocol);
+  for (const std::string& one : exposure_deviations(*results.questionnaire, protocol))
+    results.deviations.push_back(one);
+  return results;
+}
+
 }  // namespace
 
 StudyResults results_of(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by) {
+  if (protocol.paradigm == Paradigm::explore) return explore_results_of(study, protocol, kind);
   if (protocol.design.procedure) return adaptive_results_of(study, protocol, kind);
   StudyResults results;
   const std::vector<SessionInfo> sessions = sessions_of(study, kind);

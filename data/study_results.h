@@ -8,6 +8,7 @@
 
 #include "analysis/questionnaire.h"
 #include "data/adaptive_results.h"
+#include "data/questionnaire_results.h"
 #include "data/study_analysis.h"
 #include "data/study_behaviour.h"
 #include "data/study_comparisons.h"
@@ -22,6 +23,8 @@ struct StudyResults {
   // Where the answers set the levels, thresholds are the procedure's: cells, thresholds, group and what rests on them
   // are then empty, and the registered tests are on these.
   std::optional<AdaptiveResults> adaptive;
+  // Of the paradigm explore, which has no trials: then this, ratings, comparative and the remarks are all there is.
+  std::optional<QuestionnaireResults> questionnaire;
   std::vector<OutcomeComparison> comparisons;      // the registered one first, then times, then ratings
   SeriesComparison by_series;                      // condition x series
   bool detailed = true;                            // what follows was computed; not above kMostInDetail participants

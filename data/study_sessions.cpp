@@ -1,7 +1,6 @@
-// Sessions of a study: opening, appending to their chains, closing, listing.
+// Sessions of a study: opening, appending to their chains, closing. And the study's own chain.
 #include <algorithm>
 #include <string_view>
-#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -17,10 +16,6 @@ namespace jnd {
 
 namespace {
 
-// Checkpoints cost two flushes each; without people waiting they may come every 32 MB instead of every 4.
-constexpr int kCheckpointPagesSimulated = 8000;
-constexpr int kCheckpointPages = 1000;
-
 class StudyLog final : public SessionLog {
  public:
   StudyLog(Study::Impl& study, std::string session) : study_(study), session_(std::move(session)) {}
@@ -34,11 +29,15 @@ class StudyLog final : public SessionLog {
     require_named(body, telemetry);
     const std::string text = body_text(body);  // outside the mutex: other sessions go on meanwhile
     const std::scoped_lock lock(study_.mutex);
-    study_.require_writable();
-    if (study_.ends.at(session_).closed)
-      throw StorageError(
-          fmt::format("{}: session {} is closed; nothing can be added to it", study_.path.string(), session_));
-    with_storage_errors(study_.path, [&] { study_.append(session_, kind, text, stamp, telemetry); });
+    require_open();
+    study_.write([&] { study_.append(session_, kind, text, stamp, telemetry); });
+  }
+
+  void mark(std::string_view kind, const nlohmann::ordered_json& body, Stamp stamp) override {
+    const std::string text = body_text(body);
+    const std::scoped_lock lock(study_.mutex);
+    require_open();
+    study_.write([&] { study_.append_mark(session_, kind, text, stamp); });
   }
 
   std::vector<Event> events() const override {
@@ -47,56 +46,94 @@ class StudyLog final : public SessionLog {
   }
 
  private:
+  void require_open() const {
+    study_.require_writable();
+    if (study_.ends.at(session_).closed)
+      throw StorageError(
+          fmt::format("{}: session {} is closed; nothing can be added to it", study_.path.string(), session_));
+  }
+
   Study::Impl& study_;
   std::string session_;
 };
 
-// Names become folders and cells of tables: letters, digits, '-', '_' and '.', not first a dot.
+bool letter_or_digit(char c) noexcept {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+}
+
+// Names become folders and cells of tables.
+bool plain_code(std::string_view code) {
+  return !code.empty() && code.size() <= 32 && std::all_of(code.begin(), code.end(), letter_or_digit);
+}
+
 bool plain_name(std::string_view name) {
   return !name.empty() && name.size() <= 64 && name.front() != '.' && std::all_of(name.begin(), name.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_' ||
-           c == '.';
+    return letter_or_digit(c) || c == '-' || c == '_' || c == '.';
+  });
+}
+
+// Earlier programs allowed more in a code; who took part then may come again.
+bool known_participant(const NewSession& session, const Study::Impl& study) {
+  return std::any_of(study.ends.begin(), study.ends.end(), [&](const auto& one) {
+    return one.first != kStudyChain && one.second.participant == session.participant;
   });
 }
 
 void refuse_names(const NewSession& session, const Study::Impl& study) {
-  for (const auto& [what, name] :
-       {std::pair<std::string_view, std::string_view>{"participant", session.participant}, {"session", session.id}})
-    if (!plain_name(name))
-      throw StorageError(fmt::format(
-          "the {} name \"{}\" cannot be used: take letters, digits, '-', '_' and '.', at most 64, such as P01", what,
-          name));
+  if (!plain_code(session.participant) && !(plain_name(session.participant) && known_participant(session, study)))
+    throw StorageError(
+        fmt::format("the participant code \"{}\" cannot be used: take letters and digits, at most 32, such as P01",
+                    session.participant));
+  if (!plain_name(session.id))
+    throw StorageError(fmt::format(
+        "the session name \"{}\" cannot be used: take letters, digits, '-', '_' and '.', at most 64", session.id));
   if (study.ends.contains(session.id))
     throw StorageError(fmt::format("{}: session {} exists already", study.path.string(), session.id));
+}
+
+// A participant has one number, and a number is of one participant; of an excluded one it may be free again.
+void refuse_numbers(const NewSession& session, const Study::Impl& study) {
+  const std::string where = study.path.string();
+  if (session.number < 1)
+    throw StorageError(fmt::format("{}: sessions of a participant are numbered from 1, not {}", where, session.number));
+  if (study.excluded.contains({session.kind, session.participant}))
+    throw StorageError(fmt::format("{}: participant {} was excluded from this study ({} sessions); take another code",
+                                   where, session.participant, to_string(session.kind)));
   for (const auto& [id, end] : study.ends) {
     if (id == kStudyChain || end.kind != session.kind) continue;
-    if ((end.participant == session.participant) != (end.participant_number == session.participant_number))
-      throw StorageError(fmt::format("{}: participant {} has number {} in session {}, so that {} cannot be number {}",
-                                     study.path.string(), end.participant, end.participant_number, id,
-                                     session.participant, session.participant_number));
+    const bool same_code = end.participant == session.participant;
+    if (same_code && end.participant_number == session.participant_number && end.number == session.number)
+      throw StorageError(fmt::format("{}: session {} of participant {} exists already ({}); jnd status lists them",
+                                     where, session.number, session.participant, id));
+    if (same_code == (end.participant_number == session.participant_number)) continue;
+    const auto excluded = study.excluded.find({end.kind, end.participant});
+    if (!same_code && excluded != study.excluded.end() && excluded->second) continue;
+    throw StorageError(fmt::format("{}: participant {} has number {} in session {}, so that {} cannot be number {}",
+                                   where, end.participant, end.participant_number, id, session.participant,
+                                   session.participant_number));
   }
 }
 
 nlohmann::ordered_json opened_body(const NewSession& session, const StudyInfo& study) {
-  return {{"participant", session.participant},
-          {"participant_number", session.participant_number},
-          {"kind", to_string(session.kind)},
-          {"responder", session.responder},
-          {"profile_sha256", session.profile_sha256.empty() ? nlohmann::ordered_json(nullptr)
-                                                            : nlohmann::ordered_json(session.profile_sha256)},
-          {"rig", session.rig},
-          {"rig_mode", session.rig_mode},
-          {"rig_sha256",
-           session.rig_sha256.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(session.rig_sha256)},
-          {"tracker", session.tracker},
-          {"trials_total", session.trials_total},
-          {"protocol_sha256", study.protocol_sha256},
-          {"seed", std::to_string(study.seed)}};
-}
-
-int kind_place(const std::string& kind) {
-  const std::optional<SessionKind> known = session_kind_from(kind);
-  return known ? static_cast<int>(*known) : 3;
+  nlohmann::ordered_json body = {
+      {"participant", session.participant},
+      {"participant_number", session.participant_number},
+      {"session_number", session.number},
+      {"kind", to_string(session.kind)},
+      {"responder", session.responder},
+      {"profile_sha256", session.profile_sha256.empty() ? nlohmann::ordered_json(nullptr)
+                                                        : nlohmann::ordered_json(session.profile_sha256)},
+      {"rig", session.rig},
+      {"rig_mode", session.rig_mode},
+      {"rig_sha256",
+       session.rig_sha256.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(session.rig_sha256)},
+      {"tracker", session.tracker},
+      {"trials_total", session.trials_total},
+      {"protocol_sha256", study.protocol_sha256},
+      {"seed", std::to_string(study.seed)}};
+  if (!session.language.empty()) body["language"] = session.language;
+  if (!session.boot_id.empty()) body["boot_id"] = session.boot_id;
+  return body;
 }
 
 }  // namespace
@@ -105,16 +142,19 @@ std::unique_ptr<SessionLog> Study::open_session(const NewSession& session) {
   const std::scoped_lock lock(impl_->mutex);
   impl_->require_writable();
   refuse_names(session, *impl_);
+  refuse_numbers(session, *impl_);
   if (session.kind == SessionKind::real) refuse_network_file_system(impl_->path);
-  return with_storage_errors(impl_->path, [&]() -> std::unique_ptr<SessionLog> {
+  const std::string body = body_text(opened_body(session, impl_->info));
+  impl_->write([&] {
     impl_->set_durability(session.kind);
-    impl_->append(session.id, event_kind::kSessionOpened, body_text(opened_body(session, impl_->info)), session.stamp);
-    ChainEnd& end = impl_->ends.at(session.id);
-    end.participant = session.participant;
-    end.participant_number = session.participant_number;
-    end.kind = session.kind;
-    return std::make_unique<StudyLog>(*impl_, session.id);
+    impl_->append(session.id, event_kind::kSessionOpened, body, session.stamp);
   });
+  ChainEnd& end = impl_->ends.at(session.id);
+  end.participant = session.participant;
+  end.participant_number = session.participant_number;
+  end.number = session.number;
+  end.kind = session.kind;
+  return std::make_unique<StudyLog>(*impl_, session.id);
 }
 
 std::unique_ptr<SessionLog> Study::resume_session(const std::string& id) {
@@ -125,6 +165,9 @@ std::unique_ptr<SessionLog> Study::resume_session(const std::string& id) {
     throw StorageError(fmt::format("{}: there is no session {}; jnd status lists them", impl_->path.string(), id));
   if (found->second.closed)
     throw StorageError(fmt::format("{}: session {} is closed: it cannot be resumed", impl_->path.string(), id));
+  if (impl_->excluded.contains({found->second.kind, found->second.participant}))
+    throw StorageError(fmt::format("{}: participant {} was excluded from this study: session {} does not go on",
+                                   impl_->path.string(), found->second.participant, id));
   if (found->second.kind == SessionKind::real) refuse_network_file_system(impl_->path);
   with_storage_errors(impl_->path, [&] { impl_->set_durability(found->second.kind); });
   return std::make_unique<StudyLog>(*impl_, id);
@@ -139,7 +182,7 @@ void Study::close_session(const std::string& id, Stamp stamp) {
   const ChainEnd before = found->second;
   const ChainEnd study_before = impl_->ends.at(kStudyChain);
   try {
-    with_storage_errors(impl_->path, [&] {
+    impl_->write([&] {
       SQLite::Database& database = impl_->database();
       SQLite::Statement totals(database, "SELECT trials_done, trials_voided FROM sessions WHERE session = ?");
       totals.bind(1, id);
@@ -165,10 +208,16 @@ void Study::close_session(const std::string& id, Stamp stamp) {
   }
 }
 
-void Study::Impl::set_durability(SessionKind kind) {
-  people = people || kind != SessionKind::simulated;
-  database().exec(people ? "PRAGMA synchronous = FULL" : "PRAGMA synchronous = NORMAL");
-  database().exec(fmt::format("PRAGMA wal_autocheckpoint = {}", people ? kCheckpointPages : kCheckpointPagesSimulated));
+void Study::add_study_event(std::string_view kind, const nlohmann::ordered_json& body, Stamp stamp) {
+  const std::scoped_lock lock(impl_->mutex);
+  impl_->require_writable();
+  const std::string text = body_text(body);
+  impl_->write([&] { impl_->add_study_event(kind, text, stamp); });
+  if (kind == event_kind::kExcluded) impl_->excluded = excluded_participants(impl_->database());
+}
+
+std::vector<Event> Study::study_events() const {
+  return events(kStudyChain);
 }
 
 void Study::Impl::append(const std::string& session, std::string_view kind, const std::string& body, Stamp stamp) {
@@ -231,41 +280,6 @@ std::vector<Event> Study::Impl::events(const std::string& session) const {
   });
 }
 
-std::vector<SessionInfo> Study::Impl::sessions() const {
-  return with_storage_errors(path, [&] {
-    SQLite::Statement query(database(),
-                            "SELECT session, participant, participant_number, kind, state, responder, trials_done, "
-                            "trials_voided, trials_total, started, ended, head FROM sessions");
-    std::vector<SessionInfo> sessions;
-    while (query.executeStep()) {
-      SessionInfo info;
-      info.id = query.getColumn(0).getString();
-      info.participant = query.getColumn(1).getString();
-      info.participant_number = query.getColumn(2).getInt();
-      const std::string kind = query.getColumn(3).getString();
-      if (kind_place(kind) > 2)
-        throw StorageError(
-            fmt::format("{}: session {} is of unknown kind \"{}\"; run jnd verify", path.string(), info.id, kind));
-      info.kind = static_cast<SessionKind>(kind_place(kind));
-      info.state = query.getColumn(4).getString();
-      info.responder = query.getColumn(5).getString();
-      info.trials_done = query.getColumn(6).getInt();
-      info.trials_voided = query.getColumn(7).getInt();
-      info.trials_total = query.getColumn(8).getInt();
-      info.started = query.getColumn(9).getString();
-      info.ended = query.getColumn(10).getString();
-      info.head = query.getColumn(11).getString();
-      sessions.push_back(std::move(info));
-    }
-    // Never in the order of insertion, which depends on how sessions ran beside each other.
-    std::sort(sessions.begin(), sessions.end(), [](const SessionInfo& a, const SessionInfo& b) {
-      return std::tie(a.kind, a.participant_number, a.participant, a.started, a.id) <
-             std::tie(b.kind, b.participant_number, b.participant, b.started, b.id);
-    });
-    return sessions;
-  });
-}
-
 void Study::Impl::read_ends() {
   SQLite::Statement last(database(), "SELECT session, max(seq) FROM event GROUP BY session");
   while (last.executeStep()) ends[last.getColumn(0).getString()].seq = last.getColumn(1).getInt64();
@@ -281,8 +295,10 @@ void Study::Impl::read_ends() {
     end.closed = info.state == "closed";
     end.participant = info.participant;
     end.participant_number = info.participant_number;
+    end.number = info.number;
     end.kind = info.kind;
   }
+  excluded = excluded_participants(database());
 }
 
 }  // namespace jnd

@@ -28,7 +28,7 @@ namespace {
 // In the order of the file, without an index: page after page is several times faster than row after row, and the
 // events of one session still come in their order, because they are only ever appended.
 constexpr const char* kCompletedTrials =
-    "SELECT session, seq, body FROM event NOT INDEXED WHERE kind = 'trial.completed' ORDER BY rowid";
+    "SELECT session, seq, body, rowid FROM event NOT INDEXED WHERE kind = 'trial.completed' ORDER BY rowid";
 
 // A session's place in the list that was asked for; -1 where it is not in it.
 class SessionPlaces {
@@ -61,12 +61,19 @@ std::vector<CountedTrial> read_counted_trials(const Study& study, const Protocol
   const Study::Impl& impl = study.impl();
   const std::scoped_lock lock(impl.mutex);
   return with_storage_errors(impl.path, [&] {
+    SQLite::Transaction reading(impl.database());  // both queries of one instant
     SQLite::Statement query(impl.database(), kCompletedTrials);
     SessionPlaces places(sessions);
+    const std::vector<TakenBack> not_counted = taken_back(impl.database());
+    auto next_taken_back = not_counted.begin();
     TrialBodyReader reader(protocol.stimulus.unit);
     std::vector<CountedTrial> trials;
     while (query.executeStep()) {
       const int place = places.of(query.getColumn(0).getText());
+      if (next_taken_back != not_counted.end() && query.getColumn(3).getInt64() == next_taken_back->row) {
+        ++next_taken_back;
+        continue;
+      }
       if (place < 0) continue;
       const SQLite::Column body = query.getColumn(2);
       const auto failed = [&](const std::string& what) {

@@ -21,8 +21,9 @@ std::string_view exclusion_reason(const Exclusions& rules, bool by_participant, 
                                   double saturated_share) noexcept;
 std::string_view exclusion_reason(const Exclusions& rules, const CountedTrial& trial) noexcept;
 
-// One pass over the file: the answered main trials of `sessions`; those of one session are in the order in which they
-// were answered. Throws StorageError where a trial names a condition or series that the protocol does not have.
+// One pass over the file: the answered main trials of `sessions`, without answers that were taken back; those of one
+// session are in the order in which they were answered. Throws StorageError where a trial names a condition or series
+// that the protocol does not have.
 std::vector<CountedTrial> read_counted_trials(const Study& study, const Protocol& protocol,
                                               const std::vector<SessionInfo>& sessions);
 

@@ -1,8 +1,11 @@
 // jnd verify: recomputes every hash, and every trial's stimuli from the protocol, the seed and the participant.
 // data/README.md says what this can and cannot find.
+#include <algorithm>
+#include <array>
 #include <map>
+#include <memory>
 #include <set>
-#include <stdexcept>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -11,10 +14,10 @@
 #include "data/schema.h"
 #include "data/study_impl.h"
 #include "data/utc_time.h"
+#include "data/verify_schema.h"
+#include "data/verify_session.h"
 #include "data/verify_telemetry.h"
-#include "protocols/adaptive_run.h"
 #include "protocols/input_error.h"
-#include "protocols/plan.h"
 #include "protocols/protocol_json.h"
 #include "protocols/sha256.h"
 
@@ -24,14 +27,40 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr std::array kKnownKinds = {event_kind::kStudyCreated,
+                                    event_kind::kSessionOpened,
+                                    event_kind::kSessionResumed,
+                                    event_kind::kSessionClosed,
+                                    event_kind::kTrialCompleted,
+                                    event_kind::kTrialVoided,
+                                    event_kind::kTrialsShort,
+                                    event_kind::kPracticeEnded,
+                                    event_kind::kQuestionAnswered,
+                                    event_kind::kBreakTaken,
+                                    event_kind::kDeviceFault,
+                                    event_kind::kStopCleared,
+                                    event_kind::kRealtime,
+                                    event_kind::kTrialBegan,
+                                    event_kind::kBlockEnded,
+                                    event_kind::kPaused,
+                                    event_kind::kContinued,
+                                    event_kind::kLeft,
+                                    event_kind::kNote,
+                                    event_kind::kChecklist,
+                                    event_kind::kInstructed,
+                                    event_kind::kConsent,
+                                    event_kind::kReadiness,
+                                    event_kind::kExplorationBegan,
+                                    event_kind::kExploration,
+                                    event_kind::kExplorationVoided,
+                                    event_kind::kExcluded,
+                                    event_kind::kUnblinded,
+                                    event_kind::kMerged,
+                                    event_kind::kRecovered,
+                                    event_kind::kReworded};
+
 bool known_kind(std::string_view kind) {
-  for (const std::string_view one :
-       {event_kind::kStudyCreated, event_kind::kSessionOpened, event_kind::kSessionResumed, event_kind::kSessionClosed,
-        event_kind::kTrialCompleted, event_kind::kTrialVoided, event_kind::kTrialsShort, event_kind::kPracticeEnded,
-        event_kind::kQuestionAnswered, event_kind::kBreakTaken, event_kind::kDeviceFault, event_kind::kStopCleared,
-        event_kind::kRealtime})
-    if (kind == one) return true;
-  return false;
+  return std::find(kKnownKinds.begin(), kKnownKinds.end(), kind) != kKnownKinds.end();
 }
 
 // One chain while it is walked.
@@ -39,12 +68,7 @@ struct Walk {
   std::string session;
   std::int64_t seq = 0;
   std::string hash;
-  bool opened = false, closed = false;
-  std::string kind, participant;
-  std::map<int, Trial> planned;  // by index
-  bool has_plan = false;
-  std::optional<AdaptiveRun> adaptive;  // as far as the chain has been walked
-  std::set<int> completed;
+  std::unique_ptr<SessionCheck> check;  // not of the study's own chain
 };
 
 class Verifier {
@@ -57,9 +81,12 @@ class Verifier {
       SQLite::Transaction reading(study_.database());
       check_file();
       check_protocol();
+      gather_facts();
       walk_chains();
       check_heads();
+      check_exclusions();
       telemetry_.finish(report_.problems);
+      check_schema(study_.database(), report_.problems);
       report_.telemetry = telemetry_.blobs();
       reading.commit();
     } catch (const SQLite::Exception& error) {
@@ -80,6 +107,8 @@ class Verifier {
         finish(walk);
         walk = Walk{};
         walk.session = session;
+        if (session != kStudyChain)
+          walk.check = std::make_unique<SessionCheck>(session, protocol_ ? &*protocol_ : nullptr, facts_, report_);
       }
       Event event;
       event.session = session;
@@ -133,8 +162,6 @@ class Verifier {
     walk.hash = event.hash;  // the stored one: one change is reported once, not for every event after it
     if (!known_kind(event.kind))
       problem("Session {}, event {}: unknown kind \"{}\".", event.session, event.seq, event.kind);
-    if (walk.closed)
-      problem("Session {}, event {} ({}): comes after session.closed.", event.session, event.seq, event.kind);
     try {
       utc_ns_from(utc);
     } catch (const StorageError& error) {
@@ -146,23 +173,10 @@ class Verifier {
     try {
       const Json body = Json::parse(event.body);
       telemetry_.check(event, body, report_.problems);
-      if (walk.session == kStudyChain) {
+      if (walk.check)
+        walk.check->check(event, body);
+      else
         check_study_event(event, body);
-      } else if (event.kind == event_kind::kSessionOpened) {
-        open(walk, event, body);
-      } else if (event.kind == event_kind::kSessionClosed) {
-        walk.closed = true;
-      } else if (event.kind == event_kind::kTrialCompleted) {
-        check_completed(walk, event, body);
-      } else if (event.kind == event_kind::kTrialVoided || event.kind == event_kind::kTrialsShort) {
-        if (event.kind == event_kind::kTrialVoided) ++report_.voided;
-        check_planned(walk, event, trial_from(body));
-      } else if (event.kind == event_kind::kDeviceFault) {
-        const int index = body.at("index").get<int>();
-        if (walk.has_plan && !walk.planned.contains(index))
-          problem("Session {}, event {}: trial {} is not in the plan of participant {}.", event.session, event.seq,
-                  index, walk.participant);
-      }
     } catch (const StorageError& error) {
       problem("Session {}, event {} ({}): {}.", event.session, event.seq, event.kind, error.what());
     } catch (const Json::exception& error) {
@@ -179,84 +193,69 @@ class Verifier {
       if (body.at("protocol_sha256").get<std::string>() != study_.info.protocol_sha256)
         problem("The study's protocol is {}, but study.created says {}.", study_.info.protocol_sha256,
                 body.at("protocol_sha256").get<std::string>());
-    } else if (event.kind == event_kind::kSessionClosed) {
-      heads_[body.at("session").get<std::string>()] = body.at("head").get<std::string>();
+    } else if (event.kind == event_kind::kExcluded) {
+      const auto kind = body.at("kind").get<std::string>();
+      if (!session_kind_from(kind)) problem("Study, event {}: unknown kind of session \"{}\".", event.seq, kind);
+      if (!exclusions_.insert({kind, body.at("participant").get<std::string>()}).second)
+        problem("Study, event {}: participant {} ({} sessions) was excluded before.", event.seq,
+                body.at("participant").get<std::string>(), kind);
+      body.at("reason").get<std::string>();
+      body.at("replace").get<bool>();
+    } else if (event.kind == event_kind::kUnblinded) {
+      body.at("reason").get<std::string>();
     }
   }
 
-  void open(Walk& walk, const Event& event, const Json& body) {
-    if (event.seq != 1)
-      problem("Session {}, event {}: session.opened is not the first event.", event.session, event.seq);
-    walk.opened = true;
-    walk.participant = body.at("participant").get<std::string>();
-    walk.kind = body.at("kind").get<std::string>();
-    const int number = body.at("participant_number").get<int>();
-    if (!session_kind_from(walk.kind)) problem("Session {}: unknown kind of session \"{}\".", event.session, walk.kind);
-    if (body.at("seed").get<std::string>() != std::to_string(study_.info.seed) ||
-        body.at("protocol_sha256").get<std::string>() != study_.info.protocol_sha256)
-      problem("Session {}: was opened for another study (its seed or protocol is not this study's).", event.session);
-    const auto [found, is_new] = participants_.try_emplace({walk.kind, walk.participant}, number);
-    if (!is_new && found->second != number)
-      problem("Session {}: participant {} has number {} here and {} in another session.", event.session,
-              walk.participant, number, found->second);
-    if (!protocol_) return;
-    try {
-      for (const Trial& trial : make_plan(*protocol_, number, study_.info.seed).trials)
-        walk.planned[trial.index] = trial;
-      walk.adaptive.emplace(*protocol_);
-      walk.has_plan = true;
-    } catch (const std::invalid_argument& error) {
-      problem("Session {}: no plan for participant number {}: {}.", event.session, number, error.what());
+  // What the study's own chain says, before any session is looked at. What cannot be read is reported on the walk.
+  void gather_facts() {
+    facts_.seeds.insert(std::to_string(study_.info.seed));
+    facts_.protocols.insert(study_.info.protocol_sha256);
+    SQLite::Statement query(study_.database(), "SELECT kind, body FROM event WHERE session = 'study' ORDER BY seq");
+    while (query.executeStep()) {
+      const std::string kind = query.getColumn(0).getString();
+      try {
+        const Json body = Json::parse(query.getColumn(1).getString());
+        if (kind == event_kind::kSessionClosed) {
+          facts_.heads[body.at("session").get<std::string>()] = body.at("head").get<std::string>();
+        } else if (kind == event_kind::kMerged || kind == event_kind::kRecovered) {
+          for (const Json& seed : body.at("seeds")) facts_.seeds.insert(seed.get<std::string>());
+          if (kind == event_kind::kRecovered)  // a study whose own chain was lost
+            for (const Json& sha256 : body.at("protocols")) facts_.protocols.insert(sha256.get<std::string>());
+        } else if (kind == event_kind::kReworded) {
+          facts_.protocols.insert(body.at("sha256").get<std::string>());
+        } else if (kind == event_kind::kExcluded) {
+          facts_.excluded[{body.at("kind").get<std::string>(), body.at("participant").get<std::string>()}] =
+              body.at("replace").get<bool>();
+        }
+      } catch (const Json::exception& error) {
+        problem("Session {}, {}: the body cannot be read: {}.", kStudyChain, kind, error.what());
+      }
     }
   }
 
-  void check_completed(Walk& walk, const Event& event, const Json& body) {
-    const TrialRecord record = trial_record_from(body);
-    if (!record.trial.practice) ++report_.trials;
-    if (!walk.completed.insert(record.trial.index).second)
-      problem("Session {}, event {}: trial {} was completed before.", event.session, event.seq, record.trial.index);
-    check_planned(walk, event, record.trial);
-    // As planned, so that one changed trial is one problem.
-    if (walk.has_plan && walk.planned.contains(record.trial.index))
-      walk.adaptive->answered(walk.planned.at(record.trial.index), record.answer.judgement);
-    const bool correct = (record.answer.judgement == Judgement::same) == record.trial.same;
-    if (body.at("correct").get<bool>() != correct ||
-        body.at("saturated_share").get<double>() != largest_saturated_share(record))
-      problem("Session {}, event {}: trial {}: \"correct\" or \"saturated_share\" contradicts the rest of the event.",
-              event.session, event.seq, record.trial.index);
-    if (!protocol_ || !walk.has_plan) return;
-    const Trial& trial = record.trial;
-    if (trial.series >= 0 && trial.series < static_cast<int>(protocol_->series.size()) && trial.condition >= 0 &&
-        trial.condition < static_cast<int>(protocol_->conditions.size()) &&
-        (record.series_name != protocol_->series[static_cast<std::size_t>(trial.series)].name ||
-         record.condition_name != protocol_->conditions[static_cast<std::size_t>(trial.condition)].name))
-      problem("Session {}, event {}: trial {}: series {} or condition {} is not the name that the protocol gives it.",
-              event.session, event.seq, trial.index, record.series_name, record.condition_name);
+  // A participant has one number and every session once; a number is of one participant, unless that one was replaced.
+  void check_participant(const SessionCheck& session, const std::string& id) {
+    const auto& [kind, participant] = std::tie(session.kind(), session.participant());
+    const auto [found, is_new] = numbers_.try_emplace({kind, participant}, session.participant_number());
+    if (!is_new && found->second != session.participant_number())
+      problem("Session {}: participant {} has number {} here and {} in another session.", id, participant,
+              session.participant_number(), found->second);
+    const auto [other, first] = sessions_.try_emplace({kind, participant, session.number()}, id);
+    if (!first)
+      problem("Session {}: is session {} of participant {}, as is session {}.", id, session.number(), participant,
+              other->second);
+    const auto excluded = facts_.excluded.find({kind, participant});
+    if (excluded != facts_.excluded.end() && excluded->second) return;
+    const auto [owner, unused] = owners_.try_emplace({kind, session.seed(), session.participant_number()}, participant);
+    if (!unused && owner->second != participant)
+      problem("Session {}: participants {} and {} both have number {}.", id, owner->second, participant,
+              session.participant_number());
   }
 
-  void check_planned(const Walk& walk, const Event& event, const Trial& trial) {
-    if (!walk.has_plan) return;
-    const auto found = walk.planned.find(trial.index);
-    if (found == walk.planned.end()) {
-      problem("Session {}, event {}: trial {} is not in the plan of participant {}.", event.session, event.seq,
-              trial.index, walk.participant);
-      return;
-    }
-    // An adaptive level follows from the answers up to here.
-    const Trial planned = walk.adaptive->resolved(found->second);
-    if (walk.adaptive->over(planned))
-      problem("Session {}, event {}: trial {} comes after its track, {} of condition {}, had ended.", event.session,
-              event.seq, trial.index, planned.track, planned.condition + 1);
-    if (planned.stimuli != trial.stimuli || planned.unit != trial.unit) {
-      problem("Session {}, event {}: trial {} presented {} and {} {}; the plan of participant {} has {} and {} {}{}.",
-              event.session, event.seq, trial.index, trial.stimuli[0], trial.stimuli[1], to_string(trial.unit),
-              walk.participant, planned.stimuli[0], planned.stimuli[1], to_string(planned.unit),
-              planned.track > 0 ? " after the answers before it" : "");
-    } else if (planned != trial) {
-      problem(
-          "Session {}, event {}: trial {}: its block, series or condition is not the one planned for participant {}.",
-          event.session, event.seq, trial.index, walk.participant);
-    }
+  void check_exclusions() {
+    for (const auto& [kind, participant] : exclusions_)
+      if (!numbers_.contains({kind, participant}))
+        problem("Participant {} ({} sessions) was excluded, but has no session in the file.", participant, kind);
   }
 
   void finish(const Walk& walk) {
@@ -265,22 +264,25 @@ class Verifier {
       return;
     }
     ++report_.sessions;
-    if (!walk.opened) problem("Session {}: has no session.opened.", walk.session);
-    ends_[walk.session] = {walk.hash, walk.closed};
+    if (walk.check->opened())
+      check_participant(*walk.check, walk.session);
+    else
+      problem("Session {}: has no session.opened.", walk.session);
+    ends_[walk.session] = {walk.hash, walk.check->closed()};
   }
 
   void check_heads() {
     if (!study_chain_) problem("The study's own events are missing.");
     for (const auto& [session, end] : ends_) {
-      const auto head = heads_.find(session);
-      if (head == heads_.end()) {
+      const auto head = facts_.heads.find(session);
+      if (head == facts_.heads.end()) {
         if (end.closed) problem("Session {}: is closed, but the study's own events do not say so.", session);
       } else if (head->second != end.hash) {
         problem("Session {}: ends with {}, but was closed with {}: events were changed, added or removed since.",
                 session, end.hash, head->second);
       }
     }
-    for (const auto& [session, head] : heads_)
+    for (const auto& [session, head] : facts_.heads)
       if (!ends_.contains(session)) problem("Session {}: was closed with {}, but is not in the file.", session, head);
   }
 
@@ -292,9 +294,13 @@ class Verifier {
   const Study::Impl& study_;
   VerifyReport report_;
   std::optional<Protocol> protocol_;
-  std::map<std::string, std::string> heads_;  // what the study's chain says of closed sessions
-  std::map<std::string, End> ends_;           // what was found
-  std::map<std::pair<std::string, std::string>, int> participants_;
+  StudyFacts facts_;
+  std::map<std::string, End> ends_;  // of every session that was found
+  // By kind of session and code of the participant.
+  std::map<std::pair<std::string, std::string>, int> numbers_;
+  std::set<std::pair<std::string, std::string>> exclusions_;
+  std::map<std::tuple<std::string, std::string, int>, std::string> sessions_;  // and number of the session
+  std::map<std::tuple<std::string, std::string, int>, std::string> owners_;    // by kind, seed and number
   bool study_chain_ = false;
   TelemetryCheck telemetry_;
 };

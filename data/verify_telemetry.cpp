@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 
 #include "data/database.h"
+#include "data/event_body.h"
+#include "data/schema.h"
 #include "data/telemetry.h"
 #include "protocols/sha256.h"
 
@@ -32,9 +34,30 @@ std::string fault_of(const TelemetryBlob& stored, const TelemetryBlob& named) {
   return {};
 }
 
+// What a damaged study had already lost when it was recovered is known, and no problem of the new one.
+std::set<std::string> lost_in_recovery(SQLite::Database& database) {
+  std::set<std::string> lost;
+  SQLite::Statement query(database, "SELECT body FROM event WHERE session = ? AND kind = ?");
+  query.bind(1, kStudyChain);
+  query.bind(2, std::string(event_kind::kRecovered));
+  while (query.executeStep()) {
+    const auto body = nlohmann::ordered_json::parse(query.getColumn(0).getString(), nullptr, false);
+    if (!body.is_object() || !body.contains("telemetry_lost")) continue;
+    try {
+      for (const auto& one : body.at("telemetry_lost"))
+        lost.insert(key_of(one.at("session").get<std::string>(), one.at("seq").get<std::int64_t>(),
+                           one.at("interval").get<int>()));
+    } catch (const nlohmann::json::exception&) {
+      continue;  // nothing is forgiven by what cannot be read
+    }
+  }
+  return lost;
+}
+
 }  // namespace
 
-TelemetryCheck::TelemetryCheck(SQLite::Database& database) : database_(database), present_(has_telemetry(database)) {}
+TelemetryCheck::TelemetryCheck(SQLite::Database& database)
+    : database_(database), present_(has_telemetry(database)), lost_(lost_in_recovery(database)) {}
 
 void TelemetryCheck::check(const Event& event, const nlohmann::ordered_json& body, std::vector<std::string>& problems) {
   const std::vector<TelemetryBlob> named = named_telemetry(body);
@@ -56,7 +79,7 @@ void TelemetryCheck::check(const Event& event, const nlohmann::ordered_json& bod
     query.bind(2, event.seq);
     query.bind(3, one.interval);
     if (!query.executeStep()) {
-      problem("is missing");
+      if (!lost_.contains(named_.back())) problem("is missing");
       continue;
     }
     ++blobs_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,7 @@ class TelemetryCheck {
  private:
   SQLite::Database& database_;
   bool present_;  // the table: files of version 1 have none
+  std::set<std::string> lost_;  // "session/seq/interval": study.recovered says that they could not be saved
   std::int64_t blobs_ = 0;
   std::vector<std::string> named_;  // "session/seq/interval"
 };

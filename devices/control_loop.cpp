@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "devices/interval_key.h"
 #include "devices/rendering.h"
@@ -12,6 +13,7 @@ namespace jnd {
 namespace {
 
 constexpr double kPeriod_s = 1e-9 * static_cast<double>(kPeriod_ns);
+constexpr std::int64_t kGlimpseEvery_ticks = 25;  // what an operator sees is no older than this
 
 std::int64_t ns_of(double seconds) noexcept {
   constexpr double kMost = 9e9;  // s; longer waits are as good as for ever
@@ -34,8 +36,13 @@ bool carried(const Cues& cues, Channel channel) noexcept {
 }  // namespace
 
 ControlLoop::ControlLoop(const std::vector<LoopDevice>& devices, Tracker& tracker, Clock& clock, const LoopScene& scene,
-                         TelemetryRing* telemetry)
-    : devices_(devices.size()), tracker_(tracker), clock_(clock), scene_(scene), telemetry_(telemetry) {
+                         TelemetryRing* telemetry, LatestGlimpse* glimpse)
+    : devices_(devices.size()),
+      tracker_(tracker),
+      clock_(clock),
+      scene_(scene),
+      telemetry_(telemetry),
+      glimpse_(glimpse) {
   for (std::size_t i = 0; i < devices.size(); ++i) {
     devices_[i].setup = devices[i];
     devices_[i].governor.configure(devices[i].spec);
@@ -43,19 +50,28 @@ ControlLoop::ControlLoop(const std::vector<LoopDevice>& devices, Tracker& tracke
   }
 }
 
+const VirtualObject& ControlLoop::object_of(const PresentRequest& request) const {
+  if (request.object.empty()) return scene_.object;
+  const auto found = scene_.named.find(request.object);
+  if (found == scene_.named.end())
+    throw std::invalid_argument("the rig was built without the object " + request.object);
+  return found->second;
+}
+
 Fault ControlLoop::engage(const PresentRequest& request, std::int64_t start_ns) {
+  const VirtualObject& object = object_of(request);
   ring_.clear();
   lateness_.clear();
   late_ns_ = 0;
-  touched_ = false;
+  touched_ = saturated_ = false;
   tracker_.begin(request, start_ns);
   for (std::size_t i = 0; i < fingers_.size(); ++i) {
     Finger& finger = fingers_[i];
-    finger.burst_until_ns = std::numeric_limits<std::int64_t>::min();
+    finger.burst_until_ns = request.tap_g > 0 ? start_ns + ns_of(kBurst_s) : std::numeric_limits<std::int64_t>::min();
     finger.penetration = finger.penetration_rate = 0;
     finger.pose = FingerPose{};
     finger.pose.time_ns = std::numeric_limits<std::int64_t>::min() / 2;  // none yet: stale
-    finger.object.begin(scene_.object, Eigen::Vector3d(i == 0 ? -1 : 1, 0, 0));
+    finger.object.begin(object, Eigen::Vector3d(i == 0 ? -1 : 1, 0, 0));
     if (scene_.joint) finger.joint.begin(*scene_.joint);
   }
   Fault fault = Fault::none;
@@ -66,6 +82,7 @@ Fault ControlLoop::engage(const PresentRequest& request, std::int64_t start_ns) 
                             : 1;
     one.summary.begin(carried(request.stimulus.cues, one.setup.channel), path);
     one.watch.begin();
+    one.given_n = 0;
     one.governor.deactivate();
     one.governor.reset();
     one.governor.activate(start_ns);
@@ -93,6 +110,7 @@ const Contact& ControlLoop::contact_of(const Finger& finger) const noexcept {
 
 void ControlLoop::feel(const PresentRequest& request, std::int64_t now_ns, double duration_s) noexcept {
   touched_ = false;
+  if (request.tap_g > 0) return;  // there is nothing to touch
   for (Finger& finger : fingers_) {
     const Contact& contact =
         scene_.joint ? finger.joint.update(finger.pose.flexion_rad) : finger.object.update(finger.pose.position_m);
@@ -123,7 +141,7 @@ void ControlLoop::render(Channeled& one, const PresentRequest& request, std::int
   }
   if (!finite(finger.pose)) asked.force_n = std::numeric_limits<double>::quiet_NaN();
   if (one.setup.channel == Channel::cutaneous && now_ns < finger.burst_until_ns) {
-    asked.vibration_g = burst_amplitude_g(stimulus.stiffness);
+    asked.vibration_g = request.tap_g > 0 ? request.tap_g : burst_amplitude_g(stimulus.stiffness);
     asked.vibration_hz = kBurst_hz;
   }
   one.input.travel = one.reading.travel;
@@ -155,6 +173,8 @@ void ControlLoop::record(int place, const GovernorOutput& out, std::int64_t now_
   tick.travel = one.reading.travel;
   tick.finger_m = {finger.pose.position_m.x(), finger.pose.position_m.y(), finger.pose.position_m.z()};
   if (telemetry_ != nullptr) telemetry_->push(tick);
+  one.given_n = out.given.force_n;
+  saturated_ = saturated_ || out.force_reduced;
 }
 
 Fault ControlLoop::act(int place, const PresentRequest& request, std::int64_t now_ns, double duration_s) noexcept {
@@ -175,6 +195,23 @@ void ControlLoop::stop_all(std::int64_t now_ns) noexcept {
     one.setup.device->neutral();
     one.governor.deactivate();
   }
+}
+
+// Of the devices, the one that is nearest to its cap.
+void ControlLoop::show(std::int64_t ticks, double elapsed_s) noexcept {
+  LoopGlimpse glimpse;
+  glimpse.ticks = ticks;
+  glimpse.elapsed_s = elapsed_s;
+  glimpse.lateness_p99_us = lateness_.percentile_us(0.99);
+  glimpse.lateness_max_us = lateness_.largest_us();
+  glimpse.saturated = saturated_;
+  for (const Channeled& one : devices_) {
+    const double cap_n = one.setup.spec.max_force_n;
+    if (glimpse.force_cap_n > 0 && one.given_n * glimpse.force_cap_n <= glimpse.force_n * cap_n) continue;
+    glimpse.force_n = one.given_n;
+    glimpse.force_cap_n = cap_n;
+  }
+  glimpse_->put(glimpse);
 }
 
 Fault ControlLoop::tick(const PresentRequest& request, std::int64_t now_ns, double duration_s, bool stop) noexcept {
@@ -225,6 +262,7 @@ Presentation ControlLoop::run(const PresentRequest& request, const EmergencyStop
   const std::int64_t start_ns = clock_.now_ns();
   const std::int64_t explore_ns = ns_of(request.explore_s), time_out_ns = ns_of(request.no_contact_time_out_s);
   std::int64_t deadline_ns = start_ns, now_ns = start_ns, first_contact_ns = -1;
+  const bool free = !request.object.empty() || request.tap_g > 0;
   result.fault = engage(request, start_ns);
   double duration_s = kPeriod_s;
 
@@ -235,6 +273,8 @@ Presentation ControlLoop::run(const PresentRequest& request, const EmergencyStop
     if (result.fault != Fault::none) break;
 
     deadline_ns += kPeriod_ns;
+    if (glimpse_ != nullptr && result.ticks % kGlimpseEvery_ticks == 1)
+      show(result.ticks, 1e-9 * static_cast<double>(deadline_ns - start_ns));
     clock_.sleep_until_ns(deadline_ns);
     now_ns = clock_.now_ns();
     late_ns_ = std::max<std::int64_t>(now_ns - deadline_ns, 0);
@@ -245,8 +285,9 @@ Presentation ControlLoop::run(const PresentRequest& request, const EmergencyStop
     duration_s = kPeriod_s * static_cast<double>(1 + skipped);
 
     // Deadlines, not wake-ups, end an interval: its length does not depend on the machine.
-    if (first_contact_ns >= 0 && deadline_ns - first_contact_ns >= explore_ns) break;
-    if (first_contact_ns < 0 && deadline_ns - start_ns >= time_out_ns) {
+    const std::int64_t explored_since_ns = free ? start_ns : first_contact_ns;
+    if (explored_since_ns >= 0 && deadline_ns - explored_since_ns >= explore_ns) break;
+    if (explored_since_ns < 0 && deadline_ns - start_ns >= time_out_ns) {
       result.fault = Fault::no_contact;
       break;
     }

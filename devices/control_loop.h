@@ -6,7 +6,9 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "devices/clock.h"
@@ -17,6 +19,7 @@
 #include "devices/interval_summary.h"
 #include "devices/joint_contact.h"
 #include "devices/lateness.h"
+#include "devices/latest_glimpse.h"
 #include "devices/rig.h"
 #include "devices/sensor_watch.h"
 #include "devices/telemetry_ring.h"
@@ -40,19 +43,21 @@ struct LoopDevice {
 // What the fingers meet: an object in space, or, for joints, an angle.
 struct LoopScene {
   VirtualObject object{};
+  std::map<std::string, VirtualObject> named{};  // for free interaction, by PresentRequest::object
   std::optional<JointObject> joint{};
 };
 
-// Thread rule: one thread calls run; the stop latch may be set from any. Tracker, clock and telemetry must outlive the
-// loop.
+// Thread rule: one thread calls run; the stop latch may be set from any. Tracker, clock, telemetry and glimpse must
+// outlive the loop.
 class ControlLoop {
  public:
-  // telemetry: where every tick goes as well; null for none.
+  // telemetry: where every tick goes as well; glimpse: where the loop can be watched; null for none.
   ControlLoop(const std::vector<LoopDevice>& devices, Tracker& tracker, Clock& clock, const LoopScene& scene,
-              TelemetryRing* telemetry = nullptr);
+              TelemetryRing* telemetry = nullptr, LatestGlimpse* glimpse = nullptr);
 
   // Renders until explore_s after the first contact of any finger, the no-contact time-out, a fault or the latch; ends
-  // with zero force and the devices neutral.
+  // with zero force and the devices neutral. Free interaction and taps last explore_s from their start. Throws
+  // std::invalid_argument where the request names an object that the scene has not.
   Presentation run(const PresentRequest& request, const EmergencyStop& stop);
 
  private:
@@ -71,8 +76,10 @@ class ControlLoop {
     SensorWatch watch;
     DeviceReading reading;
     GovernorInput input;
+    double given_n = 0;  // in the last tick
   };
 
+  const VirtualObject& object_of(const PresentRequest& request) const;
   Fault engage(const PresentRequest& request, std::int64_t start_ns);
   Fault tick(const PresentRequest& request, std::int64_t now_ns, double duration_s, bool stop) noexcept;
   Fault read(std::int64_t now_ns) noexcept;
@@ -82,6 +89,7 @@ class ControlLoop {
   void render(Channeled& one, const PresentRequest& request, std::int64_t now_ns) const noexcept;
   void record(int place, const GovernorOutput& out, std::int64_t now_ns, double duration_s) noexcept;
   void stop_all(std::int64_t now_ns) noexcept;
+  void show(std::int64_t ticks, double elapsed_s) noexcept;
   void summarise(Presentation& result) const;
 
   std::vector<Finger> fingers_;
@@ -90,10 +98,12 @@ class ControlLoop {
   Clock& clock_;
   LoopScene scene_;
   TelemetryRing* telemetry_;
+  LatestGlimpse* glimpse_;
   TickRing ring_;
   LatenessHistogram lateness_;
   std::int64_t late_ns_ = 0;  // of this tick
   bool touched_ = false;      // any finger, in this tick
+  bool saturated_ = false;    // any device, in this presentation
 };
 
 }  // namespace jnd

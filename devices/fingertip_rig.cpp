@@ -1,20 +1,35 @@
 #include "devices/fingertip_rig.h"
 
+#include <chrono>
 #include <utility>
 
 namespace jnd {
+
+namespace {
+constexpr std::chrono::milliseconds kLookEvery{50};
+}
 
 FingertipRig::FingertipRig(RigInfo info, RigParts parts, Clock& clock, const RigOptions& options)
     : info_(std::move(info)),
       parts_(std::move(parts)),
       telemetry_(options.telemetry_ticks > 0 ? std::make_unique<TelemetryRing>(options.telemetry_ticks) : nullptr),
-      loop_(parts_.channels, *parts_.tracker, clock, parts_.scene, telemetry_.get()),
+      glimpse_(options.realtime ? std::make_unique<LatestGlimpse>() : nullptr),
+      loop_(parts_.channels, *parts_.tracker, clock, parts_.scene, telemetry_.get(), glimpse_.get()),
       thread_(options.realtime ? std::make_unique<RenderThread>(*options.realtime) : nullptr) {}
 
 Presentation FingertipRig::present(const PresentRequest& request) {
   if (!thread_) return loop_.run(request, stop);
   Presentation presentation;
-  thread_->run([&] { presentation = loop_.run(request, stop); });
+  const auto job = [&] { presentation = loop_.run(request, stop); };
+  if (!look_) {
+    thread_->run(job);
+    return presentation;
+  }
+  glimpse_->put({});  // not what the last presentation left
+  thread_->run(job, kLookEvery, [&] {
+    const LoopGlimpse glimpse = glimpse_->look();
+    if (glimpse.ticks > 0) look_(glimpse);
+  });
   return presentation;
 }
 

@@ -2,8 +2,10 @@
 // is real.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "devices/control_loop.h"
@@ -38,12 +40,15 @@ class FingertipRig final : public Rig {
   Presentation present(const PresentRequest& request) override;
   void neutral() noexcept override;
   TelemetryRing* telemetry() noexcept override { return telemetry_.get(); }
+  void watch(std::function<void(const LoopGlimpse&)> look) override { look_ = std::move(look); }
   RealtimeReport realtime() const override;
 
  private:
   RigInfo info_;
   RigParts parts_;
   std::unique_ptr<TelemetryRing> telemetry_;
+  std::unique_ptr<LatestGlimpse> glimpse_;  // where a loop on a thread of its own can be watched
+  std::function<void(const LoopGlimpse&)> look_;
   ControlLoop loop_;
   std::unique_ptr<RenderThread> thread_;
 };

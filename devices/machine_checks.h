@@ -41,6 +41,8 @@ struct StorageProbe {
   std::filesystem::path root = "/";
   std::function<bool(long)> is_network;
   int syncs = 20;
+  bool real = true;         // for real sessions; a rehearsal may be kept where it can be lost, and is warned
+  double needed_bytes = 0;  // of a session, beside what should be free anyway
 };
 MachineCheck check_storage(const std::filesystem::path& folder_or_file, const StorageProbe& probe);
 // The same judgement on given figures.
@@ -49,6 +51,8 @@ struct StorageFigures {
   bool network = false;
   double free_bytes = 0;
   double sync_median_s = 0, sync_max_s = 0;
+  bool real = true;
+  double needed_bytes = 0;
 };
 MachineCheck judge_storage(const StorageFigures& figures);
 

@@ -28,26 +28,68 @@ void read_hand(const JsonNode& node, std::vector<Diagnostic>& diagnostics, const
   reader.finish();
 }
 
+RatingHabit rating_habit(const JsonNode& node, std::vector<Diagnostic>& diagnostics, const std::string& file) {
+  JsonReader reader(node, diagnostics, file);
+  RatingHabit habit;
+  habit.mean = reader.number("mean", {.min = -1000, .max = 1000});
+  habit.sd = reader.number("sd", {.min = 0, .max = 1000});
+  reader.finish();
+  return habit;
+}
+
 void read_ratings(const JsonNode& node, std::vector<Diagnostic>& diagnostics, const std::string& file,
                   ParticipantProfile& profile) {
   JsonReader conditions(node, diagnostics, file);
   for (const std::string& name : node.keys) {
     const JsonNode* rating = conditions.object(name);
     if (!rating) continue;
-    JsonReader reader(*rating, diagnostics, file);
-    const double mean = reader.number("mean", {.min = -1000, .max = 1000});
-    const double sd = reader.number("sd", {.min = 0, .max = 1000});
-    reader.finish();
-    profile.ratings[name] = {mean, sd};
+    const RatingHabit habit = rating_habit(*rating, diagnostics, file);
+    profile.ratings[name] = {habit.mean, habit.sd};
   }
   conditions.finish();
+}
+
+AnswerHabit answer_habit(const JsonNode& node, std::vector<Diagnostic>& diagnostics, const std::string& file) {
+  AnswerHabit habit;
+  JsonReader reader(node, diagnostics, file);
+  if (const JsonNode* rating = reader.object_or_null("rating")) habit.rating = rating_habit(*rating, diagnostics, file);
+  if (const JsonNode* ratings = reader.object_or_null("ratings")) {
+    JsonReader conditions(*ratings, diagnostics, file);
+    for (const std::string& name : ratings->keys)
+      if (const JsonNode* rating = conditions.object(name))
+        habit.ratings[name] = rating_habit(*rating, diagnostics, file);
+    conditions.finish();
+  }
+  if (const JsonNode* choices = reader.object_or_null("choices")) {
+    JsonReader options(*choices, diagnostics, file);
+    double total = 0;
+    for (const std::string& option : choices->keys)
+      total += habit.choices[option] = options.number(option, {.min = 0, .max = 1000});
+    options.finish();
+    if (!(total > 0) && is_sound(diagnostics, choices->path))
+      reader.error(*choices, "no option has a weight above 0", "give at least one option a positive weight");
+  }
+  reader.finish();
+  if (!habit.rating && habit.ratings.empty() && habit.choices.empty() && is_sound(diagnostics, node.path))
+    reader.error(node, "says nothing of the answer", "give rating, ratings (by condition) or choices (by option)");
+  return habit;
+}
+
+void read_answers(const JsonNode& node, std::vector<Diagnostic>& diagnostics, const std::string& file,
+                  ParticipantProfile& profile) {
+  JsonReader questions(node, diagnostics, file);
+  for (const std::string& id : node.keys)
+    if (const JsonNode* habit = questions.object(id)) profile.answers[id] = answer_habit(*habit, diagnostics, file);
+  questions.finish();
 }
 
 }  // namespace
 
 ParticipantProfile load_profile(const std::filesystem::path& path) {
-  const std::string file = path.string();
-  const std::string bytes = read_input_file(path);
+  return parse_profile(read_input_file(path), path.string());
+}
+
+ParticipantProfile parse_profile(const std::string& bytes, const std::string& file) {
   const JsonNode root = parse_json(bytes, file);
   std::vector<Diagnostic> diagnostics;
   ParticipantProfile profile;
@@ -58,6 +100,7 @@ ParticipantProfile load_profile(const std::filesystem::path& path) {
   reader.integer("format", {.min = 1, .max = 1});
   profile.name = reader.text("name", {.max_length = 64});
   profile.title = reader.text("title", {.max_length = 200});
+  profile.notes = reader.text_or("notes", "", {.max_length = 2000});
   using Strategy = ParticipantProfile::Strategy;
   profile.strategy = reader.one_of<Strategy>(
       "strategy", {{"magnitude", Strategy::magnitude}, {"differencing", Strategy::differencing}});
@@ -85,6 +128,7 @@ ParticipantProfile load_profile(const std::filesystem::path& path) {
   }
   if (const JsonNode* node = reader.object_or_null("hand")) read_hand(*node, diagnostics, file, profile);
   if (const JsonNode* node = reader.object_or_null("ratings")) read_ratings(*node, diagnostics, file, profile);
+  if (const JsonNode* node = reader.object_or_null("answers")) read_answers(*node, diagnostics, file, profile);
   reader.finish();
   if (!diagnostics.empty()) throw InputError(std::move(diagnostics));
   return profile;

@@ -50,11 +50,39 @@ RenderThread::~RenderThread() {
 }
 
 void RenderThread::run(const std::function<void()>& job) {
+  begin(job);
   std::unique_lock lock(mutex_);
-  job_ = &job;
-  busy_ = true;
-  changed_.notify_all();
   wait_done(lock);
+}
+
+void RenderThread::run(const std::function<void()>& job, std::chrono::nanoseconds period,
+                       const std::function<void()>& meanwhile) {
+  begin(job);
+  std::exception_ptr thrown;
+  auto next = std::chrono::steady_clock::now() + period;
+  std::unique_lock lock(mutex_);
+  while (!thrown && !changed_.wait_until(lock, next, [this] { return !busy_; })) {
+    lock.unlock();
+    try {
+      meanwhile();
+    } catch (...) {
+      thrown = std::current_exception();  // the job still runs, on what the caller owns
+    }
+    // From now on, not from when it was due: a slow call is not made up for.
+    next = std::chrono::steady_clock::now() + period;
+    lock.lock();
+  }
+  wait_done(lock);
+  if (thrown) std::rethrow_exception(thrown);
+}
+
+void RenderThread::begin(const std::function<void()>& job) {
+  {
+    const std::lock_guard lock(mutex_);
+    job_ = &job;
+    busy_ = true;
+  }
+  changed_.notify_all();
 }
 
 void RenderThread::wait_done(std::unique_lock<std::mutex>& lock) {

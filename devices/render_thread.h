@@ -1,6 +1,7 @@
 // The thread that drives the devices: made once, real-time where the machine allows, and lent to one job at a time.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <exception>
 #include <functional>
@@ -23,11 +24,15 @@ class RenderThread {
 
   // Runs the job on the thread and returns when it is done. What the job throws, this throws.
   void run(const std::function<void()>& job);
+  // The same; until the job is done the caller's thread calls `meanwhile` once in every period. A call that takes long
+  // delays nobody but the caller. What it throws, this throws, once the job is done; it is not called again before.
+  void run(const std::function<void()>& job, std::chrono::nanoseconds period, const std::function<void()>& meanwhile);
 
   const RealtimeReport& report() const noexcept { return report_; }
 
  private:
   void serve(RealtimePolicy policy) noexcept;
+  void begin(const std::function<void()>& job);
   void wait_done(std::unique_lock<std::mutex>& lock);
 
   std::mutex mutex_;

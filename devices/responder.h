@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "protocols/protocol.h"
 #include "protocols/vocabulary.h"
@@ -18,6 +19,12 @@ struct TrialQuestion {
   double time_out_s = 0;
 };
 
+struct AskedQuestion {
+  const Question& question;
+  int condition = -1;  // place in Protocol::conditions, or -1
+};
+using Replies = std::vector<std::optional<std::string>>;
+
 class Responder {
  public:
   virtual ~Responder() = default;
@@ -26,6 +33,16 @@ class Responder {
   // The answer as text: a number in plain decimals, one of the options, or free text; none = skipped.
   // condition: the condition's place in Protocol::conditions, or -1.
   virtual std::optional<std::string> reply(const Question& question, int condition) = 0;
+  // A page of questions, answered together: with a person one may go back and change until the page is done. In the
+  // order of the questions; none where the session is to end.
+  virtual std::optional<Replies> reply_all(const std::vector<AskedQuestion>& page) {
+    Replies replies;
+    for (const AskedQuestion& asked : page) {
+      replies.push_back(reply(asked.question, asked.condition));
+      if (!replies.back() && asked.question.required) return std::nullopt;
+    }
+    return replies;
+  }
 };
 
 }  // namespace jnd

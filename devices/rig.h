@@ -1,6 +1,8 @@
 // The seam between an experiment and its devices: a rig presents a stimulus and says what was really delivered.
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <string>
 
 #include "devices/emergency_stop.h"
@@ -21,6 +23,21 @@ struct PresentRequest {
   double explore_s = 0;  // from first contact
   double no_contact_time_out_s = 0;
   IntervalId id;
+  // Name of a virtual object instead of the protocol's; empty: the protocol's. It is free interaction: explore_s counts
+  // from the start, and a finger that touches nothing is no fault.
+  std::string object{};
+  // Above 0: a tap of the device instead of a stimulus, a burst of vibration of so many g from the start. There is nothing
+  // to touch, and explore_s counts from the start.
+  double tap_g = 0;
+};
+
+// The control loop as it is just now; for the operator's eyes.
+struct LoopGlimpse {
+  std::int64_t ticks = 0;  // of the presentation so far
+  double elapsed_s = 0;    // to the end of the last of them
+  double lateness_p99_us = 0, lateness_max_us = 0;
+  double force_n = 0, force_cap_n = 0;  // given just now, and at most: of the device that is nearest to its cap
+  bool saturated = false;               // a limit has reduced the asked force in this presentation
 };
 
 struct RigInfo {
@@ -48,6 +65,9 @@ class Rig {
 
   // Where every tick of a presentation is recorded, to be drained after it; null where none is.
   virtual TelemetryRing* telemetry() noexcept { return nullptr; }
+  // While a presentation goes on, `look` is called some 20 times a second by the thread that called present, never by
+  // the loop. Empty: no more. A rig whose loop runs inside present on a simulated clock never calls it.
+  virtual void watch(std::function<void(const LoopGlimpse&)> /*look*/) {}
   // What real-time scheduling the loop got.
   virtual RealtimeReport realtime() const { return {}; }
 

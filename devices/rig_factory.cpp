@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -38,14 +38,14 @@ void check(const RigRequest& asked, const RigSpec& spec) {
                                  spec.name, tracker));
 }
 
-// How far the object reaches to either side, where the fingers come from.
-double farthest_surface_m(const VirtualObject& object, const RigRequest& asked) {
+// How far the object reaches to either side, where the fingers come from. place: in the protocol.
+double farthest_surface_m(const VirtualObject& object, std::string_view place, const std::string& name) {
   double farthest = 0;
   for (const double side : {-1.0, 1.0}) {
-    const std::optional<double> surface = object.surface_along(side * Eigen::Vector3d::UnitX());
-    if (!surface)
-      throw InputError(fmt::format("$.rig.object \"{}\" does not lie between two fingers: take another", asked.object));
-    farthest = std::max(farthest, *surface);
+    const double surface = object.surface_along(side * Eigen::Vector3d::UnitX());
+    if (!(surface > 0))
+      throw InputError(fmt::format("{} \"{}\" does not lie between two fingers: take another", place, name));
+    farthest = std::max(farthest, surface);
   }
   return farthest;
 }
@@ -80,11 +80,16 @@ RigParts fingertip_parts(const Protocol& protocol, const RigDescription& rig, co
         Channel::cutaneous);
   const bool sphere = asked.object.empty();
   parts.scene.object = sphere ? sphere_object({.radius_m = asked.sphere_radius_m}) : rig.object;
-  const double surface_m = sphere ? asked.sphere_radius_m : farthest_surface_m(rig.object, asked);
+  const double surface_m =
+      sphere ? asked.sphere_radius_m : farthest_surface_m(rig.object, "$.rig.object", asked.object);
+  std::map<std::string, double> named;
+  for (const auto& [name, object] : rig.objects) named[name] = farthest_surface_m(object, "$.explore.objects", name);
+  parts.scene.named = rig.objects;
   const double expected = protocol.stimulus.expected_press;
   parts.tracker =
       std::make_unique<SimulatedHand>(HandHabits{.separation_m = asked.separation_m,
                                                  .sphere_radius_m = surface_m,
+                                                 .named_radius_m = std::move(named),
                                                  .press_depth_m = expected > 0 ? expected : profile.press_depth_m,
                                                  .press_depth_sd_m = profile.press_depth_sd_m,
                                                  .closing_speed_m_per_s = profile.closing_speed_m_per_s,
@@ -97,6 +102,11 @@ RigParts fingertip_parts(const Protocol& protocol, const RigDescription& rig, co
 // One finger whose joint is driven, with or without a platform under its pulp.
 RigParts joint_parts(const Protocol& protocol, const RigDescription& rig, const ParticipantProfile& profile,
                      int participant, std::uint64_t seed) {
+  if (!rig.objects.empty())
+    throw InputError(
+        fmt::format("$.explore.objects lie between fingers, but the {} drives a joint: take a rig of "
+                    "fingertip devices alone, such as rrs3",
+                    rig.spec.name));
   const DeviceSpec& joint = *rig.spec.kinaesthetic();
   const bool in_metres = protocol.stimulus.unit == StiffnessUnit::n_per_m;
   const double lever_m = rig.spec.lever_arm_m > 0 ? rig.spec.lever_arm_m : joint.lever_arm_m;
@@ -149,7 +159,8 @@ std::unique_ptr<Rig> make_simulated_rig(const Protocol& protocol, const RigDescr
 
 std::size_t telemetry_ticks(const Protocol& protocol, const RigSpec& spec) noexcept {
   const Timeline& timeline = protocol.timeline;
-  const double seconds = timeline.explore_s + timeline.no_contact_time_out_s + 1;
+  const double trial_s = timeline.explore_s + timeline.no_contact_time_out_s;
+  const double seconds = 1 + (protocol.explore ? std::max(kLongestFreePiece_s, trial_s) : trial_s);
   const std::size_t devices = protocol.rig.fingers.size() * spec.devices.size();
   return static_cast<std::size_t>(std::ceil(seconds * 1000)) * devices;
 }

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <string>
 
 #include "devices/clock.h"
 #include "devices/fingertip_rig.h"
@@ -18,6 +20,7 @@ namespace jnd {
 struct RigDescription {
   RigSpec spec;
   VirtualObject object{};  // where $.rig.object names one; otherwise the sphere of $.rig.sphere_radius_m is used
+  std::map<std::string, VirtualObject> objects{};  // of free interaction, by name
 };
 
 // What the rig below says of itself; the log keeps it.
@@ -28,6 +31,10 @@ RigInfo simulated_rig_info(const Protocol& protocol, const RigSpec& spec);
 std::unique_ptr<Rig> make_simulated_rig(const Protocol& protocol, const RigDescription& rig,
                                         const ParticipantProfile& profile, int participant, std::uint64_t seed,
                                         Clock& clock, const RigOptions& options = {});
+
+// Free interaction is presented in pieces of at most this, s: between them the operator's keys are heeded, and records
+// stay bounded.
+inline constexpr double kLongestFreePiece_s = 10;
 
 // Device-ticks of the longest presentation of a protocol: room for its telemetry without a drop.
 std::size_t telemetry_ticks(const Protocol& protocol, const RigSpec& spec) noexcept;

@@ -22,7 +22,7 @@ double smooth(double s) noexcept {
 }  // namespace
 
 SimulatedHand::SimulatedHand(const HandHabits& habits, int fingers, std::uint64_t seed, int participant)
-    : habits_(habits), seed_(seed), participant_(participant) {
+    : habits_(habits), radius_m_(habits.sphere_radius_m), seed_(seed), participant_(participant) {
   const double gap = habits.separation_m / 2 - habits.sphere_radius_m;
   if (!(gap > 0))
     throw InputError(
@@ -30,6 +30,12 @@ SimulatedHand::SimulatedHand(const HandHabits& habits, int fingers, std::uint64_
                     "$.rig.sphere_radius_m less than "
                     "half of $.rig.separation_m",
                     habits.sphere_radius_m, habits.separation_m));
+  for (const auto& [name, radius_m] : habits.named_radius_m)
+    if (!(radius_m > 0 && radius_m < habits.separation_m / 2))
+      throw InputError(
+          fmt::format("the object \"{}\" reaches {} m to a side and does not fit between fingers that rest {} m apart: "
+                      "make $.rig.separation_m larger, or take another object",
+                      name, radius_m, habits.separation_m));
   for (const double habit :
        {habits.sphere_radius_m, habits.press_depth_m, habits.closing_speed_m_per_s, habits.press_period_s})
     if (!(habit > 0))
@@ -50,8 +56,13 @@ SimulatedHand::SimulatedHand(const HandHabits& habits, int fingers, std::uint64_
 
 void SimulatedHand::begin(const PresentRequest& request, std::int64_t start_ns) {
   start_ns_ = start_ns;
+  const auto named = habits_.named_radius_m.find(request.object);
+  radius_m_ = named == habits_.named_radius_m.end() ? habits_.sphere_radius_m : named->second;
+  const PressMotion motion(habits_.separation_m / 2 - radius_m_, habits_.closing_speed_m_per_s, habits_.press_period_s);
+  approach_s_ = motion.approach_s();
   for (std::size_t finger = 0; finger < fingers_.size(); ++finger) {
     Finger& self = fingers_[finger];
+    self.motion = motion;
     const std::size_t needed = self.motion.presses_in(std::max(request.explore_s, request.no_contact_time_out_s));
     RandomStream random(seed_, static_cast<std::uint64_t>(participant_), "hand",
                         interval_part(request.id, static_cast<int>(finger)));
@@ -88,7 +99,7 @@ bool SimulatedHand::read(int finger, std::int64_t now_ns, FingerPose& pose) noex
     z = now.z_m + (next.z_m - now.z_m) * passage;
   }
   // A point at the wanted distance from the centre, in a direction that wanders: depth is along the normal.
-  const double x = habits_.sphere_radius_m;
+  const double x = radius_m_;
   const double distance = x - depth_m(finger, time_s);
   const double scale = distance / std::sqrt(x * x + y * y + z * z);
   pose.position_m = Eigen::Vector3d(self.side * x * scale, y * scale, z * scale);

@@ -5,6 +5,8 @@
 // interval), so nothing about the answer can leak through it, and a resumed session moves as an undisturbed one.
 #pragma once
 
+#include <map>
+#include <string>
 #include <vector>
 
 #include "devices/press_motion.h"
@@ -13,9 +15,10 @@
 namespace jnd {
 
 struct HandHabits {
-  double separation_m = 0.130;     // between the fingertips at rest, along x
-  double sphere_radius_m = 0.040;  // where the surface is expected
-  double press_depth_m = 0.005;    // mean of the depths; a normal cut at kLeastPress_m
+  double separation_m = 0.130;                     // between the fingertips at rest, along x
+  double sphere_radius_m = 0.040;                  // where the surface is expected
+  std::map<std::string, double> named_radius_m{};  // and of the objects of free interaction, by name
+  double press_depth_m = 0.005;                    // mean of the depths; a normal cut at kLeastPress_m
   double press_depth_sd_m = 0.001;
   double closing_speed_m_per_s = 0.05;  // mean, from rest to the surface
   double press_period_s = 1.0;
@@ -25,8 +28,8 @@ struct HandHabits {
 inline constexpr double kLeastPress_m = 0.0005;
 class SimulatedHand final : public Tracker {
  public:
-  // fingers: 1 or 2, thumb (at -x) first. Throws InputError where the fingers would rest inside the sphere, or a habit
-  // is not positive.
+  // fingers: 1 or 2, thumb (at -x) first. Throws InputError where the fingers would rest inside the sphere or a named
+  // object, or a habit is not positive.
   SimulatedHand(const HandHabits& habits, int fingers, std::uint64_t seed, int participant);
 
   void begin(const PresentRequest& request, std::int64_t start_ns) override;
@@ -47,6 +50,7 @@ class SimulatedHand final : public Tracker {
     std::vector<Wander> wanders;
   };
   HandHabits habits_;
+  double radius_m_;  // where the surface of the present object is expected
   std::vector<Finger> fingers_;
   std::uint64_t seed_;
   int participant_;

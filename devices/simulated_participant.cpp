@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -18,7 +17,9 @@ namespace jnd {
 
 namespace {
 
-constexpr const char* kKinaesthetic = "kinaesthetic";  // a shipped profile
+// Shipped profiles.
+constexpr const char* kKinaesthetic = "kinaesthetic";
+constexpr const char* kExploring = "chinello2017-experiment2";
 
 // Factor on a participant's noise: log-normal, mean 1, coefficient of variation cv.
 double spread_factor(double cv, std::uint64_t seed, int participant) noexcept {
@@ -86,7 +87,10 @@ class SimulatedParticipant final : public Responder {
       }
       case Question::Kind::choice:
         if (question.options.empty()) return std::nullopt;
+        if (const std::string* chosen = preferred(question, random)) return *chosen;
         return question.options[static_cast<std::size_t>(random.below(question.options.size()))];
+      case Question::Kind::confirm:
+        return "yes";
       case Question::Kind::text:
         break;
     }
@@ -97,13 +101,45 @@ class SimulatedParticipant final : public Responder {
 
  private:
   double rating(const Question& question, int condition, RandomStream& random) const {
-    double mean = (question.min + question.max) / 2, sd = (question.max - question.min) / 6;
-    if (condition >= 0 && static_cast<std::size_t>(condition) < condition_names_.size()) {
-      const auto found = profile_.ratings.find(condition_names_[static_cast<std::size_t>(condition)]);
-      if (found != profile_.ratings.end()) std::tie(mean, sd) = found->second;
-    }
-    return std::clamp(std::round(mean + sd * random.normal()), std::ceil(question.min),
+    const RatingHabit habit = rating_habit(question, condition);
+    return std::clamp(std::round(habit.mean + habit.sd * random.normal()), std::ceil(question.min),
                       std::max(std::ceil(question.min), std::floor(question.max)));
+  }
+
+  // What the profile says of this question in this condition, else of the condition, else the middle of the scale.
+  RatingHabit rating_habit(const Question& question, int condition) const {
+    const bool known = condition >= 0 && static_cast<std::size_t>(condition) < condition_names_.size();
+    const std::string name = known ? condition_names_[static_cast<std::size_t>(condition)] : std::string();
+    if (const auto answer = profile_.answers.find(question.id); answer != profile_.answers.end()) {
+      const auto found = answer->second.ratings.find(name);
+      if (found != answer->second.ratings.end()) return found->second;
+      if (answer->second.rating) return *answer->second.rating;
+    }
+    if (const auto found = profile_.ratings.find(name); found != profile_.ratings.end())
+      return {found->second.first, found->second.second};
+    return {(question.min + question.max) / 2, (question.max - question.min) / 6};
+  }
+
+  // An option by the profile's weights; null where it names none of them.
+  const std::string* preferred(const Question& question, RandomStream& random) const {
+    const auto answer = profile_.answers.find(question.id);
+    if (answer == profile_.answers.end()) return nullptr;
+    const auto weight = [&](const std::string& option) {
+      const auto found = answer->second.choices.find(option);
+      return found == answer->second.choices.end() ? 0.0 : found->second;
+    };
+    double total = 0;
+    for (const std::string& option : question.options) total += weight(option);
+    if (!(total > 0)) return nullptr;
+    double left = total * random.uniform();
+    const std::string* last = nullptr;
+    for (const std::string& option : question.options) {
+      if (!(weight(option) > 0)) continue;
+      last = &option;
+      left -= weight(option);
+      if (left < 0) break;
+    }
+    return last;
   }
 
   ParticipantProfile profile_;
@@ -118,6 +154,7 @@ class SimulatedParticipant final : public Responder {
 }  // namespace
 
 std::string default_profile(const Protocol& protocol) {
+  if (protocol.paradigm == Paradigm::explore) return kExploring;
   for (const Condition& condition : protocol.conditions)
     if (condition.cues.kinaesthetic) return kKinaesthetic;
   return "chinello2017";

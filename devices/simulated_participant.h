@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "devices/clock.h"
@@ -14,11 +15,23 @@
 
 namespace jnd {
 
+struct RatingHabit {
+  double mean = 0, sd = 0;  // of a normal that is rounded and clipped to the question's scale
+};
+
+// How a question is answered, by its id.
+struct AnswerHabit {
+  std::optional<RatingHabit> rating{};           // whatever the condition
+  std::map<std::string, RatingHabit> ratings{};  // by condition name; stands before `rating`
+  std::map<std::string, double> choices{};       // option -> weight, >= 0; options that are not named have none
+};
+
 // JSON form: devices/profiles/*.json. See science of the strategies in devices/README.md.
 struct ParticipantProfile {
   enum class Strategy { magnitude, differencing } strategy = Strategy::magnitude;
   std::string name;
   std::string title;
+  std::string notes;                   // where its numbers come from; may be empty
   std::string sha256;                  // of the file
   double sigma_force_n_per_m = 0;      // noise of the force cue
   double sigma_vibration_n_per_m = 0;  // noise of the vibration cue
@@ -40,9 +53,11 @@ struct ParticipantProfile {
   double lateral_sd_m = 0.001;
   double pulp_stiffness_n_per_m = 1000;
   std::map<std::string, std::pair<double, double>> ratings;  // condition name -> mean, SD of its effectiveness rating
+  std::map<std::string, AnswerHabit> answers;                // question id -> how it is answered, before `ratings`
 };
 
-ParticipantProfile load_profile(const std::filesystem::path& path);  // throws InputError
+ParticipantProfile load_profile(const std::filesystem::path& path);                   // throws InputError
+ParticipantProfile parse_profile(const std::string& bytes, const std::string& file);  // file: its name in messages
 
 // The profile that fits a protocol where a user names none.
 std::string default_profile(const Protocol& protocol);

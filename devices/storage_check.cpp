@@ -85,22 +85,24 @@ MachineCheck judge_storage(const StorageFigures& figures) {
   check.found = fmt::format("{} ({}), {} free, saving a trial takes {:.1f} ms (longest {:.1f} ms)", figures.folder,
                             figures.type.empty() ? "type of file system not readable" : figures.type,
                             bytes_text(figures.free_bytes), 1e3 * figures.sync_median_s, 1e3 * figures.sync_max_s);
-  const auto complain = [&](Verdict verdict, const char* why, const char* what_to_do) {
+  const auto complain = [&](Verdict verdict, const char* why, const std::string& what_to_do) {
     check.found += why;
     check.verdict = std::max(check.verdict, verdict);
     if (!check.what_to_do.empty()) check.what_to_do += "; ";
     check.what_to_do += what_to_do;
   };
+  const Verdict unsafe = figures.real ? Verdict::bad : Verdict::warn;
   if (figures.network)
-    complain(Verdict::bad, "; a network file system cannot promise that an answer is saved, real sessions are refused",
+    complain(unsafe, "; a network file system cannot promise that an answer is saved, real sessions are refused",
              "keep studies on a local disk (--study FOLDER checks another place)");
   if (figures.type == "tmpfs" || figures.type == "ramfs")
-    complain(Verdict::bad, "; this is memory: everything in it is lost when the machine stops",
-             "keep studies on a disk");
-  if (figures.free_bytes < kTooFewBytes)
-    complain(Verdict::bad, "; too little space for a session", "free at least 1 GB");
-  else if (figures.free_bytes < kFewBytes)
-    complain(Verdict::warn, "; little space", "free at least 1 GB");
+    complain(unsafe, "; this is memory: everything in it is lost when the machine stops", "keep studies on a disk");
+  if (figures.needed_bytes > 0) check.found += fmt::format(", a session needs {}", bytes_text(figures.needed_bytes));
+  const std::string free_more = fmt::format("free at least {}", bytes_text(kFewBytes + figures.needed_bytes));
+  if (figures.free_bytes < kTooFewBytes + figures.needed_bytes)
+    complain(Verdict::bad, "; too little space for a session", free_more);
+  else if (figures.free_bytes < kFewBytes + figures.needed_bytes)
+    complain(Verdict::warn, "; little space", free_more);
   if (figures.sync_median_s >= kTooSlowSync_s)
     complain(Verdict::bad, "; participants would wait for the disk after every answer", "use another disk");
   else if (figures.sync_median_s >= kSlowSync_s || figures.sync_max_s >= kTooSlowSync_s)
@@ -126,7 +128,9 @@ MachineCheck check_storage(const fs::path& folder_or_file, const StorageProbe& p
                          .network = probe.is_network && probe.is_network(static_cast<long>(status.f_type)),
                          .free_bytes = static_cast<double>(space.f_bavail) * static_cast<double>(space.f_frsize),
                          .sync_median_s = 0,
-                         .sync_max_s = 0};
+                         .sync_max_s = 0,
+                         .real = probe.real,
+                         .needed_bytes = probe.needed_bytes};
   const std::vector<double> syncs = time_syncs(folder, std::max(probe.syncs, 1));
   if (syncs.empty())
     return bad(fmt::format("{}: cannot be written: {}", folder.string(), std::system_category().message(errno)),

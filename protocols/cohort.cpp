@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "protocols/exploration_deal.h"
 #include "protocols/order.h"
 #include "protocols/plan.h"
 
@@ -63,13 +64,46 @@ void count_positions(const Plan& plan, const Protocol& protocol, CohortBalance& 
   }
 }
 
+// Conditions and objects of free interaction.
+void count_explorations(const Protocol& protocol, CohortBalance& balance) {
+  balance.condition_positions = square(protocol.conditions.size());
+  balance.condition_transitions = square(protocol.conditions.size());
+  const ExplorationDeal deal(protocol, balance.seed, balance.session);
+  balance.object_positions = square(protocol.explore->objects.size());
+  std::map<std::vector<int>, int> condition_orders, object_orders;
+  std::map<std::pair<std::vector<int>, std::vector<int>>, int> pairs;
+  for (int participant = 1; participant <= balance.participants; ++participant) {
+    const std::vector<int> conditions = deal.condition_order(participant), objects = deal.object_order(participant);
+    ++condition_orders[conditions];
+    ++object_orders[objects];
+    ++pairs[{conditions, objects}];
+    for (std::size_t p = 0; p < conditions.size(); ++p) {
+      ++at(balance.condition_positions, conditions[p], static_cast<int>(p));
+      if (p > 0) ++at(balance.condition_transitions, conditions[p - 1], conditions[p]);
+      for (std::size_t q = 0; q < objects.size(); ++q) ++at(balance.object_positions, objects[q], static_cast<int>(q));
+    }
+  }
+  balance.condition_orders = by_use(condition_orders);
+  balance.object_orders = by_use(object_orders);
+  balance.different_pairs_of_orders = static_cast<int>(pairs.size());
+  for (const auto& [pair, count] : pairs) balance.most_used_pair = std::max(balance.most_used_pair, count);
+  balance.group_size = deal.group_size();
+  balance.pair_count = deal.pair_count();
+}
+
 }  // namespace
 
-CohortBalance balance_of_cohort(const Protocol& protocol, int participants, std::uint64_t seed) {
+CohortBalance balance_of_cohort(const Protocol& protocol, int participants, std::uint64_t seed, int session) {
   if (participants < 1) throw std::invalid_argument("a cohort has at least one participant");
+  if (session < 1) throw std::invalid_argument("sessions are numbered from 1");
   CohortBalance balance;
   balance.participants = participants;
+  balance.session = session;
   balance.seed = seed;
+  if (protocol.paradigm == Paradigm::explore) {
+    count_explorations(protocol, balance);
+    return balance;
+  }
   for (std::size_t s = 0; s < protocol.series.size(); ++s) {
     for (std::size_t c = 0; c < protocol.conditions.size(); ++c) {
       CellBalance cell;
@@ -87,7 +121,7 @@ CohortBalance balance_of_cohort(const Protocol& protocol, int participants, std:
   std::map<std::vector<int>, int> series_orders, condition_orders;
   std::map<std::pair<std::vector<int>, std::vector<int>>, int> pairs;
   for (int participant = 1; participant <= participants; ++participant) {
-    const Plan plan = make_plan(protocol, participant, seed);
+    const Plan plan = make_plan(protocol, participant, seed, session);
     ++series_orders[plan.series_order];
     ++condition_orders[plan.condition_orders.front()];
     ++pairs[{plan.series_order, plan.condition_orders.front()}];
@@ -99,7 +133,7 @@ CohortBalance balance_of_cohort(const Protocol& protocol, int participants, std:
   balance.different_pairs_of_orders = static_cast<int>(pairs.size());
   for (const auto& [pair, count] : pairs) balance.most_used_pair = std::max(balance.most_used_pair, count);
 
-  const OrderDeal deal(protocol, seed);
+  const OrderDeal deal(protocol, seed, session);
   const bool random = deal.series_list().empty() || deal.condition_list().empty();
   balance.group_size = random ? 0 : deal.group_size();
   balance.pair_count = random ? 0 : deal.pair_count();

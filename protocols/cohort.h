@@ -25,6 +25,7 @@ struct OrderUse {
 
 struct CohortBalance {
   int participants = 0;
+  int session = 1;
   std::uint64_t seed = 0;
   std::vector<CellBalance> cells;          // series by series, conditions within
   std::vector<OrderUse> series_orders;     // those used, most used first
@@ -36,13 +37,17 @@ struct CohortBalance {
   std::vector<std::vector<int>> series_positions;  // [series][position]
   // [a][b]: how often condition a comes directly before b within a series; empty for mixed conditions.
   std::vector<std::vector<int>> condition_transitions;
+  // With the paradigm explore, which has no series: [object][position], conditions' turns of all participants.
+  std::vector<std::vector<int>> object_positions;
+  std::vector<OrderUse> object_orders;
   int same = 0, different = 0;  // all main trials
   int group_size = 1;           // orders of each factor are equally used at its multiples; 0: random orders
   int pair_count = 1;           // pairs of orders are equally used at its multiples; 0: random orders
 };
 
-// The plans of participants 1..participants. Throws std::invalid_argument where participants < 1.
-CohortBalance balance_of_cohort(const Protocol& protocol, int participants, std::uint64_t seed);
+// The plans of participants 1..participants in their first session, or a later one. Throws std::invalid_argument where
+// participants < 1 or session < 1.
+CohortBalance balance_of_cohort(const Protocol& protocol, int participants, std::uint64_t seed, int session = 1);
 
 // For people: at most 100 columns wide.
 std::string to_text(const CohortBalance& balance, const Protocol& protocol);

@@ -58,7 +58,7 @@ std::string table_text(const std::vector<std::vector<int>>& table, const std::ve
   for (const std::string& column : columns) text += fmt::format("{:>{}}", column.substr(0, width - 1), width);
   text += "\n";
   for (std::size_t r = 0; r < table.size(); ++r) {
-    text += fmt::format("  {:<{}}", rows[r].name, name_width - 2);
+    text += fmt::format("  {:<{}}", rows[r].name.substr(0, name_width - 2), name_width - 2);
     for (const int count : table[r]) text += fmt::format("{:>{}}", count, width);
     text += "\n";
   }
@@ -96,7 +96,7 @@ std::string cells_text(const CohortBalance& balance, const Protocol& protocol) {
   return text;
 }
 
-std::string verdict(const CohortBalance& balance) {
+std::string verdict(const CohortBalance& balance, std::string_view factors) {
   if (balance.group_size == 0)
     return "Random orders are balanced by chance only; \"permuted\" or \"williams\" orders are dealt evenly.\n";
   std::string text;
@@ -107,16 +107,40 @@ std::string verdict(const CohortBalance& balance) {
     text += fmt::format("Not exact: {} participants are not a multiple of {}; {} would be.", balance.participants,
                         balance.group_size, balance.participants - over + balance.group_size);
   }
-  text += fmt::format(
-      "\nOrders are balanced at multiples of {}, pairs of series and condition orders at multiples of {}.\n",
-      balance.group_size, balance.pair_count);
+  text += fmt::format("\nOrders are balanced at multiples of {}, pairs of {} orders at multiples of {}.\n",
+                      balance.group_size, factors, balance.pair_count);
   return text;
+}
+
+struct Named {
+  std::string name;
+};
+
+std::string explorations_text(const CohortBalance& balance, const Protocol& protocol) {
+  std::vector<Named> objects;
+  for (const std::string& name : protocol.explore->objects) objects.push_back({name});
+  std::string text = orders_text("Orders of conditions", balance.condition_orders, protocol.conditions);
+  text += "\nConditions by place in the session (participants)\n" +
+          table_text(balance.condition_positions, protocol.conditions, positions(protocol.conditions.size()));
+  text += "\n" + orders_text("Orders of objects", balance.object_orders, objects);
+  text += "\nObjects by place in a condition's turn (turns of all participants)\n" +
+          table_text(balance.object_positions, objects, positions(objects.size()));
+  text += fmt::format("\nPairs of orders: {} of {} participants differ; the commonest is shared by {}.\n",
+                      balance.different_pairs_of_orders, balance.participants, balance.most_used_pair);
+  return text;
+}
+
+std::string head(const CohortBalance& balance) {
+  const std::string session = balance.session == 1 ? "" : fmt::format(", session {}", balance.session);
+  return fmt::format("Balance of {} participants, seed {}{}\n\n", balance.participants, balance.seed, session);
 }
 
 }  // namespace
 
 std::string to_text(const CohortBalance& balance, const Protocol& protocol) {
-  std::string text = fmt::format("Balance of {} participants, seed {}\n\n", balance.participants, balance.seed);
+  if (protocol.paradigm == Paradigm::explore)
+    return head(balance) + explorations_text(balance, protocol) + verdict(balance, "condition and object");
+  std::string text = head(balance);
   text += cells_text(balance, protocol) + "\n";
   text += orders_text("Orders of series", balance.series_orders, protocol.series);
   text += "\nSeries by place in the session (participants)\n" +
@@ -136,7 +160,7 @@ std::string to_text(const CohortBalance& balance, const Protocol& protocol) {
     text += fmt::format("\nPairs of orders: {} of {} participants differ; the commonest is shared by {}.\n",
                         balance.different_pairs_of_orders, balance.participants, balance.most_used_pair);
   }
-  return text + verdict(balance);
+  return text + verdict(balance, "series and condition");
 }
 
 }  // namespace jnd

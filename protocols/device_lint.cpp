@@ -17,18 +17,21 @@ double clamped_g(double stiffness, const DeviceSpec& spec) {
   return std::clamp(burst_amplitude_g(stiffness), spec.min_vibration_g, spec.max_vibration_g);
 }
 
+void look_at_platform_limit(DeviceLinting& linting, double stiffness, const std::string& path) {
+  const DeviceSpec* const platform = linting.rig.cutaneous();
+  if (platform == nullptr || stiffness <= platform->max_stiffness) return;
+  linting.error(path,
+                fmt::format("{} N/m is more than the {} renders stably, {} N/m", plain(stiffness), platform->name,
+                            plain(platform->max_stiffness)),
+                "take a softer " + linting.objects(false));
+}
+
 void look_at_limits(DeviceLinting& linting, std::size_t series) {
   for (std::size_t j = 0; j < 2; ++j) {
     const double stiffness = linting.protocol.series[series].pair[j];
     const std::string path = linting.stiffness_path(series, j);
     const std::string softer = "take a softer " + linting.objects(false);
-    const DeviceSpec* const platform = linting.rig.cutaneous();
-    if (platform != nullptr && stiffness > platform->max_stiffness) {
-      linting.error(path,
-                    fmt::format("{} N/m is more than the {} renders stably, {} N/m", plain(stiffness), platform->name,
-                                plain(platform->max_stiffness)),
-                    softer);
-    }
+    look_at_platform_limit(linting, stiffness, path);
     const DeviceSpec* const joint = linting.rig.kinaesthetic();
     if (joint == nullptr || !linting.any(&Cues::kinaesthetic)) continue;
     const double at_joint = linting.at_joint(stiffness, *joint);
@@ -176,6 +179,7 @@ std::set<double> DeviceLinting::stiffnesses() const {
   for (const Series& series : protocol.series) all.insert(series.pair.begin(), series.pair.end());
   if (protocol.design.procedure)
     for (const double start : protocol.design.procedure->starts) all.insert(protocol.stimulus.reference - start);
+  if (protocol.explore) all.insert(protocol.stimulus.reference);
   return all;
 }
 
@@ -188,6 +192,7 @@ std::string DeviceLinting::press_path() const {
 }
 
 std::string DeviceLinting::series_path() const {
+  if (protocol.explore) return "$.stimulus.reference";
   return protocol.design.procedure ? "$.design.procedure.clamp" : "$.series";
 }
 
@@ -202,7 +207,7 @@ std::string DeviceLinting::stiffness_path(std::size_t series, std::size_t of_pai
 }
 
 std::string DeviceLinting::objects(bool plural) const {
-  const bool spheres = rig.kinaesthetic() == nullptr && protocol.rig.object.empty();
+  const bool spheres = rig.kinaesthetic() == nullptr && protocol.rig.object.empty() && !protocol.explore;
   return std::string(spheres ? "sphere" : "object") + (plural ? "s" : "");
 }
 
@@ -210,14 +215,32 @@ double burst_amplitude_g(double stiffness_n_per_m) noexcept {
   return stiffness_n_per_m / 1500 + 0.4;
 }
 
+namespace {
+
+// A tap is a vibration of the motor at the pulp.
+void look_at_taps(DeviceLinting& linting) {
+  if (linting.rig.cutaneous() != nullptr) return;
+  const Timeline& timeline = linting.protocol.timeline;
+  for (const auto& [name, cue] : {std::pair<const char*, const CueSignal&>{"first", timeline.first_cue},
+                                  {"second", timeline.second_cue},
+                                  {"question", timeline.question_cue}})
+    if (cue.kind == "tap")
+      linting.error(fmt::format("$.trial.cues.{}.kind", name), "no device of this rig can tap: none vibrates",
+                    "take \"sound\", or \"none\"");
+}
+
+}  // namespace
+
 DeviceLint lint_against_device(const Protocol& protocol, const RigSpec& rig, const std::string& file) {
   DeviceLinting linting{protocol, rig, file, protocol.bytes.empty() ? JsonNode{} : parse_json(protocol.bytes, file)};
   for (std::size_t i = 0; i < protocol.series.size(); ++i) {
     look_at_limits(linting, i);
     for (const Condition& condition : protocol.conditions) look_at_pair(linting, i, condition);
   }
+  if (protocol.explore) look_at_platform_limit(linting, protocol.stimulus.reference, linting.series_path());
   if (protocol.design.procedure)
     for (const Condition& condition : protocol.conditions) look_at_levels(linting, condition);
+  look_at_taps(linting);
   lint_travel(linting);
   lint_mode(linting);
   lint_sampled_contact(linting);

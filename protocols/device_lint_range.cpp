@@ -87,7 +87,7 @@ void lint_joint_travel(DeviceLinting& linting, const DeviceSpec& spec) {
 }  // namespace
 
 void lint_travel(DeviceLinting& linting) {
-  if (linting.protocol.series.empty()) return;
+  if (linting.stiffnesses().empty()) return;
   const DeviceSpec* const platform = linting.rig.cutaneous();
   if (platform != nullptr && linting.any(&Cues::force)) lint_platform_travel(linting, *platform);
   if (const DeviceSpec* const joint = linting.rig.kinaesthetic()) lint_joint_travel(linting, *joint);
@@ -120,7 +120,7 @@ void lint_mode(DeviceLinting& linting) {
 
 void lint_sampled_contact(DeviceLinting& linting) {
   const Protocol& protocol = linting.protocol;
-  if (protocol.series.empty() || (!linting.any(&Cues::force) && !linting.any(&Cues::kinaesthetic))) return;
+  if (linting.stiffnesses().empty() || (!linting.any(&Cues::force) && !linting.any(&Cues::kinaesthetic))) return;
   const double viscosity = protocol.stimulus.damping_n_s_per_m;
   // Of a joint in N s/rad: the fingertip moves lever_arm_m a radian.
   const DeviceSpec* const joint = linting.rig.kinaesthetic();

@@ -1,5 +1,7 @@
 #include "protocols/device_spec.h"
 
+#include <algorithm>
+#include <charconv>
 #include <numbers>
 
 #include "protocols/json_reader.h"
@@ -78,6 +80,40 @@ void read_sensors(const JsonNode& node, std::vector<Diagnostic>& diagnostics, co
   reader.finish();
 }
 
+// "2026-03-01", a day that exists.
+std::optional<std::chrono::sys_days> date_from(std::string_view text) {
+  constexpr std::string_view kForm = "0000-00-00";
+  const bool formed = text.size() == kForm.size() &&
+                      std::equal(text.begin(), text.end(), kForm.begin(),
+                                 [](char c, char form) { return form == '0' ? c >= '0' && c <= '9' : c == form; });
+  if (!formed) return std::nullopt;
+  const auto number = [&](std::size_t from, std::size_t length) {
+    unsigned value = 0;
+    std::from_chars(text.data() + from, text.data() + from + length, value);
+    return value;
+  };
+  const std::chrono::year_month_day day(std::chrono::year(static_cast<int>(number(0, 4))),
+                                        std::chrono::month(number(5, 2)), std::chrono::day(number(8, 2)));
+  if (!day.ok()) return std::nullopt;
+  return std::chrono::sys_days(day);
+}
+
+void read_calibration(JsonReader& reader, DeviceSpec& spec) {
+  const std::optional<std::string> date = reader.optional_text("calibrated", {.max_length = 10});
+  const std::optional<double> valid_days =
+      reader.optional_number("calibration_valid_days", {.min = 0, .max = 100'000, .above = true, .unit = "days"});
+  if (!date) {
+    if (valid_days) reader.error("calibration_valid_days", "counts from no day", "give \"calibrated\" too");
+    return;
+  }
+  const std::optional<std::chrono::sys_days> day = date_from(*date);
+  if (!day) {
+    reader.error("calibrated", "is not a day", "write it as year, month and day, such as \"2026-03-01\"");
+    return;
+  }
+  spec.calibration = Calibration{*day, valid_days};
+}
+
 void read_gains(const JsonNode& node, std::vector<Diagnostic>& diagnostics, const std::string& file, DeviceSpec& spec) {
   JsonReader reader(node, diagnostics, file);
   spec.gains.kp = reader.number("kp", {.min = 0, .max = 10, .unit = "V/N"});
@@ -118,6 +154,7 @@ DeviceSpec load_device_spec(const std::filesystem::path& path) {
   else
     read_rrs3(reader, diagnostics, file, spec);
   if (const JsonNode* sensors = reader.object_or_null("sensors")) read_sensors(*sensors, diagnostics, file, spec);
+  read_calibration(reader, spec);
   reader.finish();
   if (!diagnostics.empty()) throw InputError(std::move(diagnostics));
   return spec;

@@ -2,6 +2,7 @@
 // JSON form: devices/specs/rrs3.json and mckibben.json.
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -28,6 +29,12 @@ struct SensorSpec {
   double encoder_pulses = 0;      // a turn, of a joint's encoder
 };
 
+// When a device was last calibrated, as its description says.
+struct Calibration {
+  std::chrono::sys_days date{};
+  std::optional<double> valid_days{};  // from then on; none: nobody says for how long
+};
+
 struct DeviceSpec {
   std::string name;  // "rrs3", "mckibben"
   std::string title;
@@ -38,6 +45,7 @@ struct DeviceSpec {
   double max_stiffness = 0;                     // stable up to here at the loop's rate: N/m, or N/rad of a joint
   StiffnessUnit unit = StiffnessUnit::n_per_m;  // of max_stiffness
   SensorSpec sensors;
+  std::optional<Calibration> calibration{};
 
   // 3RRS platform; zero for a joint, which has neither tilt nor vibration. Geometry as in Chinello et al. 2017, section
   // 3; see devices/rrs3_kinematics.h.

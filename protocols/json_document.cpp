@@ -18,6 +18,10 @@ namespace {
 
 constexpr std::size_t kMaxBytes = 1U << 20U;
 constexpr std::size_t kMaxDepth = 64;
+// Every value knows its path, so that memory grows with depth x length of keys x values: each has a bound.
+constexpr std::size_t kMaxKeyBytes = 256;
+constexpr std::size_t kMaxValues = 20000;
+constexpr std::size_t kMaxMembers = 2000;
 
 class TreeBuilder {
  public:
@@ -52,6 +56,11 @@ class TreeBuilder {
   bool key(string_t& value) {
     const Token token = cursor_.next();
     const auto place = cursor_.place(token.begin);
+    if (value.size() > kMaxKeyBytes)
+      fail(token.begin, fmt::format("a key of {} bytes", value.size()),
+           fmt::format("at most {} are allowed", kMaxKeyBytes));
+    if (open_.back()->keys.size() == kMaxMembers)
+      fail(token.begin, fmt::format("an object of more than {} members", kMaxMembers), "is it the right file?");
     open_.back()->keys.push_back(std::move(value));
     open_.back()->key_places.push_back(place);
     return true;
@@ -74,6 +83,8 @@ class TreeBuilder {
  private:
   JsonNode& add(JsonNode::Kind kind) {
     const Token token = cursor_.next();
+    if (++values_ > kMaxValues)
+      fail(token.begin, fmt::format("more than {} values", kMaxValues), "is it the right file?");
     JsonNode* node = &root_;
     if (open_.empty()) {
       root_.path.assign(1, '$');
@@ -124,6 +135,7 @@ class TreeBuilder {
   std::vector<JsonNode*> open_;
   std::vector<std::pair<JsonNode*, std::size_t>> brackets_;
   std::size_t last_begin_ = 0;
+  std::size_t values_ = 0;
 };
 
 }  // namespace

@@ -91,12 +91,14 @@ std::optional<std::string> text_of(const JsonNode& node, const TextLimits& limit
   if (length > limits.max_length)
     return fail(fmt::format("has {} characters", length), fmt::format("at most {} are allowed", limits.max_length));
   for (std::size_t at = 0; at < node.text.size(); ++at) {
+    if (limits.page && node.text[at] == '\n') continue;
     if (const std::uint32_t code = forbidden_character(node.text, at); code != 0) {
       return fail(fmt::format("holds the control character U+{:04X}", code == 0xFFFFFFFFU ? 0 : code),
-                  "texts are single lines without control characters");
+                  limits.page ? "\\n begins a new line; there are no other control characters in a text"
+                              : "texts are single lines without control characters");
     }
   }
-  if (node.text.find_first_not_of(' ') == std::string::npos && !node.text.empty())
+  if (node.text.find_first_not_of(" \n") == std::string::npos && !node.text.empty())
     return fail("is blank", "write something, or leave the member out");
   return node.text;
 }

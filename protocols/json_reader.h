@@ -50,10 +50,11 @@ struct IntegerLimits {
 };
 
 // What a text may be. Control characters and direction overrides are never allowed: texts reach terminals and CSV
-// files.
+// files. Only a page may have several lines.
 struct TextLimits {
   std::size_t max_length = 500;  // characters (code points)
   bool may_be_empty = false;
+  bool page = false;  // line feeds are allowed
 };
 
 class JsonReader {

@@ -11,6 +11,9 @@
 namespace jnd {
 namespace {
 
+// Among more words the nearest one is not looked for: hostile files must not cost minutes.
+constexpr std::size_t kMostCandidates = 2000;
+
 // Levenshtein distance in which swapping two neighbours counts once, upper and lower case alike.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
@@ -32,6 +35,14 @@ bool is_plain_key(std::string_view key) noexcept {
   return !key.empty() && key.size() <= 64 && std::all_of(key.begin(), key.end(), [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '$';
   });
+}
+
+// Line separators and overrides of the writing direction, which would disguise a message: their code point, else 0.
+std::uint32_t direction_override(std::string_view text, std::size_t at) noexcept {
+  if (at + 2 >= text.size() || static_cast<unsigned char>(text[at]) != 0xE2) return 0;
+  const auto bits = [text](std::size_t i) { return static_cast<unsigned char>(text[i]) & 0x3FU; };
+  const std::uint32_t code = 0x2000U | (bits(at + 1) << 6U) | bits(at + 2);
+  return (code >= 0x2028 && code <= 0x202E) || (code >= 0x2066 && code <= 0x2069) ? code : 0;
 }
 
 }  // namespace
@@ -66,6 +77,9 @@ std::string in_quotes(std::string_view text) {
       result += fmt::format("\\u{:04x}", byte);
     } else if (c1) {
       result += fmt::format("\\u{:04x}", static_cast<unsigned char>(text[++i]));
+    } else if (const std::uint32_t code = direction_override(text, i); code != 0) {
+      result += fmt::format("\\u{:04x}", code);
+      i += 2;
     } else {
       result += text[i];
     }
@@ -81,7 +95,11 @@ std::string nearest_word(std::string_view word, const std::vector<std::string_vi
   if (word.size() > 64) return "";
   std::string_view best;
   std::size_t least = std::max<std::size_t>(1, word.size() / 3) + 1;  // a third of the letters may be wrong
+  if (words.size() > kMostCandidates) return "";
   for (const std::string_view candidate : words) {
+    const std::size_t longer = std::max(word.size(), candidate.size()),
+                      shorter = std::min(word.size(), candidate.size());
+    if (longer - shorter >= least) continue;  // the distance is no less than that
     const std::size_t distance = edit_distance(word, candidate);
     if (distance < least) {
       least = distance;

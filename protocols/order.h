@@ -5,9 +5,17 @@
 // order (i + floor(i / L)) mod B of the B condition orders, L = lcm(A, B): every L participants use each order of a
 // factor equally often, and all A B pairs occur before any repeats. For A = B = 6, participant 6r + s takes series
 // order s and condition order (s + r) mod 6. `random` orders are drawn for each participant and are not dealt.
+//
+// Further sessions of a participant come in twos: session 2m + 1 takes the orders that are m places further in each
+// list, and session 2m + 2 presents those of session 2m + 1 backwards. Both move a list onto itself (permutations and
+// Williams squares are closed under reversal), so that every session is balanced over participants as the first is;
+// over two sessions each item stands, for each participant, at the same mean place, so that what grows or fades
+// steadily with time favours none; and over all sessions of a list each participant meets all of its orders. `fixed`
+// stays as in the file, and `random` is drawn for each session.
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "protocols/protocol.h"
@@ -24,10 +32,24 @@ OrderList all_permutations(int k);
 // item, equally often. k >= 1; one item has one sequence.
 OrderList williams_square(int k);
 
+// The orders of k items that are dealt, shuffled for the study; empty where they are random. factor: "series",
+// "conditions" or "objects".
+OrderList order_list(Order order, int k, std::uint64_t study_seed, const std::string& factor);
+
+// How the deal of a session differs from that of the first.
+struct SessionTurn {
+  int places = 0;  // that every participant is further in each list
+  bool backwards = false;
+};
+SessionTurn turn_of(int session) noexcept;  // session: from 1
+
+// The purpose of a stream of random numbers, which is its own in each session; that of the first is the bare name.
+std::string session_purpose(int session, const std::string& name);
+
 class OrderDeal {
  public:
-  // protocol: as loaded. study_seed: shuffles the lists and the labels of Williams squares.
-  OrderDeal(const Protocol& protocol, std::uint64_t study_seed);
+  // protocol: as loaded. study_seed: shuffles the lists and the labels of Williams squares. session: from 1.
+  OrderDeal(const Protocol& protocol, std::uint64_t study_seed, int session = 1);
 
   // participant: from 1. Places in Protocol::series, in presented order.
   std::vector<int> series_order(int participant) const;
@@ -51,6 +73,9 @@ class OrderDeal {
   std::vector<std::string> series_names_;
   bool per_series_;
   std::uint64_t seed_;
+  int session_;
+  SessionTurn turn_;
+  bool series_backwards_, conditions_backwards_;
   OrderList series_list_, condition_list_;
 };
 

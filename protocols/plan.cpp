@@ -7,6 +7,7 @@
 #include <string>
 
 #include "protocols/catch_trials.h"
+#include "protocols/exploration_deal.h"
 #include "protocols/order.h"
 #include "protocols/random_stream.h"
 #include "protocols/run_limit.h"
@@ -20,13 +21,13 @@ using Pair = std::array<double, 2>;  // the stiffnesses of the two intervals, in
 // or participant never changes it. The names are part of every plan: they never change.
 class Draws {
  public:
-  Draws(const Protocol& protocol, std::uint64_t seed, int participant)
-      : protocol_(protocol), seed_(seed), participant_(static_cast<std::uint64_t>(participant)) {}
+  Draws(const Protocol& protocol, std::uint64_t seed, int participant, int session)
+      : protocol_(protocol), seed_(seed), participant_(static_cast<std::uint64_t>(participant)), session_(session) {}
 
   // The trials of one condition in one series, in order.
   std::vector<Pair> cell(int series, int condition) const {
     const std::string name = series_name(series) + "/" + condition_name(condition);
-    RandomStream stimuli(seed_, participant_, "stimuli/" + name);
+    RandomStream stimuli = stream("stimuli/" + name);
     const Pair& pair = pair_of(series);
     const int trials = protocol_.design.trials_per_cell;
     if (protocol_.design.sampling == Sampling::random) return independent(pair, trials, stimuli);
@@ -38,10 +39,10 @@ class Draws {
     std::vector<Pair> pairs = cell(series, condition);
     if (!protocol_.design.run_limit) return pairs;
     const Classes classes(pairs);
-    RandomStream stream = classes_stream(series_name(series) + "/" + condition_name(condition));
+    RandomStream classes_of = stream("classes/" + series_name(series) + "/" + condition_name(condition));
     std::size_t next_same = 0, next_different = 0;
     std::size_t at = 0;
-    for (const bool same : limited(classes.same.size(), classes.different.size(), stream))
+    for (const bool same : limited(classes.same.size(), classes.different.size(), classes_of))
       pairs[at++] = same ? classes.same[next_same++] : classes.different[next_different++];
     return pairs;
   }
@@ -55,7 +56,7 @@ class Draws {
   std::vector<Drawn> mixed_block(int series) const {
     const auto conditions = static_cast<int>(protocol_.conditions.size());
     const int trials = protocol_.design.trials_per_cell;
-    RandomStream interleave(seed_, participant_, "interleave/" + series_name(series));
+    RandomStream interleave = stream("interleave/" + series_name(series));
     std::vector<Drawn> block;
     if (!protocol_.design.run_limit) {
       std::vector<int> turns;
@@ -77,10 +78,10 @@ class Draws {
     }
     interleave.shuffle(same_turns);
     interleave.shuffle(different_turns);
-    RandomStream stream = classes_stream(series_name(series));
+    RandomStream classes = stream("classes/" + series_name(series));
     std::vector<std::size_t> next_same(cells.size(), 0), next_different(cells.size(), 0);
     std::size_t same_turn = 0, different_turn = 0;
-    for (const bool same : limited(same_turns.size(), different_turns.size(), stream)) {
+    for (const bool same : limited(same_turns.size(), different_turns.size(), classes)) {
       const int condition = same ? same_turns[same_turn++] : different_turns[different_turn++];
       const auto c = static_cast<std::size_t>(condition);
       block.push_back({condition, same ? cells[c].same[next_same[c]++] : cells[c].different[next_different[c]++]});
@@ -102,14 +103,13 @@ class Draws {
     for (int condition = 0; condition < static_cast<int>(protocol_.conditions.size()); ++condition) {
       if (only && condition != *only) continue;
       for (int track = 1; track <= static_cast<int>(procedure.starts.size()); ++track) {
-        RandomStream stream(seed_, participant_, "slots/" + condition_name(condition),
-                            static_cast<std::uint64_t>(track));
+        RandomStream slots = stream("slots/" + condition_name(condition), track);
         tracks.emplace_back();
-        for (const Pair& pair : draw_slots(catches, procedure.trials, protocol_.stimulus.reference, stream))
+        for (const Pair& pair : draw_slots(catches, procedure.trials, protocol_.stimulus.reference, slots))
           tracks.back().push_back({condition, track, pair});
       }
     }
-    RandomStream turns(seed_, participant_, only ? "tracks/" + condition_name(*only) : "tracks");
+    RandomStream turns = stream(only ? "tracks/" + condition_name(*only) : "tracks");
     std::vector<std::size_t> round(tracks.size());
     std::vector<Slot> block;
     for (std::size_t i = 0; i < tracks.front().size(); ++i) {
@@ -122,17 +122,16 @@ class Draws {
 
   // One round of practice: about half of the trials are "same"; both classes occur where there are two trials.
   std::vector<Pair> practice(const Practice& practice, int round) const {
-    RandomStream stream(seed_, participant_, "practice/" + series_name(practice.series),
-                        static_cast<std::uint64_t>(round));
+    RandomStream draws = stream("practice/" + series_name(practice.series), round);
     const double reference = protocol_.stimulus.reference;
     const Pair pair =
         practice.difference ? Pair{reference - *practice.difference, reference} : pair_of(practice.series);
-    if (practice.trials % 4 == 0) return balanced(pair, practice.trials, stream);
-    std::vector<Pair> pairs = independent(pair, practice.trials, stream);
+    if (practice.trials % 4 == 0) return balanced(pair, practice.trials, draws);
+    std::vector<Pair> pairs = independent(pair, practice.trials, draws);
     const auto is_same = [](const Pair& drawn) { return drawn[0] == drawn[1]; };
     const auto same = std::count_if(pairs.begin(), pairs.end(), is_same);
     if (practice.trials >= 2 && (same == 0 || same == practice.trials)) {
-      Pair& turned = pairs[static_cast<std::size_t>(stream.below(pairs.size()))];
+      Pair& turned = pairs[static_cast<std::size_t>(draws.below(pairs.size()))];
       turned[1] = turned[1] == pair[0] ? pair[1] : pair[0];
     }
     return pairs;
@@ -170,8 +169,8 @@ class Draws {
     return pairs;
   }
 
-  RandomStream classes_stream(const std::string& block) const {
-    return RandomStream(seed_, participant_, "classes/" + block);
+  RandomStream stream(const std::string& purpose, int part = 0) const {
+    return RandomStream(seed_, participant_, session_purpose(session_, purpose), static_cast<std::uint64_t>(part));
   }
   std::vector<bool> limited(std::size_t same, std::size_t different, RandomStream& stream) const {
     return draw_limited_sequence(static_cast<int>(same), static_cast<int>(different), *protocol_.design.run_limit,
@@ -184,6 +183,7 @@ class Draws {
   const Protocol& protocol_;
   std::uint64_t seed_;
   std::uint64_t participant_;
+  int session_;
 };
 
 // Numbers the trials as they are added.
@@ -227,13 +227,19 @@ void add_slots(const std::vector<Draws::Slot>& slots, Trial trial, TrialList& li
 
 }  // namespace
 
-Plan make_plan(const Protocol& protocol, int participant, std::uint64_t seed) {
+Plan make_plan(const Protocol& protocol, int participant, std::uint64_t seed, int session) {
   if (participant < 1) throw std::invalid_argument("participants are numbered from 1");
-  const OrderDeal deal(protocol, seed);
-  const Draws draws(protocol, seed, participant);
+  if (session < 1) throw std::invalid_argument("sessions are numbered from 1");
   Plan plan;
+  plan.session = session;
   plan.participant = participant;
   plan.seed = seed;
+  if (protocol.paradigm == Paradigm::explore) {
+    plan.explorations = ExplorationDeal(protocol, seed, session).slots(participant);
+    return plan;
+  }
+  const OrderDeal deal(protocol, seed, session);
+  const Draws draws(protocol, seed, participant, session);
   plan.series_order = deal.series_order(participant);
   plan.condition_orders = deal.condition_orders(participant, plan.series_order);
 

@@ -8,16 +8,29 @@
 
 namespace jnd {
 
+// Free interaction with one object in one condition.
+struct ExplorationSlot {
+  int index = 0;      // place in the plan, from 1
+  int block = 0;      // from 1: a condition's turn
+  int condition = 0;  // place in Protocol::conditions
+  int object = 0;     // place in Exploration::objects
+  double duration_s = 0;
+  bool operator==(const ExplorationSlot&) const = default;
+};
+
 struct Plan {
+  int session = 1;                                 // of the participant, from 1
   int participant = 0;                             // number, from 1
   std::uint64_t seed = 0;                          // of the study
   std::vector<int> series_order;                   // places in Protocol::series
   std::vector<std::vector<int>> condition_orders;  // for each series in presented order: places in Protocol::conditions
+  std::vector<ExplorationSlot> explorations;       // with the paradigm explore, which has no trials
   std::vector<Trial> trials;                       // practice rounds first (all that may be needed), then the main part
 };
 
-// Throws std::invalid_argument where participant < 1; a protocol that was loaded never fails otherwise.
-Plan make_plan(const Protocol& protocol, int participant, std::uint64_t seed);
+// session: which of the participant's sessions; each has orders and trials of its own. Throws std::invalid_argument
+// where participant < 1 or session < 1; a protocol that was loaded never fails otherwise.
+Plan make_plan(const Protocol& protocol, int participant, std::uint64_t seed, int session = 1);
 
 // How many trials the main part has: practice is not counted.
 int main_trial_count(const Plan& plan) noexcept;

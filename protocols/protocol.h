@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,7 +14,8 @@
 
 namespace jnd {
 
-enum class Paradigm { same_different };  // others join here
+// same_different: trials of two intervals and an answer; explore: free interaction with objects, then questions.
+enum class Paradigm { same_different, explore };
 enum class Sampling { random, balanced };
 enum class Order { fixed, random, permuted, williams };
 enum class Arrangement { blocked, mixed };
@@ -32,6 +34,8 @@ struct PublishedValue {
   double value = 0;
   std::optional<double> ci95_half_width;  // same unit as value
   std::string note;
+  std::string question{};      // of a rating: the id of the question; empty: the condition as a whole
+  std::optional<double> sd{};  // of the participants' values, same unit
 };
 
 // A value that the source does not print and that the author of the protocol chose.
@@ -84,6 +88,13 @@ struct Condition {
   std::string name;   // short: S, V, SV
   std::string label;  // for people
   Cues cues;
+  bool devices = true;  // false, with the paradigm explore only: bare hands, nothing is rendered
+};
+
+// Free interaction for a set time in each condition (Chinello et al. 2017, experiment 2).
+struct Exploration {
+  double duration_s = 0;             // of a condition, divided equally among the objects
+  std::vector<std::string> objects;  // names of virtual objects; each participant meets them in a dealt order
 };
 
 struct Series {
@@ -116,6 +127,7 @@ struct Design {
   Order condition_order = Order::fixed;
   bool per_series = false;       // a new condition order in every series
   std::optional<int> run_limit;  // most trials in a row of one class (same or different) within a block
+  int sessions = 1;              // of each participant: the whole plan again, in another order
 };
 
 struct Practice {
@@ -137,15 +149,35 @@ struct Break {
 
 struct Question {
   enum class When { before_session, after_condition, after_series, after_session } when = When::after_session;
-  enum class Kind { rating, number, choice, text } kind = Kind::rating;
+  // confirm: of the checklist only, "yes" or nothing.
+  enum class Kind { rating, number, choice, text, confirm } kind = Kind::rating;
   std::string id;
   std::string text;
   double min = 0, max = 0;            // rating and number, inclusive
   std::string low_label, high_label;  // rating
-  std::vector<std::string> options;   // choice
+  std::vector<std::string> options;   // choice: what the log keeps
+  std::vector<std::string> shown;     // choice: the same in the participant's language; empty: options
   bool per_condition = false;         // after_session: asked once for each condition
   bool required = true;
+  std::string group{};  // the part of a questionnaire that it belongs to, such as QA; empty: none
 };
+
+// A page that the operator reads out, or that the participant reads.
+struct Instruction {
+  enum class When { before_session, before_practice, before_main } when = When::before_session;
+  std::string id;
+  std::string text;
+};
+
+// How a session that was interrupted goes on.
+struct ResumePolicy {
+  std::optional<double> longest_gap_s;     // a longer interruption needs the operator's reason; none: any length
+  std::optional<double> practice_after_s;  // after a longer one the last practice round comes again; none: never
+  bool redo_block = false;                 // the interrupted block's answers are voided and it begins anew
+};
+
+// Texts in another language, by the place of the text in the protocol file: "$.consent".
+using Translation = std::map<std::string, std::string>;
 
 struct Exclusions {  // of single trials, before anything is counted
   std::optional<double> response_time_below_s;
@@ -200,6 +232,14 @@ struct Protocol {
   std::optional<Practice> practice;
   std::vector<Break> breaks;
   std::vector<Question> questions;
+  std::optional<Exploration> explore;  // with the paradigm explore
+  std::vector<Question> checklist;  // what the operator confirms or fills in before a session: masking noise, blindfold
+  std::vector<Instruction> instructions;  // in order
+  std::string consent;                    // the text that the participant agrees to; empty: consent is taken elsewhere
+  std::string language = "en";            // of the texts, as BCP 47 names it
+  std::map<std::string, Translation> translations;  // by language
+  ResumePolicy resume;
+  bool blinded = true;  // results of people stay coded or pooled until the study is complete, or unblinded
   Feedback feedback = Feedback::none;
   AnalysisPlan analysis;
   std::vector<std::string> notes;  // for people: why the design is as it is

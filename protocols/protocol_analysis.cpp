@@ -1,6 +1,7 @@
 // Reads what is registered about results and sources: the members "source", "published", "assumed" and "analysis".
 #include <algorithm>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -88,6 +89,38 @@ void check_model_and_method(const JsonNode& node, JsonReader& reader, ProtocolRe
                  "write \"jnd\": \"ml\", or remove it");
 }
 
+// The question of a published rating.
+void look_at_question(JsonReader& reader, const PublishedValue& value, ProtocolReading& reading) {
+  if (value.question.empty()) return;
+  const auto& questions = reading.protocol.questions;
+  const auto asked = std::find_if(questions.begin(), questions.end(),
+                                  [&](const Question& question) { return question.id == value.question; });
+  if (value.quantity != "rating")
+    reader.error("question", "belongs to a rating", "remove it, or write \"quantity\": \"rating\"");
+  else if (asked == questions.end())
+    reader.error("question", fmt::format("there is no question {}", in_quotes(value.question)),
+                 "write the id of one of $.questions");
+}
+
+// Of free interaction: there are ratings alone, so what belongs to d' has no meaning.
+void read_analysis_of_ratings(JsonReader& reader, ProtocolReading& reading) {
+  for (const std::string_view key : {"model", "correction", "jnd", "criterion", "stiffness", "exclude"})
+    if (reader.member(key) != nullptr)
+      reader.error(key, "has no meaning with the paradigm \"explore\"", "remove it: there are no trials");
+  if (const JsonNode* contrasts = reader.array_or_null("contrasts", 0, 190)) read_contrasts(*contrasts, reading);
+  if (const JsonNode* tests = reader.object_or_null("tests")) {
+    JsonReader part(*tests, reading.errors, reading.file);
+    for (const std::string_view key : {"on", "omnibus", "post_hoc"})
+      if (part.member(key) != nullptr)
+        part.error(key, "has no meaning with the paradigm \"explore\"",
+                   "remove it: ratings are compared by Wilcoxon's signed-rank test");
+    double& alpha = reading.protocol.analysis.tests.alpha;
+    alpha = part.optional_number("alpha", {.min = 0, .max = 0.5, .above = true}).value_or(alpha);
+    part.finish();
+  }
+  reader.finish();
+}
+
 }  // namespace
 
 void read_source(const JsonNode& node, ProtocolReading& reading) {
@@ -104,7 +137,7 @@ void read_source(const JsonNode& node, ProtocolReading& reading) {
 }
 
 void read_published(const JsonNode& list, ProtocolReading& reading) {
-  std::set<std::pair<std::string, std::string>> seen;
+  std::set<std::tuple<std::string, std::string, std::string>> seen;
   for (const JsonNode& item : list.items) {
     PublishedValue value;
     JsonReader reader(item, reading.errors, reading.file);
@@ -118,9 +151,12 @@ void read_published(const JsonNode& list, ProtocolReading& reading) {
     if (value.quantity == "rating") limits = {.min = -100, .max = 100};
     value.value = reader.number("value", limits);
     value.ci95_half_width = reader.optional_number("ci95_half_width", {.min = 0, .max = 20000});
+    value.sd = reader.optional_number("sd", {.min = 0, .max = 20000});
+    value.question = reader.text_or("question", "", {.max_length = 100});
+    look_at_question(reader, value, reading);
     value.note = reader.text_or("note", "", {.max_length = 500});
     reader.finish();
-    if (reading.sound(item.path) && !seen.insert({value.condition, value.quantity}).second)
+    if (reading.sound(item.path) && !seen.insert({value.condition, value.quantity, value.question}).second)
       reading.error(item, fmt::format("the {} of {} is given twice", value.quantity, in_quotes(value.condition)),
                     "remove one");
     reading.protocol.published.push_back(std::move(value));
@@ -149,6 +185,7 @@ void read_assumed(const JsonNode& list, ProtocolReading& reading) {
 void read_analysis(const JsonNode& node, ProtocolReading& reading) {
   AnalysisPlan& analysis = reading.protocol.analysis;
   JsonReader reader(node, reading.errors, reading.file);
+  if (reading.explores()) return read_analysis_of_ratings(reader, reading);
   analysis.model = reader.one_of<std::string>(
       "model",
       {{"yes-no", "yes-no"}, {"differencing", "differencing"}, {"independent-observation", "independent-observation"}});

@@ -42,6 +42,20 @@ Cues read_cues(const JsonNode& list, ProtocolReading& reading) {
   return cues;
 }
 
+// Whether the condition has devices, and what these render.
+void read_devices(JsonReader& reader, Condition& condition, ProtocolReading& reading) {
+  if (reading.explores()) {
+    condition.devices = reader.boolean_or("devices", true);
+  } else if (reader.member("devices") != nullptr) {
+    reader.error("devices", "belongs to the paradigm \"explore\"", "remove it: every trial is rendered by devices");
+  }
+  if (condition.devices) {
+    if (const JsonNode* cues = reader.array("cues", 0, 3)) condition.cues = read_cues(*cues, reading);
+  } else if (reader.member("cues") != nullptr) {
+    reader.error("cues", "nothing renders them without devices", "remove it, or \"devices\": false");
+  }
+}
+
 template <typename Named>
 std::optional<int> place_of(const JsonNode& name, const std::vector<Named>& all, std::string_view what,
                             ProtocolReading& reading) {
@@ -87,7 +101,7 @@ void read_conditions(const JsonNode& list, ProtocolReading& reading) {
     JsonReader reader(item, reading.errors, reading.file);
     condition.name = read_name(reader, "name", reading).value_or("");
     condition.label = reader.text("label", {.max_length = 100});
-    if (const JsonNode* cues = reader.array("cues", 0, 3)) condition.cues = read_cues(*cues, reading);
+    read_devices(reader, condition, reading);
     reader.finish();
     reading.protocol.conditions.push_back(std::move(condition));
   }
@@ -117,6 +131,21 @@ void read_design(const JsonNode& node, ProtocolReading& reading) {
   Design& design = reading.protocol.design;
   JsonReader reader(node, reading.errors, reading.file);
   design.participants = reader.integer("participants", {.min = 1, .max = 1000});
+  design.sessions = reader.integer_or("sessions", 1, {.min = 1, .max = 20});
+  if (reading.explores()) {
+    for (const std::string_view key :
+         {"trials_per_cell", "sampling", "run_limit", "procedure", "conditions", "per_series"})
+      if (reader.member(key) != nullptr)
+        reader.error(key, "has no meaning with the paradigm \"explore\"", "remove it: there are no trials");
+    if (const JsonNode* order = reader.object("order")) {
+      JsonReader part(*order, reading.errors, reading.file);
+      design.condition_order = read_order(part, "conditions");
+      if (part.member("series") != nullptr)
+        part.error("series", "there are no series to order", "remove it; objects are always dealt");
+      part.finish();
+    }
+    return reader.finish();
+  }
   const JsonNode* procedure = reader.object_or_null("procedure");
   if (reading.adaptive()) {
     for (const std::string_view key : {"trials_per_cell", "sampling", "run_limit"})

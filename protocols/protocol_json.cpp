@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "protocols/people_texts.h"
 #include "protocols/protocol_reading.h"
 #include "protocols/read_file.h"
 #include "protocols/sha256.h"
@@ -24,37 +25,70 @@ void read_notes(const JsonNode& list, ProtocolReading& reading) {
   }
 }
 
-void read_protocol(ProtocolReading& reading) {
-  Protocol& protocol = reading.protocol;
-  JsonReader reader(reading.root, reading.errors, reading.file);
-  reader.ignore("$schema");
-  reader.integer("format", {.min = 1, .max = 1});
-  protocol.title = reader.text("title", {.max_length = 200});
-  if (const JsonNode* node = reader.object("source")) read_source(*node, reading);
-  if (const JsonNode* list = reader.array_or_null("notes", 0, 50)) read_notes(*list, reading);
-  const JsonNode* published = reader.array_or_null("published", 0, 200);
-  const JsonNode* assumed = reader.array_or_null("assumed", 0, 200);
-  if (const JsonNode* node = reader.object("rig")) read_rig(*node, reading);
-  protocol.paradigm = reader.one_of<Paradigm>("paradigm", {{"same-different", Paradigm::same_different}});
-  if (const JsonNode* node = reader.object("trial")) read_trial(*node, reading);
-  if (const JsonNode* node = reader.object("stimulus")) read_stimulus(*node, reading);
-  if (const JsonNode* list = reader.array("conditions", 1, 20)) read_conditions(*list, reading);
+// Pairs of stiffnesses, or objects.
+void read_what_is_presented(JsonReader& reader, ProtocolReading& reading) {
+  if (reading.explores()) {
+    if (const JsonNode* node = reader.object("explore")) read_explore(*node, reading);
+    return;
+  }
+  if (reader.member("explore") != nullptr)
+    reader.error("explore", "belongs to the paradigm \"explore\"", "remove it, or change the paradigm");
   if (!reading.adaptive()) {
     if (const JsonNode* list = reader.array("series", 1, 50)) read_series(*list, reading);
   } else if (reader.member("series") != nullptr) {
     reader.error("series", "has no meaning beside $.design.procedure: the answers set the levels",
                  "remove it; the procedure's \"starts\" and \"clamp\" say where they begin and end");
   }
+}
+
+// What surrounds the trials, and whom it is for.
+void read_session(JsonReader& reader, ProtocolReading& reading) {
+  if (!reading.explores())
+    if (const JsonNode* node = reader.object_or_null("practice")) read_practice(*node, reading);
+  if (const JsonNode* list = reader.array_or_null("breaks", 0, 20)) read_breaks(*list, reading);
+  if (const JsonNode* list = reader.array_or_null("checklist", 0, 50)) read_checklist(*list, reading);
+  if (const JsonNode* list = reader.array_or_null("instructions", 0, 30)) read_instructions(*list, reading);
+  reading.protocol.consent = reader.text_or("consent", "", kPageLimits);
+  read_language(reader, reading);
+  if (const JsonNode* node = reader.object_or_null("resume")) read_resume(*node, reading);
+  reading.protocol.blinded = reader.one_of_or<bool>("blinding", {{"coded", true}, {"open", false}}, true);
+}
+
+void read_protocol(ProtocolReading& reading) {
+  Protocol& protocol = reading.protocol;
+  JsonReader reader(reading.root, reading.errors, reading.file);
+  reader.ignore("$schema");
+  reader.integer("format", {.min = 1, .max = 1});
+  protocol.title = reader.text("title", kTitleLimits);
+  if (const JsonNode* node = reader.object("source")) read_source(*node, reading);
+  if (const JsonNode* list = reader.array_or_null("notes", 0, 50)) read_notes(*list, reading);
+  const JsonNode* published = reader.array_or_null("published", 0, 200);
+  const JsonNode* assumed = reader.array_or_null("assumed", 0, 200);
+  // First of all the paradigm: it says which of the other members there are.
+  protocol.paradigm = reader.one_of<Paradigm>(
+      "paradigm", {{"same-different", Paradigm::same_different}, {"explore", Paradigm::explore}});
+  if (const JsonNode* node = reader.object("rig")) read_rig(*node, reading);
+  if (reading.explores()) refuse_trials(reader);
+  if (!reading.explores())
+    if (const JsonNode* node = reader.object("trial")) read_trial(*node, reading);
+  if (const JsonNode* node = reader.object("stimulus")) read_stimulus(*node, reading);
+  if (const JsonNode* list = reader.array("conditions", 1, 20)) read_conditions(*list, reading);
+  read_what_is_presented(reader, reading);
   if (const JsonNode* node = reader.object("design")) read_design(*node, reading);
-  // These name conditions and series, so they come after them.
+  if (const JsonNode* list = reader.array_or_null("questions", 0, 100)) read_questions(*list, reading);
+  // These name conditions, series and questions, so they come after them.
   if (published != nullptr) read_published(*published, reading);
   if (assumed != nullptr) read_assumed(*assumed, reading);
-  if (const JsonNode* node = reader.object_or_null("practice")) read_practice(*node, reading);
-  if (const JsonNode* list = reader.array_or_null("breaks", 0, 20)) read_breaks(*list, reading);
-  if (const JsonNode* list = reader.array_or_null("questions", 0, 100)) read_questions(*list, reading);
-  protocol.feedback =
-      reader.one_of<Feedback>("feedback", {{"none", Feedback::none}, {"correctness", Feedback::correctness}});
-  if (const JsonNode* node = reader.object("analysis")) read_analysis(*node, reading);
+  read_session(reader, reading);
+  if (reading.explores()) {
+    if (const JsonNode* node = reader.object_or_null("analysis")) read_analysis(*node, reading);
+  } else {
+    protocol.feedback =
+        reader.one_of<Feedback>("feedback", {{"none", Feedback::none}, {"correctness", Feedback::correctness}});
+    if (const JsonNode* node = reader.object("analysis")) read_analysis(*node, reading);
+  }
+  // Its paths name texts of all the others.
+  if (const JsonNode* node = reader.object_or_null("translations")) read_translations(*node, reading);
   reader.finish();
 }
 

@@ -41,8 +41,8 @@ void lint_conditions(ProtocolReading& reading) {
     for (std::size_t j = 0; j < i; ++j) {
       const bool readable =
           reading.sound(element("conditions", i, "cues")) && reading.sound(element("conditions", j, "cues"));
-      if (readable && conditions[i].cues == conditions[j].cues) {
-        reading.error_at(element("conditions", i, "cues"),
+      if (readable && conditions[i].cues == conditions[j].cues && conditions[i].devices == conditions[j].devices) {
+        reading.error_at(element("conditions", i, conditions[i].devices ? "cues" : "devices"),
                          fmt::format("has the same cues as condition {}", in_quotes(conditions[j].name)),
                          "the two would feel alike: change one, or remove it");
         break;
@@ -81,7 +81,7 @@ void lint_orders(ProtocolReading& reading) {
     if (order == Order::williams && items > kMostWilliams)
       reading.error_at(path, fmt::format("a Williams square of {} {} is too large", items, what), "use \"random\"");
   };
-  look(design.series_order, protocol.series.size(), "series", "series");
+  if (!reading.explores()) look(design.series_order, protocol.series.size(), "series", "series");
   look(design.condition_order, protocol.conditions.size(), "conditions", "conditions");
 
   const bool mixed = design.arrangement == Arrangement::mixed && reading.sound("$.design.conditions");
@@ -153,8 +153,10 @@ void lint_trials(ProtocolReading& reading) {
 void lint_protocol(ProtocolReading& reading) {
   lint_names(reading);
   lint_conditions(reading);
-  lint_series(reading);
+  lint_question_ids(reading);
   lint_orders(reading);
+  if (reading.explores()) return lint_explore(reading);
+  lint_series(reading);
   lint_trials(reading);
 }
 

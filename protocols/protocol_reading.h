@@ -26,6 +26,8 @@ struct ProtocolReading {
   bool knows_rig() const { return !protocol.rig.device.empty() && sound("$.rig.device"); }
   // Do the answers set the levels? Then there are no series in the file.
   bool adaptive() const;
+  // Free interaction instead of trials? What belongs to trials has then no meaning.
+  bool explores() const { return protocol.paradigm == Paradigm::explore; }
   void error(const JsonNode& at, std::string message, std::string suggestion = "") {
     errors.push_back(diagnostic_at(at, file, std::move(message), std::move(suggestion)));
   }
@@ -69,7 +71,27 @@ std::optional<int> series_place(const JsonNode& name, ProtocolReading& reading);
 // protocol_session.cpp: what surrounds the trials.
 void read_practice(const JsonNode& node, ProtocolReading& reading);
 void read_breaks(const JsonNode& list, ProtocolReading& reading);
+
+// protocol_explore.cpp: free interaction. Reports the members of outer that only trials have.
+void read_explore(const JsonNode& node, ProtocolReading& reading);
+void refuse_trials(JsonReader& outer);
+void lint_explore(ProtocolReading& reading);
+// The name of a virtual object, which is also the name of its file: [a-z0-9-]{1,32}, so that it cannot leave a folder.
+bool is_object_name(std::string_view name) noexcept;
+
+// protocol_questions.cpp: what is asked and filled in.
 void read_questions(const JsonNode& list, ProtocolReading& reading);
+void read_checklist(const JsonNode& list, ProtocolReading& reading);
+void lint_question_ids(ProtocolReading& reading);
+std::string read_id(JsonReader& reader, std::string_view key);
+
+// protocol_people.cpp: what people are told, in which language, and how an interrupted session goes on.
+void read_instructions(const JsonNode& list, ProtocolReading& reading);
+void read_resume(const JsonNode& node, ProtocolReading& reading);
+void read_language(JsonReader& reader, ProtocolReading& reading);
+// After everything that has texts.
+void read_translations(const JsonNode& node, ProtocolReading& reading);
+void warn_about_translations(ProtocolReading& reading);
 
 // protocol_analysis.cpp: what is registered about the results, and where the design comes from.
 void read_source(const JsonNode& node, ProtocolReading& reading);

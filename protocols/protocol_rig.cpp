@@ -54,23 +54,17 @@ void read_mode(JsonReader& reader, ProtocolReading& reading) {
 }
 
 void read_object(JsonReader& reader, ProtocolReading& reading) {
-  constexpr std::size_t kLongest = 32;
   RigRequest& rig = reading.protocol.rig;
   rig.object = reader.text_or("object", "", {.max_length = 200});
-  const bool good = rig.object.size() <= kLongest && std::all_of(rig.object.begin(), rig.object.end(), [](char c) {
-                      return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-';
-                    });
-  if (!good)
+  if (!rig.object.empty() && !is_object_name(rig.object))
     reader.error("object", in_quotes(rig.object) + " cannot be the name of an object",
                  "1 to 32 lower-case letters, digits or -");
 }
 
-// Devices around a virtual sphere, or around another object in its place.
-void read_surroundings(JsonReader& reader, ProtocolReading& reading) {
-  constexpr NumberLimits kSeparation{.min = 0.02, .max = 0.5, .unit = "m"};
+// What lies between the devices: a sphere, or another object in its place.
+void read_sphere_or_object(JsonReader& reader, ProtocolReading& reading) {
   constexpr NumberLimits kRadius{.min = 0.005, .max = 0.2, .unit = "m"};
   RigRequest& rig = reading.protocol.rig;
-  rig.separation_m = reader.number("separation_m", kSeparation);
   read_object(reader, reading);
   if (const JsonNode* object = reader.node().find("object")) {
     const JsonNode* radius = reader.member("sphere_radius_m");
@@ -78,15 +72,29 @@ void read_surroundings(JsonReader& reader, ProtocolReading& reading) {
       reading.error(*radius, fmt::format("a sphere beside the object {}", in_quotes(rig.object)),
                     "the object takes the sphere's place: remove one of the two");
     }
+    return;
+  }
+  rig.sphere_radius_m = reader.number("sphere_radius_m", kRadius);
+  if (reading.sound("$.rig.separation_m") && reading.sound("$.rig.sphere_radius_m") &&
+      2 * rig.sphere_radius_m >= rig.separation_m) {
+    reader.error("sphere_radius_m",
+                 fmt::format("a sphere of {} m does not fit between devices {} m apart", plain(2 * rig.sphere_radius_m),
+                             plain(rig.separation_m)),
+                 "the fingers must be able to begin outside it: make it smaller than half of separation_m");
+  }
+}
+
+// Devices that face each other. Free interaction names its objects elsewhere.
+void read_surroundings(JsonReader& reader, ProtocolReading& reading) {
+  constexpr NumberLimits kSeparation{.min = 0.02, .max = 0.5, .unit = "m"};
+  RigRequest& rig = reading.protocol.rig;
+  rig.separation_m = reader.number("separation_m", kSeparation);
+  if (!reading.explores()) {
+    read_sphere_or_object(reader, reading);
   } else {
-    rig.sphere_radius_m = reader.number("sphere_radius_m", kRadius);
-    if (reading.sound("$.rig.separation_m") && reading.sound("$.rig.sphere_radius_m") &&
-        2 * rig.sphere_radius_m >= rig.separation_m) {
-      reader.error("sphere_radius_m",
-                   fmt::format("a sphere of {} m does not fit between devices {} m apart",
-                               plain(2 * rig.sphere_radius_m), plain(rig.separation_m)),
-                   "the fingers must be able to begin outside it: make it smaller than half of separation_m");
-    }
+    for (const char* const key : {"sphere_radius_m", "object"})
+      if (reader.member(key) != nullptr)
+        reader.error(key, "has no meaning with the paradigm \"explore\"", "$.explore.objects names what is touched");
   }
   if (const JsonNode* flexion = reader.member("contact_flexion_rad")) {
     reading.error(*flexion, "\"contact_flexion_rad\" belongs to a rig that drives a joint",
@@ -123,6 +131,9 @@ void read_rig(const JsonNode& node, ProtocolReading& reading) {
   rig.device = reader.one_of<std::string>(
       "device", {{"rrs3", "rrs3"}, {"mckibben", "mckibben"}, {"rrs3+mckibben", "rrs3+mckibben"}});
   reading.protocol.stimulus.unit = fitting_unit(rig);
+  if (reading.explores() && reading.knows_rig() && rig.device != "rrs3")
+    reader.error("device", fmt::format("{} cannot go round an object", in_quotes(rig.device)),
+                 "free interaction needs fingertip devices alone: \"rrs3\"");
   if (const JsonNode* fingers = reader.array("fingers", 1, 2)) read_fingers(*fingers, reading);
   read_tracker(reader, reading);
   read_mode(reader, reading);

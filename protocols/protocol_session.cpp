@@ -1,7 +1,6 @@
-// Reads what surrounds the trials: the members "practice", "breaks" and "questions".
+// Reads what surrounds the trials: the members "practice" and "breaks".
 #include <algorithm>
 #include <numeric>
-#include <set>
 
 #include <fmt/format.h>
 
@@ -9,93 +8,6 @@
 
 namespace jnd {
 namespace {
-
-void read_rating(JsonReader& reader, Question& question, ProtocolReading& reading) {
-  const int lowest = reader.integer("min", {.min = -100, .max = 100});
-  const int highest = reader.integer("max", {.min = -100, .max = 100});
-  question.min = lowest;
-  question.max = highest;
-  question.low_label = reader.text("low", {.max_length = 100});
-  question.high_label = reader.text("high", {.max_length = 100});
-  const std::string& path = reader.node().path;
-  if (reading.sound(path + ".min") && reading.sound(path + ".max") && lowest >= highest)
-    reader.error("max", fmt::format("{} is not above min, {}", highest, lowest), "a rating goes from min up to max");
-}
-
-void read_number_question(JsonReader& reader, Question& question, ProtocolReading& reading) {
-  question.min = reader.number("min", {.min = -1e6, .max = 1e6});
-  question.max = reader.number("max", {.min = -1e6, .max = 1e6});
-  const std::string& path = reader.node().path;
-  if (reading.sound(path + ".min") && reading.sound(path + ".max") && question.min >= question.max)
-    reader.error("max", fmt::format("{} is not above min, {}", plain(question.max), plain(question.min)));
-}
-
-void read_options(JsonReader& reader, Question& question, ProtocolReading& reading) {
-  const JsonNode* options = reader.array("options", 2, 50);
-  if (options == nullptr) return;
-  for (const JsonNode& item : options->items) {
-    const auto option = text_of(item, {.max_length = 100}, reading.errors, reading.file);
-    if (!option) continue;
-    if (std::find(question.options.begin(), question.options.end(), *option) != question.options.end())
-      reading.error(item, fmt::format("the option {} is given twice", in_quotes(*option)), "options must differ");
-    question.options.push_back(*option);
-  }
-}
-
-// Members that belong to another kind of question would be silently without effect.
-void refuse_others(JsonReader& reader, std::string_view kind, std::initializer_list<std::string_view> keys) {
-  for (const std::string_view key : keys)
-    if (reader.member(key) != nullptr)
-      reader.error(key, fmt::format("has no meaning in a {} question", kind), "remove it, or change the kind");
-}
-
-Question read_question(const JsonNode& node, ProtocolReading& reading) {
-  using When = Question::When;
-  using Kind = Question::Kind;
-  Question question;
-  JsonReader reader(node, reading.errors, reading.file);
-  question.id = reader.text("id", {.max_length = 32});
-  const bool good_id = std::all_of(question.id.begin(), question.id.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
-  });
-  if (!good_id) reader.error("id", in_quotes(question.id) + " cannot be an id", "letters, digits, _ and -, at most 32");
-  question.when = reader.one_of<When>("when", {{"before-session", When::before_session},
-                                               {"after-condition", When::after_condition},
-                                               {"after-series", When::after_series},
-                                               {"after-session", When::after_session}});
-  const std::vector<std::string_view> kinds = {"rating", "number", "choice", "text"};
-  const auto kind = reader.word("kind", kinds, {}, true);
-  question.text = reader.text("text", {.max_length = 500});
-  question.per_condition = reader.boolean_or("per_condition", false);
-  question.required = reader.boolean_or("required", true);
-  if (!kind) {
-    for (const std::string_view key : {"min", "max", "low", "high", "options"}) reader.ignore(key);
-  } else {
-    question.kind = static_cast<Kind>(*kind);
-    switch (question.kind) {
-      case Kind::rating:
-        read_rating(reader, question, reading);
-        refuse_others(reader, "rating", {"options"});
-        break;
-      case Kind::number:
-        read_number_question(reader, question, reading);
-        refuse_others(reader, "number", {"low", "high", "options"});
-        break;
-      case Kind::choice:
-        read_options(reader, question, reading);
-        refuse_others(reader, "choice", {"min", "max", "low", "high"});
-        break;
-      case Kind::text:
-        refuse_others(reader, "text", {"min", "max", "low", "high", "options"});
-        break;
-    }
-  }
-  if (question.per_condition && question.when != When::after_session && reading.sound(node.path + ".when"))
-    reader.error("per_condition", "only a question after the session can be asked for each condition",
-                 "remove it, or ask \"after-session\"");
-  reader.finish();
-  return question;
-}
 
 void read_practice_series(JsonReader& reader, Practice& practice, ProtocolReading& reading) {
   (void)reader.text("series", {.max_length = 100});
@@ -169,17 +81,6 @@ void read_breaks(const JsonNode& list, ProtocolReading& reading) {
     pause.say = reader.text_or("say", "", {.max_length = 200});
     reader.finish();
     reading.protocol.breaks.push_back(std::move(pause));
-  }
-}
-
-void read_questions(const JsonNode& list, ProtocolReading& reading) {
-  std::set<std::string> ids;
-  for (const JsonNode& item : list.items) {
-    Question question = read_question(item, reading);
-    if (!question.id.empty() && !ids.insert(question.id).second)
-      reading.error(*item.find("id"), fmt::format("the id {} is taken already", in_quotes(question.id)),
-                    "ids must differ");
-    reading.protocol.questions.push_back(std::move(question));
   }
 }
 

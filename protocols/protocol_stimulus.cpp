@@ -85,8 +85,12 @@ void read_stimulus(const JsonNode& node, ProtocolReading& reading) {
   stimulus.reference = reader.number("reference", stiffness_limits(stimulus.unit));
   stimulus.expected_press = read_twofold(reader, kPress, unit, reading).value_or(stimulus.expected_press);
   stimulus.damping_n_s_per_m = read_twofold(reader, kViscosity, unit, reading).value_or(0);
-  stimulus.on_saturation =
-      reader.one_of<OnSaturation>("on_saturation", {{"flag", OnSaturation::flag}, {"repeat", OnSaturation::repeat}});
+  if (!reading.explores()) {
+    stimulus.on_saturation =
+        reader.one_of<OnSaturation>("on_saturation", {{"flag", OnSaturation::flag}, {"repeat", OnSaturation::repeat}});
+  } else if (reader.member("on_saturation") != nullptr) {
+    reader.error("on_saturation", "has no meaning without trials", "remove it: saturation is recorded");
+  }
   reader.finish();
 }
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "protocols/duration.h"
+#include "protocols/exploration_deal.h"
 #include "protocols/order.h"
 #include "protocols/planned_precision.h"
 #include "protocols/protocol_reading.h"
@@ -96,9 +97,13 @@ void warn_about_draws(ProtocolReading& reading) {
   }
 }
 
+int group_size(const Protocol& protocol) {
+  if (protocol.paradigm == Paradigm::explore) return std::max(1, ExplorationDeal(protocol, 0).group_size());
+  return OrderDeal(protocol, 0).group_size();
+}
+
 void warn_about_cohort(ProtocolReading& reading) {
-  const OrderDeal deal(reading.protocol, 0);
-  const int group = deal.group_size();
+  const int group = group_size(reading.protocol);
   const int participants = reading.protocol.design.participants;
   if (participants % group != 0) {
     const int above = (participants / group + 1) * group;
@@ -110,10 +115,13 @@ void warn_about_cohort(ProtocolReading& reading) {
 }
 
 void warn_about_session(ProtocolReading& reading) {
-  if (!reading.protocol.practice) {
+  if (!reading.protocol.practice && !reading.explores()) {
     reading.warn_at("$.practice", "there is no practice: learning falls into the first blocks",
                     "add \"practice\" with a criterion");
   }
+  if (reading.protocol.resume.practice_after_s && !reading.protocol.practice)
+    reading.warn_at("$.resume.practice_after_min", "there is no practice that could come again",
+                    "remove it, or add \"practice\"");
   const double duration = expected_duration_s(reading.protocol);
   if (duration > kLongSession_s) {
     reading.warn_at("$.design", fmt::format("a session takes about {:.0f} min", duration / 60),
@@ -126,13 +134,14 @@ void warn_about_session(ProtocolReading& reading) {
 void warn_about_protocol(ProtocolReading& reading) {
   if (reading.protocol.design.procedure) {
     warn_about_procedure(reading);
-  } else {
+  } else if (!reading.explores()) {
     warn_about_counts(reading);
     if (has_precision(reading.protocol)) warn_about_precision(reading);
     warn_about_draws(reading);
   }
   warn_about_cohort(reading);
   warn_about_session(reading);
+  warn_about_translations(reading);
 }
 
 }  // namespace jnd

@@ -79,7 +79,7 @@ Json group_json(const GroupResult& row, const Protocol& protocol) {
               {"no_information", row.jnd.no_information},
               {"published", Json::array()}};
   for (const PublishedValue& value : protocol.published)
-    if (value.condition == condition.name)
+    if (value.condition == condition.name && value.question.empty())
       out["published"].push_back({{"quantity", value.quantity}, {"value", value.value}});
   return out;
 }

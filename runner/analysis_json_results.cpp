@@ -6,6 +6,7 @@
 #include "runner/calc_detection.h"
 #include "runner/calc_group.h"
 #include "runner/json_output.h"
+#include "runner/result_tables_questionnaire.h"
 
 namespace jnd {
 
@@ -202,9 +203,23 @@ Json ratings_json(const StudyResults& results, const Protocol& protocol) {
   return out;
 }
 
+// Of the paradigm explore.
+Json explore_json(const StudyResults& results, const Protocol& protocol) {
+  Json out = {{"kind", to_string(results.analysis.kind)}, {"protocol_sha256", protocol.sha256}};
+  out["questionnaire"] = to_json(*results.questionnaire, protocol, condition_names(protocol));
+  out["deviations"] = results.deviations;
+  out["warnings"] = results.warnings;
+  out["heads"] = Json::array();
+  for (const SessionHead& head : results.analysis.heads)
+    out["heads"].push_back(
+        {{"participant", head.participant}, {"session", head.session}, {"closed", head.closed}, {"hash", head.hash}});
+  return out;
+}
+
 }  // namespace
 
 nlohmann::ordered_json to_json(const StudyResults& results, const Protocol& protocol) {
+  if (results.questionnaire) return explore_json(results, protocol);
   Json out = results.adaptive ? to_json(*results.adaptive, protocol) : to_json(results.analysis, protocol);
   out["comparisons"] = Json::array();
   for (const OutcomeComparison& outcome : results.comparisons)

@@ -54,7 +54,7 @@ int staircase(const StaircaseOptions& options) {
                       {"next", json_number(run.level())},
                       {"reversals", json_list(run.reversals())},
                       {"target", json_number(staircase_target(rule))}};
-    fmt::print("{}\n", out.dump());
+    fmt::print("{}\n", json_line(out));
     return exit_code::kDone;
   }
   fmt::print("{}next level {:g}; the rule settles where {:.1f} % of the answers are correct\n", table.text(),
@@ -105,7 +105,7 @@ int quest(const QuestOptions& options) {
                fmt::format("{:.4f}", estimate.median), fmt::format("{:.4f}", estimate.sd)});
   }
   if (options.input.json)
-    fmt::print("{}\n", out.dump());
+    fmt::print("{}\n", json_line(out));
   else
     fmt::print("{}next level {:.4f}\n", table.text(), recommended(estimate, options.place));
   return exit_code::kDone;

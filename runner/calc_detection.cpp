@@ -29,7 +29,7 @@ int sdt(const SdtOptions& options) {
   for (std::size_t row = 0; row < counts.size(); ++row) {
     const NamedDetectionRow named{table.text(row, "id"), detection_row(counts[row])};
     if (options.input.json)
-      fmt::print("{}\n", detection_json(named).dump());
+      fmt::print("{}\n", json_line(detection_json(named)));
     else
       rows.push_back(named);
   }
@@ -58,7 +58,7 @@ void print_coverage_json(const CoverageOptions& options) {
                             {"yes_no_01", sizes.yes_no_01},
                             {"differencing_05", sizes.differencing_05},
                             {"differencing_01", sizes.differencing_01}};
-      fmt::print("{}\n", line.dump());
+      fmt::print("{}\n", json_line(line));
     }
   }
 }

@@ -29,7 +29,7 @@ int compare_conditions(const GroupOptions& options) {
   LongTable table = long_table(csv);
   const NamedComparison named{std::move(table.conditions), compare(table.values)};
   if (options.input.json)
-    fmt::print("{}\n", comparison_json(named).dump());
+    fmt::print("{}\n", json_line(comparison_json(named)));
   else
     fmt::print("{}", comparison_text(named));
   return exit_code::kDone;
@@ -51,7 +51,7 @@ int wilcoxon(const GroupOptions& options) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     rows[i].p_holm = by_holm[i];
     rows[i].p_bh = by_bh[i];
-    if (options.input.json) fmt::print("{}\n", wilcoxon_json(rows[i]).dump());
+    if (options.input.json) fmt::print("{}\n", json_line(wilcoxon_json(rows[i])));
   }
   if (!options.input.json) fmt::print("{}", wilcoxon_text(rows));
   return exit_code::kDone;
@@ -74,7 +74,7 @@ int range_table(const RangeOptions& options, const std::string& from, const std:
     const double result = of(value, options.groups, options.df);
     if (options.input.json) {
       const nlohmann::ordered_json line = {{from, json_number(value)}, {to, json_number(result)}};
-      fmt::print("{}\n", line.dump());
+      fmt::print("{}\n", json_line(line));
     } else {
       table.add({fmt::format("{:g}", value), fmt::format("{:.8g}", result)});
     }
@@ -98,7 +98,7 @@ int shapiro(const GroupOptions& options) {
   if (options.input.json) {
     const nlohmann::ordered_json line = {
         {"n", test.n}, {"w", json_number(test.w)}, {"p", json_number(test.p)}, {"status", to_text(test.status)}};
-    fmt::print("{}\n", line.dump());
+    fmt::print("{}\n", json_line(line));
     return exit_code::kDone;
   }
   switch (test.status) {

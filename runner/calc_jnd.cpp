@@ -138,7 +138,7 @@ void print_json(const Group& group, const GroupResult& result, double reference)
     if (result.qualities[i]) method["fit"] = json_of(*result.qualities[i]);
     line[std::string(to_string(kJndMethods[i]))] = std::move(method);
   }
-  fmt::print("{}\n", line.dump());
+  fmt::print("{}\n", json_line(line));
 }
 
 std::string number(double value) {

@@ -13,6 +13,7 @@
 #include "runner/calc.h"
 #include "runner/commands.h"
 #include "runner/csv_table.h"
+#include "runner/json_output.h"
 
 namespace jnd {
 
@@ -117,8 +118,8 @@ int fit(const FitOptions& options) {
     throw InputError(fmt::format("{}: {}", options.input.file, error.what()));
   }
   if (options.input.json) {
-    for (const PsychometricAnswer& answer : answers) fmt::print("{}\n", psychometric_json(answer).dump());
-    if (comparison) fmt::print("{}\n", psychometric_json(*comparison).dump());
+    for (const PsychometricAnswer& answer : answers) fmt::print("{}\n", json_line(psychometric_json(answer)));
+    if (comparison) fmt::print("{}\n", json_line(psychometric_json(*comparison)));
   } else {
     fmt::print("{}", psychometric_text(answers));
     if (comparison) fmt::print("\n{}", psychometric_text(*comparison));

@@ -40,7 +40,7 @@ int selftest(const SelftestOptions& options) {
   }
   out["ok"] = ok;
   if (options.json) {
-    fmt::print("{}\n", out.dump());
+    fmt::print("{}\n", json_line(out));
   } else {
     fmt::print("{}{}\n", table.text(),
                ok ? "every quantity agrees with its reference on this machine"

@@ -5,12 +5,15 @@
 
 #include <fmt/format.h>
 
+#include "data/blinding.h"
 #include "data/export_folder.h"
 #include "data/methods_text.h"
 #include "data/result_columns.h"
 #include "data/study_results.h"
 #include "runner/analysis_text.h"
+#include "runner/blinded_files.h"
 #include "runner/commands.h"
+#include "runner/json_output.h"
 #include "runner/study_access.h"
 #include "runner/terminal.h"
 
@@ -39,7 +42,7 @@ void write_methods(const AnalyzeOptions& options, const std::string& text) {
   if (!is_ours(path)) {
     const std::string message = fmt::format("{}: is not a methods file of jnd, and was left as it is", path.string());
     if (named) throw StorageError(message + "; name another one");
-    fmt::print(stderr, "jnd: {} (--methods FILE names another one)\n", message);
+    fmt::print(stderr, "jnd: {} (--methods FILE names another one)\n", printable(message));
     return;
   }
   const fs::path draft = path.string() + ".new";
@@ -49,14 +52,14 @@ void write_methods(const AnalyzeOptions& options, const std::string& text) {
   std::error_code error;
   if (stream) fs::rename(draft, path, error);
   if (stream && !error) {
-    if (!options.json) fmt::print("The methods in words: {}\n", path.string());
+    if (!options.json) fmt::print("The methods in words: {}\n", printable(path.string()));
     return;
   }
   std::error_code ignored;
   fs::remove(draft, ignored);
   const std::string message = fmt::format("{}: cannot be written", path.string());
   if (named) throw StorageError(message);
-  fmt::print(stderr, "jnd: {} (--methods FILE names another place)\n", message);
+  fmt::print(stderr, "jnd: {} (--methods FILE names another place)\n", printable(message));
 }
 
 void write_csv(const std::string& folder, bool replace, const StudyResults& results, const Protocol& protocol,
@@ -79,12 +82,36 @@ void print_results(const StudyResults& results, const Protocol& protocol, const 
   print_remarks(results);
 }
 
+int analyze_blinded(const Study& study, const Protocol& protocol, const AnalyzeOptions& options) {
+  const BlindedResults results =
+      blinded_results(study, protocol, source_to_analyse(protocol, options.by), options.study);
+  if (options.cells || options.models == "all" || !options.methods.empty())
+    throw UsageError(results.line + "\n--cells, --models all and --methods name conditions: leave them out until then");
+  if (!options.csv.empty()) {
+    ExportFolder files(options.csv, options.replace);
+    write_blinded_results(files, results, protocol);
+    files.publish();
+  }
+  if (options.json) {
+    fmt::print("{}\n", json_line(to_json(results, protocol)));
+    return exit_code::kDone;
+  }
+  fmt::print("{}\n{}\n{}\n\n", bold(printable(protocol.title)),
+             dim(fmt::format("protocol {}", protocol.sha256.substr(0, 12))), warn(printable(results.line)));
+  if (results.participants.empty()) fmt::print("  no real session yet\n");
+  for (const ResultTable& table : blinded_tables(results, protocol)) print_table(table);
+  say_other_kinds(study, SessionKind::real);
+  if (!options.csv.empty()) fmt::print("CSV files of these results are in {}\n", printable(options.csv));
+  return exit_code::kDone;
+}
+
 }  // namespace
 
 int command_analyze(const AnalyzeOptions& options) {
   const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_only);
   const Protocol protocol = protocol_of(*study);
   const SessionKind kind = kind_to_analyse(*study, options.kind);
+  if (blinding_of(*study, protocol, kind).blinded) return analyze_blinded(*study, protocol, options);
   const StudyResults results = results_of(*study, protocol, kind, source_to_analyse(protocol, options.by));
   // Nothing but the procedure's own threshold exists where the answers set the levels.
   const bool all_models = options.models == "all" && !results.adaptive;
@@ -94,10 +121,11 @@ int command_analyze(const AnalyzeOptions& options) {
   if (options.json) {
     nlohmann::ordered_json out = to_json(results, protocol);
     if (all_models) out["models"] = to_json(models, protocol);
-    fmt::print("{}\n", out.dump());
+    fmt::print("{}\n", json_line(out));
   } else {
     fmt::print("{}\n{}\n\n", bold(printable(protocol.title)),
-               dim(fmt::format("protocol {}, seed {}", protocol.sha256.substr(0, 12), study->info().seed)));
+               dim(fmt::format("protocol {}, seed {}", protocol.sha256.substr(0, 12),
+                               seed_text(*study, protocol, "sealed while real sessions are blinded"))));
     if (results.analysis.participants == 0) {
       fmt::print("  no {} session yet\n", to_string(kind));
       return exit_code::kDone;
@@ -105,7 +133,7 @@ int command_analyze(const AnalyzeOptions& options) {
     if (all_models) print_table(models_table(models, protocol));
     print_results(results, protocol, options);
     say_other_kinds(*study, kind);
-    if (!options.csv.empty()) fmt::print("CSV files of these results are in {}\n", options.csv);
+    if (!options.csv.empty()) fmt::print("CSV files of these results are in {}\n", printable(options.csv));
   }
   if (results.analysis.participants > 0 && !options.no_methods)
     write_methods(options, methods_text(*study, protocol, results));

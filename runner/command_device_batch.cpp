@@ -13,6 +13,7 @@
 #include "runner/commands.h"
 #include "runner/device_output.h"
 #include "runner/rrs3_answer.h"
+#include "runner/terminal.h"
 
 namespace jnd {
 
@@ -82,7 +83,7 @@ void report(const std::string& message) {
   std::string::size_type begin = 0;
   while (begin <= message.size()) {
     const auto end = std::min(message.find('\n', begin), message.size());
-    fmt::print(stderr, "jnd: {}\n", message.substr(begin, end - begin));
+    fmt::print(stderr, "jnd: {}\n", printable(message.substr(begin, end - begin)));
     begin = end + 1;
   }
 }

@@ -1,6 +1,7 @@
 #include "runner/command_line.h"
 
 #include <functional>
+#include <sstream>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -10,11 +11,13 @@
 #include "protocols/input_error.h"
 #include "protocols/version.h"
 #include "runner/calc.h"
+#include "runner/care_commands.h"
 #include "runner/commands.h"
 #include "runner/device_commands.h"
 #include "runner/interrupt.h"
 #include "runner/precision_options.h"
 #include "runner/report_command.h"
+#include "runner/terminal.h"
 
 namespace jnd {
 
@@ -25,7 +28,7 @@ int failed(int code, const std::string& message) {
   std::string::size_type begin = 0;
   while (begin <= message.size()) {
     const auto end = std::min(message.find('\n', begin), message.size());
-    fmt::print(stderr, "jnd: {}\n", message.substr(begin, end - begin));
+    fmt::print(stderr, "jnd: {}\n", printable(message.substr(begin, end - begin)));
     begin = end + 1;
   }
   return code;
@@ -72,14 +75,18 @@ int run_command_line(int argc, const char* const* argv) {
   command->add_option("PROTOCOL", plan.protocol,
                       "protocol file, or name of a shipped one (with --precision: chinello2017 where none is named)");
   command->add_option("--participant", plan.participant, "participant number, from 1")->check(CLI::Range(1, 100'000));
+  command->add_option("--session", plan.session, "which of the participant's sessions, from 1 (default: 1)")
+      ->check(CLI::Range(1, 20));
   command->add_option("--cohort", plan.cohort, "show the balance over participants 1..N instead")
       ->check(CLI::Range(1, 10'000));
   command->add_option("--seed", plan.seed, "the study's seed (default: 1)");
+  command->add_option("--study", plan.study, "the plan of a study's participant, by its own protocol and seed");
   command->add_flag("--json", plan.json, "machine-readable");
   add_precision_options(*command, precision);
   command->callback([&] {
-    if (plan.protocol.empty() && !precision.asked) throw CLI::RequiredError("PROTOCOL");
-    if (plan.protocol.empty()) plan.protocol = "chinello2017";
+    if (plan.protocol.empty() && !precision.asked && !plan.study) throw CLI::RequiredError("PROTOCOL");
+    if (precision.asked && plan.study) throw CLI::ExcludesError("--precision", "--study");
+    if (plan.protocol.empty() && !plan.study) plan.protocol = "chinello2017";
     chosen = [&] { return precision.asked ? command_plan_precision(plan, precision) : command_plan(plan); };
   });
 
@@ -94,6 +101,14 @@ int run_command_line(int argc, const char* const* argv) {
   command->add_option("--responder", run.responder, "a live demonstration: this profile answers instead of a person");
   command->add_flag("--participant-presses", run.participant_presses,
                     "the participant presses the answer keys (otherwise the operator enters what is said)");
+  command->add_option("--language", run.language, "language of the participant's texts, of those in the protocol");
+  command->add_flag("--plain", run.plain, "a line at a time instead of a full screen: for screen readers and scripts");
+  command->add_option("--kind", run.kind, "real (default on a real rig) or pilot (default on a simulated one)");
+  command->add_flag("--new", run.beside, "begin this participant while another one's session is unfinished");
+  command->add_option("--accept-gap", run.accept_gap,
+                      "go on after a longer interruption than the protocol allows, for this reason");
+  command->add_option("--override-readiness", run.override_readiness,
+                      "begin in spite of what the readiness check found, for this reason");
   command->add_flag("--fast", run.fast, "rehearse without waiting: stimuli and pauses take no time");
   command->add_option("--record", run.record, "what is kept: off, events (faults), full (every tick; default)")
       ->check(CLI::IsMember({"off", "events", "full"}));
@@ -127,6 +142,8 @@ int run_command_line(int argc, const char* const* argv) {
   StudyOptions verified;
   command = add_command(app, "verify", "Recompute every hash and every planned stimulus", "jnd verify s.sqlite");
   command->add_option("STUDY", verified.study, "the study's file")->required();
+  command->add_flag("--deep", verified.deep,
+                    "also every number that telemetry gives, the course of every session, and the file itself");
   command->add_flag("--json", verified.json, "machine-readable");
   command->callback([&] { chosen = [&] { return command_verify(verified); }; });
 
@@ -186,6 +203,7 @@ int run_command_line(int argc, const char* const* argv) {
   command->add_flag("--json", doctor.json, "machine-readable");
   command->callback([&] { chosen = [&] { return command_doctor(doctor); }; });
 
+  add_care_commands(app, chosen);
   add_calc_commands(app, chosen);
   add_device_commands(app, chosen);
 
@@ -193,7 +211,10 @@ int run_command_line(int argc, const char* const* argv) {
     app.parse(argc, argv);
     return chosen();
   } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error);  // prints help, version or the message
+    std::ostringstream out, err;
+    const int code = app.exit(error, out, err);  // help, version or the message, which quotes arguments
+    fmt::print("{}", printable_lines(out.str()));
+    fmt::print(stderr, "{}", printable_lines(err.str()));
     return code == 0 ? exit_code::kDone : exit_code::kUsage;
   } catch (const UsageError& error) {
     return failed(exit_code::kUsage, error.what());

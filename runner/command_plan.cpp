@@ -2,10 +2,14 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "data/blinding.h"
 #include "protocols/cohort.h"
+#include "protocols/condition_codes.h"
 #include "protocols/plan.h"
+#include "runner/blinded_results.h"
 #include "runner/commands.h"
 #include "runner/json_output.h"
+#include "runner/plan_explorations.h"
 #include "runner/study_access.h"
 #include "runner/terminal.h"
 #include "runner/text_table.h"
@@ -34,8 +38,10 @@ nlohmann::ordered_json stimulus_json(const Trial& trial, std::size_t interval) {
 
 void print_plan(const Protocol& protocol, const Plan& plan) {
   fmt::print("{}\n{}\n", bold(printable(protocol.title)),
-             dim(fmt::format("participant {}, seed {}, protocol {}", plan.participant, plan.seed,
+             dim(fmt::format("participant {}{}, seed {}, protocol {}", plan.participant,
+                             plan.session == 1 ? "" : fmt::format(", session {}", plan.session), plan.seed,
                              protocol.sha256.substr(0, 12))));
+  if (protocol.paradigm == Paradigm::explore) return print_explorations(protocol, plan);
   fmt::print("series: {}\n", fmt::join(names_in_order(plan.series_order, protocol.series), ", "));
   for (std::size_t i = 0; i < plan.condition_orders.size(); ++i)
     fmt::print("conditions in series {}: {}\n", protocol.series[static_cast<std::size_t>(plan.series_order[i])].name,
@@ -67,6 +73,8 @@ void print_plan(const Protocol& protocol, const Plan& plan) {
 void print_plan_json(const Protocol& protocol, const Plan& plan) {
   nlohmann::ordered_json out = {
       {"participant", plan.participant}, {"protocol_sha256", protocol.sha256}, {"seed", plan.seed}};
+  if (plan.session > 1) out["session"] = plan.session;
+  if (protocol.paradigm == Paradigm::explore) out["explorations"] = explorations_json(protocol, plan);
   out["trials"] = nlohmann::ordered_json::array();
   for (const Trial& trial : plan.trials) {
     nlohmann::ordered_json row = {{"index", trial.index},
@@ -80,7 +88,7 @@ void print_plan_json(const Protocol& protocol, const Plan& plan) {
     if (trial.track > 0) row["track"] = trial.track;
     out["trials"].push_back(row);
   }
-  fmt::print("{}\n", out.dump());
+  fmt::print("{}\n", json_line(out));
 }
 
 nlohmann::ordered_json to_json(const CohortBalance& balance, const Protocol& protocol) {
@@ -97,6 +105,8 @@ nlohmann::ordered_json to_json(const CohortBalance& balance, const Protocol& pro
                                 {"series_positions", balance.series_positions},
                                 {"condition_transitions", balance.condition_transitions},
                                 {"cells", nlohmann::ordered_json::array()}};
+  if (balance.session > 1) out["session"] = balance.session;
+  if (protocol.paradigm == Paradigm::explore) out["object_positions"] = balance.object_positions;
   for (const CellBalance& cell : balance.cells)
     out["cells"].push_back({{"series", protocol.series[static_cast<std::size_t>(cell.series)].name},
                             {"condition", protocol.conditions[static_cast<std::size_t>(cell.condition)].name},
@@ -108,24 +118,79 @@ nlohmann::ordered_json to_json(const CohortBalance& balance, const Protocol& pro
   return out;
 }
 
-}  // namespace
+std::string round_text(const Trial& trial) {
+  return trial.practice ? fmt::format("practice round {}", trial.round) : "";
+}
 
-int command_plan(const PlanOptions& options) {
-  const Protocol protocol = load_checked_protocol(options.protocol);
+// What the operator's console may show: place, block and coded condition.
+int plan_in_code(const Study& study, const Protocol& protocol, const PlanOptions& options) {
+  const BlindingState state = blinding_of(study, protocol, SessionKind::real);
+  const std::string line = blinding_line(state, *options.study);
+  if (options.cohort)
+    throw UsageError(line + "\nThe balance of the cohort names conditions: leave --cohort out until then");
+  const Plan plan = make_plan(protocol, options.participant, study.info().seed, options.session);
+  const std::vector<std::string> codes = condition_codes(protocol, study.info().seed);
+  const auto code = [&](int condition) { return codes[static_cast<std::size_t>(condition)]; };
+  if (options.json) {
+    nlohmann::ordered_json out = {{"participant", plan.participant},
+                                  {"protocol_sha256", protocol.sha256},
+                                  {"seed", nullptr},
+                                  {"blinding", to_json(state)}};
+    out["trials"] = nlohmann::ordered_json::array();
+    for (const Trial& trial : plan.trials)
+      out["trials"].push_back({{"index", trial.index},
+                               {"block", trial.block},
+                               {"condition_code", code(trial.condition)},
+                               {"practice", trial.practice}});
+    if (!plan.explorations.empty()) out["explorations"] = nlohmann::ordered_json::array();
+    for (const ExplorationSlot& slot : plan.explorations)
+      out["explorations"].push_back(
+          {{"index", slot.index}, {"block", slot.block}, {"condition_code", code(slot.condition)}});
+    fmt::print("{}\n", json_line(out));
+    return exit_code::kDone;
+  }
+  fmt::print("{}\n{}\n{}\n\n", bold(printable(protocol.title)),
+             dim(fmt::format("participant {}, protocol {}", plan.participant, protocol.sha256.substr(0, 12))),
+             warn(printable(line)));
+  using Align = TextTable::Align;
+  TextTable table({"trial", "block", "condition", ""}, {Align::right, Align::right, Align::left, Align::left});
+  for (const Trial& trial : plan.trials)
+    table.add({std::to_string(trial.index), trial.practice ? "-" : std::to_string(trial.block), code(trial.condition),
+               round_text(trial)});
+  for (const ExplorationSlot& slot : plan.explorations)
+    table.add({std::to_string(slot.index), std::to_string(slot.block), code(slot.condition), "exploration"});
+  fmt::print("{}", table.text());
+  return exit_code::kDone;
+}
+
+int plan_of_protocol(const Protocol& protocol, std::uint64_t seed, const PlanOptions& options) {
   if (options.cohort) {
-    const CohortBalance balance = balance_of_cohort(protocol, *options.cohort, options.seed);
+    const CohortBalance balance = balance_of_cohort(protocol, *options.cohort, seed, options.session);
     if (options.json)
-      fmt::print("{}\n", to_json(balance, protocol).dump());
+      fmt::print("{}\n", json_line(to_json(balance, protocol)));
     else
       fmt::print("{}", to_text(balance, protocol));
     return exit_code::kDone;
   }
-  const Plan plan = make_plan(protocol, options.participant, options.seed);
+  const Plan plan = make_plan(protocol, options.participant, seed, options.session);
   if (options.json)
     print_plan_json(protocol, plan);
   else
     print_plan(protocol, plan);
   return exit_code::kDone;
+}
+
+}  // namespace
+
+int command_plan(const PlanOptions& options) {
+  if (!options.study)
+    return plan_of_protocol(load_checked_protocol(options.protocol), options.seed.value_or(1), options);
+  if (!options.protocol.empty() || options.seed)
+    throw UsageError("a study has its own protocol and seed: leave PROTOCOL and --seed out, or --study");
+  const std::unique_ptr<Study> study = Study::open(*options.study, Study::Access::read_only);
+  const Protocol protocol = protocol_of(*study);
+  if (plan_sealed(*study, protocol)) return plan_in_code(*study, protocol, options);
+  return plan_of_protocol(protocol, study->info().seed, options);
 }
 
 }  // namespace jnd

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "protocols/planned_precision.h"
+#include "runner/json_output.h"
 #include "runner/precision_json.h"
 #include "runner/precision_options.h"
 #include "runner/precision_text.h"
@@ -92,7 +93,7 @@ int command_plan_precision(const PlanOptions& plan, const PrecisionOptions& opti
   PrecisionQuestion question = precision_question(protocol);
   question.between_cv = options.between_cv;
   question.wanted_cv = options.cv;
-  question.seed = plan.seed;
+  question.seed = plan.seed.value_or(1);
   PlannedPrecision planned;
   for (const Condition& condition : protocol.conditions)
     planned.sources.push_back(planned_jnd(protocol, condition.name).source);
@@ -101,7 +102,7 @@ int command_plan_precision(const PlanOptions& plan, const PrecisionOptions& opti
   if (plan.json) {
     nlohmann::ordered_json out = {{"protocol_sha256", protocol.sha256}};
     out["precision"] = precision_json(planned, protocol);
-    fmt::print("{}\n", out.dump());
+    fmt::print("{}\n", json_line(out));
     return exit_code::kDone;
   }
   if (!options.markdown) fmt::print("{}\n", bold(printable(protocol.title)));

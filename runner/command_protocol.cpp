@@ -1,14 +1,17 @@
 // jnd new and jnd check: protocols before anyone takes part.
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <optional>
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include "protocols/device_lint.h"
 #include "protocols/duration.h"
+#include "protocols/json_reader.h"
 #include "protocols/plan.h"
 #include "protocols/protocol_json.h"
 #include "protocols/read_file.h"
@@ -43,13 +46,13 @@ int command_new(const NewOptions& options) {
   const std::filesystem::path file = options.file.ends_with(".json") ? options.file : options.file + ".json";
   if (!write_new_file(file, read_input_file(from)))
     throw UsageError(fmt::format("{} exists already; choose another name", file.string()));
-  fmt::print("{} written, a copy of {}.\n", file.string(), options.from);
+  fmt::print("{} written, a copy of {}.\n", printable(file.string()), printable(options.from));
   // The protocol names its schema by a relative path, so that editors help with it.
   const std::filesystem::path schema = from.parent_path() / "protocol.schema.json";
   if (std::filesystem::exists(schema) &&
       write_new_file(file.parent_path() / schema.filename(), read_input_file(schema)))
     fmt::print("  protocol.schema.json is beside it: editors that know JSON Schema help while you type\n");
-  fmt::print("  edit it, then:  jnd check {}\n", file.string());
+  fmt::print("  edit it, then:  jnd check {}\n", printable(file.string()));
   return exit_code::kDone;
 }
 
@@ -76,6 +79,21 @@ PlannedPrecision planned_precision(const Protocol& protocol) {
   return planned;
 }
 
+// The objects of free interaction must be there: their files are found by their names.
+void look_for_objects(const Protocol& protocol, const std::string& file, ProtocolCheck& check) {
+  if (!protocol.explore) return;
+  const std::vector<std::string> shipped = shipped_names(Resource::object);
+  const JsonNode root = parse_json(protocol.bytes, file);
+  for (std::size_t i = 0; i < protocol.explore->objects.size(); ++i) {
+    const std::string& name = protocol.explore->objects[i];
+    if (std::find(shipped.begin(), shipped.end(), name) != shipped.end()) continue;
+    const JsonNode* const explore = root.find("explore");
+    check.errors.push_back(diagnostic_at(explore->find("objects")->items[i], file,
+                                         fmt::format("there is no object {}", in_quotes(name)),
+                                         fmt::format("there are {}", fmt::join(shipped, ", "))));
+  }
+}
+
 CheckedFile check_file(const std::string& name_or_path) {
   const std::filesystem::path path = find_resource(Resource::protocol, name_or_path);
   CheckedFile result;
@@ -85,6 +103,7 @@ CheckedFile check_file(const std::string& name_or_path) {
   const DeviceLint lint = lint_against_device(protocol, rig_spec_of(protocol), path.string());
   result.check.errors.insert(result.check.errors.end(), lint.errors.begin(), lint.errors.end());
   result.check.warnings.insert(result.check.warnings.end(), lint.warnings.begin(), lint.warnings.end());
+  look_for_objects(protocol, path.string(), result.check);
   result.trials = main_trial_count(make_plan(protocol, 1, 1));
   result.duration_s = expected_duration_s(protocol);
   if (result.check.errors.empty() && has_precision(protocol)) result.precision = planned_precision(protocol);
@@ -92,15 +111,25 @@ CheckedFile check_file(const std::string& name_or_path) {
 }
 
 void print_check(const std::string& name, const CheckedFile& result) {
-  for (const Diagnostic& error : result.check.errors) fmt::print("error: {}\n", to_text(error));
-  for (const Diagnostic& warning : result.check.warnings) fmt::print("{}: {}\n", warn("warning"), to_text(warning));
+  for (const Diagnostic& error : result.check.errors) fmt::print("error: {}\n", printable(to_text(error)));
+  for (const Diagnostic& warning : result.check.warnings)
+    fmt::print("{}: {}\n", warn("warning"), printable(to_text(warning)));
   if (!result.check.errors.empty()) {
-    fmt::print("{}: {} error{}, {} warning{}\n", name, result.check.errors.size(),
+    fmt::print("{}: {} error{}, {} warning{}\n", printable(name), result.check.errors.size(),
                result.check.errors.size() == 1 ? "" : "s", result.check.warnings.size(),
                result.check.warnings.size() == 1 ? "" : "s");
     return;
   }
   const Protocol& protocol = *result.check.protocol;
+  if (protocol.explore) {
+    fmt::print(
+        "{}: {}\n  {}\n  {} conditions x {:g} s with {} object{}, {} question{}, about {} a session\n  SHA-256 {}\n",
+        printable(name), bold("ok"), printable(protocol.title), protocol.conditions.size(),
+        protocol.explore->duration_s, protocol.explore->objects.size(),
+        protocol.explore->objects.size() == 1 ? "" : "s", protocol.questions.size(),
+        protocol.questions.size() == 1 ? "" : "s", duration_text(result.duration_s), protocol.sha256);
+    return;
+  }
   if (protocol.design.procedure) {
     const AdaptiveProcedure& procedure = *protocol.design.procedure;
     const bool at_most = procedure.reversals > 0;
@@ -109,7 +138,7 @@ void print_check(const std::string& name, const CheckedFile& result) {
         "{}about "
         "{} a "
         "session\n  SHA-256 {}\n",
-        name, bold("ok"), printable(protocol.title), protocol.conditions.size(), procedure.starts.size(),
+        printable(name), bold("ok"), printable(protocol.title), protocol.conditions.size(), procedure.starts.size(),
         procedure.starts.size() == 1 ? "" : "s", at_most ? "at most " : "", result.trials, 100 * procedure.catch_share,
         at_most ? "at most " : "", duration_text(result.duration_s), protocol.sha256);
     return;
@@ -117,7 +146,7 @@ void print_check(const std::string& name, const CheckedFile& result) {
   fmt::print(
       "{}: {}\n  {}\n  {} conditions x {} series x {} trials a cell = {} trials a participant, about {} a session\n  "
       "SHA-256 {}\n",
-      name, bold("ok"), printable(protocol.title), protocol.conditions.size(), protocol.series.size(),
+      printable(name), bold("ok"), printable(protocol.title), protocol.conditions.size(), protocol.series.size(),
       protocol.design.trials_per_cell, result.trials, duration_text(result.duration_s), protocol.sha256);
   if (result.precision) fmt::print("\n{}", precision_summary(*result.precision, protocol, name));
 }
@@ -137,7 +166,7 @@ void print_check_json(const CheckedFile& result) {
   if (ok && result.check.protocol->design.procedure)
     out["trials_at_most"] = result.check.protocol->design.procedure->reversals > 0;
   if (ok) out["sha256"] = result.check.protocol->sha256;
-  fmt::print("{}\n", out.dump());
+  fmt::print("{}\n", json_line(out));
 }
 
 }  // namespace

@@ -1,21 +1,21 @@
 // jnd run: a session from this terminal. On simulated devices it is a rehearsal: kind pilot with a person at the keys,
 // kind simulated where a profile answers.
-#include <algorithm>
-#include <cctype>
-
-#include <boost/uuid/random_generator.hpp>
-#include <boost/uuid/uuid_io.hpp>
 #include <fmt/format.h>
 
 #include "data/event_body.h"
 #include "devices/rig_factory.h"
 #include "protocols/plan.h"
+#include "protocols/translation.h"
 #include "runner/commands.h"
 #include "runner/console.h"
 #include "runner/fast_clock.h"
 #include "runner/interrupt.h"
+#include "runner/keyboard.h"
+#include "runner/readiness.h"
 #include "runner/resources.h"
+#include "runner/rig_source.h"
 #include "runner/session_engine.h"
+#include "runner/session_opening.h"
 #include "runner/simulate.h"
 #include "runner/study_access.h"
 #include "runner/terminal.h"
@@ -24,98 +24,61 @@ namespace jnd {
 
 namespace {
 
-constexpr std::size_t kLongestCode = 32;
-
-std::string ask_participant(Keyboard& keyboard) {
-  fmt::print("Participant code (letters and digits): ");
-  std::fflush(stdout);
-  return keyboard.line().value_or("");
-}
-
-void check_code(const std::string& code) {
-  const bool plain =
-      std::all_of(code.begin(), code.end(), [](unsigned char c) { return std::isalnum(c) != 0 && c < 0x80; });
-  if (code.empty() || code.size() > kLongestCode || !plain)
-    throw UsageError(fmt::format("'{}' is not a participant code: 1 to {} letters and digits, such as P01",
-                                 printable(code), kLongestCode));
-}
-
-int lowest_free_number(const std::vector<SessionInfo>& sessions, SessionKind kind) {
-  int number = 1;
-  const auto taken = [&](int candidate) {
-    return std::any_of(sessions.begin(), sessions.end(),
-                       [&](const SessionInfo& s) { return s.kind == kind && s.participant_number == candidate; });
-  };
-  while (taken(number)) ++number;
-  return number;
-}
-
-// The session to run: the participant's open one, or a new one.
-struct Opened {
-  SessionInfo info;
-  std::unique_ptr<SessionLog> log;
-  bool resumed = false;
-};
-
-Opened open_or_resume(Study& study, const Protocol& protocol, const std::string& code, SessionKind kind,
-                      const std::string& responder, const std::string& profile_sha256, const RigInfo& rig,
-                      Clock& clock) {
-  const std::vector<SessionInfo> sessions = study.sessions();
-  for (const SessionInfo& session : sessions) {
-    if (session.participant != code || session.kind != kind) continue;
-    if (session.state == "closed")
-      throw UsageError(fmt::format("participant {} has finished this study ({} session, {}); use another code", code,
-                                   to_string(kind), session.ended));
-    if (session.responder != responder)
-      throw UsageError(fmt::format("participant {}'s session was begun with {}, not {}; go on with that", code,
-                                   session.responder, responder));
-    Opened opened{session, study.resume_session(session.id), true};
-    const SessionState state = replay(opened.log->events());
-    const double gap_s = static_cast<double>(clock.utc_ns() - state.last_utc_ns) * 1e-9;
-    opened.log->append(event_kind::kSessionResumed, {{"gap_s", gap_s}, {"trials_done", session.trials_done}},
-                       {clock.utc_ns(), clock.now_ns()});
-    return opened;
+// What the user may choose, or what the rig is for.
+SessionKind kind_of(const RunOptions& options, bool rig_simulated) {
+  if (options.responder) {
+    if (options.kind) throw UsageError("--responder answers for nobody: its data are simulated; leave --kind out");
+    return SessionKind::simulated;
   }
-  NewSession session;
-  session.participant = code;
-  session.kind = kind;
-  session.participant_number = lowest_free_number(sessions, kind);
-  session.id = kind == SessionKind::simulated ? simulated_session_id(study.info().seed, session.participant_number)
-                                              : to_string(boost::uuids::random_generator()());
-  session.responder = responder;
-  session.profile_sha256 = profile_sha256;
-  session.rig = rig.name;
-  session.rig_mode = rig.mode;
-  session.tracker = rig.tracker;
-  session.rig_sha256 = rig.sha256;
-  const Plan plan = make_plan(protocol, session.participant_number, study.info().seed);
-  session.trials_total = main_trial_count(plan);
-  session.stamp = {clock.utc_ns(), clock.now_ns()};
-  Opened opened;
-  opened.log = study.open_session(session);
-  for (const SessionInfo& info : study.sessions())
-    if (info.id == session.id) opened.info = info;
-  return opened;
+  if (options.fast && !rig_simulated && options.kind != "pilot")
+    throw UsageError("--fast skips what the participant should feel: leave it out, or add --kind pilot for a rehearsal");
+  if (!options.kind) return rig_simulated ? SessionKind::pilot : SessionKind::real;
+  const std::optional<SessionKind> kind = session_kind_from(*options.kind);
+  if (!kind || *kind == SessionKind::simulated)
+    throw UsageError(fmt::format("'{}': --kind takes real or pilot", printable(*options.kind)));
+  if (*kind == SessionKind::real && rig_simulated)
+    throw UsageError(
+        "this rig is simulated: nothing that is felt with it is real data. Leave --kind real out; the session is then "
+        "a rehearsal, of kind pilot");
+  return *kind;
 }
 
-void note_realtime(SessionLog& log, const RealtimeReport& report, const Clock& clock) {
+void note_realtime(SessionLog& log, const RealtimeReport& report, const Clock& clock, Console& console) {
   nlohmann::ordered_json items = nlohmann::ordered_json::array();
   for (const RealtimeItem& item : report.items)
     items.push_back({{"what", item.what}, {"ok", item.ok}, {"detail", item.detail}, {"why_not", item.why_not}});
   log.append(event_kind::kRealtime, {{"policy", to_string(report.policy)}, {"items", std::move(items)}},
              {clock.utc_ns(), clock.now_ns()});
   const std::string problems = report.problems();
-  if (!problems.empty()) fmt::print("{}\n{}\n", warn("The loop is not real-time:"), problems);
+  if (!problems.empty()) console.announce("The loop is not real-time:\n" + problems, true);
 }
 
-void greet(const Protocol& protocol, const Opened& opened, SessionKind kind, bool fast) {
-  const std::string what = kind == SessionKind::pilot
-                               ? "REHEARSAL on simulated devices (kind pilot: never counted as real data)"
-                               : "DEMONSTRATION with a simulated participant (kind simulated)";
-  fmt::print("{}\n{}\n", bold(printable(protocol.title)), warn(what));
-  fmt::print("participant {}, {} of {} trials done{}{}\n", opened.info.participant, opened.info.trials_done,
-             opened.info.trials_total, opened.resumed ? "; going on with the session" : "",
-             fast ? "; waiting takes no time (--fast)" : "");
+// What was found, said to the operator. False: the session must not be begun.
+bool is_ready(const Readiness& readiness, const RunOptions& options, Console& console) {
+  const std::string text = readiness_text(readiness);
+  const bool fine = std::all_of(readiness.items.begin(), readiness.items.end(),
+                                [](const MachineCheck& item) { return item.verdict == Verdict::ok; });
+  console.announce(text, !fine);
+  if (!readiness.blocked) return true;
+  return readiness.overridable && options.override_readiness && !options.override_readiness->empty();
+}
+
+SessionCard card_of(const Protocol& protocol, const RunOptions& options, const SessionRequest& request,
+                    const SessionTarget& target, const Plan& plan) {
+  SessionCard card;
+  card.title = protocol.title;
+  card.participant = request.participant;
+  card.session = target.number;
+  card.sessions = protocol.design.sessions;
+  card.kind = request.kind;
+  card.resumed = target.resumed.has_value();
+  card.trials_done = target.resumed ? target.resumed->trials_done : 0;
+  card.trials_total = std::max(main_trial_count(plan), static_cast<int>(plan.explorations.size()));
+  card.study = options.study;
+  card.language = protocol.language;
+  card.blinded = protocol.blinded;
+  card.fast = options.fast;
+  return card;
 }
 
 }  // namespace
@@ -127,57 +90,103 @@ int command_run(const RunOptions& options) {
   const ParticipantProfile profile =
       load_profile(find_resource(Resource::profile, options.responder.value_or(default_profile(protocol))));
   const RecordPolicy record = record_policy_of(options.record);
-  const SessionKind kind = person ? SessionKind::pilot : SessionKind::simulated;
+
+  SessionRequest request;
+  request.kind = kind_of(options, rig_info(protocol, description.spec).simulated);
+  request.responder = person ? "keyboard" : "profile " + profile.name;
+  request.profile_sha256 = person ? "" : profile.sha256;
+  request.beside = options.beside;
+  request.accept_gap = options.accept_gap;
+  request.language = options.language;
+  request.now = resume_moment(options.fast);
+  request.participant = !options.participant.empty() || person ? options.participant : participant_code(1);
+  if (options.language) in_language(protocol, *options.language);  // refused before anything is made
 
   std::unique_ptr<Keyboard> keyboard;
   if (person) keyboard = std::make_unique<Keyboard>();
-  const std::string code = !options.participant.empty() ? options.participant
-                           : person                     ? ask_participant(*keyboard)
-                                                        : participant_code(1);
-  check_code(code);
-
   std::unique_ptr<Clock> clock;
   if (options.fast)
     clock = std::make_unique<FastClock>();
   else
     clock = std::make_unique<SteadyClock>();
-  const std::unique_ptr<Study> study =
-      open_or_create_study(options.study, protocol, options.seed, {clock->utc_ns(), clock->now_ns()});
+  const Interrupts& interrupted = interrupts();
+  ConsoleOptions console_options;
+  console_options.plain = options.plain;
+  console_options.entered_by = options.participant_presses ? EnteredBy::participant : EnteredBy::operator_;
+  if (request.participant.empty())
+    request.participant = make_console(console_options, protocol, keyboard.get(), *clock, interrupted)
+                              ->ask_text("Participant code (letters and digits)");
+  check_participant_code(request.participant);
+
+  const auto now = [&] { return Stamp{clock->utc_ns(), clock->now_ns()}; };
+  const std::unique_ptr<Study> study = open_or_create_study(options.study, protocol, options.seed, now());
   const std::uint64_t seed = study->info().seed;
-  const Opened opened =
-      open_or_resume(*study, protocol, code, kind, person ? "keyboard" : "profile " + profile.name,
-                     person ? "" : profile.sha256, simulated_rig_info(protocol, description.spec), *clock);
-  const Plan plan = make_plan(protocol, opened.info.participant_number, seed);
+  const SessionTarget target = choose_session(*study, protocol, request);
+  const Protocol shown = target.language.empty() ? protocol : in_language(protocol, target.language);
+  const Plan plan = make_plan(protocol, target.participant_number, seed, target.number);
+
   SimulatedClock device_clock(clock->utc_ns());
   RigOptions how = rig_options(record, protocol, description);
   // On the real clock the loop has a thread of its own; in a quick rehearsal it runs inside the session's.
   if (!options.fast) how.realtime = realtime_policy_of(options.realtime);
-  std::unique_ptr<Rig> rig = make_simulated_rig(protocol, description, profile, plan.participant, seed,
-                                                options.fast ? static_cast<Clock&>(device_clock) : *clock, how);
+  std::unique_ptr<Rig> rig = make_rig(protocol, description, profile, plan.participant, seed,
+                                      options.fast ? static_cast<Clock&>(device_clock) : *clock, how);
   if (options.fast) rig = std::make_unique<FastRig>(std::move(rig), device_clock, *clock);
+  check_same_rig(target, rig->info());
   const StopOnInterrupt stop_rig(rig->stop);
   const StopOnKey stop_key(keyboard.get(), rig->stop);
-  if (how.realtime) note_realtime(*opened.log, rig->realtime(), *clock);
-  std::unique_ptr<Responder> responder;
-  if (person)
-    responder = std::make_unique<KeyboardResponder>(
-        protocol, *keyboard, *clock, options.participant_presses ? EnteredBy::participant : EnteredBy::operator_);
-  else
-    responder = make_simulated_participant(profile, protocol, plan.participant, seed, *clock);
 
-  greet(protocol, opened, kind, options.fast);
-  ConsoleView view(keyboard.get(), *clock);
-  SessionEngine engine(protocol, plan, *rig, *responder, *opened.log, *clock, view, interrupt_requested(), record);
-  const SessionEnd end = engine.run(replay(opened.log->events()));
+  const std::unique_ptr<Console> console = make_console(console_options, shown, keyboard.get(), *clock, interrupted);
+  Readiness readiness;
+  if (person) {
+    readiness = check_readiness({protocol, description.spec, plan, *study, options.study, request.participant,
+                                 request.kind, *rig, is_terminal(0), options.fast});
+    if (!is_ready(readiness, options, *console)) {
+      study->close();
+      console->end(
+          "Not begun: see to what is marked BAD and try again. Where there is a good reason to go on all the same: "
+          "--override-readiness \"REASON\" (it is kept).");
+      return exit_code::kProblemFound;
+    }
+  }
+
+  OpenedSession opened = open_session(*study, request, target, plan, rig->info(), now());
+  if (person)
+    opened.log->append(event_kind::kReadiness, readiness_body(readiness, options.override_readiness.value_or("")),
+                       now());
+  if (how.realtime) note_realtime(*opened.log, rig->realtime(), *clock, *console);
+  if (target.resumed && person)
+    console->announce(resume_text(target.check, protocol.resume), !target.check.warning.empty());
+  console->begin(card_of(shown, options, request, target, plan));
+
+  std::unique_ptr<Responder> simulated;
+  if (!person) simulated = make_simulated_participant(profile, protocol, plan.participant, seed, *clock);
+  std::optional<PauseOnInterrupt> pausing;
+  if (person) pausing.emplace();
+  const SessionParts parts{shown,       plan,   *rig,     person ? console->responder() : *simulated,
+                           *opened.log, *clock, *console, interrupted,
+                           record,      person};
+  SessionEnd end = SessionEnd::interrupted;
+  try {
+    end = SessionEngine(parts).run(replay(opened.log->events()),
+                                   {person && target.check.redo_block, person && target.check.practice_again});
+  } catch (...) {
+    console->end("");
+    throw;
+  }
   if (end == SessionEnd::interrupted) {
     study->close();
-    fmt::print("\nStopped. Every answer so far is saved in {}; the same command goes on at the next trial.\n",
-               options.study);
+    console->end(fmt::format("Stopped. Every answer so far is saved in {}; the same command goes on at the next trial.",
+                             printable(options.study)));
     return exit_code::kInterrupted;
   }
-  study->close_session(opened.info.id, {clock->utc_ns(), clock->now_ns()});
+  study->close_session(opened.id, now());
   study->close();
-  fmt::print("\n{} The session of {} is complete and saved in {}.\n", bold("Done."), code, options.study);
+  console->end(end == SessionEnd::completed
+                   ? fmt::format("{} The session of {} is complete and saved in {}.", bold("Done."),
+                                 request.participant, printable(options.study))
+                   : fmt::format("Ended. The session of {} is closed as it is; everything so far is saved in {}.",
+                                 request.participant, printable(options.study)));
   return exit_code::kDone;
 }
 

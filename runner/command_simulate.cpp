@@ -4,10 +4,12 @@
 
 #include <fmt/format.h>
 
+#include "data/blinding.h"
 #include "runner/adaptive_text.h"
 #include "runner/analysis_text.h"
 #include "runner/commands.h"
 #include "runner/interrupt.h"
+#include "runner/json_output.h"
 #include "runner/resources.h"
 #include "runner/simulate.h"
 #include "runner/study_access.h"
@@ -27,7 +29,7 @@ int simulate_without_study(const Simulation& simulation, bool json) {
     const AdaptiveResults results = simulate_thresholds(simulation);
     if (interrupt_requested()) return interrupted();
     if (json)
-      fmt::print("{}\n", to_json(results, simulation.protocol).dump());
+      fmt::print("{}\n", json_line(to_json(results, simulation.protocol)));
     else
       fmt::print("{}", to_text(results, simulation.protocol));
     return exit_code::kDone;
@@ -37,7 +39,7 @@ int simulate_without_study(const Simulation& simulation, bool json) {
   const StudyResults results =
       results_of(analyze_counts(cells, simulation.protocol, SessionKind::simulated), simulation.protocol);
   if (json) {
-    fmt::print("{}\n", to_json(results, simulation.protocol).dump());
+    fmt::print("{}\n", json_line(to_json(results, simulation.protocol)));
     return exit_code::kDone;
   }
   for (const ResultTable& table : result_tables(results, simulation.protocol))
@@ -51,6 +53,9 @@ int command_simulate(const SimulateOptions& options) {
   if (options.no_study == options.study.has_value())
     throw UsageError("say where the data go: --study FILE, or --no-study to keep nothing");
   const Protocol protocol = load_checked_protocol(options.protocol);
+  const bool explores = protocol.paradigm == Paradigm::explore;
+  if (explores && options.no_study)
+    throw UsageError("free interaction has answers, not counts: give --study FILE, and jnd analyze shows them");
   const RigDescription rig = rig_of(protocol);
   const ParticipantProfile profile = load_profile(
       find_resource(Resource::profile, options.profile.empty() ? default_profile(protocol) : options.profile));
@@ -67,11 +72,17 @@ int command_simulate(const SimulateOptions& options) {
 
   const std::unique_ptr<Study> study =
       open_or_create_study(*options.study, protocol, options.seed, {simulated_epoch_ns(1), 0});
+  if (!study->sessions().empty() && plan_sealed(*study, protocol))
+    throw UsageError(fmt::format(
+        "{} holds real sessions and is blinded: simulated participants would go through the same plans and show them. "
+        "Simulate into another file, or with --no-study",
+        *options.study));
   simulation.seed = study->info().seed;
   const SimulationResult result = simulate_study(simulation, *study);
   study->close();
   if (result.interrupted) {
-    fmt::print("Interrupted. Every answer so far is in {}; the same command goes on from here.\n", *options.study);
+    fmt::print("Interrupted. Every answer so far is in {}; the same command goes on from here.\n",
+               printable(*options.study));
     return exit_code::kInterrupted;
   }
   std::int64_t trials = 0;
@@ -84,9 +95,10 @@ int command_simulate(const SimulateOptions& options) {
   if (result.already_complete > 0)
     fmt::print("{} participant{} had finished before.\n", result.already_complete,
                result.already_complete == 1 ? "" : "s");
-  fmt::print("{}: {} participants, profile {}, seed {}: {} trials, {} voided\n", *options.study,
-             result.completed + result.already_complete, printable(profile.name), simulation.seed, trials, voided);
-  fmt::print("  next:  jnd analyze {}\n", *options.study);
+  fmt::print("{}: {} participants, profile {}, seed {}: {} {}, {} voided\n", printable(*options.study),
+             result.completed + result.already_complete, printable(profile.name), simulation.seed, trials,
+             explores ? "explorations" : "trials", voided);
+  fmt::print("  next:  jnd analyze {}\n", printable(*options.study));
   return exit_code::kDone;
 }
 

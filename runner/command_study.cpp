@@ -1,11 +1,16 @@
 // jnd status, verify and export: what a study holds.
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "data/blinding.h"
 #include "data/export.h"
 #include "data/study_results.h"
+#include "data/verify_deep.h"
 #include "devices/governor.h"
+#include "runner/blinded_files.h"
+#include "runner/blinded_problem.h"
 #include "runner/commands.h"
 #include "runner/json_output.h"
 #include "runner/study_access.h"
@@ -18,9 +23,15 @@ int command_status(const StudyOptions& options) {
   const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_only);
   const StudyInfo& info = study->info();
   const std::vector<SessionInfo> sessions = study->sessions();
+  const Protocol protocol = protocol_of(*study);
+  const BlindingState blinding = blinding_of(*study, protocol, SessionKind::real);
+  const bool sealed = plan_sealed(*study, protocol);
   if (options.json) {
     nlohmann::ordered_json out = {
-        {"protocol", info.protocol_name}, {"protocol_sha256", info.protocol_sha256}, {"seed", info.seed}};
+        {"protocol", info.protocol_name},
+        {"protocol_sha256", info.protocol_sha256},
+        {"seed", sealed ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(info.seed)},
+        {"blinding", to_json(blinding)}};
     out["sessions"] = nlohmann::ordered_json::array();
     for (const SessionInfo& session : sessions)
       out["sessions"].push_back(
@@ -35,11 +46,12 @@ int command_status(const StudyOptions& options) {
            {"started", session.started},
            {"ended", session.ended.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(session.ended)},
            {"head", session.head}});
-    fmt::print("{}\n", out.dump());
+    fmt::print("{}\n", json_line(out));
     return exit_code::kDone;
   }
-  fmt::print("{}: protocol {} ({}...), seed {}\n", bold(options.study), printable(info.protocol_name),
-             info.protocol_sha256.substr(0, 12), info.seed);
+  fmt::print("{}: protocol {} ({}...), seed {}\n", bold(printable(options.study)), printable(info.protocol_name),
+             info.protocol_sha256.substr(0, 12), seed_text(*study, protocol, "sealed"));
+  if (sealed) fmt::print("{}\n", warn(printable(blinding_line(blinding, options.study))));
   if (sessions.empty()) {
     fmt::print("  no session yet\n");
     return exit_code::kDone;
@@ -59,39 +71,75 @@ int command_status(const StudyOptions& options) {
 
 int command_verify(const StudyOptions& options) {
   const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_only);
-  const VerifyReport report = verify(*study);
+  VerifyReport report = verify(*study);
+  DeepReport deep;
+  if (options.deep) deep = verify_deep(*study);
+  report.problems.insert(report.problems.end(), deep.problems.begin(), deep.problems.end());
+  report.problems = unsealed_problems(std::move(report.problems), *study);
   const bool ok = report.problems.empty();
   if (options.json) {
-    const nlohmann::ordered_json out = {{"ok", ok},
-                                        {"sessions", report.sessions},
-                                        {"events", report.events},
-                                        {"trials", report.trials},
-                                        {"voided", report.voided},
-                                        {"telemetry", report.telemetry},
-                                        {"problems", report.problems}};
-    fmt::print("{}\n", out.dump());
+    nlohmann::ordered_json out = {{"ok", ok},
+                                  {"sessions", report.sessions},
+                                  {"events", report.events},
+                                  {"trials", report.trials},
+                                  {"voided", report.voided},
+                                  {"telemetry", report.telemetry},
+                                  {"problems", report.problems}};
+    if (options.deep)
+      out["deep"] = {{"sessions", deep.sessions},
+                     {"intervals", deep.intervals},
+                     {"numbers", deep.numbers},
+                     {"bytes", deep.bytes},
+                     {"remarks", deep.remarks}};
+    fmt::print("{}\n", json_line(out));
   } else {
     for (const std::string& problem : report.problems) fmt::print("problem: {}\n", printable(problem));
-    fmt::print("{}: {} ({} sessions, {} events, {} trials, {} voided{})\n", options.study,
+    fmt::print("{}: {} ({} sessions, {} events, {} trials, {} voided{})\n", printable(options.study),
                ok ? bold("every hash and every planned stimulus agrees")
                   : fmt::format("{} problem{}", report.problems.size(), report.problems.size() == 1 ? "" : "s"),
                report.sessions, report.events, report.trials, report.voided,
                report.telemetry > 0 ? fmt::format(", telemetry of {} intervals", report.telemetry) : std::string());
+    if (options.deep)
+      fmt::print("  the course of {} sessions was followed, {} numbers of {} intervals computed again, {} bytes read\n",
+                 deep.sessions, deep.numbers, deep.intervals, deep.bytes);
+    for (const std::string& remark : deep.remarks) fmt::print("  {}\n", printable(remark));
   }
   return ok ? exit_code::kDone : exit_code::kProblemFound;
 }
+
+namespace {
+
+int export_in_code(const Study& study, const Protocol& protocol, const ExportOptions& options) {
+  const BlindedResults results =
+      blinded_results(study, protocol, source_to_analyse(protocol, options.by), options.study);
+  const std::vector<std::string> files = export_blinded(study, protocol, results, options.folder, options.replace);
+  fmt::print("{}\n{} files (real data, in code) in {}; dictionary.csv says what every column is\n",
+             warn(printable(results.line)), files.size(), printable(options.folder));
+  say_other_kinds(study, SessionKind::real);
+  return exit_code::kDone;
+}
+
+}  // namespace
 
 int command_export(const ExportOptions& options) {
   const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_only);
   const Protocol protocol = protocol_of(*study);
   const SessionKind kind = kind_to_analyse(*study, options.kind);
+  if (options.telemetry && plan_sealed(*study, protocol))
+    throw UsageError(blinding_line(blinding_of(*study, protocol, SessionKind::real), options.study) +
+                     "\nThe recorded forces give the stimuli away: export without --telemetry until then");
+  if (blinding_of(*study, protocol, kind).blinded) return export_in_code(*study, protocol, options);
   const StudyResults results = results_of(*study, protocol, kind, source_to_analyse(protocol, options.by));
   std::optional<TelemetryExport> telemetry;
   if (options.telemetry) telemetry = {{limit::kNames.begin(), limit::kNames.end()}};
   const std::vector<std::string> files =
       export_csv(*study, protocol, results, options.folder, options.replace, telemetry);
   fmt::print("{} files ({} data) in {}; dictionary.csv says what every column is\n", files.size(), to_string(kind),
-             options.folder);
+             printable(options.folder));
+  if (plan_sealed(*study, protocol))
+    fmt::print("{}\n",
+               warn("Real sessions of this study are blinded, and every kind has their plan: the files of single "
+                    "trials and the seed are left out."));
   if (options.telemetry && std::none_of(files.begin(), files.end(), [](const std::string& file) {
         return file.find("/telemetry/") != std::string::npos;
       }))

@@ -40,9 +40,11 @@ int command_check(const CheckOptions& options);
 
 struct PlanOptions {
   std::string protocol;
+  std::optional<std::string> study;  // its protocol and seed, instead of those here
   int participant = 1;
+  int session = 1;  // of that participant, or of everybody's
   std::optional<int> cohort;
-  std::uint64_t seed = 1;
+  std::optional<std::uint64_t> seed;  // 1 where not given
   bool json = false;
 };
 int command_plan(const PlanOptions& options);
@@ -55,6 +57,12 @@ struct RunOptions {
   std::optional<std::string> responder;  // a profile that answers instead of a person
   bool participant_presses = false;      // who presses the answer keys
   bool fast = false;
+  bool plain = false;                             // a line at a time
+  std::optional<std::string> kind;                // real or pilot; what the rig is for where not given
+  std::optional<std::string> language;            // of the participant's texts
+  bool beside = false;                            // another participant's session may stay unfinished
+  std::string accept_gap;                         // why a too long interruption does not matter
+  std::optional<std::string> override_readiness;  // why a bad finding does not matter
   std::string record = "full";      // off, events, full
   std::string realtime = "prefer";  // off, prefer, require
 };
@@ -75,6 +83,7 @@ int command_simulate(const SimulateOptions& options);
 
 struct StudyOptions {
   std::string study;
+  bool deep = false;  // of verify
   bool json = false;
 };
 int command_status(const StudyOptions& options);

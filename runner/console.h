@@ -1,53 +1,67 @@
-// The operator's console, a line at a time: what to do now, trial k of n, the coded condition, the time left.
-// It never shows a stimulus, an answer's correctness (unless the protocol gives the participant that feedback) or a
-// condition's name.
+// The operator's console: what to do and to say now, trial k of n, the coded condition, the time left, the devices'
+// health; and what the operator asks for. It never shows a stimulus, an answer's correctness (unless the protocol gives
+// the participant that feedback) or a condition's name.
+//
+// Two faces, one behaviour: a calm full screen, or lines (--plain, and where input or output is no terminal).
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "devices/clock.h"
 #include "devices/responder.h"
-#include "runner/keyboard.h"
+#include "protocols/protocol.h"
+#include "protocols/vocabulary.h"
+#include "runner/interrupt.h"
 #include "runner/session_view.h"
 
 namespace jnd {
 
-class ConsoleView final : public SessionView {
- public:
-  // keyboard: null for a live demo, in which nobody presses keys. Both must outlive the view.
-  ConsoleView(Keyboard* keyboard, Clock& clock) noexcept : keyboard_(keyboard), clock_(clock) {}
+class Keyboard;
 
-  bool ready(const TrialOutline& outline) override;
-  void cue(CuePlace place, const CueSignal& cue) override;
-  void saved(const TrialOutline& outline, const Answer& answer) override;
-  void voided(const TrialOutline& outline, const std::string& reason, bool will_repeat) override;
-  bool recover(const std::string& stopped_by) override;
-  void feedback(bool correct) override;
-  void practice_over(int rounds, double share_correct, bool passed) override;
-  void break_begins(const Break& pause) override;
-  bool break_over(const Break& pause) override;
-
- private:
-  bool wait_for_space();
-
-  Keyboard* keyboard_;
-  Clock& clock_;
+// What is said of a session once, at its beginning.
+struct SessionCard {
+  std::string title;        // of the protocol
+  std::string participant;  // code
+  int session = 1, sessions = 1;
+  SessionKind kind = SessionKind::pilot;
+  bool resumed = false;
+  int trials_done = 0, trials_total = 0;  // of the main part
+  std::string study;                      // the file, as the user named it
+  std::string language;                   // of the texts
+  bool blinded = true;
+  bool fast = false;  // waiting takes no time
 };
 
-class KeyboardResponder final : public Responder {
- public:
-  KeyboardResponder(const Protocol& protocol, Keyboard& keyboard, Clock& clock, EnteredBy entered_by) noexcept
-      : protocol_(protocol), keyboard_(keyboard), clock_(clock), entered_by_(entered_by) {}
-
-  // None on time-out; on 'q', Ctrl-C or the end of input the program's interrupt latch is set as well.
-  std::optional<Answer> judge(const TrialQuestion& question) override;
-  std::optional<std::string> reply(const Question& question, int condition) override;
-
- private:
-  const Protocol& protocol_;
-  Keyboard& keyboard_;
-  Clock& clock_;
-  EnteredBy entered_by_;
+struct ConsoleOptions {
+  bool plain = false;  // lines, also on a terminal
+  EnteredBy entered_by = EnteredBy::operator_;
 };
+
+// Thread rule: the session's thread only.
+//
+// Interrupts: every wait looks at them. Where `pause` is set, ready(), instruct(), break_over() and ready_to_explore()
+// return Wish::pause, and a question stays open until it is answered; the latch itself is left to the engine. Where
+// `end` is set, or the keys have ended, a wait returns Wish::end_for_now, nothing, or false.
+// judge() returns nothing where the operator asks for something instead of the answer: meanwhile() then says what. What
+// was typed during a presentation and does not break it off (pause, note, end) is the next ready()'s.
+class Console : public SessionView {
+ public:
+  virtual Responder& responder() = 0;
+  virtual void begin(const SessionCard& card) = 0;
+  // A message of its own, of one line or several: what readiness found, a clock that was set back.
+  virtual void announce(const std::string& text, bool warning) = 0;
+  // [y] or [n]; false also where nobody can answer.
+  virtual bool confirm(const std::string& question) = 0;
+  // A line of text, such as the reason for going on in spite of a finding; may be empty.
+  virtual std::string ask_text(const std::string& question) = 0;
+  // Puts the terminal back and prints the last words there. Later calls print lines.
+  virtual void end(const std::string& last_words) = 0;
+};
+
+// keyboard: null for a live demonstration, in which nobody presses keys; then lines are printed. What is passed by
+// reference or pointer must outlive the console. A terminal that cannot show a screen gets lines.
+std::unique_ptr<Console> make_console(const ConsoleOptions& options, const Protocol& protocol, Keyboard* keyboard,
+                                      Clock& clock, const Interrupts& interrupts);
 
 }  // namespace jnd

@@ -11,6 +11,7 @@
 
 #include "data/storage_error.h"
 #include "runner/commands.h"
+#include "runner/json_output.h"
 #include "runner/resources.h"
 #include "runner/terminal.h"
 
@@ -59,7 +60,7 @@ bool write_csv(const DeviceOutput& output, const std::string& csv) {
 }
 
 void print_json(const nlohmann::ordered_json& document) {
-  fmt::print("{}\n", document.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  fmt::print("{}\n", json_line(document));
 }
 
 nlohmann::ordered_json json_rows(const Eigen::MatrixXd& matrix) {

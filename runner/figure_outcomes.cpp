@@ -123,9 +123,9 @@ std::vector<Figure> rating_figures(const StudyResults& results, const Protocol& 
     }
     for (ConditionColumn& column : figure.columns)
       for (const PublishedValue& value : protocol.published)
-        // A published rating names no question: it belongs to the first that was asked.
-        if (figures.empty() && value.quantity == "rating" &&
-            value.condition == condition_text(protocol, column.condition)) {
+        // A published rating that names no question belongs to the first that was asked.
+        if ((value.question.empty() ? figures.empty() : value.question == outcome.outcome) &&
+            value.quantity == "rating" && value.condition == condition_text(protocol, column.condition)) {
           column.published = value.value;
           column.published_half_width = value.ci95_half_width;
         }

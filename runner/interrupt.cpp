@@ -6,35 +6,63 @@ namespace jnd {
 
 namespace {
 
-std::atomic<bool> requested{false};
+Interrupts latches;
+std::atomic<bool> pausing{false};  // Ctrl-C pauses a session
+std::atomic<int> presses{0};       // of Ctrl-C since the last pause was over
 std::atomic<EmergencyStop*> rig_stop{nullptr};
 // A signal handler may touch lock-free atomics only.
-static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<EmergencyStop*>::is_always_lock_free);
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free &&
+              std::atomic<EmergencyStop*>::is_always_lock_free);
 
-void on_signal(int signal_number) {
-  requested = true;
-  if (EmergencyStop* stop = rig_stop) stop->latch(StopSource::signal);
+void back_to_default(int signal_number) {
   struct sigaction standard {};
   standard.sa_handler = SIG_DFL;
   sigaction(signal_number, &standard, nullptr);
 }
 
+void on_signal(int signal_number) {
+  const bool pauses = signal_number == SIGINT && pausing;
+  if (pauses && presses.fetch_add(1) == 0) {
+    latches.pause = true;
+  } else {
+    latches.end = true;
+    back_to_default(signal_number);
+  }
+  if (EmergencyStop* stop = rig_stop) stop->latch(StopSource::signal);
+}
+
 }  // namespace
 
+Interrupts& interrupts() noexcept {
+  return latches;
+}
+
 const std::atomic<bool>& interrupt_requested() noexcept {
-  return requested;
+  return latches.end;
 }
 
 void request_interrupt() noexcept {
-  requested = true;
+  latches.end = true;
 }
 
 void install_interrupt_handlers() noexcept {
   struct sigaction action {};
   action.sa_handler = on_signal;
   sigemptyset(&action.sa_mask);
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  for (const int signal_number : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal_number, &action, nullptr);
+}
+
+PauseOnInterrupt::PauseOnInterrupt() noexcept {
+  presses = 0;
+  pausing = true;
+}
+PauseOnInterrupt::~PauseOnInterrupt() {
+  pausing = false;
+}
+
+void forget_pause() noexcept {
+  latches.pause = false;
+  presses = 0;
 }
 
 StopOnInterrupt::StopOnInterrupt(EmergencyStop& stop) noexcept {

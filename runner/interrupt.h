@@ -1,4 +1,5 @@
-// Ctrl-C and SIGTERM: a latch that the session and the rig look at. Nothing is ever killed in the middle of a write.
+// Ctrl-C and other signals: latches that the session and the rig look at. Nothing is ever killed in the middle of a
+// write.
 #pragma once
 
 #include <atomic>
@@ -7,10 +8,31 @@
 
 namespace jnd {
 
-// The first signal sets the latches; a second one of the same kind ends the program at once, as usual.
+// What was asked for. Thread rule: any thread, and signal handlers.
+struct Interrupts {
+  std::atomic<bool> pause{false};  // a first Ctrl-C, in a session with an operator: cleared when the pause begins
+  std::atomic<bool> end{false};    // any other signal, or a second Ctrl-C
+};
+
+// Of this process.
+Interrupts& interrupts() noexcept;
+// interrupts().end: what everything but an operator's session looks at.
 const std::atomic<bool>& interrupt_requested() noexcept;
+// SIGINT, SIGTERM and SIGHUP. The first sets `end`, a second one of the same kind ends the program at once, as usual.
 void install_interrupt_handlers() noexcept;
-void request_interrupt() noexcept;  // as if Ctrl-C had been pressed
+void request_interrupt() noexcept;  // as if a signal had come
+
+// While it lives, a first Ctrl-C sets `pause` and a second one, whenever it comes before the pause is over, sets `end`;
+// a third ends the program at once.
+class PauseOnInterrupt {
+ public:
+  PauseOnInterrupt() noexcept;
+  ~PauseOnInterrupt();
+  PauseOnInterrupt(const PauseOnInterrupt&) = delete;
+  PauseOnInterrupt& operator=(const PauseOnInterrupt&) = delete;
+};
+// The pause is over: the next Ctrl-C is a first one again.
+void forget_pause() noexcept;
 
 // While it lives, a signal also latches `stop`, so that a rig is stopped within two ticks.
 class StopOnInterrupt {

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cmath>
+#include <string>
 
 #include <nlohmann/json.hpp>
 
 #include "protocols/input_error.h"
+#include "runner/terminal.h"
 
 namespace jnd {
 
@@ -14,6 +16,11 @@ inline nlohmann::ordered_json json_number(double value) {
   if (std::isnan(value)) return nullptr;
   if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
   return value;
+}
+
+// One line for standard output, which may be a terminal; text that is not UTF-8 keeps its readable part.
+inline std::string json_line(const nlohmann::ordered_json& value) {
+  return printable_json(value.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
 }
 
 inline nlohmann::ordered_json to_json(const Diagnostic& diagnostic) {

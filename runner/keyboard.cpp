@@ -11,16 +11,24 @@
 #include <unistd.h>
 
 #include "devices/clock.h"
+#include "runner/screen_restore.h"
 #include "runner/terminal.h"
 
 namespace jnd {
 
-Keyboard::Keyboard() : terminal_(is_terminal(STDIN_FILENO)) {
+namespace {
+constexpr std::size_t kMostKeys = 4096;  // that wait for a prompt; what comes then is not kept
+constexpr int kQuietGap_ms = static_cast<int>(KeyParser::kQuietGap_ns / 1'000'000);
+}  // namespace
+
+Keyboard::Keyboard() : terminal_(jnd::is_terminal(STDIN_FILENO)) {
   if (terminal_ && tcgetattr(STDIN_FILENO, &saved_) != 0) terminal_ = false;
   if (terminal_) wake_ = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
   if (terminal_ && wake_ < 0) terminal_ = false;
+  if (!terminal_) return;
+  guard_terminal(saved_);
   raw(true);
-  if (terminal_) thread_ = std::thread([this] { read_keys(); });
+  thread_ = std::thread([this] { read_keys(); });
 }
 
 Keyboard::~Keyboard() {
@@ -33,14 +41,22 @@ Keyboard::~Keyboard() {
     thread_.join();
   }
   raw(false);
+  if (terminal_) forget_terminal();
   if (wake_ >= 0) close(wake_);
 }
 
 void Keyboard::raw(bool on) noexcept {
   if (!terminal_) return;
   termios settings = saved_;
-  // Signals stay on: Ctrl-C must work whatever the session does.
-  if (on) settings.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
+  if (on) {
+    // Signals stay on: Ctrl-C must work whatever the session does. Ctrl-S must not stop the screen, and with it the
+    // session; Ctrl-Z must not freeze it.
+    settings.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO | IEXTEN);
+    settings.c_iflag &= ~static_cast<tcflag_t>(IXON);
+    settings.c_cc[VSUSP] = _POSIX_VDISABLE;
+    settings.c_cc[VMIN] = 1;
+    settings.c_cc[VTIME] = 0;
+  }
   tcsetattr(STDIN_FILENO, TCSANOW, &settings);
 }
 
@@ -64,8 +80,12 @@ void Keyboard::read_keys() {
   sigset_t all;
   sigfillset(&all);
   pthread_sigmask(SIG_BLOCK, &all, nullptr);
-  const SteadyClock clock;
+  // Where that is allowed, no work of other threads delays a stop or a stamp; the control loop still goes first.
+  const sched_param lowest_of_realtime{.sched_priority = 1};
+  (void)pthread_setschedparam(pthread_self(), SCHED_FIFO, &lowest_of_realtime);
+  std::uint64_t asked = 0;
   for (;;) {
+    bool reading = false;
     {
       const std::scoped_lock lock(mutex_);
       if (ending_) return;
@@ -73,23 +93,66 @@ void Keyboard::read_keys() {
         paused_ = pausing_;
         changed_.notify_all();
       }
+      reading = !paused_ && !at_end_;
+      asked = asked_to_catch_up_;
     }
-    std::array<pollfd, 2> waits = {pollfd{wake_, POLLIN, 0}, pollfd{paused_ || at_end_ ? -1 : STDIN_FILENO, POLLIN, 0}};
-    if (poll(waits.data(), waits.size(), -1) <= 0) continue;
-    if (waits[0].revents != 0) {
-      std::uint64_t count = 0;
-      [[maybe_unused]] const ssize_t got = ::read(wake_, &count, sizeof count);
-      continue;  // what was asked of us comes before the keys
+    // Whoever waits for all keys so far waits until there is nothing left to read.
+    const bool hurried = asked != caught_up_;
+    if (hurried) {
+      pollfd input{STDIN_FILENO, POLLIN, 0};
+      while (reading && !at_end_ && poll(&input, 1, 0) > 0) take_input(true);
+      const std::scoped_lock lock(mutex_);
+      caught_up_ = asked;
+      changed_.notify_all();
+      continue;
     }
-    char character = 0;
-    const ssize_t got = ::read(STDIN_FILENO, &character, 1);
-    const std::int64_t now_ns = clock.now_ns();
-    if (got == 0 || (got < 0 && errno != EINTR)) at_end_ = true;
-    const std::scoped_lock lock(mutex_);
-    if (got == 1 && character == kStopKey && stop_ != nullptr) stop_->latch(StopSource::key);
-    if (got == 1 && now_ns >= early_before_ns_) keys_.push_back({character, now_ns});
-    changed_.notify_all();
+    switch (wait_for_input(reading)) {
+      case Input::some:
+        take_input(true);
+        break;
+      case Input::gap:
+        take_input(false);
+        break;
+      case Input::none:
+        break;
+    }
   }
+}
+
+// Until there is input, something is asked of the thread, or the gap after an Escape byte is over. A terminal that has
+// gone is ready to be read.
+Keyboard::Input Keyboard::wait_for_input(bool reading) const noexcept {
+  std::array<pollfd, 2> waits = {pollfd{wake_, POLLIN, 0}, pollfd{reading ? STDIN_FILENO : -1, POLLIN, 0}};
+  const int ready = poll(waits.data(), waits.size(), parser_.waiting() ? kQuietGap_ms : -1);
+  if (ready < 0) return Input::none;
+  if (ready == 0) return Input::gap;
+  if (waits[0].revents != 0) {
+    std::uint64_t count = 0;
+    [[maybe_unused]] const ssize_t got = ::read(wake_, &count, sizeof count);
+    return Input::none;  // what was asked of us comes before the keys
+  }
+  return waits[1].revents != 0 ? Input::some : Input::none;
+}
+
+void Keyboard::take_input(bool some) {
+  std::array<unsigned char, 64> bytes{};
+  const ssize_t got = some ? ::read(STDIN_FILENO, bytes.data(), bytes.size()) : -1;
+  const std::int64_t now_ns = SteadyClock().now_ns();
+  const bool gone = some && (got == 0 || (got < 0 && errno != EINTR && errno != EAGAIN));
+  if (gone) at_end_ = true;
+  const std::scoped_lock lock(mutex_);
+  if (const std::optional<Key> key = parser_.quiet(now_ns)) keep(*key);
+  for (ssize_t i = 0; i < got; ++i) {
+    const unsigned char byte = bytes[static_cast<std::size_t>(i)];
+    const bool stops = byte == kStopKey || (byte == kStopKey - 'a' + 'A' && !spare_capital_);
+    if (stops && stop_ != nullptr && !typing_ && !parser_.within_sequence()) stop_->latch(StopSource::key);
+    if (const std::optional<Key> key = parser_.feed(byte, now_ns)) keep(*key);
+  }
+  changed_.notify_all();
+}
+
+void Keyboard::keep(const Key& key) {
+  if (keys_.size() < kMostKeys) keys_.push_back(key);
 }
 
 void Keyboard::stop_with(EmergencyStop* stop) {
@@ -97,28 +160,30 @@ void Keyboard::stop_with(EmergencyStop* stop) {
   stop_ = stop;
 }
 
-std::optional<KeyPress> Keyboard::press(double timeout_s) {
-  if (terminal_) {
-    std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, std::chrono::duration<double>(timeout_s), [&] { return !keys_.empty() || at_end_; });
-    if (keys_.empty()) return std::nullopt;
-    const KeyPress first = keys_.front();
-    keys_.pop_front();
-    return first;
+std::optional<Key> Keyboard::press(double timeout_s) {
+  if (!terminal_) return press_from_pipe(timeout_s);
+  if (const int now = terminal_continuations(); now != continuations_) {
+    continuations_ = now;
+    raw(true);  // the shell has had the terminal in between
   }
-  pollfd descriptor{STDIN_FILENO, POLLIN, 0};
-  const int ready = poll(&descriptor, 1, static_cast<int>(timeout_s * 1000));
-  if (ready <= 0) return std::nullopt;  // time-out, or a signal: the caller looks at its latch
-  char character = 0;
-  const ssize_t got = ::read(STDIN_FILENO, &character, 1);
-  if (got == 0 || (got < 0 && errno != EINTR)) at_end_ = true;
-  if (got != 1 || character == '\n' || character == '\r') return std::nullopt;
-  return KeyPress{character, SteadyClock().now_ns()};
+  std::unique_lock lock(mutex_);
+  changed_.wait_for(lock, std::chrono::duration<double>(timeout_s), [&] { return !keys_.empty() || at_end_; });
+  if (keys_.empty()) return std::nullopt;
+  const Key first = keys_.front();
+  keys_.pop_front();
+  return first;
 }
 
-std::optional<char> Keyboard::key(double timeout_s) {
-  const std::optional<KeyPress> pressed = press(timeout_s);
-  return pressed ? std::optional(pressed->key) : std::nullopt;
+std::optional<Key> Keyboard::press_from_pipe(double timeout_s) {
+  pollfd descriptor{STDIN_FILENO, POLLIN, 0};
+  const int ready = poll(&descriptor, 1, static_cast<int>(timeout_s * 1000));
+  const std::scoped_lock lock(mutex_);
+  if (ready <= 0) return parser_.quiet(SteadyClock().now_ns());  // also after a signal: the caller looks at its latch
+  unsigned char byte = 0;
+  const ssize_t got = ::read(STDIN_FILENO, &byte, 1);
+  if (got == 0 || (got < 0 && errno != EINTR)) at_end_ = true;
+  if (got != 1 || byte == '\n' || byte == '\r') return std::nullopt;
+  return parser_.feed(byte, SteadyClock().now_ns());
 }
 
 std::optional<std::string> Keyboard::line() {
@@ -135,12 +200,12 @@ std::optional<std::string> Keyboard::line() {
   return text;
 }
 
-void Keyboard::forget_early_keys() noexcept {
+void Keyboard::catch_up() {
   if (!terminal_) return;
-  tcflush(STDIN_FILENO, TCIFLUSH);
-  const std::scoped_lock lock(mutex_);
-  early_before_ns_ = SteadyClock().now_ns();
-  keys_.clear();
+  std::unique_lock lock(mutex_);
+  const std::uint64_t mine = ++asked_to_catch_up_;
+  wake();
+  changed_.wait(lock, [&] { return caught_up_ >= mine; });
 }
 
 }  // namespace jnd

@@ -1,8 +1,8 @@
 // Keys and lines from standard input. On a terminal, keys come one by one without Enter; the terminal is put back at
-// the end, also after an exception.
+// the end, also after an exception or a crash.
 //
-// On a terminal a thread of its own reads the keys: it stamps each with the monotonic clock, trips the emergency stop
-// when the stop key comes, whatever the rest of the program is doing, and does nothing else.
+// On a terminal a thread of its own reads the keys: it stamps each with the monotonic clock at once, trips the
+// emergency stop when the stop key comes, whatever the rest of the program is doing, and does nothing else.
 #pragma once
 
 #include <atomic>
@@ -17,15 +17,11 @@
 #include <termios.h>
 
 #include "devices/emergency_stop.h"
+#include "runner/key_parser.h"
 
 namespace jnd {
 
-inline constexpr char kStopKey = 'x';
-
-struct KeyPress {
-  char key = 0;
-  std::int64_t time_ns = 0;  // of the steady clock
-};
+inline constexpr char kStopKey = 'x';  // as a capital too, unless that is an answer key
 
 // Thread rule: members are for one thread; the input thread is inside.
 class Keyboard {
@@ -35,40 +31,52 @@ class Keyboard {
   Keyboard(const Keyboard&) = delete;
   Keyboard& operator=(const Keyboard&) = delete;
 
-  // The next key, or none after timeout_s. Line ends count as '\n' on a terminal and are skipped elsewhere.
-  std::optional<KeyPress> press(double timeout_s);
-  std::optional<char> key(double timeout_s);
-  // A line, without its end; none at the end of input. Shows what is typed.
+  bool is_terminal() const noexcept { return terminal_; }
+  // The next key, or none after timeout_s, which is real time. Line ends are skipped where there is no terminal.
+  std::optional<Key> press(double timeout_s);
+  // A line in the terminal's own manner, without its end; none at the end of input. Shows what is typed.
   std::optional<std::string> line();
-  // Forgets keys that were pressed before now: call it before the prompt is shown, so that whoever answers the prompt
-  // is heard. On a terminal only, since a pipe's writer cannot wait.
-  void forget_early_keys() noexcept;
+  // Returns once every key that had come before the call is there for press(): whatever comes later was pressed later.
+  // A pipe's writer cannot wait, so there it does nothing.
+  void catch_up();
   bool at_end() const noexcept { return at_end_; }
 
-  // From now on kStopKey latches `stop`, on a terminal; null: no more. `stop` must live until then.
+  // From now on the stop key latches `stop`, on a terminal; null: no more. `stop` must live until then.
   void stop_with(EmergencyStop* stop);
+  // While text is typed the stop key is a letter. Returns how it was before.
+  bool typing(bool on) noexcept { return typing_.exchange(on); }
+  // A capital X is an answer, and stops nothing.
+  void spare_capital_stop(bool on) noexcept { spare_capital_ = on; }
 
  private:
   void raw(bool on) noexcept;
   void pause(bool on);
   void wake() const noexcept;
   void read_keys();  // the input thread
+  enum class Input { none, some, gap };
+  Input wait_for_input(bool reading) const noexcept;
+  void take_input(bool some);
+  void keep(const Key& key);
+  std::optional<Key> press_from_pipe(double timeout_s);
 
   bool terminal_;
+  int continuations_ = 0;
   std::atomic<bool> at_end_{false};
+  std::atomic<bool> typing_{false}, spare_capital_{false};
   termios saved_{};
 
   std::mutex mutex_;  // guards what follows
   EmergencyStop* stop_ = nullptr;
   std::condition_variable changed_;
-  std::deque<KeyPress> keys_;
-  std::int64_t early_before_ns_ = 0;  // keys of an earlier time are forgotten, also one that is just being read
+  std::deque<Key> keys_;
+  KeyParser parser_;
+  std::uint64_t asked_to_catch_up_ = 0, caught_up_ = 0;
   bool pausing_ = false, paused_ = false, ending_ = false;
   int wake_ = -1;  // an eventfd
   std::thread thread_;
 };
 
-// While it lives, kStopKey latches `stop`. keyboard may be null.
+// While it lives, the stop key latches `stop`. keyboard may be null.
 class StopOnKey {
  public:
   StopOnKey(Keyboard* keyboard, EmergencyStop& stop) : keyboard_(keyboard) {
@@ -82,6 +90,19 @@ class StopOnKey {
 
  private:
   Keyboard* keyboard_;
+};
+
+// While it lives, keys are text.
+class TypingText {
+ public:
+  explicit TypingText(Keyboard& keyboard) noexcept : keyboard_(keyboard), before_(keyboard.typing(true)) {}
+  ~TypingText() { keyboard_.typing(before_); }
+  TypingText(const TypingText&) = delete;
+  TypingText& operator=(const TypingText&) = delete;
+
+ private:
+  Keyboard& keyboard_;
+  bool before_;
 };
 
 }  // namespace jnd

@@ -11,6 +11,7 @@
 #include "runner/report_style.h"
 #include "runner/result_format.h"
 #include "runner/result_table_parts.h"
+#include "runner/result_tables_questionnaire.h"
 
 namespace jnd {
 
@@ -71,6 +72,10 @@ std::string summary_html(const StudyResults& results, const Protocol& protocol) 
     return fmt::format("<p class=\"lead\">This study holds no {} session yet: there is nothing to report.</p>\n",
                        to_string(analysis.kind));
   if (results.adaptive) return adaptive_summary(results, protocol);
+  if (results.questionnaire)
+    return fmt::format("<p class=\"lead\">{} {} participant{} ({} planned) after free interaction. {}.</p>\n",
+                       analysis.participants, to_string(analysis.kind), analysis.participants == 1 ? "" : "s",
+                       protocol.design.participants, escape_markup(questionnaire_summary(*results.questionnaire)));
   std::string html = fmt::format(
       "<p class=\"lead\">{} {} participant{} ({} planned). JND: {}, through the origin of the {} stiffness "
       "differences; "
@@ -129,8 +134,10 @@ std::string provenance_html(const StudyResults& results, const Protocol& protoco
       "with <code>jnd analyze</code>; <code>jnd verify</code> recomputes the hashes.</p>\n<dl>\n"
       "<dt>Program</dt><dd>jnd {}</dd>\n<dt>Study</dt><dd>{}, seed {}</dd>\n<dt>Protocol</dt><dd>{}</dd>\n"
       "<dt>SHA-256 of the protocol</dt><dd class=\"hash\">{}</dd>\n<dt>Sessions</dt><dd>{}</dd>\n{}</dl>\n",
-      escape_markup(facts.program_version), user_text(facts.study_file), facts.study_seed, user_text(protocol.name),
-      escape_markup(protocol.sha256), to_string(results.analysis.kind), source_html(protocol.source));
+      escape_markup(facts.program_version), user_text(facts.study_file),
+      facts.study_seed ? std::to_string(*facts.study_seed) : "sealed while the study is blinded",
+      user_text(protocol.name), escape_markup(protocol.sha256), to_string(results.analysis.kind),
+      source_html(protocol.source));
   ResultTable heads{"heads", "Session heads", "the last hash of each session's chain of events", {}, {}, {}};
   heads.columns = {{"participant"}, {"session"}, {"state"}, {"head"}};
   for (const SessionHead& head : results.analysis.heads)

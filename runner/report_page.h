@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,7 +21,7 @@ namespace jnd {
 struct ReportFacts {
   std::string program_version;  // "0.3.0"
   std::string study_file;       // its name, without folders
-  std::uint64_t study_seed = 0;
+  std::optional<std::uint64_t> study_seed;  // none while it is sealed
   std::vector<std::string> other_kinds;  // sessions in the study that are not in the report: "pilot", ...
 };
 

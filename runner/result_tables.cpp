@@ -8,6 +8,7 @@
 #include "data/threshold_method.h"
 #include "runner/result_format.h"
 #include "runner/result_table_parts.h"
+#include "runner/result_tables_questionnaire.h"
 
 namespace jnd {
 
@@ -178,6 +179,7 @@ ResultTable group_table(const StudyResults& results, const Protocol& protocol) {
 }
 
 std::vector<ResultTable> result_tables(const StudyResults& results, const Protocol& protocol) {
+  if (results.questionnaire) return questionnaire_tables(*results.questionnaire, protocol, condition_names(protocol));
   std::vector<ResultTable> tables;
   if (results.adaptive) {
     tables.push_back(adaptive_rows_table(*results.adaptive, protocol, true));

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "data/telemetry.h"
-#include "devices/telemetry_ring.h"
-#include "protocols/random_stream.h"
+#include "runner/exploration_block.h"
 
 namespace jnd {
 
@@ -13,298 +11,319 @@ namespace {
 
 constexpr double kAssumedTrialOverhead_s = 4;  // before any trial was timed: reaching, cues and the answer
 
-bool saturated(const Presentation& presentation) {
-  return std::any_of(presentation.fingers.begin(), presentation.fingers.end(),
-                     [](const FingerPresentation& finger) { return finger.saturated_share > 0; });
-}
-
 }  // namespace
 
-std::vector<std::string> condition_codes(const Protocol& protocol, std::uint64_t seed) {
-  std::vector<std::string> codes;
-  for (std::size_t i = 0; i < protocol.conditions.size(); ++i)
-    codes.emplace_back(1, static_cast<char>('A' + static_cast<int>(i)));
-  RandomStream(seed, 0, "condition codes").shuffle(codes);
-  return codes;
+SessionEngine::SessionEngine(const SessionParts& parts)
+    : parts_(parts),
+      protocol_(parts.protocol),
+      plan_(parts.plan),
+      recorder_(parts),
+      conductor_(parts, recorder_),
+      progress_(parts.protocol, parts.plan),
+      codes_(condition_codes(parts.protocol, parts.plan.seed)) {
+  for (const Trial& trial : plan_.trials) blocks_ = std::max(blocks_, trial.block);
 }
 
-SessionEngine::SessionEngine(const Protocol& protocol, const Plan& plan, Rig& rig, Responder& responder,
-                             SessionLog& log, Clock& clock, SessionView& view, const std::atomic<bool>& stop,
-                             RecordPolicy record)
-    : protocol_(protocol),
-      plan_(plan),
-      rig_(rig),
-      responder_(responder),
-      log_(log),
-      clock_(clock),
-      view_(view),
-      stop_(stop),
-      record_(record),
-      adaptive_(protocol),
-      codes_(condition_codes(protocol, plan.seed)),
-      main_total_(main_trial_count(plan)) {
-  for (const Trial& trial : plan.trials) blocks_ = std::max(blocks_, trial.block);
-}
-
-SessionEnd SessionEngine::run(const SessionState& state) {
-  state_ = state;
-  adaptive_ = AdaptiveRun(protocol_);
-  finished_ = {state_.abandoned.begin(), state_.abandoned.end()};
-  for (const TrialRecord& record : state_.completed) remember(record);
-  main_done_ = static_cast<int>(std::count_if(plan_.trials.begin(), plan_.trials.end(), [&](const Trial& trial) {
-    return !trial.practice && finished_.contains(trial.index);
-  }));
+SessionEnd SessionEngine::run(const SessionState& state, ResumeSteps steps) {
+  progress_.start(state);
   try {
-    ask(Question::When::before_session, -1, 0);
-    run_practice();
-    run_main();
+    open_session(steps);
+    if (protocol_.paradigm == Paradigm::explore) {
+      instruct(Instruction::When::before_main);
+      run_explorations(
+          parts_, recorder_, progress_.state(),
+          [this](int condition, int done) { ask(Question::When::after_condition, condition, done); },
+          [this](int done, bool last) {
+            if (!last) take_breaks(done, false);
+          });
+    } else {
+      run_practice();
+      instruct(Instruction::When::before_main);
+      say_progress();
+      while (!run_main()) {
+      }
+    }
     ask(Question::When::after_session, -1, 0);
-  } catch (const Interrupted&) {
-    rig_.neutral();
-    return SessionEnd::interrupted;
+  } catch (const SessionEnds& end) {
+    parts_.rig.neutral();
+    if (parts_.person)
+      recorder_.append(event_kind::kLeft, {{"cause", end.cause}, {"reason", end.reason}, {"for_good", end.for_good}});
+    return end.for_good ? SessionEnd::closed_early : SessionEnd::interrupted;
   } catch (...) {
-    rig_.neutral();
+    parts_.rig.neutral();
     throw;
   }
-  rig_.neutral();
+  parts_.rig.neutral();
   return SessionEnd::completed;
 }
 
-void SessionEngine::ask(Question::When when, int condition, int after_trial) {
-  for (const Question& question : protocol_.questions) {
-    if (question.when != when) continue;
-    if (question.per_condition) {
-      for (int i = 0; i < static_cast<int>(protocol_.conditions.size()); ++i) ask_one(question, i, after_trial);
-    } else {
-      ask_one(question, condition, after_trial);
+// What comes before the first trial, and what an interruption left behind.
+void SessionEngine::open_session(ResumeSteps steps) {
+  if (steps.redo_block) redo_interrupted_block();
+  settle_pending();
+  if (steps.practice_again) practise_again();
+  check_list();
+  instruct(Instruction::When::before_session);
+  consent();
+  ask(Question::When::before_session, -1, 0);
+}
+
+// A stimulus that was felt and has no answer is presented again, as a new attempt.
+void SessionEngine::settle_pending() {
+  const std::optional<PendingTrial> pending = progress_.state().pending;
+  if (!pending) return;
+  progress_.state().pending.reset();
+  for (const Trial& planned : plan_.trials)
+    if (planned.index == pending->index) {
+      const Trial trial = progress_.resolved(planned);
+      conductor_.log_void(trial, pending->attempt, "interrupted", {}, false);
+      progress_.voided(trial, pending->attempt, false);
     }
+}
+
+void SessionEngine::take_back(const Trial& trial, int attempt, bool anew, const std::string& reason) {
+  conductor_.log_void(trial, attempt, reason, {}, false, anew);
+  progress_.forget_answer(trial.index);
+  progress_.voided(trial, attempt, false, anew);
+}
+
+// The block in which the session stood begins anew, in its planned order.
+void SessionEngine::redo_interrupted_block() {
+  for (const std::vector<Trial>& block : main_blocks()) {
+    if (progress_.open_trials(block).empty()) continue;
+    const std::vector<TrialRecord> completed = progress_.state().completed;
+    for (const TrialRecord& record : completed)
+      if (!record.trial.practice && record.trial.block == block.front().block)
+        take_back(record.trial, record.attempt, true, "block_redone");
+    return;
   }
 }
 
-void SessionEngine::ask_one(const Question& question, int condition, int after_trial) {
-  const std::string name = condition < 0 ? "" : protocol_.conditions[static_cast<std::size_t>(condition)].name;
-  const std::string key = question_key(question.id, name, after_trial);
-  if (state_.answered.contains(key)) return;
-  const std::optional<std::string> answer = responder_.reply(question, condition);
-  if (stop_ || (!answer && question.required)) throw Interrupted{};
-  log_.append(event_kind::kQuestionAnswered, question_body(question, name, answer, after_trial), stamp());
-  state_.answered.insert(key);
+void SessionEngine::practise_again() {
+  if (!protocol_.practice || progress_.state().completed.empty()) return;
+  const std::vector<TrialRecord> completed = progress_.state().completed;
+  int round = 0;
+  for (const TrialRecord& record : completed) round = std::max(round, record.trial.round);
+  for (const TrialRecord& record : completed)
+    if (record.trial.practice && record.trial.round == round)
+      take_back(record.trial, record.attempt, true, "practice_again");
+  progress_.state().practice_ended = false;
+}
+
+// Asked each time: a mask may have slipped since.
+void SessionEngine::check_list() {
+  if (!parts_.person || protocol_.checklist.empty()) return;
+  heed_interrupts(parts_, recorder_, after_trial());
+  std::vector<AskedQuestion> page;
+  for (const Question& item : protocol_.checklist) page.push_back({item, -1});
+  const std::optional<Replies> replies = parts_.responder.reply_all(page);
+  if (!replies) throw SessionEnds{false, "operator", "the checklist was not completed"};
+  for (std::size_t i = 0; i < page.size(); ++i) {
+    const std::optional<std::string>& answer = (*replies)[i];
+    recorder_.append(event_kind::kChecklist,
+                     {{"question", page[i].question.id},
+                      {"text", page[i].question.text},
+                      {"answer", answer ? nlohmann::ordered_json(*answer) : nlohmann::ordered_json(nullptr)}});
+  }
+}
+
+void SessionEngine::instruct(Instruction::When when) {
+  if (!parts_.person) return;
+  for (const Instruction& instruction : protocol_.instructions) {
+    if (instruction.when != when || progress_.state().instructed.contains(instruction.id)) continue;
+    settle(parts_, recorder_, after_trial(), [&] { return parts_.view.instruct(instruction); });
+    recorder_.append(event_kind::kInstructed, {{"id", instruction.id}, {"language", protocol_.language}});
+    progress_.state().instructed.insert(instruction.id);
+  }
+}
+
+void SessionEngine::consent() {
+  if (!parts_.person || protocol_.consent.empty() || progress_.state().consented) return;
+  heed_interrupts(parts_, recorder_, after_trial());
+  const bool given = parts_.view.consent(protocol_.consent);
+  heed_interrupts(parts_, recorder_, after_trial());
+  nlohmann::ordered_json body = {{"language", protocol_.language}, {"text", protocol_.consent}, {"by", "operator"}};
+  if (!given) body["refused"] = true;
+  recorder_.append(event_kind::kConsent, body);
+  if (!given) throw SessionEnds{true, "no consent", {}};
+  progress_.state().consented = true;
+}
+
+// One page: it is answered as a whole, and saved when it is done.
+void SessionEngine::ask(Question::When when, int condition, int after_trial) {
+  const auto name_of = [&](int place) {
+    return place < 0 ? std::string() : protocol_.conditions[static_cast<std::size_t>(place)].name;
+  };
+  std::vector<AskedQuestion> page;
+  const auto add = [&](const Question& question, int place) {
+    if (!progress_.state().answered.contains(question_key(question.id, name_of(place), after_trial)))
+      page.push_back({question, place});
+  };
+  for (const Question& question : protocol_.questions) {
+    if (question.when != when) continue;
+    if (question.per_condition) {
+      for (int i = 0; i < static_cast<int>(protocol_.conditions.size()); ++i) add(question, i);
+    } else {
+      add(question, condition);
+    }
+  }
+  if (page.empty()) return;
+  heed_interrupts(parts_, recorder_, this->after_trial());
+  const std::optional<Replies> replies = parts_.responder.reply_all(page);
+  if (!replies || parts_.interrupts.end) {
+    heed_interrupts(parts_, recorder_, this->after_trial());  // Ctrl-C: a pause, then the page again
+    const OperatorWish wish = parts_.view.meanwhile();
+    if (parts_.person && wish.wish == Wish::go_on) return ask(when, condition, after_trial);
+    throw SessionEnds{wish.wish == Wish::end_for_good, "operator", wish.text};
+  }
+  for (std::size_t i = 0; i < page.size(); ++i) {
+    const std::string name = name_of(page[i].condition);
+    recorder_.append(event_kind::kQuestionAnswered, question_body(page[i].question, name, (*replies)[i], after_trial));
+    progress_.state().answered.insert(question_key(page[i].question.id, name, after_trial));
+  }
 }
 
 void SessionEngine::run_practice() {
-  if (!protocol_.practice || state_.practice_ended) return;
+  if (!protocol_.practice || progress_.state().practice_ended) return;
+  instruct(Instruction::When::before_practice);
   const Practice& practice = *protocol_.practice;
   for (int round = 1; round <= practice.max_rounds; ++round) {
     std::vector<Trial> trials;
     for (const Trial& trial : plan_.trials)
       if (trial.practice && trial.round == round) trials.push_back(trial);
-    run_block(open_trials(trials));
-    const RoundTally tally = practice_[round];
-    const double share = trials.empty() ? 0 : static_cast<double>(tally.correct) / static_cast<double>(trials.size());
+    run_block(trials);
+    const bool ended = progress_.state().practice_ended;  // by the operator
+    const double share =
+        trials.empty() ? 0 : static_cast<double>(progress_.round_correct(round)) / static_cast<double>(trials.size());
     const bool passed = share >= practice.criterion_correct;
-    if (!passed && round < practice.max_rounds) continue;
-    log_.append(event_kind::kPracticeEnded, {{"rounds", round}, {"share_correct", share}, {"passed", passed}}, stamp());
-    state_.practice_ended = true;
-    view_.practice_over(round, share, passed);
+    if (!ended && !passed && round < practice.max_rounds) continue;
+    recorder_.append(event_kind::kPracticeEnded, {{"rounds", round}, {"share_correct", share}, {"passed", passed}});
+    progress_.state().practice_ended = true;
+    parts_.view.practice_over(round, share, passed);
     return;
   }
 }
 
-void SessionEngine::run_main() {
-  for (auto first = plan_.trials.begin(); first != plan_.trials.end();) {
-    const auto end = std::find_if(first, plan_.trials.end(), [&](const Trial& t) { return t.block != first->block; });
-    if (!first->practice) {
-      const std::vector<Trial> block(first, end);
-      const bool series_over = end == plan_.trials.end() || end->series != first->series;
-      run_block(open_trials(block));
-      // How many main trials the plan has had by the end of this block: the place that keys questions and breaks, the
-      // same however many trials were repeated or given up.
-      const int planned =
-          static_cast<int>(std::count_if(plan_.trials.begin(), end, [](const Trial& t) { return !t.practice; }));
-      if (protocol_.design.arrangement == Arrangement::blocked)
-        ask(Question::When::after_condition, block.back().condition, planned);
-      if (series_over) ask(Question::When::after_series, -1, planned);
-      if (end != plan_.trials.end()) take_breaks(planned, series_over);
-    }
-    first = end;
+std::vector<std::vector<Trial>> SessionEngine::main_blocks() const {
+  std::vector<std::vector<Trial>> blocks;
+  for (const Trial& trial : plan_.trials) {
+    if (trial.practice) continue;
+    if (blocks.empty() || blocks.back().front().block != trial.block) blocks.emplace_back();
+    blocks.back().push_back(trial);
   }
+  return blocks;
 }
 
-// The trials of a block that are still to do: those never tried in the planned order, then the voided ones in the order
-// in which they failed.
-std::deque<Trial> SessionEngine::open_trials(const std::vector<Trial>& block) const {
-  const auto done = [&](const Trial& trial) { return finished_.contains(trial.index); };
-  std::deque<Trial> queue;
-  for (const Trial& trial : block)
-    if (!done(trial) && attempts_voided(trial.index) == 0) queue.push_back(trial);
-  for (const int index : state_.void_order)
-    for (const Trial& trial : block)
-      if (trial.index == index && !done(trial)) queue.push_back(trial);
-  return queue;
+bool SessionEngine::run_main() {
+  int planned = 0;  // how many main trials the plan has had by the end of this block: the place that keys questions and
+                    // breaks, the same however many trials were repeated or given up
+  const std::vector<std::vector<Trial>> blocks = main_blocks();
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const std::vector<Trial>& block = blocks[i];
+    const bool last = i + 1 == blocks.size();
+    const bool series_over = last || blocks[i + 1].front().series != block.front().series;
+    if (run_block(block) == BlockEnd::reordered) return false;
+    planned += static_cast<int>(block.size());
+    if (protocol_.design.arrangement == Arrangement::blocked)
+      ask(Question::When::after_condition, block.back().condition, planned);
+    if (series_over) ask(Question::When::after_series, -1, planned);
+    if (!last) take_breaks(planned, series_over);
+  }
+  return true;
 }
 
-void SessionEngine::run_block(std::deque<Trial> queue) {
-  drop_ended_tracks(queue);
+SessionEngine::BlockEnd SessionEngine::run_block(const std::vector<Trial>& block) {
+  std::deque<Trial> queue = progress_.open_trials(block);
+  // A session that was killed between an answer and the break that was due.
+  if (!queue.empty() && !queue.front().practice) take_breaks_within_block();
   while (!queue.empty()) {
     const Trial planned = queue.front();
-    const Trial trial = adaptive_.resolved(planned);  // an adaptive level is known when its turn comes
-    queue.pop_front();
-    if (attempts_voided(trial.index) >= protocol_.timeline.max_attempts)
+    const Trial trial = progress_.resolved(planned);
+    const int used = progress_.attempts_used(trial.index);
+    if (used >= protocol_.timeline.max_attempts) {
       give_up(trial);
-    else if (conduct(trial, outline_of(trial)) == TrialEnd::voided)
+      queue.pop_front();
+      continue;
+    }
+    const TrialOutline outline = outline_of(trial);
+    BlockEnd end = BlockEnd::over;
+    if (!ready(trial, outline, {queue.begin(), queue.end()}, end)) {
+      if (end == BlockEnd::reordered) return end;
+      queue = progress_.open_trials(block);
+      continue;
+    }
+    queue.pop_front();
+    const TrialConductor::Outcome outcome = conductor_.conduct(trial, outline, used, after_trial());
+    if (outcome.answered) {
+      progress_.answered(outcome.record);
+      seconds_in_trials_ += outcome.record.duration_s;
+      ++trials_timed_;
+      say_progress();
+    } else {
+      progress_.voided(trial, outline.attempt, outcome.counts);
       queue.push_back(planned);
-    drop_ended_tracks(queue);
+    }
+    // A track that has its reversals leaves the slots that were planned for it.
+    std::erase_if(queue, [&](const Trial& left) { return progress_.over(left); });
     if (!trial.practice && !queue.empty()) take_breaks_within_block();
+  }
+  return BlockEnd::over;
+}
+
+bool SessionEngine::ready(const Trial& next, const TrialOutline& outline, const std::vector<Trial>& left,
+                          BlockEnd& end) {
+  for (;;) {
+    const OperatorWish wish = settle(parts_, recorder_, after_trial(), [&] { return parts_.view.ready(outline); });
+    heed_interrupts(parts_, recorder_, after_trial());
+    if (wish.wish == Wish::go_on) return true;
+    if (wish.wish == Wish::take_break) break_on_request(wish.text);
+    if (wish.wish == Wish::end_block) {
+      end_block(left, wish.text);
+      return false;
+    }
+    const TrialRecord* last = progress_.last_answer(next);
+    if (wish.wish == Wish::void_last && last != nullptr) {
+      if (last->trial.block != next.block) end = BlockEnd::reordered;
+      take_back_last(TrialRecord(*last), wish.text);
+      return false;
+    }
   }
 }
 
-// A track that has its reversals leaves the slots that were planned for it.
-void SessionEngine::drop_ended_tracks(std::deque<Trial>& queue) const {
-  std::erase_if(queue, [&](const Trial& trial) { return adaptive_.over(trial); });
+void SessionEngine::take_back_last(const TrialRecord& last, const std::string& words) {
+  conductor_.log_void(last.trial, last.attempt, "taken_back", words, true);
+  progress_.forget_last_answer();
+  progress_.voided(last.trial, last.attempt, true);
+  say_progress();
+  parts_.view.took_back(progress_.attempts_used(last.trial.index) < protocol_.timeline.max_attempts);
 }
 
-// Main trials still to come; at most so many where the answers may end a track.
-int SessionEngine::main_left() const {
-  if (!protocol_.design.procedure) return main_total_ - main_done_;
-  return static_cast<int>(std::count_if(plan_.trials.begin(), plan_.trials.end(), [&](const Trial& trial) {
-    return !trial.practice && !finished_.contains(trial.index) && !adaptive_.over(trial);
-  }));
+// The rest of a block, or of practice, is given up in one event.
+void SessionEngine::end_block(const std::vector<Trial>& left, const std::string& reason) {
+  nlohmann::ordered_json trials = nlohmann::ordered_json::array();
+  for (const Trial& trial : left) trials.push_back(trial.index);
+  const Trial& next = left.front();
+  recorder_.append(event_kind::kBlockEnded, {{"block", next.block},
+                                             {"practice", next.practice},
+                                             {"round", next.round},
+                                             {"reason", reason},
+                                             {"trials", std::move(trials)}});
+  for (const Trial& trial : left) progress_.given_up(trial);
+  if (next.practice) progress_.state().practice_ended = true;
+  say_progress();
 }
 
 // Attempts used up: the cell stays short, and the log says so.
 void SessionEngine::give_up(const Trial& trial) {
-  log_.append(event_kind::kTrialsShort, voided_body(protocol_, trial, attempts_voided(trial.index), "attempts used up"),
-              stamp());
-  finished_.insert(trial.index);
-  if (!trial.practice) ++main_done_;
-}
-
-void SessionEngine::remember(const TrialRecord& record) {
-  finished_.insert(record.trial.index);
-  adaptive_.answered(record.trial, record.answer.judgement);
-  if (!record.trial.practice) return;
-  RoundTally& tally = practice_[record.trial.round];
-  ++tally.answered;
-  tally.correct += record.trial.same == (record.answer.judgement == Judgement::same) ? 1 : 0;
-}
-
-SessionEngine::TrialEnd SessionEngine::conduct(const Trial& trial, const TrialOutline& outline) {
-  check_stop();
-  if (!view_.ready(outline)) throw Interrupted{};
-  const std::int64_t began = clock_.now_ns();
-  ticks_.clear();
-  TrialRecord record;
-  record.trial = trial;
-  record.attempt = outline.attempt;
-  record.condition_name = protocol_.conditions[static_cast<std::size_t>(trial.condition)].name;
-  record.series_name = protocol_.series[static_cast<std::size_t>(trial.series)].name;
-
-  for (int interval = 0; interval < 2; ++interval) {
-    if (interval == 1) sleep_s(protocol_.timeline.gap_s);
-    record.presentations[static_cast<std::size_t>(interval)] = present(trial, outline.attempt, interval);
-    const Presentation& presentation = record.presentations[static_cast<std::size_t>(interval)];
-    note_fault(trial, outline.attempt, interval, presentation);
-    check_stop();
-    if (presentation.fault != Fault::none) {
-      const TrialEnd end = void_trial(trial, outline, std::string(to_string(presentation.fault)));
-      if (presentation.fault == Fault::emergency_stop) recover_from_stop(presentation.stopped_by);
-      return end;
-    }
-  }
-  if (protocol_.stimulus.on_saturation == OnSaturation::repeat &&
-      (saturated(record.presentations[0]) || saturated(record.presentations[1])))
-    return void_trial(trial, outline, "saturated");
-
-  view_.cue(CuePlace::question, protocol_.timeline.question_cue);
-  const TrialQuestion question{trial, outline.attempt, record.presentations, protocol_.timeline.answer_time_out_s};
-  const std::optional<Answer> answer = responder_.judge(question);
-  if (!answer) {
-    check_stop();
-    const StopSource source = rig_.stop.source();
-    if (source == StopSource::none) return void_trial(trial, outline, "no_answer");
-    const TrialEnd end = void_trial(trial, outline, std::string(to_string(Fault::emergency_stop)));
-    recover_from_stop(std::string(to_string(source)));
-    return end;
-  }
-  // An answer that was given is kept, also where a stop came with it.
-
-  record.answer = *answer;
-  record.duration_s = static_cast<double>(clock_.now_ns() - began) * 1e-9;
-  append_trial(event_kind::kTrialCompleted, to_body(record));
-  // From here on the answer is safe; only now is anyone told.
-  view_.saved(outline, *answer);
-  remember(record);
-  if (!trial.practice) ++main_done_;
-  seconds_in_trials_ += record.duration_s;
-  ++trials_timed_;
-  const Feedback feedback = trial.practice ? protocol_.practice->feedback : protocol_.feedback;
-  if (feedback == Feedback::correctness) view_.feedback(trial.same == (answer->judgement == Judgement::same));
-  sleep_s(protocol_.timeline.between_trials_s);
-  return TrialEnd::answered;
-}
-
-// A stop's cause, and the ticks that led to it.
-void SessionEngine::note_fault(const Trial& trial, int attempt, int interval, const Presentation& presentation) {
-  if (record_ == RecordPolicy::off) return;
-  if (presentation.fault == Fault::none || presentation.fault == Fault::no_contact) return;
-  log_.append(event_kind::kDeviceFault, device_fault_body(trial, attempt, interval, presentation), stamp());
-}
-
-// Only a person's word clears the latch.
-void SessionEngine::recover_from_stop(const std::string& stopped_by) {
-  if (!view_.recover(stopped_by)) throw Interrupted{};
-  rig_.stop.clear();
-  log_.append(event_kind::kStopCleared, {{"stopped_by", stopped_by}, {"reason", "cleared by the operator"}}, stamp());
-}
-
-SessionEngine::TrialEnd SessionEngine::void_trial(const Trial& trial, const TrialOutline& outline,
-                                                  const std::string& reason) {
-  append_trial(event_kind::kTrialVoided, voided_body(protocol_, trial, outline.attempt, reason));
-  ++state_.voided[trial.index];
-  view_.voided(outline, reason, attempts_voided(trial.index) < protocol_.timeline.max_attempts);
-  sleep_s(protocol_.timeline.between_trials_s);
-  return TrialEnd::voided;
-}
-
-Presentation SessionEngine::present(const Trial& trial, int attempt, int interval) {
-  const Timeline& timeline = protocol_.timeline;
-  view_.cue(interval == 0 ? CuePlace::first : CuePlace::second,
-            interval == 0 ? timeline.first_cue : timeline.second_cue);
-  PresentRequest request;
-  request.stimulus.stiffness = trial.stimuli[static_cast<std::size_t>(interval)];
-  request.stimulus.cues = protocol_.conditions[static_cast<std::size_t>(trial.condition)].cues;
-  request.explore_s = timeline.explore_s;
-  request.no_contact_time_out_s = timeline.no_contact_time_out_s;
-  request.stimulus.damping_n_s_per_m = protocol_.stimulus.damping_n_s_per_m;
-  request.id = {trial.index, attempt, interval};
-  Presentation presentation = rig_.present(request);
-  keep_ticks(trial, interval, presentation);
-  return presentation;
-}
-
-// Every tick of the interval, to be stored with the trial.
-void SessionEngine::keep_ticks(const Trial& trial, int interval, const Presentation& presentation) {
-  TelemetryRing* ring = rig_.telemetry();
-  if (ring == nullptr) return;
-  Telemetry telemetry;
-  telemetry.unit = trial.unit;
-  telemetry.channels = telemetry_channels(presentation);
-  telemetry.dropped = ring->take_dropped();
-  ring->drain(telemetry.ticks);
-  if (!telemetry.channels.empty()) ticks_.push_back(encode_telemetry(interval, telemetry));
-}
-
-// A trial's event and its ticks are one transaction.
-void SessionEngine::append_trial(std::string_view kind, nlohmann::ordered_json body) {
-  if (!ticks_.empty()) body["telemetry"] = telemetry_body(ticks_);
-  log_.append(kind, body, stamp(), ticks_);
-  ticks_.clear();
+  recorder_.append(event_kind::kTrialsShort,
+                   voided_body(protocol_, trial, progress_.attempts_used(trial.index), "attempts used up"));
+  progress_.given_up(trial);
 }
 
 void SessionEngine::take_breaks_within_block() {
+  const int done = progress_.main_done();
   for (const Break& pause : protocol_.breaks)
-    if (pause.after == Break::After::trials && main_done_ > 0 && main_done_ % pause.trials == 0)
-      take_break(pause, main_done_);
+    if (pause.after == Break::After::trials && done > 0 && done % pause.trials == 0) take_break(pause, done);
 }
 
 void SessionEngine::take_breaks(int planned, bool series_over) {
@@ -319,59 +338,60 @@ void SessionEngine::take_breaks(int planned, bool series_over) {
 }
 
 void SessionEngine::take_break(const Break& pause, int after_trial) {
-  if (state_.breaks_after.contains(after_trial)) return;
-  check_stop();
-  const std::int64_t began = clock_.now_ns();
-  view_.break_begins(pause);
-  if (!view_.break_over(pause)) throw Interrupted{};
+  if (progress_.state().breaks_after.contains(after_trial)) return;
+  heed_interrupts(parts_, recorder_, after_trial);
+  const std::int64_t began = parts_.clock.now_ns();
+  parts_.view.break_begins(pause, false);
+  settle(parts_, recorder_, after_trial, [&] { return parts_.view.break_over(pause); });
   const std::int64_t least = began + static_cast<std::int64_t>(pause.duration_s * 1e9);
-  clock_.sleep_until_ns(least);
-  log_.append(event_kind::kBreakTaken,
-              {{"after_trial", after_trial}, {"duration_s", static_cast<double>(clock_.now_ns() - began) * 1e-9}},
-              stamp());
-  state_.breaks_after.insert(after_trial);
+  parts_.clock.sleep_until_ns(least);
+  recorder_.append(
+      event_kind::kBreakTaken,
+      {{"after_trial", after_trial}, {"duration_s", static_cast<double>(parts_.clock.now_ns() - began) * 1e-9}});
+  progress_.state().breaks_after.insert(after_trial);
+}
+
+// A break that the protocol does not ask for; one that was due at the same place is taken with it.
+void SessionEngine::break_on_request(const std::string& reason) {
+  Break pause;
+  pause.duration_s = 0;
+  const std::int64_t began = parts_.clock.now_ns();
+  parts_.view.break_begins(pause, true);
+  settle(parts_, recorder_, after_trial(), [&] { return parts_.view.break_over(pause); });
+  recorder_.append(event_kind::kBreakTaken, {{"after_trial", after_trial()},
+                                             {"duration_s", static_cast<double>(parts_.clock.now_ns() - began) * 1e-9},
+                                             {"on_request", true},
+                                             {"reason", reason}});
+  progress_.state().breaks_after.insert(after_trial());
+}
+
+void SessionEngine::say_progress() {
+  if (parts_.person) parts_.view.progress(progress_.by_condition(codes_));
 }
 
 TrialOutline SessionEngine::outline_of(const Trial& trial) const {
-  const int left = main_left();
+  const int left = progress_.main_left();
   TrialOutline outline;
   outline.practice = trial.practice;
   outline.round = trial.round;
-  outline.attempt = attempts_voided(trial.index) + 1;
+  outline.attempt = progress_.next_attempt(trial.index);
   outline.block = trial.block;
   outline.blocks = blocks_;
   outline.condition_code = codes_[static_cast<std::size_t>(trial.condition)];
   if (trial.practice) {
     outline.total = protocol_.practice->trials;
-    const auto tally = practice_.find(trial.round);
-    outline.number = 1 + (tally == practice_.end() ? 0 : tally->second.answered);
+    outline.number = 1 + progress_.round_answered(trial.round);
   } else {
-    outline.number = main_done_ + 1;
-    outline.total = main_done_ + left;
+    outline.number = progress_.main_done() + 1;
+    outline.total = progress_.main_done() + left;
     outline.at_most = protocol_.design.procedure && protocol_.design.procedure->reversals > 0;
   }
   const Timeline& timeline = protocol_.timeline;
   const double pace = trials_timed_ > 0 ? seconds_in_trials_ / trials_timed_
                                         : 2 * timeline.explore_s + timeline.gap_s + kAssumedTrialOverhead_s;
   outline.time_left_s = left * (pace + timeline.between_trials_s);
+  outline.can_void_last = progress_.last_answer(trial) != nullptr;
   return outline;
-}
-
-int SessionEngine::attempts_voided(int index) const {
-  const auto found = state_.voided.find(index);
-  return found == state_.voided.end() ? 0 : found->second;
-}
-
-void SessionEngine::sleep_s(double seconds) {
-  clock_.sleep_until_ns(clock_.now_ns() + static_cast<std::int64_t>(seconds * 1e9));
-}
-
-void SessionEngine::check_stop() const {
-  if (stop_) throw Interrupted{};
-}
-
-Stamp SessionEngine::stamp() const {
-  return {clock_.utc_ns(), clock_.now_ns()};
 }
 
 }  // namespace jnd

@@ -2,102 +2,82 @@
 //
 // The engine owns nothing durable. Every answer is one committed event, and the state it starts from is a replay of the
 // events so far: kill it anywhere, run it again with the replayed state, and it goes on at the next unanswered trial.
+// How a trial goes is in trial_conductor.h, what is still to do in session_progress.h.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <deque>
-#include <map>
 #include <string>
-#include <unordered_set>
 #include <vector>
 
 #include "data/event_body.h"
-#include "data/session_log.h"
-#include "devices/clock.h"
-#include "devices/responder.h"
-#include "devices/rig.h"
-#include "protocols/adaptive_run.h"
-#include "protocols/plan.h"
-#include "protocols/protocol.h"
-#include "runner/record_policy.h"
-#include "runner/session_view.h"
+#include "protocols/condition_codes.h"
+#include "protocols/condition_codes.h"
+#include "runner/session_parts.h"
+#include "runner/session_progress.h"
+#include "runner/trial_conductor.h"
 
 namespace jnd {
 
 enum class SessionEnd {
-  completed,   // everything asked and answered; the caller closes the session
-  interrupted  // the operator or a signal ended it; resumable
+  completed,     // everything asked and answered; the caller closes the session
+  closed_early,  // the operator ended it for good, or there was no consent; the caller closes it
+  interrupted    // the operator or a signal ended it; resumable
+};
+
+// What the protocol wants after an interruption (ResumePolicy), as decided by the caller.
+struct ResumeSteps {
+  bool redo_block = false;
+  bool practice_again = false;
 };
 
 class SessionEngine {
  public:
-  // All references must outlive the engine. stop: set from a signal handler or another thread.
-  SessionEngine(const Protocol& protocol, const Plan& plan, Rig& rig, Responder& responder, SessionLog& log,
-                Clock& clock, SessionView& view, const std::atomic<bool>& stop,
-                RecordPolicy record = RecordPolicy::events);
+  explicit SessionEngine(const SessionParts& parts);
 
   // state: replay of the log's events. Throws StorageError where an event cannot be written (nothing is lost: what was
   // said to be saved is saved).
-  SessionEnd run(const SessionState& state);
+  SessionEnd run(const SessionState& state, ResumeSteps steps = {});
 
  private:
-  enum class TrialEnd { answered, voided };
-  struct Interrupted {};  // unwinds to run()
+  enum class BlockEnd { over, reordered };  // reordered: a trial of an earlier block is open again
 
+  void open_session(ResumeSteps steps);
+  void settle_pending();
+  void redo_interrupted_block();
+  void practise_again();
+  void take_back(const Trial& trial, int attempt, bool anew, const std::string& reason);
+  void check_list();
+  void instruct(Instruction::When when);
+  void consent();
   void ask(Question::When when, int condition, int after_trial);
-  void ask_one(const Question& question, int condition, int after_trial);
   void run_practice();
-  void run_main();
-  void run_block(std::deque<Trial> queue);
-  TrialEnd conduct(const Trial& trial, const TrialOutline& outline);
-  Presentation present(const Trial& trial, int attempt, int interval);
-  void keep_ticks(const Trial& trial, int interval, const Presentation& presentation);
-  void append_trial(std::string_view kind, nlohmann::ordered_json body);
-  void note_fault(const Trial& trial, int attempt, int interval, const Presentation& presentation);
-  void recover_from_stop(const std::string& stopped_by);
-  TrialEnd void_trial(const Trial& trial, const TrialOutline& outline, const std::string& reason);
+  bool run_main();  // false: some block is open again
+  BlockEnd run_block(const std::vector<Trial>& block);
+  // The operator's word before a trial. False: the queue of trials has changed.
+  bool ready(const Trial& next, const TrialOutline& outline, const std::vector<Trial>& left, BlockEnd& end);
+  void end_block(const std::vector<Trial>& left, const std::string& reason);
+  void take_back_last(const TrialRecord& last, const std::string& words);
   void give_up(const Trial& trial);
-  void remember(const TrialRecord& record);
   void take_breaks_within_block();
   void take_breaks(int planned, bool series_over);
   void take_break(const Break& pause, int after_trial);
-  void drop_ended_tracks(std::deque<Trial>& queue) const;
-  int main_left() const;
-  std::deque<Trial> open_trials(const std::vector<Trial>& block) const;
+  void break_on_request(const std::string& reason);
+  void say_progress();
+  std::vector<std::vector<Trial>> main_blocks() const;
   TrialOutline outline_of(const Trial& trial) const;
-  void sleep_s(double seconds);
-  void check_stop() const;
-  Stamp stamp() const;
-  int attempts_voided(int index) const;
+  int after_trial() const noexcept { return progress_.main_done(); }
 
+  const SessionParts& parts_;
   const Protocol& protocol_;
   const Plan& plan_;
-  Rig& rig_;
-  Responder& responder_;
-  SessionLog& log_;
-  Clock& clock_;
-  SessionView& view_;
-  const std::atomic<bool>& stop_;
-  RecordPolicy record_;
-
-  SessionState state_;
-  AdaptiveRun adaptive_;
-  std::unordered_set<int> finished_;  // indices of trials answered or given up
-  struct RoundTally {
-    int answered = 0, correct = 0;
-  };
-  std::map<int, RoundTally> practice_;  // by round
-  std::vector<std::string> codes_;      // of the conditions
-  int main_total_ = 0;
-  int main_done_ = 0;  // answered or given up
+  SessionRecorder recorder_;
+  TrialConductor conductor_;
+  SessionProgress progress_;
+  std::vector<std::string> codes_;  // of the conditions
   int blocks_ = 0;
-  std::vector<TelemetryBlob> ticks_;  // of the present trial's intervals
-  double seconds_in_trials_ = 0;      // of this run, for the time left
+  double seconds_in_trials_ = 0;  // of this run, for the time left
   int trials_timed_ = 0;
 };
-
-// Letters for the conditions, dealt by the study's seed, so that the console gives nothing away.
-std::vector<std::string> condition_codes(const Protocol& protocol, std::uint64_t seed);
 
 }  // namespace jnd

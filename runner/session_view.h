@@ -1,10 +1,14 @@
-// What the engine tells the person at the terminal. It never tells a stimulus, nor a condition's real name.
+// What the engine tells the person at the terminal, and what it asks of them. It never tells a stimulus, nor a
+// condition's real name.
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "protocols/protocol.h"
 #include "protocols/vocabulary.h"
+#include "runner/operator_wish.h"
 
 namespace jnd {
 
@@ -19,27 +23,73 @@ struct TrialOutline {
   int block = 0, blocks = 0;   // of the main part
   std::string condition_code;  // "A", "B", ...: the same letter for a condition throughout the study
   double time_left_s = 0;      // at the participant's own pace
+  bool can_void_last = false;  // there is a last answer of this session's present block to take back
+};
+
+// Progress of one coded condition in the main part.
+struct ConditionProgress {
+  std::string code;
+  int done = 0, total = 0;
+};
+
+// How the devices did in the last presentation, and, while one goes on, how they do.
+struct DeviceHealth {
+  double rate_hz = 0;  // of the control loop; 0: unknown
+  double lateness_p99_us = 0, lateness_max_us = 0;
+  double force_n = 0, force_cap_n = 0;  // largest of all devices
+  bool saturated = false;
+  std::string fault;  // empty: none
+};
+
+// Free interaction: what the operator may see of it.
+struct ExplorationOutline {
+  int number = 0, total = 0;
+  std::string condition_code;
+  std::string object;  // what is to be laid out or rendered
+  bool devices = true;
+  double duration_s = 0;
+  int attempt = 1;
 };
 
 enum class CuePlace { first, second, question };
 
-// Thread rule: called by the session's thread only.
+// Thread rule: called by the session's thread only. Defaults suit a session without a person.
 class SessionView {
  public:
   virtual ~SessionView() = default;
-  // Before a trial: false ends the session here (it can be resumed).
-  virtual bool ready(const TrialOutline&) { return true; }
+  // Before a trial: go_on presents it; anything else is done, and this is asked again where a trial is still to come.
+  virtual OperatorWish ready(const TrialOutline&) { return {}; }
+  // What the operator asked for during a presentation, or instead of an answer: repeat_trial, or an end.
+  virtual OperatorWish meanwhile() { return {}; }
+  // The session stands still, with the devices neutral. go_on ends the pause; note, end_for_now and end_for_good do
+  // what they say.
+  virtual OperatorWish paused(const std::string& /*cause*/) { return {Wish::end_for_now, {}}; }
+  virtual void progress(const std::vector<ConditionProgress>&) {}
+  virtual void health(const DeviceHealth&) {}
   virtual void cue(CuePlace, const CueSignal&) {}
   // After the answer's transaction is committed, and not before.
   virtual void saved(const TrialOutline&, const Answer&) {}
   virtual void voided(const TrialOutline&, const std::string& /*reason*/, bool /*will_repeat*/) {}
-  // After an emergency stop, with the devices at rest: true clears it and goes on, false ends the session here.
-  virtual bool recover(const std::string& /*stopped_by*/) { return false; }
+  // The last answer was taken back.
+  virtual void took_back(bool /*will_repeat*/) {}
+  // After an emergency stop, with the devices at rest: go_on clears it, its text is the operator's reason; an end ends
+  // the session here.
+  virtual OperatorWish recover(const std::string& /*stopped_by*/) { return {Wish::end_for_now, {}}; }
+  // The log cannot be written just now: true tries again, false ends the session, and what was not saved is lost.
+  virtual bool storage_trouble(const std::string& /*message*/) { return false; }
   virtual void feedback(bool /*correct*/) {}
   virtual void practice_over(int /*rounds*/, double /*share_correct*/, bool /*passed*/) {}
-  virtual void break_begins(const Break&) {}
+  virtual void break_begins(const Break&, bool /*asked_by_operator*/) {}
   // Returns when the break is over: at once for views without a person.
-  virtual bool break_over(const Break&) { return true; }
+  virtual OperatorWish break_over(const Break&) { return {}; }
+  // A page to read out or to show; in the participant's language.
+  virtual OperatorWish instruct(const Instruction&) { return {}; }
+  // True: the participant consents.
+  virtual bool consent(const std::string& /*text*/) { return true; }
+  // Before free interaction with an object.
+  virtual OperatorWish ready_to_explore(const ExplorationOutline&) { return {}; }
+  // It goes on; called some times a second. False ends it (see meanwhile()).
+  virtual bool exploring(double /*left_s*/) { return true; }
 };
 
 }  // namespace jnd

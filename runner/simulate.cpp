@@ -27,6 +27,7 @@ namespace jnd {
 namespace {
 
 constexpr std::int64_t kDay_ns = 86'400'000'000'000;
+constexpr std::int64_t kHour_ns = 3'600'000'000'000;
 constexpr std::int64_t kFirstDay_ns = 946'713'600'000'000'000;  // 2000-01-01T08:00:00Z
 
 // Counts trials for the progress bar; a simulated participant needs no words.
@@ -50,65 +51,79 @@ std::int64_t main_trials(const SessionState& state) {
                        [](const TrialRecord& record) { return !record.trial.practice; });
 }
 
+// Each session's noise is drawn anew.
+std::uint64_t seed_of_session(std::uint64_t seed, int session) {
+  return session == 1 ? seed : seed ^ (0x9e3779b97f4a7c15U * static_cast<std::uint64_t>(session));
+}
+
 SessionEnd run_participant(const Simulation& simulation, const RigFilter& rig_filter, const Plan& plan, SessionLog& log,
                            std::atomic<std::int64_t>& trials) {
-  SimulatedClock clock(simulated_epoch_ns(plan.participant));
+  const std::uint64_t seed = seed_of_session(simulation.seed, plan.session);
+  SimulatedClock clock(simulated_epoch_ns(plan.participant, plan.session));
   const SessionState state = replay(log.events());
   clock.sleep_until_ns(state.last_monotonic_ns);
   std::unique_ptr<Rig> rig =
-      make_simulated_rig(simulation.protocol, simulation.rig, simulation.profile, plan.participant, simulation.seed,
-                         clock, rig_options(simulation.record, simulation.protocol, simulation.rig));
+      make_simulated_rig(simulation.protocol, simulation.rig, simulation.profile, plan.participant, seed, clock,
+                         rig_options(simulation.record, simulation.protocol, simulation.rig));
   if (rig_filter) rig = rig_filter(std::move(rig));
   const std::unique_ptr<Responder> responder =
-      make_simulated_participant(simulation.profile, simulation.protocol, plan.participant, simulation.seed, clock);
+      make_simulated_participant(simulation.profile, simulation.protocol, plan.participant, seed, clock);
   CountingView view(trials);
-  SessionEngine engine(simulation.protocol, plan, *rig, *responder, log, clock, view, interrupt_requested(),
-                       simulation.record);
-  const SessionEnd end = engine.run(state);
+  const SessionParts parts{simulation.protocol, plan, *rig, *responder, log, clock, view, interrupts(),
+                           simulation.record,   false};
+  const SessionEnd end = SessionEngine(parts).run(state);
   // Trials that ended tracks did not need count as done, for the bar.
   if (simulation.protocol.design.procedure && end == SessionEnd::completed)
     trials += main_trial_count(plan) - view.saved_trials() - main_trials(state);
   return end;
 }
 
+// A participant's sessions, one after the other.
+struct Turn {
+  int participant = 1, session = 1;
+};
+Turn turn_of(int place, const Protocol& protocol) {
+  const int sessions = protocol.design.sessions;
+  return {(place - 1) / sessions + 1, (place - 1) % sessions + 1};
+}
+
 enum class Work { finished, nothing_to_do, interrupted };
 
-// Calls work(participant) for 1..n on several threads, and done(participant) on the calling thread for those whose work
-// finished: in participant order, up to the first that was interrupted. The first exception stops the rest and is
-// thrown here.
-void for_each_participant(const Simulation& simulation, const std::atomic<std::int64_t>& trials,
-                          std::int64_t trials_total, const std::function<Work(int)>& work,
-                          const std::function<void(int)>& done) {
+// Calls work(place) for 1..places on several threads, and done(place) on the calling thread for those whose work
+// finished: in order, up to the first that was interrupted. The first exception stops the rest and is thrown here.
+void for_each_place(const Simulation& simulation, int places, const std::atomic<std::int64_t>& trials,
+                    std::int64_t trials_total, const std::function<Work(int)>& work,
+                    const std::function<void(int)>& done) {
   std::mutex mutex;
   std::condition_variable changed;
-  std::vector<std::optional<Work>> results(static_cast<std::size_t>(simulation.participants) + 1);
+  std::vector<std::optional<Work>> results(static_cast<std::size_t>(places) + 1);
   std::exception_ptr failure;
   std::atomic<int> next{1};
 
   const auto worker = [&] {
-    for (int participant = next++; participant <= simulation.participants; participant = next++) {
+    for (int place = next++; place <= places; place = next++) {
       Work result = Work::interrupted;
       std::exception_ptr problem;
       try {
-        result = work(participant);
+        result = work(place);
       } catch (...) {
         problem = std::current_exception();
-        next = simulation.participants + 1;
+        next = places + 1;
       }
       const std::lock_guard lock(mutex);
-      results[static_cast<std::size_t>(participant)] = result;
+      results[static_cast<std::size_t>(place)] = result;
       if (problem && !failure) failure = problem;
       changed.notify_all();
     }
   };
   std::vector<std::jthread> threads;
-  for (int i = 0; i < std::clamp(simulation.threads, 1, simulation.participants); ++i) threads.emplace_back(worker);
+  for (int i = 0; i < std::clamp(simulation.threads, 1, places); ++i) threads.emplace_back(worker);
 
   std::unique_ptr<ProgressBar> bar;
   if (simulation.progress) bar = std::make_unique<ProgressBar>("simulating trials", trials_total);
-  for (int participant = 1; participant <= simulation.participants; ++participant) {
+  for (int place = 1; place <= places; ++place) {
     std::unique_lock lock(mutex);
-    const std::optional<Work>& result = results[static_cast<std::size_t>(participant)];
+    const std::optional<Work>& result = results[static_cast<std::size_t>(place)];
     while (!result && !failure) {
       changed.wait_for(lock, std::chrono::milliseconds(100));
       if (bar) bar->update(trials);
@@ -116,7 +131,7 @@ void for_each_participant(const Simulation& simulation, const std::atomic<std::i
     if (failure || result == Work::interrupted) break;
     const bool finished = result == Work::finished;
     lock.unlock();
-    if (finished) done(participant);
+    if (finished) done(place);
   }
   threads.clear();
   if (bar) bar->update(trials);
@@ -129,12 +144,13 @@ std::string participant_code(int number) {
   return fmt::format("P{:02}", number);
 }
 
-std::int64_t simulated_epoch_ns(int participant) {
-  return kFirstDay_ns + (participant - 1) * kDay_ns;
+std::int64_t simulated_epoch_ns(int participant, int session) {
+  return kFirstDay_ns + (participant - 1) * kDay_ns + (session - 1) * kHour_ns;
 }
 
-std::string simulated_session_id(std::uint64_t seed, int participant) {
-  return sha256_hex(fmt::format("simulated/{}/{}", seed, participant)).substr(0, 32);
+std::string simulated_session_id(std::uint64_t seed, int participant, int session) {
+  const std::string first = fmt::format("simulated/{}/{}", seed, participant);
+  return sha256_hex(session == 1 ? first : fmt::format("{}/{}", first, session)).substr(0, 32);
 }
 
 SimulationResult simulate_study(const Simulation& simulation, Study& study) {
@@ -145,33 +161,41 @@ SimulationResult simulate_study(const Simulation& simulation, Study& study) {
   std::atomic<std::int64_t> trials{0};
   std::int64_t total = 0;
   std::vector<int> already;
-  for (int participant = 1; participant <= simulation.participants; ++participant) {
-    total += main_trial_count(make_plan(simulation.protocol, participant, simulation.seed));
-    const auto found = known.find(simulated_session_id(simulation.seed, participant));
+  const int places = simulation.participants * simulation.protocol.design.sessions;
+  const auto id_of = [&](int place) {
+    const Turn turn = turn_of(place, simulation.protocol);
+    return simulated_session_id(simulation.seed, turn.participant, turn.session);
+  };
+  for (int place = 1; place <= places; ++place) {
+    const Turn turn = turn_of(place, simulation.protocol);
+    total += main_trial_count(make_plan(simulation.protocol, turn.participant, simulation.seed, turn.session));
+    const auto found = known.find(id_of(place));
     if (found == known.end()) continue;
     if (found->second.responder != responder)
       throw InputError(fmt::format(
           "participant {} of this study was simulated with {}, not {}; use that profile or another study file",
-          participant_code(participant), found->second.responder, responder));
+          participant_code(turn.participant), found->second.responder, responder));
     trials += found->second.trials_done;
-    if (found->second.state == "closed") already.push_back(participant);
+    if (found->second.state == "closed") already.push_back(place);
   }
 
-  const auto is_done = [&](int participant) { return std::binary_search(already.begin(), already.end(), participant); };
-  std::vector<Stamp> ends(static_cast<std::size_t>(simulation.participants) + 1);
-  const auto work = [&](int participant) {
-    if (is_done(participant)) return Work::nothing_to_do;
+  const auto is_done = [&](int place) { return std::binary_search(already.begin(), already.end(), place); };
+  std::vector<Stamp> ends(static_cast<std::size_t>(places) + 1);
+  const auto work = [&](int place) {
+    if (is_done(place)) return Work::nothing_to_do;
     if (interrupt_requested()) return Work::interrupted;
-    const Plan plan = make_plan(simulation.protocol, participant, simulation.seed);
-    const std::string id = simulated_session_id(simulation.seed, participant);
+    const Turn turn = turn_of(place, simulation.protocol);
+    const Plan plan = make_plan(simulation.protocol, turn.participant, simulation.seed, turn.session);
+    const std::string id = id_of(place);
     std::unique_ptr<SessionLog> log;
     if (known.contains(id)) {
       log = study.resume_session(id);
     } else {
       NewSession session;
       session.id = id;
-      session.participant = participant_code(participant);
-      session.participant_number = participant;
+      session.participant = participant_code(turn.participant);
+      session.participant_number = turn.participant;
+      session.number = turn.session;
       session.kind = SessionKind::simulated;
       session.responder = responder;
       session.profile_sha256 = simulation.profile.sha256;
@@ -180,21 +204,20 @@ SimulationResult simulate_study(const Simulation& simulation, Study& study) {
       session.rig_mode = rig.mode;
       session.tracker = rig.tracker;
       session.rig_sha256 = rig.sha256;
-      session.trials_total = main_trial_count(plan);
-      session.stamp = {simulated_epoch_ns(participant), 0};
+      session.trials_total = std::max(main_trial_count(plan), static_cast<int>(plan.explorations.size()));
+      session.stamp = {simulated_epoch_ns(turn.participant, turn.session), 0};
       log = study.open_session(session);
     }
     if (run_participant(simulation, {}, plan, *log, trials) != SessionEnd::completed) return Work::interrupted;
     const SessionState state = replay(log->events());
-    ends[static_cast<std::size_t>(participant)] = {state.last_utc_ns, state.last_monotonic_ns};
+    ends[static_cast<std::size_t>(place)] = {state.last_utc_ns, state.last_monotonic_ns};
     return Work::finished;
   };
-  const auto close = [&](int participant) {
-    study.close_session(simulated_session_id(simulation.seed, participant),
-                        ends[static_cast<std::size_t>(participant)]);
+  const auto close = [&](int place) {
+    study.close_session(id_of(place), ends[static_cast<std::size_t>(place)]);
     ++result.completed;
   };
-  for_each_participant(simulation, trials, total, work, close);
+  for_each_place(simulation, places, trials, total, work, close);
   result.already_complete = static_cast<int>(already.size());
   result.interrupted = interrupt_requested();
   return result;
@@ -203,17 +226,19 @@ SimulationResult simulate_study(const Simulation& simulation, Study& study) {
 std::vector<CellCounts> simulate_counts(const Simulation& simulation, const RigFilter& rig_filter) {
   std::vector<std::vector<CellCounts>> cells(static_cast<std::size_t>(simulation.participants) + 1);
   std::atomic<std::int64_t> trials{0};
-  const std::int64_t total =
-      std::int64_t{simulation.participants} * main_trial_count(make_plan(simulation.protocol, 1, simulation.seed));
+  const std::int64_t total = std::int64_t{simulation.participants} * simulation.protocol.design.sessions *
+                             main_trial_count(make_plan(simulation.protocol, 1, simulation.seed));
   const auto work = [&](int participant) {
     if (interrupt_requested()) return Work::interrupted;
-    CountsLog log;
-    const Plan plan = make_plan(simulation.protocol, participant, simulation.seed);
-    if (run_participant(simulation, rig_filter, plan, log, trials) != SessionEnd::completed) return Work::interrupted;
+    CountsLog log;  // over all of the participant's sessions
+    for (int session = 1; session <= simulation.protocol.design.sessions; ++session) {
+      const Plan plan = make_plan(simulation.protocol, participant, simulation.seed, session);
+      if (run_participant(simulation, rig_filter, plan, log, trials) != SessionEnd::completed) return Work::interrupted;
+    }
     cells[static_cast<std::size_t>(participant)] = log.cells(simulation.protocol, participant_code(participant));
     return Work::finished;
   };
-  for_each_participant(simulation, trials, total, work, [](int) {});
+  for_each_place(simulation, simulation.participants, trials, total, work, [](int) {});
   std::vector<CellCounts> all;
   if (interrupt_requested()) return all;
   for (const auto& one : cells) all.insert(all.end(), one.begin(), one.end());
@@ -223,18 +248,22 @@ std::vector<CellCounts> simulate_counts(const Simulation& simulation, const RigF
 AdaptiveResults simulate_thresholds(const Simulation& simulation) {
   std::vector<std::vector<AdaptiveRow>> rows(static_cast<std::size_t>(simulation.participants) + 1);
   std::atomic<std::int64_t> trials{0};
-  const std::int64_t total =
-      std::int64_t{simulation.participants} * main_trial_count(make_plan(simulation.protocol, 1, simulation.seed));
+  const std::int64_t total = std::int64_t{simulation.participants} * simulation.protocol.design.sessions *
+                             main_trial_count(make_plan(simulation.protocol, 1, simulation.seed));
   const auto work = [&](int participant) {
     if (interrupt_requested()) return Work::interrupted;
-    MemoryLog log;
-    const Plan plan = make_plan(simulation.protocol, participant, simulation.seed);
-    if (run_participant(simulation, {}, plan, log, trials) != SessionEnd::completed) return Work::interrupted;
-    rows[static_cast<std::size_t>(participant)] =
-        adaptive_rows(log.events(), simulation.protocol, participant_code(participant), SessionKind::simulated);
+    for (int session = 1; session <= simulation.protocol.design.sessions; ++session) {
+      MemoryLog log;
+      const Plan plan = make_plan(simulation.protocol, participant, simulation.seed, session);
+      if (run_participant(simulation, {}, plan, log, trials) != SessionEnd::completed) return Work::interrupted;
+      const std::vector<AdaptiveRow> found =
+          adaptive_rows(log.events(), simulation.protocol, participant_code(participant), SessionKind::simulated);
+      std::vector<AdaptiveRow>& all = rows[static_cast<std::size_t>(participant)];
+      all.insert(all.end(), found.begin(), found.end());
+    }
     return Work::finished;
   };
-  for_each_participant(simulation, trials, total, work, [](int) {});
+  for_each_place(simulation, simulation.participants, trials, total, work, [](int) {});
   AdaptiveResults results;
   results.kind = SessionKind::simulated;
   if (interrupt_requested()) return results;

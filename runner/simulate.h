@@ -52,8 +52,8 @@ AdaptiveResults simulate_thresholds(const Simulation& simulation);
 
 // "P07"; at least two digits.
 std::string participant_code(int number);
-// The simulated day of a participant: 2000-01-01T08:00:00Z, a day a participant.
-std::int64_t simulated_epoch_ns(int participant);
-std::string simulated_session_id(std::uint64_t seed, int participant);
+// The simulated time of a session: 2000-01-01T08:00:00Z, a day a participant, an hour a session.
+std::int64_t simulated_epoch_ns(int participant, int session = 1);
+std::string simulated_session_id(std::uint64_t seed, int participant, int session = 1);
 
 }  // namespace jnd

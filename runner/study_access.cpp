@@ -4,9 +4,12 @@
 
 #include <fmt/format.h>
 
+#include "data/blinding.h"
+#include "data/event_body.h"
 #include "data/study_analysis.h"
 #include "devices/object_json.h"
 #include "protocols/device_lint.h"
+#include "protocols/protocol_difference.h"
 #include "protocols/protocol_json.h"
 #include "runner/commands.h"
 #include "runner/resources.h"
@@ -22,6 +25,9 @@ RigDescription rig_of(const Protocol& protocol) {
   RigDescription rig{.spec = rig_spec_of(protocol)};
   if (!protocol.rig.object.empty())
     rig.object = load_object(find_resource(Resource::object, protocol.rig.object)).shape;
+  if (protocol.explore)
+    for (const std::string& name : protocol.explore->objects)
+      rig.objects[name] = load_object(find_resource(Resource::object, name)).shape;
   return rig;
 }
 
@@ -32,6 +38,29 @@ Protocol load_checked_protocol(const std::string& name_or_path) {
   if (!lint.errors.empty()) throw InputError(lint.errors);
   return protocol;
 }
+
+namespace {
+
+// Another file than the study's: the same document in other bytes is recorded, anything else is refused with what
+// differs.
+void accept_or_refuse(Study& study, const std::filesystem::path& path, const Protocol& protocol, Stamp stamp) {
+  const StudyInfo& info = study.info();
+  const ProtocolDifference difference = difference_of(info.protocol_bytes, protocol.bytes);
+  if (!difference.same_meaning) {
+    std::string message = fmt::format(
+        "the study {} was made with another protocol ('{}', SHA-256 {}...), not with this one ('{}', {}...); "
+        "go on with the protocol it was made with, or start a new study file",
+        path.string(), info.protocol_name, info.protocol_sha256.substr(0, 12), protocol.name,
+        protocol.sha256.substr(0, 12));
+    for (const std::string& line : difference.lines) message += "\n  " + line;
+    throw InputError(message);
+  }
+  for (const Event& event : study.study_events())
+    if (event.kind == event_kind::kReworded && event.body.find(protocol.sha256) != std::string::npos) return;
+  study.add_study_event(event_kind::kReworded, {{"sha256", protocol.sha256}, {"name", protocol.name}}, stamp);
+}
+
+}  // namespace
 
 std::unique_ptr<Study> open_or_create_study(const std::filesystem::path& path, const Protocol& protocol,
                                             std::optional<std::uint64_t> seed, Stamp stamp) {
@@ -45,16 +74,11 @@ std::unique_ptr<Study> open_or_create_study(const std::filesystem::path& path, c
   }
   std::unique_ptr<Study> study = Study::open(path, Study::Access::read_write);
   const StudyInfo& info = study->info();
-  if (info.protocol_sha256 != protocol.sha256)
-    throw InputError(fmt::format(
-        "the study {} was made with another protocol ('{}', SHA-256 {}...), not with this one ('{}', {}...); "
-        "go on with the protocol it was made with, or start a new study file",
-        path.string(), info.protocol_name, info.protocol_sha256.substr(0, 12), protocol.name,
-        protocol.sha256.substr(0, 12)));
+  if (info.protocol_sha256 != protocol.sha256) accept_or_refuse(*study, path, protocol, stamp);
   if (seed && *seed != info.seed)
     throw UsageError(
         fmt::format("the study {} has seed {}, not {}; leave --seed out to go on with it, or start a new study file",
-                    path.string(), info.seed, *seed));
+                    path.string(), seed_text(*study, protocol, "sealed while it is blinded"), *seed));
   return study;
 }
 

@@ -37,18 +37,6 @@ std::string warn(std::string_view text) {
   return styled("33", text);
 }
 
-std::string printable(std::string_view text) {
-  std::string safe;
-  for (const char character : text) {
-    const auto byte = static_cast<unsigned char>(character);
-    if (byte < 0x20 || byte == 0x7f)
-      safe += fmt::format("\\x{:02x}", byte);
-    else
-      safe += character;
-  }
-  return safe;
-}
-
 std::string duration_text(double seconds) {
   const long whole = std::lround(std::max(0.0, seconds));
   if (whole < 90) return fmt::format("{} s", whole);

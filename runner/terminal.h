@@ -14,8 +14,18 @@ std::string bold(std::string_view text);
 std::string dim(std::string_view text);
 std::string warn(std::string_view text);
 
-// Control characters made visible, so that no text from a file reaches the terminal as a command.
+// Text from files, people or arguments, made safe for a terminal: runner/printable_text.cpp. What a terminal would
+// obey, reorder or hide becomes visible: control characters (C0, DEL, C1), bytes that are not UTF-8 ("\\x1b"), controls
+// of direction, zero-width characters, line and paragraph separators ("\\u{202e}"). Text made so is not changed again.
 std::string printable(std::string_view text);
+// The same of a message with lines of its own: line feeds stay.
+std::string printable_lines(std::string_view text);
+// The same of a JSON document, as JSON escapes: what a reader of it gets is not changed.
+std::string printable_json(std::string_view document);
+
+// Columns of a terminal that a UTF-8 text takes: 2 for East Asian wide characters and emoji, 0 for combining marks, 1
+// for all else.
+std::size_t display_width(std::string_view text) noexcept;
 
 // Minutes and seconds as a person says them: "35 s", "24 min", "1 h 05 min".
 std::string duration_text(double seconds);

@@ -3,15 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "runner/terminal.h"
-
 namespace jnd {
-
-std::size_t display_width(const std::string& text) noexcept {
-  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char character) {
-    return (static_cast<unsigned char>(character) & 0xC0U) != 0x80U;
-  }));
-}
 
 TextTable::TextTable(std::vector<std::string> header, std::vector<Align> align) : align_(std::move(align)) {
   rows_.push_back(std::move(header));

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "runner/terminal.h"
+
 namespace jnd {
 
 class TextTable {
@@ -21,8 +23,5 @@ class TextTable {
   std::vector<Align> align_;
   std::vector<std::vector<std::string>> rows_;  // the header first; an empty row is a rule
 };
-
-// How many columns a UTF-8 text takes, at one column a code point.
-std::size_t display_width(const std::string& text) noexcept;
 
 }  // namespace jnd

@@ -10,6 +10,9 @@ install_missing $packages_to_build catch2 librapidcheck-dev libvalijson-dev pyth
 # The page of `jnd report` is looked at in a real browser; without one that test says SKIPPED.
 install_missing chromium || echo "SKIPPED: chromium cannot be installed: the report is not looked at in a browser" >&2
 
+# The operator's screen is looked at through libvterm; without it that test says SKIPPED.
+install_missing libvterm-dev || echo "SKIPPED: libvterm-dev cannot be installed: the operator's screen is not looked at" >&2
+
 preset=${1:-dev}
 # Instrumented programs are slow: the campaign of faulty devices runs in full without sanitizers (10,000 cases).
 case $preset in asan|tsan) export JND_FAULT_CASES=${JND_FAULT_CASES:-2000} ;; esac

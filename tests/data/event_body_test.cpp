@@ -247,7 +247,7 @@ TEST_CASE("a replay says what happened and what is still open", "[data]") {
   log.append(event_kind::kTrialsShort, voided_body(b, 3, "attempts used up"), {7, 7});
   log.append(event_kind::kTrialCompleted, to_body(record_of(tutorial(), c, Judgement::different)), {8, 8});
   log.append(event_kind::kBreakTaken, {{"after_trial", 12}, {"duration_s", 20.0}}, {9, 9});
-  log.append(event_kind::kQuestionAnswered, question_body(tutorial().questions.back(), "SV", "7", 4), {10, 10});
+  log.append(event_kind::kQuestionAnswered, question_body(tutorial().questions[1], "SV", "7", 4), {10, 10});
   log.append(event_kind::kStopCleared, {{"reason", "checked the cable"}}, {10, 11});
   log.append(event_kind::kDeviceFault, {{"index", 3}}, {11, 11});
   log.append(event_kind::kSessionResumed, nlohmann::ordered_json::object(), {11, 12});

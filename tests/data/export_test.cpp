@@ -49,8 +49,10 @@ TEST_CASE("cells are quoted where they must be, and numbers keep every digit", "
   CHECK(csv_number(std::numeric_limits<std::int64_t>::min()) == "-9223372036854775808");
   CHECK(csv_flag(true) == "1");
   CHECK(csv_flag(false) == "0");
-  for (const char* text : {"=1+1", "+1", "-1", "@SUM(A1)", "\tx", "\rx"})
+  for (const char* text : {"=1+1", "+a", "-a", "-1-1", "+1.", "@SUM(A1)", "\tx", "\rx", "\nx", "  =1+1", "\"=1", "'=1",
+                           "\xef\xbb\xbf=1", "\xc2\xa0@x", "\xef\xbc\x9d" "1"})
     CHECK(csv_text(text) == "'" + std::string(text));
+  for (const char* number : {"-1", "+1", "-0.25", "-1e-3", "7"}) CHECK(csv_text(number) == number);
   CHECK(csv_text("a=1") == "a=1");
   CHECK(csv_text("").empty());
 }
@@ -109,9 +111,11 @@ TEST_CASE("an export holds every trial and result, and its dictionary every colu
   CHECK(read_csv(files.at("group.csv")).size() == 1 + 2);
   const auto answers = read_csv(files.at("answers.csv"));
   REQUIRE(answers.size() == 1 + 4);
-  CHECK(answers[1][9] == "'=1+1, \"both\"\nhands");
-  CHECK(answers[2][8] == "0");
-  CHECK(answers[2][9].empty());
+  CHECK(answers[0][2] == "session_number");
+  CHECK(answers[1][2] == "1");
+  CHECK(answers[1][10] == "'=1+1, \"both\"\nhands");
+  CHECK(answers[2][9] == "0");
+  CHECK(answers[2][10].empty());
   CHECK(files.at("sessions.csv").find(results.analysis.heads[0].hash) != std::string::npos);
   CHECK(files.at("sessions.csv").find(std::to_string(kSeed)) != std::string::npos);
 }

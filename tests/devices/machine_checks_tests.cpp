@@ -196,6 +196,24 @@ TEST_CASE("where studies go, judged by its figures") {
           f.network = true;
           f.free_bytes = 5e8;
         }) == Verdict::bad);
+  // A rehearsal may be kept where it can be lost; no session begins without room for it.
+  CHECK(changed([](StorageFigures& f) {
+          f.type = "tmpfs";
+          f.real = false;
+        }) == Verdict::warn);
+  CHECK(changed([](StorageFigures& f) {
+          f.network = true;
+          f.real = false;
+        }) == Verdict::warn);
+  CHECK(changed([](StorageFigures& f) { f.needed_bytes = 4.95e10; }) == Verdict::warn);
+  CHECK(changed([](StorageFigures& f) {
+          f.needed_bytes = 5.1e10;
+          f.real = false;
+        }) == Verdict::bad);
+  StorageFigures room = fine;
+  room.needed_bytes = 2e9;
+  CHECK(judge_storage(room).verdict == Verdict::ok);
+  CHECK(contains(judge_storage(room).found, "a session needs 2 GB"));
 }
 
 TEST_CASE("where studies go, measured") {

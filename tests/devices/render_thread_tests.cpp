@@ -1,5 +1,6 @@
 // The thread that jobs are lent to.
 #include <atomic>
+#include <chrono>
 #include <csignal>
 #include <stdexcept>
 #include <vector>
@@ -30,6 +31,67 @@ TEST_CASE("what a job throws, run throws, and the thread lives on") {
   int done = 0;
   render.run([&] { ++done; });
   CHECK(done == 1);
+}
+
+TEST_CASE("the caller is called again and again while a job runs, on its own thread, and not after it") {
+  RenderThread render(RealtimePolicy::off);
+  const std::thread::id caller = std::this_thread::get_id();
+  std::atomic<int> calls{0};
+  bool here = true;
+  render.run(
+      [&] {
+        for (int seen = 0; seen < 5; seen = calls.load()) calls.wait(seen);
+      },
+      std::chrono::milliseconds(1),
+      [&] {
+        here = here && std::this_thread::get_id() == caller;
+        calls.fetch_add(1);
+        calls.notify_all();
+      });
+  CHECK(calls.load() >= 5);
+  CHECK(here);
+  const int before = calls.load();
+  render.run([] {});
+  CHECK(calls.load() == before);
+  // A job that is over before the first period never calls.
+  render.run([] {}, std::chrono::hours(1), [&] { calls.fetch_add(1); });
+  CHECK(calls.load() == before);
+}
+
+TEST_CASE("what the caller's own part throws comes out when the job is done, and it is not called again") {
+  RenderThread render(RealtimePolicy::off);
+  std::atomic<bool> called{false};
+  bool done = false;
+  int calls = 0;
+  CHECK_THROWS_WITH(render.run(
+                        [&] {
+                          called.wait(false);
+                          done = true;
+                        },
+                        std::chrono::milliseconds(1),
+                        [&] {
+                          ++calls;
+                          called = true;
+                          called.notify_all();
+                          throw std::runtime_error("of the caller");
+                        }),
+                    "of the caller");
+  CHECK(done);
+  CHECK(calls == 1);
+  // The job's own error goes first.
+  called = false;
+  CHECK_THROWS_WITH(render.run(
+                        [&] {
+                          called.wait(false);
+                          throw std::runtime_error("of the job");
+                        },
+                        std::chrono::milliseconds(1),
+                        [&] {
+                          called = true;
+                          called.notify_all();
+                          throw std::runtime_error("of the caller");
+                        }),
+                    "of the job");
 }
 
 TEST_CASE("the report is of the render thread, and the caller keeps its own scheduling") {

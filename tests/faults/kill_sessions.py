@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 """Kills sessions with SIGKILL at random instants and runs the same command again, until the session is complete.
 
-Then the trials table must equal an undisturbed run's (times aside), `jnd verify` must agree, and every answer that the
-program had acknowledged must be there. Three kinds of session: simulated participants, the same with levels that their answers set,
-and a person at a pseudo-terminal.
+After every kill: each answer that the program had acknowledged is in the study, no trial is torn, every stimulus is the planned
+one, and `jnd verify` agrees. At the end of a session its trials table equals an undisturbed run's (times aside). Three kinds of
+session: simulated participants, the same with levels that their answers set, and a person at a pseudo-terminal. A person's
+trial that was felt and not answered comes again at the end of its block, so there the tables are compared trial by trial, and
+answers with what the program said it saved.
 
-Usage: kill_sessions.py JND [--kills N] [--seed N]
+Usage: kill_sessions.py JND [--kills N] [--seed N]        --kills 1000 is the long form
 """
 import argparse
 import contextlib
@@ -22,26 +24,71 @@ import sys
 import tempfile
 import time
 
-COLUMNS = ("participant", "trial", "attempt", "block", "practice", "series", "condition", "stimulus_1_n_per_m", "stimulus_2_n_per_m",
-           "same", "answer", "correct")
+# What the line mode of `jnd run` says.
+TRIAL = re.compile(r"Trial (\d+) of")
+WAITS_FOR_SPACE = "[space]"
+ASKS = "[s] same"
+SAVED = re.compile(r"\s+saved: (\w+)")
+FINISHED_BEFORE = "has finished this study"
+PRESSED_AGAIN_AFTER_S = 2  # without a word from the program: keys pressed before a prompt do not count
+
+PLAN = ("participant", "trial", "block", "practice", "series", "condition", "stimulus_1_n_per_m", "stimulus_2_n_per_m", "same")
+ANSWER = ("attempt", "answer", "correct")
 
 
-def trials(study):
-    """The trials table without times, in presented order."""
+class Tally:
+    """What went wrong; nothing should."""
+
+    NAMES = ("acknowledged answers lost", "torn trials", "plan differences", "verify failures", "final tables that differ",
+             "unexpected endings")
+
+    def __init__(self):
+        self.wrong = dict.fromkeys(self.NAMES, 0)
+        self.kills = self.studies = self.acknowledged = 0
+
+    def count(self, name, condition, message):
+        if not condition:
+            self.wrong[name] += 1
+            print(f"FAILED, {name}: {message}", flush=True)
+
+
+def query(study, sql):
     with contextlib.closing(sqlite3.connect(study)) as connection:
-        return connection.execute(f"SELECT {', '.join(COLUMNS)} FROM trials ORDER BY participant, seq").fetchall()
+        return connection.execute(sql).fetchall()
 
 
-def check(condition, message):
-    if not condition:
-        print(f"FAILED: {message}")
-        sys.exit(1)
+def plan_of(study):
+    """Every answered trial's place and stimuli, by participant and trial."""
+    return {row[:2]: row for row in query(study, f"SELECT {', '.join(PLAN)} FROM trials ORDER BY participant, trial")}
 
 
-def verify(jnd, study):
-    done = subprocess.run([jnd, "verify", study, "--json"], capture_output=True, text=True)
-    check(done.returncode == 0, f"verify: {done.stdout}{done.stderr}")
-    return json.loads(done.stdout)
+def answers_in_order(study):
+    return query(study, f"SELECT {', '.join(PLAN + ANSWER)} FROM trials ORDER BY participant, seq")
+
+
+def torn(study):
+    """Answered trials whose event is not whole."""
+    count = 0
+    for (body,) in query(study, "SELECT body FROM event WHERE kind = 'trial.completed'"):
+        event = json.loads(body)
+        whole = len(event["presentations"]) == 2 and all(p["fingers"] for p in event["presentations"])
+        count += not (whole and event["answer"] in ("same", "different"))
+    return count
+
+
+def check_study(jnd, study, session, expected, tally, name):
+    """Everything that must hold whenever the program is not running."""
+    if not os.path.exists(study):
+        tally.count("acknowledged answers lost", not session.acknowledged, f"{name}: there is no study")
+        return
+    verify = subprocess.run([jnd, "verify", study, "--json"], capture_output=True, text=True)
+    tally.count("verify failures", verify.returncode == 0, f"{name}: {verify.stdout}{verify.stderr}")
+    tally.count("torn trials", torn(study) == 0, name)
+    for key, row in plan_of(study).items():
+        tally.count("plan differences", expected.get(key) == row, f"{name}: {row} instead of {expected.get(key)}")
+    said = [row[len(PLAN) + 1] for row in answers_in_order(study)] if session.acknowledged else []
+    for number, answer in session.acknowledged.items():
+        tally.count("acknowledged answers lost", said[number - 1:number] == [answer], f"{name}: answer {number}, {answer}")
 
 
 def small_protocol(jnd, folder, name="chinello2017"):
@@ -50,7 +97,8 @@ def small_protocol(jnd, folder, name="chinello2017"):
     subprocess.run([jnd, "new", path, "--from", name], check=True, stdout=subprocess.DEVNULL)
     with open(path) as file:
         protocol = json.load(file)
-    protocol.pop("assumed", None)
+    for part in ("assumed", "practice", "checklist", "consent", "instructions", "translations"):
+        protocol.pop(part, None)
     if "procedure" in protocol["design"]:
         protocol["design"]["procedure"].update(stop={"reversals": 4, "at_most": 12}, averaged_reversals=2)
     else:
@@ -63,10 +111,14 @@ def small_protocol(jnd, folder, name="chinello2017"):
 
 
 class Simulated:
-    """18 x 72 trials by simulated participants."""
+    """Eight simulated participants on two threads."""
+
+    by_trial = False  # whether trials may come in another order after a kill
 
     def __init__(self, jnd, protocol, study):
         self.command = [jnd, "simulate", protocol, "--participants", "8", "--study", study, "--seed", "1", "--threads", "2"]
+        self.acknowledged = {}
+        self.complaint = ""
 
     def run(self, kill_after):
         """True when the command finished by itself."""
@@ -77,22 +129,21 @@ class Simulated:
             process.send_signal(signal.SIGKILL)
             process.communicate()
             return False
-        check(process.returncode == 0, f"simulate ended with {process.returncode}: {output.decode()}")
+        self.complaint = "" if process.returncode == 0 else f"ended with {process.returncode}: {output.decode()}"
         return True
-
-    acknowledged = ()
 
 
 class Person:
-    """A person at a terminal who answers by a fixed rule; remembers every answer that the program said it saved."""
+    """A person at a terminal; remembers every answer that the program said it saved."""
+
+    by_trial = True
 
     def __init__(self, jnd, protocol, study):
         self.command = [jnd, "run", protocol, "--study", study, "--participant", "P01", "--seed", "1", "--fast"]
-        self.acknowledged = []
-
-    @staticmethod
-    def answer(number):
-        return "d" if number * 7 % 5 < 2 else "s"
+        if "--plain" in subprocess.run([jnd, "run", "--help"], capture_output=True, text=True).stdout:
+            self.command.append("--plain")
+        self.acknowledged = {}  # by the number of the answer in the session
+        self.complaint = ""
 
     def run(self, kill_after):
         deadline = None if kill_after is None else time.monotonic() + kill_after
@@ -100,13 +151,15 @@ class Person:
         if pid == 0:
             os.environ["NO_COLOR"] = "1"
             os.execv(self.command[0], self.command)
-        unread, number, finished_before = "", 0, False
+        unread, number, said, wanted, pressed_at = "", 0, "", "", time.monotonic()
         while True:
             if deadline is not None and time.monotonic() > deadline:
                 os.kill(pid, signal.SIGKILL)
                 deadline = None
             ready, _, _ = select.select([terminal], [], [], 0.01)
             if not ready:
+                if wanted and time.monotonic() > pressed_at + PRESSED_AGAIN_AFTER_S:
+                    pressed_at = self.press(terminal, wanted)
                 continue
             try:
                 data = os.read(terminal, 4096)
@@ -115,76 +168,86 @@ class Person:
             if not data:
                 break
             unread += data.decode(errors="replace")
-            finished_before = finished_before or "has finished this study" in unread
             while "\n" in unread:
                 line, unread = unread.split("\n", 1)
-                if match := re.match(r"Trial (\d+) of", line):
+                said += line + "\n"
+                wanted = ""
+                if match := TRIAL.search(line):
                     number = int(match[1])
-                elif "[space]" in line:
-                    self.press(terminal, " ")
-                elif "[s] same" in line:
-                    self.press(terminal, self.answer(number))
-                elif match := re.match(r"\s+saved: (\w+)", line):
-                    self.acknowledged.append((number, match[1]))
+                elif WAITS_FOR_SPACE in line:
+                    wanted = " "
+                elif ASKS in line:
+                    wanted = "d" if number * 7 % 5 < 2 else "s"
+                elif match := SAVED.match(line):
+                    self.acknowledged[number] = match[1]
+                if wanted:
+                    pressed_at = self.press(terminal, wanted)
         os.close(terminal)
         _, status = os.waitpid(pid, 0)
         if os.WIFSIGNALED(status):
             return False
-        if finished_before:  # killed between the session's last event and the program's end
-            return True
-        check(os.WEXITSTATUS(status) == 0, f"run ended with {os.WEXITSTATUS(status)}")
+        # Killed between the session's last event and the program's end, it has nothing left to do.
+        fine = os.WEXITSTATUS(status) == 0 or FINISHED_BEFORE in said
+        self.complaint = "" if fine else f"ended with {os.WEXITSTATUS(status)}: {said[-500:]}"
         return True
 
     @staticmethod
     def press(terminal, key):
-        # A little later than the prompt, as a person would: keys pressed before the prompt do not count.
-        time.sleep(0.003)
-        try:
+        with contextlib.suppress(OSError):
             os.write(terminal, key.encode())
-        except OSError:
-            pass
+        return time.monotonic()
 
 
 def campaign(name, make, jnd, folder, protocol, kills, generator):
+    tally = Tally()
     undisturbed = os.path.join(folder, f"{name}-undisturbed.sqlite")
     began = time.monotonic()
-    check(make(jnd, protocol, undisturbed).run(None), "the undisturbed run did not finish")
+    first = make(jnd, protocol, undisturbed)
+    first.run(None)
     whole = time.monotonic() - began
-    expected = trials(undisturbed)
-    check(len(expected) > 0, "the undisturbed run has no trials")
-    done = rounds = 0
-    while done < kills:
-        rounds += 1
-        study = os.path.join(folder, f"{name}-{rounds}.sqlite")
+    tally.count("unexpected endings", not first.complaint, f"{name}: {first.complaint}")
+    expected, expected_answers = plan_of(undisturbed), answers_in_order(undisturbed)
+    tally.count("unexpected endings", expected, f"{name}: the undisturbed run has no trials")
+    while tally.kills < kills and not any(tally.wrong.values()):
+        tally.studies += 1
+        study = os.path.join(folder, f"{name}-{tally.studies}.sqlite")
         session = make(jnd, protocol, study)
         for _ in range(1000):
-            if session.run(generator.uniform(0.005, whole * 0.4) if done < kills else None):
+            if session.run(generator.uniform(0.005, whole * 0.4) if tally.kills < kills else None):
                 break
-            done += 1
-            if os.path.exists(study) and session.acknowledged:
-                in_study = {row[1]: row[10] for row in trials(study)}
-                for number, answer in session.acknowledged:
-                    check(in_study.get(number) == answer, f"{name}: acknowledged answer {number} {answer} is not in the study")
-        check(trials(study) == expected, f"{name}: the trials table differs from an undisturbed run's after kills")
-        verify(jnd, study)
-        check(not os.path.exists(study + "-wal"), f"{name}: the finished study is more than one file")
-    print(f"{name}: {done} kills in {rounds} studies, {len(expected)} trials each: tables equal, verify clean, no acknowledged answer lost")
+            tally.kills += 1
+            check_study(jnd, study, session, expected, tally, name)
+        tally.count("unexpected endings", not session.complaint, f"{name}: {session.complaint}")
+        check_study(jnd, study, session, expected, tally, name)
+        tally.acknowledged += len(session.acknowledged)
+        same = plan_of(study) == expected if session.by_trial else answers_in_order(study) == expected_answers
+        tally.count("final tables that differ", same, study)
+        tally.count("final tables that differ", not os.path.exists(study + "-wal"), f"{name}: the study is more than one file")
+        os.remove(study)
+    print(f"{name}: {tally.kills} kills in {tally.studies} studies of {len(expected)} trials", flush=True)
+    return tally
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("jnd")
-    parser.add_argument("--kills", type=int, default=12, help="of each kind of session")
+    parser.add_argument("--kills", type=int, default=36, help="of all three kinds of session together (default 36)")
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     jnd = os.path.abspath(options.jnd)
     generator = random.Random(options.seed)
+    each = -(-options.kills // 3)
     with tempfile.TemporaryDirectory() as folder:
-        protocol = small_protocol(jnd, folder)
-        campaign("simulated", Simulated, jnd, folder, protocol, options.kills, generator)
-        adaptive = small_protocol(jnd, folder, "adaptive-staircase")
-        campaign("adaptive", Simulated, jnd, folder, adaptive, options.kills, generator)
-        campaign("interactive", Person, jnd, folder, protocol, options.kills, generator)
+        fixed, adaptive = small_protocol(jnd, folder), small_protocol(jnd, folder, "adaptive-staircase")
+        tallies = {name: campaign(name, make, jnd, folder, protocol, each, generator)
+                   for name, make, protocol in (("simulated", Simulated, fixed), ("adaptive", Simulated, adaptive),
+                                                ("interactive", Person, fixed))}
+    rows = [("kills", [t.kills for t in tallies.values()]), ("answers acknowledged", [t.acknowledged for t in tallies.values()])]
+    rows += [(name, [t.wrong[name] for t in tallies.values()]) for name in Tally.NAMES]
+    print(f"\n{'':26}" + "".join(f"{name:>13}" for name in (*tallies, "all")))
+    for name, numbers in rows:
+        print(f"{name:26}" + "".join(f"{number:13}" for number in (*numbers, sum(numbers))))
+    sys.exit(any(any(t.wrong.values()) for t in tallies.values()))
 
 
 main()

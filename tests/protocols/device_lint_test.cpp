@@ -272,3 +272,13 @@ TEST_CASE("the shipped devices can do what the shipped protocols ask") {
     for (const Diagnostic& warning : lint.warnings) CHECK(warning.path == "$.stimulus.expected_press_m");
   }
 }
+
+TEST_CASE("taps need a device that vibrates") {
+  Protocol protocol = shipped("mckibben-stiffness");
+  CHECK(lint_of(protocol).errors.empty());
+  protocol.timeline.second_cue.kind = "tap";
+  CHECK(told(lint_of(protocol).errors, "$.trial.cues.second.kind", "no device of this rig can tap"));
+  protocol = shipped();
+  protocol.timeline.second_cue.kind = "tap";
+  CHECK(lint_of(protocol).errors.empty());
+}

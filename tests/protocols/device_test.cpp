@@ -75,6 +75,24 @@ TEST_CASE("mistakes in a device specification are told") {
   CHECK_THROWS_WITH(load_device_spec(std::filesystem::temp_directory_path()), Catch::Contains("is a folder"));
 }
 
+TEST_CASE("a device may say when it was calibrated, and for how long that holds") {
+  const auto with = [](const std::string& members) {
+    return replaced(kRrs3Spec, "\"format\": 1,", "\"format\": 1, " + members);
+  };
+  CHECK_FALSE(device_from(kRrs3Spec).calibration.has_value());
+  const DeviceSpec spec = device_from(with("\"calibrated\": \"2024-02-29\", \"calibration_valid_days\": 90,"));
+  REQUIRE(spec.calibration.has_value());
+  CHECK(spec.calibration->date == std::chrono::sys_days(std::chrono::days(19'782)));
+  CHECK(spec.calibration->valid_days == 90);
+  CHECK_FALSE(device_from(with("\"calibrated\": \"2026-03-01\",")).calibration->valid_days.has_value());
+  for (const char* date : {"2026-02-29", "2026-13-01", "2026-3-1", "01.03.2026", "2026-03-0x", "yesterday"})
+    CHECK(error_of(with(std::string("\"calibrated\": \"") + date + "\",")).find("$.calibrated: is not a day") !=
+          std::string::npos);
+  CHECK(error_of(with("\"calibration_valid_days\": 90,")).find("counts from no day") != std::string::npos);
+  CHECK(error_of(with("\"calibrated\": \"2026-03-01\", \"calibration_valid_days\": 0,")).find("out of range") !=
+        std::string::npos);
+}
+
 TEST_CASE("mistakes in a specification of the McKibben finger are told") {
   CHECK(error_of(replaced(kMckibbenSpec, "\"min_angle_rad\": 0.35", "\"min_angle_rad\": 1"))
             .find("is not above min_angle_rad") != std::string::npos);

@@ -36,7 +36,8 @@ class CommandLine(unittest.TestCase):
         cls.small = os.path.join(cls.path, "small.json")
         cls.jnd_class("new", cls.small, "--from", "chinello2017")
         protocol = json.loads(read(cls.small))
-        protocol.pop("assumed")
+        for key in ("assumed", "checklist"):
+            protocol.pop(key)
         protocol["design"]["trials_per_cell"] = 4
         protocol["trial"].update(explore_s=0.5, gap_s=0.1, between_trials_s=0.1)
         write(cls.small, json.dumps(protocol, indent=1))
@@ -227,6 +228,17 @@ class CommandLine(unittest.TestCase):
         self.assertEqual((status["state"], status["trials_done"]), ("closed", 36))
         self.jnd("verify", "person.sqlite")
         self.jnd(*command[:-2], code=2)  # this participant has finished
+
+    def test_each_session_has_a_plan_of_its_own(self):
+        plan = lambda *more: json.loads(self.jnd("plan", self.small, "--participant", "2", "--json", *more).stdout)
+        first, again, second = plan(), plan("--session", "1"), plan("--session", "2")
+        self.assertEqual(first, again)
+        self.assertNotIn("session", first)
+        self.assertEqual(second["session"], 2)
+        order = lambda one: list(dict.fromkeys(trial["series"] for trial in one["trials"]))
+        self.assertEqual(order(second), order(first)[::-1])
+        self.assertIn("session 2", self.jnd("plan", self.small, "--cohort", "18", "--session", "2").stdout)
+        self.jnd("plan", self.small, "--session", "0", code=2)
 
     def test_the_three_kinds_are_never_pooled(self):
         study = self.study("kinds.sqlite", participants=2)

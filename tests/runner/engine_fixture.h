@@ -52,6 +52,7 @@ class IdealRig final : public Rig {
     clock_.sleep_until_ns(clock_.now_ns() + static_cast<std::int64_t>(request.explore_s * 1e9));
     Presentation presentation;
     presentation.fault = fault(request);
+    if (presentation.fault == Fault::emergency_stop) presentation.stopped_by = stopped_by;
     presentation.duration_s = request.explore_s;
     for (int finger = 0; finger < 2; ++finger) {
       FingerPresentation delivered;
@@ -67,6 +68,7 @@ class IdealRig final : public Rig {
   std::function<Fault(const PresentRequest&)> fault = [](const PresentRequest&) { return Fault::none; };
   std::function<double(const PresentRequest&)> saturated_share = [](const PresentRequest&) { return 0.0; };
   int neutral_calls = 0;
+  std::string stopped_by;  // with an emergency stop
 
  private:
   Clock& clock_;
@@ -103,8 +105,11 @@ struct Bench {
       : protocol(std::move(chosen)), plan(make_plan(protocol, participant, 1)) {}
 
   SessionEnd run(SessionView& with_view) {
-    SessionEngine engine(protocol, plan, rig, responder, log, clock, with_view, stop);
-    return engine.run(replay(log.events()));
+    const SessionParts parts = parts_for(with_view, log);
+    return SessionEngine(parts).run(replay(log.events()), steps);
+  }
+  SessionParts parts_for(SessionView& view, SessionLog& with_log) {
+    return {protocol, plan, rig, responder, with_log, clock, view, interrupts, RecordPolicy::events, person};
   }
   SessionEnd run() {
     SessionView quiet;
@@ -123,7 +128,10 @@ struct Bench {
   IdealRig rig{clock};
   RuleResponder responder{clock};
   MemoryLog log;
-  std::atomic<bool> stop{false};
+  Interrupts interrupts;
+  std::atomic<bool>& stop = interrupts.end;
+  bool person = false;  // somebody feels the stimuli
+  ResumeSteps steps;
 };
 
 }  // namespace jnd::test

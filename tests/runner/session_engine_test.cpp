@@ -44,7 +44,7 @@ TEST_CASE("A session that is interrupted after any answer ends with the same tri
   class EndBefore final : public SessionView {
    public:
     explicit EndBefore(int trials) : left_(trials) {}
-    bool ready(const TrialOutline&) override { return left_-- > 0; }
+    OperatorWish ready(const TrialOutline&) override { return {left_-- > 0 ? Wish::go_on : Wish::end_for_now, {}}; }
 
    private:
     int left_;
@@ -199,8 +199,8 @@ TEST_CASE("A log that fails stops the session; the unsaved answer is asked again
       int left_;
     } failing(bench.log, fail_at);
     SessionView quiet;
-    SessionEngine engine(bench.protocol, bench.plan, bench.rig, bench.responder, failing, bench.clock, quiet,
-                         bench.stop);
+    const SessionParts parts = bench.parts_for(quiet, failing);
+    SessionEngine engine(parts);
     REQUIRE_THROWS_AS(engine.run(replay(failing.events())), StorageError);
     REQUIRE(bench.run() == SessionEnd::completed);
     CHECK(bench.completed().size() == 16);

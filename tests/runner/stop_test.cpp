@@ -25,9 +25,9 @@ const std::string kSource = JND_SOURCE_DIR;
 class Operator final : public SessionView {
  public:
   explicit Operator(bool clears) : clears_(clears) {}
-  bool recover(const std::string& stopped_by) override {
+  OperatorWish recover(const std::string& stopped_by) override {
     asked.push_back(stopped_by);
-    return clears_;
+    return {clears_ ? Wish::go_on : Wish::end_for_now, {}};
   }
   std::vector<std::string> asked;
 
@@ -83,15 +83,15 @@ struct RealBench {
   ParticipantProfile profile = load_profile(kSource + "/devices/profiles/chinello2017.json");
   Plan plan = make_plan(protocol, 1, 1);
   SimulatedClock clock{0};
-  std::atomic<bool> stop{false};
+  Interrupts interrupts;
   SessionView view;
 
   SessionEnd run(SessionLog& log, RecordPolicy record) {
     const std::unique_ptr<Rig> rig =
         make_simulated_rig(protocol, description, profile, 1, 1, clock, rig_options(record, protocol, description));
     const std::unique_ptr<Responder> responder = make_simulated_participant(profile, protocol, 1, 1, clock);
-    SessionEngine engine(protocol, plan, *rig, *responder, log, clock, view, stop, record);
-    return engine.run(replay(log.events()));
+    const SessionParts parts{protocol, plan, *rig, *responder, log, clock, view, interrupts, record, false};
+    return SessionEngine(parts).run(replay(log.events()));
   }
 };
 
@@ -193,8 +193,10 @@ TEST_CASE("While the storage blocks for five seconds no device acts, and a stop 
     FingertipRig rig({}, std::move(parts), bench.clock);
     const auto responder = make_simulated_participant(bench.profile, bench.protocol, 1, 1, bench.clock);
     SlowLog log(bench.clock, told, latched ? &rig.stop : nullptr);
-    SessionEngine engine(bench.protocol, bench.plan, rig, *responder, log, bench.clock, bench.view, bench.stop);
-    const SessionEnd end = engine.run(replay(log.events()));
+    const SessionParts parts_of_session{
+        bench.protocol,   bench.plan,           rig,  *responder, log, bench.clock, bench.view,
+        bench.interrupts, RecordPolicy::events, false};
+    const SessionEnd end = SessionEngine(parts_of_session).run(replay(log.events()));
     CHECK_FALSE(log.force_while_blocked);
     CHECK(told.largest_n > 1);
     CHECK(end == (latched ? SessionEnd::interrupted : SessionEnd::completed));

@@ -1,0 +1,86 @@
+#include "data/backup.h"
+
+#include <SQLiteCpp/Backup.h>
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sqlite3.h>
+#include <unistd.h>
+
+#include "data/new_file.h"
+#include "data/schema.h"
+#include "data/study_impl.h"
+
+namespace jnd {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kPagesAtATime = 1024;  // 4 MB: how soon an interruption is noticed
+
+// False where interrupted.
+bool copy_pages(SQLite::Database& source, const fs::path& to, const std::function<bool()>& stop) {
+  // Made by us and not by SQLite: private from its first moment.
+  const int descriptor = ::open(to.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  if (descriptor < 0) throw StorageError(fmt::format("{}: cannot be created", to.string()));
+  ::close(descriptor);
+  SQLite::Database copy(fs::absolute(to).string(), SQLite::OPEN_READWRITE);
+  // A file that is thrown away unless it is finished needs no journal; it is flushed before it gets its name.
+  copy.exec("PRAGMA journal_mode = OFF");
+  copy.exec("PRAGMA synchronous = OFF");
+  {
+    // One transaction holds one view of the source, so that a session which goes on never makes the copy begin anew.
+    SQLite::Transaction view(source);
+    SQLite::Statement(source, "SELECT count(*) FROM study").executeStep();
+    SQLite::Backup backup(copy, source);
+    for (int result = SQLITE_OK; result != SQLITE_DONE;) {
+      if (stop && stop()) return false;
+      result = backup.executeStep(kPagesAtATime);
+      if (result != SQLITE_OK && result != SQLITE_DONE) throw SQLite::Exception(copy.getHandle(), result);
+    }
+    view.commit();
+  }
+  return true;
+}
+
+// The copy of a study in use says that it has a write-ahead log; a closed study is one file.
+void settle(const fs::path& made) {
+  SQLite::Database copy(fs::absolute(made).string(), SQLite::OPEN_READWRITE);
+  SQLite::Statement(copy, "PRAGMA journal_mode = DELETE").executeStep();
+}
+
+void refuse_itself(const fs::path& study, const fs::path& to) {
+  std::error_code error;
+  if (fs::equivalent(study, to, error))
+    throw StorageError(fmt::format("{}: is the study itself; name another file for its backup", to.string()));
+}
+
+}  // namespace
+
+BackupReport back_up(const Study& study, const fs::path& to, bool replace, const std::function<bool()>& stop) {
+  const Study::Impl& impl = study.impl();
+  refuse_itself(impl.path, to);
+  NewFile file(to, replace);
+  BackupReport report;
+  {
+    const std::scoped_lock lock(impl.mutex);
+    report.interrupted = !with_storage_errors(to, [&] { return copy_pages(impl.database(), file.made(), stop); });
+  }
+  if (report.interrupted) return report;
+  with_storage_errors(to, [&] { settle(file.made()); });
+  {
+    const auto copy = Study::open(file.made(), Study::Access::read_only);
+    report.verified = verify(*copy);
+    if (!report.verified.problems.empty()) return report;
+    report.sessions = copy->sessions();
+    const std::vector<Event> own = copy->events(kStudyChain);
+    if (!own.empty()) report.study_head = own.back().hash;
+  }
+  report.bytes = fs::file_size(file.made());
+  file.publish();
+  report.written = true;
+  return report;
+}
+
+}  // namespace jnd

@@ -1,0 +1,29 @@
+// jnd backup: a copy of a study while it may be in use, that was found whole before it got its name.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "data/study.h"
+
+namespace jnd {
+
+struct BackupReport {
+  bool written = false;      // false: interrupted, or the copy has problems
+  bool interrupted = false;  // by `stop`
+  std::vector<SessionInfo> sessions;
+  std::string study_head;  // hash of the last event in the study's own chain
+  VerifyReport verified;   // of the copy
+  std::uintmax_t bytes = 0;
+};
+
+// Copies the study as it stands at one instant, whoever writes to it meanwhile; verifies the copy; gives it its name
+// when it is on the disk, readable by its owner only. stop: looked at between pieces; true leaves nothing behind.
+// Throws StorageError: `to` exists (unless replace) or is the study itself, or a disk fails.
+BackupReport back_up(const Study& study, const std::filesystem::path& to, bool replace,
+                     const std::function<bool()>& stop = {});
+
+}  // namespace jnd

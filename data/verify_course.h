@@ -1,0 +1,19 @@
+// The course of one session against the protocol's rules. Internal to verify_deep.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "data/session_log.h"
+#include "protocols/plan.h"
+#include "protocols/protocol.h"
+
+namespace jnd {
+
+// problem: called with the event that a rule does not allow, and why. Throws nlohmann::json::exception and StorageError
+// where a body is not what its kind says; verify says so too.
+void check_course(const Protocol& protocol, const Plan& plan, const std::vector<Event>& events,
+                  const std::function<void(const Event&, const std::string&)>& problem);
+
+}  // namespace jnd

@@ -1,0 +1,23 @@
+// How two protocol files differ: for whoever finds that a study was made with another file.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace jnd {
+
+struct ProtocolDifference {
+  // The documents are equal member by member, though the bytes differ: blanks, the order of members, 1.0 for 1.
+  bool same_meaning = false;
+  // "$.design.participants: 18 -> 24", "$.practice: added {...}", "$.breaks[1]: removed {...}", in the order of the
+  // old file, then what is new; values are shortened, control characters escaped.
+  std::vector<std::string> lines;
+};
+
+// limit: most lines, >= 1; where there are more differences the last line says how many. `$schema` is for editors and
+// is left out. Throws InputError where one of the two is not JSON.
+ProtocolDifference difference_of(std::string_view old_bytes, std::string_view new_bytes, std::size_t limit = 20);
+
+}  // namespace jnd

@@ -1,0 +1,27 @@
+// A protocol in the participant's language. Its identity (bytes, SHA-256) and everything that is drawn, planned or
+// analysed stay as they are: only what people read and hear changes.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "protocols/protocol.h"
+
+namespace jnd {
+
+// The protocol's own language first, then those of its translations in alphabetical order.
+std::vector<std::string> languages_of(const Protocol& protocol);
+
+// language: as BCP 47 names it, upper and lower case alike. The protocol's own gives the protocol unchanged; a
+// translation replaces the texts that it has. Of a choice, Question::shown gets the translated options, and
+// Question::options, what the log keeps, stay. Throws InputError that lists the languages where there is no such one.
+Protocol in_language(const Protocol& protocol, std::string_view language);
+
+// Texts of the participant's that the translation leaves out, by their paths. language: one of its translations.
+std::vector<std::string> left_out_of(const Protocol& protocol, const std::string& language);
+
+// "de" and "DE" name the same language.
+bool same_language(std::string_view a, std::string_view b) noexcept;
+
+}  // namespace jnd

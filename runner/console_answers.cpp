@@ -1,0 +1,147 @@
+// The participant's side of the console: answers to trials, with their response times, and pages of questions.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "runner/session_console.h"
+#include "runner/terminal.h"
+
+namespace jnd {
+
+std::optional<Answer> SessionConsole::answer_of(Action action, std::int64_t key_ns) const {
+  if (action != Action::answer_same && action != Action::answer_different) return std::nullopt;
+  // The time of the key, not of its being noticed here; the session's clock may have skipped what was waiting.
+  const std::int64_t age_ns = SteadyClock().now_ns() - key_ns;
+  const std::int64_t response_ns = std::max<std::int64_t>(0, clock_.now_ns() - cue_shown_ns_ - age_ns);
+  return Answer{action == Action::answer_same ? Judgement::same : Judgement::different, options_.entered_by,
+                static_cast<double>(response_ns) * 1e-9};
+}
+
+std::optional<Answer> SessionConsole::judge(const TrialQuestion& question) {
+  const KeyMap& keys = question_keys_;
+  Scene scene;
+  scene.keys = keys.hints();
+  display_->scene(scene);
+  while (!keys_.pause_asked()) {
+    if (keys_.ended()) {
+      decided_ = OperatorWish{Wish::end_for_now, {}};
+      return std::nullopt;
+    }
+    if (static_cast<double>(clock_.now_ns() - cue_shown_ns_) * 1e-9 > question.time_out_s) return std::nullopt;
+    const std::optional<Key> key = keys_.next();
+    if (!key) continue;
+    const std::optional<Action> action = keys.action_of(*key);
+    if (!action) {
+      display_->explain(Tone::quiet, keys.explanation(*key));
+      continue;
+    }
+    if (const std::optional<Answer> answer = answer_of(*action, key->time_ns)) return answer;
+    switch (*action) {
+      case Action::stop:
+        return std::nullopt;  // the latch is set: no answer counts
+      case Action::pause:
+      case Action::note:
+        note_wishes({*key}, keys);
+        display_->explain(Tone::quiet, *action == Action::pause ? "the pause comes after the answer"
+                                                                : "the note can be typed after the answer");
+        break;
+      case Action::help:
+        help(keys);
+        display_->scene(scene);
+        break;
+      default:
+        decided_ = wish_of(*action, keys);
+        if (decided_) return std::nullopt;
+        if (keys_.ended()) break;
+        keys_.prompt();
+        display_->keys_again();
+        break;
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> SessionConsole::reply(const Question& question, int condition) {
+  const std::optional<Replies> replies = reply_all({{question, condition}});
+  return replies ? replies->front() : std::nullopt;
+}
+
+std::optional<Replies> SessionConsole::reply_all(const std::vector<AskedQuestion>& page) {
+  if (page.empty()) return Replies{};
+  if (!keys_.anybody()) return std::nullopt;
+  std::vector<QuestionnairePage::Item> items;
+  std::vector<std::string> ids;
+  for (const AskedQuestion& asked : page) {
+    QuestionnairePage::Item item;
+    item.question = &asked.question;
+    if (asked.condition >= 0) item.about = protocol_.conditions[static_cast<std::size_t>(asked.condition)].label;
+    items.push_back(item);
+    ids.push_back(fmt::format("{} {}", asked.question.id, asked.condition));
+  }
+  if (ids == unfinished_ids_)
+    for (std::size_t i = 0; i < items.size(); ++i) items[i].typed = unfinished_[i];
+  // Whoever writes to a pipe cannot look at a page once more.
+  QuestionnairePage questions(std::move(items), keyboard_->is_terminal());
+  const bool done = display_->by_lines() ? ask_by_lines(questions) : ask_by_keys(questions);
+  unfinished_.clear();
+  unfinished_ids_.clear();
+  if (done) return questions.replies();
+  for (const QuestionnairePage::Item& item : questions.items()) unfinished_.push_back(item.typed);
+  unfinished_ids_ = ids;
+  return std::nullopt;
+}
+
+// Escape asks whether the session is to end.
+bool SessionConsole::leaves_page() {
+  decided_ = ask_end();
+  return decided_.has_value();
+}
+
+bool SessionConsole::ask_by_keys(QuestionnairePage& page) {
+  const TypingText typing(*keyboard_);
+  keys_.prompt();
+  bool left = false;
+  while (!left) {
+    display_->page(page);
+    std::optional<Key> key;
+    while (!key && !keys_.ended() && !keys_.pause_asked()) key = keys_.next(true);
+    if (!key) break;
+    const std::size_t before = page.at();
+    const QuestionnairePage::State state = page.press(*key);
+    if (state == QuestionnairePage::State::committed) {
+      display_->page_done();
+      return true;
+    }
+    if (state == QuestionnairePage::State::leaving) {
+      left = leaves_page();
+      if (!left) keys_.prompt();
+    }
+    if (page.at() != before) keys_.prompt();  // Enter held down does not run through the page
+  }
+  if (keys_.ended()) decided_ = OperatorWish{Wish::end_for_now, {}};
+  display_->page_done();
+  return false;
+}
+
+bool SessionConsole::ask_by_lines(QuestionnairePage& page) {
+  bool shown = false;
+  std::size_t at = 0;
+  while (!keys_.ended() && !keys_.pause_asked()) {
+    if (!shown || page.at() != at) display_->page(page);
+    shown = true;
+    at = page.at();
+    const std::optional<std::string> line = keys_.line("");
+    if (!line) {
+      if (keys_.ended() || keys_.pause_asked()) break;
+      if (leaves_page()) return false;
+      shown = false;
+      continue;
+    }
+    if (page.enter(*line) == QuestionnairePage::State::committed) return true;
+    if (!page.mistake().empty()) display_->explain(Tone::quiet, page.mistake());
+  }
+  if (keys_.ended()) decided_ = OperatorWish{Wish::end_for_now, {}};
+  return false;
+}
+
+}  // namespace jnd

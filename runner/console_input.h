@@ -1,0 +1,48 @@
+// Keys for a prompt: only those that were pressed after it was shown and are not held down since before.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "runner/console_display.h"
+#include "runner/held_keys.h"
+#include "runner/interrupt.h"
+#include "runner/keyboard.h"
+
+namespace jnd {
+
+// Thread rule: the session's thread only.
+class PromptKeys {
+ public:
+  // keyboard may be null: then no key ever comes. All must outlive it.
+  PromptKeys(Keyboard* keyboard, const Interrupts& interrupts, Display& display) noexcept
+      : keyboard_(keyboard), interrupts_(interrupts), display_(display) {}
+
+  bool anybody() const noexcept { return keyboard_ != nullptr; }
+  // The session is to end: a signal, or there will be no more keys.
+  bool ended() const noexcept { return interrupts_.end || (keyboard_ != nullptr && keyboard_->at_end()); }
+  bool pause_asked() const noexcept { return interrupts_.pause; }
+
+  // A prompt is about to be shown. Returns the keys pressed before it, which do not answer it.
+  std::vector<Key> prompt();
+  // The keys that have come so far, without a prompt.
+  std::vector<Key> drain();
+  // The next key that counts; none after about 50 ms, so that the caller looks at its other reasons to go on. Tells the
+  // operator to let go of a key that is held down. text: keys are characters of a text, where one may be typed twice.
+  std::optional<Key> next(bool text = false);
+  // A line of text; none where it was cancelled, or the session is to end.
+  std::optional<std::string> line(const std::string& label, const std::string& initial = "");
+
+ private:
+  std::optional<std::string> edited_line(const std::string& label, const std::string& initial);
+
+  Keyboard* keyboard_;
+  const Interrupts& interrupts_;
+  Display& display_;
+  HeldKeys held_;
+  bool told_to_let_go_ = false;
+};
+
+}  // namespace jnd

@@ -1,0 +1,350 @@
+#include "runner/session_console.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "runner/terminal.h"
+
+namespace jnd {
+
+namespace {
+
+constexpr double kLook_s = 0.05;  // how often a countdown looks at the keys
+
+std::string outline_text(const TrialOutline& outline) {
+  if (outline.practice) return fmt::format("Practice {} of {}", outline.number, outline.total);
+  return fmt::format("Trial {} of {}{}", outline.number, outline.at_most ? "at most " : "", outline.total);
+}
+
+// Why a trial did not count, in words.
+std::string reason_text(const std::string& reason) {
+  static constexpr std::array<std::pair<const char*, const char*>, 8> kWords = {
+      {{"no_answer", "no answer in time"},
+       {"no_contact", "the sphere was not touched"},
+       {"emergency_stop", "stopped"},
+       {"saturated", "a device was at its limit"},
+       {"repeated", "repeated at your wish"},
+       {"paused", "paused"},
+       {"interrupted", "interrupted"},
+       {"taken_back", "taken back"}}};
+  for (const auto& [code, words] : kWords)
+    if (reason == code) return words;
+  return printable(reason);
+}
+
+}  // namespace
+
+SessionConsole::SessionConsole(const ConsoleOptions& options, const Protocol& protocol, Keyboard* keyboard,
+                               Clock& clock, const Interrupts& interrupts, std::unique_ptr<Display> display)
+    : options_(options),
+      protocol_(protocol),
+      keyboard_(keyboard),
+      clock_(clock),
+      display_(std::move(display)),
+      keys_(keyboard, interrupts, *display_),
+      question_keys_(question_keys(protocol.timeline)) {
+  if (keyboard_ != nullptr)
+    keyboard_->spare_capital_stop(protocol.timeline.key_same == 'X' || protocol.timeline.key_different == 'X');
+}
+
+void SessionConsole::begin(const SessionCard& card) {
+  SessionCard safe = card;
+  for (std::string* text : {&safe.title, &safe.participant, &safe.study, &safe.language}) *text = printable(*text);
+  display_->begin(safe);
+  if (display_->by_lines() || !warned_) return;
+  // What was said before the screen came has gone with it: once more, until it is read.
+  warned_ = false;
+  acknowledge("Before the session", announced_);
+}
+
+void SessionConsole::announce(const std::string& text, bool warning) {
+  display_->announce(text, warning);
+  if (display_->by_lines()) {
+    announced_ += text + "\n";
+    warned_ = warned_ || warning;
+  } else if (warning) {
+    acknowledge("Please note", text);
+  }
+}
+
+void SessionConsole::acknowledge(const std::string& heading, const std::string& text) {
+  const KeyMap keys({{' ', Action::go_on, "goes on", true}});
+  keys_.prompt();
+  show({Tone::warning, heading, "", text, keys.hints()});
+  while (!keys_.ended() && !keys_.pause_asked()) {
+    const std::optional<Key> key = keys_.next();
+    if (!key || display_->scroll(key->name)) continue;
+    if (keys.action_of(*key)) return;
+    display_->explain(Tone::quiet, keys.explanation(*key));
+  }
+}
+
+void SessionConsole::end(const std::string& last_words) {
+  display_->end(last_words);
+}
+
+void SessionConsole::show(const Scene& scene) {
+  scene_ = scene;
+  if (!keys_.anybody()) scene_.keys.clear();
+  display_->scene(scene_);
+}
+
+OperatorWish SessionConsole::wish_at(const Scene& scene, const KeyMap& keys, bool pausable) {
+  if (!keys_.anybody()) {
+    show(scene);
+    return {keys_.ended() ? Wish::end_for_now : Wish::go_on, {}};
+  }
+  note_wishes(keys_.prompt(), question_keys_);
+  Scene with_keys = scene;
+  with_keys.keys = keys.hints();
+  show(with_keys);
+  if (pausable) {
+    if (const std::optional<OperatorWish> wish = noted_wish(keys)) return *wish;
+  }
+  for (;;) {
+    if (keys_.ended()) return {Wish::end_for_now, {}};
+    if (pausable && keys_.pause_asked()) return {Wish::pause, {}};
+    const std::optional<Key> key = keys_.next();
+    if (!key || display_->scroll(key->name)) continue;
+    const std::optional<Action> action = keys.action_of(*key);
+    if (!action) {
+      display_->explain(Tone::quiet, keys.explanation(*key));
+      continue;
+    }
+    if (const std::optional<OperatorWish> wish = wish_of(*action, keys)) return *wish;
+    if (keys_.ended()) continue;
+    keys_.prompt();
+    if (*action == Action::help && !display_->by_lines()) show(with_keys);
+    display_->keys_again();
+  }
+}
+
+void SessionConsole::outline_scene(const TrialOutline& outline, Scene& scene) const {
+  scene.heading = outline_text(outline);
+  scene.beside = fmt::format("condition {}", printable(outline.condition_code));
+  if (!outline.practice)
+    scene.beside += fmt::format("  block {} of {}  about {} left", outline.block, outline.blocks,
+                                duration_text(outline.time_left_s));
+  if (outline.attempt > 1) scene.beside += fmt::format("  (attempt {})", outline.attempt);
+}
+
+OperatorWish SessionConsole::ready(const TrialOutline& outline) {
+  display_->outline(outline);
+  Scene scene;
+  outline_scene(outline, scene);
+  scene.task = "Wait until the participant is ready";
+  const OperatorWish wish = wish_at(scene, ready_keys(outline.can_void_last), true);
+  if (wish.wish == Wish::go_on) {
+    noted_.clear();
+  }
+  return wish;
+}
+
+// After an interval, after free interaction that exploring() has broken off, or where judge() returned nothing.
+OperatorWish SessionConsole::meanwhile() {
+  if (decided_) return *std::exchange(decided_, std::nullopt);
+  if (broken_off_by_) {
+    const OperatorWish wish = wish_of(*broken_off_by_, exploring_keys()).value_or(OperatorWish{});
+    broken_off_by_.reset();
+    if (wish.wish == Wish::go_on) show(scene_);
+    return wish;
+  }
+  note_wishes(keys_.drain(), question_keys_);
+  const auto repeat = std::find(noted_.begin(), noted_.end(), Action::repeat_trial);
+  if (repeat == noted_.end()) return {};
+  noted_.erase(repeat);
+  return wish_of(Action::repeat_trial, question_keys_).value_or(OperatorWish{});
+}
+
+OperatorWish SessionConsole::paused(const std::string& cause) {
+  Scene scene;
+  scene.tone = Tone::warning;
+  scene.heading = "Paused";
+  if (cause == "ctrl-c") scene.beside = "by Ctrl-C; once more ends the session safely";
+  return wish_at(scene, pause_keys(), false);
+}
+
+void SessionConsole::progress(const std::vector<ConditionProgress>& by_condition) {
+  display_->progress(by_condition);
+}
+
+void SessionConsole::health(const DeviceHealth& health) {
+  display_->health(health);
+}
+
+void SessionConsole::cue(CuePlace place, const CueSignal& cue) {
+  static constexpr std::array kDefault = {"first sphere", "second sphere", "same or different?"};
+  const bool aloud = !cue.say.empty(), beep = cue.kind == "sound";
+  const std::string words = aloud ? printable(cue.say) : kDefault[static_cast<std::size_t>(place)];
+  if (place == CuePlace::question) {
+    note_wishes(keys_.prompt(), question_keys_);
+    display_->say(place, words, aloud, beep);
+    cue_shown_ns_ = clock_.now_ns();
+    return;
+  }
+  std::vector<KeyHint> hints = question_keys_.hints();
+  hints.erase(hints.begin(), hints.begin() + 2);  // without the answers, which nobody waits for yet
+  if (keys_.anybody()) display_->working_keys(hints);
+  display_->say(place, words, aloud, beep);
+}
+
+void SessionConsole::saved(const TrialOutline&, const Answer& answer) {
+  display_->answer(fmt::format("{}, {:.2f} s", to_string(answer.judgement), answer.response_time_s),
+                   std::string(to_string(answer.entered_by)));
+}
+
+void SessionConsole::voided(const TrialOutline&, const std::string& reason, bool will_repeat) {
+  display_->tell(Tone::warning,
+                 fmt::format("not counted ({}); {}", reason_text(reason),
+                             will_repeat ? "it comes again at the end of this block" : "its attempts are used up"));
+}
+
+void SessionConsole::took_back(bool will_repeat) {
+  display_->answer_taken_back();
+  display_->tell(Tone::warning,
+                 fmt::format("last answer taken back; {}", will_repeat ? "its trial comes again at the end of its block"
+                                                                       : "the attempts of its trial are used up"));
+}
+
+OperatorWish SessionConsole::recover(const std::string& stopped_by) {
+  Scene scene{Tone::warning,
+              fmt::format("STOPPED ({}). The devices are at rest.", printable(stopped_by)),
+              "",
+              "See to the participant and the devices. This trial comes again later.",
+              {}};
+  if (!keys_.anybody()) {
+    show(scene);
+    return {Wish::end_for_now, {}};
+  }
+  return wish_at(scene, stopped_keys(), true);
+}
+
+bool SessionConsole::storage_trouble(const std::string& message) {
+  if (!keys_.anybody()) return false;
+  const KeyMap keys = storage_keys();
+  keys_.prompt();
+  show({Tone::warning, "The study cannot be written just now.", "",
+        printable(message) + "\nThe devices are at rest. Nothing is lost yet: make room, then try again.",
+        keys.hints()});
+  while (!keys_.ended()) {
+    const std::optional<Key> key = keys_.next();
+    if (!key) continue;
+    const std::optional<Action> action = keys.action_of(*key);
+    if (action == Action::try_again) return true;
+    if (action == Action::give_up) {
+      if (confirm("End the session? What was not saved is lost.")) return false;
+      display_->keys_again();
+    } else if (!action) {
+      display_->explain(Tone::quiet, keys.explanation(*key));
+    }
+  }
+  return false;
+}
+
+void SessionConsole::feedback(bool correct) {
+  display_->feedback(correct ? "that was right" : "that was not right");
+}
+
+void SessionConsole::practice_over(int rounds, double share_correct, bool passed) {
+  display_->announce(
+      fmt::format("Practice is over after {} round{}: {:.0f} % right{}.", rounds, rounds == 1 ? "" : "s",
+                  100 * share_correct, passed ? "" : ", below the protocol's criterion; this is in the log"),
+      false);
+}
+
+void SessionConsole::break_begins(const Break& pause, bool asked_by_operator) {
+  break_ends_ns_ = clock_.now_ns() + static_cast<std::int64_t>(pause.duration_s * 1e9);
+  Scene scene;
+  scene.heading = "Break";
+  scene.beside = asked_by_operator ? "at your wish" : fmt::format("of at least {}", duration_text(pause.duration_s));
+  if (!pause.say.empty()) scene.text = "Say: " + printable(pause.say);
+  if (keys_.anybody() && pause.duration_s > 0) scene.keys = break_keys(false).hints();
+  note_wishes(keys_.prompt(), question_keys_);
+  show(scene);
+}
+
+// Asked again after a note or a pause: the countdown goes on.
+OperatorWish SessionConsole::break_over(const Break& pause) {
+  const KeyMap keys = break_keys(false);
+  for (std::int64_t now = clock_.now_ns(); now < break_ends_ns_; now = clock_.now_ns()) {
+    if (keys_.ended()) return {Wish::end_for_now, {}};
+    if (keys_.pause_asked()) return {Wish::pause, {}};
+    display_->countdown("break", static_cast<double>(break_ends_ns_ - now) * 1e-9, pause.duration_s);
+    display_->refresh();
+    for (const Key& key : keys_.drain()) {
+      const std::optional<Action> action = keys.action_of(key);
+      if (!action) {
+        display_->explain(Tone::quiet, fmt::format("the break is not over: {} left",
+                                                   duration_text(static_cast<double>(break_ends_ns_ - now) * 1e-9)));
+        continue;
+      }
+      if (const std::optional<OperatorWish> wish = wish_of(*action, keys)) return *wish;
+    }
+    clock_.sleep_until_ns(std::min(break_ends_ns_, clock_.now_ns() + static_cast<std::int64_t>(kLook_s * 1e9)));
+  }
+  display_->countdown_over();
+  if (!keys_.anybody()) return {keys_.ended() ? Wish::end_for_now : Wish::go_on, {}};
+  return wish_at({Tone::strong, "The break may end", "", "", {}}, break_keys(true), true);
+}
+
+OperatorWish SessionConsole::instruct(const Instruction& instruction) {
+  return wish_at(
+      {Tone::strong, "Instructions", "read them out, or let the participant read them", instruction.text, {}},
+      instruction_keys(), true);
+}
+
+bool SessionConsole::consent(const std::string& text) {
+  if (!keys_.anybody()) return !keys_.ended();
+  const KeyMap keys = consent_keys();
+  keys_.prompt();
+  show({Tone::strong, "Consent", "read it out, or let the participant read it", text, keys.hints()});
+  while (!keys_.ended()) {
+    const std::optional<Key> key = keys_.next();
+    if (!key || display_->scroll(key->name)) continue;
+    const std::optional<Action> action = keys.action_of(*key);
+    if (action == Action::consent) return true;
+    if (action == Action::refuse) {
+      if (confirm("No consent: the session ends for good. Is that right?")) return false;
+      if (!keys_.ended()) display_->keys_again();
+    } else {
+      display_->explain(Tone::quiet, keys.explanation(*key));
+    }
+  }
+  request_interrupt();  // no answer is no refusal
+  return false;
+}
+
+OperatorWish SessionConsole::ready_to_explore(const ExplorationOutline& outline) {
+  Scene scene;
+  scene.heading = fmt::format("Free interaction {} of {}", outline.number, outline.total);
+  scene.beside = fmt::format("condition {}  {}", printable(outline.condition_code), duration_text(outline.duration_s));
+  if (outline.attempt > 1) scene.beside += fmt::format("  (attempt {})", outline.attempt);
+  scene.text = fmt::format("Object: {}. {}", printable(outline.object),
+                           outline.devices ? "The participant wears the devices."
+                                           : "Bare hands: take the devices off, lay out the real object.");
+  exploring_s_ = outline.duration_s;
+  const OperatorWish wish = wish_at(scene, ready_to_explore_keys(), true);
+  if (wish.wish == Wish::go_on && keys_.anybody()) {
+    scene.keys = exploring_keys().hints();
+    scene.text.clear();
+    show(scene);
+  }
+  return wish;
+}
+
+// What the operator presses lets the object go; meanwhile() then asks what it is about, and it goes on.
+bool SessionConsole::exploring(double left_s) {
+  display_->countdown("left", left_s, exploring_s_);
+  display_->refresh();
+  if (broken_off_by_) return false;
+  const KeyMap keys = exploring_keys();
+  for (const Key& key : keys_.drain())
+    if (const std::optional<Action> action = keys.action_of(key); action && action != Action::stop && !broken_off_by_)
+      broken_off_by_ = action;
+  return !broken_off_by_;
+}
+
+}  // namespace jnd

@@ -1,0 +1,120 @@
+// Power is lost at random writes, syncs and renames of sessions that flush every answer: what was acknowledged is
+// there, nothing is torn, and the session comes to the same end.
+//
+// JND_POWER_LOSSES sets how many in all (default 90). Everything follows from the seed of each case.
+#include <cstdlib>
+
+#include <fmt/format.h>
+
+#include "tests/catch.h"
+#include "tests/data/version_1_study.h"
+#include "tests/faults/faulty_vfs.h"
+#include "tests/faults/study_session.h"
+
+namespace jnd::test {
+namespace {
+
+int power_losses() {
+  const char* text = std::getenv("JND_POWER_LOSSES");
+  return text != nullptr ? std::max(1, std::atoi(text)) : 90;
+}
+
+int below(std::mt19937_64& generator, int bound) {
+  return static_cast<int>(generator() % static_cast<std::uint64_t>(bound));
+}
+
+// How many changes of the disk an undisturbed session makes from `begin` on, to where the study is closed.
+int changes_of_a_session() {
+  FaultyDisk& disk = use_faulty_disk();
+  disk.start_afresh();
+  const TemporaryFolder folder;
+  OperatorView view;
+  StudySession(folder / "study.jnd", SessionKind::pilot).run(view);
+  return disk.changes();
+}
+
+TEST_CASE("An acknowledged answer survives every power cut", "[power_loss]") {
+  FaultyDisk& disk = use_faulty_disk();
+  const int changes = changes_of_a_session();
+  const int wanted = power_losses();
+  std::map<Phase, int> where;
+  int losses = 0, studies = 0;
+  std::size_t acknowledged = 0;
+  while (losses < wanted) {
+    const auto seed = static_cast<std::uint64_t>(++studies);
+    std::mt19937_64 generator(seed);
+    disk.start_afresh();
+    const TemporaryFolder folder;
+    StudySession session(folder / "study.jnd", studies % 2 == 0 ? SessionKind::real : SessionKind::pilot);
+    OperatorView view;
+    std::map<int, TableRow> table;
+    for (bool completed = false; !completed;) {
+      CAPTURE(seed, losses);
+      // Some cuts come soon after the start, where there are few changes; some never.
+      disk.cut_power_at(1 + below(generator, below(generator, 3) == 0 ? 40 : changes));
+      try {
+        session.run(view);
+        completed = true;
+        disk.lift();
+      } catch (const StorageError& error) {
+        INFO(error.what());
+        REQUIRE(disk.off());
+        ++where[session.phase()];
+        ++losses;
+      }
+      // Switched off behind the last acknowledged change: nothing told, nothing lost.
+      if (disk.off()) disk.power_on(generator);
+      REQUIRE(session.check(view.acknowledged, &table) == "");
+    }
+    REQUIRE((table == session.expected_table()));
+    acknowledged += view.acknowledged.size();
+  }
+  std::string phases;
+  for (const auto& [phase, count] : where) phases += fmt::format(", {} in {}", count, to_string(phase));
+  fmt::print("{} power cuts in {} studies{}; {} acknowledged answers, 0 lost; 0 torn trials; verify clean\n", losses,
+             studies, phases, acknowledged);
+}
+
+TEST_CASE("A study of an older version survives power cuts while it is brought up to date", "[power_loss]") {
+  FaultyDisk& disk = use_faulty_disk();
+  disk.start_afresh();
+  const TemporaryFolder folder;
+  write_version_1_study(folder / "old.jnd");
+  const std::string old = bytes_of(folder / "old.jnd");
+  const auto copy_to = [&](const std::filesystem::path& path) { std::ofstream(path, std::ios::binary) << old; };
+
+  copy_to(folder / "undisturbed.jnd");
+  disk.forget_counts();
+  Study::open(folder / "undisturbed.jnd", Study::Access::read_write)->close();
+  const int changes = disk.changes();
+  REQUIRE(changes > 10);
+
+  const int wanted = std::max(30, power_losses() / 10);
+  int losses = 0;
+  for (std::uint64_t seed = 1; losses < wanted; ++seed) {
+    std::mt19937_64 generator(seed);
+    const auto path = folder / fmt::format("{}.jnd", seed);
+    copy_to(path);
+    disk.cut_power_at(1 + below(generator, changes));
+    CAPTURE(seed);
+    try {
+      Study::open(path, Study::Access::read_write)->close();
+    } catch (const StorageError&) {
+    }
+    REQUIRE(disk.off());
+    ++losses;
+    disk.power_on(generator);
+    for (const auto access : {Study::Access::read_only, Study::Access::read_write}) {
+      const auto study = Study::open(path, access);
+      REQUIRE(verify(*study).problems == std::vector<std::string>{});
+      REQUIRE(study->sessions().size() == 2);
+      REQUIRE(replay(study->events("P02-simulated")).completed.size() == 10);
+    }
+    disk.start_afresh();
+    std::filesystem::remove(path);
+  }
+  fmt::print("{} power cuts while a study of version 1 was brought up to date: whole each time\n", losses);
+}
+
+}  // namespace
+}  // namespace jnd::test

@@ -1,0 +1,202 @@
+#!/usr/bin/env python3
+"""What a blinded study gives away: every command in every format is searched for conditions, stimuli and the seed.
+
+Usage: blinding_test.py JND REAL_STUDY
+"""
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+
+JND, REAL_STUDY = (os.path.abspath(path) for path in (sys.argv.pop(1), sys.argv.pop(1)))
+
+SEED = "9182736455463728190"
+NAMES = ("Qforce", "Qvibro", "Qboth")
+LABELS = ("the motors alone", "the buzzer alone", "motors and buzzer")
+SERIES = ("zest1", "zest2", "zest3")
+STIFFNESS = (413, 517, 619, 937)
+PUBLISHED = ("271.75", "333.25")
+
+
+def secret_patterns():
+    patterns = [re.escape(word) for word in (*NAMES, *LABELS, *SERIES, SEED, *PUBLISHED)]
+    # A number of its own: not part of a hash, of a longer number or of its decimals.
+    return patterns + [rf"(?<![\w.]){value}(\.0+)?(?![\w.])" for value in STIFFNESS]
+
+
+def protocol_text(participants, blinding="coded"):
+    source = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../protocols/chinello2017.json")
+    with open(source, encoding="utf-8") as file:
+        protocol = json.load(file)
+    for key in ("assumed", "notes", "source"):
+        protocol.pop(key, None)
+    protocol["source"] = {"citation": "Made for a test."}
+    protocol["title"] = "Blinding"
+    protocol["stimulus"]["reference"] = STIFFNESS[3]
+    for condition, name, label in zip(protocol["conditions"], NAMES, LABELS):
+        condition.update(name=name, label=label)
+    for series, name, softer in zip(protocol["series"], SERIES, STIFFNESS):
+        series.update(name=name, pair=[softer, STIFFNESS[3]])
+    protocol["series"] = protocol["series"][:3]
+    protocol["design"].update(participants=participants)
+    protocol["published"] = [{"condition": NAMES[0], "quantity": "jnd", "value": float(PUBLISHED[0])},
+                             {"condition": NAMES[1], "quantity": "jnd", "value": float(PUBLISHED[1])}]
+    protocol["analysis"]["contrasts"] = [[NAMES[0], NAMES[2]]]
+    protocol["blinding"] = blinding
+    return json.dumps(protocol, indent=1)
+
+
+class Blinding(unittest.TestCase):
+    def setUp(self):
+        self.temporary = tempfile.TemporaryDirectory()
+        self.folder = self.temporary.name
+        self.outputs = 0
+        self.write_protocol(6)
+
+    def tearDown(self):
+        self.temporary.cleanup()
+
+    def write_protocol(self, *arguments):
+        with open(self.path("protocol.json"), "w", encoding="utf-8") as file:
+            file.write(protocol_text(*arguments))
+
+    def path(self, *names):
+        return os.path.join(self.folder, *names)
+
+    def jnd(self, *arguments, code=0):
+        """Everything that a command gives: both streams, and every file it writes."""
+        self.outputs += 1
+        before = self.files()
+        done = subprocess.run([JND, *arguments], capture_output=True, text=True, cwd=self.folder)
+        self.assertEqual(done.returncode, code, f"{arguments}: {done.stdout}{done.stderr}")
+        written = [self.read(name) for name in sorted(self.files() - before) if not name.endswith((".sqlite-wal", ".sqlite-shm"))]
+        return "\n".join([done.stdout, done.stderr, *written])
+
+    def files(self):
+        return {os.path.relpath(os.path.join(where, name), self.folder)
+                for where, _, names in os.walk(self.folder) for name in names}
+
+    def read(self, name):
+        with open(self.path(name), encoding="utf-8") as file:
+            return name + "\n" + file.read()
+
+    def study(self, kind, finished, unfinished):
+        subprocess.run([REAL_STUDY, "s.sqlite", "protocol.json", SEED, kind, str(finished), str(unfinished)],
+                       cwd=self.folder, check=True)
+
+    def commands(self):
+        """(arguments, exit code while blinded, whether the whole output may show secrets once it is not)"""
+        number = iter(range(1000))
+        new = lambda what: f"{what}-{next(number)}"
+        return [
+            (("status", "s.sqlite"), 0, (SEED,)),
+            (("status", "s.sqlite", "--json"), 0, (SEED,)),
+            (("verify", "s.sqlite"), 0, ()),
+            (("verify", "s.sqlite", "--json"), 0, ()),
+            (("analyze", "s.sqlite"), 0, (*NAMES, SEED, "271.8")),
+            (("analyze", "s.sqlite", "--kind", "real", "--by", "delivered"), 0, NAMES),
+            (("analyze", "s.sqlite", "--json"), 0, NAMES),
+            (("analyze", "s.sqlite", "--cells"), 2, SERIES),
+            (("analyze", "s.sqlite", "--models", "all"), 2, NAMES),
+            (("analyze", "s.sqlite", "--models", "all", "--json"), 2, NAMES),
+            (("analyze", "s.sqlite", "--methods", new("methods") + ".md"), 2, SEED),
+            (("analyze", "s.sqlite", "--csv", new("csv")), 0, NAMES),
+            (("export", "s.sqlite", "--to", new("export")), 0, (*NAMES, SEED, "413")),
+            (("export", "s.sqlite", "--to", new("export"), "--by", "delivered"), 0, NAMES),
+            (("export", "s.sqlite", "--to", new("export"), "--telemetry"), 2, NAMES),
+            (("report", "s.sqlite", "--to", new("report") + ".html"), 0, (*NAMES, LABELS[0], SEED)),
+            (("plan", "--study", "s.sqlite", "--participant", "1"), 0, (*NAMES, "413", SEED)),
+            (("plan", "--study", "s.sqlite", "--participant", "7", "--json"), 0, (*NAMES, "413", SEED)),
+            (("plan", "--study", "s.sqlite", "--cohort", "1"), 2, NAMES),
+        ]
+
+    def assert_silent(self, text, arguments):
+        for pattern in secret_patterns():
+            found = re.search(pattern, text)
+            self.assertIsNone(found, f"{arguments} shows {pattern}: ...{text[max(0, (found.start() if found else 0) - 80):][:200]}")
+
+    def test_no_command_shows_a_secret_until_the_study_is_unblinded(self):
+        self.study("real", 4, 1)
+        for arguments, code, _ in self.commands():
+            with self.subTest(arguments=arguments):
+                text = self.jnd(*arguments, code=code)
+                self.assert_silent(text, arguments)
+                if arguments[0] != "verify" and "--json" not in arguments:
+                    self.assertIn("BLINDED: 4 of 6 planned participants finished, 1 session open", text)
+                    self.assertIn('unblind s.sqlite --reason', text)
+        # Refusals say nothing either; a wrong seed is refused without the right one.
+        for arguments in (("simulate", "protocol.json", "--study", "s.sqlite"),
+                          ("simulate", "protocol.json", "--study", "s.sqlite", "--seed", "5"),
+                          ("run", "protocol.json", "--study", "s.sqlite", "--participant", "P09", "--responder", "chinello2017",
+                           "--fast", "--seed", "5")):
+            self.assert_silent(self.jnd(*arguments, code=2), arguments)
+        self.jnd("unblind", "s.sqlite", "--reason", "the registered interim look")
+        for arguments, _, shown in self.commands():
+            with self.subTest(arguments=arguments, unblinded=True):
+                again = tuple(a.replace("-", "-open-", 1) if a.startswith(("csv-", "export-", "report-", "methods-")) else a
+                              for a in arguments)
+                text = self.jnd(*again)
+                self.assertNotIn("BLINDED", text)
+                for word in ((shown,) if isinstance(shown, str) else shown):
+                    self.assertIn(word, text, again)
+
+    def test_blinded_results_are_coded_and_in_the_order_of_the_codes(self):
+        self.study("real", 4, 1)
+        result = json.loads(self.jnd("analyze", "s.sqlite", "--json"))
+        self.assertEqual([row["code"] for row in result["group"]], ["A", "B", "C"])
+        self.assertEqual({row["status"] for row in result["group"]}, {"ok"})
+        self.assertEqual([row["state"] for row in result["participants"]], ["finished"] * 4 + ["not finished"])
+        self.assertTrue(result["blinding"]["blinded"])
+        plan = json.loads(self.jnd("plan", "--study", "s.sqlite", "--json"))
+        self.assertEqual(set(plan["trials"][0]), {"index", "block", "condition_code", "practice"})
+        self.assertEqual({trial["condition_code"] for trial in plan["trials"]}, {"A", "B", "C"})
+        self.assertIsNone(plan["seed"])
+        self.jnd("export", "s.sqlite", "--to", "x")
+        header = self.read("x/sub-P01/trials.csv").splitlines()[1]
+        for column in ("stimulus", "same", "correct", "answer", "force", "saturated", "series"):
+            self.assertNotIn(column, header)
+
+    def test_a_mean_of_few_is_nobodys_own_result(self):
+        self.study("real", 2, 0)
+        result = json.loads(self.jnd("analyze", "s.sqlite", "--json"))
+        self.assertEqual({row["mean"] for row in result["group"]}, {None})
+        self.assertEqual({row["status"] for row in result["group"]}, {"too_few_participants"})
+
+    def test_a_complete_study_and_an_open_protocol_are_not_blinded(self):
+        self.study("real", 6, 0)
+        self.assertIn(NAMES[0], self.jnd("analyze", "s.sqlite"))
+        self.assertIn(SEED, self.jnd("status", "s.sqlite"))
+        os.remove(self.path("s.sqlite"))
+        self.write_protocol(6, "open")
+        self.study("real", 2, 1)
+        self.assertIn(NAMES[0], self.jnd("analyze", "s.sqlite"))
+        self.assertIn(SEED, self.jnd("status", "s.sqlite"))
+
+    def test_pilot_and_simulated_data_are_never_coded(self):
+        for kind in ("pilot", "simulated"):
+            self.study(kind, 2, 1)
+            text = self.jnd("analyze", "s.sqlite", "--kind", kind)
+            for word in (*NAMES, SEED):
+                self.assertIn(word, text)
+            self.jnd("export", "s.sqlite", "--kind", kind, "--to", kind)
+            self.assertIn("413", self.read(f"{kind}/sub-P01/trials.csv"))
+            os.remove(self.path("s.sqlite"))
+
+    def test_rehearsals_beside_real_sessions_keep_their_names_but_not_the_common_plan(self):
+        self.study("pilot", 2, 0)
+        self.study("real", 2, 1)
+        for arguments in (("analyze", "s.sqlite", "--kind", "pilot"), ("report", "s.sqlite", "--kind", "pilot")):
+            text = self.jnd(*arguments)
+            self.assertIn(NAMES[0], text)
+            self.assertNotIn(SEED, text)
+        text = self.jnd("export", "s.sqlite", "--kind", "pilot", "--to", "x")
+        self.assertNotIn(SEED, text)
+        self.assertFalse(os.path.exists(self.path("x/sub-P01/trials.csv")))
+        self.jnd("export", "s.sqlite", "--kind", "pilot", "--to", "y", "--telemetry", code=2)
+
+
+if __name__ == "__main__":
+    unittest.main()

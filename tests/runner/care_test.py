@@ -1,0 +1,113 @@
+#!/usr/bin/env python3
+"""Looking after a study from outside: note, exclude, unblind, backup, merge, recover, verify --deep.
+
+Usage: care_test.py JND
+"""
+import json
+import os
+import sqlite3
+import stat
+import subprocess
+import sys
+import tempfile
+import unittest
+
+JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
+
+
+class Care(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+        self.simulate("s.sqlite", 5)
+
+    def jnd(self, *arguments, code=0):
+        done = subprocess.run([JND, *arguments], capture_output=True, text=True, cwd=self.folder)
+        self.assertEqual(done.returncode, code, f"{arguments}: {done.stdout}{done.stderr}")
+        return done
+
+    def json(self, *arguments, code=0):
+        return json.loads(self.jnd(*arguments, "--json", code=code).stdout)
+
+    def simulate(self, study, seed, *arguments):
+        self.jnd("simulate", "tutorial", "--participants", "2", "--study", study, "--seed", str(seed), *arguments)
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def test_every_command_has_help_with_an_example(self):
+        for command in ("note", "exclude", "unblind", "backup", "merge", "recover"):
+            text = self.jnd(command, "--help").stdout
+            self.assertIn(f"jnd {command} ", text)
+            self.assertIn("--json", text)
+
+    def test_note_and_exclude_are_events_and_the_study_verifies(self):
+        self.assertEqual(self.json("note", "s.sqlite", "lab \x1b[31mrepainted", "--participant", "P01")["event"], 4)
+        self.jnd("note", "s.sqlite", "about nobody", "--participant", "P77", code=5)
+        done = self.jnd("exclude", "s.sqlite", "--participant", "P02", "--reason", "felt ill", "--replace").stdout
+        self.assertIn("nothing is deleted", done)
+        self.assertIn("gets number 2", done)
+        self.jnd("exclude", "s.sqlite", "--participant", "P02", "--reason", "again", code=5)
+        self.jnd("exclude", "s.sqlite", "--participant", "P02", code=2)
+        self.assertTrue(self.json("verify", "s.sqlite", "--deep")["ok"])
+        analysis = self.json("analyze", "s.sqlite", "--no-methods")
+        self.assertEqual({row["participant"] for row in analysis["participants"]}, {"P01"})
+
+    def test_unblind_happens_once(self):
+        self.jnd("unblind", "s.sqlite", code=2)
+        self.assertTrue(self.json("unblind", "s.sqlite", "--reason", "safety")["unblinded"])
+        self.jnd("unblind", "s.sqlite", "--reason", "safety", code=5)
+
+    def test_backup_is_the_same_study(self):
+        report = self.json("backup", "s.sqlite", "--to", "b.sqlite")
+        self.assertEqual((report["written"], report["sessions"], report["problems"]), (True, 2, 0))
+        heads = {row["participant"]: row["head"] for row in self.json("status", "s.sqlite")["sessions"]}
+        self.assertEqual({row["participant"]: row["head"] for row in report["heads"]}, heads)
+        self.assertEqual(stat.S_IMODE(os.stat(self.path("b.sqlite")).st_mode), 0o600)
+        self.jnd("backup", "s.sqlite", "--to", "b.sqlite", code=5)
+        self.assertIn("verified", self.jnd("backup", "s.sqlite", "--to", "b.sqlite", "--replace").stdout)
+        self.jnd("verify", "b.sqlite")
+        self.assertEqual(sorted(os.listdir(self.folder)), ["b.sqlite", "s.sqlite"])
+
+    def test_merge_refuses_duplicates_and_takes_the_rest(self):
+        refused = self.jnd("merge", "s.sqlite", "s.sqlite", "--to", "m.sqlite", code=3).stderr
+        self.assertIn("are the same file", refused)
+        self.jnd("backup", "s.sqlite", "--to", "twin.sqlite")
+        refused = self.jnd("merge", "s.sqlite", "twin.sqlite", "--to", "m.sqlite", code=3).stderr
+        self.assertIn("the same session twice", refused)
+        self.jnd("merge", "s.sqlite", "--to", "m.sqlite", code=2)
+        self.simulate("t.sqlite", 6)
+        refused = self.jnd("merge", "s.sqlite", "t.sqlite", "--to", "m.sqlite", code=3).stderr
+        self.assertIn("a code stands for one person", refused)
+        self.assertFalse(os.path.exists(self.path("m.sqlite")))
+
+    def test_recover_saves_what_a_damaged_file_holds(self):
+        with open(self.path("s.sqlite"), "rb") as file:
+            content = bytearray(file.read())
+        content[0:4096] = bytes(4096)  # the first page: SQLite knows nothing of it any more
+        with open(self.path("damaged.sqlite"), "wb") as file:
+            file.write(content)
+        self.jnd("verify", "damaged.sqlite", code=5)
+        report = self.json("recover", "damaged.sqlite", "--to", "saved.sqlite")
+        self.assertTrue(report["whole"])
+        self.assertTrue(all(row["closed"] for row in report["sessions"]))
+        self.assertTrue(self.json("verify", "saved.sqlite", "--deep")["ok"])
+        trials = "SELECT session, seq, body, hash FROM event WHERE session <> 'study' ORDER BY session, seq"
+        rows = [sqlite3.connect(self.path(name)).execute(trials).fetchall() for name in ("s.sqlite", "saved.sqlite")]
+        self.assertEqual(rows[0], rows[1])
+        with open(self.path("damaged.sqlite"), "rb") as file:
+            self.assertEqual(file.read(), bytes(content))
+        self.jnd("recover", "damaged.sqlite", "--to", "saved.sqlite", code=5)
+
+    def test_deep_verification_computes_what_was_delivered(self):
+        self.simulate("full.sqlite", 7, "--record", "full")
+        report = self.json("verify", "--deep", "full.sqlite")
+        self.assertTrue(report["ok"])
+        self.assertEqual(report["deep"]["sessions"], 2)
+        self.assertGreater(report["deep"]["numbers"], 100)
+        self.assertEqual(report["deep"]["remarks"], [])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,129 @@
+// The screen as a pure function: it fits every window, tells the kinds of session apart without colour, and shows
+// nothing that a terminal would obey.
+#include <set>
+#include <string>
+
+#include "runner/screen_layout.h"
+#include "runner/screen_text.h"
+#include "tests/catch.h"
+
+namespace jnd {
+namespace {
+
+ScreenModel model_of(SessionKind kind) {
+  ScreenModel model;
+  model.card.kind = kind;
+  model.card.participant = "P01";
+  model.card.title = "A study with a title that is rather longer than the room that there is for it on a screen";
+  TrialOutline outline;
+  outline.number = 3;
+  outline.total = 108;
+  outline.block = 1;
+  outline.blocks = 9;
+  outline.condition_code = "B";
+  model.outline = outline;
+  model.progress = {{"A", 1, 36}, {"B", 36, 36}, {"C", 0, 36}};
+  model.health = DeviceHealth{1000, 35, 80, 2.3, 4.7, true, "stale_pose"};
+  model.scene.heading = "Trial 3 of 108";
+  model.scene.task = "Wait until the participant is ready";
+  model.scene.keys = ready_keys(true).hints();
+  model.say = "First sphere.";
+  model.aloud = true;
+  for (int i = 0; i < 12; ++i) model.past.push_back({Tone::warning, "not counted (no answer in time); it comes again"});
+  return model;
+}
+
+std::string text_of(const Frame& frame) {
+  std::string text;
+  for (const Row& row : frame.rows) {
+    for (const Span& span : row) text += span.text + " ";
+    text += "\n";
+  }
+  return text;
+}
+
+TEST_CASE("A frame fits its window, whatever the size") {
+  for (const bool unicode : {true, false})
+    for (int rows = 1; rows <= 50; ++rows)
+      for (int columns = 1; columns <= 140; columns += 3) {
+        ScreenModel model = model_of(SessionKind::pilot);
+        model.scene.text = std::string(3000, 'a') + "\n\nZoë 日本語";
+        model.field = {"Reason, or Enter", std::string(300, 'n'), std::string(300, 'n')};
+        const Frame frame = lay_out(model, rows, columns, unicode);
+        REQUIRE(static_cast<int>(frame.rows.size()) == rows);
+        for (const Row& row : frame.rows)
+          for (const Span& span : row)
+            REQUIRE(std::max(span.column, 0) + columns_of(span.text) <= std::max(columns, span.column));
+        if (frame.cursor) {
+          REQUIRE(frame.cursor->first < rows);
+          REQUIRE(frame.cursor->second < columns);
+        }
+      }
+}
+
+TEST_CASE("What matters is on the smallest screen, and below it one line says why there is none") {
+  const std::string small = text_of(lay_out(model_of(SessionKind::pilot), kLeastRows, kLeastColumns, true));
+  for (const char* const needed : {"REHEARSAL", "P01", "Trial 3 of 108", "block 1 of 9", "condition B", "SAY",
+                                   "First sphere.", "36/36", "FAULT: stale_pose", "[space]", "[x]", "[q]"})
+    CHECK(small.find(needed) != std::string::npos);
+  const std::string smaller = text_of(lay_out(model_of(SessionKind::pilot), kLeastRows - 1, kLeastColumns, true));
+  CHECK(smaller.find("too small") != std::string::npos);
+  CHECK(smaller.find("The session goes on") != std::string::npos);
+}
+
+TEST_CASE("The three kinds differ in words and in lettering, not in colour alone") {
+  std::set<std::string> words;
+  std::set<std::string> lettering;
+  for (const SessionKind kind : {SessionKind::real, SessionKind::pilot, SessionKind::simulated}) {
+    const Frame frame = lay_out(model_of(kind), 24, 80, true);
+    const Span& banner = frame.rows.at(0).at(0);
+    words.insert(banner.text);
+    lettering.insert(std::string(banner.style.bold ? "b" : "") + (banner.style.reverse ? "r" : "") +
+                     (banner.style.underline ? "u" : "") + (banner.style.dim ? "d" : ""));
+  }
+  CHECK(words.size() == 3);
+  CHECK(lettering.size() == 3);
+}
+
+TEST_CASE("Without UTF-8 the screen is ASCII") {
+  ScreenModel model = model_of(SessionKind::real);
+  model.scene.text = "Drücken Sie…";
+  for (const char c : text_of(lay_out(model, 24, 80, false))) CHECK(static_cast<unsigned char>(c) < 0x80);
+}
+
+TEST_CASE("Nothing that a terminal would obey or turn around is shown") {
+  ScreenModel model = model_of(SessionKind::real);
+  model.scene.text = "a\x1b[2Jb\u202ec\u009bd\tc\rd";
+  model.card.participant = "\x1b]0;x\a";
+  model.past.push_back({Tone::plain, "note: \x1b[31m"});
+  const std::string text = text_of(lay_out(model, 24, 80, true));
+  for (const char* const bad : {"\x1b", "\u202e", "\u009b", "\t", "\r", "\a"})
+    CHECK(text.find(bad) == std::string::npos);
+}
+
+TEST_CASE("A long text is scrolled, and says that there is more") {
+  ScreenModel model = model_of(SessionKind::pilot);
+  model.scene.task.clear();
+  for (int i = 1; i <= 60; ++i) model.scene.text += "Line " + std::to_string(i) + "\n";
+  Frame frame = lay_out(model, 24, 80, true);
+  CHECK(frame.hidden_lines > 0);
+  CHECK(text_of(frame).find("more lines") != std::string::npos);
+  CHECK(text_of(frame).find("Line 60") == std::string::npos);
+  model.scrolled = 1000;
+  frame = lay_out(model, 24, 80, true);
+  CHECK(frame.hidden_lines == 0);
+  CHECK(text_of(frame).find("Line 60") != std::string::npos);
+}
+
+TEST_CASE("Text is measured in columns, cut and broken at spaces") {
+  CHECK(columns_of("né日e\u0301") == 5);
+  CHECK(clipped("abcdef", 4, true) == "abc…");
+  CHECK(clipped("abcdef", 5, false) == "ab...");
+  CHECK(clipped("日本語", 4, true) == "日…");
+  CHECK(wrapped("one two three", 7) == std::vector<std::string>{"one two", "three"});
+  CHECK(wrapped("abcdefgh", 3) == std::vector<std::string>{"abc", "def", "gh"});
+  CHECK(wrapped("a\n\nb\n", 10) == std::vector<std::string>{"a", "", "b"});
+}
+
+}  // namespace
+}  // namespace jnd

@@ -1,0 +1,173 @@
+#!/usr/bin/env python3
+"""Experiment 2 from outside: free interaction and its questionnaire, simulated, analysed, exported, verified.
+
+Usage: experiment2_test.py JND
+"""
+import csv
+import itertools
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+
+JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
+PROTOCOL = "chinello2017-experiment2"
+ITEMS = [f"QB{i}" for i in range(1, 10)] + [f"QC{i}" for i in range(1, 4)] + [f"QD{i}" for i in range(1, 6)]
+
+
+def exact_p(differences):
+    """Two-sided permutation p of the signed-rank sum with midranks, by enumeration."""
+    kept = [d for d in differences if d != 0]
+    sizes = sorted(abs(d) for d in kept)
+    rank = {s: (2 * sizes.index(s) + sizes.count(s) + 1) / 2 for s in sizes}
+    ranks = [rank[abs(d)] for d in kept]
+    middle = sum(ranks) / 2
+    found = abs(sum(r for r, d in zip(ranks, kept) if d > 0) - middle)
+    extreme = sum(abs(sum(r for r, s in zip(ranks, signs) if s) - middle) >= found - 1e-9
+                  for signs in itertools.product((0, 1), repeat=len(ranks)))
+    return extreme / 2 ** len(ranks)
+
+
+class Experiment2(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        done = subprocess.run([JND, "simulate", PROTOCOL, "--participants", "12", "--study", "e2.sqlite", "--seed", "1"],
+                              cwd=cls.folder.name, check=True, capture_output=True, text=True)
+        cls.said = done.stdout
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def jnd(self, *arguments, code=0):
+        done = subprocess.run([JND, *arguments], capture_output=True, text=True, cwd=self.folder.name)
+        self.assertEqual(done.returncode, code, f"{arguments}: {done.stdout}{done.stderr}")
+        return done
+
+    def path(self, *names):
+        return os.path.join(self.folder.name, *names)
+
+    def rows(self, *names):
+        with open(self.path(*names), newline="", encoding="utf-8") as file:
+            return list(csv.DictReader(file))
+
+    def analysis(self, study="e2.sqlite"):
+        out = self.jnd("analyze", study, "--json", "--no-methods").stdout
+        return json.loads(out, parse_constant=lambda name: self.fail(f"prints {name}"))["questionnaire"]
+
+    def ratings(self):
+        """Item -> condition -> participant -> rating, out of the exported answers."""
+        if not os.path.exists(self.path("out")):
+            self.jnd("export", "e2.sqlite", "--to", "out")
+        found = {}
+        for row in self.rows("out", "answers.csv"):
+            if row["question"].startswith("Q"):
+                found.setdefault(row["question"], {}).setdefault(row["condition"], {})[row["participant"]] = int(row["answer"])
+        return found
+
+    def test_everybody_explores_everything_for_its_time(self):
+        self.assertIn("48 explorations, 0 voided", self.said)
+        exposure = self.analysis()["exposure"]
+        self.assertEqual({(row["condition"], row["object"]) for row in exposure},
+                         {(c, o) for c in "CN" for o in ("baseball", "teddy-bear")})
+        for row in exposure:
+            self.assertEqual(row["n"], 12)
+            self.assertAlmostEqual(row["mean_s"], 150, places=6)
+            self.assertAlmostEqual(row["shortest_s"], 150, places=6)
+
+    def test_the_layout_is_the_papers(self):
+        items = self.analysis()["items"]
+        paired = [item["item"] for item in items if "pairs" in item]
+        once = [item["item"] for item in items if "pairs" not in item]
+        self.assertEqual(paired, ITEMS)
+        self.assertEqual(once, ["QA1", "QA2", "QA3", "QA4"])
+        ratings = self.ratings()
+        for item in ITEMS:
+            self.assertEqual({c: len(r) for c, r in ratings[item].items()}, {"C": 12, "N": 12})
+        for item in once:
+            self.assertEqual({c: len(r) for c, r in ratings[item].items()}, {"": 12})
+        values = [v for item in ratings.values() for by in item.values() for v in by.values()]
+        self.assertTrue(all(1 <= v <= 9 for v in values))
+
+    def test_the_tests_are_wilcoxons_and_their_corrections_are_there(self):
+        result, ratings = self.analysis(), self.ratings()
+        self.assertEqual(result["family"], 17)
+        p = {}
+        for item in result["items"]:
+            if "pairs" not in item:
+                continue
+            pair, by = item["pairs"][0], ratings[item["item"]]
+            differences = [by["C"][who] - by["N"][who] for who in sorted(by["C"])]
+            p[item["item"]] = exact_p(differences)
+            self.assertAlmostEqual(pair["p"], p[item["item"]], places=12)
+            self.assertEqual(pair["zeros"], differences.count(0))
+            self.assertAlmostEqual(item["scores"][0]["mean"], sum(by["C"].values()) / 12, places=12)
+        order = sorted(p, key=p.get)
+        worst, best = 0, 1
+        holm, bh = {}, {}
+        for i, item in enumerate(order):
+            worst = holm[item] = min(1, max(worst, (17 - i) * p[item]))
+        for i, item in reversed(list(enumerate(order))):
+            best = bh[item] = min(best, 17 / (i + 1) * p[item])
+        for item in result["items"]:
+            if "pairs" in item:
+                self.assertAlmostEqual(item["pairs"][0]["p_holm"], holm[item["item"]], places=12)
+                self.assertAlmostEqual(item["pairs"][0]["p_bh"], bh[item["item"]], places=12)
+        self.assertEqual(result["below_alpha"]["exact"], sum(v < 0.05 for v in p.values()))
+        self.assertEqual(result["below_alpha"]["holm"], sum(v < 0.05 for v in holm.values()))
+
+    def test_all_prefer_the_devices_as_published(self):
+        (choice,) = self.analysis()["choices"]
+        self.assertEqual([option["count"] for option in choice["options"]], [12, 0])
+        self.assertAlmostEqual(choice["options"][0]["ci_low"], 0.025 ** (1 / 12), places=10)
+        self.assertEqual(choice["options"][0]["ci_high"], 1)
+
+    def test_tables_export_report_and_methods(self):
+        text = self.jnd("analyze", "e2.sqlite").stdout
+        for words in ("Ratings given once", "Ratings by condition", "Of 17 tests, below 0.05", "6.7 ± 7.6", "Free interaction"):
+            self.assertIn(words, text)
+        self.assertNotIn("JND", text.split("\n", 2)[2].replace("jnd", ""))
+        with open(self.path("methods.md"), encoding="utf-8") as file:
+            self.assertIn("The 17 tests are one family", file.read())
+        self.ratings()
+        self.assertEqual(len(self.rows("out", "items.csv")), 17 * 2 + 4)
+        self.assertEqual(len(self.rows("out", "ratings.csv")), 17)
+        described = {(row["file"], row["column"]) for row in self.rows("out", "dictionary.csv")}
+        for name in ("items.csv", "choices.csv", "exposure.csv", "answers.csv"):
+            with open(self.path("out", name), newline="", encoding="utf-8") as file:
+                for column in next(csv.reader(file)):
+                    self.assertIn((name, column), described)
+        self.jnd("export", "e2.sqlite", "--to", "out", "--replace")  # knows its own files again
+        self.jnd("report", "e2.sqlite", "--to", "page.html")
+        with open(self.path("page.html"), encoding="utf-8") as file:
+            page = file.read()
+        self.assertIn("after free interaction", page)
+        self.assertIn("Wilcoxon signed-rank tests of the ratings", page)
+
+    def test_other_commands_know_it(self):
+        self.assertIn("every planned stimulus agrees", self.jnd("verify", "e2.sqlite").stdout)
+        self.assertIn("4 of 4", self.jnd("status", "e2.sqlite").stdout)
+        self.jnd("plan", PROTOCOL, "--participant", "1")
+        self.jnd("plan", PROTOCOL, "--cohort", "12")
+        self.assertIn("--study FILE", self.jnd("simulate", PROTOCOL, "--no-study", code=2).stderr)
+
+    def test_an_interrupted_simulation_goes_on_to_the_same_study(self):
+        command = [JND, "simulate", PROTOCOL, "--participants", "12", "--study", "again.sqlite", "--seed", "1"]
+        for _ in range(3):
+            running = subprocess.Popen(command, cwd=self.folder.name, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            try:
+                running.wait(timeout=0.7)  # not waited for: it is killed wherever it is
+            except subprocess.TimeoutExpired:
+                running.send_signal(signal.SIGKILL)
+                running.wait()
+        subprocess.run(command, cwd=self.folder.name, check=True, capture_output=True)
+        self.jnd("verify", "again.sqlite")
+        self.assertEqual(self.analysis("again.sqlite"), self.analysis())
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,256 @@
+#!/usr/bin/env python3
+"""Real sessions from outside, with the test program whose rig declares itself real: what only they do, and everything that is refused
+before anybody wears a device.
+
+Usage: real_rig_test.py JND JND_WITH_REAL_RIG
+"""
+import contextlib
+import json
+import os
+import pathlib
+import re
+import shutil
+import sqlite3
+import stat
+import subprocess
+import sys
+import tempfile
+import unittest
+
+JND, REAL = (os.path.abspath(path) for path in sys.argv[1:3])
+DONE, PROBLEM, USAGE, INPUT, STORAGE, STOPPED = 0, 1, 2, 3, 5, 130
+# A busy machine may be late, which real sessions refuse; that the finding is bad is one test's subject, not all.
+ANYWAY = ("--override-readiness", "a machine that runs tests")
+ROOMS = {"protocols": "protocols", "profiles": "devices/profiles", "specs": "devices/specs", "objects": "devices/objects"}
+
+
+def is_memory(folder):
+    """Whether a folder is gone when the machine stops: real sessions are refused there."""
+    kind = subprocess.run(["stat", "-f", "-c", "%T", folder], capture_output=True, text=True, check=True).stdout.strip()
+    return kind in ("tmpfs", "ramfs")
+
+
+class RealRig(unittest.TestCase):
+    def setUp(self):
+        place = next((place for place in (tempfile.gettempdir(), os.getcwd(), "/var/tmp") if not is_memory(place)), None)
+        if place is None:
+            self.skipTest("SKIPPED: there is no folder on a disk, and real sessions are refused in memory")
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="jnd-real-", dir=place))
+        self.addCleanup(shutil.rmtree, self.folder)
+        self.study = self.folder / "study.sqlite"
+        self.protocol = self.write_protocol("small")
+
+    def write_protocol(self, name, **changes):
+        """Four short trials, without practice, breaks and questions."""
+        path = self.folder / f"{name}.json"
+        subprocess.run([JND, "new", path, "--from", "tutorial"], check=True, stdout=subprocess.DEVNULL)
+        protocol = json.loads(path.read_text())
+        for key in ("practice", "breaks", "questions", "assumed", "checklist", "instructions", "consent", "translations", "resume",
+                    "published"):
+            protocol.pop(key, None)
+        protocol["conditions"] = protocol["conditions"][:1]
+        protocol["design"].update(trials_per_cell=4, participants=4)
+        protocol["trial"].update(explore_s=0.5, gap_s=0.1, between_trials_s=0.1, answer_time_out_s=60)
+        protocol["analysis"].pop("contrasts", None)
+        protocol["analysis"].pop("tests", None)
+        protocol.update(changes)
+        path.write_text(json.dumps(protocol))
+        return path
+
+    def run_session(self, *options, program=REAL, keys=" s" * 10, participant="P01", study=None, protocol=None, code=None, data=None):
+        environment = dict(os.environ, NO_COLOR="1")
+        if data:
+            environment["JND_DATA_DIR"] = str(data)
+        done = subprocess.run([program, "run", protocol or self.protocol, "--study", study or self.study, "--participant", participant,
+                               "--plain", "--realtime", "off", *options], input=keys, capture_output=True, text=True, env=environment, timeout=120)
+        said = done.stdout + done.stderr
+        if code is not None:
+            self.assertEqual(done.returncode, code, said)
+        return said
+
+    def query(self, sql, study=None):
+        with contextlib.closing(sqlite3.connect(study or self.study)) as connection:
+            return connection.execute(sql).fetchall()
+
+    def bodies(self, kind, study=None):
+        return [json.loads(body) for (body,) in self.query(f"SELECT body FROM event WHERE kind = '{kind}' ORDER BY rowid", study)]
+
+    def data_folder(self, **calibration):
+        """The shipped descriptions, with a calibration of the 3RRS device."""
+        data = self.folder / "data"
+        source = pathlib.Path(__file__).resolve().parents[2]
+        for room, path in ROOMS.items():
+            shutil.copytree(source / path, data / room, dirs_exist_ok=True)
+        spec = data / "specs" / "rrs3.json"
+        described = json.loads(spec.read_text())
+        described.update(calibration)
+        spec.write_text(json.dumps(described))
+        return data
+
+    # What a real session is.
+
+    def test_whole_session(self):
+        said = self.run_session(*ANYWAY, keys=" s" * 4, code=DONE)
+        self.assertIn("REAL SESSION", said)
+        self.assertNotIn("REHEARSAL", said)
+        self.assertEqual(self.query("SELECT DISTINCT kind FROM sessions"), [("real",)])
+        self.assertEqual(self.query("SELECT count(*) FROM trials"), [(4,)])
+        opened = self.bodies("session.opened")[0]
+        self.assertEqual(opened["kind"], "real")
+        readiness = self.bodies("readiness.checked")
+        self.assertEqual(len(readiness), 1)
+        self.assertEqual([item["what"] for item in readiness[0]["items"]],
+                         ["study folder", "devices", "calibration", "loop", "keyboard", "plan", "participant", "clock"])
+        found = {item["what"]: item for item in readiness[0]["items"]}
+        self.assertIn("without a fault", found["devices"]["found"])
+        self.assertIn("ticks of 1 ms", found["loop"]["found"])
+        self.assertEqual(found["devices"]["verdict"], "ok")
+        self.assertEqual(found["keyboard"]["verdict"], "warn")  # a pipe
+        self.assertEqual(stat.S_IMODE(self.study.stat().st_mode), 0o600)
+        subprocess.run([JND, "verify", self.study], check=True, stdout=subprocess.DEVNULL)
+
+    def test_normal_program_has_no_real_sessions(self):
+        said = self.run_session("--kind", "real", program=JND, code=USAGE)
+        self.assertIn("simulated", said)
+        self.assertIn("pilot", said)  # what to do
+        self.assertFalse(self.study.exists())
+
+    def test_normal_program_is_pilot(self):
+        self.run_session("--fast", program=JND, keys=" s" * 4, code=DONE)
+        self.assertEqual(self.query("SELECT DISTINCT kind FROM sessions"), [("pilot",)])
+
+    def test_real_rig_rehearses_when_told(self):
+        self.run_session("--fast", "--kind", "pilot", keys=" s" * 4, code=DONE)
+        self.assertEqual(self.query("SELECT DISTINCT kind FROM sessions"), [("pilot",)])
+
+    def test_real_session_is_not_hurried(self):
+        said = self.run_session("--fast", code=USAGE)
+        self.assertIn("--fast", said)
+        self.assertFalse(self.study.exists())
+
+    # Readiness.
+
+    def test_out_of_date_calibration_blocks(self):
+        data = self.data_folder(calibrated="2020-01-01", calibration_valid_days=90)
+        said = self.run_session(data=data, code=PROBLEM)
+        self.assertIn("2020-01-01", said)
+        self.assertIn("--override-readiness", said)
+        self.assertEqual(self.query("SELECT count(*) FROM sessions"), [(0,)])
+        said = self.run_session("--override-readiness", "calibrated by hand", data=data, keys=" s", code=STOPPED)
+        readiness = self.bodies("readiness.checked")
+        self.assertEqual(len(readiness), 1)
+        self.assertTrue(readiness[0]["blocked"])
+        self.assertEqual(readiness[0]["overridden"], "calibrated by hand")
+        self.assertIn("bad", [item["verdict"] for item in readiness[0]["items"] if item["what"] == "calibration"])
+
+    def test_empty_reason_overrides_nothing(self):
+        data = self.data_folder(calibrated="2020-01-01", calibration_valid_days=90)
+        self.run_session("--override-readiness", "", data=data, code=PROBLEM)
+        self.assertEqual(self.query("SELECT count(*) FROM sessions"), [(0,)])
+
+    def test_pilot_is_warned_of_calibration_only(self):
+        data = self.data_folder(calibrated="2020-01-01", calibration_valid_days=90)
+        said = self.run_session("--fast", program=JND, data=data, keys=" s" * 4, code=DONE)
+        self.assertIn("out of date", said)
+
+    def test_loss_of_data_is_never_overridden(self):
+        if not os.path.isdir("/dev/shm") or not is_memory("/dev/shm") or not os.access("/dev/shm", os.W_OK):
+            self.skipTest("SKIPPED: there is no folder in memory")
+        with tempfile.TemporaryDirectory(dir="/dev/shm") as memory:
+            study = pathlib.Path(memory) / "study.sqlite"
+            said = self.run_session(*ANYWAY, study=study, code=PROBLEM)
+            self.assertIn("this is memory", said)
+            self.assertIn("No reason", said)
+            self.assertEqual(self.query("SELECT count(*) FROM sessions", study), [(0,)])
+
+    def test_folder_that_cannot_be_written(self):
+        # /proc/self takes no files, not even from root.
+        said = self.run_session(*ANYWAY, study="/proc/self/study.sqlite", code=STORAGE)
+        self.assertIn("/proc/self/study.sqlite", said)
+
+    # What is refused.
+
+    def test_finished_participant(self):
+        self.run_session(*ANYWAY, keys=" s" * 4, code=DONE)
+        said = self.run_session(*ANYWAY, code=USAGE)
+        self.assertIn("has finished", said)
+        self.assertIn("another code", said)
+
+    def test_excluded_participant(self):
+        self.run_session(*ANYWAY, keys=" s", code=STOPPED)
+        subprocess.run([JND, "exclude", self.study, "--participant", "P01", "--kind", "real", "--reason", "felt unwell"], check=True, stdout=subprocess.DEVNULL)
+        said = self.run_session(*ANYWAY, code=USAGE)
+        self.assertIn("excluded", said)
+
+    def test_second_participant_while_the_first_waits(self):
+        self.run_session(*ANYWAY, keys=" s", code=STOPPED)
+        said = self.run_session(*ANYWAY, participant="P02", code=USAGE)
+        for part in ("P01", "unfinished", "--new"):
+            self.assertIn(part, said)
+        self.assertEqual(self.query("SELECT participant FROM sessions"), [("P01",)])
+        self.run_session(*ANYWAY, "--new", participant="P02", keys=" s", code=STOPPED)
+        self.assertEqual(self.query("SELECT participant, participant_number FROM sessions ORDER BY participant"), [("P01", 1), ("P02", 2)])
+
+    def test_resumed_with_another_description_of_the_rig(self):
+        self.run_session(*ANYWAY, keys=" s", code=STOPPED)
+        data = self.data_folder(calibrated="2026-01-01")
+        said = self.run_session(*ANYWAY, data=data, code=USAGE)
+        self.assertIn("another rig", said)
+        self.assertEqual(len(self.bodies("session.resumed")), 0)
+
+    def test_resumed(self):
+        self.run_session(*ANYWAY, keys=" s s", code=STOPPED)
+        said = self.run_session(*ANYWAY, keys=" s" * 4, code=DONE)
+        self.assertIn("Interrupted for", said)
+        resumed = self.bodies("session.resumed")
+        self.assertEqual(len(resumed), 1)
+        self.assertGreaterEqual(resumed[0]["gap_s"], 0)
+        self.assertLess(resumed[0]["gap_s"], 120)
+        self.assertEqual(resumed[0]["trials_done"], 2)
+        self.assertIn(resumed[0]["gap_clock"], ("monotonic", "wall"))
+        self.assertTrue(resumed[0]["cause"])
+        self.assertEqual(len(self.bodies("readiness.checked")), 2)
+
+    def test_gap_that_is_too_long_needs_a_reason(self):
+        protocol = self.write_protocol("strict", resume={"longest_gap_min": 0.0001})
+        self.run_session(*ANYWAY, protocol=protocol, keys=" s", code=STOPPED)
+        said = self.run_session(*ANYWAY, protocol=protocol, code=USAGE)
+        self.assertIn("longer than the protocol allows", said)
+        self.assertIn("--accept-gap", said)
+        self.assertEqual(len(self.bodies("session.resumed")), 0)
+        self.run_session(*ANYWAY, "--accept-gap", "a fire alarm", protocol=protocol, keys=" s" * 4, code=DONE)
+        resumed = self.bodies("session.resumed")
+        self.assertEqual([(body["too_long"], body["reason"]) for body in resumed], [(True, "a fire alarm")])
+
+    def test_study_open_in_another_process(self):
+        self.run_session(*ANYWAY, keys=" s", code=STOPPED)
+        # Waits for keys that never come, with the study open.
+        environment = dict(os.environ, NO_COLOR="1")
+        with subprocess.Popen([REAL, "run", self.protocol, "--study", self.study, "--participant", "P01", "--plain", "--realtime", "off", *ANYWAY],
+                              stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment) as holder:
+            try:
+                for line in holder.stdout:
+                    if re.match(r"Trial \d+ of", line):
+                        break
+                else:
+                    self.fail("the first session did not begin")
+                said = self.run_session(*ANYWAY, code=STORAGE)
+                self.assertIn(str(holder.pid), said)
+            finally:
+                holder.stdin.close()
+                holder.stdout.read()
+            self.assertEqual(holder.wait(), STOPPED)
+
+    def test_changed_protocol_is_shown(self):
+        self.run_session(*ANYWAY, keys=" s", code=STOPPED)
+        changed = json.loads(self.protocol.read_text())
+        changed["trial"]["explore_s"] = 1.25
+        self.protocol.write_text(json.dumps(changed))
+        said = self.run_session(*ANYWAY, code=INPUT)
+        self.assertIn("explore_s", said)
+        self.assertIn("1.25", said)
+        self.assertEqual(len(self.bodies("session.resumed")), 0)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1] + sys.argv[3:])
