@@ -47,6 +47,9 @@ void refuse_trials(JsonReader& outer) {
 
 void lint_explore(ProtocolReading& reading) {
   const Protocol& protocol = reading.protocol;
+  if (protocol.resume.redo_block)
+    reading.error_at("$.resume.interrupted_block", "there are no answers to redo with the paradigm \"explore\"",
+                     "remove it: an object that was interrupted is explored anew, those before it stand");
   for (std::size_t i = 0; i < protocol.breaks.size(); ++i) {
     const std::string path = fmt::format("$.breaks[{}].after", i);
     if (protocol.breaks[i].after != Break::After::block && reading.sound(path))

@@ -52,9 +52,7 @@ std::optional<Answer> SessionConsole::judge(const TrialQuestion& question) {
       default:
         decided_ = wish_of(*action, keys);
         if (decided_) return std::nullopt;
-        if (keys_.ended()) break;
-        keys_.prompt();
-        display_->keys_again();
+        if (!keys_.ended()) display_->keys_again();
         break;
     }
   }
@@ -114,7 +112,6 @@ bool SessionConsole::ask_by_keys(QuestionnairePage& page) {
     }
     if (state == QuestionnairePage::State::leaving) {
       left = leaves_page();
-      if (!left) keys_.prompt();
     }
     if (page.at() != before) keys_.prompt();  // Enter held down does not run through the page
   }

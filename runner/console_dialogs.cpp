@@ -22,6 +22,7 @@ char32_t SessionConsole::choose(const std::string& question, const std::vector<K
     if (std::any_of(keys.begin(), keys.end(), [&](const KeyHint& hint) { return hint.key == pressed; }))
       chosen = key->character;
   }
+  keys_.prompt();  // before the scene is seen again
   display_->asked();
   return chosen;
 }

@@ -80,6 +80,7 @@ std::optional<std::string> PromptKeys::edited_line(const std::string& label, con
     }
     if (outcome == LineEditor::Outcome::edited) display_.field(label, editor);
   }
+  prompt();  // before the scene is seen again
   display_.field_done();
   return text;
 }

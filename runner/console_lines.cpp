@@ -139,12 +139,6 @@ void LineDisplay::answer(const std::string& words, const std::string&) {
   put("  saved: {}\n", words);
 }
 
-// Only what an operator should do something about.
-void LineDisplay::health(const DeviceHealth& health) {
-  if (health.saturated && !saturated_) tell(Tone::quiet, "a device was at its limit");
-  saturated_ = health.saturated;
-}
-
 // Said every ten seconds, or every minute of a long one.
 void LineDisplay::countdown(const std::string& what, double left_s, double total_s) {
   const int left = static_cast<int>(std::ceil(left_s));

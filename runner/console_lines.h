@@ -22,7 +22,6 @@ class LineDisplay final : public Display {
   void feedback(const std::string& words) override;
   void tell(Tone tone, const std::string& text) override;
   void answer(const std::string& words, const std::string& by) override;
-  void health(const DeviceHealth& health) override;
   void countdown(const std::string& what, double left_s, double total_s) override;
   void countdown_over() override;
   void field(const std::string& label, const LineEditor& editor) override;
@@ -38,7 +37,6 @@ class LineDisplay final : public Display {
   std::vector<KeyHint> keys_;
   std::string typed_;  // of the field, as it stands on the line
   bool typing_ = false;
-  bool saturated_ = false;
   int said_left_s_ = -1;  // of a countdown
 };
 

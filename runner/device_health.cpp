@@ -11,7 +11,6 @@ DeviceHealth health_of(const LoopGlimpse& glimpse) {
   health.lateness_max_us = glimpse.lateness_max_us;
   health.force_n = glimpse.force_n;
   health.force_cap_n = glimpse.force_cap_n;
-  health.saturated = glimpse.saturated;
   return health;
 }
 
@@ -22,8 +21,6 @@ DeviceHealth health_of(const Presentation& presentation) {
   health.lateness_max_us = presentation.lateness_max_us;
   for (const FingerPresentation& finger : presentation.fingers)
     health.force_n = std::max(health.force_n, finger.peak_force_n);
-  health.saturated = std::any_of(presentation.fingers.begin(), presentation.fingers.end(),
-                                 [](const FingerPresentation& finger) { return finger.saturated_share > 0; });
   if (presentation.fault != Fault::none) health.fault = to_string(presentation.fault);
   return health;
 }

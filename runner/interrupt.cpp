@@ -2,6 +2,8 @@
 
 #include <csignal>
 
+#include "runner/screen_restore.h"
+
 namespace jnd {
 
 namespace {
@@ -14,10 +16,19 @@ std::atomic<EmergencyStop*> rig_stop{nullptr};
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free &&
               std::atomic<EmergencyStop*>::is_always_lock_free);
 
-void back_to_default(int signal_number) {
+// The next signal of its kind ends the program at once, and leaves a usable terminal behind.
+void end_at_once(int signal_number) {
+  restore_terminal();
   struct sigaction standard {};
   standard.sa_handler = SIG_DFL;
   sigaction(signal_number, &standard, nullptr);
+  raise(signal_number);
+}
+
+void end_at_next(int signal_number) {
+  struct sigaction next {};
+  next.sa_handler = end_at_once;
+  sigaction(signal_number, &next, nullptr);
 }
 
 void on_signal(int signal_number) {
@@ -26,7 +37,7 @@ void on_signal(int signal_number) {
     latches.pause = true;
   } else {
     latches.end = true;
-    back_to_default(signal_number);
+    end_at_next(signal_number);
   }
   if (EmergencyStop* stop = rig_stop) stop->latch(StopSource::signal);
 }

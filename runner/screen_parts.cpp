@@ -146,7 +146,8 @@ Row health_row(const Paper& paper, const std::optional<DeviceHealth>& health) {
                         paper.unicode),
                     health->force_cap_n),
         {});
-  if (health->saturated) add("AT ITS LIMIT", style_of(Tone::strong));
+  if (health->limited_trials > 0)
+    add(fmt::format("limit in {} of {} trials", health->limited_trials, health->trials), {});
   if (health->rate_hz > 0) add(fmt::format("{:.0f} Hz", health->rate_hz), {});
   if (health->lateness_max_us > 0)
     add(fmt::format("late {:.0f} us, at most {:.0f}", health->lateness_p99_us, health->lateness_max_us), kDim);

@@ -116,8 +116,10 @@ OperatorWish SessionConsole::wish_at(const Scene& scene, const KeyMap& keys, boo
     }
     if (const std::optional<OperatorWish> wish = wish_of(*action, keys)) return *wish;
     if (keys_.ended()) continue;
-    keys_.prompt();
-    if (*action == Action::help && !display_->by_lines()) show(with_keys);
+    if (*action == Action::help && !display_->by_lines()) {
+      keys_.prompt();
+      show(with_keys);
+    }
     display_->keys_again();
   }
 }

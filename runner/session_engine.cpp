@@ -117,7 +117,10 @@ void SessionEngine::check_list() {
   std::vector<AskedQuestion> page;
   for (const Question& item : protocol_.checklist) page.push_back({item, -1});
   const std::optional<Replies> replies = parts_.responder.reply_all(page);
-  if (!replies) throw SessionEnds{false, "operator", "the checklist was not completed"};
+  if (!replies) {
+    if (!parts_.interrupts.pause) throw SessionEnds{false, "operator", "the checklist was not completed"};
+    return check_list();  // Ctrl-C: a pause, then the list again
+  }
   for (std::size_t i = 0; i < page.size(); ++i) {
     const std::optional<std::string>& answer = (*replies)[i];
     recorder_.append(event_kind::kChecklist,

@@ -37,7 +37,9 @@ struct DeviceHealth {
   double rate_hz = 0;  // of the control loop; 0: unknown
   double lateness_p99_us = 0, lateness_max_us = 0;
   double force_n = 0, force_cap_n = 0;  // largest of all devices
-  bool saturated = false;
+  // Trials of this run, and those in which a limit reduced a force: never the present one, whose stimuli that would
+  // hint at.
+  int trials = 0, limited_trials = 0;
   std::string fault;  // empty: none
 };
 

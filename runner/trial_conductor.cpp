@@ -26,7 +26,7 @@ TrialConductor::TrialConductor(const SessionParts& parts, const SessionRecorder&
     : parts_(parts), recorder_(recorder) {
   parts_.rig.watch([this](const LoopGlimpse& glimpse) {
     force_cap_n_ = glimpse.force_cap_n;
-    parts_.view.health(health_of(glimpse));
+    show(health_of(glimpse));
   });
 }
 
@@ -39,6 +39,9 @@ TrialConductor::Outcome TrialConductor::conduct(const Trial& trial, const TrialO
   const Attempt attempt{trial, outline, attempts_used, after_trial};
   const Protocol& protocol = parts_.protocol;
   ticks_.clear();
+  // A stop that came between trials: nothing is presented before a person has cleared it.
+  if (parts_.person && parts_.rig.stop.latched())
+    recover_from_stop(std::string(to_string(parts_.rig.stop.source())), after_trial);
   recorder_.mark(event_kind::kTrialBegan, {{"index", trial.index}, {"attempt", outline.attempt}});
   const std::int64_t began = parts_.clock.now_ns();
   Outcome outcome;
@@ -77,6 +80,8 @@ TrialConductor::Outcome TrialConductor::conduct(const Trial& trial, const TrialO
   ticks_.clear();
   // From here on the answer is safe; only now is anyone told.
   outcome.answered = true;
+  ++trials_;
+  if (saturated(record.presentations[0]) || saturated(record.presentations[1])) ++limited_trials_;
   parts_.view.saved(outline, *answer);
   const Feedback feedback = trial.practice ? protocol.practice->feedback : protocol.feedback;
   if (feedback == Feedback::correctness) parts_.view.feedback(trial.same == (answer->judgement == Judgement::same));
@@ -211,8 +216,14 @@ Presentation TrialConductor::present(const Attempt& attempt, int interval) {
   keep_ticks(trial, interval, presentation);
   DeviceHealth health = health_of(presentation);
   health.force_cap_n = force_cap_n_;
-  parts_.view.health(health);
+  show(health);
   return presentation;
+}
+
+void TrialConductor::show(DeviceHealth health) const {
+  health.trials = trials_;
+  health.limited_trials = limited_trials_;
+  parts_.view.health(health);
 }
 
 // Every tick of the interval, to be stored with the trial.

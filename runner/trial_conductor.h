@@ -42,6 +42,7 @@ class TrialConductor {
   // voided.
   bool cue(const Attempt& attempt, CuePlace place, Outcome& outcome);
   Presentation present(const Attempt& attempt, int interval);
+  void show(DeviceHealth health) const;
   void keep_ticks(const Trial& trial, int interval, const Presentation& presentation);
   // Why the attempt ends here: nothing, or it was voided.
   bool voided_after(const Attempt& attempt, int interval, const Presentation& presentation, Outcome& outcome);
@@ -58,6 +59,7 @@ class TrialConductor {
   const SessionRecorder& recorder_;
   std::vector<TelemetryBlob> ticks_;  // of the present trial's intervals
   double force_cap_n_ = 0;            // as the loop last told it
+  int trials_ = 0, limited_trials_ = 0;
 };
 
 }  // namespace jnd

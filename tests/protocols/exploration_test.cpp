@@ -8,6 +8,7 @@
 #include "protocols/device_lint.h"
 #include "protocols/duration.h"
 #include "protocols/exploration_deal.h"
+#include "protocols/input_error.h"
 #include "protocols/plan.h"
 #include "protocols/protocol_json.h"
 #include "tests/catch.h"
@@ -137,4 +138,15 @@ TEST_CASE("free interaction takes its time, and the times of breaks and question
   CHECK(expected_duration_s(protocol) == Approx(2 * 120 + 60 + 3 * 10));
   protocol.breaks.clear();
   CHECK(expected_duration_s(protocol) == Approx(2 * 120 + 3 * 10));
+}
+
+TEST_CASE("a block of free interaction is never redone: only the interrupted object begins anew") {
+  nlohmann::json json = nlohmann::json::parse(experiment2().bytes);
+  json["resume"]["interrupted_block"] = "redo";
+  try {
+    parse_protocol(json.dump(), "p.json");
+    FAIL("accepted");
+  } catch (const InputError& error) {
+    CHECK(std::string(error.what()).find("$.resume.interrupted_block") != std::string::npos);
+  }
 }

@@ -23,7 +23,7 @@ ScreenModel model_of(SessionKind kind) {
   outline.condition_code = "B";
   model.outline = outline;
   model.progress = {{"A", 1, 36}, {"B", 36, 36}, {"C", 0, 36}};
-  model.health = DeviceHealth{1000, 35, 80, 2.3, 4.7, true, "stale_pose"};
+  model.health = DeviceHealth{1000, 35, 80, 2.3, 4.7, 24, 3, "stale_pose"};
   model.scene.heading = "Trial 3 of 108";
   model.scene.task = "Wait until the participant is ready";
   model.scene.keys = ready_keys(true).hints();

@@ -23,18 +23,19 @@ class Screens {
  public:
   Screens(fs::path folder, bool approve) : folder_(std::move(folder)), approve_(approve) {}
 
-  void check(const std::string& name, const ScriptedTerminal& terminal) {
-    const std::string now = masked(terminal.styled());
+  void check(const std::string& name, ScriptedTerminal& terminal) {
     const fs::path file = folder_ / (name + ".txt");
     if (approve_) {
-      std::ofstream(file) << now;
+      terminal.comes_to([] { return false; }, kDrawn);
+      std::ofstream(file) << masked(terminal.styled());
       return;
     }
     std::stringstream approved;
     approved << std::ifstream(file).rdbuf();
-    if (approved.str() == now) return;
+    if (terminal.comes_to([&] { return masked(terminal.styled()) == approved.str(); }, kDeadline)) return;
     ++failed_;
-    std::cout << "The screen '" << name << "' is not as approved in " << file.filename() << ". It is\n" << now << "\n";
+    std::cout << "The screen '" << name << "' is not as approved in " << file.filename() << ". It is\n"
+              << masked(terminal.styled()) << "\n";
   }
   void require(bool holds, const std::string& what) {
     if (holds) return;
@@ -50,6 +51,7 @@ class Screens {
     return text;
   }
 
+  static constexpr std::chrono::milliseconds kDrawn{500}, kDeadline{20'000};
   fs::path folder_;
   bool approve_;
   int failed_ = 0;

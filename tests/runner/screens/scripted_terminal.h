@@ -72,6 +72,18 @@ class ScriptedTerminal {
       wait_until_gone(kHeld);
     }
   }
+  // Whether the screen comes to be as wished before the time is over: it may still be half drawn.
+  template <typename Condition>
+  bool comes_to(Condition condition, std::chrono::milliseconds within) {
+    const auto deadline = std::chrono::steady_clock::now() + within;
+    while (!condition()) {
+      pollfd input{master_, POLLIN, 0};
+      const auto left =
+          std::chrono::duration_cast<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
+      if (left.count() <= 0 || poll(&input, 1, static_cast<int>(left.count())) <= 0 || !read_some()) return condition();
+    }
+    return true;
+  }
   bool shows(const std::string& text) const { return std::regex_search(plain(), std::regex(text)); }
   void resize(int rows, int columns) {
     rows_ = rows;
@@ -143,14 +155,8 @@ class ScriptedTerminal {
 
   template <typename Condition>
   void wait_until(Condition condition, const std::string& what) {
-    const auto deadline = std::chrono::steady_clock::now() + kDeadline;
-    while (!condition()) {
-      pollfd input{master_, POLLIN, 0};
-      const auto left =
-          std::chrono::duration_cast<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
-      if (left.count() <= 0 || poll(&input, 1, static_cast<int>(left.count())) <= 0 || !read_some())
-        throw std::runtime_error("waited in vain for: " + what + "\nThe screen is\n" + plain());
-    }
+    if (!comes_to(condition, kDeadline))
+      throw std::runtime_error("waited in vain for: " + what + "\nThe screen is\n" + plain());
   }
   // False: the program has ended.
   bool read_some() {
