@@ -39,7 +39,8 @@ constexpr std::array kRules = {Rule{event_kind::kNote, "note", "text", nullptr, 
 constexpr std::string_view kTakenBackEvent = "answer_taken_back";
 
 const Rule* rule_of(std::string_view kind) {
-  const auto found = std::find_if(kRules.begin(), kRules.end(), [&](const Rule& rule) { return rule.kind == kind; });
+  const auto* const found =
+      std::find_if(kRules.begin(), kRules.end(), [&](const Rule& rule) { return rule.kind == kind; });
   return found == kRules.end() ? nullptr : &*found;
 }
 

@@ -33,6 +33,6 @@ struct MergeReport {
 // would hit another source's participant; an open session planned with another seed than the first source's (nobody
 // could go on with it); damage. Throws StorageError where `to` exists or cannot be written, or a source is open in
 // another process.
-MergeReport merge(const std::vector<std::filesystem::path>& sources, const std::filesystem::path& to, Stamp stamp);
+MergeReport merge(const std::vector<std::filesystem::path>& paths, const std::filesystem::path& to, Stamp stamp);
 
 }  // namespace jnd

@@ -85,7 +85,7 @@ struct Study::Impl {
 
  private:
   void steady();
-  void tidy_after_failure();
+  void tidy_after_failure() const;
 };
 
 template <typename Action>

@@ -77,7 +77,7 @@ void Study::Impl::steady() {
 }
 
 // SQLite rolls back by itself in most cases, but does not promise it.
-void Study::Impl::tidy_after_failure() {
+void Study::Impl::tidy_after_failure() const {
   if (!connection) return;
   if (insert) insert->tryReset();
   if (sqlite3_get_autocommit(connection->getHandle()) == 0)

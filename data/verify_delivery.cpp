@@ -41,7 +41,8 @@ struct Recomputed {
       touching = false;
       return;
     }
-    const double duration_s = 1e-9 * static_cast<double>(kPeriod_ns * (1 + tick.lateness_ns / kPeriod_ns));
+    const std::int64_t periods = 1 + tick.lateness_ns / kPeriod_ns;
+    const double duration_s = 1e-9 * static_cast<double>(kPeriod_ns * periods);
     if (touching) {
       travel += std::abs(x - previous);
       travel_s += duration_s;

@@ -27,7 +27,7 @@ class TelemetryCheck {
 
  private:
   SQLite::Database& database_;
-  bool present_;  // the table: files of version 1 have none
+  bool present_;                // the table: files of version 1 have none
   std::set<std::string> lost_;  // "session/seq/interval": study.recovered says that they could not be saved
   std::int64_t blobs_ = 0;
   std::vector<std::string> named_;  // "session/seq/interval"

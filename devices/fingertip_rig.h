@@ -40,7 +40,7 @@ class FingertipRig final : public Rig {
   Presentation present(const PresentRequest& request) override;
   void neutral() noexcept override;
   TelemetryRing* telemetry() noexcept override { return telemetry_.get(); }
-  void watch(std::function<void(const LoopGlimpse&)> look) override { look_ = std::move(look); }
+  void watch(const std::function<void(const LoopGlimpse&)>& look) override { look_ = look; }
   RealtimeReport realtime() const override;
 
  private:

@@ -26,8 +26,8 @@ struct PresentRequest {
   // Name of a virtual object instead of the protocol's; empty: the protocol's. It is free interaction: explore_s counts
   // from the start, and a finger that touches nothing is no fault.
   std::string object{};
-  // Above 0: a tap of the device instead of a stimulus, a burst of vibration of so many g from the start. There is nothing
-  // to touch, and explore_s counts from the start.
+  // Above 0: a tap of the device instead of a stimulus, a burst of vibration of so many g from the start. There is
+  // nothing to touch, and explore_s counts from the start.
   double tap_g = 0;
 };
 
@@ -67,7 +67,7 @@ class Rig {
   virtual TelemetryRing* telemetry() noexcept { return nullptr; }
   // While a presentation goes on, `look` is called some 20 times a second by the thread that called present, never by
   // the loop. Empty: no more. A rig whose loop runs inside present on a simulated clock never calls it.
-  virtual void watch(std::function<void(const LoopGlimpse&)> /*look*/) {}
+  virtual void watch(const std::function<void(const LoopGlimpse&)>& /*look*/) {}
   // What real-time scheduling the loop got.
   virtual RealtimeReport realtime() const { return {}; }
 

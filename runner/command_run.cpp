@@ -31,7 +31,8 @@ SessionKind kind_of(const RunOptions& options, bool rig_simulated) {
     return SessionKind::simulated;
   }
   if (options.fast && !rig_simulated && options.kind != "pilot")
-    throw UsageError("--fast skips what the participant should feel: leave it out, or add --kind pilot for a rehearsal");
+    throw UsageError(
+        "--fast skips what the participant should feel: leave it out, or add --kind pilot for a rehearsal");
   if (!options.kind) return rig_simulated ? SessionKind::pilot : SessionKind::real;
   const std::optional<SessionKind> kind = session_kind_from(*options.kind);
   if (!kind || *kind == SessionKind::simulated)

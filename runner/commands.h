@@ -63,8 +63,8 @@ struct RunOptions {
   bool beside = false;                            // another participant's session may stay unfinished
   std::string accept_gap;                         // why a too long interruption does not matter
   std::optional<std::string> override_readiness;  // why a bad finding does not matter
-  std::string record = "full";      // off, events, full
-  std::string realtime = "prefer";  // off, prefer, require
+  std::string record = "full";                    // off, events, full
+  std::string realtime = "prefer";                // off, prefer, require
 };
 int command_run(const RunOptions& options);
 

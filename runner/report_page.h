@@ -19,10 +19,10 @@ namespace jnd {
 
 // Where the numbers come from.
 struct ReportFacts {
-  std::string program_version;  // "0.3.0"
-  std::string study_file;       // its name, without folders
+  std::string program_version;              // "0.3.0"
+  std::string study_file;                   // its name, without folders
   std::optional<std::uint64_t> study_seed;  // none while it is sealed
-  std::vector<std::string> other_kinds;  // sessions in the study that are not in the report: "pilot", ...
+  std::vector<std::string> other_kinds;     // sessions in the study that are not in the report: "pilot", ...
 };
 
 // figures: study_figures(results, protocol). methods_markdown: see report_markdown.h; the section is left out where it

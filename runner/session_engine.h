@@ -12,7 +12,6 @@
 
 #include "data/event_body.h"
 #include "protocols/condition_codes.h"
-#include "protocols/condition_codes.h"
 #include "runner/session_parts.h"
 #include "runner/session_progress.h"
 #include "runner/trial_conductor.h"

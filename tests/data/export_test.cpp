@@ -50,7 +50,9 @@ TEST_CASE("cells are quoted where they must be, and numbers keep every digit", "
   CHECK(csv_flag(true) == "1");
   CHECK(csv_flag(false) == "0");
   for (const char* text : {"=1+1", "+a", "-a", "-1-1", "+1.", "@SUM(A1)", "\tx", "\rx", "\nx", "  =1+1", "\"=1", "'=1",
-                           "\xef\xbb\xbf=1", "\xc2\xa0@x", "\xef\xbc\x9d" "1"})
+                           "\xef\xbb\xbf=1", "\xc2\xa0@x",
+                           "\xef\xbc\x9d"
+                           "1"})
     CHECK(csv_text(text) == "'" + std::string(text));
   for (const char* number : {"-1", "+1", "-0.25", "-1e-3", "7"}) CHECK(csv_text(number) == number);
   CHECK(csv_text("a=1") == "a=1");

@@ -10,11 +10,9 @@ using test::Bench;
 using test::small_protocol;
 
 Protocol with_taps() {
-  return small_protocol({{"trial",
-                          {{"cues",
-                            {{"first", {{"kind", "tap"}}},
-                             {"second", {{"kind", "tap"}}},
-                             {"question", {{"kind", "none"}}}}}}}});
+  return small_protocol(
+      {{"trial",
+        {{"cues", {{"first", {{"kind", "tap"}}}, {"second", {{"kind", "tap"}}}, {"question", {{"kind", "none"}}}}}}}});
 }
 
 TEST_CASE("A tap is presented by the devices before each interval, the same for every stimulus and condition") {

@@ -241,6 +241,9 @@ int run(int argc, char** argv) {
   try {
     const std::string jnd = fs::absolute(argv[1]).string();
     play(jnd, folder, screens);
+    // What was paused, repeated, taken back and stopped is in the study, and follows from the rules.
+    const std::string verify = "'" + jnd + "' verify --deep '" + folder + "/tutorial.sqlite'";
+    screens.require(std::system(verify.c_str()) == 0, "the study agrees with itself");
     for (const int crash : {SIGSEGV, SIGABRT, SIGTERM}) end_by(jnd, folder, crash, screens);
   } catch (const std::exception& error) {
     screens.require(false, error.what());
