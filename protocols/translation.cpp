@@ -41,7 +41,7 @@ std::vector<std::string> left_out_of(const Protocol& protocol, const std::string
   std::vector<std::string> paths;
   const Translation& translation = protocol.translations.at(language);
   visit_people_texts(protocol, [&](const std::string& path, const std::string&, const TextLimits&, Audience audience) {
-    if (audience == Audience::participant && translation.count(path) == 0) paths.push_back(path);
+    if (audience == Audience::participant && !translation.contains(path)) paths.push_back(path);
   });
   return paths;
 }

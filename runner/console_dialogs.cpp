@@ -132,7 +132,7 @@ std::optional<OperatorWish> SessionConsole::noted_wish(const KeyMap& keys) {
     const Action action = noted_.front();
     noted_.erase(noted_.begin());
     if (action == Action::repeat_trial) continue;  // its trial is over
-    if (const std::optional<OperatorWish> wish = wish_of(action, keys)) return wish;
+    if (std::optional<OperatorWish> wish = wish_of(action, keys)) return wish;
   }
   return std::nullopt;
 }

@@ -250,7 +250,7 @@ void ExplorationBlock::void_attempt(const ExplorationRecord& record, const std::
 void ExplorationBlock::leave(const ExplorationRecord& record, const SessionEnds& end) {
   parts_.rig.neutral();
   if (parts_.person) void_attempt(record, "interrupted", false);
-  throw end;
+  throw SessionEnds{end.for_good, end.cause, end.reason};
 }
 
 void ExplorationBlock::end_block(int block, const std::string& reason) {

@@ -70,7 +70,7 @@ std::optional<Key> KeyParser::feed(unsigned char byte, std::int64_t time_ns) noe
     case State::escape:
       return after_escape(byte, time_ns);
     case State::control_sequence:
-      if (byte == kEscape || byte < 0x20) return on_ground(byte, time_ns);  // broken off
+      if (byte < 0x20) return on_ground(byte, time_ns);  // broken off
       return in_control_sequence(byte);
     case State::console_key:
     case State::single_shift:

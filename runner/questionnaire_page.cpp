@@ -77,7 +77,7 @@ std::string mistake_in(const Question& question, const std::string& typed) {
 }
 
 std::string normalised(const Question& question, const std::string& typed) {
-  const std::string text = trimmed(typed);
+  std::string text = trimmed(typed);
   switch (question.kind) {
     case Question::Kind::text:
       return text;

@@ -111,8 +111,8 @@ MachineCheck check_calibration(const RigSpec& spec, std::int64_t utc_ns) {
     const std::chrono::year_month_day day(device.calibration->date);
     const std::string date = fmt::format("{:04}-{:02}-{:02}", static_cast<int>(day.year()),
                                          static_cast<unsigned>(day.month()), static_cast<unsigned>(day.day()));
-    const auto today = static_cast<double>(utc_ns / kDay_ns);
-    const double age = today - static_cast<double>(device.calibration->date.time_since_epoch().count());
+    const std::int64_t today = utc_ns / kDay_ns;
+    const auto age = static_cast<double>(today - device.calibration->date.time_since_epoch().count());
     std::string found = fmt::format("{}: {}, {:.0f} days ago", device.name, date, age);
     if (device.calibration->valid_days) found += fmt::format(", holds {:g}", *device.calibration->valid_days);
     // A day ahead is another time zone's today.

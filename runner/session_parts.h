@@ -74,7 +74,7 @@ template <typename Ask>
 OperatorWish settle(const SessionParts& parts, const SessionRecorder& recorder, int after_trial, Ask&& again) {
   for (;;) {
     heed_interrupts(parts, recorder, after_trial);
-    const OperatorWish wish = again();
+    OperatorWish wish = again();
     switch (wish.wish) {
       case Wish::note:
         recorder.note(wish.text, after_trial);
