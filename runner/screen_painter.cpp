@@ -2,6 +2,7 @@
 
 #include <clocale>
 #include <csignal>
+#include <cstdint>
 #include <cstdlib>
 #include <string>
 
@@ -28,7 +29,7 @@ constexpr short kBluePair = 1, kYellowPair = 2, kCyanPair = 3;
 // A terminfo string, without its padding marks.
 std::string capability(const char* name) {
   const char* const value = tigetstr(const_cast<char*>(name));
-  if (value == nullptr || value == reinterpret_cast<char*>(-1)) return "";
+  if (value == nullptr || reinterpret_cast<std::intptr_t>(value) == -1) return "";
   std::string text = value;
   for (std::size_t from = text.find("$<"); from != std::string::npos; from = text.find("$<")) {
     const std::size_t to = text.find('>', from);

@@ -138,7 +138,7 @@ OperatorWish SessionConsole::ready(const TrialOutline& outline) {
   Scene scene;
   outline_scene(outline, scene);
   scene.task = "Wait until the participant is ready";
-  const OperatorWish wish = wish_at(scene, ready_keys(outline.can_void_last), true);
+  OperatorWish wish = wish_at(scene, ready_keys(outline.can_void_last), true);
   if (wish.wish == Wish::go_on) {
     noted_.clear();
   }
@@ -149,7 +149,7 @@ OperatorWish SessionConsole::ready(const TrialOutline& outline) {
 OperatorWish SessionConsole::meanwhile() {
   if (decided_) return *std::exchange(decided_, std::nullopt);
   if (broken_off_by_) {
-    const OperatorWish wish = wish_of(*broken_off_by_, exploring_keys()).value_or(OperatorWish{});
+    OperatorWish wish = wish_of(*broken_off_by_, exploring_keys()).value_or(OperatorWish{});
     broken_off_by_.reset();
     if (wish.wish == Wish::go_on) show(scene_);
     return wish;
@@ -328,7 +328,7 @@ OperatorWish SessionConsole::ready_to_explore(const ExplorationOutline& outline)
                            outline.devices ? "The participant wears the devices."
                                            : "Bare hands: take the devices off, lay out the real object.");
   exploring_s_ = outline.duration_s;
-  const OperatorWish wish = wish_at(scene, ready_to_explore_keys(), true);
+  OperatorWish wish = wish_at(scene, ready_to_explore_keys(), true);
   if (wish.wish == Wish::go_on && keys_.anybody()) {
     scene.keys = exploring_keys().hints();
     scene.text.clear();
