@@ -72,7 +72,10 @@ std::optional<Replies> SessionConsole::reply_all(const std::vector<AskedQuestion
   for (const AskedQuestion& asked : page) {
     QuestionnairePage::Item item;
     item.question = &asked.question;
-    if (asked.condition >= 0) item.about = protocol_.conditions[static_cast<std::size_t>(asked.condition)].label;
+    // Right after a condition its name would tell which letter it has.
+    const bool gives_away = protocol_.blinded && asked.question.when == Question::When::after_condition;
+    if (asked.condition >= 0 && !gives_away)
+      item.about = protocol_.conditions[static_cast<std::size_t>(asked.condition)].label;
     items.push_back(item);
     ids.push_back(fmt::format("{} {}", asked.question.id, asked.condition));
   }
