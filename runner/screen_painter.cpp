@@ -52,7 +52,10 @@ struct ScreenPainter::Screen {
 
 bool ScreenPainter::possible() {
   int error = 0;
-  return setupterm(nullptr, STDOUT_FILENO, &error) == OK && !capability("cup").empty() && !capability("clear").empty();
+  const bool able =
+      setupterm(nullptr, STDOUT_FILENO, &error) == OK && !capability("cup").empty() && !capability("clear").empty();
+  if (cur_term != nullptr) del_curterm(cur_term);  // newterm() makes its own
+  return able;
 }
 
 ScreenPainter::ScreenPainter() : screen_(std::make_unique<Screen>()), continuations_(terminal_continuations()) {
