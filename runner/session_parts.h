@@ -80,6 +80,7 @@ OperatorWish settle(const SessionParts& parts, const SessionRecorder& recorder, 
         recorder.note(wish.text, after_trial);
         break;
       case Wish::pause:
+        if (parts.interrupts.pause) break;  // Ctrl-C: it is heeded above, and its stop of the rig is taken back
         pause_session(parts, recorder, "key", wish.text, after_trial);
         break;
       case Wish::end_for_now:

@@ -50,6 +50,36 @@ TEST_CASE("Ctrl-C in a presentation pauses: the stimulus that was felt comes aga
   CHECK(bodies(bench, event_kind::kTrialVoided)[0].at("reason") == "paused");
 }
 
+TEST_CASE("Ctrl-C before a trial is one pause, and leaves no stop behind it") {
+  Bench bench(small_protocol());
+  class Pressing final : public SessionView {
+   public:
+    explicit Pressing(Bench& bench) : bench_(bench) {}
+    OperatorWish ready(const TrialOutline&) override {
+      if (++asked != 3) return {};
+      bench_.interrupts.pause = true;  // as the signal's handler does
+      bench_.rig.stop.latch(StopSource::signal);
+      return {Wish::pause, {}};
+    }
+    OperatorWish paused(const std::string& cause) override {
+      causes.push_back(cause);
+      bench_.interrupts.pause = false;
+      return {};
+    }
+    int asked = 0;
+    std::vector<std::string> causes;
+
+   private:
+    Bench& bench_;
+  } view(bench);
+  REQUIRE(with_person(bench).run(view) == SessionEnd::completed);
+  CHECK(view.causes == std::vector<std::string>{"ctrl-c"});
+  CHECK_FALSE(bench.rig.stop.latched());
+  CHECK(bodies(bench, event_kind::kStopCleared).empty());
+  CHECK(bodies(bench, event_kind::kTrialVoided).empty());
+  CHECK(bench.completed().size() == 16);
+}
+
 TEST_CASE("A stimulus that was felt before the program was killed is presented again, as a new attempt") {
   for (int killed_after = 1; killed_after < 40; ++killed_after) {
     Bench bench(small_protocol());
