@@ -3,40 +3,13 @@
 #include <cmath>
 #include <utility>
 
+#include "data/column_makers.h"
 #include "data/export_tables.h"
 #include "data/questionnaire_columns.h"
 
 namespace jnd {
 
 namespace {
-
-template <typename Row>
-using Columns = std::vector<CsvColumn<Row>>;
-
-template <typename Row>
-void add_file(std::vector<ResultFile>& files, const std::string& name, const Columns<Row>& columns,
-              const std::vector<Row>& rows) {
-  if (rows.empty()) return;
-  ResultFile file{name, csv_table(columns, rows), {}};
-  describe(name, columns, file.dictionary);
-  files.push_back(std::move(file));
-}
-
-template <typename Row, typename Value>
-CsvColumn<Row> number(std::string name, std::string meaning, Value value, std::string unit = "") {
-  return {std::move(name), std::move(meaning), std::move(unit), "",
-          [value](const Row& r) { return csv_number(value(r)); }};
-}
-
-template <typename Row, typename Value>
-CsvColumn<Row> text(std::string name, std::string meaning, Value value, std::string levels = "") {
-  return {std::move(name), std::move(meaning), "", std::move(levels),
-          [value](const Row& r) { return csv_text(std::string(value(r))); }};
-}
-
-std::string condition_of(const Protocol& protocol, int place) {
-  return place < 0 ? std::string() : protocol.conditions[static_cast<std::size_t>(place)].name;
-}
 
 // One row for each outcome and each of its pairs.
 struct TestRow {
