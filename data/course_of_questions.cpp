@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "data/body_numbers.h"
 #include "data/event_body.h"
 
 namespace jnd {
@@ -54,7 +55,7 @@ std::string CourseOfQuestions::answered(const Json& body) {
   const auto id = body.at("question").get<std::string>();
   const Json& condition = body.at("condition");
   answered_.insert(
-      question_key(id, condition.is_null() ? "" : condition.get<std::string>(), body.at("after_trial").get<int>()));
+      question_key(id, condition.is_null() ? "" : condition.get<std::string>(), whole_at(body, "after_trial")));
   for (const Question& question : protocol_.questions) {
     if (question.id != id) continue;
     const std::string fault = fault_of(question, body.at("answer"));

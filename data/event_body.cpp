@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "data/body_numbers.h"
 #include "data/presentation_body.h"
 #include "data/storage_error.h"
 
@@ -63,7 +64,7 @@ TrialRecord trial_record_from(const Json& body) {
   try {
     TrialRecord record;
     record.trial = trial_from(body);
-    record.attempt = body.at("attempt").get<int>();
+    record.attempt = whole_at(body, "attempt");
     record.series_name = body.at("series").get<std::string>();
     record.condition_name = body.at("condition").get<std::string>();
     const auto answer = body.at("answer").get<std::string>();
@@ -89,18 +90,18 @@ TrialRecord trial_record_from(const Json& body) {
 Trial trial_from(const Json& body) {
   try {
     Trial trial;
-    trial.index = body.at("index").get<int>();
-    trial.block = body.at("block").get<int>();
+    trial.index = whole_at(body, "index");
+    trial.block = whole_at(body, "block");
     trial.practice = body.at("practice").get<bool>();
-    trial.round = body.at("round").get<int>();
-    trial.series = body.at("series_place").get<int>();
-    trial.condition = body.at("condition_place").get<int>();
+    trial.round = whole_at(body, "round");
+    trial.series = whole_at(body, "series_place");
+    trial.condition = whole_at(body, "condition_place");
     trial.unit = body.contains("stimulus_1_n_per_rad") ? StiffnessUnit::n_per_rad : StiffnessUnit::n_per_m;
     for (std::size_t i = 0; i < 2; ++i)
       trial.stimuli[i] =
           number_at(body, key_with(i == 0 ? "stimulus_1_" : "stimulus_2_", name_suffix(trial.unit)).c_str());
     trial.same = body.at("same").get<bool>();
-    if (body.contains("track")) trial.track = body.at("track").get<int>();
+    if (body.contains("track")) trial.track = whole_at(body, "track");
     return trial;
   } catch (const Json::exception& error) {
     throw StorageError(fmt::format("the body is not a trial: {}", error.what()));

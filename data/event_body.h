@@ -102,12 +102,10 @@ struct SessionState {
   std::optional<PendingTrial> pending;  // began, with neither answer nor void
   bool practice_ended = false;
   std::set<std::string> answered;    // question_key of each
-  std::set<std::string> checked;     // checklist items, by id
   std::set<std::string> instructed;  // instructions, by id
   bool consented = false;
-  std::set<int> breaks_after;          // main trials done when a break was taken
-  std::set<int> explored;              // ExplorationSlot::index of those completed
-  std::map<int, int> explored_voided;  // ExplorationSlot::index -> attempts voided
+  std::set<int> breaks_after;  // main trials done when a break was taken
+  std::set<int> explored;      // ExplorationSlot::index of those completed
   // How it was left.
   bool left = false;    // ended by the operator; otherwise the program was killed, or the machine
   std::string boot_id;  // of the machine's run in which the last part of the session ran; empty where unknown

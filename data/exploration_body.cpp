@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "data/body_numbers.h"
 #include "data/event_body.h"
 #include "data/presentation_body.h"
 #include "data/storage_error.h"
@@ -25,9 +26,9 @@ void read(const Event& event, ExplorationHistory& history) {
   const bool voided = event.kind == event_kind::kExplorationVoided;
   if (!began && !voided && event.kind != event_kind::kExploration) return;
   const Json body = Json::parse(event.body);
-  const int index = body.at("index").get<int>();
+  const int index = whole_at(body, "index");
   int& attempts = history.attempts[index];
-  attempts = std::max(attempts, body.at("attempt").get<int>());
+  attempts = std::max(attempts, whole_at(body, "attempt"));
   if (began) {
     history.pending = index;
     return;
@@ -83,12 +84,12 @@ Json voided_body(const ExplorationRecord& record, StiffnessUnit unit, std::strin
 
 ExplorationRecord exploration_from(const Json& body, StiffnessUnit unit) {
   ExplorationRecord record;
-  record.slot.index = body.at("index").get<int>();
-  record.slot.block = body.at("block").get<int>();
-  record.slot.condition = body.at("condition_place").get<int>();
-  record.slot.object = body.at("object_place").get<int>();
+  record.slot.index = whole_at(body, "index");
+  record.slot.block = whole_at(body, "block");
+  record.slot.condition = whole_at(body, "condition_place");
+  record.slot.object = whole_at(body, "object_place");
   record.slot.duration_s = number_at(body, "planned_s");
-  record.attempt = body.at("attempt").get<int>();
+  record.attempt = whole_at(body, "attempt");
   record.condition = body.at("condition").get<std::string>();
   record.object = body.at("object").get<std::string>();
   record.devices = body.at("devices").get<bool>();

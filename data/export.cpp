@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "data/blinding.h"
+#include "data/body_numbers.h"
 #include "data/device_places.h"
 #include "data/event_body.h"
 #include "data/export_folder.h"
@@ -47,7 +48,7 @@ void read_session(const Study& study, const Protocol& protocol, const SessionInf
           return body.contains(key) && body.at(key).is_string() ? body.at(key).get<std::string>() : std::string();
         };
         answers.push_back({session, to_iso8601(event.stamp.utc_ns), text_at("question"), text_at("text"),
-                           text_at("when"), text_at("condition"), text_at("answer"), body.at("after_trial").get<int>(),
+                           text_at("when"), text_at("condition"), text_at("answer"), whole_at(body, "after_trial"),
                            body.at("answer").is_string()});
       }
     } catch (const nlohmann::json::exception& error) {
@@ -78,8 +79,7 @@ void write_telemetry(const Study& study, const SessionInfo& session, const std::
     if (named.empty()) continue;
     const std::vector<TelemetryBlob> stored = study.telemetry(session.id, event.seq);
     const auto at = [&](const char* key) {
-      if (const auto found = body.find(key); found != body.end() && found->is_number_integer())
-        return found->get<int>();
+      if (const auto found = body.find(key); found != body.end() && found->is_number_integer()) return whole(*found);
       throw StorageError(fmt::format("session {}, event {} ({}): has telemetry but no \"{}\"; run jnd verify",
                                      session.id, event.seq, event.kind, key));
     };

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "data/body_numbers.h"
 #include "data/storage_error.h"
 
 namespace jnd {
@@ -59,7 +60,7 @@ std::optional<double> optional_at(const Json& body, const char* key) {
 FingerPresentation finger_from(const Json& body, StiffnessUnit unit, int place) {
   const UnitKeys& keys = keys_of(unit);
   FingerPresentation finger;
-  finger.finger = body.value("finger", place);
+  finger.finger = whole_or(body, "finger", place);
   if (const auto channel = body.find("channel"); channel != body.end()) {
     const std::optional<Channel> known = channel_from(channel->get_ref<const std::string&>());
     if (!known) throw StorageError(fmt::format("unknown channel {}", channel->dump()));
@@ -68,19 +69,19 @@ FingerPresentation finger_from(const Json& body, StiffnessUnit unit, int place) 
   if (const Json& stiffness = body.at(keys.stiffness); !stiffness.is_null()) finger.stiffness = stiffness.get<double>();
   finger.stiffness_se = optional_at(body, keys.stiffness_se.c_str());
   finger.joint_stiffness_n_m_per_rad = optional_at(body, "joint_stiffness_n_m_per_rad");
-  finger.fit_samples = body.at("fit_samples").get<std::int64_t>();
+  finger.fit_samples = whole_at<std::int64_t>(body, "fit_samples");
   finger.peak_force_n = number_at(body, "peak_force_n");
   finger.deepest_penetration = number_at(body, keys.deepest_penetration.c_str());
   finger.work_j = number_at(body, "work_j");
   finger.mean_speed = number_at(body, keys.mean_speed.c_str());
-  finger.contacts = body.at("contacts").get<int>();
+  finger.contacts = whole_at(body, "contacts");
   finger.dwell_s = number_at(body, "dwell_s");
   finger.saturated_share = number_at(body, "saturated_share");
   finger.vibration_g = number_at(body, "vibration_g");
   finger.vibration_clamped = body.at("vibration_clamped").get<bool>();
   if (const auto interventions = body.find("interventions"); interventions != body.end())
     for (const Json& one : *interventions)
-      finger.interventions.push_back({one.at("limit").get<std::string>(), one.at("ticks").get<std::int64_t>(),
+      finger.interventions.push_back({one.at("limit").get<std::string>(), whole_at<std::int64_t>(one, "ticks"),
                                       number_at(one, "asked"), number_at(one, "given")});
   return finger;
 }
@@ -123,8 +124,8 @@ Presentation presentation_from(const Json& body, StiffnessUnit unit) {
   Presentation presentation;
   if (!body.at("first_contact_s").is_null()) presentation.first_contact_s = body.at("first_contact_s").get<double>();
   presentation.duration_s = number_at(body, "duration_s");
-  presentation.ticks = body.at("ticks").get<std::int64_t>();
-  presentation.overruns = body.at("overruns").get<std::int64_t>();
+  presentation.ticks = whole_at<std::int64_t>(body, "ticks");
+  presentation.overruns = whole_at<std::int64_t>(body, "overruns");
   presentation.lateness_p50_us = number_at(body, "lateness_p50_us");
   presentation.lateness_p99_us = number_at(body, "lateness_p99_us");
   presentation.lateness_max_us = number_at(body, "lateness_max_us");

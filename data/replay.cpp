@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "data/body_numbers.h"
 #include "data/event_body.h"
 #include "data/storage_error.h"
 
@@ -38,7 +39,7 @@ void complete(SessionState& state, const Json& body) {
 // Also of a trial that was answered: the answer is taken back.
 void take_void(SessionState& state, const Json& body) {
   const int index = trial_from(body).index;
-  const int attempt = body.at("attempt").get<int>();
+  const int attempt = whole_at(body, "attempt");
   attempted(state, index, attempt);
   if (body.value("counts", true)) ++state.voided[index];
   std::erase(state.void_order, index);
@@ -50,8 +51,8 @@ void take_void(SessionState& state, const Json& body) {
 
 void end_block(SessionState& state, const Json& body) {
   for (const Json& index : body.at("trials")) {
-    state.abandoned.insert(index.get<int>());
-    settle(state, index.get<int>());
+    state.abandoned.insert(whole(index));
+    settle(state, whole(index));
   }
   if (body.value("practice", false)) state.practice_ended = true;
 }
@@ -63,7 +64,7 @@ void resume(SessionState& state, const Json& body) {
 
 bool apply_to_trials(std::string_view kind, const Json& body, SessionState& state) {
   if (kind == event_kind::kTrialBegan) {
-    state.pending = PendingTrial{body.at("index").get<int>(), body.at("attempt").get<int>()};
+    state.pending = PendingTrial{whole_at(body, "index"), whole_at(body, "attempt")};
     attempted(state, state.pending->index, state.pending->attempt);
   } else if (kind == event_kind::kTrialCompleted) {
     complete(state, body);
@@ -77,10 +78,9 @@ bool apply_to_trials(std::string_view kind, const Json& body, SessionState& stat
   } else if (kind == event_kind::kPracticeEnded) {
     state.practice_ended = true;
   } else if (kind == event_kind::kExploration) {
-    state.explored.insert(body.at("index").get<int>());
+    state.explored.insert(whole_at(body, "index"));
   } else if (kind == event_kind::kExplorationVoided) {
-    state.explored.erase(body.at("index").get<int>());
-    ++state.explored_voided[body.at("index").get<int>()];
+    state.explored.erase(whole_at(body, "index"));
   } else {
     return false;
   }
@@ -100,11 +100,9 @@ void apply_to_session(std::string_view kind, const Json& body, SessionState& sta
     const Json& condition = body.at("condition");
     state.answered.insert(question_key(body.at("question").get<std::string>(),
                                        condition.is_null() ? "" : condition.get<std::string>(),
-                                       body.at("after_trial").get<int>()));
+                                       whole_at(body, "after_trial")));
   } else if (kind == event_kind::kBreakTaken) {
-    state.breaks_after.insert(body.at("after_trial").get<int>());
-  } else if (kind == event_kind::kChecklist) {
-    state.checked.insert(body.at("question").get<std::string>());
+    state.breaks_after.insert(whole_at(body, "after_trial"));
   } else if (kind == event_kind::kInstructed) {
     state.instructed.insert(body.at("id").get<std::string>());
   } else if (kind == event_kind::kConsent) {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include "data/body_numbers.h"
 #include "data/event_body.h"
 #include "data/schema.h"
 #include "data/study_impl.h"
@@ -25,15 +26,15 @@ SessionInfo opened_info(const std::string& id, const Json& body) {
   SessionInfo info;
   info.id = id;
   info.participant = body.at("participant").get<std::string>();
-  info.participant_number = body.at("participant_number").get<int>();
-  info.number = body.value("session_number", 1);
+  info.participant_number = whole_at(body, "participant_number");
+  info.number = whole_or(body, "session_number", 1);
   const auto kind = body.at("kind").get<std::string>();
   const std::optional<SessionKind> known = session_kind_from(kind);
   if (!known) throw StorageError(fmt::format("is of unknown kind \"{}\"", kind));
   info.kind = *known;
   info.state = "open";
   info.responder = text_at(body, "responder");
-  info.trials_total = body.value("trials_total", 0);
+  info.trials_total = whole_or(body, "trials_total", 0);
   info.rig_sha256 = text_at(body, "rig_sha256");
   info.language = text_at(body, "language");
   return info;

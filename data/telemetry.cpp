@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <zstd.h>
 
+#include "data/body_numbers.h"
 #include "data/storage_error.h"
 #include "protocols/sha256.h"
 
@@ -201,10 +202,10 @@ std::vector<TelemetryBlob> named_telemetry(const nlohmann::ordered_json& body) {
   try {
     std::vector<TelemetryBlob> named;
     for (const nlohmann::ordered_json& one : body.at("telemetry"))
-      named.push_back({one.at("interval").get<int>(),
+      named.push_back({whole_at(one, "interval"),
                        one.at("sha256").get<std::string>(),
-                       one.at("ticks").get<std::int64_t>(),
-                       one.at("dropped").get<std::int64_t>(),
+                       whole_at<std::int64_t>(one, "ticks"),
+                       whole_at<std::int64_t>(one, "dropped"),
                        {}});
     return named;
   } catch (const nlohmann::json::exception& error) {

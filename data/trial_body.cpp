@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -87,7 +89,11 @@ IntervalCues TrialBodyReader::Impl::interval(od::value presentation) const {
 }
 
 unsigned TrialBodyReader::Impl::field(std::string_view key, od::value value, CountedTrial& trial) const {
-  const auto whole = [&value] { return static_cast<int>(value.get_int64()); };
+  const auto whole = [&value] {
+    const std::int64_t number = value.get_int64();
+    if (!std::in_range<int>(number)) throw simdjson::simdjson_error(simdjson::NUMBER_OUT_OF_RANGE);
+    return static_cast<int>(number);
+  };
   const auto is = [&value](std::string_view word) { return std::string_view(value.get_string()) == word; };
   if (key == kNeeded[0]) return trial.series = whole(), 1U;
   if (key == kNeeded[1]) return trial.condition = whole(), 2U;

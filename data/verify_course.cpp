@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "data/body_numbers.h"
 #include "data/course_of_questions.h"
 #include "data/event_body.h"
 #include "protocols/adaptive_run.h"
@@ -42,8 +43,8 @@ class Course {
       resumed_ = true;
       if (body.value("practice_again", false)) practice_over_ = false;
     } else if (event.kind == event_kind::kTrialBegan) {
-      begin(body.at("index").get<int>(), body.at("attempt").get<int>());
-      pending_ = {body.at("index").get<int>(), body.at("attempt").get<int>()};
+      begin(whole_at(body, "index"), whole_at(body, "attempt"));
+      pending_ = {whole_at(body, "index"), whole_at(body, "attempt")};
     } else if (event.kind == event_kind::kTrialCompleted) {
       complete(trial_record_from(body));
     } else if (event.kind == event_kind::kTrialVoided) {
@@ -51,7 +52,7 @@ class Course {
     } else if (event.kind == event_kind::kTrialsShort) {
       finished_.insert(trial_from(body).index);
     } else if (event.kind == event_kind::kBlockEnded) {
-      for (const Json& index : body.at("trials")) finished_.insert(index.get<int>());
+      for (const Json& index : body.at("trials")) finished_.insert(whole(index));
       if (body.value("practice", false)) practice_over_ = true;
     } else if (event.kind == event_kind::kPracticeEnded) {
       end_practice(body);
@@ -60,7 +61,7 @@ class Course {
     } else if (event.kind == event_kind::kLeft) {
       for_good_ = body.value("for_good", false);
     } else if (event.kind == event_kind::kBreakTaken) {
-      questions_.took_break(body.at("after_trial").get<int>());
+      questions_.took_break(whole_at(body, "after_trial"));
     } else if (event.kind == event_kind::kQuestionAnswered) {
       if (const std::string fault = questions_.answered(body); !fault.empty()) problem("{}", fault);
     } else if (event.kind == event_kind::kExploration || event.kind == event_kind::kExplorationVoided) {
@@ -150,7 +151,7 @@ class Course {
   void take_void(const Json& body) {
     ++voided_;
     const Trial trial = trial_from(body);
-    const int attempt = body.at("attempt").get<int>();
+    const int attempt = whole_at(body, "attempt");
     const auto answered = std::find_if(answered_.begin(), answered_.end(), [&](const Answered& one) {
       return one.trial.index == trial.index && one.attempt == attempt;
     });
@@ -178,7 +179,7 @@ class Course {
       problem("the protocol has no practice");
       return;
     }
-    const int round = body.at("rounds").get<int>();
+    const int round = whole_at(body, "rounds");
     const double share = body.at("share_correct").get<double>();
     if (round > protocol_.practice->max_rounds)
       problem("practice took {} rounds, and the protocol allows {}", round, protocol_.practice->max_rounds);
@@ -196,7 +197,7 @@ class Course {
 
   // Objects are met in the planned order, each until it was explored for its time or given up.
   void explore(const Json& body, bool completed) {
-    const int index = body.at("index").get<int>();
+    const int index = whole_at(body, "index");
     if (!completed) {
       if (!body.value("will_repeat", true)) explored_.insert(index);
       return;
@@ -214,9 +215,9 @@ class Course {
   }
 
   void close(const Json& body) {
-    if (body.at("trials_completed").get<int>() != main_done_ || body.at("trials_voided").get<int>() != voided_)
-      problem("closes with {} trials and {} voided ones; its events are {} and {}",
-              body.at("trials_completed").get<int>(), body.at("trials_voided").get<int>(), main_done_, voided_);
+    if (whole_at(body, "trials_completed") != main_done_ || whole_at(body, "trials_voided") != voided_)
+      problem("closes with {} trials and {} voided ones; its events are {} and {}", whole_at(body, "trials_completed"),
+              whole_at(body, "trials_voided"), main_done_, voided_);
     if (for_good_) return;  // the operator ended it, or there was no consent: short, and the log says so
     if (pending_) problem("closes while trial {} has no end", pending_->index);
     const auto left = std::count_if(plan_.trials.begin(), plan_.trials.end(), [&](const Trial& one) {

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <stdexcept>
 
+#include "data/body_numbers.h"
 #include "data/storage_error.h"
 
 namespace jnd {
@@ -35,8 +36,8 @@ void SessionCheck::check(const Event& event, const Json& body) {
   } else if (event.kind == event_kind::kBlockEnded) {
     check_block_ended(event, body);
   } else if (event.kind == event_kind::kDeviceFault) {
-    if (body.contains("index") && !explorations_.contains(body.at("index").get<int>()))
-      planned_index(event, body.at("index").get<int>());
+    if (body.contains("index") && !explorations_.contains(whole_at(body, "index")))
+      planned_index(event, whole_at(body, "index"));
   } else if (event.kind == event_kind::kExploration || event.kind == event_kind::kExplorationVoided ||
              event.kind == event_kind::kExplorationBegan) {
     check_exploration(event, body);
@@ -48,8 +49,8 @@ void SessionCheck::open(const Event& event, const Json& body) {
   opened_ = true;
   participant_ = body.at("participant").get<std::string>();
   kind_ = body.at("kind").get<std::string>();
-  participant_number_ = body.at("participant_number").get<int>();
-  number_ = body.value("session_number", 1);
+  participant_number_ = whole_at(body, "participant_number");
+  number_ = whole_or(body, "session_number", 1);
   seed_ = body.at("seed").get<std::string>();
   if (!session_kind_from(kind_)) problem(event, "unknown kind of session \"{}\".", kind_);
   if (!facts_.seeds.contains(seed_) || !facts_.protocols.contains(body.at("protocol_sha256").get<std::string>()))
@@ -88,11 +89,11 @@ std::vector<SessionCheck::Given>::iterator SessionCheck::given(int index) {
 }
 
 void SessionCheck::check_began(const Event& event, const Json& body) {
-  const int index = body.at("index").get<int>();
+  const int index = whole_at(body, "index");
   if (pending_)
     problem(event, "trial {} began while trial {}, which had begun before, had neither an answer nor a void.", index,
             pending_->index);
-  pending_ = PendingTrial{index, body.at("attempt").get<int>()};
+  pending_ = PendingTrial{index, whole_at(body, "attempt")};
   if (planned_index(event, index) && given(index) != given_.end())
     problem(event, "trial {} began although it was answered, and its answer was not taken back.", index);
 }
@@ -138,10 +139,10 @@ void SessionCheck::check_voided(const Event& event, const Json& body) {
   const Trial trial = trial_from(body);
   if (pending_ && pending_->index == trial.index) pending_.reset();
   const auto answer = given(trial.index);
-  if (answer == given_.end() || answer->attempt != body.at("attempt").get<int>()) {
+  if (answer == given_.end() || answer->attempt != whole_at(body, "attempt")) {
     if (answer != given_.end())
       problem(event, "trial {}: attempt {} is voided, but attempt {} was answered.", trial.index,
-              body.at("attempt").get<int>(), answer->attempt);
+              whole_at(body, "attempt"), answer->attempt);
     check_planned(event, trial);
     return;
   }
@@ -160,9 +161,9 @@ void SessionCheck::replay_answers() {
 }
 
 void SessionCheck::check_block_ended(const Event& event, const Json& body) {
-  const int block = body.at("block").get<int>();
+  const int block = whole_at(body, "block");
   for (const Json& place : body.at("trials")) {
-    const int index = place.get<int>();
+    const int index = whole(place);
     if (!has_plan_ || !planned_index(event, index)) continue;
     const Trial& trial = planned_.at(index);
     if (!trial.practice && trial.block != block)
@@ -174,7 +175,7 @@ void SessionCheck::check_block_ended(const Event& event, const Json& body) {
 }
 
 void SessionCheck::check_exploration(const Event& event, const Json& body) {
-  const int index = body.at("index").get<int>();
+  const int index = whole_at(body, "index");
   if (!has_plan_) return;
   const auto planned = explorations_.find(index);
   if (planned == explorations_.end()) {
@@ -188,7 +189,7 @@ void SessionCheck::check_exploration(const Event& event, const Json& body) {
   const std::string condition = protocol_->conditions.at(static_cast<std::size_t>(slot.condition)).name;
   const std::string object =
       protocol_->explore ? protocol_->explore->objects.at(static_cast<std::size_t>(slot.object)) : std::string();
-  if (body.at("block").get<int>() != slot.block || body.at("condition").get<std::string>() != condition ||
+  if (whole_at(body, "block") != slot.block || body.at("condition").get<std::string>() != condition ||
       body.at("object").get<std::string>() != object)
     problem(event,
             "free interaction {} was with {} in condition {}; the plan of participant {} has {} in condition {}.",

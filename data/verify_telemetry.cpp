@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "data/body_numbers.h"
 #include "data/database.h"
 #include "data/event_body.h"
 #include "data/schema.h"
@@ -45,8 +46,8 @@ std::set<std::string> lost_in_recovery(SQLite::Database& database) {
     if (!body.is_object() || !body.contains("telemetry_lost")) continue;
     try {
       for (const auto& one : body.at("telemetry_lost"))
-        lost.insert(key_of(one.at("session").get<std::string>(), one.at("seq").get<std::int64_t>(),
-                           one.at("interval").get<int>()));
+        lost.insert(key_of(one.at("session").get<std::string>(), whole_at<std::int64_t>(one, "seq"),
+                           whole_at(one, "interval")));
     } catch (const nlohmann::json::exception&) {
       continue;  // nothing is forgiven by what cannot be read
     }

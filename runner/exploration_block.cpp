@@ -241,7 +241,6 @@ void ExplorationBlock::void_attempt(const ExplorationRecord& record, const std::
   parts_.rig.neutral();
   recorder_.append(event_kind::kExplorationVoided, body, ticks);
   history_.used[index] = used;
-  ++state_.explored_voided[index];
   if (!will_repeat) history_.given_up.insert(index);
 }
 
@@ -261,7 +260,6 @@ void ExplorationBlock::end_block(int block, const std::string& reason) {
     if (slot.block != block || over(slot)) continue;
     const ExplorationRecord record = exploration_of(parts_.protocol, slot, history_.attempts[slot.index] + 1);
     recorder_.append(event_kind::kExplorationVoided, voided_body(record, unit(), "block_ended", false, false));
-    ++state_.explored_voided[slot.index];
     history_.given_up.insert(slot.index);
   }
 }

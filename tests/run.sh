@@ -17,6 +17,7 @@ preset=${1:-dev}
 # Instrumented programs are slow: the campaign of faulty devices runs in full without sanitizers (10,000 cases).
 case $preset in asan|tsan) export JND_FAULT_CASES=${JND_FAULT_CASES:-2000} ;; esac
 launcher=()
+export CCACHE_SLOPPINESS=${CCACHE_SLOPPINESS:-pch_defines,time_macros}
 command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
 echo "Building (preset $preset)"
 cmake --preset "$preset" "${launcher[@]}" | grep -i "do not run" || true

@@ -3,7 +3,9 @@
 
 #include <rapidcheck.h>
 
+#include "data/body_numbers.h"
 #include "data/storage_error.h"
+#include "data/trial_body.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
 
@@ -273,6 +275,23 @@ TEST_CASE("a replay of a broken event names it", "[data]") {
   MemoryLog log;
   log.append(event_kind::kTrialCompleted, {{"index", 1}}, {1, 1});
   CHECK_THROWS_WITH(replay(log.events()), Catch::Contains("event 1") && Catch::Contains("jnd verify"));
+}
+
+TEST_CASE("a whole number of a body is whole and fits, or is refused", "[data]") {
+  const auto body = nlohmann::ordered_json::parse(
+      R"({"seven":7,"half":1.5,"huge":1e99,"wide":4294967297,"widest":18446744073709551615,"yes":true})");
+  CHECK(whole_at(body, "seven") == 7);
+  CHECK(whole_at<std::int64_t>(body, "wide") == 4294967297);
+  CHECK(whole_or(body, "none", 3) == 3);
+  for (const char* key : {"half", "huge", "wide", "widest", "yes", "none"})
+    CHECK_THROWS_AS(whole_at(body, key), nlohmann::json::exception);
+  CHECK_THROWS_AS(whole_at<std::int64_t>(body, "widest"), nlohmann::json::exception);
+  MemoryLog log;
+  log.append(event_kind::kBreakTaken, {{"after_trial", 1e99}}, {1, 1});
+  CHECK_THROWS_WITH(replay(log.events()), Catch::Contains("event 1") && Catch::Contains("jnd verify"));
+  TrialBodyReader reader(StiffnessUnit::n_per_m);
+  CHECK_THROWS_AS(reader.read(R"({"series_place":4294967297,"condition_place":2,"same":false,"answer":"different"})"),
+                  StorageError);
 }
 
 }  // namespace

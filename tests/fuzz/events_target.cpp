@@ -13,11 +13,26 @@ namespace {
 
 using namespace jnd;
 
-constexpr std::array kKinds = {
-    event_kind::kSessionOpened, event_kind::kTrialCompleted, event_kind::kTrialVoided,      event_kind::kTrialsShort,
-    event_kind::kPracticeEnded, event_kind::kBreakTaken,     event_kind::kQuestionAnswered, event_kind::kDeviceFault,
-    event_kind::kTrialBegan,    event_kind::kBlockEnded,     event_kind::kPaused,           event_kind::kLeft,
-    event_kind::kNote,          event_kind::kChecklist,      event_kind::kSessionClosed};
+constexpr std::array kKinds = {event_kind::kSessionOpened,
+                               event_kind::kTrialCompleted,
+                               event_kind::kTrialVoided,
+                               event_kind::kTrialsShort,
+                               event_kind::kPracticeEnded,
+                               event_kind::kBreakTaken,
+                               event_kind::kQuestionAnswered,
+                               event_kind::kDeviceFault,
+                               event_kind::kTrialBegan,
+                               event_kind::kBlockEnded,
+                               event_kind::kPaused,
+                               event_kind::kLeft,
+                               event_kind::kNote,
+                               event_kind::kChecklist,
+                               event_kind::kSessionClosed,
+                               event_kind::kSessionResumed,
+                               event_kind::kExploration,
+                               event_kind::kExplorationVoided,
+                               event_kind::kInstructed,
+                               event_kind::kConsent};
 
 void replay_as(std::string_view kind, const std::string& body) {
   Event event;
