@@ -50,22 +50,46 @@ void settle(const fs::path& made) {
   SQLite::Statement(copy, "PRAGMA journal_mode = DELETE").executeStep();
 }
 
-void refuse_itself(const fs::path& study, const fs::path& to) {
-  std::error_code error;
-  if (fs::equivalent(study, to, error))
-    throw StorageError(fmt::format("{}: is the study itself; name another file for its backup", to.string()));
+// Of an error while one file is copied into the other: what is written only fails in other ways.
+bool is_of_source(const SQLite::Exception& error) {
+  const int code = error.getErrorCode();
+  if (code == SQLITE_IOERR_READ || code == SQLITE_IOERR_SHORT_READ) return true;
+  const int primary = code & 0xFF;
+  return primary == SQLITE_CORRUPT || primary == SQLITE_NOTADB || primary == SQLITE_BUSY || primary == SQLITE_LOCKED;
+}
+
+bool is_same_study(const Study& study, const fs::path& to) {
+  try {
+    const StudyInfo& info = study.info();
+    const auto earlier = Study::open(to, Study::Access::read_only);
+    return earlier->info().seed == info.seed && earlier->info().protocol_sha256 == info.protocol_sha256;
+  } catch (const StorageError&) {
+    return false;
+  }
+}
+
+// A backup takes the place of an earlier one only.
+void refuse_another(const Study& study, const fs::path& to) {
+  if (fs::exists(to) && !is_same_study(study, to))
+    throw StorageError(fmt::format(
+        "{}: is no backup of this study; it was not changed. Remove it yourself or choose another name", to.string()));
 }
 
 }  // namespace
 
 BackupReport back_up(const Study& study, const fs::path& to, bool replace, const std::function<bool()>& stop) {
   const Study::Impl& impl = study.impl();
-  refuse_itself(impl.path, to);
+  refuse_beside(impl.path, to);
   NewFile file(to, replace);
+  refuse_another(study, to);
   BackupReport report;
   {
     const std::scoped_lock lock(impl.mutex);
-    report.interrupted = !with_storage_errors(to, [&] { return copy_pages(impl.database(), file.made(), stop); });
+    try {
+      report.interrupted = !copy_pages(impl.database(), file.made(), stop);
+    } catch (const SQLite::Exception& error) {
+      throw storage_error(is_of_source(error) ? impl.path : to, error);
+    }
   }
   if (report.interrupted) return report;
   with_storage_errors(to, [&] { settle(file.made()); });

@@ -23,10 +23,10 @@ BlindingState blinding_of(const Study& study, const Protocol& protocol, SessionK
   std::map<std::string, int> closed;  // sessions, by participant
   for (const SessionInfo& session : study.sessions()) {
     if (session.kind != SessionKind::real || session.excluded) continue;
-    if (session.state == "closed")
-      ++closed[session.participant];
-    else
+    if (session.state != "closed")
       ++state.unfinished;
+    else if (!session.ended_early)
+      ++closed[session.participant];
   }
   state.finished = static_cast<int>(std::count_if(
       closed.begin(), closed.end(), [&](const auto& entry) { return entry.second >= protocol.design.sessions; }));
@@ -38,8 +38,9 @@ BlindingState blinding_of(const Study& study, const Protocol& protocol, SessionK
 bool plan_sealed(const Study& study, const Protocol& protocol) {
   if (!blinding_of(study, protocol, SessionKind::real).blinded) return false;
   const std::vector<SessionInfo> sessions = study.sessions();
-  return sessions.empty() || std::any_of(sessions.begin(), sessions.end(),
-                                         [](const SessionInfo& session) { return session.kind == SessionKind::real; });
+  return sessions.empty() || std::any_of(sessions.begin(), sessions.end(), [](const SessionInfo& session) {
+           return session.kind != SessionKind::simulated;
+         });
 }
 
 std::string seed_text(const Study& study, const Protocol& protocol, std::string_view sealed) {

@@ -42,8 +42,12 @@ struct Descriptor {
 void write_all(int descriptor, const unsigned char* bytes, std::size_t size, const std::filesystem::path& folder) {
   while (size > 0) {
     const ssize_t written = ::write(descriptor, bytes, size);
+    if (written < 0 && errno == EINTR) continue;
     if (written < 0)
-      throw StorageError(fmt::format("{}: there is no room for a copy of the damaged file: {}", folder.string(),
+      throw StorageError(fmt::format("{}: {}: {}", folder.string(),
+                                     errno == ENOSPC || errno == EDQUOT
+                                         ? "there is no room for a copy of the damaged file"
+                                         : "a copy of the damaged file cannot be written",
                                      std::strerror(errno)));
     bytes += written;
     size -= static_cast<std::size_t>(written);

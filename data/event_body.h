@@ -31,13 +31,13 @@ inline constexpr std::string_view kStopCleared = "device.stop_cleared";  // body
 inline constexpr std::string_view kTrialBegan = "trial.began";  // a mark: index, attempt; a person feels it from now on
 inline constexpr std::string_view kBlockEnded =
     "block.ended";  // by the operator: block, practice, reason, trials (indices left)
-inline constexpr std::string_view kPaused = "session.paused";        // cause ("key", "ctrl-c", "storage"), reason
+inline constexpr std::string_view kPaused = "session.paused";  // cause ("key", "ctrl-c", "storage", "break"), reason
 inline constexpr std::string_view kContinued = "session.continued";  // paused_s
-inline constexpr std::string_view kLeft = "session.left";            // ended for now, resumable: cause, reason
+inline constexpr std::string_view kLeft = "session.left";            // ended by the operator: cause, reason, for_good
 inline constexpr std::string_view kNote = "note";  // text, by, after_trial; in a session or in the study's chain
 inline constexpr std::string_view kChecklist = "checklist.answered";   // question, text, answer
 inline constexpr std::string_view kInstructed = "instructions.shown";  // id, language
-inline constexpr std::string_view kConsent = "consent.given";          // language, text_sha256, by; or "refused": true
+inline constexpr std::string_view kConsent = "consent.given";          // language, text, by; or "refused": true
 inline constexpr std::string_view kReadiness =
     "readiness.checked";  // items (what, verdict, found), blocked, overridden
 inline constexpr std::string_view kExploration =
@@ -101,14 +101,17 @@ struct SessionState {
       void_order;  // trial indices in the order in which they were voided (last time each); not those that come anew
   std::optional<PendingTrial> pending;  // began, with neither answer nor void
   bool practice_ended = false;
+  bool practice_due = false;         // a resume asked for practice again, and none was answered since
+  bool taken_back = false;           // the last answer was, and no other was given since
   std::set<std::string> answered;    // question_key of each
   std::set<std::string> instructed;  // instructions, by id
   bool consented = false;
   std::set<int> breaks_after;  // main trials done when a break was taken
   std::set<int> explored;      // ExplorationSlot::index of those completed
   // How it was left.
-  bool left = false;    // ended by the operator; otherwise the program was killed, or the machine
-  std::string boot_id;  // of the machine's run in which the last part of the session ran; empty where unknown
+  bool left = false;            // ended by the operator; otherwise the program was killed, or the machine
+  bool ended_for_good = false;  // by the operator, or without consent: nothing of it is still to do but to close it
+  std::string boot_id;          // of the machine's run in which the last part of the session ran; empty where unknown
   std::int64_t last_monotonic_ns = 0;
   std::int64_t last_utc_ns = 0;
 };

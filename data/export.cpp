@@ -19,6 +19,7 @@
 #include "data/study_impl.h"
 #include "data/trial_rows.h"
 #include "data/utc_time.h"
+#include "data/verify_telemetry.h"
 #include "protocols/sha256.h"
 
 namespace jnd {
@@ -58,21 +59,10 @@ void read_session(const Study& study, const Protocol& protocol, const SessionInf
   }
 }
 
-// By session: seq of the answers that were taken back.
-std::map<std::string, std::set<std::int64_t>> taken_back_of(const Study& study) {
-  const Study::Impl& impl = study.impl();
-  const std::scoped_lock lock(impl.mutex);
-  return with_storage_errors(impl.path, [&] {
-    std::map<std::string, std::set<std::int64_t>> found;
-    for (const TakenBack& one : taken_back(impl.database())) found[one.session].insert(one.seq);
-    return found;
-  });
-}
-
-// Writes the ticks of every interval of one session that kept them.
-void write_telemetry(const Study& study, const SessionInfo& session, const std::string& sub,
-                     const std::vector<CsvColumn<TelemetryRow>>& columns, std::set<std::string>& taken,
-                     ExportFolder& files) {
+// Writes the ticks of every interval of one session that kept them. lost: keys of what a recovery could not save.
+void write_telemetry(const Study& study, const SessionInfo& session, const std::set<std::string>& lost,
+                     const std::string& sub, const std::vector<CsvColumn<TelemetryRow>>& columns,
+                     std::set<std::string>& taken, ExportFolder& files) {
   for (const Event& event : study.events(session.id)) {
     const auto body = nlohmann::ordered_json::parse(event.body, nullptr, false);
     const std::vector<TelemetryBlob> named = named_telemetry(body);
@@ -87,6 +77,7 @@ void write_telemetry(const Study& study, const SessionInfo& session, const std::
     for (const TelemetryBlob& one : named) {
       const auto found = std::find_if(stored.begin(), stored.end(),
                                       [&](const TelemetryBlob& blob) { return blob.interval == one.interval; });
+      if (found == stored.end() && lost.contains(telemetry_key(session.id, event.seq, one.interval))) continue;
       if (found == stored.end() || sha256_hex(found->bytes) != one.sha256)
         throw StorageError(
             fmt::format("session {}, event {} ({}): the telemetry of interval {} is missing or was changed; run jnd "
@@ -118,7 +109,8 @@ std::vector<std::string> export_csv(const Study& study, const Protocol& protocol
                                     const std::filesystem::path& folder, bool replace,
                                     const std::optional<TelemetryExport>& telemetry) {
   const StudyAnalysis& analysis = results.analysis;
-  // Trial by trial, pilot and simulated sessions would show the plans that people of a blinded study have too.
+  // Trial by trial, and answer by answer with the block's condition, pilot and simulated sessions would show the plans
+  // that people of a blinded study have too.
   const bool sealed = plan_sealed(study, protocol);
   ExportFolder files(folder, replace);
   std::vector<SessionInfo> listed = study.sessions();  // with those of excluded participants
@@ -132,6 +124,7 @@ std::vector<std::string> export_csv(const Study& study, const Protocol& protocol
   const auto reports_columns = report_columns(protocol);
   const auto ticks_columns =
       telemetry_columns(protocol, telemetry ? telemetry->limit_names : std::vector<std::string>{});
+  const std::set<std::string> lost = telemetry && !sealed ? lost_in_recovery(study) : std::set<std::string>();
   std::set<std::string> tick_files;
   std::vector<ExportAnswer> answers;
   for (auto session = sessions.begin(); session != sessions.end();) {
@@ -140,7 +133,7 @@ std::vector<std::string> export_csv(const Study& study, const Protocol& protocol
     std::vector<ExportTrial> trials;
     for (; session != sessions.end() && session->participant == participant; ++session) {
       read_session(study, protocol, *session, not_counted[session->id], trials, answers);
-      if (telemetry && !sealed) write_telemetry(study, *session, sub, ticks_columns, tick_files, files);
+      if (telemetry && !sealed) write_telemetry(study, *session, lost, sub, ticks_columns, tick_files, files);
     }
     if (has_trials && !sealed) files.write(sub + "trials.csv", csv_table(trials_columns, trials));
     if (!has_thresholds) continue;
@@ -166,10 +159,13 @@ std::vector<std::string> export_csv(const Study& study, const Protocol& protocol
     files.write(file.name, file.text);
     dictionary.insert(dictionary.end(), file.dictionary.begin(), file.dictionary.end());
   }
-  if (!answers.empty()) write("answers.csv", answer_columns(), answers);
+  if (!answers.empty() && !sealed) write("answers.csv", answer_columns(), answers);
   write("sessions.csv", session_columns(seed_text(study, protocol, ""), protocol), listed);
-  if (const std::vector<LogRow> rows = log_rows(study, analysis.kind, listed); !rows.empty())
-    write("log.csv", log_columns(), rows);
+  std::vector<LogRow> rows = log_rows(study, analysis.kind, listed);
+  if (sealed)  // what was said in one trial of the common plan hints at its stimuli
+    for (LogRow& row : rows)
+      if (row.event == kTakenBackEvent) row.subject.clear();
+  if (!rows.empty()) write("log.csv", log_columns(), rows);
   describe("dictionary.csv", dictionary_columns(), dictionary);
   files.write("dictionary.csv", csv_table(dictionary_columns(), dictionary));
   files.write("methods.md", methods_text(study, protocol, results));

@@ -94,7 +94,11 @@ ExportFolder::~ExportFolder() {
 }
 
 void ExportFolder::write(const std::string& relative, const std::string& bytes) {
-  const fs::path path = draft_ / relative;
+  const fs::path below(relative);
+  if (below.is_absolute() || std::find(below.begin(), below.end(), "..") != below.end())
+    throw StorageError(
+        fmt::format("{}: {} would lie outside of the export; nothing was written to it", folder_.string(), relative));
+  const fs::path path = draft_ / below;
   std::error_code error;
   fs::create_directories(path.parent_path(), error);
   std::ofstream file(path, std::ios::binary | std::ios::trunc);

@@ -16,7 +16,8 @@ class ExportFolder {
   ExportFolder(const ExportFolder&) = delete;
   ExportFolder& operator=(const ExportFolder&) = delete;
 
-  void write(const std::string& relative, const std::string& bytes);  // throws StorageError
+  // Throws StorageError, also where the name leads out of the folder.
+  void write(const std::string& relative, const std::string& bytes);
   // Moves the finished folder to its name. Returns the files, relative, in alphabetical order. Throws StorageError.
   std::vector<std::string> publish();
 

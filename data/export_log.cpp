@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "data/body_numbers.h"
 #include "data/event_body.h"
 #include "data/study_impl.h"
 #include "data/utc_time.h"
@@ -36,7 +37,6 @@ constexpr std::array kRules = {Rule{event_kind::kNote, "note", "text", nullptr, 
                                Rule{event_kind::kConsent, "consent", nullptr, "language", nullptr},
                                Rule{event_kind::kExcluded, "excluded", "reason", nullptr, nullptr},
                                Rule{event_kind::kUnblinded, "unblinded", "reason", nullptr, nullptr}};
-constexpr std::string_view kTakenBackEvent = "answer_taken_back";
 
 const Rule* rule_of(std::string_view kind) {
   const auto* const found =
@@ -50,10 +50,15 @@ std::string text_at(const Json& body, const char* key) {
   return found->is_string() ? found->get<std::string>() : found->dump();
 }
 
-template <typename Number>
-std::optional<Number> number_of(const Json& body, const char* key) {
+std::optional<double> number_of(const Json& body, const char* key) {
   const auto found = key == nullptr ? body.end() : body.find(key);
-  return found != body.end() && found->is_number() ? std::optional<Number>(found->get<Number>()) : std::nullopt;
+  return found != body.end() && found->is_number() ? std::optional(found->get<double>()) : std::nullopt;
+}
+
+// Throws nlohmann::json::exception where the number is not whole or does not fit.
+std::optional<int> whole_of(const Json& body, const char* key) {
+  const auto found = body.find(key);
+  return found != body.end() && found->is_number() ? std::optional(whole(*found)) : std::nullopt;
 }
 
 LogRow row_of(const Event& event, const Rule& rule, const Json& body) {
@@ -61,13 +66,13 @@ LogRow row_of(const Event& event, const Rule& rule, const Json& body) {
   row.seq = event.seq;
   row.utc = to_iso8601(event.stamp.utc_ns);
   row.event = rule.event;
-  row.trial = number_of<int>(body, "after_trial");
+  row.trial = whole_of(body, "after_trial");
   row.subject = text_at(body, rule.subject);
   row.cause = text_at(body, "cause");
   row.text = event.kind == event_kind::kConsent ? (body.value("refused", false) ? "refused" : "given")
                                                 : text_at(body, rule.text);
   row.by = text_at(body, "by");
-  row.duration_s = number_of<double>(body, rule.duration);
+  row.duration_s = number_of(body, rule.duration);
   return row;
 }
 
@@ -77,8 +82,8 @@ LogRow taken_back_row(const Event& completed, const Event& voided, const Json& a
   row.seq = voided.seq;
   row.utc = to_iso8601(voided.stamp.utc_ns);
   row.event = kTakenBackEvent;
-  row.trial = number_of<int>(answer, "index");
-  row.attempt = number_of<int>(answer, "attempt");
+  row.trial = whole_of(answer, "index");
+  row.attempt = whole_of(answer, "attempt");
   row.subject = text_at(answer, "answer");
   row.cause = text_at(body, "reason");
   row.text = text_at(body, "words");
@@ -87,9 +92,11 @@ LogRow taken_back_row(const Event& completed, const Event& voided, const Json& a
   return row;
 }
 
-Json parsed(const Event& event) {
+// What `read` makes of the event's body.
+template <typename Read>
+LogRow read_row(const Event& event, Read&& read) {
   try {
-    return Json::parse(event.body);
+    return read(Json::parse(event.body));
   } catch (const Json::exception& error) {
     throw StorageError(fmt::format("session {}, event {} ({}): the body cannot be read: {}; run jnd verify",
                                    event.session, event.seq, event.kind, error.what()));
@@ -106,9 +113,12 @@ void add_session(const Study& study, const SessionInfo& session, const std::map<
       const auto completed =
           std::find_if(events.begin(), events.end(), [&](const Event& one) { return one.seq == voided->second; });
       if (completed != events.end())
-        rows.push_back(taken_back_row(*completed, event, parsed(*completed), parsed(event)));
+        rows.push_back(read_row(event, [&](const Json& body) {
+          return read_row(*completed,
+                          [&](const Json& answer) { return taken_back_row(*completed, event, answer, body); });
+        }));
     } else if (const Rule* rule = rule_of(event.kind)) {
-      rows.push_back(row_of(event, *rule, parsed(event)));
+      rows.push_back(read_row(event, [&](const Json& body) { return row_of(event, *rule, body); }));
     }
   }
   for (std::size_t i = first; i < rows.size(); ++i) {
@@ -136,12 +146,13 @@ std::vector<LogRow> log_rows(const Study& study, SessionKind kind, const std::ve
   for (const Event& event : study.study_events()) {
     const Rule* rule = rule_of(event.kind);
     if (rule == nullptr) continue;
-    const Json body = parsed(event);
-    if (body.contains("kind") && text_at(body, "kind") != to_string(kind)) continue;
-    LogRow row = row_of(event, *rule, body);
-    row.participant = text_at(body, "participant");
-    row.kind = text_at(body, "kind");
-    rows.push_back(std::move(row));
+    LogRow row = read_row(event, [&](const Json& body) {
+      LogRow of_study = row_of(event, *rule, body);
+      of_study.participant = text_at(body, "participant");
+      of_study.kind = text_at(body, "kind");
+      return of_study;
+    });
+    if (row.kind.empty() || row.kind == to_string(kind)) rows.push_back(std::move(row));
   }
   return rows;
 }
@@ -168,8 +179,10 @@ std::vector<CsvColumn<LogRow>> log_columns() {
       {"trial", "trial of the plan whose answer was taken back; for the others: main trials done before", "", "",
        [whole](const R& r) { return whole(r.trial); }},
       {"attempt", "of a trial whose answer was taken back", "", "", [whole](const R& r) { return whole(r.attempt); }},
-      {"subject", "the answer that was taken back; the item of the checklist; the language of the consent", "", "",
-       [](const R& r) { return csv_text(r.subject); }},
+      {"subject",
+       "the answer that was taken back, empty while plans are sealed; the item of the checklist; the language of the "
+       "consent",
+       "", "", [](const R& r) { return csv_text(r.subject); }},
       {"cause", "what brought it about, as the program names it", "", "", [](const R& r) { return csv_text(r.cause); }},
       {"text", "the note, the reason or the answer as given", "", "", [](const R& r) { return csv_text(r.text); }},
       {"by", "who entered it; empty where it was not noted", "", "", [](const R& r) { return csv_text(r.by); }},

@@ -3,12 +3,16 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "data/csv_writer.h"
 #include "data/study.h"
 
 namespace jnd {
+
+// The event of a row about an answer that was taken back.
+inline constexpr std::string_view kTakenBackEvent = "answer_taken_back";
 
 // A note, a pause, an interruption, a participant left out, an answer taken back, ...
 struct LogRow {

@@ -10,6 +10,7 @@
 #include "data/carried_events.h"
 #include "data/event_body.h"
 #include "data/merge_source.h"
+#include "data/new_file.h"
 #include "data/schema.h"
 #include "data/study_lock.h"
 #include "data/study_writer.h"
@@ -78,6 +79,7 @@ void carry(StudyWriter& writer, const SourceStudy& source, MergedSource& report,
 
 MergeReport merge(const std::vector<fs::path>& paths, const fs::path& to, Stamp stamp) {
   refuse_same_files(paths);
+  for (const fs::path& path : paths) refuse_beside(path, to);
   std::vector<std::unique_ptr<StudyLock>> locks;
   for (const fs::path& path : paths) locks.push_back(hold(path));
   const std::vector<SourceStudy> sources = open_sources(paths);

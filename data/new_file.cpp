@@ -41,6 +41,26 @@ void remove_made(const fs::path& made) noexcept {
 
 }  // namespace
 
+void refuse_beside(const fs::path& source, const fs::path& to) {
+  std::error_code ignored;  // of names that nothing has
+  if (fs::equivalent(source, to, ignored))
+    throw StorageError(fmt::format("{}: is the study itself; choose another name for the new file", to.string()));
+  for (const char* suffix : {".new", ".lock", ".new-wal", ".new-shm", ".new-journal"})
+    if (fs::equivalent(source, beside(to, suffix), ignored))
+      throw StorageError(fmt::format("{}: would overwrite {}, which it is to be made from; choose another name",
+                                     to.string(), source.string()));
+}
+
+int give_name(const fs::path& made, const fs::path& path) noexcept {
+  if (::link(made.c_str(), path.c_str()) == 0) {
+    ::unlink(made.c_str());
+    return 0;
+  }
+  // FAT and exFAT, which USB sticks have, know no second name of a file.
+  if (errno != EPERM && errno != ENOTSUP && errno != EOPNOTSUPP) return errno;
+  return ::renameat2(AT_FDCWD, made.c_str(), AT_FDCWD, path.c_str(), RENAME_NOREPLACE) == 0 ? 0 : errno;
+}
+
 NewFile::NewFile(const fs::path& path, bool replace)
     : path_(path), made_(beside(path, ".new")), replace_(replace), lock_(path) {
   refuse_existing();
@@ -71,11 +91,10 @@ void NewFile::publish() {
   refuse_existing();
   if (replace_) {
     if (std::rename(made_.c_str(), path_.c_str()) != 0) throw cannot(path_, errno);
-  } else if (::link(made_.c_str(), path_.c_str()) != 0) {
-    if (errno == EEXIST) throw StorageError(fmt::format("{}: exists already; it was not changed", path_.string()));
-    throw cannot(path_, errno);
+  } else if (const int error = give_name(made_, path_); error != 0) {
+    if (error == EEXIST) throw StorageError(fmt::format("{}: exists already; it was not changed", path_.string()));
+    throw cannot(path_, error);
   }
-  ::unlink(made_.c_str());
   flush(path_.has_parent_path() ? path_.parent_path() : fs::path("."), O_RDONLY | O_DIRECTORY);
 }
 

@@ -7,6 +7,13 @@
 
 namespace jnd {
 
+// Making `to` removes what lies beside it under the names of NewFile and StudyLock. Throws StorageError where `source`,
+// which it is made from, is one of these files or `to` itself. Ask before anything is locked.
+void refuse_beside(const std::filesystem::path& source, const std::filesystem::path& to);
+
+// Gives a finished file its name and takes `made` away; a file that has the name already is never replaced. 0 or errno.
+int give_name(const std::filesystem::path& made, const std::filesystem::path& path) noexcept;
+
 // Holds FILE.lock while it lives, so that two programs never make the same file, and a study that is being written is
 // never replaced. Without publish() nothing of it stays.
 class NewFile {

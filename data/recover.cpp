@@ -9,6 +9,7 @@
 
 #include "data/carried_events.h"
 #include "data/event_body.h"
+#include "data/new_file.h"
 #include "data/salvage.h"
 #include "data/schema.h"
 #include "data/study_lock.h"
@@ -98,10 +99,12 @@ class Recovery {
       if (const std::string sha256 = text_at(opened, "protocol_sha256"); !sha256.empty()) protocols_.push_back(sha256);
     }
     // What the study's own chain says of sessions that were complete.
+    std::set<std::string> told;
     for (const StoredEvent& stored : own_events_) {
       if (stored.event.kind != event_kind::kSessionClosed) continue;
       const Json closing = body_of(stored);
       const std::string session = text_at(closing, "session");
+      told.insert(session);
       const auto known = std::find_if(report_.sessions.begin(), report_.sessions.end(),
                                       [&](const RecoveredChain& one) { return one.session == session; });
       if (known == report_.sessions.end())
@@ -112,6 +115,15 @@ class Recovery {
       else if (chains_.at(session).head != text_at(closing, "head"))
         known->cut = true;
     }
+    // A session and the study's own chain are told of its end in one transaction, so that what is told to one of them
+    // only was lost from the other.
+    const bool untold = std::any_of(report_.sessions.begin(), report_.sessions.end(), [&](const RecoveredChain& one) {
+      return one.closed && !told.contains(one.session);
+    });
+    if (!untold || own_events_.empty()) return;
+    report_.own.cut = true;
+    report_.doubts.emplace_back(
+        "the end of the study's own events is lost: exclusions, notes or an unblinding may be missing");
   }
 
   // From what hashes protect best to what they do not.
@@ -234,6 +246,7 @@ bool RecoveryReport::whole() const noexcept {
 RecoveryReport recover(const fs::path& damaged, const fs::path& to, const std::optional<fs::path>& protocol,
                        Stamp stamp) {
   if (!fs::is_regular_file(damaged)) throw StorageError(fmt::format("{}: there is no such file", damaged.string()));
+  refuse_beside(damaged, to);
   refuse_in_use(damaged);
   const fs::path folder = to.has_parent_path() ? to.parent_path() : fs::path(".");
   const PrivateCopy file(damaged, folder), log(damaged.string() + "-wal", folder);

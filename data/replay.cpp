@@ -32,6 +32,8 @@ void attempted(SessionState& state, int index, int attempt) {
 void complete(SessionState& state, const Json& body) {
   state.completed.push_back(trial_record_from(body));
   const TrialRecord& record = state.completed.back();
+  if (record.trial.practice) state.practice_due = false;
+  state.taken_back = false;
   attempted(state, record.trial.index, record.attempt);
   settle(state, record.trial.index);
 }
@@ -40,6 +42,7 @@ void complete(SessionState& state, const Json& body) {
 void take_void(SessionState& state, const Json& body) {
   const int index = trial_from(body).index;
   const int attempt = whole_at(body, "attempt");
+  if (text_at(body, "reason") == "taken_back") state.taken_back = true;
   attempted(state, index, attempt);
   if (body.value("counts", true)) ++state.voided[index];
   std::erase(state.void_order, index);
@@ -49,17 +52,24 @@ void take_void(SessionState& state, const Json& body) {
   settle(state, index);
 }
 
+void end_practice(SessionState& state) {
+  state.practice_ended = true;
+  state.practice_due = false;
+}
+
 void end_block(SessionState& state, const Json& body) {
   for (const Json& index : body.at("trials")) {
     state.abandoned.insert(whole(index));
     settle(state, whole(index));
   }
-  if (body.value("practice", false)) state.practice_ended = true;
+  if (body.value("practice", false)) end_practice(state);
 }
 
 void resume(SessionState& state, const Json& body) {
   state.boot_id = text_at(body, "boot_id");
-  if (body.value("practice_again", false)) state.practice_ended = false;
+  if (!body.value("practice_again", false)) return;
+  state.practice_ended = false;
+  state.practice_due = true;
 }
 
 bool apply_to_trials(std::string_view kind, const Json& body, SessionState& state) {
@@ -76,7 +86,7 @@ bool apply_to_trials(std::string_view kind, const Json& body, SessionState& stat
   } else if (kind == event_kind::kBlockEnded) {
     end_block(state, body);
   } else if (kind == event_kind::kPracticeEnded) {
-    state.practice_ended = true;
+    end_practice(state);
   } else if (kind == event_kind::kExploration) {
     state.explored.insert(whole_at(body, "index"));
   } else if (kind == event_kind::kExplorationVoided) {
@@ -107,6 +117,8 @@ void apply_to_session(std::string_view kind, const Json& body, SessionState& sta
     state.instructed.insert(body.at("id").get<std::string>());
   } else if (kind == event_kind::kConsent) {
     state.consented = !body.value("refused", false);
+  } else if (kind == event_kind::kLeft) {
+    state.ended_for_good = state.ended_for_good || body.value("for_good", false);
   }
 }
 

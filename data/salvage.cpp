@@ -98,11 +98,12 @@ void Salvage::follow(const std::map<std::int64_t, std::vector<Candidate>>& event
     chain.head = head;
     const auto found = events.find(seq);
     if (found == events.end()) return;
-    std::map<std::string, RowPlace> next;  // by hash
+    std::vector<std::pair<std::string, RowPlace>> next;  // by hash, in the order found
     for (const Candidate& candidate : found->second) {
       const StoredEvent stored = event(candidate.place);
-      if (event_hash(head, stored.event, stored.utc) == stored.event.hash)
-        next.insert_or_assign(stored.event.hash, candidate.place);
+      if (event_hash(head, stored.event, stored.utc) != stored.event.hash) continue;
+      std::erase_if(next, [&](const auto& one) { return one.first == stored.event.hash; });
+      next.emplace_back(stored.event.hash, candidate.place);
     }
     if (next.empty()) return;
     if (next.size() > 1) {
@@ -111,14 +112,14 @@ void Salvage::follow(const std::map<std::int64_t, std::vector<Candidate>>& event
         SalvagedChain rest;
         rest.kept.push_back(place);
         follow(events, seq + 1, hash, rest);
-        if (!longest || rest.kept.size() > longest->kept.size()) longest = std::move(rest);
+        if (!longest || rest.kept.size() >= longest->kept.size()) longest = std::move(rest);
       }
       chain.kept.insert(chain.kept.end(), longest->kept.begin(), longest->kept.end());
       chain.head = longest->head;
       return;
     }
-    chain.kept.push_back(next.begin()->second);
-    head = next.begin()->first;
+    chain.kept.push_back(next.front().second);
+    head = next.front().first;
   }
 }
 

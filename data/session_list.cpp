@@ -8,6 +8,7 @@
 
 #include "data/body_numbers.h"
 #include "data/event_body.h"
+#include "data/plain_name.h"
 #include "data/schema.h"
 #include "data/study_impl.h"
 
@@ -26,6 +27,8 @@ SessionInfo opened_info(const std::string& id, const Json& body) {
   SessionInfo info;
   info.id = id;
   info.participant = body.at("participant").get<std::string>();
+  if (!plain_name(info.participant))
+    throw StorageError(fmt::format("has the participant code \"{}\", which cannot be one", info.participant));
   info.participant_number = whole_at(body, "participant_number");
   info.number = whole_or(body, "session_number", 1);
   const auto kind = body.at("kind").get<std::string>();
@@ -115,6 +118,17 @@ std::vector<SessionInfo> Study::Impl::sessions() const {
                  [](SessionInfo& info, SQLite::Statement& row) {
                    info.state = "closed";
                    info.ended = row.getColumn(1).getString();
+                 });
+    // The last one counts: a session that was closed complete was resumed after it was left.
+    for_sessions(database(),
+                 "SELECT session, body, kind, max(seq) FROM event WHERE kind IN ('session.left', 'session.resumed') "
+                 "GROUP BY session",
+                 by_id, [](SessionInfo& info, SQLite::Statement& row) {
+                   const Json body = Json::parse(row.getColumn(1).getString(), nullptr, false);
+                   if (info.state != "closed" || !body.is_object()) return;
+                   const auto for_good = body.find("for_good");
+                   info.ended_early = row.getColumn(2).getString() == event_kind::kLeft && for_good != body.end() &&
+                                      for_good->is_boolean() && for_good->get<bool>();
                  });
     for_sessions(database(),
                  "SELECT session, count(*) FROM event WHERE kind = 'trial.completed' AND practice = 0 GROUP BY session",

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "data/event_body.h"
+#include "data/new_file.h"
 #include "data/schema.h"
 #include "data/study_impl.h"
 #include "protocols/sha256.h"
@@ -30,13 +31,11 @@ namespace {
 
 // Gives a finished file its name, which must be free, and makes that survive a power cut.
 void publish(const std::filesystem::path& made, const std::filesystem::path& path) {
-  if (::link(made.c_str(), path.c_str()) != 0) {
-    const int error = errno;
+  if (const int error = give_name(made, path); error != 0) {
     ::unlink(made.c_str());
     if (error == EEXIST) throw StorageError(fmt::format("{}: exists already; it was not changed", path.string()));
     throw StorageError(fmt::format("{}: cannot be created: {}", path.string(), std::strerror(error)));
   }
-  ::unlink(made.c_str());
   const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
   const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (descriptor < 0) return;

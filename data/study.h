@@ -42,6 +42,7 @@ struct SessionInfo {
   std::string head;            // hash of its last event
   std::string rig_sha256;      // of the rig's description; empty where it has none
   std::string language;        // of the participant; empty where none was chosen
+  bool ended_early = false;    // closed for good before its end: withdrawn, or without consent
   bool excluded = false;       // the participant: never analysed
   bool replaced = false;       // excluded, and the number is free again
 };

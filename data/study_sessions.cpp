@@ -7,6 +7,7 @@
 
 #include "data/chain.h"
 #include "data/event_body.h"
+#include "data/plain_name.h"
 #include "data/schema.h"
 #include "data/study_impl.h"
 #include "data/utc_time.h"
@@ -56,21 +57,6 @@ class StudyLog final : public SessionLog {
   Study::Impl& study_;
   std::string session_;
 };
-
-bool letter_or_digit(char c) noexcept {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
-}
-
-// Names become folders and cells of tables.
-bool plain_code(std::string_view code) {
-  return !code.empty() && code.size() <= 32 && std::all_of(code.begin(), code.end(), letter_or_digit);
-}
-
-bool plain_name(std::string_view name) {
-  return !name.empty() && name.size() <= 64 && name.front() != '.' && std::all_of(name.begin(), name.end(), [](char c) {
-    return letter_or_digit(c) || c == '-' || c == '_' || c == '.';
-  });
-}
 
 // Earlier programs allowed more in a code; who took part then may come again.
 bool known_participant(const NewSession& session, const Study::Impl& study) {

@@ -22,8 +22,9 @@ namespace {
 constexpr std::string_view kMagic = "jndticks";
 constexpr std::size_t kHeaderSize = 8 + 4 + 4 + 4 + 4 + 8 + 8;  // magic .. dropped
 constexpr std::size_t kChannelSize = 8;
-constexpr std::size_t kTickSize = 2 * 8 + 2 * 4 + 9 * 8;  // the fields of a TickRecord
-constexpr int kCompressionLevel = 3;                      // zstd's default: a higher one saves 2 % and costs tenfold
+constexpr std::size_t kTickSize = 2 * 8 + 2 * 4 + 9 * 8;     // the fields of a TickRecord
+constexpr std::int64_t kLongest_ns = std::int64_t{1} << 62;  // 146 years: differences of times fit
+constexpr int kCompressionLevel = 3;                         // zstd's default: a higher one saves 2 % and costs tenfold
 
 StorageError broken(std::string_view why) {
   return StorageError(fmt::format("the telemetry cannot be read: {}", why));
@@ -40,6 +41,13 @@ Integer get(std::string_view bytes, std::size_t at) {
   Integer value = 0;
   for (std::size_t i = 0; i < sizeof value; ++i)
     value |= static_cast<Integer>(static_cast<Integer>(static_cast<unsigned char>(bytes[at + i])) << (8 * i));
+  return value;
+}
+
+// The control loop's clock never runs below 0, and no tick begins before its time.
+std::int64_t time_at(std::string_view bytes, std::size_t at) {
+  const auto value = static_cast<std::int64_t>(get<std::uint64_t>(bytes, at));
+  if (value < 0 || value > kLongest_ns) throw broken("a record has a time that cannot be");
   return value;
 }
 
@@ -164,11 +172,11 @@ Telemetry decode_telemetry(std::string_view bytes) {
   }
   telemetry.ticks.resize(ticks);
   for (TickRecord& tick : telemetry.ticks) {
-    tick.time_ns = static_cast<std::int64_t>(get<std::uint64_t>(view, at));
+    tick.time_ns = time_at(view, at);
     at += 8;
   }
   for (TickRecord& tick : telemetry.ticks) {
-    tick.lateness_ns = static_cast<std::int64_t>(get<std::uint64_t>(view, at));
+    tick.lateness_ns = time_at(view, at);
     at += 8;
   }
   for (TickRecord& tick : telemetry.ticks) {

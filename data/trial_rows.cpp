@@ -23,6 +23,16 @@ std::string_view exclusion_reason(const Exclusions& rules, const CountedTrial& t
   return exclusion_reason(rules, trial.by_participant, trial.response_time_s, trial.saturated_share);
 }
 
+std::map<std::string, std::set<std::int64_t>> taken_back_of(const Study& study) {
+  const Study::Impl& impl = study.impl();
+  const std::scoped_lock lock(impl.mutex);
+  return with_storage_errors(impl.path, [&] {
+    std::map<std::string, std::set<std::int64_t>> found;
+    for (const TakenBack& one : taken_back(impl.database())) found[one.session].insert(one.seq);
+    return found;
+  });
+}
+
 namespace {
 
 // In the order of the file, without an index: page after page is several times faster than row after row, and the

@@ -1,6 +1,10 @@
 // The trials of one kind of session as analyses read them, and the registered rules that leave some of them out.
 #pragma once
 
+#include <cstdint>
+#include <map>
+#include <set>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -20,6 +24,9 @@ inline constexpr std::string_view kSaturatedShareAbove = "saturated_share_above"
 std::string_view exclusion_reason(const Exclusions& rules, bool by_participant, double response_time_s,
                                   double saturated_share) noexcept;
 std::string_view exclusion_reason(const Exclusions& rules, const CountedTrial& trial) noexcept;
+
+// By session: seq of the answers that were taken back.
+std::map<std::string, std::set<std::int64_t>> taken_back_of(const Study& study);
 
 // One pass over the file: the answered main trials of `sessions`, without answers that were taken back; those of one
 // session are in the order in which they were answered. Throws StorageError where a trial names a condition or series

@@ -216,7 +216,9 @@ class Verifier {
       try {
         const Json body = Json::parse(query.getColumn(1).getString());
         if (kind == event_kind::kSessionClosed) {
-          facts_.heads[body.at("session").get<std::string>()] = body.at("head").get<std::string>();
+          const auto session = body.at("session").get<std::string>();
+          if (!facts_.heads.emplace(session, body.at("head").get<std::string>()).second)
+            problem("Session {}: was closed twice in the study's own events.", session);
         } else if (kind == event_kind::kMerged || kind == event_kind::kRecovered) {
           for (const Json& seed : body.at("seeds")) facts_.seeds.insert(seed.get<std::string>());
           if (kind == event_kind::kRecovered)  // a study whose own chain was lost

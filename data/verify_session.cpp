@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "data/body_numbers.h"
+#include "data/plain_name.h"
 #include "data/storage_error.h"
 
 namespace jnd {
@@ -48,6 +49,7 @@ void SessionCheck::open(const Event& event, const Json& body) {
   if (event.seq != 1) problem(event, "session.opened is not the first event.");
   opened_ = true;
   participant_ = body.at("participant").get<std::string>();
+  if (!plain_name(participant_)) problem(event, "the participant code cannot be one.");
   kind_ = body.at("kind").get<std::string>();
   participant_number_ = whole_at(body, "participant_number");
   number_ = whole_or(body, "session_number", 1);

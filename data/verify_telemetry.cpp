@@ -8,16 +8,13 @@
 #include "data/database.h"
 #include "data/event_body.h"
 #include "data/schema.h"
+#include "data/study_impl.h"
 #include "data/telemetry.h"
 #include "protocols/sha256.h"
 
 namespace jnd {
 
 namespace {
-
-std::string key_of(std::string_view session, std::int64_t seq, int interval) {
-  return fmt::format("{}/{}/{}", session, seq, interval);
-}
 
 // What is wrong with a stored blob, in words; empty where nothing is.
 std::string fault_of(const TelemetryBlob& stored, const TelemetryBlob& named) {
@@ -35,8 +32,7 @@ std::string fault_of(const TelemetryBlob& stored, const TelemetryBlob& named) {
   return {};
 }
 
-// What a damaged study had already lost when it was recovered is known, and no problem of the new one.
-std::set<std::string> lost_in_recovery(SQLite::Database& database) {
+std::set<std::string> lost_of(SQLite::Database& database) {
   std::set<std::string> lost;
   SQLite::Statement query(database, "SELECT body FROM event WHERE session = ? AND kind = ?");
   query.bind(1, kStudyChain);
@@ -46,8 +42,8 @@ std::set<std::string> lost_in_recovery(SQLite::Database& database) {
     if (!body.is_object() || !body.contains("telemetry_lost")) continue;
     try {
       for (const auto& one : body.at("telemetry_lost"))
-        lost.insert(key_of(one.at("session").get<std::string>(), whole_at<std::int64_t>(one, "seq"),
-                           whole_at(one, "interval")));
+        lost.insert(telemetry_key(one.at("session").get<std::string>(), whole_at<std::int64_t>(one, "seq"),
+                                  whole_at(one, "interval")));
     } catch (const nlohmann::json::exception&) {
       continue;  // nothing is forgiven by what cannot be read
     }
@@ -57,8 +53,18 @@ std::set<std::string> lost_in_recovery(SQLite::Database& database) {
 
 }  // namespace
 
+std::string telemetry_key(std::string_view session, std::int64_t seq, int interval) {
+  return fmt::format("{}/{}/{}", session, seq, interval);
+}
+
+std::set<std::string> lost_in_recovery(const Study& study) {
+  const Study::Impl& impl = study.impl();
+  const std::scoped_lock lock(impl.mutex);
+  return with_storage_errors(impl.path, [&] { return lost_of(impl.database()); });
+}
+
 TelemetryCheck::TelemetryCheck(SQLite::Database& database)
-    : database_(database), present_(has_telemetry(database)), lost_(lost_in_recovery(database)) {}
+    : database_(database), present_(has_telemetry(database)), lost_(lost_of(database)) {}
 
 void TelemetryCheck::check(const Event& event, const nlohmann::ordered_json& body, std::vector<std::string>& problems) {
   const std::vector<TelemetryBlob> named = named_telemetry(body);
@@ -68,7 +74,7 @@ void TelemetryCheck::check(const Event& event, const nlohmann::ordered_json& bod
       problems.push_back(fmt::format("Session {}, event {} ({}): the telemetry of interval {} {}.", event.session,
                                      event.seq, event.kind, one.interval + 1, what));
     };
-    named_.push_back(key_of(event.session, event.seq, one.interval));
+    named_.push_back(telemetry_key(event.session, event.seq, one.interval));
     if (!present_) {
       problem("is missing");
       continue;
@@ -98,7 +104,7 @@ void TelemetryCheck::finish(std::vector<std::string>& problems) {
     const std::string session = query.getColumn(0).getString();
     const std::int64_t seq = query.getColumn(1).getInt64();
     const int interval = query.getColumn(2).getInt();
-    if (!std::binary_search(named_.begin(), named_.end(), key_of(session, seq, interval)))
+    if (!std::binary_search(named_.begin(), named_.end(), telemetry_key(session, seq, interval)))
       problems.push_back(
           fmt::format("Session {}, event {}: there is telemetry of interval {} that the event does not name.", session,
                       seq, interval + 1));

@@ -28,16 +28,26 @@ constexpr std::string_view to_string(StopSource source) noexcept {
 // within two ticks and presents nothing; only clear() ends that, and nothing in the loop calls it.
 class EmergencyStop {
  public:
-  // The first source is kept until the latch is cleared.
+  // The first source is kept until the latch is cleared; only that a person's key or button outranks what came from the
+  // program or a signal, which the program may take back by itself.
   void latch(StopSource source) noexcept {
-    StopSource expected = StopSource::none;
-    source_.compare_exchange_strong(expected, source, std::memory_order_acq_rel);
+    StopSource now = this->source();
+    while (rank(now) < rank(source) && !source_.compare_exchange_weak(now, source, std::memory_order_acq_rel)) {
+    }
+  }
+  // Clears the latch only where it is set by `expected`; says whether it was.
+  bool clear_if(StopSource expected) noexcept {
+    return source_.compare_exchange_strong(expected, StopSource::none, std::memory_order_acq_rel);
   }
   void clear() noexcept { source_.store(StopSource::none, std::memory_order_release); }
   bool latched() const noexcept { return source() != StopSource::none; }
   StopSource source() const noexcept { return source_.load(std::memory_order_acquire); }
 
  private:
+  static constexpr int rank(StopSource source) noexcept {
+    return source == StopSource::none ? 0 : source == StopSource::key || source == StopSource::button ? 2 : 1;
+  }
+
   std::atomic<StopSource> source_{StopSource::none};
   static_assert(std::atomic<StopSource>::is_always_lock_free, "a signal handler sets it");
 };

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
+#include <thread>
 
 #include "devices/control_loop.h"
 
@@ -26,6 +28,22 @@ JitterReport probe_jitter(RealtimePolicy policy, double seconds, Clock& clock, c
     report.overruns += skipped;
     deadline_ns += skipped * kPeriod_ns;
   }
+  return report;
+}
+
+JitterReport probe_jitter_on_thread(RealtimePolicy policy, double seconds, const std::atomic<bool>& stop) {
+  JitterReport report;
+  std::exception_ptr error;
+  std::thread thread([&] {
+    try {
+      SteadyClock clock;
+      report = probe_jitter(policy, seconds, clock, stop);
+    } catch (...) {
+      error = std::current_exception();
+    }
+  });
+  thread.join();
+  if (error) std::rethrow_exception(error);
   return report;
 }
 

@@ -21,4 +21,7 @@ struct JitterReport {
 // that long; ends early where `stop` is set. Throws DeviceError under `require` where the machine refuses.
 JitterReport probe_jitter(RealtimePolicy policy, double seconds, Clock& clock, const std::atomic<bool>& stop);
 
+// The same on this machine's steady clock and on a thread of its own, as the loop of a session runs.
+JitterReport probe_jitter_on_thread(RealtimePolicy policy, double seconds, const std::atomic<bool>& stop);
+
 }  // namespace jnd

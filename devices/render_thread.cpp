@@ -7,14 +7,15 @@ namespace jnd {
 
 namespace {
 
-// While it lives, threads that are made start with every signal blocked: handlers belong to the main thread, whose
-// blocking reads they must interrupt.
+// While it lives, threads that are made start with signals blocked: handlers belong to the main thread, whose blocking
+// reads they must interrupt. A fault of such a thread still comes to its handler, which puts the terminal back.
 class SignalsBlocked {
  public:
   SignalsBlocked() noexcept {
-    sigset_t all;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before_);
+    sigset_t others;
+    sigfillset(&others);
+    for (const int fault : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGTRAP, SIGSYS, SIGABRT}) sigdelset(&others, fault);
+    pthread_sigmask(SIG_SETMASK, &others, &before_);
   }
   ~SignalsBlocked() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
   SignalsBlocked(const SignalsBlocked&) = delete;

@@ -35,7 +35,7 @@ std::string mount_type(const fs::path& mountinfo, const fs::path& folder) {
     std::istringstream words(line);
     std::string point;
     for (int field = 0; field < 5; ++field) words >> point;
-    for (std::size_t at = 0; (at = point.find("\\040", at)) != std::string::npos;) point.replace(at, 4, " ");
+    for (std::size_t at = 0; (at = point.find("\\040", at)) != std::string::npos;) point.replace(at, 4, 1, ' ');
     const auto separator = line.find(" - ");
     if (separator == std::string::npos || point.size() < best.size()) continue;
     const std::string path = folder.string();

@@ -1,6 +1,7 @@
 // The texts of a protocol that people read or hear, each with its place in the file: what a translation may replace.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <string>
 
@@ -20,6 +21,14 @@ inline constexpr TextLimits kPageLimits{.max_length = 4000, .page = true};
 
 // Whom a text is for. A translation that leaves out one of the participant's is incomplete.
 enum class Audience { participant, operator_ };
+
+// Whether a question names the condition that it is about by its label. One right after a condition does not where
+// letters are coded: the label would say which condition the letter stands for.
+inline bool shows_condition_labels(const Protocol& protocol) {
+  return std::any_of(protocol.questions.begin(), protocol.questions.end(), [&](const Question& question) {
+    return question.per_condition || (question.when == Question::When::after_condition && !protocol.blinded);
+  });
+}
 
 // Calls visit(path, text, limits, audience) for every text that is not empty, in the order of the tables of README.md.
 // Options are visited as they are shown: Question::shown, where it is filled, in place of Question::options.
@@ -43,8 +52,9 @@ void visit_people_texts(AnyProtocol& protocol, Visit&& visit) {
   look("$.trial.cues.first.say", protocol.timeline.first_cue.say, kSayLimits, Audience::participant);
   look("$.trial.cues.second.say", protocol.timeline.second_cue.say, kSayLimits, Audience::participant);
   look("$.trial.cues.question.say", protocol.timeline.question_cue.say, kSayLimits, Audience::participant);
+  const Audience of_labels = shows_condition_labels(protocol) ? Audience::participant : Audience::operator_;
   for (std::size_t i = 0; i < protocol.conditions.size(); ++i)
-    look(fmt::format("$.conditions[{}].label", i), protocol.conditions[i].label, kLabelLimits, Audience::operator_);
+    look(fmt::format("$.conditions[{}].label", i), protocol.conditions[i].label, kLabelLimits, of_labels);
   for (std::size_t i = 0; i < protocol.breaks.size(); ++i)
     look(fmt::format("$.breaks[{}].say", i), protocol.breaks[i].say, kSayLimits, Audience::participant);
   for (std::size_t i = 0; i < protocol.questions.size(); ++i)

@@ -15,7 +15,6 @@ namespace {
 
 constexpr double kMostMinutes = 525600;  // a year
 constexpr std::size_t kMostLanguages = 50;
-constexpr std::size_t kTextsNamed = 6;  // in a warning
 
 bool is_language(std::string_view text) noexcept {
   const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
@@ -171,15 +170,10 @@ void read_translations(const JsonNode& node, ProtocolReading& reading) {
 
 void warn_about_translations(ProtocolReading& reading) {
   for (const auto& [language, translation] : reading.protocol.translations) {
-    const std::vector<std::string> missing = left_out_of(reading.protocol, language);
-    if (missing.empty()) continue;
-    std::string named;
-    for (std::size_t i = 0; i < std::min(missing.size(), kTextsNamed); ++i) named += (i == 0 ? "" : ", ") + missing[i];
-    if (missing.size() > kTextsNamed) named += fmt::format(" and {} more", missing.size() - kTextsNamed);
-    reading.warn_at(member_path("$.translations", language),
-                    fmt::format("leaves out {} text{} of the participant's: {}", missing.size(),
-                                missing.size() == 1 ? "" : "s", named),
-                    fmt::format("they stay in {}", reading.protocol.language));
+    const std::string missing = left_out_text(reading.protocol, language);
+    if (!missing.empty())
+      reading.warn_at(member_path("$.translations", language), missing,
+                      fmt::format("they stay in {}", reading.protocol.language));
   }
 }
 

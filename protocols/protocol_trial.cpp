@@ -16,7 +16,7 @@ CueSignal read_cue(JsonReader& cues, std::string_view key, ProtocolReading& read
 }
 
 // The console keeps these for itself.
-constexpr std::string_view kReservedKeys = "pqx";
+constexpr std::string_view kReservedKeys = "pqxX";
 
 char read_key(JsonReader& keys, std::string_view key, char fallback, ProtocolReading& reading) {
   const std::string text = keys.text(key, {.max_length = 20});
@@ -31,7 +31,7 @@ char read_key(JsonReader& keys, std::string_view key, char fallback, ProtocolRea
   }
   if (kReservedKeys.find(text[0]) != std::string_view::npos) {
     reading.error(*node, in_quotes(text) + " is reserved",
-                  "p pauses, q quits and x stops the devices; take another key");
+                  "p pauses, q quits and x or X stops the devices; take another key");
     return fallback;
   }
   return text[0];

@@ -97,6 +97,18 @@ void warn_about_draws(ProtocolReading& reading) {
   }
 }
 
+// The letters of a session's blocks follow the file then, whatever the seed.
+void warn_about_letters(ProtocolReading& reading) {
+  const Protocol& protocol = reading.protocol;
+  const Design& design = protocol.design;
+  if (protocol.blinded && protocol.conditions.size() > 1 && design.arrangement == Arrangement::blocked &&
+      design.condition_order == Order::fixed)
+    reading.warn_at("$.design.order.conditions",
+                    "everybody has the blocks in the order of \"conditions\": the letters of a coded study follow it "
+                    "and hide nothing",
+                    "write \"permuted\", \"williams\" or \"random\", or \"blinding\": \"open\"");
+}
+
 int group_size(const Protocol& protocol) {
   if (protocol.paradigm == Paradigm::explore) return std::max(1, ExplorationDeal(protocol, 0).group_size());
   return OrderDeal(protocol, 0).group_size();
@@ -139,6 +151,7 @@ void warn_about_protocol(ProtocolReading& reading) {
     if (has_precision(reading.protocol)) warn_about_precision(reading);
     warn_about_draws(reading);
   }
+  warn_about_letters(reading);
   warn_about_cohort(reading);
   warn_about_session(reading);
   warn_about_translations(reading);

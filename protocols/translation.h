@@ -18,8 +18,12 @@ std::vector<std::string> languages_of(const Protocol& protocol);
 // Question::options, what the log keeps, stay. Throws InputError that lists the languages where there is no such one.
 Protocol in_language(const Protocol& protocol, std::string_view language);
 
-// Texts of the participant's that the translation leaves out, by their paths. language: one of its translations.
-std::vector<std::string> left_out_of(const Protocol& protocol, const std::string& language);
+// Texts of the participant's that a translation leaves out, by their paths. Empty for the protocol's own language, and
+// for one that it does not have.
+std::vector<std::string> left_out_of(const Protocol& protocol, std::string_view language);
+
+// "leaves out 2 texts of the participant's: $.consent, $.breaks[0].say", naming a few; empty where it leaves out none.
+std::string left_out_text(const Protocol& protocol, std::string_view language);
 
 // "de" and "DE" name the same language.
 bool same_language(std::string_view a, std::string_view b) noexcept;

@@ -206,7 +206,7 @@ Json ratings_json(const StudyResults& results, const Protocol& protocol) {
 // Of the paradigm explore.
 Json explore_json(const StudyResults& results, const Protocol& protocol) {
   Json out = {{"kind", to_string(results.analysis.kind)}, {"protocol_sha256", protocol.sha256}};
-  out["questionnaire"] = to_json(*results.questionnaire, protocol, condition_names(protocol));
+  out["questionnaire"] = to_json(*results.questionnaire, protocol);
   out["deviations"] = results.deviations;
   out["warnings"] = results.warnings;
   out["heads"] = Json::array();

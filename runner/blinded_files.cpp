@@ -1,11 +1,13 @@
 #include "runner/blinded_files.h"
 
 #include <map>
+#include <set>
 
 #include <fmt/format.h>
 
 #include "data/event_body.h"
 #include "data/export_tables.h"
+#include "data/trial_rows.h"
 #include "data/utc_time.h"
 #include "protocols/condition_codes.h"
 #include "protocols/version.h"
@@ -18,10 +20,10 @@ namespace jnd {
 namespace {
 
 // What may be seen of one answered trial. Its place and time say nothing about its stimuli; forces, saturation and
-// answers would.
+// answers would, and so would the number of its attempts, where trials at a device's limit are repeated.
 struct CodedTrial {
   std::string session, utc, code;
-  int index = 0, attempt = 1, block = 0;
+  int index = 0, block = 0;
   bool practice = false, by_participant = false;
   double response_time_s = 0, duration_s = 0;
 };
@@ -32,13 +34,12 @@ std::vector<CsvColumn<CodedTrial>> coded_trial_columns() {
       {"session", "identifier of the session", "", "", [](const R& r) { return csv_text(r.session); }},
       {"utc", "when the answer was saved, ISO 8601", "", "", [](const R& r) { return r.utc; }},
       {"trial", "place in the plan, from 1", "", "", [](const R& r) { return csv_number(r.index); }},
-      {"attempt", "which presentation of the trial was answered", "", "",
-       [](const R& r) { return csv_number(r.attempt); }},
       {"block", "block of the main part, from 1; 0 in practice", "", "",
        [](const R& r) { return csv_number(r.block); }},
       {"practice", "whether it is practice", "", "0 1", [](const R& r) { return csv_flag(r.practice); }},
-      {"condition_code", "letter of the condition on the operator's console", "", "",
-       [](const R& r) { return r.code; }},
+      {"condition_code",
+       "letter of the condition on the operator's console; empty in practice, whose order would name the letters", "",
+       "", [](const R& r) { return r.code; }},
       {"entered_by", "who pressed the key", "", "participant operator",
        [](const R& r) {
          return std::string(to_string(r.by_participant ? EnteredBy::participant : EnteredBy::operator_));
@@ -54,20 +55,21 @@ std::vector<CsvColumn<SessionInfo>> coded_session_columns(const Protocol& protoc
   return columns;
 }
 
+// not_counted: seq of the answers that were taken back.
 void add_trials(const Study& study, const SessionInfo& session, const std::vector<std::string>& codes,
-                std::vector<CodedTrial>& rows) {
+                const std::set<std::int64_t>& not_counted, std::vector<CodedTrial>& rows) {
   for (const Event& event : study.events(session.id)) {
-    if (event.kind != event_kind::kTrialCompleted) continue;
+    if (event.kind != event_kind::kTrialCompleted || not_counted.contains(event.seq)) continue;
     const auto body = nlohmann::ordered_json::parse(event.body, nullptr, false);
     if (body.is_discarded())
       throw StorageError(fmt::format("session {}, event {} ({}): the body cannot be read; run jnd verify", session.id,
                                      event.seq, event.kind));
     const TrialRecord record = trial_record_from(body);
     const Trial& trial = record.trial;
-    rows.push_back({session.id, to_iso8601(event.stamp.utc_ns), codes.at(static_cast<std::size_t>(trial.condition)),
-                    trial.index, record.attempt, trial.block, trial.practice,
-                    record.answer.entered_by == EnteredBy::participant, record.answer.response_time_s,
-                    record.duration_s});
+    rows.push_back({session.id, to_iso8601(event.stamp.utc_ns),
+                    trial.practice ? std::string() : codes.at(static_cast<std::size_t>(trial.condition)), trial.index,
+                    trial.block, trial.practice, record.answer.entered_by == EnteredBy::participant,
+                    record.answer.response_time_s, record.duration_s});
   }
 }
 
@@ -104,12 +106,15 @@ std::vector<std::string> export_blinded(const Study& study, const Protocol& prot
   const auto trial_columns = coded_trial_columns();
   const auto sessions_columns = coded_session_columns(protocol);
   std::map<std::string, std::vector<CodedTrial>> trials;  // by participant
-  for (const SessionInfo& session : sessions) add_trials(study, session, codes, trials[session.participant]);
+  std::map<std::string, std::set<std::int64_t>> not_counted = taken_back_of(study);
+  for (const SessionInfo& session : sessions)
+    if (!session.excluded) add_trials(study, session, codes, not_counted[session.id], trials[session.participant]);
+  std::erase_if(trials, [](const auto& entry) { return entry.second.empty(); });
   for (const auto& [participant, rows] : trials)
     files.write("sub-" + participant + "/trials.csv", csv_table(trial_columns, rows));
 
   std::vector<DictionaryRow> dictionary;
-  describe("sub-*/trials.csv", trial_columns, dictionary);
+  if (!trials.empty()) describe("sub-*/trials.csv", trial_columns, dictionary);
   write_results(files, results, protocol, dictionary);
   files.write("sessions.csv", csv_table(sessions_columns, sessions));
   describe("sessions.csv", sessions_columns, dictionary);

@@ -25,7 +25,7 @@ double median(std::vector<double> values) {
 struct Tally {
   BlindedParticipant row;
   int closed = 0, answers = 0, different = 0, saturated = 0;
-  bool excluded = false;
+  bool excluded = false, ended_early = false;
   double seconds = 0;
   std::vector<double> response_times;
 };
@@ -39,7 +39,8 @@ int faults_of(const Study& study, const std::string& session) {
 void add_session(Tally& tally, const Study& study, const SessionInfo& session) {
   tally.row.participant = session.participant;
   ++tally.row.sessions;
-  tally.closed += session.state == "closed" ? 1 : 0;
+  tally.closed += session.state == "closed" && !session.ended_early ? 1 : 0;
+  tally.ended_early = tally.ended_early || session.ended_early;
   tally.excluded = tally.excluded || session.excluded;
   tally.row.trials_done += session.trials_done;
   tally.row.trials_total += session.trials_total;
@@ -58,7 +59,10 @@ void add_trial(Tally& tally, const CountedTrial& trial) {
 BlindedParticipant summed(Tally tally, const Protocol& protocol) {
   BlindedParticipant row = std::move(tally.row);
   const double answers = tally.answers > 0 ? tally.answers : kNaN;
-  row.state = tally.excluded ? "excluded" : tally.closed >= protocol.design.sessions ? "finished" : "not finished";
+  row.state = tally.excluded                             ? "excluded"
+              : tally.closed >= protocol.design.sessions ? "finished"
+              : tally.ended_early                        ? "ended early"
+                                                         : "not finished";
   row.said_different = tally.different / answers;
   row.saturated_trials = tally.saturated / answers;
   row.mean_trial_s = tally.seconds / answers;

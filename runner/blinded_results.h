@@ -18,7 +18,7 @@ namespace jnd {
 // One participant, everything pooled over conditions and stimuli. Shares are 0..1, NaN without a trial to judge by.
 struct BlindedParticipant {
   std::string participant;
-  std::string state;  // "finished", "not finished", "excluded"
+  std::string state;  // "finished", "not finished", "ended early", "excluded"
   int sessions = 0;
   int trials_done = 0, trials_total = 0, trials_voided = 0;
   int device_faults = 0;

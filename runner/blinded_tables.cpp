@@ -107,7 +107,7 @@ nlohmann::ordered_json to_json(const BlindedResults& results, const Protocol& pr
 std::vector<CsvColumn<BlindedParticipant>> blinded_participant_columns() {
   using R = BlindedParticipant;
   return {{"participant", "code of the participant", "", "", [](const R& r) { return csv_text(r.participant); }},
-          {"state", "how far the participant is", "", "finished \"not finished\" excluded",
+          {"state", "how far the participant is", "", "finished \"not finished\" \"ended early\" excluded",
            [](const R& r) { return r.state; }},
           {"sessions", "sessions begun", "", "", [](const R& r) { return csv_number(r.sessions); }},
           {"trials_done", "main trials answered", "", "", [](const R& r) { return csv_number(r.trials_done); }},

@@ -42,7 +42,7 @@ Json backup_json(const BackupOptions& options, const BackupReport& report) {
 }
 
 std::string chain_remarks(const RecoveredChain& chain) {
-  std::string text = chain.events == 0 ? "lost" : chain.closed ? "whole" : chain.cut ? "its end is lost" : "open";
+  std::string text = chain.events == 0 ? "lost" : chain.cut ? "its end is lost" : chain.closed ? "whole" : "open";
   if (chain.unchained > 0) text += fmt::format("; {} behind the gap left out", counted(chain.unchained, "event"));
   if (chain.telemetry_lost > 0) text += fmt::format("; ticks of {} lost", counted(chain.telemetry_lost, "interval"));
   return text;

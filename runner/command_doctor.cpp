@@ -1,8 +1,6 @@
 // jnd doctor: is this machine fit to run a session.
 #include <algorithm>
-#include <exception>
 #include <sstream>
-#include <thread>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -19,21 +17,8 @@ namespace jnd {
 
 namespace {
 
-// On a thread of its own, as the loop runs.
 JitterReport measure(RealtimePolicy policy, double seconds) {
-  JitterReport report;
-  std::exception_ptr error;
-  std::thread thread([&] {
-    try {
-      SteadyClock clock;
-      report = probe_jitter(policy, seconds, clock, interrupt_requested());
-    } catch (...) {
-      error = std::current_exception();
-    }
-  });
-  thread.join();
-  if (error) std::rethrow_exception(error);
-  return report;
+  return probe_jitter_on_thread(policy, seconds, interrupt_requested());
 }
 
 nlohmann::ordered_json jitter_json(const JitterReport& report) {

@@ -122,7 +122,8 @@ std::string round_text(const Trial& trial) {
   return trial.practice ? fmt::format("practice round {}", trial.round) : "";
 }
 
-// What the operator's console may show: place, block and coded condition.
+// What the operator's console may show: place, block and coded condition. Practice has no code: it takes the conditions
+// in the protocol's own order, which would name the letters.
 int plan_in_code(const Study& study, const Protocol& protocol, const PlanOptions& options) {
   const BlindingState state = blinding_of(study, protocol, SessionKind::real);
   const std::string line = blinding_line(state, *options.study);
@@ -140,7 +141,8 @@ int plan_in_code(const Study& study, const Protocol& protocol, const PlanOptions
     for (const Trial& trial : plan.trials)
       out["trials"].push_back({{"index", trial.index},
                                {"block", trial.block},
-                               {"condition_code", code(trial.condition)},
+                               {"condition_code", trial.practice ? nlohmann::ordered_json(nullptr)
+                                                                 : nlohmann::ordered_json(code(trial.condition))},
                                {"practice", trial.practice}});
     if (!plan.explorations.empty()) out["explorations"] = nlohmann::ordered_json::array();
     for (const ExplorationSlot& slot : plan.explorations)
@@ -155,8 +157,8 @@ int plan_in_code(const Study& study, const Protocol& protocol, const PlanOptions
   using Align = TextTable::Align;
   TextTable table({"trial", "block", "condition", ""}, {Align::right, Align::right, Align::left, Align::left});
   for (const Trial& trial : plan.trials)
-    table.add({std::to_string(trial.index), trial.practice ? "-" : std::to_string(trial.block), code(trial.condition),
-               round_text(trial)});
+    table.add({std::to_string(trial.index), trial.practice ? "-" : std::to_string(trial.block),
+               trial.practice ? "-" : code(trial.condition), round_text(trial)});
   for (const ExplorationSlot& slot : plan.explorations)
     table.add({std::to_string(slot.index), std::to_string(slot.block), code(slot.condition), "exploration"});
   fmt::print("{}", table.text());

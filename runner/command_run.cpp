@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "data/event_body.h"
+#include "data/storage_error.h"
 #include "devices/rig_factory.h"
 #include "protocols/plan.h"
 #include "protocols/translation.h"
@@ -64,6 +65,18 @@ bool is_ready(const Readiness& readiness, const RunOptions& options, Console& co
   return readiness.overridable && options.override_readiness && !options.override_readiness->empty();
 }
 
+// As every event of a session: where it cannot be written just now, it is tried again when the operator says so.
+void close_session(Study& study, const std::string& id, Stamp stamp, Console& console) {
+  for (;;) {
+    try {
+      study.close_session(id, stamp);
+      return;
+    } catch (const StorageTrouble& trouble) {
+      if (!console.storage_trouble(trouble.what())) throw;
+    }
+  }
+}
+
 SessionCard card_of(const Protocol& protocol, const RunOptions& options, const SessionRequest& request,
                     const SessionTarget& target, const Plan& plan) {
   SessionCard card;
@@ -75,9 +88,6 @@ SessionCard card_of(const Protocol& protocol, const RunOptions& options, const S
   card.resumed = target.resumed.has_value();
   card.trials_done = target.resumed ? target.resumed->trials_done : 0;
   card.trials_total = std::max(main_trial_count(plan), static_cast<int>(plan.explorations.size()));
-  card.study = options.study;
-  card.language = protocol.language;
-  card.blinded = protocol.blinded;
   card.fast = options.fast;
   return card;
 }
@@ -144,9 +154,10 @@ int command_run(const RunOptions& options) {
                                  request.kind, *rig, is_terminal(0), options.fast});
     if (!is_ready(readiness, options, *console)) {
       study->close();
-      console->end(
-          "Not begun: see to what is marked BAD and try again. Where there is a good reason to go on all the same: "
-          "--override-readiness \"REASON\" (it is kept).");
+      console->end(std::string("Not begun: see to what is marked BAD and try again.") +
+                   (readiness.overridable ? " Where there is a good reason to go on all the same: "
+                                            "--override-readiness \"REASON\" (it is kept)."
+                                          : ""));
       return exit_code::kProblemFound;
     }
   }
@@ -156,6 +167,10 @@ int command_run(const RunOptions& options) {
     opened.log->append(event_kind::kReadiness, readiness_body(readiness, options.override_readiness.value_or("")),
                        now());
   if (how.realtime) note_realtime(*opened.log, rig->realtime(), *clock, *console);
+  if (const std::string missing = left_out_text(protocol, target.language); person && !missing.empty())
+    console->announce(fmt::format("The translation \"{}\" {}. They are shown in {}.", printable(target.language),
+                                  printable(missing), printable(protocol.language)),
+                      true);
   if (target.resumed && person)
     console->announce(resume_text(target.check, protocol.resume), !target.check.warning.empty());
   console->begin(card_of(shown, options, request, target, plan));
@@ -171,6 +186,7 @@ int command_run(const RunOptions& options) {
   try {
     end = SessionEngine(parts).run(replay(opened.log->events()),
                                    {person && target.check.redo_block, person && target.check.practice_again});
+    if (end != SessionEnd::interrupted) close_session(*study, opened.id, now(), *console);
   } catch (...) {
     console->end("");
     throw;
@@ -181,7 +197,6 @@ int command_run(const RunOptions& options) {
                              printable(options.study)));
     return exit_code::kInterrupted;
   }
-  study->close_session(opened.id, now());
   study->close();
   console->end(end == SessionEnd::completed
                    ? fmt::format("{} The session of {} is complete and saved in {}.", bold("Done."),

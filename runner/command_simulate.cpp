@@ -73,10 +73,11 @@ int command_simulate(const SimulateOptions& options) {
   const std::unique_ptr<Study> study =
       open_or_create_study(*options.study, protocol, options.seed, {simulated_epoch_ns(1), 0});
   if (!study->sessions().empty() && plan_sealed(*study, protocol))
-    throw UsageError(fmt::format(
-        "{} holds real sessions and is blinded: simulated participants would go through the same plans and show them. "
-        "Simulate into another file, or with --no-study",
-        *options.study));
+    throw UsageError(
+        fmt::format("{} holds sessions of people and is blinded: simulated participants would go through the same "
+                    "plans and show them. "
+                    "Simulate into another file, or with --no-study",
+                    *options.study));
   simulation.seed = study->info().seed;
   const SimulationResult result = simulate_study(simulation, *study);
   study->close();

@@ -139,7 +139,7 @@ int command_export(const ExportOptions& options) {
   if (plan_sealed(*study, protocol))
     fmt::print("{}\n",
                warn("Real sessions of this study are blinded, and every kind has their plan: the files of single "
-                    "trials and the seed are left out."));
+                    "trials and answers and the seed are left out."));
   if (options.telemetry && std::none_of(files.begin(), files.end(), [](const std::string& file) {
         return file.find("/telemetry/") != std::string::npos;
       }))

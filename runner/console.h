@@ -27,10 +27,7 @@ struct SessionCard {
   SessionKind kind = SessionKind::pilot;
   bool resumed = false;
   int trials_done = 0, trials_total = 0;  // of the main part
-  std::string study;                      // the file, as the user named it
-  std::string language;                   // of the texts
-  bool blinded = true;
-  bool fast = false;  // waiting takes no time
+  bool fast = false;                      // waiting takes no time
 };
 
 struct ConsoleOptions {
@@ -41,8 +38,9 @@ struct ConsoleOptions {
 // Thread rule: the session's thread only.
 //
 // Interrupts: every wait looks at them. Where `pause` is set, ready(), instruct(), break_over() and ready_to_explore()
-// return Wish::pause, and a question stays open until it is answered; the latch itself is left to the engine. Where
-// `end` is set, or the keys have ended, a wait returns Wish::end_for_now, nothing, or false.
+// return Wish::pause, a trial or a page of questions is left without an answer, and what was typed on the page is there
+// when it is asked again; the latch itself is left to the engine. Where `end` is set, or the keys have ended, a wait
+// returns Wish::end_for_now, nothing, or false.
 // judge() returns nothing where the operator asks for something instead of the answer: meanwhile() then says what. What
 // was typed during a presentation and does not break it off (pause, note, end) is the next ready()'s.
 class Console : public SessionView {

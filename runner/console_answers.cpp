@@ -17,6 +17,13 @@ std::optional<Answer> SessionConsole::answer_of(Action action, std::int64_t key_
                 static_cast<double>(response_ns) * 1e-9};
 }
 
+// The keys that still mean something: for the next ready().
+void SessionConsole::answer_taken() {
+  display_->working_keys(
+      question_keys_.without({Action::answer_same, Action::answer_different, Action::repeat_trial, Action::help})
+          .hints());
+}
+
 std::optional<Answer> SessionConsole::judge(const TrialQuestion& question) {
   const KeyMap& keys = question_keys_;
   Scene scene;
@@ -27,15 +34,22 @@ std::optional<Answer> SessionConsole::judge(const TrialQuestion& question) {
       decided_ = OperatorWish{Wish::end_for_now, {}};
       return std::nullopt;
     }
-    if (static_cast<double>(clock_.now_ns() - cue_shown_ns_) * 1e-9 > question.time_out_s) return std::nullopt;
+    if (static_cast<double>(clock_.now_ns() - cue_shown_ns_) * 1e-9 > question.time_out_s) {
+      answer_taken();
+      return std::nullopt;
+    }
     const std::optional<Key> key = keys_.next();
     if (!key) continue;
     const std::optional<Action> action = keys.action_of(*key);
     if (!action) {
-      display_->explain(Tone::quiet, keys.explanation(*key));
+      explain(keys, *key);
       continue;
     }
-    if (const std::optional<Answer> answer = answer_of(*action, key->time_ns)) return answer;
+    if (const std::optional<Answer> answer = answer_of(*action, key->time_ns)) {
+      answer_taken();
+      // The look at the clock was before the wait for the key.
+      return answer->response_time_s <= question.time_out_s ? answer : std::nullopt;
+    }
     switch (*action) {
       case Action::stop:
         return std::nullopt;  // the latch is set: no answer counts
@@ -46,7 +60,7 @@ std::optional<Answer> SessionConsole::judge(const TrialQuestion& question) {
                                                                 : "the note can be typed after the answer");
         break;
       case Action::help:
-        help(keys);
+        help_with_question();
         display_->scene(scene);
         break;
       default:
@@ -105,8 +119,11 @@ bool SessionConsole::ask_by_keys(QuestionnairePage& page) {
   while (!left) {
     display_->page(page);
     std::optional<Key> key;
-    while (!key && !keys_.ended() && !keys_.pause_asked()) key = keys_.next(true);
+    // A y that is held down confirms one question, not the whole page; in a text a character may be typed twice.
+    const bool text = page.reviewing() || page.items()[page.at()].question->kind != Question::Kind::confirm;
+    while (!key && !keys_.ended() && !keys_.pause_asked()) key = keys_.next(text);
     if (!key) break;
+    if ((key->is(KeyName::page_down) || key->is(KeyName::page_up)) && display_->scroll(key->name)) continue;
     const std::size_t before = page.at();
     const QuestionnairePage::State state = page.press(*key);
     if (state == QuestionnairePage::State::committed) {

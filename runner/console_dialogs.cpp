@@ -109,6 +109,15 @@ void SessionConsole::help(const KeyMap& keys) {
   }
 }
 
+void SessionConsole::help_with_question() {
+  help(question_keys_);
+  keys_.prompt();  // the key that ended it is no answer, however long it is held
+  if (!display_->by_lines()) {
+    display_->working_keys({});
+    display_->say(CuePlace::question, question_words_, question_aloud_, false);
+  }
+}
+
 void SessionConsole::note_wishes(const std::vector<Key>& keys, const KeyMap& map) {
   for (const Key& key : keys) {
     const std::optional<Action> action = map.action_of(key);

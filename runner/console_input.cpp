@@ -54,12 +54,14 @@ std::optional<std::string> PromptKeys::line(const std::string& label, const std:
   if (keyboard_ == nullptr || ended()) return std::nullopt;
   if (keyboard_->is_terminal()) return edited_line(label, initial);
   display_.field(label, LineEditor());
-  std::optional<std::string> text = keyboard_->line();
+  std::optional<std::string> text = keyboard_->line(interrupts_);
   display_.field_done();
   if (!text) return std::nullopt;
   // What no key could have typed does not come in through a pipe either.
-  std::erase_if(*text, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; });
-  return to_utf8(code_points(*text));
+  std::u32string characters = code_points(*text);
+  std::erase_if(characters, [](char32_t c) { return c < 0x20 || (c >= 0x7f && c < 0xa0); });
+  if (characters.size() > LineEditor::kLongest) characters.resize(LineEditor::kLongest);
+  return to_utf8(characters);
 }
 
 std::optional<std::string> PromptKeys::edited_line(const std::string& label, const std::string& initial) {

@@ -1,7 +1,6 @@
 // Keys for a prompt: only those that were pressed after it was shown and are not held down since before.
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>

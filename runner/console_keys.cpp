@@ -64,13 +64,20 @@ std::vector<KeyHint> KeyMap::hints() const {
   return hints;
 }
 
-std::string KeyMap::name_of(Action action) const {
-  for (const KeyBinding& binding : bindings_)
-    if (binding.action == action) return key_name(binding.key);
-  return "";
+KeyMap KeyMap::without(std::initializer_list<Action> actions) const {
+  std::vector<KeyBinding> rest = bindings_;
+  std::erase_if(rest, [&](const KeyBinding& binding) {
+    return std::find(actions.begin(), actions.end(), binding.action) != actions.end();
+  });
+  return KeyMap(std::move(rest));
+}
+
+bool stops(const Key& key) noexcept {
+  return key.is(static_cast<char32_t>(kStopKey)) || key.is(capital(kStopKey));
 }
 
 std::string KeyMap::explanation(const Key& pressed) const {
+  if (stops(pressed)) return "STOP: the devices give nothing";
   if (pressed.is(KeyName::control) && pressed.character == 'z')
     return "a session is not put into the background: the devices may be on a finger. p pauses, q ends";
   const std::string name = key_name(pressed);

@@ -1,6 +1,7 @@
 // What the operator's keys do, by what the session waits for.
 #pragma once
 
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <vector>
@@ -49,8 +50,7 @@ class KeyMap {
   explicit KeyMap(std::vector<KeyBinding> bindings) : bindings_(std::move(bindings)) {}
   std::optional<Action> action_of(const Key& key) const noexcept;
   std::vector<KeyHint> hints() const;
-  // The key of an action, as printed; empty where it has none.
-  std::string name_of(Action action) const;
+  KeyMap without(std::initializer_list<Action> actions) const;
   // What to tell somebody who pressed another key.
   std::string explanation(const Key& pressed) const;
 
@@ -71,6 +71,8 @@ KeyMap ready_to_explore_keys();
 KeyMap exploring_keys();
 KeyMap storage_keys();
 
+// Whether it is the stop key, which latches wherever no text is typed.
+bool stops(const Key& key) noexcept;
 // A key as a person calls it.
 std::string key_name(const Key& key);
 std::string key_name(char32_t character);

@@ -161,10 +161,14 @@ void LineDisplay::field(const std::string& label, const LineEditor& editor) {
   }
   if (!echo_ || text == typed_) return;
   const std::u32string now = code_points(text), before = code_points(typed_);
+  // Columns of the last character, where that is all that is gone.
+  std::size_t taken_away = 0;
+  if (now.size() + 1 == before.size() && before.compare(0, now.size(), now) == 0)
+    taken_away = display_width(to_utf8(before.substr(now.size())));
   if (now.size() > before.size() && now.compare(0, before.size(), before) == 0)
     put("{}", to_utf8(now.substr(before.size())));
-  else if (now.size() + 1 == before.size() && before.compare(0, now.size(), now) == 0)
-    put("\b \b");
+  else if (taken_away > 0)
+    for (std::size_t column = 0; column < taken_away; ++column) put("\b \b");
   else
     put("\n  > {}", text);  // changed in the middle: the whole line once more
   typed_ = text;

@@ -107,6 +107,9 @@ bool ExplorationBlock::ready(const ExplorationSlot& slot, int attempt) {
 void ExplorationBlock::attempt(const ExplorationSlot& slot, int attempt) {
   ticks_ = {};
   asked_ = false;
+  // A stop that came before it: nothing is felt, and nothing counted, before a person has cleared it.
+  if (parts_.person && parts_.rig.stop.latched())
+    recover_from_stop(parts_, recorder_, std::string(to_string(parts_.rig.stop.source())), slots_done());
   recorder_.mark(event_kind::kExplorationBegan, {{"index", slot.index}, {"attempt", attempt}});
   history_.attempts[slot.index] = attempt;
   ExplorationRecord record = exploration_of(parts_.protocol, slot, attempt);
@@ -144,8 +147,7 @@ ExplorationBlock::PieceEnd ExplorationBlock::render_piece(ExplorationRecord& rec
   record.presentations.push_back(parts_.rig.present(request));
   parts_.rig.watch({});
   Presentation& piece = record.presentations.back();
-  const bool by_us = parts_.rig.stop.source() == StopSource::program && asked_;
-  if (by_us) parts_.rig.stop.clear();
+  const bool by_us = asked_ && parts_.rig.stop.clear_if(StopSource::program);
   const bool pausing =
       (parts_.interrupts.pause || parts_.interrupts.end) && piece.stopped_by == to_string(StopSource::signal);
   if (piece.fault == Fault::emergency_stop && (by_us || pausing)) piece.fault = Fault::interrupted;
@@ -223,11 +225,7 @@ ExplorationBlock::PieceEnd ExplorationBlock::stopped(ExplorationRecord& record, 
                                                      const std::string& stopped_by) {
   void_attempt(record, reason, true);
   if (stopped_by.empty()) return PieceEnd::voided;
-  // Only a person's word clears the latch.
-  const OperatorWish wish = settle(parts_, recorder_, slots_done(), [&] { return parts_.view.recover(stopped_by); });
-  parts_.rig.stop.clear();
-  recorder_.append(event_kind::kStopCleared,
-                   {{"stopped_by", stopped_by}, {"reason", wish.text.empty() ? "cleared by the operator" : wish.text}});
+  recover_from_stop(parts_, recorder_, stopped_by, slots_done());
   return PieceEnd::voided;
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <vector>
 
 #include "runner/key_parser.h"
 
@@ -15,23 +16,28 @@ enum class Heard {
 };
 
 // Pure: time comes with the keys and prompts. A terminal says only that a key came, not that it was let go. A key that
-// comes again within kRepeatGap_ns of its last coming is taken to be held down: keyboards wait at most that long before
-// they repeat, and repeat faster.
+// comes again soon enough is taken to be held down, also where other keys came in between, as of a second keyboard.
 class HeldKeys {
  public:
-  static constexpr std::int64_t kRepeatGap_ns = 600'000'000;
+  // From a key's first coming to its first repetition: X11 waits 660 ms unless told otherwise, keyboards of a console
+  // up to 1000 ms. Then they repeat faster; the slowest repeat every 500 ms.
+  static constexpr std::int64_t kFirstGap_ns = 1'100'000'000, kRepeatGap_ns = 600'000'000;
 
   void prompt(std::int64_t now_ns) noexcept { prompt_ns_ = now_ns; }
   // Every key, in the order of its coming, also those that nobody waits for.
-  Heard hear(const Key& key) noexcept;
-  // Whether the latest key may still be down.
-  bool maybe_down(std::int64_t now_ns) const noexcept { return any_ && now_ns - latest_ns_ <= kRepeatGap_ns; }
+  Heard hear(const Key& key);
+  // Whether any key may still be down.
+  bool maybe_down(std::int64_t now_ns) const noexcept;
 
  private:
-  bool any_ = false;
-  Key latest_;
-  std::int64_t latest_ns_ = 0;
-  std::int64_t began_ns_ = 0;  // first coming of the latest key
+  struct Chain {
+    Key key;
+    std::int64_t first_ns = 0, latest_ns = 0;
+    bool may_go_on(std::int64_t now_ns) const noexcept {
+      return now_ns - latest_ns <= (latest_ns == first_ns ? kFirstGap_ns : kRepeatGap_ns);
+    }
+  };
+  std::vector<Chain> chains_;  // of the keys that may be down
   std::int64_t prompt_ns_ = std::numeric_limits<std::int64_t>::min();
 };
 

@@ -61,6 +61,7 @@ void install_interrupt_handlers() noexcept {
   action.sa_handler = on_signal;
   sigemptyset(&action.sa_mask);
   for (const int signal_number : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal_number, &action, nullptr);
+  std::signal(SIGXFSZ, SIG_IGN);
 }
 
 PauseOnInterrupt::PauseOnInterrupt() noexcept {

@@ -10,7 +10,7 @@ namespace jnd {
 
 // What was asked for. Thread rule: any thread, and signal handlers.
 struct Interrupts {
-  std::atomic<bool> pause{false};  // a first Ctrl-C, in a session with an operator: cleared when the pause begins
+  std::atomic<bool> pause{false};  // a first Ctrl-C, in a session with an operator; until the pause is over
   std::atomic<bool> end{false};    // any other signal, or a second Ctrl-C
 };
 
@@ -19,6 +19,7 @@ Interrupts& interrupts() noexcept;
 // interrupts().end: what everything but an operator's session looks at.
 const std::atomic<bool>& interrupt_requested() noexcept;
 // SIGINT, SIGTERM and SIGHUP. The first sets `end`, a second one of the same kind ends the program at once, as usual.
+// SIGXFSZ is ignored: a file that may not grow is trouble with storage, which is said where it is written.
 void install_interrupt_handlers() noexcept;
 void request_interrupt() noexcept;  // as if a signal had come
 

@@ -52,8 +52,11 @@ class KeyParser {
   std::optional<Key> quiet(std::int64_t now_ns) noexcept;
   // Some bytes of an unfinished key are in: call quiet() once the gap has passed.
   bool waiting() const noexcept { return state_ != State::ground; }
-  // Within a control sequence, whose bytes are no characters.
-  bool within_sequence() const noexcept { return state_ != State::ground && state_ != State::escape; }
+  // Within a control sequence, whose bytes are no characters. A character that is cut short is none: what follows it is
+  // a key.
+  bool within_sequence() const noexcept {
+    return state_ != State::ground && state_ != State::escape && state_ != State::utf8;
+  }
 
  private:
   enum class State : std::uint8_t {

@@ -66,20 +66,13 @@ void Keyboard::wake() const noexcept {
   [[maybe_unused]] const ssize_t written = write(wake_, &one, sizeof one);
 }
 
-// While paused, the input thread leaves standard input alone.
-void Keyboard::pause(bool on) {
-  if (!terminal_) return;
-  std::unique_lock lock(mutex_);
-  pausing_ = on;
-  wake();
-  changed_.wait(lock, [&] { return paused_ == on; });
-}
-
 void Keyboard::read_keys() {
-  // Signals are for the session's thread, which waits for them.
-  sigset_t all;
-  sigfillset(&all);
-  pthread_sigmask(SIG_BLOCK, &all, nullptr);
+  // Signals are for the session's thread, which waits for them; but a fault of this thread comes to this thread, and
+  // one that is blocked would end the program without a handler.
+  sigset_t others;
+  sigfillset(&others);
+  for (const int fault : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGTRAP, SIGSYS, SIGABRT}) sigdelset(&others, fault);
+  pthread_sigmask(SIG_BLOCK, &others, nullptr);
   // Where that is allowed, no work of other threads delays a stop or a stamp; the control loop still goes first.
   const sched_param lowest_of_realtime{.sched_priority = 1};
   (void)pthread_setschedparam(pthread_self(), SCHED_FIFO, &lowest_of_realtime);
@@ -89,11 +82,7 @@ void Keyboard::read_keys() {
     {
       const std::scoped_lock lock(mutex_);
       if (ending_) return;
-      if (paused_ != pausing_) {
-        paused_ = pausing_;
-        changed_.notify_all();
-      }
-      reading = !paused_ && !at_end_;
+      reading = !at_end_;
       asked = asked_to_catch_up_;
     }
     // Whoever waits for all keys so far waits until there is nothing left to read.
@@ -143,12 +132,15 @@ void Keyboard::take_input(bool some) {
   const std::scoped_lock lock(mutex_);
   if (const std::optional<Key> key = parser_.quiet(now_ns)) keep(*key);
   for (ssize_t i = 0; i < got; ++i) {
-    const unsigned char byte = bytes[static_cast<std::size_t>(i)];
-    const bool stops = byte == kStopKey || (byte == kStopKey - 'a' + 'A' && !spare_capital_);
-    if (stops && stop_ != nullptr && !typing_ && !parser_.within_sequence()) stop_->latch(StopSource::key);
-    if (const std::optional<Key> key = parser_.feed(byte, now_ns)) keep(*key);
+    if (const std::optional<Key> key = hear(bytes[static_cast<std::size_t>(i)], now_ns)) keep(*key);
   }
   changed_.notify_all();
+}
+
+std::optional<Key> Keyboard::hear(unsigned char byte, std::int64_t now_ns) {
+  const bool stops = byte == kStopKey || byte == kStopKey - 'a' + 'A';
+  if (stops && stop_ != nullptr && !typing_ && !parser_.within_sequence()) stop_->latch(StopSource::key);
+  return parser_.feed(byte, now_ns);
 }
 
 void Keyboard::keep(const Key& key) {
@@ -182,22 +174,39 @@ std::optional<Key> Keyboard::press_from_pipe(double timeout_s) {
   unsigned char byte = 0;
   const ssize_t got = ::read(STDIN_FILENO, &byte, 1);
   if (got == 0 || (got < 0 && errno != EINTR)) at_end_ = true;
-  if (got != 1 || byte == '\n' || byte == '\r') return std::nullopt;
-  return parser_.feed(byte, SteadyClock().now_ns());
+  if (got != 1) return std::nullopt;
+  if (broken_line_) {
+    broken_line_ = byte != '\n';
+    return std::nullopt;
+  }
+  if (byte == '\n' || byte == '\r') return std::nullopt;
+  return hear(byte, SteadyClock().now_ns());
 }
 
-std::optional<std::string> Keyboard::line() {
-  pause(true);
-  raw(false);
+std::optional<std::string> Keyboard::line(const Interrupts& interrupts) {
+  const bool pausing = interrupts.pause;  // already: a note during the pause
   std::string text;
-  char character = 0;
-  ssize_t got = 0;
-  while ((got = ::read(STDIN_FILENO, &character, 1)) == 1 && character != '\n') text += character;
-  raw(true);
-  if (got == 0) at_end_ = true;
-  pause(false);
-  if (got != 1 && text.empty()) return std::nullopt;  // end of input, or a signal
-  return text;
+  for (char character = 0;;) {
+    const ssize_t got = ::read(STDIN_FILENO, &character, 1);
+    if (got < 0 && errno == EINTR) {
+      if (!interrupts.end && interrupts.pause == pausing) continue;  // another signal
+      broken_line_ = broken_line_ || !text.empty();
+      return std::nullopt;
+    }
+    if (got != 1) {
+      at_end_ = true;
+      if (text.empty() || broken_line_) return std::nullopt;
+      return text;
+    }
+    if (character != '\n') {
+      text += character;
+    } else if (broken_line_) {
+      broken_line_ = false;
+      text.clear();
+    } else {
+      return text;
+    }
+  }
 }
 
 void Keyboard::catch_up() {

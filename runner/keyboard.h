@@ -17,11 +17,12 @@
 #include <termios.h>
 
 #include "devices/emergency_stop.h"
+#include "runner/interrupt.h"
 #include "runner/key_parser.h"
 
 namespace jnd {
 
-inline constexpr char kStopKey = 'x';  // as a capital too, unless that is an answer key
+inline constexpr char kStopKey = 'x';  // as a capital too
 
 // Thread rule: members are for one thread; the input thread is inside.
 class Keyboard {
@@ -34,35 +35,37 @@ class Keyboard {
   bool is_terminal() const noexcept { return terminal_; }
   // The next key, or none after timeout_s, which is real time. Line ends are skipped where there is no terminal.
   std::optional<Key> press(double timeout_s);
-  // A line in the terminal's own manner, without its end; none at the end of input. Shows what is typed.
-  std::optional<std::string> line();
+  // A line of a pipe, without its end. None at the end of input, and where one of the interrupts is set meanwhile: what
+  // had come of the line then counts as nothing, as does the rest of it.
+  std::optional<std::string> line(const Interrupts& interrupts);
   // Returns once every key that had come before the call is there for press(): whatever comes later was pressed later.
   // A pipe's writer cannot wait, so there it does nothing.
   void catch_up();
   bool at_end() const noexcept { return at_end_; }
 
-  // From now on the stop key latches `stop`, on a terminal; null: no more. `stop` must live until then.
+  // From now on the stop key latches `stop`: on a terminal when it is pressed, in a pipe when its turn comes. Null: no
+  // more. `stop` must live until then.
   void stop_with(EmergencyStop* stop);
   // While text is typed the stop key is a letter. Returns how it was before.
   bool typing(bool on) noexcept { return typing_.exchange(on); }
-  // A capital X is an answer, and stops nothing.
-  void spare_capital_stop(bool on) noexcept { spare_capital_ = on; }
 
  private:
   void raw(bool on) noexcept;
-  void pause(bool on);
   void wake() const noexcept;
   void read_keys();  // the input thread
   enum class Input { none, some, gap };
   Input wait_for_input(bool reading) const noexcept;
   void take_input(bool some);
   void keep(const Key& key);
+  // The stop key latches, and every byte is decoded. With the mutex.
+  std::optional<Key> hear(unsigned char byte, std::int64_t now_ns);
   std::optional<Key> press_from_pipe(double timeout_s);
 
   bool terminal_;
   int continuations_ = 0;
   std::atomic<bool> at_end_{false};
-  std::atomic<bool> typing_{false}, spare_capital_{false};
+  std::atomic<bool> typing_{false};
+  bool broken_line_ = false;  // the rest of a line is still to come
   termios saved_{};
 
   std::mutex mutex_;  // guards what follows
@@ -71,7 +74,7 @@ class Keyboard {
   std::deque<Key> keys_;
   KeyParser parser_;
   std::uint64_t asked_to_catch_up_ = 0, caught_up_ = 0;
-  bool pausing_ = false, paused_ = false, ending_ = false;
+  bool ending_ = false;
   int wake_ = -1;  // an eventfd
   std::thread thread_;
 };

@@ -65,7 +65,8 @@ Json items_json(const QuestionnaireResults& results, const Protocol& protocol, c
 
 }  // namespace
 
-Json to_json(const QuestionnaireResults& results, const Protocol& protocol, const Names& names) {
+Json to_json(const QuestionnaireResults& results, const Protocol& protocol) {
+  const Names names = condition_names(protocol);
   Json out = {{"participants", results.participants},
               {"alpha", results.alpha},
               {"family", results.tests.family},
@@ -86,7 +87,7 @@ Json to_json(const QuestionnaireResults& results, const Protocol& protocol, cons
                 {"n", choice.n},
                 {"options", Json::array()}};
     for (std::size_t i = 0; i < choice.options.size(); ++i)
-      one["options"].push_back({{"option", option_name(question.options[i], protocol, names)},
+      one["options"].push_back({{"option", question.options[i]},
                                 {"count", choice.options[i].k},
                                 {"share", json_number(choice.options[i].share)},
                                 {"ci_low", json_number(choice.options[i].ci_low)},

@@ -1,8 +1,6 @@
 // Readiness of what a participant touches: devices, their calibration, the loop, and the operator's keyboard.
 #include <algorithm>
 #include <chrono>
-#include <exception>
-#include <thread>
 
 #include <fmt/format.h>
 
@@ -136,19 +134,7 @@ MachineCheck check_calibration(const RigSpec& spec, std::int64_t utc_ns) {
 }
 
 MachineCheck check_loop_jitter(RealtimePolicy policy) {
-  JitterReport report;
-  std::exception_ptr error;
-  std::thread thread([&] {
-    try {
-      SteadyClock clock;
-      report = probe_jitter(policy, kJitter_s, clock, interrupt_requested());
-    } catch (...) {
-      error = std::current_exception();
-    }
-  });
-  thread.join();
-  if (error) std::rethrow_exception(error);
-  MachineCheck check = judge_jitter(report, true);
+  MachineCheck check = judge_jitter(probe_jitter_on_thread(policy, kJitter_s, interrupt_requested()), true);
   check.found = check.name + ": " + check.found;
   check.name = "loop";
   return check;

@@ -189,8 +189,8 @@ ResultTable choices_table(const QuestionnaireResults& results, const Protocol& p
     const std::string of = choice.condition < 0 ? "" : ", " + names[static_cast<std::size_t>(choice.condition)];
     for (std::size_t i = 0; i < choice.options.size(); ++i) {
       const ExactProportion& option = choice.options[i];
-      table.rows.push_back({question.id + of, option_name(question.options[i], protocol, names),
-                            fmt::format("{} of {}", option.k, option.n), percent_text(option.share),
+      table.rows.push_back({question.id + of, question.options[i], fmt::format("{} of {}", option.k, option.n),
+                            percent_text(option.share),
                             percent_text(option.ci_low) + " .. " + percent_text(option.ci_high)});
     }
     if (choice.condition <= 0) table.remarks.push_back(question_line(question));
@@ -222,20 +222,14 @@ ResultTable exposure_table(const QuestionnaireResults& results, const Protocol& 
 
 }  // namespace
 
-std::string option_name(const std::string& option, const Protocol& protocol, const Names& names) {
-  for (std::size_t i = 0; i < names.size(); ++i)
-    if (option == protocol.conditions[i].name) return names[i];
-  return option;
-}
-
 Names condition_names(const Protocol& protocol) {
   Names names;
   for (const Condition& condition : protocol.conditions) names.push_back(condition.name);
   return names;
 }
 
-std::vector<ResultTable> questionnaire_tables(const QuestionnaireResults& results, const Protocol& protocol,
-                                              const Names& names) {
+std::vector<ResultTable> questionnaire_tables(const QuestionnaireResults& results, const Protocol& protocol) {
+  const Names names = condition_names(protocol);
   std::vector<ResultTable> tables = {exposure_table(results, protocol, names), once_table(results, protocol),
                                      scores_table(results, protocol, names), tests_table(results, names),
                                      choices_table(results, protocol, names)};

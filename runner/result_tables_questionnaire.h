@@ -15,14 +15,9 @@ namespace jnd {
 // What each of Protocol::conditions is called in a result.
 std::vector<std::string> condition_names(const Protocol& protocol);
 
-// An option of a choice that names a condition is called as the condition is.
-std::string option_name(const std::string& option, const Protocol& protocol, const std::vector<std::string>& names);
-
-// names: of the conditions, in the protocol's order. Tables without rows are left out.
-std::vector<ResultTable> questionnaire_tables(const QuestionnaireResults& results, const Protocol& protocol,
-                                              const std::vector<std::string>& names);
-nlohmann::ordered_json to_json(const QuestionnaireResults& results, const Protocol& protocol,
-                               const std::vector<std::string>& names);
+// Tables without rows are left out.
+std::vector<ResultTable> questionnaire_tables(const QuestionnaireResults& results, const Protocol& protocol);
+nlohmann::ordered_json to_json(const QuestionnaireResults& results, const Protocol& protocol);
 
 // What was found, in one sentence of plain text.
 std::string questionnaire_summary(const QuestionnaireResults& results);

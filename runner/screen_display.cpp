@@ -14,6 +14,7 @@ namespace jnd {
 namespace {
 
 constexpr std::size_t kPastKept = 50;
+constexpr int kMostScrolled = 8;                       // lines, by one key
 constexpr std::int64_t kHealthEvery_ns = 200'000'000;  // so that the figures can be read
 
 class ScreenDisplay final : public Display {
@@ -21,6 +22,8 @@ class ScreenDisplay final : public Display {
   void begin(const SessionCard& card) override {
     model_.card = card;
     painter_ = std::make_unique<ScreenPainter>();
+    if (!painter_->works()) painter_.reset();
+    if (!painter_) return lines_.begin(card);
     draw();
   }
   void end(const std::string& last_words) override {
@@ -63,6 +66,7 @@ class ScreenDisplay final : public Display {
     if (beep) painter_->beep();
   }
   void feedback(const std::string& words) override {
+    if (!painter_) return lines_.feedback(words);
     model_.say = words;
     model_.aloud = true;
     feedback_ = true;
@@ -78,6 +82,7 @@ class ScreenDisplay final : public Display {
     draw();
   }
   void answer(const std::string& words, const std::string& by) override {
+    if (!painter_) return lines_.answer(words, by);
     model_.answer = words;
     model_.by = by;
     model_.say.clear();
@@ -99,11 +104,15 @@ class ScreenDisplay final : public Display {
     draw();
   }
   void countdown(const std::string& what, double left_s, double total_s) override {
+    if (!painter_) return lines_.countdown(what, left_s, total_s);
     const bool same = model_.countdown && std::ceil(model_.countdown->left_s) == std::ceil(left_s);
     model_.countdown = {what, left_s, total_s};
     if (!same) draw();
   }
-  void countdown_over() override { model_.countdown.reset(); }
+  void countdown_over() override {
+    model_.countdown.reset();
+    lines_.countdown_over();
+  }
 
   void field(const std::string& label, const LineEditor& editor) override {
     if (!painter_) return lines_.field(label, editor);
@@ -126,7 +135,10 @@ class ScreenDisplay final : public Display {
     draw();
   }
   void page(const QuestionnairePage& page) override {
+    if (!painter_) return lines_.page(page);
+    if (model_.page == nullptr || page.at() != question_) model_.scrolled = 0;
     model_.page = &page;
+    question_ = page.at();
     model_.hint = {};
     draw();
   }
@@ -139,12 +151,14 @@ class ScreenDisplay final : public Display {
     if (painter_ && painter_->changed()) draw();
   }
   bool scroll(KeyName key) override {
+    // The last line of a window may be covered by the words that say that there is more.
+    const int window = std::clamp(window_lines_ - 1, 1, kMostScrolled);
     const int by = key == KeyName::down        ? 1
                    : key == KeyName::up        ? -1
-                   : key == KeyName::page_down ? 8
-                   : key == KeyName::page_up   ? -8
+                   : key == KeyName::page_down ? window
+                   : key == KeyName::page_up   ? -window
                                                : 0;
-    if (by == 0 || model_.scene.text.empty()) return false;
+    if (by == 0 || (model_.scene.text.empty() && model_.page == nullptr)) return false;
     model_.scrolled = std::max(0, model_.scrolled + std::min(by, hidden_lines_));
     draw();
     return true;
@@ -162,6 +176,7 @@ class ScreenDisplay final : public Display {
     painter_->changed();
     const Frame frame = lay_out(model_, painter_->rows(), painter_->columns(), painter_->unicode());
     hidden_lines_ = frame.hidden_lines;
+    window_lines_ = frame.window_lines;
     painter_->paint(frame);
   }
 
@@ -170,7 +185,8 @@ class ScreenDisplay final : public Display {
   LineDisplay lines_{true};
   SteadyClock clock_;
   std::int64_t health_shown_ns_ = 0;
-  int hidden_lines_ = 0;
+  int hidden_lines_ = 0, window_lines_ = 0;
+  std::size_t question_ = 0;  // of the page, that is shown
   bool feedback_ = false;
 };
 

@@ -81,15 +81,25 @@ Frame lay_out(const ScreenModel& model, int rows, int columns, bool unicode) {
   const int main_rows = free - static_cast<int>(status.size() + past.size());
   const int scrollable = std::max(0, wanted - main_rows);
   const int scrolled = std::min(model.scrolled, scrollable);
+  // The head and the foot of the middle stay; what is between them is seen through a window.
+  const int head = std::min(static_cast<int>(middle.least), main_rows);
+  const int foot = scrollable > 0 ? std::min(static_cast<int>(middle.foot), main_rows - head) : 0;
+  const int window_end = main_rows - foot;
   for (int i = 0; i < main_rows; ++i) {
-    const int from = i < static_cast<int>(middle.least) ? i : i + scrolled;
+    const int from = i < head ? i : i < window_end ? i + scrolled : i + scrollable;
     frame.rows.push_back(from < wanted ? middle.rows[static_cast<std::size_t>(from)] : Row{});
   }
+  frame.window_lines = window_end - head;
   frame.hidden_lines = scrollable - scrolled;
-  if (frame.hidden_lines > 0 && main_rows > 0)
-    frame.rows.back() = {
-        span(paper, 1, fmt::format("{} more lines: arrow down", frame.hidden_lines + 1), {.reverse = true})};
-  if (middle.cursor) frame.cursor = {main_from + middle.cursor->first, middle.cursor->second};
+  if (frame.hidden_lines > 0 && frame.window_lines > 0)
+    frame.rows[static_cast<std::size_t>(main_from + window_end - 1)] = {span(
+        paper, 1,
+        fmt::format("{} more lines: {}", frame.hidden_lines + 1, model.page != nullptr ? "Page Down" : "arrow down"),
+        {.reverse = true})};
+  if (middle.cursor) {
+    const int row = middle.cursor->first;
+    frame.cursor = {main_from + (row < wanted - foot ? row : row - scrollable), middle.cursor->second};
+  }
   for (const std::vector<Row>* part : {&past, &std::as_const(status), &std::as_const(bottom)})
     frame.rows.insert(frame.rows.end(), part->begin(), part->end());
   return frame;

@@ -20,7 +20,7 @@ struct ScreenModel {
   std::vector<ConditionProgress> progress;
   std::optional<DeviceHealth> health;
   Scene scene;
-  int scrolled = 0;  // lines of the scene's text above the window
+  int scrolled = 0;  // lines of the scene's text, or of the page, above the window
   std::string say;   // to the participant, now; or what goes on
   bool aloud = false;
   std::string answer, by;      // the last one, and who entered it
@@ -59,7 +59,8 @@ using Row = std::vector<Span>;
 struct Frame {
   std::vector<Row> rows;
   std::optional<std::pair<int, int>> cursor;  // row and column
-  int hidden_lines = 0;                       // of the scene's text, below the window
+  int hidden_lines = 0;                       // of the scene's text or of the page, below the window
+  int window_lines = 0;                       // of them, in the window
 };
 
 // unicode: block characters, lines and ellipses; otherwise ASCII.

@@ -64,7 +64,12 @@ MainPart main_part(const Paper& paper, const ScreenModel& model) {
     part = page_part(paper, *model.page);
     if (!model.hint.text.empty()) {
       const Row hint = {span(paper, 1, model.hint.text, style_of(model.hint.tone))};
-      part.rows.insert(part.rows.begin() + static_cast<std::ptrdiff_t>(part.least++), hint);
+      if (part.foot > 0) {
+        part.rows.push_back(hint);
+        ++part.foot;
+      } else {
+        part.rows.insert(part.rows.begin() + static_cast<std::ptrdiff_t>(part.least++), hint);
+      }
     }
     return part;
   }
@@ -130,6 +135,7 @@ void add_question(const Paper& paper, const QuestionnairePage& page, MainPart& p
   if (!item.about.empty()) place += fmt::format("about condition: {}   ", item.about);
   if (!question.required) place += "may be left empty";
   if (!place.empty()) part.rows.push_back({span(paper, 1, place, kDim)});
+  part.least = part.rows.size();
   add_text(paper, question.text, kBold, part.rows);
   if (question.kind == Question::Kind::rating) add_scale(paper, question, part.rows);
   if (question.kind == Question::Kind::number)
@@ -140,7 +146,9 @@ void add_question(const Paper& paper, const QuestionnairePage& page, MainPart& p
   const std::string label = question.kind == Question::Kind::confirm  ? "y once it is so"
                             : question.kind == Question::Kind::choice ? "Number"
                                                                       : "Answer";
+  const std::size_t before = part.rows.size();
   add_field(paper, {label, page.editor().text(), page.editor().before_cursor()}, part);
+  part.foot = part.rows.size() - before;
 }
 
 void add_review(const Paper& paper, const QuestionnairePage& page, MainPart& part) {
@@ -158,8 +166,11 @@ MainPart page_part(const Paper& paper, const QuestionnairePage& page) {
   else
     add_question(paper, page, part);
   if (!page.mistake().empty()) part.rows.push_back({span(paper, 1, page.mistake(), style_of(Tone::warning))});
+  if (!page.reviewing()) {
+    part.foot += page.mistake().empty() ? 0 : 1;
+    return part;
+  }
   part.least = part.rows.size();
-  if (!page.reviewing()) return part;
   for (std::size_t i = 0; i < page.items().size(); ++i) {
     const QuestionnairePage::Item& item = page.items()[i];
     const std::string question =

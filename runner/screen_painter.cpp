@@ -109,6 +109,10 @@ bool ScreenPainter::changed() {
   return changed;
 }
 
+bool ScreenPainter::works() const noexcept {
+  return screen_->screen != nullptr;
+}
+
 unsigned long ScreenPainter::attributes(const Style& style) const {
   chtype attributes = A_NORMAL;
   if (style.bold) attributes |= A_BOLD;

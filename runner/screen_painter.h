@@ -17,6 +17,8 @@ class ScreenPainter {
 
   // Whether this terminal can show a screen at all.
   static bool possible();
+  // Whether ncurses could begin; otherwise nothing is painted.
+  bool works() const noexcept;
   bool unicode() const noexcept { return unicode_; }
   int rows() const noexcept;
   int columns() const noexcept;

@@ -90,7 +90,7 @@ Row trial_row(const Paper& paper, const ScreenModel& model) {
   std::string rest;
   if (!outline.practice) rest += fmt::format("   block {} of {}", outline.block, outline.blocks);
   if (outline.practice && outline.round > 1) rest += fmt::format("   round {}", outline.round);
-  rest += fmt::format("   condition {}", outline.condition_code);
+  if (!outline.condition_code.empty()) rest += fmt::format("   condition {}", outline.condition_code);
   if (outline.attempt > 1) rest += fmt::format("   attempt {}", outline.attempt);
   if (!outline.practice) rest += fmt::format("   about {} left", duration_text(outline.time_left_s));
   return {span(paper, 1, head, kBold), span(paper, 1 + columns_of(head), rest)};

@@ -33,7 +33,8 @@ std::vector<Row> key_rows(const Paper& paper, const std::vector<KeyHint>& keys, 
 struct MainPart {
   std::vector<Row> rows;
   std::optional<std::pair<int, int>> cursor;
-  std::size_t least = 0;  // rows from the top that must be seen; the rest may be scrolled
+  std::size_t least = 0;  // rows from the top that must be seen
+  std::size_t foot = 0;   // rows from the end that must be seen; what is between may be scrolled
 };
 MainPart main_part(const Paper& paper, const ScreenModel& model);
 MainPart page_part(const Paper& paper, const QuestionnairePage& page);

@@ -23,7 +23,9 @@ std::atomic<int> continuations{0};
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
 std::terminate_handler terminate_before = nullptr;
 
-constexpr std::array kCrashes = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS, SIGTRAP, SIGQUIT};
+// Whatever ends the program unless it is caught, but for the signals of interrupt.cpp.
+constexpr std::array kCrashes = {SIGSEGV, SIGBUS,  SIGFPE,  SIGILL,  SIGABRT, SIGSYS,  SIGTRAP,
+                                 SIGQUIT, SIGPIPE, SIGXCPU, SIGALRM, SIGUSR1, SIGUSR2, SIGVTALRM};
 
 // SA_RESETHAND has put the signal's own way back: it ends the program, once this returns.
 void on_crash(int signal_number) {
@@ -45,9 +47,15 @@ void install_once() noexcept {
   static bool installed = false;
   if (installed) return;
   installed = true;
+  // Where the stack is used up the handler needs another one.
+  static std::array<char, 65536> handlers_stack;
+  stack_t stack{};
+  stack.ss_sp = handlers_stack.data();
+  stack.ss_size = handlers_stack.size();
+  sigaltstack(&stack, nullptr);
   struct sigaction crash {};
   crash.sa_handler = on_crash;
-  crash.sa_flags = SA_RESETHAND;
+  crash.sa_flags = SA_RESETHAND | SA_ONSTACK;
   sigemptyset(&crash.sa_mask);
   for (const int signal_number : kCrashes) sigaction(signal_number, &crash, nullptr);
   struct sigaction go_on {};

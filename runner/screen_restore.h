@@ -7,9 +7,9 @@
 
 namespace jnd {
 
-// From here on a crash (SIGSEGV, SIGABRT, SIGQUIT, ...), std::terminate and exit put the terminal back to `settings`
-// first. Handlers are installed once. SIGTSTP is ignored as long as a session has the terminal, since a session must
-// not be frozen while a device is on a finger.
+// From here on a crash or another signal that ends the program (SIGSEGV, SIGABRT, SIGQUIT, SIGPIPE, SIGUSR1, ...),
+// std::terminate and exit put the terminal back to `settings` first. Handlers are installed once. SIGTSTP is ignored as
+// long as a session has the terminal, since a session must not be frozen while a device is on a finger.
 void guard_terminal(const termios& settings) noexcept;
 void forget_terminal() noexcept;
 // What leaves the full screen and shows the cursor again; empty: nothing is needed. Copied, at most 255 bytes.

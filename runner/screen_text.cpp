@@ -3,6 +3,7 @@
 #include <array>
 
 #include "runner/line_editor.h"
+#include "runner/terminal.h"
 
 namespace jnd {
 
@@ -11,12 +12,6 @@ namespace {
 struct Range {
   char32_t first, last;
 };
-// Combining marks and joiners; the blocks of UAX 11's wide characters. Whole blocks: a table of every character is not
-// needed for notes and questions.
-constexpr std::array kZero = {Range{0x300, 0x36f}, Range{0x200b, 0x200d}, Range{0x20d0, 0x20ff}, Range{0xfe00, 0xfe0f}};
-constexpr std::array kWide = {Range{0x1100, 0x115f}, Range{0x2e80, 0xa4cf},   Range{0xac00, 0xd7a3},
-                              Range{0xf900, 0xfaff}, Range{0xfe30, 0xfe6f},   Range{0xff00, 0xff60},
-                              Range{0xffe0, 0xffe6}, Range{0x1f300, 0x1faff}, Range{0x20000, 0x3fffd}};
 // C0 and C1 controls, and what turns the direction of writing.
 constexpr std::array kUnsafe = {Range{0, 0x1f},        Range{0x7f, 0x9f},     Range{0x200e, 0x200f},
                                 Range{0x2028, 0x202e}, Range{0x2066, 0x2069}, Range{0xfeff, 0xfeff}};
@@ -29,13 +24,11 @@ bool within(const std::array<Range, N>& ranges, char32_t c) {
 }
 
 int width(char32_t c) {
-  return within(kZero, c) ? 0 : within(kWide, c) ? 2 : 1;
+  return static_cast<int>(display_width(to_utf8(std::u32string(1, c))));
 }
 
 int width(const std::u32string& text) {
-  int columns = 0;
-  for (const char32_t c : text) columns += width(c);
-  return columns;
+  return static_cast<int>(display_width(to_utf8(text)));
 }
 
 // As many characters as fit.

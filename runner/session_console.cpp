@@ -45,14 +45,11 @@ SessionConsole::SessionConsole(const ConsoleOptions& options, const Protocol& pr
       clock_(clock),
       display_(std::move(display)),
       keys_(keyboard, interrupts, *display_),
-      question_keys_(question_keys(protocol.timeline)) {
-  if (keyboard_ != nullptr)
-    keyboard_->spare_capital_stop(protocol.timeline.key_same == 'X' || protocol.timeline.key_different == 'X');
-}
+      question_keys_(question_keys(protocol.timeline)) {}
 
 void SessionConsole::begin(const SessionCard& card) {
   SessionCard safe = card;
-  for (std::string* text : {&safe.title, &safe.participant, &safe.study, &safe.language}) *text = printable(*text);
+  for (std::string* text : {&safe.title, &safe.participant}) *text = printable(*text);
   display_->begin(safe);
   if (display_->by_lines() || !warned_) return;
   // What was said before the screen came has gone with it: once more, until it is read.
@@ -78,7 +75,7 @@ void SessionConsole::acknowledge(const std::string& heading, const std::string& 
     const std::optional<Key> key = keys_.next();
     if (!key || display_->scroll(key->name)) continue;
     if (keys.action_of(*key)) return;
-    display_->explain(Tone::quiet, keys.explanation(*key));
+    explain(keys, *key);
   }
 }
 
@@ -90,6 +87,10 @@ void SessionConsole::show(const Scene& scene) {
   scene_ = scene;
   if (!keys_.anybody()) scene_.keys.clear();
   display_->scene(scene_);
+}
+
+void SessionConsole::explain(const KeyMap& keys, const Key& pressed) {
+  display_->explain(stops(pressed) ? Tone::warning : Tone::quiet, keys.explanation(pressed));
 }
 
 OperatorWish SessionConsole::wish_at(const Scene& scene, const KeyMap& keys, bool pausable) {
@@ -111,7 +112,7 @@ OperatorWish SessionConsole::wish_at(const Scene& scene, const KeyMap& keys, boo
     if (!key || display_->scroll(key->name)) continue;
     const std::optional<Action> action = keys.action_of(*key);
     if (!action) {
-      display_->explain(Tone::quiet, keys.explanation(*key));
+      explain(keys, *key);
       continue;
     }
     if (const std::optional<OperatorWish> wish = wish_of(*action, keys)) return *wish;
@@ -126,14 +127,21 @@ OperatorWish SessionConsole::wish_at(const Scene& scene, const KeyMap& keys, boo
 
 void SessionConsole::outline_scene(const TrialOutline& outline, Scene& scene) const {
   scene.heading = outline_text(outline);
-  scene.beside = fmt::format("condition {}", printable(outline.condition_code));
+  std::vector<std::string> parts;
+  if (!outline.condition_code.empty()) parts.push_back(fmt::format("condition {}", printable(outline.condition_code)));
   if (!outline.practice)
-    scene.beside += fmt::format("  block {} of {}  about {} left", outline.block, outline.blocks,
-                                duration_text(outline.time_left_s));
-  if (outline.attempt > 1) scene.beside += fmt::format("  (attempt {})", outline.attempt);
+    parts.push_back(fmt::format("block {} of {}  about {} left", outline.block, outline.blocks,
+                                duration_text(outline.time_left_s)));
+  if (outline.attempt > 1) parts.push_back(fmt::format("(attempt {})", outline.attempt));
+  scene.beside = fmt::format("{}", fmt::join(parts, "  "));
 }
 
 OperatorWish SessionConsole::ready(const TrialOutline& outline) {
+  // An end that was asked for at the question, where a stop came in between, is still meant; a wish about that trial
+  // has nothing left to be about.
+  if (const auto decided = std::exchange(decided_, std::nullopt);
+      decided && (decided->wish == Wish::end_for_now || decided->wish == Wish::end_for_good))
+    return *decided;
   display_->outline(outline);
   Scene scene;
   outline_scene(outline, scene);
@@ -162,6 +170,7 @@ OperatorWish SessionConsole::meanwhile() {
 }
 
 OperatorWish SessionConsole::paused(const std::string& cause) {
+  display_->countdown_over();  // of free interaction that it broke off
   Scene scene;
   scene.tone = Tone::warning;
   scene.heading = "Paused";
@@ -182,14 +191,17 @@ void SessionConsole::cue(CuePlace place, const CueSignal& cue) {
   const bool aloud = !cue.say.empty(), beep = cue.kind == "sound";
   const std::string words = aloud ? printable(cue.say) : kDefault[static_cast<std::size_t>(place)];
   if (place == CuePlace::question) {
-    note_wishes(keys_.prompt(), question_keys_);
+    question_words_ = words;
+    question_aloud_ = aloud;
     display_->say(place, words, aloud, beep);
+    // Only now can it be answered: a key that came while it was drawn is early.
+    note_wishes(keys_.prompt(), question_keys_);
     cue_shown_ns_ = clock_.now_ns();
     return;
   }
-  std::vector<KeyHint> hints = question_keys_.hints();
-  hints.erase(hints.begin(), hints.begin() + 2);  // without the answers, which nobody waits for yet
-  if (keys_.anybody()) display_->working_keys(hints);
+  if (keys_.anybody())
+    display_->working_keys(
+        question_keys_.without({Action::answer_same, Action::answer_different, Action::help}).hints());
   display_->say(place, words, aloud, beep);
 }
 
@@ -240,7 +252,7 @@ bool SessionConsole::storage_trouble(const std::string& message) {
       if (confirm("End the session? What was not saved is lost.")) return false;
       display_->keys_again();
     } else if (!action) {
-      display_->explain(Tone::quiet, keys.explanation(*key));
+      explain(keys, *key);
     }
   }
   return false;
@@ -266,11 +278,13 @@ void SessionConsole::break_begins(const Break& pause, bool asked_by_operator) {
   if (keys_.anybody() && pause.duration_s > 0) scene.keys = break_keys(false).hints();
   note_wishes(keys_.prompt(), question_keys_);
   show(scene);
+  break_scene_ = scene;
 }
 
 // Asked again after a note or a pause: the countdown goes on.
 OperatorWish SessionConsole::break_over(const Break& pause) {
   const KeyMap keys = break_keys(false);
+  if (!display_->by_lines() && clock_.now_ns() < break_ends_ns_) show(break_scene_);  // a pause had the screen
   for (std::int64_t now = clock_.now_ns(); now < break_ends_ns_; now = clock_.now_ns()) {
     if (keys_.ended()) return {Wish::end_for_now, {}};
     if (keys_.pause_asked()) return {Wish::pause, {}};
@@ -278,6 +292,10 @@ OperatorWish SessionConsole::break_over(const Break& pause) {
     display_->refresh();
     for (const Key& key : keys_.drain()) {
       const std::optional<Action> action = keys.action_of(key);
+      if (stops(key)) {
+        explain(keys, key);
+        continue;
+      }
       if (!action) {
         display_->explain(Tone::quiet, fmt::format("the break is not over: {} left",
                                                    duration_text(static_cast<double>(break_ends_ns_ - now) * 1e-9)));
@@ -312,7 +330,7 @@ bool SessionConsole::consent(const std::string& text) {
       if (confirm("No consent: the session ends for good. Is that right?")) return false;
       if (!keys_.ended()) display_->keys_again();
     } else {
-      display_->explain(Tone::quiet, keys.explanation(*key));
+      explain(keys, *key);
     }
   }
   request_interrupt();  // no answer is no refusal
@@ -320,13 +338,14 @@ bool SessionConsole::consent(const std::string& text) {
 }
 
 OperatorWish SessionConsole::ready_to_explore(const ExplorationOutline& outline) {
+  display_->countdown_over();  // of the one before
   Scene scene;
   scene.heading = fmt::format("Free interaction {} of {}", outline.number, outline.total);
   scene.beside = fmt::format("condition {}  {}", printable(outline.condition_code), duration_text(outline.duration_s));
   if (outline.attempt > 1) scene.beside += fmt::format("  (attempt {})", outline.attempt);
-  scene.text = fmt::format("Object: {}. {}", printable(outline.object),
-                           outline.devices ? "The participant wears the devices."
-                                           : "Bare hands: take the devices off, lay out the real object.");
+  scene.text =
+      fmt::format("Object: {}. {}", printable(outline.object),
+                  outline.devices ? "The participant wears the devices." : "Bare hands: take the devices off.");
   exploring_s_ = outline.duration_s;
   OperatorWish wish = wish_at(scene, ready_to_explore_keys(), true);
   if (wish.wish == Wish::go_on && keys_.anybody()) {

@@ -52,6 +52,8 @@ class SessionConsole final : public Console, private Responder {
   // Shows a scene and waits for one of its keys. Pauses and ends come back as wishes, go_on and clear_stop as go_on.
   OperatorWish wish_at(const Scene& scene, const KeyMap& keys, bool pausable);
   void show(const Scene& scene);
+  // To somebody who pressed a key that none of the keys is.
+  void explain(const KeyMap& keys, const Key& pressed);
   // Until the operator has read it.
   void acknowledge(const std::string& heading, const std::string& text);
   // What a key asks for, after its dialog; none where the operator thought better of it.
@@ -61,10 +63,13 @@ class SessionConsole final : public Console, private Responder {
   // One of the keys; 0 for Escape and where the session is to end.
   char32_t choose(const std::string& question, const std::vector<KeyHint>& keys);
   void help(const KeyMap& keys);
+  // While an answer is taken: what was to be said comes back after it.
+  void help_with_question();
   // Keys pressed while nothing was asked: what they mean, for later.
   void note_wishes(const std::vector<Key>& keys, const KeyMap& map);
   std::optional<OperatorWish> noted_wish(const KeyMap& keys);
   std::optional<Answer> answer_of(Action action, std::int64_t key_ns) const;
+  void answer_taken();
   // False: it was left.
   bool ask_by_keys(QuestionnairePage& page);
   bool ask_by_lines(QuestionnairePage& page);
@@ -84,7 +89,10 @@ class SessionConsole final : public Console, private Responder {
   std::vector<Action> noted_;            // asked for while nothing could be done about it
   std::optional<OperatorWish> decided_;  // what meanwhile() is to say
   std::int64_t cue_shown_ns_ = 0;        // the question's, of clock_
-  std::int64_t break_ends_ns_ = 0;       // of clock_
+  std::string question_words_;
+  bool question_aloud_ = false;
+  std::int64_t break_ends_ns_ = 0;  // of clock_
+  Scene break_scene_;
   double exploring_s_ = 0;               // length of the free interaction that goes on
   std::optional<Action> broken_off_by_;  // of it: what meanwhile() is to ask about
   std::vector<std::string> unfinished_;  // what was typed on a page that a pause or a dialog broke off

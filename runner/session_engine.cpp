@@ -25,6 +25,7 @@ SessionEngine::SessionEngine(const SessionParts& parts)
 }
 
 SessionEnd SessionEngine::run(const SessionState& state, ResumeSteps steps) {
+  if (state.ended_for_good) return SessionEnd::closed_early;  // all but closing it was done before
   progress_.start(state);
   try {
     open_session(steps);
@@ -60,8 +61,9 @@ SessionEnd SessionEngine::run(const SessionState& state, ResumeSteps steps) {
 // What comes before the first trial, and what an interruption left behind.
 void SessionEngine::open_session(ResumeSteps steps) {
   if (steps.redo_block) redo_interrupted_block();
-  settle_pending();
-  if (steps.practice_again) practise_again();
+  settle_pending(steps.redo_block);
+  // Also where the last resume asked for it and it did not come to it.
+  if (steps.practice_again || progress_.state().practice_due) practise_again();
   check_list();
   instruct(Instruction::When::before_session);
   consent();
@@ -69,15 +71,15 @@ void SessionEngine::open_session(ResumeSteps steps) {
 }
 
 // A stimulus that was felt and has no answer is presented again, as a new attempt.
-void SessionEngine::settle_pending() {
+void SessionEngine::settle_pending(bool in_its_place) {
   const std::optional<PendingTrial> pending = progress_.state().pending;
   if (!pending) return;
   progress_.state().pending.reset();
   for (const Trial& planned : plan_.trials)
     if (planned.index == pending->index) {
       const Trial trial = progress_.resolved(planned);
-      conductor_.log_void(trial, pending->attempt, "interrupted", {}, false);
-      progress_.voided(trial, pending->attempt, false);
+      conductor_.log_void(trial, pending->attempt, "interrupted", {}, false, in_its_place);
+      progress_.voided(trial, pending->attempt, false, in_its_place);
     }
 }
 
@@ -87,7 +89,8 @@ void SessionEngine::take_back(const Trial& trial, int attempt, bool anew, const 
   progress_.voided(trial, attempt, false, anew);
 }
 
-// The block in which the session stood begins anew, in its planned order.
+// The block in which the session stood begins anew, in its planned order; what was voided there without an answer comes
+// at its end, as it would have.
 void SessionEngine::redo_interrupted_block() {
   for (const std::vector<Trial>& block : main_blocks()) {
     if (progress_.open_trials(block).empty()) continue;
@@ -100,10 +103,13 @@ void SessionEngine::redo_interrupted_block() {
 }
 
 void SessionEngine::practise_again() {
-  if (!protocol_.practice || progress_.state().completed.empty()) return;
+  if (!protocol_.practice || progress_.main_left() == 0) return;
   const std::vector<TrialRecord> completed = progress_.state().completed;
+  // The last round that was begun, also where its answers were taken back before.
   int round = 0;
-  for (const TrialRecord& record : completed) round = std::max(round, record.trial.round);
+  for (const Trial& trial : plan_.trials)
+    if (trial.practice && progress_.state().attempts.contains(trial.index)) round = std::max(round, trial.round);
+  if (round == 0) return;
   for (const TrialRecord& record : completed)
     if (record.trial.practice && record.trial.round == round)
       take_back(record.trial, record.attempt, true, "practice_again");
@@ -118,8 +124,10 @@ void SessionEngine::check_list() {
   for (const Question& item : protocol_.checklist) page.push_back({item, -1});
   const std::optional<Replies> replies = parts_.responder.reply_all(page);
   if (!replies) {
-    if (!parts_.interrupts.pause) throw SessionEnds{false, "operator", "the checklist was not completed"};
-    return check_list();  // Ctrl-C: a pause, then the list again
+    heed_interrupts(parts_, recorder_, after_trial());  // Ctrl-C: a pause, then the list again
+    const OperatorWish wish = parts_.view.meanwhile();
+    if (wish.wish == Wish::go_on) return check_list();
+    throw SessionEnds{wish.wish == Wish::end_for_good, "operator", wish.text};
   }
   for (std::size_t i = 0; i < page.size(); ++i) {
     const std::optional<std::string>& answer = (*replies)[i];
@@ -380,7 +388,8 @@ TrialOutline SessionEngine::outline_of(const Trial& trial) const {
   outline.attempt = progress_.next_attempt(trial.index);
   outline.block = trial.block;
   outline.blocks = blocks_;
-  outline.condition_code = codes_[static_cast<std::size_t>(trial.condition)];
+  // None in practice: it takes the conditions in the protocol's own order, which would name the letters.
+  if (!trial.practice) outline.condition_code = codes_[static_cast<std::size_t>(trial.condition)];
   if (trial.practice) {
     outline.total = protocol_.practice->trials;
     outline.number = 1 + progress_.round_answered(trial.round);

@@ -42,7 +42,7 @@ class SessionEngine {
   enum class BlockEnd { over, reordered };  // reordered: a trial of an earlier block is open again
 
   void open_session(ResumeSteps steps);
-  void settle_pending();
+  void settle_pending(bool in_its_place);  // or at the end of its block
   void redo_interrupted_block();
   void practise_again();
   void take_back(const Trial& trial, int attempt, bool anew, const std::string& reason);

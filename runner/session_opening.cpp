@@ -51,6 +51,7 @@ SessionTarget resumed_target(const Study& study, const Protocol& protocol, const
   target.resumed = session;
   target.state = replay(study.events(session.id));
   target.check = check_resume(target.state, protocol.resume, request.now);
+  if (request.responder != "keyboard") target.check.practice_again = target.check.redo_block = false;  // no person
   target.language = request.language.value_or(session.language);
   if (request.kind != SessionKind::simulated && target.check.too_long && request.accept_gap.empty())
     throw UsageError(fmt::format(

@@ -72,6 +72,8 @@ void pause_session(const SessionParts& parts, const SessionRecorder& recorder, c
       break;
   }
   forget_pause();
+  // A Ctrl-C during the pause asked for what was already there; its stop goes with it.
+  if (!parts.interrupts.end) parts.rig.stop.clear_if(StopSource::signal);
   recorder.append(event_kind::kContinued, {{"paused_s", seconds_since(parts, began)}});
 }
 
@@ -79,8 +81,16 @@ void heed_interrupts(const SessionParts& parts, const SessionRecorder& recorder,
   if (parts.interrupts.end) throw SessionEnds{false, "signal", {}};
   if (!parts.interrupts.pause) return;
   // Ctrl-C has latched the rig's stop too: the pause takes its place.
-  if (parts.rig.stop.source() == StopSource::signal) parts.rig.stop.clear();
+  parts.rig.stop.clear_if(StopSource::signal);
   pause_session(parts, recorder, "ctrl-c", {}, after_trial);
+}
+
+void recover_from_stop(const SessionParts& parts, const SessionRecorder& recorder, const std::string& stopped_by,
+                       int after_trial) {
+  const OperatorWish wish = settle(parts, recorder, after_trial, [&] { return parts.view.recover(stopped_by); });
+  parts.rig.stop.clear();
+  recorder.append(event_kind::kStopCleared,
+                  {{"stopped_by", stopped_by}, {"reason", wish.text.empty() ? "cleared by the operator" : wish.text}});
 }
 
 }  // namespace jnd

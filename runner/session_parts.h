@@ -70,6 +70,10 @@ void pause_session(const SessionParts& parts, const SessionRecorder& recorder, c
 // Pauses where Ctrl-C was pressed, ends where a signal or a second Ctrl-C asks for it. Call between steps.
 void heed_interrupts(const SessionParts& parts, const SessionRecorder& recorder, int after_trial);
 
+// The rig's stop is latched: only a person's word clears it. Throws SessionEnds where the session ends instead.
+void recover_from_stop(const SessionParts& parts, const SessionRecorder& recorder, const std::string& stopped_by,
+                       int after_trial);
+
 template <typename Ask>
 OperatorWish settle(const SessionParts& parts, const SessionRecorder& recorder, int after_trial, Ask&& again) {
   for (;;) {

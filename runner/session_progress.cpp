@@ -10,7 +10,7 @@ SessionProgress::SessionProgress(const Protocol& protocol, const Plan& plan)
 
 void SessionProgress::start(SessionState state) {
   state_ = std::move(state);
-  may_take_back_ = true;
+  may_take_back_ = !state_.taken_back;
   replay_answers();
 }
 

@@ -20,10 +20,12 @@ struct TrialOutline {
   bool practice = false;
   int round = 0;  // of practice
   int attempt = 1;
-  int block = 0, blocks = 0;   // of the main part
-  std::string condition_code;  // "A", "B", ...: the same letter for a condition throughout the study
+  int block = 0, blocks = 0;  // of the main part
+  // "A", "B", ...: the same letter for a condition throughout the study. Empty in practice, whose conditions come in
+  // the protocol's own order, which would say what the letters stand for.
+  std::string condition_code;
   double time_left_s = 0;      // at the participant's own pace
-  bool can_void_last = false;  // there is a last answer of this session's present block to take back
+  bool can_void_last = false;  // there is a last answer, of the same part of the session, to take back
 };
 
 // Progress of one coded condition in the main part.
@@ -47,7 +49,7 @@ struct DeviceHealth {
 struct ExplorationOutline {
   int number = 0, total = 0;
   std::string condition_code;
-  std::string object;  // what is to be laid out or rendered
+  std::string object;  // its name in the protocol
   bool devices = true;
   double duration_s = 0;
   int attempt = 1;

@@ -41,7 +41,7 @@ TrialConductor::Outcome TrialConductor::conduct(const Trial& trial, const TrialO
   ticks_.clear();
   // A stop that came between trials: nothing is presented before a person has cleared it.
   if (parts_.person && parts_.rig.stop.latched())
-    recover_from_stop(std::string(to_string(parts_.rig.stop.source())), after_trial);
+    recover_from_stop(parts_, recorder_, std::string(to_string(parts_.rig.stop.source())), after_trial);
   recorder_.mark(event_kind::kTrialBegan, {{"index", trial.index}, {"attempt", outline.attempt}});
   const std::int64_t began = parts_.clock.now_ns();
   Outcome outcome;
@@ -107,7 +107,8 @@ bool TrialConductor::voided_after(const Attempt& attempt, int interval, const Pr
   }
   if (presentation.fault == Fault::none) return voided_by_wish(attempt, outcome);
   void_attempt(attempt, std::string(to_string(presentation.fault)), {}, true, outcome);
-  if (presentation.fault == Fault::emergency_stop) recover_from_stop(presentation.stopped_by, attempt.after_trial);
+  if (presentation.fault == Fault::emergency_stop)
+    recover_from_stop(parts_, recorder_, presentation.stopped_by, attempt.after_trial);
   return true;
 }
 
@@ -141,7 +142,7 @@ void TrialConductor::voided_unanswered(const Attempt& attempt, Outcome& outcome)
   const StopSource source = parts_.rig.stop.source();
   if (source != StopSource::none) {
     void_attempt(attempt, std::string(to_string(Fault::emergency_stop)), {}, true, outcome);
-    recover_from_stop(std::string(to_string(source)), attempt.after_trial);
+    recover_from_stop(parts_, recorder_, std::string(to_string(source)), attempt.after_trial);
     return;
   }
   if (!voided_by_wish(attempt, outcome)) void_attempt(attempt, "no_answer", {}, true, outcome);
@@ -170,14 +171,6 @@ void TrialConductor::log_void(const Trial& trial, int attempt, const std::string
   if (!ticks_.empty()) body["telemetry"] = telemetry_body(ticks_);
   recorder_.append(event_kind::kTrialVoided, body, ticks_);
   ticks_.clear();
-}
-
-// Only a person's word clears the latch.
-void TrialConductor::recover_from_stop(const std::string& stopped_by, int after_trial) {
-  const OperatorWish wish = settle(parts_, recorder_, after_trial, [&] { return parts_.view.recover(stopped_by); });
-  parts_.rig.stop.clear();
-  recorder_.append(event_kind::kStopCleared,
-                   {{"stopped_by", stopped_by}, {"reason", wish.text.empty() ? "cleared by the operator" : wish.text}});
 }
 
 bool TrialConductor::cue(const Attempt& attempt, CuePlace place, Outcome& outcome) {

@@ -52,7 +52,6 @@ class TrialConductor {
                     Outcome& outcome);
   // Felt, but ended by us: it comes again, and the log knows that it was felt.
   void void_interrupted(const Attempt& attempt, const std::string& reason);
-  void recover_from_stop(const std::string& stopped_by, int after_trial);
   void sleep_s(double seconds);
 
   const SessionParts& parts_;

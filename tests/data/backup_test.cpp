@@ -101,6 +101,38 @@ TEST_CASE("a backup never takes another file's place unasked", "[data]") {
   CHECK(backup_of(path, folder / "again.jnd").written);
 }
 
+TEST_CASE("a backup takes the place of an earlier one only", "[data]") {
+  const TemporaryFolder folder;
+  const auto path = filled_study(folder);
+  const auto is_kept = [&](const std::filesystem::path& to) {
+    const std::string before = bytes_of(to);
+    CHECK_THROWS_WITH(backup_of(path, to, true), Catch::Contains("is no backup of this study"));
+    CHECK(bytes_of(to) == before);
+  };
+  write_bytes(folder / "thesis.tex", "precious");
+  is_kept(folder / "thesis.tex");
+  Study::create(folder / "other-seed", "tutorial", tutorial().bytes, 7, kLater)->close();
+  is_kept(folder / "other-seed");
+  new_study(folder / "other-protocol", chinello())->close();
+  is_kept(folder / "other-protocol");
+  REQUIRE(backup_of(path, folder / "backup.jnd").written);
+  CHECK(backup_of(path, folder / "backup.jnd", true).written);
+}
+
+TEST_CASE("a study that cannot be read is named, and not its backup", "[data]") {
+  const TemporaryFolder folder;
+  const auto path = filled_study(folder);
+  const auto study = Study::open(path, Study::Access::read_only);
+  SQLite::Database database(path.string(), SQLite::OPEN_READONLY);
+  const int page = database.execAndGet("SELECT rootpage FROM sqlite_schema WHERE name = 'study'").getInt();
+  std::string bytes = bytes_of(path);
+  bytes.replace(static_cast<std::size_t>(page - 1) * 4096, 4096, 4096, '\xFF');
+  bytes[27] = static_cast<char>(bytes[27] + 1);  // the counter of changes: what was read before is read again
+  write_bytes(path, bytes);
+  CHECK_THROWS_WITH(back_up(*study, folder / "backup.jnd", false), Catch::StartsWith(path.string() + ": "));
+  CHECK_FALSE(std::filesystem::exists(folder / "backup.jnd"));
+}
+
 TEST_CASE("a damaged study does not take the place of a good backup", "[data]") {
   const TemporaryFolder folder;
   const auto path = filled_study(folder);

@@ -68,15 +68,40 @@ TEST_CASE("excluded participants neither finish a study nor hold it up", "[blind
   CHECK(blinding_of(*study, of_two(), SessionKind::real).finished == 1);
 }
 
-TEST_CASE("a plan is sealed before the first session, and not in a study of rehearsals alone", "[blinding]") {
+TEST_CASE("a session that was ended early for good neither finishes a study nor holds it up", "[blinding]") {
+  const TemporaryFolder folder;
+  const std::unique_ptr<Study> study = new_study(folder / "s.sqlite");
+  run_whole_session(*study, of_two(), 1, SessionKind::real);
+  const NewSession refused = new_session(2, SessionKind::real), left = new_session(3, SessionKind::real);
+  study->open_session(refused)->append(event_kind::kLeft, {{"cause", "no consent"}, {"reason", ""}, {"for_good", true}},
+                                       kLater);
+  study->close_session(refused.id, kLater);
+  CHECK(study->sessions()[1].ended_early);
+  CHECK(blinding_of(*study, of_two(), SessionKind::real).finished == 1);
+  CHECK(blinding_of(*study, of_two(), SessionKind::real).unfinished == 0);
+  CHECK(blinded(*study));
+  // Left for now and resumed, or stopped before the end for good was closed and then taken up again: finished.
+  {
+    const std::unique_ptr<SessionLog> log = study->open_session(left);
+    log->append(event_kind::kLeft, {{"cause", "operator"}, {"reason", ""}, {"for_good", true}}, kLater);
+    CHECK_FALSE(study->sessions()[2].ended_early);  // not closed
+    log->append(event_kind::kSessionResumed, {{"reason", ""}}, kLater);
+    answer_all(*log, of_two(), 3);
+  }
+  study->close_session(left.id, kLater);
+  CHECK_FALSE(study->sessions()[2].ended_early);
+  CHECK_FALSE(blinded(*study));
+}
+
+TEST_CASE("a plan is sealed but in a study of simulated sessions alone", "[blinding]") {
   const TemporaryFolder folder;
   const std::unique_ptr<Study> study = new_study(folder / "s.sqlite");
   CHECK(plan_sealed(*study, of_two()));
   CHECK(seed_text(*study, of_two(), "sealed") == "sealed");
-  run_whole_session(*study, of_two(), 1, SessionKind::pilot);
+  run_whole_session(*study, of_two(), 1);
   CHECK_FALSE(plan_sealed(*study, of_two()));
   CHECK(seed_text(*study, of_two(), "sealed") == std::to_string(kSeed));
-  run_whole_session(*study, of_two(), 1, SessionKind::real);
+  run_whole_session(*study, of_two(), 1, SessionKind::pilot);
   CHECK(plan_sealed(*study, of_two()));
 }
 

@@ -5,6 +5,7 @@
 
 #include "data/export.h"
 #include "tests/catch.h"
+#include "tests/data/damage_fixture.h"
 #include "tests/data/export_fixture.h"
 #include "tests/data/telemetry_fixture.h"
 
@@ -77,6 +78,32 @@ TEST_CASE("the ticks of every interval are a file each, on request", "[data]") {
   CHECK_THROWS_WITH(export_csv(*changed, tutorial(), results, folder / "changed", false, names),
                     Catch::Contains("was changed"));
   CHECK_FALSE(fs::exists(folder / "changed"));
+}
+
+TEST_CASE("ticks that a recovery could not save are left out, and the others are exported", "[data]") {
+  const TemporaryFolder folder;
+  const auto path = folder / "study.jnd";
+  {
+    const auto original = new_study(path);
+    const auto log = original->open_session(new_session(1));
+    const std::vector<Trial> trials = make_plan(tutorial(), 1, kSeed).trials;
+    for (int i = 0; i < 3; ++i)
+      append_with_telemetry(*log, trials[static_cast<std::size_t>(i)], {press(150 + i), press(60 + i)});
+  }
+  std::string bytes = bytes_of(path);
+  const std::string blob = content_of(path).telemetry.at({"P01-simulated", 3})[1].bytes;
+  const std::size_t at = bytes.find(blob.substr(100, 200));
+  REQUIRE(at != std::string::npos);
+  bytes[at] = static_cast<char>(bytes[at] ^ 1);
+  write_bytes(folder / "damaged.jnd", bytes);
+  recover(folder / "damaged.jnd", folder / "new.jnd", std::nullopt, kLater);
+  const auto study = Study::open(folder / "new.jnd", Study::Access::read_only);
+  const StudyResults results = results_of(*study, tutorial(), SessionKind::simulated);
+  export_csv(*study, tutorial(), results, folder / "out", false, TelemetryExport{{"force_cap"}});
+  std::size_t ticks = 0;
+  for (const auto& [name, content] : files_in(folder / "out"))
+    if (name.find("telemetry/") != std::string::npos) ++ticks;
+  CHECK(ticks == 5);
 }
 
 TEST_CASE("limits that nobody named keep their bit", "[data]") {

@@ -10,6 +10,8 @@
 #include <thread>
 
 #include "data/csv_writer.h"
+#include "data/export_folder.h"
+#include "data/export_log.h"
 #include "tests/catch.h"
 #include "tests/data/export_fixture.h"
 #include "tests/data/study_fixture.h"
@@ -183,6 +185,29 @@ TEST_CASE("an existing folder is replaced only if asked, and never one that hold
   std::set<std::string> left;
   for (const auto& entry : fs::directory_iterator(folder.path())) left.insert(entry.path().filename().string());
   for (const std::string& name : left) CHECK(name.find("partial") == std::string::npos);
+}
+
+TEST_CASE("no name leads out of an export's folder", "[data]") {
+  const TemporaryFolder folder;
+  ExportFolder files(folder / "out", false);
+  for (const std::string name : {"../x.csv", "sub-P01/../../x.csv", "sub-/../../x/trials.csv", ".."})
+    CHECK_THROWS_WITH(files.write(name, "x"), Catch::Contains("would lie outside of the export"));
+  CHECK_THROWS_WITH(files.write((folder / "x.csv").string(), "x"), Catch::Contains("would lie outside of the export"));
+  files.write("sub-P01/a..b.csv", "x");
+  CHECK(files.publish() == std::vector<std::string>{"sub-P01/a..b.csv"});
+  CHECK_FALSE(std::filesystem::exists(folder / "x.csv"));
+}
+
+TEST_CASE("numbers of the log that are not whole or do not fit are refused", "[data]") {
+  for (const char* number : {"1.5", "1e99", "4294967296"}) {
+    CAPTURE(number);
+    const TemporaryFolder folder;
+    const auto study = new_study(folder / "study.jnd");
+    study->open_session(new_session(1))
+        ->append(event_kind::kNote, {{"text", "x"}, {"after_trial", nlohmann::ordered_json::parse(number)}}, {5, 5});
+    CHECK_THROWS_WITH(log_rows(*study, SessionKind::simulated, study->sessions()),
+                      Catch::Contains("P01-simulated, event 2 (note): the body cannot be read"));
+  }
 }
 
 TEST_CASE("columns carry the protocol's unit, and a finger with two devices the columns of both", "[data]") {

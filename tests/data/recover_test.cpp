@@ -2,11 +2,18 @@
 #include "data/recover.h"
 
 #include <algorithm>
+#include <csignal>
 #include <string>
 
+#include <sys/resource.h>
+
+#include "data/damaged_file.h"
+#include "data/salvage.h"
 #include "data/schema.h"
 #include "protocols/read_file.h"
 #include "tests/data/damage_fixture.h"
+#include "tests/data/version_1_study.h"
+#include "tests/data/version_2_study.h"
 
 namespace jnd {
 namespace {
@@ -222,6 +229,81 @@ TEST_CASE("without its protocol a study is recovered only with the same file", "
   CHECK(report.verified.problems == std::vector<std::string>{});
 }
 
+TEST_CASE("a study chain that lost its end is known by a session that it does not close", "[data]") {
+  const TemporaryFolder folder;
+  const auto path = filled_study(folder);
+  // The closing of the second session is the last event of the study's own chain: nothing lies behind the gap.
+  raw_sql(path,
+          "DROP TRIGGER event_no_delete; PRAGMA secure_delete = ON; DELETE FROM event WHERE session = 'study' AND "
+          "seq = 3; VACUUM");
+  const RecoveryReport report = recover(path, folder / "new.jnd", std::nullopt, kLater);
+  CHECK(report.sessions.size() == 3);
+  CHECK(report.own.events == 2);
+  CHECK(report.own.unchained == 0);
+  CHECK(report.own.cut);
+  CHECK_FALSE(report.whole());
+  REQUIRE(report.doubts.size() == 1);
+  CHECK_THAT(report.doubts[0], Catch::Contains("the end of the study's own events is lost"));
+  CHECK(report.verified.problems == std::vector<std::string>{});
+}
+
+TEST_CASE("studies of earlier versions are recovered without doubts", "[data]") {
+  const TemporaryFolder folder;
+  write_version_1_study(folder / "1.jnd");
+  write_version_2_study(folder / "2.jnd");
+  for (const char* name : {"1.jnd", "2.jnd"}) {
+    CAPTURE(name);
+    const RecoveryReport report = recover(folder / name, folder / (std::string("new-") + name), std::nullopt, kLater);
+    CHECK(report.doubts == std::vector<std::string>{});
+    CHECK_FALSE(report.own.cut);
+  }
+}
+
+TEST_CASE("of two events that both follow, the one written last is kept", "[data]") {
+  const TemporaryFolder folder;
+  const auto path = folder / "study.jnd";
+  for (const int flipped : {0, 1}) {  // one of the two orders is not that of the hashes
+    std::filesystem::remove(path);
+    new_study(path)->open_session(new_session(1));
+    const std::string file = bytes_of(path);
+    const auto add = [&](int last) {
+      write_bytes(path, file);
+      const auto study = Study::open(path, Study::Access::read_write);
+      const auto log = study->resume_session("P01-simulated");
+      log->append(event_kind::kBreakTaken, {{"after_trial", 1}, {"duration_s", 1.0 + last}}, kLater);
+      return log->events().back().hash;
+    };
+    add(flipped);
+    const std::string first = bytes_of(path);
+    const std::string written_last = add(1 - flipped);
+    const std::string second = bytes_of(path);
+    // Both one behind the other, as pages: the rows of the second are found later.
+    const std::string both = first + second;
+    const Bytes bytes{reinterpret_cast<const unsigned char*>(both.data()), both.size()};
+    const Salvage salvage(bytes, {});
+    CHECK(salvage.chain("P01-simulated").head == written_last);
+  }
+}
+
+TEST_CASE("a copy that cannot be written says why, and speaks of room only where that is missing", "[data]") {
+  const TemporaryFolder folder;
+  write_bytes(folder / "damaged.jnd", std::string(20'000, 'x'));
+  rlimit before{};
+  REQUIRE(::getrlimit(RLIMIT_FSIZE, &before) == 0);
+  const rlimit little{4096, before.rlim_max};
+  auto* const handler = std::signal(SIGXFSZ, SIG_IGN);
+  REQUIRE(::setrlimit(RLIMIT_FSIZE, &little) == 0);
+  std::string why;
+  try {
+    const PrivateCopy copy(folder / "damaged.jnd", folder.path());
+  } catch (const StorageError& error) {
+    why = error.what();
+  }
+  REQUIRE(::setrlimit(RLIMIT_FSIZE, &before) == 0);
+  std::signal(SIGXFSZ, handler);
+  CHECK(why == folder.path().string() + ": a copy of the damaged file cannot be written: File too large");
+}
+
 TEST_CASE("recovery refuses what it must not touch", "[data]") {
   const TemporaryFolder folder;
   const auto path = filled_study(folder);
@@ -230,7 +312,7 @@ TEST_CASE("recovery refuses what it must not touch", "[data]") {
   write_bytes(folder / "text.jnd", std::string(20'000, 'x'));
   CHECK_THROWS_WITH(recover(folder / "text.jnd", folder / "new.jnd", std::nullopt, kLater),
                     Catch::Contains("nothing of a study was found"));
-  CHECK_THROWS_WITH(recover(path, path, std::nullopt, kLater), Catch::Contains("exists already"));
+  CHECK_THROWS_WITH(recover(path, path, std::nullopt, kLater), Catch::Contains("is the study itself"));
   const auto open = Study::open(path, Study::Access::read_write);
   CHECK_THROWS_WITH(recover(path, folder / "new.jnd", std::nullopt, kLater), Catch::Contains("writing to this study"));
   CHECK_FALSE(std::filesystem::exists(folder / "new.jnd"));

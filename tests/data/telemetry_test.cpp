@@ -23,6 +23,8 @@ double any_bits() {
   return std::bit_cast<double>(*rc::gen::arbitrary<std::uint64_t>());
 }
 
+constexpr std::int64_t kLongest_ns = std::int64_t{1} << 62;
+
 Telemetry any_telemetry() {
   Telemetry telemetry;
   telemetry.unit = *rc::gen::element(StiffnessUnit::n_per_m, StiffnessUnit::n_per_rad);
@@ -34,8 +36,8 @@ Telemetry any_telemetry() {
   const int ticks = *rc::gen::inRange(0, 40);
   for (int i = 0; i < ticks; ++i) {
     TickRecord tick;
-    tick.time_ns = *rc::gen::arbitrary<std::int64_t>();
-    tick.lateness_ns = *rc::gen::arbitrary<std::int64_t>();
+    tick.time_ns = *rc::gen::inRange<std::int64_t>(0, kLongest_ns);
+    tick.lateness_ns = *rc::gen::inRange<std::int64_t>(0, kLongest_ns);
     tick.channel = *rc::gen::inRange(0, channels);
     tick.limits = *rc::gen::arbitrary<std::uint32_t>();
     for (double* value : {&tick.penetration, &tick.asked_n, &tick.given_n, &tick.measured_n, &tick.vibration_g,
@@ -135,6 +137,21 @@ TEST_CASE("content that is well compressed but no telemetry is refused, whatever
   CHECK(refused(compressed(raw + "x")));
   CHECK(refused(""));
   CHECK(refused("not a zstd frame at all"));
+}
+
+TEST_CASE("times that no clock gives are refused, because their differences would overflow", "[data]") {
+  for (const std::int64_t time : {std::numeric_limits<std::int64_t>::min(), std::int64_t{-1}, kLongest_ns + 1,
+                                  std::numeric_limits<std::int64_t>::max()}) {
+    CAPTURE(time);
+    Telemetry early = press(3), late = press(3);
+    early.ticks[2].time_ns = time;
+    late.ticks[2].lateness_ns = time;
+    CHECK_THROWS_WITH(decode_telemetry(encode_telemetry(0, early).bytes), Catch::Contains("time that cannot be"));
+    CHECK_THROWS_WITH(decode_telemetry(encode_telemetry(0, late).bytes), Catch::Contains("time that cannot be"));
+  }
+  Telemetry last = press(3);
+  last.ticks[2].time_ns = last.ticks[2].lateness_ns = kLongest_ns;
+  CHECK_FALSE(refused(encode_telemetry(0, last).bytes));
 }
 
 TEST_CASE("a blob that would unpack to more than any telemetry is given up, in bounded memory", "[data]") {

@@ -125,6 +125,29 @@ TEST_CASE("removed, moved and forged events are found", "[data]") {
              Catch::Contains("unknown kind \"trial.invented\""));
 }
 
+TEST_CASE("a participant code that leads out of a folder is found, and no list of sessions takes it", "[data]") {
+  const TemporaryFolder folder;
+  const auto path = whole_study(folder);
+  raw_sql(path,
+          "DROP TRIGGER event_no_update; UPDATE event SET body = json_set(body, '$.participant', '/../../x') WHERE "
+          "session = 'P01-simulated' AND seq = 1");
+  CHECK_THAT(problems_of(path), Catch::Contains("Session P01-simulated, event 1: the participant code cannot be one."));
+  CHECK_THROWS_WITH(Study::open(path, Study::Access::read_only)->sessions(),
+                    Catch::Contains("has the participant code \"/../../x\", which cannot be one"));
+}
+
+TEST_CASE("a second closing in the study's own events does not take the place of the first", "[data]") {
+  const TemporaryFolder folder;
+  const auto path = whole_study(folder);
+  const auto study = Study::open(path, Study::Access::read_write);
+  study->add_study_event(
+      event_kind::kSessionClosed,
+      {{"session", "P01-simulated"}, {"participant", "P01"}, {"kind", "simulated"}, {"head", std::string(64, '0')}},
+      {7, 7});
+  const std::vector<std::string> problems = verify(*study).problems;
+  CHECK(problems == std::vector<std::string>{"Session P01-simulated: was closed twice in the study's own events."});
+}
+
 // The chain alone cannot find this one: a program with a fault writes it, hashes and all.
 TEST_CASE("trials that are not the plan's are found although their hashes are right", "[data]") {
   const TemporaryFolder folder;

@@ -224,6 +224,14 @@ void FaultyDisk::removed(const std::string& path) {
   if (names_.erase(path) > 0) unsynced_.push_back({path, nullptr});
 }
 
+void FaultyDisk::renamed(const std::string& from, const std::string& to) {
+  const auto known = names_.find(from);
+  if (known == names_.end()) return;
+  unsynced_.push_back({to, known->second, from});
+  names_[to] = known->second;
+  names_.erase(from);
+}
+
 void FaultyDisk::synced_folder() {
   durable_ = names_;
   unsynced_.clear();
@@ -241,6 +249,7 @@ void FaultyDisk::power_on(std::mt19937_64& generator) {
       surviving[change.path] = change.file;
     else
       surviving.erase(change.path);
+    if (!change.before.empty()) surviving.erase(change.before);
   }
   for (const auto* names : {&names_, &durable_})
     for (const auto& [path, file] : *names) std::filesystem::remove(path);

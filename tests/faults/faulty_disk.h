@@ -63,6 +63,10 @@ class FaultyDisk {
   void power_on(std::mt19937_64& generator);
   int open_files() const noexcept { return open_files_; }
 
+  // As on FAT, where a file has one name only: link(2) fails with EPERM until start_afresh().
+  void go_without_links() noexcept { has_links_ = false; }
+  bool has_links() const noexcept { return has_links_; }
+
   // Below: for the VFS and for the study's own calls.
 
   // A step is about to be taken: the code that it must fail with, or 0. share: how much of a write arrives.
@@ -79,7 +83,8 @@ class FaultyDisk {
   void synced(File& file);
   void linked(const std::string& from, const std::string& to);
   void removed(const std::string& path);
-  void synced_folder();  // all names
+  void renamed(const std::string& from, const std::string& to);  // survives a power cut as a whole or not at all
+  void synced_folder();                                          // all names
 
   static FaultyDisk& of_the_program();
 
@@ -87,6 +92,7 @@ class FaultyDisk {
   struct Name {
     std::string path;
     std::shared_ptr<File> file;  // none: removed
+    std::string before = {};     // of a rename: the name that goes with it
   };
 
   std::map<std::string, std::shared_ptr<File>> names_;    // as the running program sees them
@@ -103,6 +109,7 @@ class FaultyDisk {
   int until_cut_ = 0;  // 0: none is planned
   bool off_ = false;
   int open_files_ = 0;
+  bool has_links_ = true;
 };
 
 // Flips one bit of a file where it lies.

@@ -25,8 +25,13 @@ extern "C" {
 int __real_link(const char* from, const char* to);
 int __real_unlink(const char* path);
 int __real_fsync(int descriptor);
+int __real_renameat2(int from_folder, const char* from, int to_folder, const char* to, unsigned flags);
 
 int __wrap_link(const char* from, const char* to) {
+  if (!jnd::test::FaultyDisk::of_the_program().has_links()) {
+    errno = EPERM;
+    return -1;
+  }
   if (!allowed(jnd::test::Step::name)) return -1;
   const int result = __real_link(from, to);
   if (result == 0) jnd::test::FaultyDisk::of_the_program().linked(from, to);
@@ -37,6 +42,14 @@ int __wrap_unlink(const char* path) {
   if (!allowed(jnd::test::Step::name)) return -1;
   const int result = __real_unlink(path);
   if (result == 0) jnd::test::FaultyDisk::of_the_program().removed(path);
+  return result;
+}
+
+// Both names change at once, as FaultyDisk::renamed has it.
+int __wrap_renameat2(int from_folder, const char* from, int to_folder, const char* to, unsigned flags) {
+  if (!allowed(jnd::test::Step::name)) return -1;
+  const int result = __real_renameat2(from_folder, from, to_folder, to, flags);
+  if (result == 0) jnd::test::FaultyDisk::of_the_program().renamed(from, to);
   return result;
 }
 

@@ -56,6 +56,25 @@ TEST_CASE("the own language changes nothing; case does not matter; others are re
   CHECK_THROWS_AS(in_language(protocol, ""), InputError);
 }
 
+TEST_CASE("labels of conditions are the participant's where a question shows them") {
+  const auto left_out = [](const Protocol& protocol) {
+    const std::vector<std::string> missing = left_out_of(protocol, "DE");
+    return std::count(missing.begin(), missing.end(), "$.conditions[0].label") == 1;
+  };
+  Protocol protocol = tutorial();
+  protocol.translations.at("de").erase("$.conditions[0].label");
+  CHECK(left_out(protocol));  // "How effective was the feedback of this condition?", of each
+  CHECK(left_out_text(protocol, "de") == "leaves out 1 text of the participant's: $.conditions[0].label");
+  for (Question& question : protocol.questions) question.per_condition = false;
+  CHECK_FALSE(left_out(protocol));
+  protocol.questions[1].when = Question::When::after_condition;
+  CHECK_FALSE(left_out(protocol));  // blinded: it would say what the letter stands for
+  protocol.blinded = false;
+  CHECK(left_out(protocol));
+  CHECK(left_out_of(protocol, "en").empty());
+  CHECK(left_out_text(protocol, "it").empty());
+}
+
 TEST_CASE("what a translation leaves out stays as it is, and is warned about") {
   const Protocol german = in_language(complete(), "de");
   CHECK(german.questions[1].shown == std::vector<std::string>{"links", "right"});

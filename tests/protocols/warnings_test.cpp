@@ -45,6 +45,16 @@ TEST_CASE("extreme rates, d' of 0 and scatter of the published design") {
   CHECK(warnings_with(many, path, "coefficient of variation") == 0);
 }
 
+TEST_CASE("letters that follow the file are told") {
+  const std::string path = "$.design.order.conditions", part = "the letters of a coded study";
+  CHECK(warnings_with(base(), path, part) == 0);
+  const std::string fixed =
+      replaced(base(), R"("series": "fixed", "conditions": "permuted")", R"("series": "fixed", "conditions": "fixed")");
+  CHECK(warnings_with(replaced(fixed, R"("blinding": "open")", R"("blinding": "coded")"), path, part) == 1);
+  CHECK(warnings_with(fixed, path, part) == 0);  // open
+  CHECK(warnings_with(read_text(corpus_folder() / "good/mixed.json"), path, part) == 0);
+}
+
 TEST_CASE("following the advice about scatter ends the warning") {
   const Protocol protocol = load_protocol(protocols_folder() / "chinello2017.json");
   const std::string bytes = protocol.bytes;

@@ -3,6 +3,7 @@
 
 Usage: blinding_test.py JND REAL_STUDY
 """
+import csv
 import json
 import os
 import re
@@ -27,7 +28,7 @@ def secret_patterns():
     return patterns + [rf"(?<![\w.]){value}(\.0+)?(?![\w.])" for value in STIFFNESS]
 
 
-def protocol_text(participants, blinding="coded"):
+def protocol_text(participants, blinding="coded", **members):
     source = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../protocols/chinello2017.json")
     with open(source, encoding="utf-8") as file:
         protocol = json.load(file)
@@ -46,6 +47,7 @@ def protocol_text(participants, blinding="coded"):
                              {"condition": NAMES[1], "quantity": "jnd", "value": float(PUBLISHED[1])}]
     protocol["analysis"]["contrasts"] = [[NAMES[0], NAMES[2]]]
     protocol["blinding"] = blinding
+    protocol.update(members)
     return json.dumps(protocol, indent=1)
 
 
@@ -59,9 +61,9 @@ class Blinding(unittest.TestCase):
     def tearDown(self):
         self.temporary.cleanup()
 
-    def write_protocol(self, *arguments):
+    def write_protocol(self, *arguments, **members):
         with open(self.path("protocol.json"), "w", encoding="utf-8") as file:
-            file.write(protocol_text(*arguments))
+            file.write(protocol_text(*arguments, **members))
 
     def path(self, *names):
         return os.path.join(self.folder, *names)
@@ -72,7 +74,7 @@ class Blinding(unittest.TestCase):
         before = self.files()
         done = subprocess.run([JND, *arguments], capture_output=True, text=True, cwd=self.folder)
         self.assertEqual(done.returncode, code, f"{arguments}: {done.stdout}{done.stderr}")
-        written = [self.read(name) for name in sorted(self.files() - before) if not name.endswith((".sqlite-wal", ".sqlite-shm"))]
+        written = [self.read(name) for name in sorted(self.files() - before) if not re.search(r"\.sqlite(-wal|-shm)?$", name)]
         return "\n".join([done.stdout, done.stderr, *written])
 
     def files(self):
@@ -83,8 +85,8 @@ class Blinding(unittest.TestCase):
         with open(self.path(name), encoding="utf-8") as file:
             return name + "\n" + file.read()
 
-    def study(self, kind, finished, unfinished):
-        subprocess.run([REAL_STUDY, "s.sqlite", "protocol.json", SEED, kind, str(finished), str(unfinished)],
+    def study(self, kind, finished, unfinished, how="whole"):
+        subprocess.run([REAL_STUDY, "s.sqlite", "protocol.json", SEED, kind, str(finished), str(unfinished), how],
                        cwd=self.folder, check=True)
 
     def commands(self):
@@ -159,6 +161,57 @@ class Blinding(unittest.TestCase):
         for column in ("stimulus", "same", "correct", "answer", "force", "saturated", "series"):
             self.assertNotIn(column, header)
 
+    def test_practice_has_no_letter(self):
+        """Practice takes the conditions in the protocol's own order: its letters would be the key to all of them."""
+        self.write_protocol(6, practice={"trials": 4, "series": SERIES[2], "conditions": list(NAMES),
+                                         "criterion_correct": 0.5, "max_rounds": 2})
+        self.study("real", 2, 0)
+        plan = json.loads(self.jnd("plan", "--study", "s.sqlite", "--json"))["trials"]
+        self.assertEqual([trial["condition_code"] for trial in plan if trial["practice"]], [None] * 8)
+        self.assertEqual({trial["condition_code"] for trial in plan if not trial["practice"]}, {"A", "B", "C"})
+        lines = [line.split() for line in self.jnd("plan", "--study", "s.sqlite").splitlines() if "practice round" in line]
+        self.assertEqual([line[1:3] for line in lines], [["-", "-"]] * 8)
+        self.jnd("export", "s.sqlite", "--to", "x")
+        with open(self.path("x/sub-P01/trials.csv"), encoding="utf-8", newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual({row["condition_code"] for row in rows if row["practice"] == "1"}, {""})
+        self.assertEqual({row["condition_code"] for row in rows if row["practice"] == "0"}, {"A", "B", "C"})
+        self.assertNotIn("attempt", rows[0])  # repeated at a device's limit, which the force of the stimulus reaches
+
+    def test_the_console_shows_no_letter_in_practice(self):
+        self.write_protocol(6, practice={"trials": 4, "series": SERIES[2], "conditions": list(NAMES),
+                                         "criterion_correct": 0.5, "max_rounds": 1})
+        shown = self.jnd("run", "protocol.json", "--study", "s.sqlite", "--participant", "P01", "--responder",
+                         "chinello2017", "--fast", "--seed", SEED)
+        heads = [line for line in shown.splitlines() if re.match(r"(Practice|Trial) \d+ of", line)]
+        practice = [line for line in heads if line.startswith("Practice")]
+        self.assertEqual(len(practice), 4)
+        for line in practice:
+            self.assertNotIn("condition", line)
+        self.assertTrue(all("condition " in line for line in heads if line.startswith("Trial")))
+
+    def test_coded_trials_leave_out_the_excluded_and_what_was_taken_back(self):
+        self.study("real", 3, 0)
+        self.jnd("exclude", "s.sqlite", "--participant", "P02", "--kind", "real", "--reason", "took the blindfold off")
+        self.jnd("export", "s.sqlite", "--to", "x")
+        self.assertTrue(os.path.exists(self.path("x/sub-P01/trials.csv")))
+        self.assertFalse(os.path.exists(self.path("x/sub-P02")))
+        self.study("real", 1, 0, "taken-back")
+        self.jnd("export", "s.sqlite", "--to", "y")
+        rows = [len(self.read(f"y/sub-{code}/trials.csv").splitlines()) for code in ("P01", "P04")]
+        self.assertEqual(rows[0] - rows[1], 1)
+
+    def test_a_session_that_was_ended_early_finishes_nobody(self):
+        self.study("real", 5, 0)
+        self.study("real", 1, 0, "ended-early")
+        text = self.jnd("analyze", "s.sqlite")
+        self.assertIn("BLINDED: 5 of 6 planned participants finished, 0 sessions open", text)
+        result = json.loads(self.jnd("analyze", "s.sqlite", "--json"))
+        self.assertEqual([row["state"] for row in result["participants"]], ["finished"] * 5 + ["ended early"])
+        self.jnd("export", "s.sqlite", "--to", "x")
+        with open(self.path("x/monitoring.csv"), encoding="utf-8", newline="") as file:
+            self.assertEqual([row["state"] for row in csv.DictReader(file)], ["finished"] * 5 + ["ended early"])
+
     def test_a_mean_of_few_is_nobodys_own_result(self):
         self.study("real", 2, 0)
         result = json.loads(self.jnd("analyze", "s.sqlite", "--json"))
@@ -179,11 +232,21 @@ class Blinding(unittest.TestCase):
         for kind in ("pilot", "simulated"):
             self.study(kind, 2, 1)
             text = self.jnd("analyze", "s.sqlite", "--kind", kind)
-            for word in (*NAMES, SEED):
+            for word in NAMES:
                 self.assertIn(word, text)
-            self.jnd("export", "s.sqlite", "--kind", kind, "--to", kind)
-            self.assertIn("413", self.read(f"{kind}/sub-P01/trials.csv"))
+            if kind == "simulated":
+                self.assertIn(SEED, text)
+                self.jnd("export", "s.sqlite", "--kind", kind, "--to", kind)
+                self.assertIn("413", self.read(f"{kind}/sub-P01/trials.csv"))
+                self.assertIn(NAMES[0], self.read(f"{kind}/answers.csv"))
             os.remove(self.path("s.sqlite"))
+
+    def test_a_study_of_pilot_sessions_alone_keeps_the_plan_that_people_will_have(self):
+        self.study("pilot", 1, 0)
+        for number in ("1", "2", "7"):
+            self.assert_silent(self.jnd("plan", "--study", "s.sqlite", "--participant", number), number)
+        self.assertNotIn(SEED, self.jnd("status", "s.sqlite"))
+        self.jnd("simulate", "protocol.json", "--study", "s.sqlite", code=2)
 
     def test_rehearsals_beside_real_sessions_keep_their_names_but_not_the_common_plan(self):
         self.study("pilot", 2, 0)
@@ -194,7 +257,9 @@ class Blinding(unittest.TestCase):
             self.assertNotIn(SEED, text)
         text = self.jnd("export", "s.sqlite", "--kind", "pilot", "--to", "x")
         self.assertNotIn(SEED, text)
-        self.assertFalse(os.path.exists(self.path("x/sub-P01/trials.csv")))
+        for name in ("sub-P01/trials.csv", "answers.csv"):  # answers name the condition that a block had
+            self.assertFalse(os.path.exists(self.path("x", name)), name)
+        self.assertNotIn("answers.csv", self.read("x/dictionary.csv"))
         self.jnd("export", "s.sqlite", "--kind", "pilot", "--to", "y", "--telemetry", code=2)
 
 

@@ -100,6 +100,29 @@ class Care(unittest.TestCase):
             self.assertEqual(file.read(), bytes(content))
         self.jnd("recover", "damaged.sqlite", "--to", "saved.sqlite", code=5)
 
+    def test_a_session_that_is_closed_and_cut_is_not_whole(self):
+        study = sqlite3.connect(self.path("s.sqlite"))
+        session, last = study.execute("SELECT session, max(seq) FROM event WHERE session <> 'study' GROUP BY session").fetchone()
+        study.execute("INSERT INTO event (session, seq, kind, utc, monotonic_ns, version, body, hash) SELECT session, seq + 1, 'note', "
+                      "utc, monotonic_ns, version, '{}', hash FROM event WHERE session = ? AND seq = ?", (session, last))
+        study.commit()
+        study.close()
+        done = self.jnd("recover", "s.sqlite", "--to", "saved.sqlite", code=1).stdout
+        self.assertIn("its end is lost; 1 event behind the gap left out", done)
+
+    def test_a_backup_takes_the_place_of_an_earlier_one_only(self):
+        self.simulate("other.sqlite", 6)
+        refused = self.jnd("backup", "s.sqlite", "--to", "other.sqlite", "--replace", code=5).stderr
+        self.assertIn("is no backup of this study", refused)
+        self.assertTrue(self.json("verify", "other.sqlite")["ok"])
+
+    def test_the_damaged_original_is_never_overwritten(self):
+        os.rename(self.path("s.sqlite"), self.path("s.sqlite.new"))
+        for command in ("recover", "backup"):
+            refused = self.jnd(command, "s.sqlite.new", "--to", "s.sqlite", code=5).stderr
+            self.assertIn("would overwrite s.sqlite.new", refused)
+        self.assertEqual(os.listdir(self.folder), ["s.sqlite.new"])
+
     def test_deep_verification_computes_what_was_delivered(self):
         self.simulate("full.sqlite", 7, "--record", "full")
         report = self.json("verify", "--deep", "full.sqlite")

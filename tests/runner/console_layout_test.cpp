@@ -115,6 +115,50 @@ TEST_CASE("A long text is scrolled, and says that there is more") {
   CHECK(text_of(frame).find("Line 60") != std::string::npos);
 }
 
+TEST_CASE("A question's field and its mistake are seen on the smallest screen, and the rest is scrolled") {
+  Question question;
+  question.kind = Question::Kind::choice;
+  question.text = "Which of these?";
+  for (int i = 1; i <= 20; ++i) question.options.push_back("option " + std::to_string(i));
+  QuestionnairePage page({{&question, "", ""}});
+  page.press({KeyName::character, 'z', 0});
+  ScreenModel model = model_of(SessionKind::pilot);
+  model.page = &page;
+  std::set<int> seen;
+  for (model.scrolled = 0;; ++model.scrolled) {
+    const Frame frame = lay_out(model, kLeastRows, kLeastColumns, true);
+    const std::string text = text_of(frame);
+    CHECK(text.find("Number:") != std::string::npos);
+    CHECK(text.find("please type the number") != std::string::npos);
+    REQUIRE(frame.cursor);
+    CHECK(frame.rows.at(static_cast<std::size_t>(frame.cursor->first)).at(0).text.find("Number:") == 0);
+    for (int i = 1; i <= 20; ++i)
+      if (text.find("option " + std::to_string(i) + " ") != std::string::npos) seen.insert(i);
+    if (frame.hidden_lines == 0) break;
+    CHECK(text.find("more lines: Page Down") != std::string::npos);
+  }
+  CHECK(seen.size() == 20);
+}
+
+TEST_CASE("A long review is scrolled below its field") {
+  Question question;
+  question.kind = Question::Kind::rating;
+  question.min = 1;
+  question.max = 9;
+  std::vector<QuestionnairePage::Item> items;
+  for (int i = 1; i <= 17; ++i) items.push_back({&question, "condition " + std::to_string(i), "5"});
+  QuestionnairePage page(items);
+  for (int i = 1; i <= 17; ++i) page.press({KeyName::enter, 0, 0});
+  REQUIRE(page.reviewing());
+  ScreenModel model = model_of(SessionKind::pilot);
+  model.page = &page;
+  CHECK(text_of(lay_out(model, 24, 80, true)).find("more lines: Page Down") != std::string::npos);
+  model.scrolled = 1000;
+  const std::string text = text_of(lay_out(model, 24, 80, true));
+  CHECK(text.find("17. ") != std::string::npos);
+  CHECK(text.find("Enter saves them") != std::string::npos);
+}
+
 TEST_CASE("Text is measured in columns, cut and broken at spaces") {
   CHECK(columns_of("né日e\u0301") == 5);
   CHECK(clipped("abcdef", 4, true) == "abc…");

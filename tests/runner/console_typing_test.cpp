@@ -175,9 +175,20 @@ TEST_CASE("The protocol's answer keys win, and the operator's move to another ke
   keys = question_keys(timeline);
   CHECK(action(keys, 'R') == Action::answer_different);
   CHECK(action(keys, '0') == Action::repeat_trial);
-  CHECK(keys.name_of(Action::repeat_trial) == "0");
-  timeline.key_same = 'X';
-  CHECK(action(question_keys(timeline), 'X') == Action::answer_same);
+}
+
+TEST_CASE("The stop key is explained as what it is, also where it is no key of the scene") {
+  for (const KeyMap& keys : {pause_keys(), break_keys(false), break_keys(true), instruction_keys(), consent_keys(),
+                             storage_keys(), stopped_keys()})
+    for (const char32_t key : {U'x', U'X'})
+      CHECK(keys.explanation({KeyName::character, key, 0}) == "STOP: the devices give nothing");
+}
+
+TEST_CASE("Keys can be left out of those that are shown") {
+  const KeyMap keys = question_keys(Timeline());
+  const std::vector<KeyHint> hints = keys.without({Action::answer_same, Action::help}).hints();
+  CHECK(hints.size() == keys.hints().size() - 2);
+  for (const KeyHint& hint : hints) CHECK((hint.key != "s" && hint.key != "?"));
 }
 
 TEST_CASE("Wrong keys are explained") {
@@ -186,8 +197,8 @@ TEST_CASE("Wrong keys are explained") {
   CHECK(keys.explanation({KeyName::character, 'z', 0}).find("[s] same, [d] different") != std::string::npos);
   CHECK(keys.explanation({KeyName::control, 'z', 0}).find("background") != std::string::npos);
   CHECK(keys.action_of(named(KeyName::up)) == std::nullopt);
-  CHECK(ready_keys(false).name_of(Action::void_last).empty());
-  CHECK(ready_keys(true).name_of(Action::void_last) == "u");
+  CHECK(ready_keys(false).action_of({KeyName::character, 'u', 0}) == std::nullopt);
+  CHECK(ready_keys(true).action_of({KeyName::character, 'u', 0}) == Action::void_last);
   CHECK(ready_keys(true).action_of(named(KeyName::enter)) == Action::go_on);
 }
 

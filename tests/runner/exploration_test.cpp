@@ -178,6 +178,35 @@ TEST_CASE("After an emergency stop only the operator's word goes on") {
   check_whole(bench.log);
 }
 
+TEST_CASE("A stop before an exploration is cleared first, and uses no attempt up") {
+  Bench bench(exploring());
+  bench.person = true;
+  class Pressing final : public SessionView {
+   public:
+    explicit Pressing(Bench& bench) : bench_(bench) {}
+    OperatorWish ready_to_explore(const ExplorationOutline&) override {
+      if (++asked_ <= 3) bench_.rig.stop.latch(StopSource::key);
+      return {};
+    }
+    OperatorWish recover(const std::string& stopped_by) override {
+      stops.push_back(stopped_by);
+      return {Wish::go_on, "all well"};
+    }
+    std::vector<std::string> stops;
+
+   private:
+    Bench& bench_;
+    int asked_ = 0;
+  } view(bench);
+  bench.rig.fault = [&](const PresentRequest&) {
+    return bench.rig.stop.latched() ? Fault::emergency_stop : Fault::none;
+  };
+  REQUIRE(bench.run(view) == SessionEnd::completed);
+  CHECK(view.stops == std::vector<std::string>{"key", "key", "key"});
+  CHECK(replay(bench.log.events()).explored.size() == 4);
+  for (const Event& event : bench.log.events()) CHECK(event.kind != event_kind::kExplorationVoided);
+}
+
 TEST_CASE("The stop key counts with bare hands too") {
   Bench bench(exploring());
   Scripted view;

@@ -179,6 +179,128 @@ TEST_CASE("After a long gap the last practice round comes again, before the main
   CHECK(bench.completed().size() == 4 + 16);
 }
 
+TEST_CASE("The stop key outlives a Ctrl-C before it: a person clears it, and the log says so") {
+  Bench bench(small_protocol());
+  class Pressing final : public SessionView {
+   public:
+    explicit Pressing(Bench& bench) : bench_(bench) {}
+    void voided(const TrialOutline&, const std::string&, bool) override { bench_.rig.stop.latch(StopSource::key); }
+    OperatorWish paused(const std::string&) override {
+      bench_.interrupts.pause = false;
+      return {};
+    }
+    OperatorWish recover(const std::string& stopped_by) override {
+      recovered.push_back(stopped_by);
+      return {Wish::go_on, "looked at it"};
+    }
+    std::vector<std::string> recovered;
+
+   private:
+    Bench& bench_;
+  } view(bench);
+  bench.rig.fault = [&](const PresentRequest& request) {
+    if (request.id.trial != 2 || request.id.attempt != 1) return Fault::none;
+    bench.interrupts.pause = true;  // Ctrl-C; the key comes right after it, while the trial is voided
+    bench.rig.stop.latch(StopSource::signal);
+    return Fault::emergency_stop;
+  };
+  bench.rig.stopped_by = "signal";
+  REQUIRE(with_person(bench).run(view) == SessionEnd::completed);
+  CHECK(view.recovered == std::vector<std::string>{"key"});
+  CHECK(bodies(bench, event_kind::kStopCleared).size() == 1);
+  CHECK(bench.completed().size() == 16);
+}
+
+TEST_CASE("Ctrl-C in a pause that a key began leaves no stop behind it") {
+  Bench bench(small_protocol());
+  class Pressing final : public SessionView {
+   public:
+    explicit Pressing(Bench& bench) : bench_(bench) {}
+    OperatorWish ready(const TrialOutline&) override {
+      return ++asked_ == 3 ? OperatorWish{Wish::pause, {}} : OperatorWish{};
+    }
+    OperatorWish paused(const std::string&) override {
+      bench_.rig.stop.latch(StopSource::signal);
+      return {};
+    }
+    OperatorWish recover(const std::string& stopped_by) override {
+      recovered.push_back(stopped_by);
+      return {};
+    }
+    std::vector<std::string> recovered;
+
+   private:
+    Bench& bench_;
+    int asked_ = 0;
+  } view(bench);
+  REQUIRE(with_person(bench).run(view) == SessionEnd::completed);
+  CHECK(view.recovered.empty());
+  CHECK_FALSE(bench.rig.stop.latched());
+}
+
+TEST_CASE("The operator's end from the checklist is kept with its words, and closes the session where it is for good") {
+  const json checklist = {{"checklist", {{{"id", "mask"}, {"text", "Masking noise on"}, {"kind", "confirm"}}}}};
+  for (const Wish wish : {Wish::end_for_now, Wish::end_for_good}) {
+    Bench bench(small_protocol(checklist));
+    class Leaving final : public Responder {
+     public:
+      std::optional<Answer> judge(const TrialQuestion&) override { return std::nullopt; }
+      std::optional<std::string> reply(const Question&, int) override { return std::nullopt; }
+      std::optional<Replies> reply_all(const std::vector<AskedQuestion>&) override { return std::nullopt; }
+    } leaving;
+    Scripted view;
+    view.after_presentation[1] = {wish, "feels ill"};
+    const SessionParts parts{bench.protocol,   bench.plan,           bench.rig, leaving, bench.log, bench.clock, view,
+                             bench.interrupts, RecordPolicy::events, true};
+    const bool for_good = wish == Wish::end_for_good;
+    CHECK(SessionEngine(parts).run({}) == (for_good ? SessionEnd::closed_early : SessionEnd::interrupted));
+    const std::vector<json> left = bodies(bench, event_kind::kLeft);
+    REQUIRE(left.size() == 1);
+    CHECK(left[0].at("reason") == "feels ill");
+    CHECK(left[0].at("for_good") == for_good);
+    // Killed before it could be closed: it is not begun again.
+    Scripted next;
+    CHECK((with_person(bench).run(next) == SessionEnd::closed_early) == for_good);
+    CHECK(next.outlines.empty() == for_good);
+  }
+}
+
+TEST_CASE("An answer is taken back once, also with an interruption in between") {
+  Bench bench(small_protocol());
+  Scripted first;
+  first.before[4] = {Wish::void_last, "a slip"};
+  first.before[5] = {Wish::end_for_now, {}};
+  REQUIRE(with_person(bench).run(first) == SessionEnd::interrupted);
+  Scripted second;
+  REQUIRE(bench.run(second) == SessionEnd::completed);
+  REQUIRE(second.outlines.size() == 14);
+  CHECK_FALSE(second.outlines[0].can_void_last);
+  CHECK(second.outlines[1].can_void_last);
+}
+
+TEST_CASE("Practice that a resume asked for is due until some of it was answered, however often it is interrupted") {
+  const json practice = {{"practice", {{"trials", 4}, {"series", "1"}, {"criterion_correct", 0.5}, {"max_rounds", 2}}}};
+  Bench bench(small_protocol(practice));
+  bench.responder.rule = [](const TrialQuestion& q) {
+    return std::optional(q.trial.same ? Judgement::same : Judgement::different);
+  };
+  Scripted first;
+  first.before[8] = {Wish::end_for_now, {}};
+  REQUIRE(with_person(bench).run(first) == SessionEnd::interrupted);
+  // Killed when the resume was logged, and again right after the answers were taken back.
+  bench.log.append(event_kind::kSessionResumed, {{"practice_again", true}}, {1, 1});
+  Scripted second;
+  second.before[1] = {Wish::end_for_now, {}};
+  REQUIRE(bench.run(second) == SessionEnd::interrupted);
+  CHECK(bodies(bench, event_kind::kTrialVoided).size() == 4);
+  bench.log.append(event_kind::kSessionResumed, {{"practice_again", true}}, {2, 2});
+  Scripted third;
+  REQUIRE(bench.run(third) == SessionEnd::completed);
+  CHECK(bodies(bench, event_kind::kTrialVoided).size() == 4);
+  REQUIRE(third.outlines.size() == 4 + 13);
+  for (std::size_t i = 0; i < third.outlines.size(); ++i) CHECK(third.outlines[i].practice == (i < 4));
+}
+
 TEST_CASE("A disk that is full for a while pauses the session; it goes on where it stood and loses nothing") {
   Bench undisturbed(small_protocol());
   Scripted quiet;

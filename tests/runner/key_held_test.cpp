@@ -22,11 +22,23 @@ TEST_CASE("A key that is held down since before the prompt never counts, however
   HeldKeys held;
   CHECK(held.hear(key(' ', 0)) == Heard::counts);
   held.prompt(300 * kMs);
-  CHECK(held.hear(key(' ', 500)) == Heard::held);  // the keyboard's first repetition
-  for (int at = 530; at < 3000; at += 30) CHECK(held.hear(key(' ', at)) == Heard::held);
+  CHECK(held.hear(key(' ', 1000)) == Heard::held);  // the first repetition, where a keyboard waits longest
+  for (int at = 1030; at < 3000; at += 30) CHECK(held.hear(key(' ', at)) == Heard::held);
   CHECK(held.maybe_down(3000 * kMs));
   CHECK_FALSE(held.maybe_down(3700 * kMs));
   CHECK(held.hear(key(' ', 3700)) == Heard::counts);  // let go, and pressed again
+}
+
+TEST_CASE("A key that came once may be down for longer than one that repeats") {
+  HeldKeys held;
+  (void)held.hear(key('s', 0));
+  CHECK(held.maybe_down(1100 * kMs));
+  CHECK_FALSE(held.maybe_down(1101 * kMs));
+  held.prompt(10 * kMs);
+  CHECK(held.hear(key('s', 1101)) == Heard::counts);
+  CHECK(held.hear(key('s', 1200)) == Heard::counts);
+  CHECK(held.maybe_down(1800 * kMs));
+  CHECK_FALSE(held.maybe_down(1801 * kMs));
 }
 
 TEST_CASE("A chain that begins after the prompt counts, and is held for the next one") {
@@ -38,16 +50,18 @@ TEST_CASE("A chain that begins after the prompt counts, and is held for the next
   CHECK(held.hear(key('s', 640)) == Heard::held);
 }
 
-TEST_CASE("Another key ends a chain, and a pause of more than the gap does") {
+TEST_CASE("Another key ends no chain, since it may be another keyboard's; a pause of more than the gap does") {
   HeldKeys held;
   (void)held.hear(key('s', 0));
   held.prompt(10 * kMs);
   CHECK(held.hear(key('d', 20)) == Heard::counts);
-  CHECK(held.hear(key('s', 30)) == Heard::counts);
-  held.prompt(40 * kMs);
-  CHECK(held.hear(key('s', 631)) == Heard::counts);
-  held.prompt(640 * kMs);
-  CHECK(held.hear(key('s', 1231)) == Heard::held);
+  CHECK(held.hear(key('s', 30)) == Heard::held);
+  CHECK(held.hear(key('d', 40)) == Heard::counts);
+  CHECK(held.hear(key('s', 630)) == Heard::held);
+  CHECK(held.hear(key('s', 1231)) == Heard::counts);
+  held.prompt(1300 * kMs);
+  CHECK(held.hear(key('d', 1320)) == Heard::counts);  // it has rested
+  CHECK(held.hear(key('s', 1330)) == Heard::held);
 }
 
 TEST_CASE("An early key's chain stays early") {

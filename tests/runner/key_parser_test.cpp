@@ -39,6 +39,19 @@ TEST_CASE("Characters of one to four bytes are keys") {
   CHECK(keys[3].is(U'𝄞'));
 }
 
+TEST_CASE("A character that is cut short is no sequence, within which a key would mean nothing") {
+  KeyParser parser;
+  CHECK_FALSE(parser.feed(0xc3, 0));
+  CHECK(parser.waiting());
+  CHECK_FALSE(parser.within_sequence());
+  const std::optional<Key> key = parser.feed('x', 1 * kMs);
+  REQUIRE(key);
+  CHECK(key->is(U'x'));
+  CHECK_FALSE(parser.feed(0x1b, 2 * kMs));
+  CHECK_FALSE(parser.feed('[', 2 * kMs));
+  CHECK(parser.within_sequence());
+}
+
 TEST_CASE("Named keys, as xterm, the Linux console and a keypad send them") {
   using enum KeyName;
   CHECK(names_of("\r\n\t\x7f\b") == std::vector{enter, enter, tab, backspace, backspace});

@@ -1,9 +1,10 @@
 // Makes a study whose sessions say that people took part, with answers that follow from the plan. The program itself
 // refuses real sessions on simulated devices, so that tests of what it shows of them need this.
 //
-// Usage: real_study FILE PROTOCOL SEED KIND FINISHED OPEN
+// Usage: real_study FILE PROTOCOL SEED KIND FINISHED OPEN [HOW]
 //   KIND real, pilot or simulated; FINISHED whole sessions, then OPEN that stop in the middle. Participants P01, P02,
 //   ... of each kind; a file that exists is added to.
+//   HOW of the finished ones: whole (default); ended-early, for good in the middle; taken-back, their last answer.
 #include <exception>
 #include <filesystem>
 #include <string>
@@ -36,7 +37,8 @@ void answer_questions(SessionLog& log, const Protocol& protocol, int after_trial
   }
 }
 
-void one_session(Study& study, const Protocol& protocol, std::uint64_t seed, SessionKind kind, int number, bool whole) {
+void one_session(Study& study, const Protocol& protocol, std::uint64_t seed, SessionKind kind, int number, bool whole,
+                 const std::string& how) {
   const Plan plan = make_plan(protocol, number, seed);
   NewSession session;
   session.participant = fmt::format("P{:02}", number);
@@ -50,16 +52,25 @@ void one_session(Study& study, const Protocol& protocol, std::uint64_t seed, Ses
   const std::unique_ptr<SessionLog> log = study.open_session(session);
   int answered = 0;
   for (const Trial& trial : plan.trials) {
-    if (!whole && answered++ * 2 > session.trials_total) return;
+    if ((!whole || how == "ended-early") && answered++ * 2 > session.trials_total) break;
     log->append(event_kind::kTrialCompleted, to_body(record_of(protocol, trial, usual_answer(trial))), stamp_of(trial));
   }
-  answer_questions(*log, protocol, session.trials_total);
+  if (!whole) return;
+  if (how == "ended-early") {
+    log->append(event_kind::kLeft, {{"cause", "operator"}, {"reason", "withdrew"}, {"for_good", true}},
+                {1'700'000'800'000'000'000, 800});
+  } else {
+    if (how == "taken-back")
+      log->append(event_kind::kTrialVoided, voided_body(protocol, plan.trials.back(), 1, "taken_back"),
+                  {1'700'000'800'000'000'000, 800});
+    answer_questions(*log, protocol, session.trials_total);
+  }
   study.close_session(session.id, {1'700'000'900'000'000'000, 900});
 }
 
 int run(int count, char** arguments) {
-  if (count != 7) {
-    fmt::print(stderr, "usage: real_study FILE PROTOCOL SEED KIND FINISHED OPEN\n");
+  if (count != 7 && count != 8) {
+    fmt::print(stderr, "usage: real_study FILE PROTOCOL SEED KIND FINISHED OPEN [HOW]\n");
     return 2;
   }
   const std::filesystem::path file = arguments[1];
@@ -67,13 +78,14 @@ int run(int count, char** arguments) {
   const std::uint64_t seed = std::stoull(arguments[3]);
   const SessionKind kind = session_kind_from(arguments[4]).value();
   const int finished = std::stoi(arguments[5]), open = std::stoi(arguments[6]);
+  const std::string how = count > 7 ? arguments[7] : "whole";
   const std::unique_ptr<Study> study =
       std::filesystem::exists(file)
           ? Study::open(file, Study::Access::read_write)
           : Study::create(file, protocol.name, protocol.bytes, seed, {1'700'000'000'000'000'001, 5});
   int number = 1;
   for (const SessionInfo& session : study->sessions()) number += session.kind == kind ? 1 : 0;
-  for (int i = 0; i < finished + open; ++i) one_session(*study, protocol, seed, kind, number + i, i < finished);
+  for (int i = 0; i < finished + open; ++i) one_session(*study, protocol, seed, kind, number + i, i < finished, how);
   study->close();
   return 0;
 }

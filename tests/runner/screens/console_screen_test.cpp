@@ -74,8 +74,9 @@ void begin(ScriptedTerminal& terminal, Screens& screens) {
   screens.check("checklist", terminal);
   terminal.press("y");
   terminal.wait_for("Question 2 of 2");
-  terminal.press("y");
-  terminal.wait_for("Please look through");
+  terminal.press_for("y", "was down already");  // as a key that is held down: it confirms one question only
+  terminal.wait_until_gone("was down already");
+  terminal.press_for("y", "Please look through");
   screens.check("checklist-review", terminal);
   terminal.press_for(kEnter, "Instructions");
   screens.check("instructions", terminal);
@@ -244,7 +245,7 @@ int run(int argc, char** argv) {
     // What was paused, repeated, taken back and stopped is in the study, and follows from the rules.
     const std::string verify = "'" + jnd + "' verify --deep '" + folder + "/tutorial.sqlite'";
     screens.require(std::system(verify.c_str()) == 0, "the study agrees with itself");
-    for (const int crash : {SIGSEGV, SIGABRT, SIGTERM}) end_by(jnd, folder, crash, screens);
+    for (const int crash : {SIGSEGV, SIGABRT, SIGTERM, SIGPIPE, SIGUSR1, SIGALRM}) end_by(jnd, folder, crash, screens);
   } catch (const std::exception& error) {
     screens.require(false, error.what());
   }
