@@ -5,7 +5,9 @@
 namespace jnd {
 
 Heard HeldKeys::hear(const Key& key) {
-  std::erase_if(chains_, [&](const Chain& chain) { return !chain.may_go_on(key.time_ns); });
+  std::erase_if(chains_, [&](const Chain& chain) {
+    return !chain.may_go_on(key.time_ns) || (!chain.repeats() && !key.same_key(chain.key));
+  });
   auto chain = std::find_if(chains_.begin(), chains_.end(), [&](const Chain& one) { return key.same_key(one.key); });
   if (chain == chains_.end()) chain = chains_.insert(chain, {key, key.time_ns, key.time_ns});
   chain->latest_ns = key.time_ns;

@@ -16,7 +16,8 @@ enum class Heard {
 };
 
 // Pure: time comes with the keys and prompts. A terminal says only that a key came, not that it was let go. A key that
-// comes again soon enough is taken to be held down, also where other keys came in between, as of a second keyboard.
+// comes again soon enough is taken to be held down. One that repeats is so also where other keys came in between, as of
+// a second keyboard; one that came once is not: who types s, space, s within a second has let go of s.
 class HeldKeys {
  public:
   // From a key's first coming to its first repetition: X11 waits 660 ms unless told otherwise, keyboards of a console
@@ -33,8 +34,9 @@ class HeldKeys {
   struct Chain {
     Key key;
     std::int64_t first_ns = 0, latest_ns = 0;
+    bool repeats() const noexcept { return latest_ns != first_ns; }
     bool may_go_on(std::int64_t now_ns) const noexcept {
-      return now_ns - latest_ns <= (latest_ns == first_ns ? kFirstGap_ns : kRepeatGap_ns);
+      return now_ns - latest_ns <= (repeats() ? kRepeatGap_ns : kFirstGap_ns);
     }
   };
   std::vector<Chain> chains_;  // of the keys that may be down
