@@ -57,7 +57,7 @@ int give_name(const fs::path& made, const fs::path& path) noexcept {
     return 0;
   }
   // FAT and exFAT, which USB sticks have, know no second name of a file.
-  if (errno != EPERM && errno != ENOTSUP && errno != EOPNOTSUPP) return errno;
+  if (errno != EPERM && errno != ENOTSUP) return errno;
   return ::renameat2(AT_FDCWD, made.c_str(), AT_FDCWD, path.c_str(), RENAME_NOREPLACE) == 0 ? 0 : errno;
 }
 

@@ -187,6 +187,7 @@ TEST_CASE("where studies go, judged by its figures") {
   };
   CHECK(changed([](StorageFigures& f) { f.network = true; }) == Verdict::bad);
   CHECK(changed([](StorageFigures& f) { f.type = "tmpfs"; }) == Verdict::bad);
+  CHECK(changed([](StorageFigures& f) { f.type = "devtmpfs"; }) == Verdict::bad);
   CHECK(changed([](StorageFigures& f) { f.free_bytes = 5e8; }) == Verdict::warn);
   CHECK(changed([](StorageFigures& f) { f.free_bytes = 5e7; }) == Verdict::bad);
   CHECK(changed([](StorageFigures& f) { f.sync_median_s = 0.1; }) == Verdict::warn);
