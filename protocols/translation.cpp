@@ -1,6 +1,7 @@
 #include "protocols/translation.h"
 
 #include <algorithm>
+#include <span>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -63,7 +64,7 @@ std::string left_out_text(const Protocol& protocol, std::string_view language) {
   if (paths.empty()) return {};
   const std::size_t named = std::min(paths.size(), kTextsNamed);
   std::string text = fmt::format("leaves out {} text{} of the participant's: {}", paths.size(),
-                                 paths.size() == 1 ? "" : "s", fmt::join(paths.begin(), paths.begin() + named, ", "));
+                                 paths.size() == 1 ? "" : "s", fmt::join(std::span(paths).first(named), ", "));
   if (paths.size() > named) text += fmt::format(" and {} more", paths.size() - named);
   return text;
 }
