@@ -55,7 +55,7 @@ void install_once() noexcept {
   sigaltstack(&stack, nullptr);
   struct sigaction crash {};
   crash.sa_handler = on_crash;
-  crash.sa_flags = SA_RESETHAND | SA_ONSTACK;
+  crash.sa_flags = static_cast<int>(SA_RESETHAND | SA_ONSTACK);
   sigemptyset(&crash.sa_mask);
   for (const int signal_number : kCrashes) sigaction(signal_number, &crash, nullptr);
   struct sigaction go_on {};
