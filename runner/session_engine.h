@@ -2,7 +2,8 @@
 //
 // The engine owns nothing durable. Every answer is one committed event, and the state it starts from is a replay of the
 // events so far: kill it anywhere, run it again with the replayed state, and it goes on at the next unanswered trial.
-// How a trial goes is in trial_conductor.h, what is still to do in session_progress.h.
+// How a trial goes is in trial_conductor.h, what is still to do in session_progress.h; what people are asked around the
+// trials is in session_questions.cpp.
 #pragma once
 
 #include <cstdint>
@@ -46,6 +47,7 @@ class SessionEngine {
   void redo_interrupted_block();
   void practise_again();
   void take_back(const Trial& trial, int attempt, bool anew, const std::string& reason);
+  Replies replies_to(const std::vector<AskedQuestion>& page);
   void check_list();
   void instruct(Instruction::When when);
   void consent();
