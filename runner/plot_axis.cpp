@@ -77,7 +77,10 @@ XAxisText x_axis(const Axis& axis, int columns, bool unicode) {
     const auto at = static_cast<std::size_t>(place(axis.share(tick), columns));
     rule[at] = unicode ? "┬" : "+";
     const std::string text = tick_text(tick, step);
-    const std::size_t begin = at >= text.size() / 2 ? at - text.size() / 2 : 0;
+    if (text.size() > rule.size()) continue;
+    // Under its tick, but never past either end of the axis.
+    const std::size_t centred = at >= text.size() / 2 ? at - text.size() / 2 : 0;
+    const std::size_t begin = std::min(centred, rule.size() - text.size());
     if (!labels.empty() && begin < labels.size() + 2) continue;
     labels += std::string(begin - labels.size(), ' ') + text;
   }

@@ -76,6 +76,13 @@ TEST_CASE("a rising line goes from the lower left to the upper right") {
   CHECK(lines[12].find("100") != std::string::npos);
 }
 
+TEST_CASE("a label at the end of the axis stays inside the canvas") {
+  const std::vector<std::string> lines = lines_of(
+      line_plot({{.name = "", .x = {-110, -90}, .y = {0, 1}}}, {.x_label = "x", .y_label = "y", .rows = 8}, kAscii));
+  CHECK(lines[10].find("-90") != std::string::npos);
+  for (const std::string& line : lines) CHECK(display_width(line) <= static_cast<std::size_t>(kAscii.columns));
+}
+
 TEST_CASE("no line is wider than the canvas, and ASCII stays ASCII") {
   REQUIRE(rc::check("for any numbers", [] {
     const Canvas canvas{.columns = *rc::gen::inRange(10, 200), .unicode = *rc::gen::arbitrary<bool>()};
