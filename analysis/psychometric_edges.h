@@ -17,6 +17,8 @@ struct PsychometricEdge {
 };
 
 PsychometricEdge flat_edge(const PsychometricLikelihood& likelihood) noexcept;
-PsychometricEdge step_edge(const PsychometricLikelihood& likelihood) noexcept;  // at least two levels
+
+// At least two levels. Value -inf, and nothing else of use, where known rates make every step impossible.
+PsychometricEdge step_edge(const PsychometricLikelihood& likelihood) noexcept;
 
 }  // namespace jnd

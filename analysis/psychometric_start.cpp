@@ -102,11 +102,12 @@ std::vector<std::vector<double>> psychometric_starts(const PsychometricLikelihoo
   }
   if (!concave(box)) {
     // And near the best step, with 4 and with 1 of u between neighbouring levels: maxima there are narrow, and may lie
-    // beyond the last level.
+    // beyond the last level. Known rates may allow no step at all.
     const PsychometricEdge step = step_edge(likelihood);
     const double u = step.c0 + step.c1 * step.t;
     for (const double gentler : {0.1, 0.025})
-      keep(starts, likelihood, {u - gentler * step.c1 * step.t, gentler * step.c1, step.lapse, step.guess});
+      if (std::isfinite(step.value))
+        keep(starts, likelihood, {u - gentler * step.c1 * step.t, gentler * step.c1, step.lapse, step.guess});
   }
   std::vector<std::vector<double>> places;
   places.reserve(starts.size());

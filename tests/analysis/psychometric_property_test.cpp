@@ -114,6 +114,26 @@ TEST_CASE("the fit is never less likely than the truth or a grid of functions", 
   CHECK(estimates > 200);
 }
 
+TEST_CASE("a rate that is known stays what it is, also where answers are rarer than guesses", "[psychometric]") {
+  PsychometricModel model;
+  model.guess = 0.5;
+  for (const PsychometricFunction function : kFunctions) {
+    CAPTURE(to_string(function));
+    model.function = function;
+    const PsychometricFit chance =
+        fit_psychometric(std::vector<PsychometricLevel>{{1, 24, 11}, {2, 24, 14}, {3, 24, 13}, {4, 24, 9}}, model);
+    CHECK(chance.status == PsychometricStatus::not_increasing);
+    CHECK(chance.log_likelihood == Approx(96 * std::log(0.5)).epsilon(1e-12));
+    // Without guessing the same function would fit these better.
+    const std::vector<PsychometricLevel> low = {{1, 100, 30}, {2, 100, 45}, {3, 100, 60}, {4, 100, 75}, {5, 100, 90}};
+    const PsychometricFit fit = fit_psychometric(low, model);
+    REQUIRE(fit.status == PsychometricStatus::ok);
+    CHECK(fit.guess.value == 0.5);
+    CHECK(fit.log_likelihood ==
+          Approx(plain_log_likelihood(low, function, fit.location.value, fit.second.value, 0.5, 0)).epsilon(1e-12));
+  }
+}
+
 TEST_CASE("another unit of the levels scales what has a unit, and nothing else", "[psychometric]") {
   REQUIRE(rc::check("scaling by any factor", [] {
     const Drawn drawn = any_data();
@@ -144,6 +164,7 @@ TEST_CASE("a shift of the levels shifts the PSE, but for the Weibull function", 
     RC_ASSERT(close(one.log_likelihood, other.log_likelihood, 1e-10));
     RC_ASSERT(close(one.jnd.value, other.jnd.value, 1e-5));
     RC_ASSERT(std::isnan(one.pse.value) || std::abs(one.pse.value + shift - other.pse.value) <= 1e-5);
+    RC_ASSERT(!is_estimate(one.status) || (std::isfinite(one.pse.value) && std::isfinite(one.jnd.value)));
   }));
 }
 
