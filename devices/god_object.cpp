@@ -78,7 +78,7 @@ Slide GodObject::follow(const Eigen::Vector3d& target_m, int most_steps) noexcep
   if (slide.first_bend <= kHeld) return slide;
   const bool same_side = (slide.at_m - target_m).dot(slide.first_m - target_m) > 0;
   const bool round_the_part = slide.on >= 0 && slide.on == slide.first_on;
-  if (!slide.free && slide.bend <= kHeld && same_side && !round_the_part) return slide;
+  if (slide.rests && slide.bend <= kHeld && same_side && !round_the_part) return slide;
   Slide held;
   held.at_m = slide.first_m;
   if (slide.first_on >= 0) {
@@ -87,7 +87,9 @@ Slide GodObject::follow(const Eigen::Vector3d& target_m, int most_steps) noexcep
     const Eigen::Vector3d above_m = round.core(target_m) + kCore * round.radius_m * round.normal(slide.first_m);
     surface_.look(above_m, (slide.first_m - above_m).norm());
     const Slide along = surface_.slide(slide.first_m, above_m, most_steps);
-    if (!along.free) held.at_m = along.at_m;
+    // Never farther from the finger: a finger at rest would be sent to and fro between two places.
+    const bool nearer = (along.at_m - target_m).squaredNorm() <= (slide.first_m - target_m).squaredNorm();
+    if (!along.free && nearer) held.at_m = along.at_m;
   }
   return held;
 }

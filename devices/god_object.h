@@ -5,9 +5,10 @@
 // Without friction a proxy slides off a round part as soon as the finger is past its axis, and the force would turn
 // round within a tick or two: one falls through an ear. There the paper's facets would hold, and so does this proxy:
 // once the finger has come nearer to the axis than an eighth of the radius, or past it, the proxy stays (along a
-// capsule it still follows). It goes on when the finger comes back up, leaves by the way it came, or sliding leads to a
-// lasting rest on another part that pushes to the same side, as from a ridge down to its foot. A finger that misses the
-// axis by more slips off and out, as a fingertip does. A lone sphere keeps the law of convex bodies, the nearest point.
+// capsule it still follows, where that brings it nearer). It goes on when the finger comes back up, leaves by the way
+// it came, or sliding leads to a lasting rest on another part that pushes to the same side, as from a ridge down to its
+// foot. A finger that misses the axis by more slips off and out, as a fingertip does. A lone sphere keeps the law of
+// convex bodies, the nearest point.
 #pragma once
 
 #include <Eigen/Core>

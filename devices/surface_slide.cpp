@@ -230,7 +230,7 @@ bool SurfaceSlide::finish_on(int primitive, const Eigen::Vector3d& target_m, boo
     if (rounds_[static_cast<std::size_t>(near.primitive)].distance_m(end) < -kInside_m) return false;
   }
   slide.at_m = end;
-  slide.exact = true;
+  slide.exact = slide.rests = true;
   slide.normal = normal;
   slide.penetration_m = round.radius_m - distance;
   slide.bend = slide.penetration_m / round.radius_m;
@@ -266,7 +266,10 @@ Slide SurfaceSlide::slide(const Eigen::Vector3d& start_m, const Eigen::Vector3d&
     }
     const bool settled = allowed.step_m.squaredNorm() <= kSettled_m * kSettled_m;
     if (alone >= 0 && finish_on(alone, target_m, settled, slide)) return slide;
-    if (settled) return slide;
+    if (settled) {
+      slide.rests = true;
+      return slide;
+    }
     // The nearest point of a tangent falls short of the surface's by 1 - bend, to first order.
     double curved = allowed.bend;
     if (alone >= 0)

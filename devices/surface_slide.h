@@ -36,7 +36,8 @@ struct Round {
 // Where a slide went.
 struct Slide {
   Eigen::Vector3d at_m = Eigen::Vector3d::Zero();
-  bool free = false;  // the target was reached: nothing stands between
+  bool free = false;   // the target was reached: nothing stands between
+  bool rests = false;  // sliding is over: no more steps would lead on from here
   // Resting on one primitive at the nearest point of all its surface: then in closed form, without iteration.
   bool exact = false;
   Eigen::Vector3d normal = Eigen::Vector3d::UnitX();  // where exact
