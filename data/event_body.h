@@ -50,7 +50,11 @@ inline constexpr std::string_view kUnblinded = "unblinded";            // reason
 inline constexpr std::string_view kMerged = "study.merged";            // what came from where
 inline constexpr std::string_view kRecovered = "study.recovered";      // from which damaged file, what was lost
 inline constexpr std::string_view kReworded =
-    "protocol.same_meaning";                                   // other bytes, equal documents: sha256 of the file used
+    "protocol.same_meaning";  // other bytes, equal documents: sha256 of the file used
+inline constexpr std::string_view kConnections =
+    "rig.connections";  // body: devices and tracker, as RigConnections; when (opened, fault, missing, back, closed)
+inline constexpr std::string_view kCalibration =
+    "rig.calibration";  // serial, calibration_id, certificate: word for word, or null where it was not found
 inline constexpr std::string_view kRealtime = "rig.realtime";  // body: policy, items of what, ok, detail, why_not
 }  // namespace event_kind
 

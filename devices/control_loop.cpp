@@ -29,6 +29,18 @@ bool finite(const DeviceReading& reading) noexcept {
                        reading.platform.cos_yaw);
 }
 
+Fault fault_of(DeviceStatus status) noexcept {
+  switch (status) {
+    case DeviceStatus::ok:
+      return Fault::none;
+    case DeviceStatus::lost:
+      return Fault::device_lost;
+    case DeviceStatus::stopped:
+      return Fault::device_fault;
+  }
+  return Fault::device_lost;
+}
+
 bool carried(const Cues& cues, Channel channel) noexcept {
   return channel == Channel::cutaneous ? cues.force : cues.kinaesthetic;
 }
@@ -87,14 +99,14 @@ Fault ControlLoop::engage(const PresentRequest& request, std::int64_t start_ns) 
     one.governor.reset();
     one.governor.activate(start_ns);
     one.setup.device->begin_interval(interval_part(request.id, one.setup.finger));
-    if (one.setup.device->engage(start_ns) != DeviceStatus::ok) fault = Fault::device_lost;
+    if (const Fault found = fault_of(one.setup.device->engage(start_ns)); found != Fault::none) fault = found;
   }
   return fault;
 }
 
 Fault ControlLoop::read(std::int64_t now_ns) noexcept {
   for (Channeled& one : devices_) {
-    if (one.setup.device->read(now_ns, one.reading) != DeviceStatus::ok) return Fault::device_lost;
+    if (const Fault found = fault_of(one.setup.device->read(now_ns, one.reading)); found != Fault::none) return found;
     if (!finite(one.reading)) return Fault::non_finite;
     const std::int64_t age_ns = now_ns - one.reading.time_ns;
     if (age_ns > kMaxAge_ns || age_ns < -kMaxAge_ns) return Fault::stale_reading;
@@ -132,8 +144,13 @@ void ControlLoop::render(Channeled& one, const PresentRequest& request, std::int
     asked.force_n = one.setup.force_gain * contact_force_n(stimulus.stiffness, contact.penetration_m,
                                                            stimulus.damping_n_s_per_m, finger.penetration_rate);
     asked.stiffness_n_per_m = stimulus.stiffness;
+    asked.damping_n_s_per_m = stimulus.damping_n_s_per_m;
+    asked.penetration_m = contact.penetration_m;
+    asked.penetration_rate_m_per_s = finger.penetration_rate;
     if (one.setup.channel == Channel::cutaneous && !scene_.joint) {
       asked.normal.noalias() = finger.pose.device_axes.transpose() * contact.normal;
+      asked.contact_point_m.noalias() =
+          finger.pose.device_axes.transpose() * (contact.proxy_m - finger.pose.position_m);
       const Tilt tilt = tilt_toward(asked.normal, one.reading.platform.sin_yaw, one.reading.platform.cos_yaw);
       asked.roll_rad = tilt.roll_rad;
       asked.pitch_rad = tilt.pitch_rad;
@@ -184,7 +201,7 @@ Fault ControlLoop::act(int place, const PresentRequest& request, std::int64_t no
   const DeviceStatus written = one.setup.device->write(out.given, now_ns);
   record(place, out, now_ns, duration_s);
   if (out.fault != Fault::none) return out.fault;
-  if (written != DeviceStatus::ok) return Fault::device_lost;
+  if (const Fault found = fault_of(written); found != Fault::none) return found;
   if (one.watch.stuck(one.reading.force_n, out.given.force_n, now_ns)) return Fault::sensor_stuck;
   return Fault::none;
 }
@@ -282,6 +299,12 @@ Presentation ControlLoop::run(const PresentRequest& request, const EmergencyStop
     const std::int64_t skipped = late_ns_ / kPeriod_ns;
     result.overruns += skipped;
     deadline_ns += skipped * kPeriod_ns;
+    // Also where the interval is over by now: for so long the finger felt what no tick had asked for.
+    if (late_ns_ > kMaxAge_ns) {
+      result.fault = Fault::command_gap;
+      for (Channeled& one : devices_) one.governor.trip(Fault::command_gap);
+      break;
+    }
     duration_s = kPeriod_s * static_cast<double>(1 + skipped);
 
     // Deadlines, not wake-ups, end an interval: its length does not depend on the machine.

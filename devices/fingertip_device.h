@@ -20,6 +20,11 @@ struct DeviceCommand {
   double roll_rad = 0, pitch_rad = 0;                 // platform orientation asked
   double vibration_g = 0;                             // amplitude, 0 = off
   double vibration_hz = 0;
+  // The contact behind the force, for a device that works the force out itself: stiffness * penetration + damping *
+  // rate, and never more than force_n, which is what the governor allows. Zero without contact.
+  double penetration_m = 0, penetration_rate_m_per_s = 0;
+  double damping_n_s_per_m = 0;
+  Eigen::Vector3d contact_point_m = Eigen::Vector3d::Zero();  // of the proxy, from the fingertip, device frame
 };
 
 struct PlatformPose {
@@ -35,7 +40,7 @@ struct DeviceReading {
   PlatformPose platform;     // at rest for a device without one
 };
 
-enum class DeviceStatus { ok, lost };
+enum class DeviceStatus { ok, lost, stopped };  // stopped: by itself, and it says why
 
 // Thread rule: the control loop's thread only. Nothing in read or write allocates, locks or waits.
 class FingertipDevice {

@@ -15,7 +15,14 @@ FingertipRig::FingertipRig(RigInfo info, RigParts parts, Clock& clock, const Rig
       telemetry_(options.telemetry_ticks > 0 ? std::make_unique<TelemetryRing>(options.telemetry_ticks) : nullptr),
       glimpse_(options.realtime ? std::make_unique<LatestGlimpse>() : nullptr),
       loop_(parts_.channels, *parts_.tracker, clock, parts_.scene, telemetry_.get(), glimpse_.get()),
-      thread_(options.realtime ? std::make_unique<RenderThread>(*options.realtime) : nullptr) {}
+      thread_(std::move(parts_.thread)) {
+  if (!thread_ && options.realtime) thread_ = std::make_unique<RenderThread>(*options.realtime);
+  for (const auto& link : parts_.links) link->stop_with(&stop);
+}
+
+FingertipRig::~FingertipRig() {
+  for (const auto& link : parts_.links) link->stop_with(nullptr);
+}
 
 Presentation FingertipRig::present(const PresentRequest& request) {
   if (!thread_) return loop_.run(request, stop);
@@ -35,6 +42,23 @@ Presentation FingertipRig::present(const PresentRequest& request) {
 
 void FingertipRig::neutral() noexcept {
   for (const auto& device : parts_.devices) device->neutral();
+}
+
+std::string FingertipRig::missing() {
+  std::string all;
+  const auto add = [&all](const std::string& one) {
+    if (!one.empty()) all += (all.empty() ? "" : "; ") + one;
+  };
+  for (const auto& link : parts_.links) add(link->missing());
+  add(parts_.tracker->missing());
+  return all;
+}
+
+RigConnections FingertipRig::connections() const {
+  RigConnections all;
+  for (const auto& link : parts_.links) all.devices.push_back(link->report());
+  all.tracker = parts_.tracker->report();
+  return all;
 }
 
 RealtimeReport FingertipRig::realtime() const {

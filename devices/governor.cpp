@@ -18,7 +18,8 @@ bool all_finite(const GovernorInput& input) noexcept {
   // One sum: it is finite only if all its parts are (opposite infinities make a NaN).
   return std::isfinite(asked.force_n + asked.normal.x() + asked.normal.y() + asked.normal.z() + asked.roll_rad +
                        asked.pitch_rad + asked.vibration_g + asked.vibration_hz + asked.stiffness_n_per_m +
-                       input.travel);
+                       asked.penetration_m + asked.penetration_rate_m_per_s + asked.damping_n_s_per_m +
+                       asked.contact_point_m.sum() + input.travel);
 }
 
 }  // namespace

@@ -7,7 +7,6 @@
 #include <sstream>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 namespace jnd {
 
@@ -145,45 +144,6 @@ MachineCheck check_clock_source(const fs::path& root) {
       has_word(available, "tsc")
           ? "look into the kernel's log why it does not use tsc (journalctl -k | grep -i clocksource)"
           : "the kernel found tsc unstable or has none: look for a firmware update, or use another machine";
-  return check;
-}
-
-MachineCheck check_hid(const fs::path& root) {
-  MachineCheck check{.name = "HID devices", .verdict = Verdict::ok, .found = "", .what_to_do = ""};
-  const auto nodes = numbered(root / "dev", "hidraw");
-  if (nodes.empty()) {
-    check.found = "none connected (simulated devices need none)";
-    return check;
-  }
-  std::string usable, refused, rule;
-  for (const auto& [number, node] : nodes) {
-    const std::string name = fmt::format("hidraw{}", number);
-    std::string label = name, id;
-    std::ifstream properties(root / "sys/class/hidraw" / name / "device/uevent");
-    for (std::string line; std::getline(properties, line);) {
-      if (line.starts_with("HID_NAME=")) label += fmt::format(" ({})", line.substr(9));
-      if (line.starts_with("HID_ID=")) id = line.substr(7);
-    }
-    const bool may = access(node.c_str(), R_OK | W_OK) == 0;
-    std::string& list = may ? usable : refused;
-    list += (list.empty() ? "" : ", ") + label;
-    // HID_ID is bus:vendor:product, the latter two with eight digits of which udev shows the last four, in lower case.
-    if (!may && rule.empty() && id.size() == 22) {
-      std::transform(id.begin(), id.end(), id.begin(), [](char c) { return c >= 'A' && c <= 'F' ? char(c + 32) : c; });
-      rule = fmt::format("KERNEL==\"hidraw*\", ATTRS{{idVendor}}==\"{}\", ATTRS{{idProduct}}==\"{}\", TAG+=\"uaccess\"",
-                         id.substr(9, 4), id.substr(18, 4));
-    }
-  }
-  check.found = fmt::format("{} connected", nodes.size());
-  if (!usable.empty()) check.found += "; usable: " + usable;
-  if (refused.empty()) return check;
-  check.verdict = Verdict::warn;
-  check.found += "; not readable and writable by this login: " + refused;
-  if (rule.empty()) rule = "KERNEL==\"hidraw*\", ATTRS{idVendor}==\"VENDOR\", TAG+=\"uaccess\"";
-  check.what_to_do = fmt::format(
-      "if one of these is a device of the study, put the line {} (with its own numbers, see lsusb) into "
-      "/etc/udev/rules.d/70-jnd.rules and connect it again",
-      rule);
   return check;
 }
 

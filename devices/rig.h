@@ -3,7 +3,9 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "devices/emergency_stop.h"
 #include "devices/realtime.h"
@@ -43,9 +45,50 @@ struct LoopGlimpse {
 struct RigInfo {
   std::string name;     // "rrs3 x 2"
   std::string mode;     // rendering mode: "wrench", "pd", "pd-literal"; the controller of a joint: "PI"
-  std::string tracker;  // "hand", "encoder"
+  std::string tracker;  // "hid", "process", "replay", "hand", "encoder"; "hand (for hid)" where one stands in
   std::string sha256;   // of the rig's description
   bool simulated = true;
+};
+
+// One device's connection, since the rig was made.
+struct DeviceLinkReport {
+  std::string serial, finger;
+  std::string firmware;          // "1.0.0"
+  int protocol_version = 0;      // of the reports, as negotiated
+  std::string calibration_id;    // as the device says; empty: never calibrated
+  std::string calibration_date;  // "2026-03-01", or empty
+  bool is_model = false;         // in software, by its own word: what is felt with it is no real data
+  bool connected = false;
+  std::string trouble;         // why not, or why the device stopped itself last; empty where all is well
+  std::int64_t sent = 0;       // commands handed to the system
+  std::int64_t overtaken = 0;  // by newer ones before they could be
+  std::int64_t received = 0;   // reports of telemetry
+  std::int64_t missing = 0;    // of the device's own numbering
+  std::int64_t damaged = 0;    // reports that were none of the protocol's
+  std::int64_t rejected = 0;   // commands that the device refused
+  int reconnections = 0;
+  // Device clock = offset + (1 + drift) * host clock, over the last minutes; uncertainty: half the shortest round trip.
+  double clock_offset_s = 0, clock_drift_ppm = 0, clock_uncertainty_s = 0;
+  double latency_p50_us = 0, latency_p99_us = 0, latency_max_us = 0;  // from a command's writing to its echo's arrival
+};
+
+// What a tracker's stream of poses was like, since the rig was made.
+struct TrackerReport {
+  std::string kind;    // "hid", "process", "replay", "hand"
+  std::string source;  // a serial number, a command line, a file
+  bool connected = false;
+  std::string trouble;
+  std::int64_t poses = 0;
+  std::int64_t gaps = 0;     // poses missing by the source's own numbering, or where it has none, waits above 20 ms
+  std::int64_t refused = 0;  // lines or reports that were no pose
+  double rate_hz = 0;        // poses a second of one finger, while they came
+  double latency_p50_ms = 0, latency_p99_ms = 0, latency_max_ms = 0;  // from when a pose was true to its arrival
+  double longest_wait_ms = 0;                                         // between two poses of a finger
+};
+
+struct RigConnections {
+  std::vector<DeviceLinkReport> devices;
+  std::optional<TrackerReport> tracker;
 };
 
 class TelemetryRing;
@@ -68,6 +111,11 @@ class Rig {
   // While a presentation goes on, `look` is called some 20 times a second by the thread that called present, never by
   // the loop. Empty: no more. A rig whose loop runs inside present on a simulated clock never calls it.
   virtual void watch(const std::function<void(const LoopGlimpse&)>& /*look*/) {}
+  // What is missing for a presentation, in the operator's words, such as a device that was unplugged, or has a fault;
+  // empty: nothing. Devices forget a fault that is over when they are told to rest: call neutral() between looks.
+  virtual std::string missing() { return {}; }
+  // The connections to devices and tracker, for the log; nothing for models inside the program.
+  virtual RigConnections connections() const { return {}; }
   // What real-time scheduling the loop got.
   virtual RealtimeReport realtime() const { return {}; }
 

@@ -2,16 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "devices/encoder_tracker.h"
+#include "devices/fingertip_scene.h"
+#include "devices/hid/streamed_tracker.h"
 #include "devices/mckibben_device.h"
 #include "devices/rrs3_device.h"
 #include "devices/simulated_flexion.h"
-#include "devices/simulated_hand.h"
 #include "protocols/input_error.h"
 
 namespace jnd {
@@ -32,22 +32,10 @@ void check(const RigRequest& asked, const RigSpec& spec) {
   if (asked.fingers.empty() || asked.fingers.size() > most)
     throw InputError(fmt::format("$.rig.fingers names {} fingers: the {} takes {}", asked.fingers.size(), spec.name,
                                  joint ? "one" : "one or two"));
-  const char* tracker = joint ? "encoder" : "hand";
-  if (asked.tracker != tracker)
+  // Of fingers in space a simulated hand takes any tracker's place.
+  if (asked.tracker != (joint ? "encoder" : "hand") && (joint || !is_streamed(asked.tracker)))
     throw InputError(fmt::format("$.rig.tracker \"{}\" cannot be simulated with the {}: use \"{}\"", asked.tracker,
-                                 spec.name, tracker));
-}
-
-// How far the object reaches to either side, where the fingers come from. place: in the protocol.
-double farthest_surface_m(const VirtualObject& object, std::string_view place, const std::string& name) {
-  double farthest = 0;
-  for (const double side : {-1.0, 1.0}) {
-    const double surface = object.surface_along(side * Eigen::Vector3d::UnitX());
-    if (!(surface > 0))
-      throw InputError(fmt::format("{} \"{}\" does not lie between two fingers: take another", place, name));
-    farthest = std::max(farthest, surface);
-  }
-  return farthest;
+                                 spec.name, joint ? "encoder" : "hand"));
 }
 
 void add(RigParts& parts, std::unique_ptr<FingertipDevice> device, const DeviceSpec& spec, int finger, Channel channel,
@@ -71,31 +59,14 @@ std::unique_ptr<FingertipDevice> platform(const Protocol& protocol, const Device
 // One or two fingers around an object in space.
 RigParts fingertip_parts(const Protocol& protocol, const RigDescription& rig, const ParticipantProfile& profile,
                          int participant, std::uint64_t seed) {
-  const RigRequest& asked = protocol.rig;
   RigParts parts;
   const DeviceSpec& spec = *rig.spec.cutaneous();
-  const int fingers = static_cast<int>(asked.fingers.size());
+  const int fingers = static_cast<int>(protocol.rig.fingers.size());
   for (int finger = 0; finger < fingers; ++finger)
     add(parts, platform(protocol, spec, profile, seed + static_cast<std::uint64_t>(finger)), spec, finger,
         Channel::cutaneous);
-  const bool sphere = asked.object.empty();
-  parts.scene.object = sphere ? sphere_object({.radius_m = asked.sphere_radius_m}) : rig.object;
-  const double surface_m =
-      sphere ? asked.sphere_radius_m : farthest_surface_m(rig.object, "$.rig.object", asked.object);
-  std::map<std::string, double> named;
-  for (const auto& [name, object] : rig.objects) named[name] = farthest_surface_m(object, "$.explore.objects", name);
-  parts.scene.named = rig.objects;
-  const double expected = protocol.stimulus.expected_press;
-  parts.tracker =
-      std::make_unique<SimulatedHand>(HandHabits{.separation_m = asked.separation_m,
-                                                 .sphere_radius_m = surface_m,
-                                                 .named_radius_m = std::move(named),
-                                                 .press_depth_m = expected > 0 ? expected : profile.press_depth_m,
-                                                 .press_depth_sd_m = profile.press_depth_sd_m,
-                                                 .closing_speed_m_per_s = profile.closing_speed_m_per_s,
-                                                 .press_period_s = profile.press_period_s,
-                                                 .lateral_sd_m = profile.lateral_sd_m},
-                                      fingers, seed, participant);
+  parts.scene = fingertip_scene(protocol, rig);
+  parts.tracker = make_simulated_hand(protocol, rig, profile, participant, seed);
   return parts;
 }
 
@@ -143,7 +114,8 @@ RigInfo simulated_rig_info(const Protocol& protocol, const RigSpec& spec) {
     mode += (mode.empty() ? "" : " + ") + std::string(controller_name(joint->gains));
   return {.name = fmt::format("{} x {}", spec.name, protocol.rig.fingers.size()),
           .mode = std::move(mode),
-          .tracker = protocol.rig.tracker,
+          .tracker = is_streamed(protocol.rig.tracker) ? fmt::format("hand (for {})", protocol.rig.tracker)
+                                                       : protocol.rig.tracker,
           .sha256 = spec.sha256,
           .simulated = true};
 }

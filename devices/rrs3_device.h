@@ -1,4 +1,5 @@
-// A model of the 3RRS fingertip device of Chinello et al. 2017, pressing a compliant finger pulp.
+// A model of the 3RRS fingertip device of Chinello et al. 2017, pressing a compliant finger pulp: the controller, in
+// front of the platform of rrs3_platform.h.
 //
 // Each millisecond the device turns the command into joint torques at the platform's actual pose, and lets those
 // torques act, through the same pose's transmission, on the platform and the pulp. Roll and pitch are
@@ -23,14 +24,12 @@
 
 #include "devices/fingertip_device.h"
 #include "devices/force_sensor.h"
-#include "devices/rrs3_statics.h"
+#include "devices/rrs3_platform.h"
 #include "devices/vibration_motor.h"
 #include "protocols/device_spec.h"
 #include "protocols/vocabulary.h"
 
 namespace jnd {
-
-inline constexpr double kPlatformMass_kg = 0.005;
 
 struct Rrs3DeviceOptions {
   double pulp_stiffness_n_per_m = 1000;
@@ -62,43 +61,22 @@ class Rrs3Device final : public FingertipDevice {
   RenderingMode mode() const noexcept { return mode_; }
 
  private:
-  static constexpr std::int64_t kStep_ns = 1'000'000;
-
-  // One step of m u'' + 2 sqrt(m k) u' + k (u - settled) = 0, exact.
-  struct Motion {
-    double stiffness_n_per_m = 0;
-    double decay = 0, from_velocity = 0, onto_velocity = 0, damped = 0;
-  };
-  static Motion motion_of(double stiffness_n_per_m) noexcept;
-
   void advance_to(std::int64_t now_ns) noexcept;
   void step() noexcept;
-  bool solve_pose(const Rrs3Coordinates& at) noexcept;
   bool position_controlled() const noexcept;
   double drive() noexcept;
   double drive_to_position() noexcept;
-  bool turn() noexcept;
   void let_go() noexcept;
 
-  Rrs3Kinematics kinematics_;
-  double pulp_n_per_m_;
+  Rrs3Platform platform_;
   double max_force_n_;
   RenderingMode mode_;
   ForceSensor sensor_;
   VibrationMotor motor_;
-  double joint_step_rad_;  // farthest turn of a joint in one step
-  Motion free_;            // against the pulp alone
-  Motion controlled_;      // against pulp and gain, of the stiffness last commanded in a pd mode
   // State
   DeviceCommand command_;
   std::uint64_t next_part_ = 0;
   std::int64_t time_ns_ = 0, written_ns_ = 0;
-  double compression_m_ = 0, velocity_m_per_s_ = 0;  // of the pulp, along the platform's normal
-  Rrs3Coordinates at_;
-  Rrs3Configuration configuration_;
-  Rrs3Differential differential_;
-  Rrs3Configuration rest_configuration_;
-  Rrs3Differential rest_differential_;
   Eigen::Vector3d torques_ = Eigen::Vector3d::Zero();
 };
 

@@ -1,5 +1,6 @@
 #include "devices/rrs3_kinematics.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -115,9 +116,10 @@ Eigen::Vector3d Rrs3Kinematics::joint_angles(const Rrs3Configuration& at) const 
   for (int leg = 0; leg < 3; ++leg) {
     const double radial = at.knee(0, leg), z = at.knee(1, leg);
     const double alpha = std::atan2(z, radial);  // (7), with its sign
-    // delta as the angle from s to the elbow: the same as (7)'s acos, and accurate where that is near 1.
-    const double delta =
-        std::atan2(radial * at.link(1, leg) - z * at.link(0, leg), radial * at.link(0, leg) + z * at.link(1, leg));
+    // delta as the angle from s to the elbow: the same as (7)'s acos, and accurate where that is near 1. Elbows lie
+    // outward, so it is 0 to pi: rounding must not turn a folded leg's pi into -pi.
+    const double outward = std::max(0.0, radial * at.link(1, leg) - z * at.link(0, leg));
+    const double delta = std::atan2(outward, radial * at.link(0, leg) + z * at.link(1, leg));
     q[leg] = alpha + delta;
   }
   return q;

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <string>
 
 #include <Eigen/Core>
 
@@ -25,6 +27,11 @@ class Tracker {
   virtual void begin(const PresentRequest& request, std::int64_t start_ns) = 0;
   // The newest pose. False where there has been none yet; pose is then unchanged.
   virtual bool read(int finger, std::int64_t now_ns, FingerPose& pose) noexcept = 0;
+
+  // The stream of poses; none for a tracker inside the program. Any thread.
+  virtual std::optional<TrackerReport> report() const { return std::nullopt; }
+  // What is missing, in the operator's words; empty: nothing. Any thread.
+  virtual std::string missing() const { return {}; }
 };
 
 }  // namespace jnd

@@ -47,7 +47,7 @@ struct Assumption {
 struct RigRequest {
   std::string device;                // name of a rig: "rrs3", "mckibben", "rrs3+mckibben"
   std::vector<std::string> fingers;  // such as thumb, index; 1 or 2, one where a joint is driven
-  std::string tracker;               // "hand" (simulated), or "encoder": the joint's own, of a McKibben finger
+  std::string tracker;               // "hid", "process", "replay", "hand" (simulated), or "encoder": the joint's own
   RenderingMode mode = RenderingMode::wrench;  // of a 3RRS device
   // Fingertip devices around a virtual object.
   double separation_m = 0.130;     // between the devices' rest positions

@@ -26,16 +26,24 @@ void read_fingers(const JsonNode& list, ProtocolReading& reading) {
 }
 
 void read_tracker(JsonReader& reader, ProtocolReading& reading) {
+  static const std::vector<std::string_view> kTrackers = {"hand", "encoder", "hid", "process", "replay"};
+  static const std::vector<std::string_view> kOfFingers = {"hand", "hid", "process", "replay"};
+  static const std::vector<std::string_view> kOfJoints = {"encoder"};
   RigRequest& rig = reading.protocol.rig;
-  const auto place = reader.word("tracker", {"hand", "encoder"}, {"hid", "pipe", "replay"}, true);
+  if (reading.knows_rig() && reader.node().find("tracker") == nullptr) {  // add one that fits
+    const bool joint = acts_on_joint(rig);
+    (void)reader.word("tracker", joint ? kOfJoints : kOfFingers, {}, true);
+    return;
+  }
+  const auto place = reader.word("tracker", kTrackers, {}, true);
   if (!place) return;
-  rig.tracker = *place == 0 ? "hand" : "encoder";
-  const std::string_view fitting = acts_on_joint(rig) ? "encoder" : "hand";
-  if (reading.knows_rig() && rig.tracker != fitting) {
-    reader.error("tracker",
-                 fmt::format("{} does not tell where the finger of {} is", in_quotes(rig.tracker), rig.device),
-                 acts_on_joint(rig) ? "a McKibben finger measures its joint itself: write \"encoder\""
-                                    : "a 3RRS device has no encoder at the joint: write \"hand\"");
+  rig.tracker = kTrackers[*place];
+  if (reading.knows_rig() && (rig.tracker == "encoder") != acts_on_joint(rig)) {
+    reader.error(
+        "tracker", fmt::format("{} does not tell where the finger of {} is", in_quotes(rig.tracker), rig.device),
+        acts_on_joint(rig) ? "a McKibben finger measures its joint itself: write \"encoder\""
+                           : "a 3RRS device has no encoder at the joint: write \"hid\", \"process\", \"replay\", "
+                             "or \"hand\" for a simulated one");
   }
 }
 

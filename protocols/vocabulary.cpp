@@ -68,6 +68,8 @@ std::string_view to_string(Fault fault) noexcept {
       return "sensor_stuck";
     case Fault::device_lost:
       return "device_lost";
+    case Fault::device_fault:
+      return "device_fault";
     case Fault::emergency_stop:
       return "emergency_stop";
     case Fault::interrupted:
@@ -97,7 +99,7 @@ std::optional<Channel> channel_from(std::string_view text) noexcept {
 std::optional<Fault> fault_from(std::string_view text) noexcept {
   for (const Fault fault :
        {Fault::none, Fault::no_contact, Fault::stale_pose, Fault::stale_reading, Fault::command_gap, Fault::non_finite,
-        Fault::sensor_stuck, Fault::device_lost, Fault::emergency_stop, Fault::interrupted})
+        Fault::sensor_stuck, Fault::device_lost, Fault::device_fault, Fault::emergency_stop, Fault::interrupted})
     if (text == to_string(fault)) return fault;
   return std::nullopt;
 }

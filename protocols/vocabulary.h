@@ -61,6 +61,7 @@ enum class Fault {
   non_finite,
   sensor_stuck,  // the measured force does not follow what is given
   device_lost,
+  device_fault,  // the device stopped itself
   emergency_stop,
   interrupted
 };

@@ -1,8 +1,12 @@
-// jnd device list and info: which rigs there are, and what each can do.
+// jnd device list and info: which rigs there are, what each can do, and which real devices are connected.
 #include <fmt/format.h>
 
+#include "devices/hid/hidapi_bus.h"
+#include "runner/command_device_hid.h"
 #include "runner/commands.h"
 #include "runner/device_output.h"
+#include "runner/hid_devices.h"
+#include "runner/hid_list.h"
 #include "runner/resources.h"
 #include "runner/terminal.h"
 
@@ -165,16 +169,23 @@ int command_device_list(bool json) {
     for (const DeviceSpec& device : rig.devices)
       text += fmt::format("      {}; at most {}\n", what_it_is(device), limits_text(device));
   }
+  HidapiBus bus;
+  const nlohmann::ordered_json devices = hid_json(bus);
   if (json) {
-    print_json({{"rigs", rigs}});
+    print_json({{"rigs", rigs}, {"hid", devices}});
     return exit_code::kDone;
   }
-  fmt::print("{}\n  All of them are simulated: models of the papers' devices. A study names one in $.rig.device.\n",
+  fmt::print("{}\n  All of them are simulated: models of the papers' devices. A study names one in $.rig.device.\n\n",
              text);
+  fmt::print("{}\n{}", bold("Connected"), hid_text(devices));
   return exit_code::kDone;
 }
 
 int command_device_info(const std::string& name, bool json) {
+  if (!names_a_rig(name)) {
+    HidapiBus bus;
+    return hid_device_info(bus, name, json);
+  }
   const std::filesystem::path file = find_resource(Resource::device_spec, name);
   const RigSpec rig = load_rig_spec(file);
   if (json) {

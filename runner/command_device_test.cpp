@@ -3,15 +3,22 @@
 
 #include <fmt/format.h>
 
+#include "devices/hid/hidapi_bus.h"
+#include "runner/command_device_hid.h"
 #include "runner/commands.h"
 #include "runner/device_bench.h"
 #include "runner/device_output.h"
+#include "runner/hid_devices.h"
 #include "runner/terminal.h"
 #include "runner/text_table.h"
 
 namespace jnd {
 
-int command_device_test(const std::string& name, bool json) {
+int command_device_test(const std::string& name, bool json, bool yes) {
+  if (!names_a_rig(name)) {
+    HidapiBus bus;
+    return hid_device_test(bus, name, json, yes);
+  }
   const RigSpec rig = rig_named(name);
   DeviceChecks checks;
   for (const DeviceSpec& spec : rig.devices) {

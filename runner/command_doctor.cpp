@@ -1,15 +1,22 @@
 // jnd doctor: is this machine fit to run a session.
 #include <algorithm>
+#include <optional>
 #include <sstream>
+#include <utility>
 
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include "data/database.h"
+#include "devices/hid/hidapi_bus.h"
+#include "devices/hid/rig_check.h"
 #include "devices/machine_checks.h"
+#include "protocols/protocol_json.h"
 #include "runner/commands.h"
+#include "runner/hid_devices.h"
 #include "runner/interrupt.h"
 #include "runner/json_output.h"
+#include "runner/resources.h"
 #include "runner/terminal.h"
 #include "runner/text_table.h"
 
@@ -67,11 +74,24 @@ void print_check(const MachineCheck& check, std::size_t name_width) {
     fmt::print("{}{} {}\n", std::string(indent, ' '), dim("->"), wrapped(printable(check.what_to_do), indent + 3));
 }
 
+// What the protocol and the rig file need of this machine.
+std::vector<MachineCheck> check_rig_of(const DoctorOptions& options) {
+  std::optional<Protocol> protocol;
+  std::optional<RigFile> file;
+  if (!options.protocol.empty()) protocol = load_protocol(find_resource(Resource::protocol, options.protocol));
+  if (!options.rig.empty()) file = load_rig_file(options.rig);
+  if (!protocol && !file) return {};
+  std::vector<SeenHid> seen;
+  for (const HidInfo& info : HidapiBus().list()) seen.push_back({.info = info, .usable = is_usable(info)});
+  return check_rig(protocol ? &protocol->rig : nullptr, file ? &*file : nullptr, seen);
+}
+
 }  // namespace
 
 int command_doctor(const DoctorOptions& options) {
   std::vector<MachineCheck> checks = {check_kernel("/"), check_processors("/"), check_frequency("/"),
                                       check_clock_source("/"), check_hid("/")};
+  for (MachineCheck& check : check_rig_of(options)) checks.push_back(std::move(check));
   checks.push_back(
       check_storage(options.study.value_or("."), {.root = "/", .is_network = is_network_file_system, .syncs = 20}));
   if (!options.json && is_terminal(STDERR_FILENO))

@@ -101,6 +101,8 @@ int run_command_line(int argc, const char* const* argv) {
   command->add_option("--responder", run.responder, "a live demonstration: this profile answers instead of a person");
   command->add_flag("--participant-presses", run.participant_presses,
                     "the participant presses the answer keys (otherwise the operator enters what is said)");
+  command->add_option("--buttons", run.buttons,
+                      "the participant answers with buttons: a mapping of jnd device learn-buttons");
   command->add_option("--language", run.language, "language of the participant's texts, of those in the protocol");
   command->add_flag("--plain", run.plain, "a line at a time instead of a full screen: for screen readers and scripts");
   command->add_option("--kind", run.kind, "real (default on a real rig) or pilot (default on a simulated one)");
@@ -109,6 +111,8 @@ int run_command_line(int argc, const char* const* argv) {
                       "go on after a longer interruption than the protocol allows, for this reason");
   command->add_option("--override-readiness", run.override_readiness,
                       "begin in spite of what the readiness check found, for this reason");
+  command->add_option("--rig", run.rig,
+                      "simulated (default), hid (the connected devices), or a rig file that says who wears which");
   command->add_flag("--fast", run.fast, "rehearse without waiting: stimuli and pauses take no time");
   command->add_option("--record", run.record, "what is kept: off, events (faults), full (every tick; default)")
       ->check(CLI::IsMember({"off", "events", "full"}));
@@ -200,6 +204,8 @@ int run_command_line(int argc, const char* const* argv) {
   command->add_option("--study", doctor.study, "a study, or the folder where studies go (default: this folder)");
   command->add_option("--seconds", doctor.seconds, "length of each of the two measurements of lateness (default: 3)")
       ->check(CLI::Range(0.1, 600.0));
+  command->add_option("--protocol", doctor.protocol, "is the machine fit for this one too: has it the tracker");
+  command->add_option("--rig", doctor.rig, "and for this rig file: are its devices, tracker and buttons there");
   command->add_flag("--json", doctor.json, "machine-readable");
   command->callback([&] { chosen = [&] { return command_doctor(doctor); }; });
 

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
+#include "devices/hid/streamed_tracker.h"
 #include "protocols/device_lint.h"
 #include "protocols/duration.h"
 #include "protocols/json_reader.h"
@@ -110,6 +111,17 @@ CheckedFile check_file(const std::string& name_or_path) {
   return result;
 }
 
+// What the rig file has to name, where the fingers' poses come from outside this program.
+void print_tracker(const Protocol& protocol) {
+  const std::string& tracker = protocol.rig.tracker;
+  if (!is_streamed(tracker)) return;
+  const char* const is = tracker == "hid"
+                             ? "a tracker over USB; where there are several, the rig file gives its serial number"
+                         : tracker == "process" ? "a program that writes poses; the rig file names it"
+                                                : "a file of poses; the rig file names it";
+  fmt::print("  tracker: {}, {} (jnd run --rig FILE)\n", tracker, is);
+}
+
 void print_check(const std::string& name, const CheckedFile& result) {
   for (const Diagnostic& error : result.check.errors) fmt::print("error: {}\n", printable(to_text(error)));
   for (const Diagnostic& warning : result.check.warnings)
@@ -128,6 +140,7 @@ void print_check(const std::string& name, const CheckedFile& result) {
         protocol.explore->duration_s, protocol.explore->objects.size(),
         protocol.explore->objects.size() == 1 ? "" : "s", protocol.questions.size(),
         protocol.questions.size() == 1 ? "" : "s", duration_text(result.duration_s), protocol.sha256);
+    print_tracker(protocol);
     return;
   }
   if (protocol.design.procedure) {
@@ -141,6 +154,7 @@ void print_check(const std::string& name, const CheckedFile& result) {
         printable(name), bold("ok"), printable(protocol.title), protocol.conditions.size(), procedure.starts.size(),
         procedure.starts.size() == 1 ? "" : "s", at_most ? "at most " : "", result.trials, 100 * procedure.catch_share,
         at_most ? "at most " : "", duration_text(result.duration_s), protocol.sha256);
+    print_tracker(protocol);
     return;
   }
   fmt::print(
@@ -148,6 +162,7 @@ void print_check(const std::string& name, const CheckedFile& result) {
       "SHA-256 {}\n",
       printable(name), bold("ok"), printable(protocol.title), protocol.conditions.size(), protocol.series.size(),
       protocol.design.trials_per_cell, result.trials, duration_text(result.duration_s), protocol.sha256);
+  print_tracker(protocol);
   if (result.precision) fmt::print("\n{}", precision_summary(*result.precision, protocol, name));
 }
 
@@ -165,6 +180,7 @@ void print_check_json(const CheckedFile& result) {
       result.precision ? precision_json(*result.precision, *result.check.protocol) : nlohmann::ordered_json(nullptr);
   if (ok && result.check.protocol->design.procedure)
     out["trials_at_most"] = result.check.protocol->design.procedure->reversals > 0;
+  if (ok) out["tracker"] = result.check.protocol->rig.tracker;
   if (ok) out["sha256"] = result.check.protocol->sha256;
   fmt::print("{}\n", json_line(out));
 }

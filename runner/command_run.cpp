@@ -7,6 +7,8 @@
 #include "devices/rig_factory.h"
 #include "protocols/plan.h"
 #include "protocols/translation.h"
+#include "runner/button_box.h"
+#include "runner/chosen_rig.h"
 #include "runner/commands.h"
 #include "runner/console.h"
 #include "runner/fast_clock.h"
@@ -14,6 +16,7 @@
 #include "runner/keyboard.h"
 #include "runner/readiness.h"
 #include "runner/resources.h"
+#include "runner/rig_connections.h"
 #include "runner/rig_source.h"
 #include "runner/session_engine.h"
 #include "runner/session_opening.h"
@@ -103,7 +106,8 @@ int command_run(const RunOptions& options) {
   const RecordPolicy record = record_policy_of(options.record);
 
   SessionRequest request;
-  request.kind = kind_of(options, rig_info(protocol, description.spec).simulated);
+  const ChosenRig chosen = choose_rig(options);
+  request.kind = kind_of(options, chosen.source().info(protocol, description.spec).simulated);
   request.responder = person ? "keyboard" : "profile " + profile.name;
   request.profile_sha256 = person ? "" : profile.sha256;
   request.beside = options.beside;
@@ -112,6 +116,11 @@ int command_run(const RunOptions& options) {
   request.now = resume_moment(options.fast);
   request.participant = !options.participant.empty() || person ? options.participant : participant_code(1);
   if (options.language) in_language(protocol, *options.language);  // refused before anything is made
+
+  if (!options.buttons.empty() && !person) throw UsageError("--responder answers for nobody: leave --buttons out");
+  // They come before the study: where they are not there, nothing is made.
+  const ChosenButtons chosen_buttons = person ? choose_buttons(options, chosen.file) : ChosenButtons{};
+  ButtonBox* const buttons = chosen_buttons.box.get();
 
   std::unique_ptr<Keyboard> keyboard;
   if (person) keyboard = std::make_unique<Keyboard>();
@@ -124,11 +133,14 @@ int command_run(const RunOptions& options) {
   ConsoleOptions console_options;
   console_options.plain = options.plain;
   console_options.entered_by = options.participant_presses ? EnteredBy::participant : EnteredBy::operator_;
+  console_options.buttons = buttons;
   if (request.participant.empty())
     request.participant = make_console(console_options, protocol, keyboard.get(), *clock, interrupted)
                               ->ask_text("Participant code (letters and digits)");
   check_participant_code(request.participant);
 
+  // Without them no study is made, and where one of them is a model nothing counts as real.
+  if (chosen.source().look_for_devices(protocol, description, profile, *clock)) request.kind = kind_of(options, true);
   const auto now = [&] { return Stamp{clock->utc_ns(), clock->now_ns()}; };
   const std::unique_ptr<Study> study = open_or_create_study(options.study, protocol, options.seed, now());
   const std::uint64_t seed = study->info().seed;
@@ -140,18 +152,19 @@ int command_run(const RunOptions& options) {
   RigOptions how = rig_options(record, protocol, description);
   // On the real clock the loop has a thread of its own; in a quick rehearsal it runs inside the session's.
   if (!options.fast) how.realtime = realtime_policy_of(options.realtime);
-  std::unique_ptr<Rig> rig = make_rig(protocol, description, profile, plan.participant, seed,
-                                      options.fast ? static_cast<Clock&>(device_clock) : *clock, how);
+  std::unique_ptr<Rig> rig = chosen.source().make(protocol, description, profile, plan.participant, seed,
+                                                  options.fast ? static_cast<Clock&>(device_clock) : *clock, how);
   if (options.fast) rig = std::make_unique<FastRig>(std::move(rig), device_clock, *clock);
   check_same_rig(target, rig->info());
   const StopOnInterrupt stop_rig(rig->stop);
   const StopOnKey stop_key(keyboard.get(), rig->stop);
+  const StopOnButton stop_button(buttons, rig->stop);
 
   const std::unique_ptr<Console> console = make_console(console_options, shown, keyboard.get(), *clock, interrupted);
   Readiness readiness;
   if (person) {
     readiness = check_readiness({protocol, description.spec, plan, *study, options.study, request.participant,
-                                 request.kind, *rig, is_terminal(0), options.fast});
+                                 request.kind, *rig, is_terminal(0), options.fast, buttons});
     if (!is_ready(readiness, options, *console)) {
       study->close();
       console->end(std::string("Not begun: see to what is marked BAD and try again.") +
@@ -182,10 +195,16 @@ int command_run(const RunOptions& options) {
   const SessionParts parts{shown,       plan,   *rig,     person ? console->responder() : *simulated,
                            *opened.log, *clock, *console, interrupted,
                            record,      person};
+  const SessionRecorder recorder(parts);
+  note_connections(parts, recorder, "opened");
+  note_calibrations(parts, recorder, certificate_folders(chosen.file, options.study));
   SessionEnd end = SessionEnd::interrupted;
+  std::string missing;  // of the rig, where that ended it
   try {
     end = SessionEngine(parts).run(replay(opened.log->events()),
                                    {person && target.check.redo_block, person && target.check.practice_again});
+    missing = person ? "" : rig->missing();
+    note_connections(parts, recorder, "closed");
     if (end != SessionEnd::interrupted) close_session(*study, opened.id, now(), *console);
   } catch (...) {
     console->end("");
@@ -193,8 +212,9 @@ int command_run(const RunOptions& options) {
   }
   if (end == SessionEnd::interrupted) {
     study->close();
-    console->end(fmt::format("Stopped. Every answer so far is saved in {}; the same command goes on at the next trial.",
-                             printable(options.study)));
+    console->end(
+        fmt::format("{}Stopped. Every answer so far is saved in {}; the same command goes on at the next trial.",
+                    missing.empty() ? "" : printable("Missing: " + missing) + ".\n", printable(options.study)));
     return exit_code::kInterrupted;
   }
   study->close();

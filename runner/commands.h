@@ -56,6 +56,7 @@ struct RunOptions {
   std::optional<std::uint64_t> seed;     // of a new study; drawn where not given
   std::optional<std::string> responder;  // a profile that answers instead of a person
   bool participant_presses = false;      // who presses the answer keys
+  std::string rig = "simulated";         // simulated, hid, or a rig file
   bool fast = false;
   bool plain = false;                             // a line at a time
   std::optional<std::string> kind;                // real or pilot; what the rig is for where not given
@@ -63,6 +64,7 @@ struct RunOptions {
   bool beside = false;                            // another participant's session may stay unfinished
   std::string accept_gap;                         // why a too long interruption does not matter
   std::optional<std::string> override_readiness;  // why a bad finding does not matter
+  std::string buttons;                            // a mapping of learn-buttons; empty: only keys answer
   std::string record = "full";                    // off, events, full
   std::string realtime = "prefer";                // off, prefer, require
 };
@@ -116,6 +118,7 @@ int command_export(const ExportOptions& options);
 struct DoctorOptions {
   std::optional<std::string> study;  // a study, or the folder where studies go; where not given, this folder
   double seconds = 3;                // of each measurement of the loop's lateness
+  std::string protocol, rig;         // to be fit for: a protocol's file or shipped name, a rig file; empty: none
   bool json = false;
 };
 int command_doctor(const DoctorOptions& options);

@@ -17,6 +17,7 @@
 
 namespace jnd {
 
+class ButtonBox;
 class Keyboard;
 
 // What is said of a session once, at its beginning.
@@ -31,8 +32,9 @@ struct SessionCard {
 };
 
 struct ConsoleOptions {
-  bool plain = false;  // lines, also on a terminal
-  EnteredBy entered_by = EnteredBy::operator_;
+  bool plain = false;                           // lines, also on a terminal
+  EnteredBy entered_by = EnteredBy::operator_;  // of answers by keys
+  ButtonBox* buttons = nullptr;                 // the participant's own, where there are some; outlives the console
 };
 
 // Thread rule: the session's thread only.

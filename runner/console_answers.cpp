@@ -3,25 +3,52 @@
 
 #include <fmt/format.h>
 
+#include "runner/button_box.h"
 #include "runner/session_console.h"
 #include "runner/terminal.h"
 
 namespace jnd {
 
-std::optional<Answer> SessionConsole::answer_of(Action action, std::int64_t key_ns) const {
-  if (action != Action::answer_same && action != Action::answer_different) return std::nullopt;
-  // The time of the key, not of its being noticed here; the session's clock may have skipped what was waiting.
-  const std::int64_t age_ns = SteadyClock().now_ns() - key_ns;
+Answer SessionConsole::answer_of(Judgement judgement, EnteredBy who, std::int64_t pressed_ns) const {
+  // The time of the press, not of its being noticed here; the session's clock may have skipped what was waiting.
+  const std::int64_t age_ns = SteadyClock().now_ns() - pressed_ns;
   const std::int64_t response_ns = std::max<std::int64_t>(0, clock_.now_ns() - cue_shown_ns_ - age_ns);
-  return Answer{action == Action::answer_same ? Judgement::same : Judgement::different, options_.entered_by,
-                static_cast<double>(response_ns) * 1e-9};
+  return Answer{judgement, who, static_cast<double>(response_ns) * 1e-9};
 }
 
-// The keys that still mean something: for the next ready().
-void SessionConsole::answer_taken() {
+std::optional<Answer> SessionConsole::answer_of(Action action, std::int64_t key_ns) const {
+  if (action != Action::answer_same && action != Action::answer_different) return std::nullopt;
+  return answer_of(action == Action::answer_same ? Judgement::same : Judgement::different, options_.entered_by, key_ns);
+}
+
+// What is heard from now on is for the next ready(): the keys that still mean something are shown. An answer counts
+// only in time; the look at the clock was before the wait for it.
+std::optional<Answer> SessionConsole::question_over(const std::optional<Answer>& answer, double time_out_s) {
   display_->working_keys(
       question_keys_.without({Action::answer_same, Action::answer_different, Action::repeat_trial, Action::help})
           .hints());
+  return answer && answer->response_time_s <= time_out_s ? answer : std::nullopt;
+}
+
+SessionConsole::ButtonReply SessionConsole::hear_buttons() {
+  ButtonReply reply;
+  if (options_.buttons == nullptr) return reply;
+  tell_news();
+  const ButtonsHeard heard = options_.buttons->hear();
+  reply.pending = heard.pending;
+  reply.stopped = heard.stopped;
+  if (heard.trouble == AnswerTrouble::two_at_once)
+    display_->explain(Tone::warning, "both buttons at once: no answer. Let go of both, then press one");
+  if (heard.trouble == AnswerTrouble::held)
+    display_->explain(Tone::warning, "a button was down already: let go of it, then press it again");
+  if (heard.answer) reply.answer = answer_of(heard.answer->judgement, EnteredBy::participant, heard.answer->time_ns);
+  return reply;
+}
+
+void SessionConsole::tell_news() {
+  if (options_.buttons == nullptr) return;
+  for (const BoxNews& news : options_.buttons->take_news())
+    display_->tell(news.warning ? Tone::warning : Tone::quiet, news.text);
 }
 
 std::optional<Answer> SessionConsole::judge(const TrialQuestion& question) {
@@ -34,10 +61,11 @@ std::optional<Answer> SessionConsole::judge(const TrialQuestion& question) {
       decided_ = OperatorWish{Wish::end_for_now, {}};
       return std::nullopt;
     }
-    if (static_cast<double>(clock_.now_ns() - cue_shown_ns_) * 1e-9 > question.time_out_s) {
-      answer_taken();
-      return std::nullopt;
-    }
+    const ButtonReply buttons = hear_buttons();
+    if (buttons.answer) return question_over(buttons.answer, question.time_out_s);
+    if (buttons.stopped) return std::nullopt;  // the latch is set: no answer counts
+    if (!buttons.pending && static_cast<double>(clock_.now_ns() - cue_shown_ns_) * 1e-9 > question.time_out_s)
+      return question_over(std::nullopt, question.time_out_s);
     const std::optional<Key> key = keys_.next();
     if (!key) continue;
     const std::optional<Action> action = keys.action_of(*key);
@@ -45,11 +73,8 @@ std::optional<Answer> SessionConsole::judge(const TrialQuestion& question) {
       explain(keys, *key);
       continue;
     }
-    if (const std::optional<Answer> answer = answer_of(*action, key->time_ns)) {
-      answer_taken();
-      // The look at the clock was before the wait for the key.
-      return answer->response_time_s <= question.time_out_s ? answer : std::nullopt;
-    }
+    if (const std::optional<Answer> answer = answer_of(*action, key->time_ns))
+      return question_over(answer, question.time_out_s);
     switch (*action) {
       case Action::stop:
         return std::nullopt;  // the latch is set: no answer counts

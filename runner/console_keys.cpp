@@ -129,6 +129,10 @@ KeyMap stopped_keys() {
                  {'q', Action::end_session, "ends the session", true}});
 }
 
+KeyMap missing_keys() {
+  return pause_keys().without({Action::go_on});
+}
+
 KeyMap break_keys(bool over) {
   std::vector<KeyBinding> bindings;
   if (over) bindings.push_back({' ', Action::go_on, "goes on", true});

@@ -64,6 +64,7 @@ KeyMap ready_keys(bool can_void_last);
 KeyMap question_keys(const Timeline& timeline);
 KeyMap pause_keys();
 KeyMap stopped_keys();
+KeyMap missing_keys();  // while something of the rig is
 KeyMap break_keys(bool over);
 KeyMap instruction_keys();
 KeyMap consent_keys();

@@ -12,8 +12,9 @@ namespace {
 
 // Everything that the arguments fill in; it lives as long as the parser.
 struct Arguments {
-  bool json = false;
+  bool json = false, yes = false;
   std::string rig;
+  DeviceCalibrateOptions calibrate;
   Rrs3ModelOptions rrs3_model;
   MckibbenModelOptions mckibben_model;
   DeviceStepOptions step;
@@ -22,6 +23,7 @@ struct Arguments {
   DeviceOnsetOptions onset;
   Rrs3StiffnessOptions rrs3_stiffness;
   MckibbenStiffnessOptions mckibben_stiffness;
+  LearnButtonsOptions learn_buttons;
 };
 
 const std::map<std::string, Tendon> kTendons = {{"bilateral", Tendon::bilateral}, {"unilateral", Tendon::unilateral}};
@@ -58,6 +60,8 @@ class Tree {
   void add_responses();
   void add_stiffnesses();
   void add_test();
+  void add_calibrate();
+  void add_learn_buttons();
 
  private:
   CLI::App* add(CLI::App& parent, const std::string& name, const std::string& what, const std::string& example,
@@ -107,12 +111,13 @@ void Tree::add_loop(CLI::App& command, MckibbenLoopOptions& loop) {
 
 void Tree::add_lists() {
   Arguments& all = *arguments_;
-  CLI::App* command =
-      add(device_, "list", "The rigs that there are", "list", [&all] { return command_device_list(all.json); });
+  CLI::App* command = add(device_, "list", "The rigs that there are, and the real devices that are connected", "list",
+                          [&all] { return command_device_list(all.json); });
   command->add_flag("--json", all.json, "machine-readable");
-  command = add(device_, "info", "Everything a rig's description says", "info rrs3",
-                [&all] { return command_device_info(all.rig, all.json); });
-  command->add_option("RIG", all.rig, "a rig's name, or a file that describes one")->required();
+  command = add(device_, "info", "Everything a rig's description, or a connected device, says of itself",
+                "info rrs3\n  jnd device info FT-0001", [&all] { return command_device_info(all.rig, all.json); });
+  command->add_option("RIG", all.rig, "a rig's name, a file that describes one, or a device's serial number or path")
+      ->required();
   command->add_flag("--json", all.json, "machine-readable");
 }
 
@@ -235,10 +240,53 @@ void Tree::add_stiffnesses() {
 
 void Tree::add_test() {
   Arguments& all = *arguments_;
-  CLI::App* command = add(device_, "test", "Self-test of a rig: limits, stops, rendering, sensors", "test rrs3",
-                          [&all] { return command_device_test(all.rig, all.json); });
-  command->add_option("RIG", all.rig, "a rig's name, or a file that describes one")->required();
+  CLI::App* command =
+      add(device_, "test", "Self-test of a rig, or test of a connected device", "test rrs3\n  jnd device test FT-0001",
+          [&all] { return command_device_test(all.rig, all.json, all.yes); });
+  command->add_option("RIG", all.rig, "a rig's name, a file that describes one, or a device's serial number or path")
+      ->required();
+  command->add_flag("--yes", all.yes, "a real device may press (0.5 N) and vibrate without being asked for");
   command->add_flag("--json", all.json, "machine-readable");
+}
+
+void Tree::add_calibrate() {
+  DeviceCalibrateOptions& calibrate = arguments_->calibrate;
+  CLI::App* command = add(device_, "calibrate", "Calibrate a connected device's force, and check its stiffness",
+                          "calibrate FT-0001 --operator \"A. Smith\" --reference-name \"scale 17\" --push 1,2,4,2,1\n"
+                          "  jnd device calibrate FT-0001 --operator \"A. Smith\" --reference-name \"weights\" "
+                          "--reference points.csv --store",
+                          [&calibrate] { return command_device_calibrate(calibrate); });
+  command->add_option("DEVICE", calibrate.name, "a serial number or a path, as jnd device list shows them")->required();
+  command->add_option("--reference", calibrate.reference,
+                      "interactive: known forces are typed; or a CSV file of them: known_n (N), and pushed_n (N) where "
+                      "the device presses the reference (default: interactive)");
+  command
+      ->add_option("--push", calibrate.push_n,
+                   "N1,N2,...: forces with which the device presses the reference; what that shows is typed")
+      ->delimiter(',')
+      ->check(finite());
+  command->add_option("--operator", calibrate.operator_name, "who calibrates")->required();
+  command
+      ->add_option("--reference-name", calibrate.reference_name, "which scale or weights, such as an inventory number")
+      ->required();
+  command->add_option("--remarks", calibrate.remarks, "anything that should stand in the certificate");
+  command->add_option("--out", calibrate.out, "the certificate's file (default: SERIAL-DATE-ID.json in this folder)");
+  command->add_flag("--no-stiffness", calibrate.no_stiffness, "leave the check of 500, 700 and 900 N/m out");
+  command->add_flag("--store", calibrate.store, "write table and certificate into the device, where it passes");
+  command->add_flag("--yes", calibrate.yes, "the device may press without being asked for");
+  command->add_flag("--json", calibrate.json, "print the certificate");
+}
+
+void Tree::add_learn_buttons() {
+  LearnButtonsOptions& learn = arguments_->learn_buttons;
+  CLI::App* command =
+      add(device_, "learn-buttons", "Learn which buttons of a gamepad, keypad or pedal mean same and different",
+          "learn-buttons --to pedals.json --stop", [&learn] { return command_device_learn_buttons(learn); });
+  command->add_option("--to", learn.file, "the mapping to write, for jnd run --buttons; it must not exist")->required();
+  command->add_option("--device", learn.device, "its path, such as /dev/hidraw0 (default: the only one, or asked for)");
+  command->add_flag("--stop", learn.with_stop, "also a button that stops the devices at any time");
+  command->add_option("--debounce", learn.debounce_ms, "how long a contact may bounce, ms (default: 10)")
+      ->check(CLI::Range(0, 200));
 }
 
 }  // namespace
@@ -253,6 +301,8 @@ void add_device_commands(CLI::App& app, std::function<int()>& chosen) {
   tree.add_responses();
   tree.add_stiffnesses();
   tree.add_test();
+  tree.add_calibrate();
+  tree.add_learn_buttons();
 }
 
 }  // namespace jnd

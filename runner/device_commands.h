@@ -118,6 +118,25 @@ struct MckibbenStiffnessOptions {
 };
 int command_device_stiffness_mckibben(const MckibbenStiffnessOptions& options);
 
-int command_device_test(const std::string& name, bool json);
+// Of a rig, or of a real device by serial number or path. yes: a real device may press without asking.
+int command_device_test(const std::string& name, bool json, bool yes = false);
+
+struct DeviceCalibrateOptions {
+  std::string name;                       // serial number or path
+  std::string reference = "interactive";  // or a CSV file: known_n, and pushed_n where the device presses the reference
+  std::vector<double> push_n;             // forces to press the reference with, each read from it and typed
+  std::string operator_name, reference_name, remarks;
+  std::string out;  // of the certificate; named by serial, date and id in this folder where empty
+  bool no_stiffness = false, store = false, yes = false, json = false;
+};
+int command_device_calibrate(const DeviceCalibrateOptions& options);
+
+struct LearnButtonsOptions {
+  std::string file;    // to write; it must not exist
+  std::string device;  // path, such as "/dev/hidraw0"; empty: the only one, or asked for
+  bool with_stop = false;
+  int debounce_ms = 10;
+};
+int command_device_learn_buttons(const LearnButtonsOptions& options);
 
 }  // namespace jnd

@@ -11,6 +11,7 @@
 #include "devices/telemetry_ring.h"
 #include "protocols/condition_codes.h"
 #include "runner/device_health.h"
+#include "runner/rig_connections.h"
 
 namespace jnd {
 
@@ -44,7 +45,8 @@ class ExplorationBlock {
   PieceEnd render_piece(ExplorationRecord& record, double length_s);
   PieceEnd bare_hands(ExplorationRecord& record);
   PieceEnd heed(ExplorationRecord& record);
-  PieceEnd stopped(ExplorationRecord& record, const std::string& reason, const std::string& stopped_by);
+  PieceEnd stopped(ExplorationRecord& record, const std::string& reason, const std::string& stopped_by,
+                   bool counts = true);
   void void_attempt(const ExplorationRecord& record, const std::string& reason, bool counts);
   [[noreturn]] void leave(const ExplorationRecord& record, const SessionEnds& end);
   void end_block(int block, const std::string& reason);
@@ -107,6 +109,7 @@ bool ExplorationBlock::ready(const ExplorationSlot& slot, int attempt) {
 void ExplorationBlock::attempt(const ExplorationSlot& slot, int attempt) {
   ticks_ = {};
   asked_ = false;
+  await_rig(parts_, recorder_, slots_done());
   // A stop that came before it: nothing is felt, and nothing counted, before a person has cleared it.
   if (parts_.person && parts_.rig.stop.latched())
     recover_from_stop(parts_, recorder_, std::string(to_string(parts_.rig.stop.source())), slots_done());
@@ -162,7 +165,8 @@ ExplorationBlock::PieceEnd ExplorationBlock::render_piece(ExplorationRecord& rec
   parts_.view.health(health);
   if (piece.fault != Fault::none && piece.fault != Fault::interrupted)
     return stopped(record, std::string(to_string(piece.fault)),
-                   piece.fault == Fault::emergency_stop ? piece.stopped_by : std::string());
+                   piece.fault == Fault::emergency_stop ? piece.stopped_by : std::string(),
+                   counts_as_attempt(parts_, piece.fault));
   (void)still_exploring(record.slot.duration_s - record.duration_s);
   return heed(record);
 }
@@ -222,8 +226,9 @@ ExplorationBlock::PieceEnd ExplorationBlock::heed(ExplorationRecord& record) {
 }
 
 ExplorationBlock::PieceEnd ExplorationBlock::stopped(ExplorationRecord& record, const std::string& reason,
-                                                     const std::string& stopped_by) {
-  void_attempt(record, reason, true);
+                                                     const std::string& stopped_by, bool counts) {
+  void_attempt(record, reason, counts);
+  if (stopped_by.empty()) note_connections(parts_, recorder_, "fault");
   if (stopped_by.empty()) return PieceEnd::voided;
   recover_from_stop(parts_, recorder_, stopped_by, slots_done());
   return PieceEnd::voided;

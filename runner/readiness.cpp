@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "devices/clock.h"
+#include "runner/readiness_buttons.h"
 #include "runner/readiness_items.h"
 #include "runner/terminal.h"
 
@@ -30,10 +31,13 @@ Readiness check_readiness(const ReadinessInput& input) {
   Readiness readiness;
   auto& items = readiness.items;
   items.push_back(check_session_storage(input.study_path, needed, input.kind));
+  if (input.rig.connections().tracker)  // before the devices: without poses these can only stop
+    items.push_back(input.fast ? left_out("tracker") : check_tracker(input.rig));
   items.push_back(input.fast ? left_out("devices") : check_devices(input.spec, input.rig));
   items.push_back(check_calibration(input.spec, utc_ns));
   items.push_back(input.fast ? left_out("loop") : check_loop_jitter(input.rig.realtime().policy));
   items.push_back(check_keyboard(input.keyboard_is_terminal));
+  if (input.buttons != nullptr) items.push_back(check_buttons(*input.buttons));
   items.push_back(check_plan_balance(input.protocol, input.plan));
   items.push_back(
       check_participant(sessions, input.participant, input.kind, input.plan, input.protocol.design.sessions));

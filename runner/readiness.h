@@ -16,6 +16,8 @@
 
 namespace jnd {
 
+class ButtonBox;
+
 struct ReadinessInput {
   const Protocol& protocol;
   const RigSpec& spec;
@@ -26,11 +28,13 @@ struct ReadinessInput {
   SessionKind kind = SessionKind::pilot;
   Rig& rig;
   bool keyboard_is_terminal = false;
-  bool fast = false;  // a quick rehearsal: the machine's punctuality does not matter
+  bool fast = false;                   // a quick rehearsal: the machine's punctuality does not matter
+  const ButtonBox* buttons = nullptr;  // that answer; null: the keyboard does
 };
 
 struct Readiness {
-  std::vector<MachineCheck> items;  // storage, devices, calibration, loop, keyboard, plan, participant, clock
+  std::vector<MachineCheck>
+      items;  // storage, tracker (where it is outside), devices, calibration, loop, keyboard, plan, participant, clock
   // A real session is not begun with a finding that is bad, any other only where its data could be lost, or where its
   // participant is not to take part (again).
   bool blocked = false;

@@ -27,6 +27,9 @@ MachineCheck check_session_storage(const std::filesystem::path& study, double ne
 // The models that the descriptions stand for, and the rig itself: a quarter of a second without cues.
 MachineCheck check_devices(const RigSpec& spec, Rig& rig);
 MachineCheck check_calibration(const RigSpec& spec, std::int64_t utc_ns);
+// The stream of the fingers' poses, where it comes from outside the program: for every finger, often enough, and fresh.
+// Takes up to a second and a half.
+MachineCheck check_tracker(Rig& rig);
 // How punctually this machine wakes a thread that is scheduled as the rig's is; 1 s.
 MachineCheck check_loop_jitter(RealtimePolicy policy);
 MachineCheck check_keyboard(bool is_terminal);

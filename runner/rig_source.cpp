@@ -1,6 +1,11 @@
 #include "runner/rig_source.h"
 
+#include <algorithm>
 #include <atomic>
+#include <utility>
+
+#include "devices/hid/hid_rig.h"
+#include "devices/hid/hidapi_bus.h"
 
 namespace jnd {
 
@@ -18,6 +23,31 @@ class SimulatedRigs final : public RigSource {
   }
 };
 
+// The clock of a session on real devices is the machine's: its reports are stamped with nothing else.
+class HidRigs final : public RigSource {
+ public:
+  explicit HidRigs(RigFile file) : file_(std::move(file)) {}
+  RigInfo info(const Protocol& protocol, const RigSpec& spec) const override { return hid_rig_info(protocol, spec); }
+  // Connects and lets go again, without the tracker, whose program is started once only.
+  bool look_for_devices(const Protocol& protocol, const RigDescription& rig, const ParticipantProfile& profile,
+                        Clock& clock) const override {
+    Protocol devices_only = protocol;
+    devices_only.rig.tracker = "hand";
+    const RigConnections found = make_hid_rig(devices_only, rig, file_, profile, 1, 1, clock, bus_)->connections();
+    return std::any_of(found.devices.begin(), found.devices.end(),
+                       [](const DeviceLinkReport& device) { return device.is_model; });
+  }
+  std::unique_ptr<Rig> make(const Protocol& protocol, const RigDescription& rig, const ParticipantProfile& profile,
+                            int participant, std::uint64_t seed, Clock& clock,
+                            const RigOptions& options) const override {
+    return make_hid_rig(protocol, rig, file_, profile, participant, seed, clock, bus_, options);
+  }
+
+ private:
+  RigFile file_;
+  mutable HidapiBus bus_;  // any thread may use it
+};
+
 const SimulatedRigs kSimulated;
 std::atomic<const RigSource*> source_in_use{&kSimulated};
 
@@ -27,13 +57,12 @@ void set_rig_source(const RigSource* source) noexcept {
   source_in_use.store(source != nullptr ? source : &kSimulated);
 }
 
-RigInfo rig_info(const Protocol& protocol, const RigSpec& spec) {
-  return source_in_use.load()->info(protocol, spec);
+const RigSource& rig_source() noexcept {
+  return *source_in_use.load();
 }
 
-std::unique_ptr<Rig> make_rig(const Protocol& protocol, const RigDescription& rig, const ParticipantProfile& profile,
-                              int participant, std::uint64_t seed, Clock& clock, const RigOptions& options) {
-  return source_in_use.load()->make(protocol, rig, profile, participant, seed, clock, options);
+std::unique_ptr<const RigSource> make_hid_rigs(RigFile file) {
+  return std::make_unique<HidRigs>(std::move(file));
 }
 
 }  // namespace jnd

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "runner/button_box.h"
 #include "runner/terminal.h"
 
 namespace jnd {
@@ -21,7 +22,7 @@ std::string outline_text(const TrialOutline& outline) {
 
 // Why a trial did not count, in words.
 std::string reason_text(const std::string& reason) {
-  static constexpr std::array<std::pair<const char*, const char*>, 8> kWords = {
+  static constexpr std::array<std::pair<const char*, const char*>, 15> kWords = {
       {{"no_answer", "no answer in time"},
        {"no_contact", "the sphere was not touched"},
        {"emergency_stop", "stopped"},
@@ -29,7 +30,14 @@ std::string reason_text(const std::string& reason) {
        {"repeated", "repeated at your wish"},
        {"paused", "paused"},
        {"interrupted", "interrupted"},
-       {"taken_back", "taken back"}}};
+       {"taken_back", "taken back"},
+       {"stale_pose", "no fresh pose from the tracker"},
+       {"stale_reading", "no fresh reading from a device"},
+       {"command_gap", "the program was held up"},
+       {"non_finite", "a value that is no number"},
+       {"sensor_stuck", "a force sensor does not follow"},
+       {"device_lost", "a device has gone"},
+       {"device_fault", "a device stopped itself"}}};
   for (const auto& [code, words] : kWords)
     if (reason == code) return words;
   return printable(reason);
@@ -93,7 +101,8 @@ void SessionConsole::explain(const KeyMap& keys, const Key& pressed) {
   display_->explain(stops(pressed) ? Tone::warning : Tone::quiet, keys.explanation(pressed));
 }
 
-OperatorWish SessionConsole::wish_at(const Scene& scene, const KeyMap& keys, bool pausable) {
+OperatorWish SessionConsole::wish_at(const Scene& scene, const KeyMap& keys, bool pausable,
+                                     const std::function<bool()>& over) {
   if (!keys_.anybody()) {
     show(scene);
     return {keys_.ended() ? Wish::end_for_now : Wish::go_on, {}};
@@ -106,8 +115,10 @@ OperatorWish SessionConsole::wish_at(const Scene& scene, const KeyMap& keys, boo
     if (const std::optional<OperatorWish> wish = noted_wish(keys)) return *wish;
   }
   for (;;) {
+    tell_news();
     if (keys_.ended()) return {Wish::end_for_now, {}};
     if (pausable && keys_.pause_asked()) return {Wish::pause, {}};
+    if (over && over()) return {};
     const std::optional<Key> key = keys_.next();
     if (!key || display_->scroll(key->name)) continue;
     const std::optional<Action> action = keys.action_of(*key);
@@ -194,8 +205,9 @@ void SessionConsole::cue(CuePlace place, const CueSignal& cue) {
     question_words_ = words;
     question_aloud_ = aloud;
     display_->say(place, words, aloud, beep);
-    // Only now can it be answered: a key that came while it was drawn is early.
+    // Only now can it be answered: a key or a button that came while it was drawn is early.
     note_wishes(keys_.prompt(), question_keys_);
+    if (options_.buttons != nullptr) options_.buttons->ask();
     cue_shown_ns_ = clock_.now_ns();
     return;
   }
@@ -234,6 +246,18 @@ OperatorWish SessionConsole::recover(const std::string& stopped_by) {
     return {Wish::end_for_now, {}};
   }
   return wish_at(scene, stopped_keys(), true);
+}
+
+OperatorWish SessionConsole::missing(const std::string& what, const std::function<bool()>& back) {
+  OperatorWish wish =
+      wish_at({Tone::warning,
+               "Something is missing.",
+               "",
+               printable(what) + "\nThe devices are at rest. It goes on by itself as soon as all is there again.",
+               {}},
+              missing_keys(), true, back);
+  if (wish.wish == Wish::go_on && keys_.anybody()) display_->tell(Tone::quiet, "all is there again");
+  return wish;
 }
 
 bool SessionConsole::storage_trouble(const std::string& message) {
@@ -288,6 +312,7 @@ OperatorWish SessionConsole::break_over(const Break& pause) {
   for (std::int64_t now = clock_.now_ns(); now < break_ends_ns_; now = clock_.now_ns()) {
     if (keys_.ended()) return {Wish::end_for_now, {}};
     if (keys_.pause_asked()) return {Wish::pause, {}};
+    tell_news();
     display_->countdown("break", static_cast<double>(break_ends_ns_ - now) * 1e-9, pause.duration_s);
     display_->refresh();
     for (const Key& key : keys_.drain()) {
@@ -358,6 +383,7 @@ OperatorWish SessionConsole::ready_to_explore(const ExplorationOutline& outline)
 
 // What the operator presses lets the object go; meanwhile() then asks what it is about, and it goes on.
 bool SessionConsole::exploring(double left_s) {
+  tell_news();
   display_->countdown("left", left_s, exploring_s_);
   display_->refresh();
   if (broken_off_by_) return false;

@@ -1,6 +1,7 @@
 // What the operator is asked and told, in which order, on whichever display: prompts, dialogs, answers, pages.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -34,6 +35,7 @@ class SessionConsole final : public Console, private Responder {
   void voided(const TrialOutline& outline, const std::string& reason, bool will_repeat) override;
   void took_back(bool will_repeat) override;
   OperatorWish recover(const std::string& stopped_by) override;
+  OperatorWish missing(const std::string& what, const std::function<bool()>& back) override;
   bool storage_trouble(const std::string& message) override;
   void feedback(bool correct) override;
   void practice_over(int rounds, double share_correct, bool passed) override;
@@ -50,7 +52,8 @@ class SessionConsole final : public Console, private Responder {
   std::optional<Replies> reply_all(const std::vector<AskedQuestion>& page) override;
 
   // Shows a scene and waits for one of its keys. Pauses and ends come back as wishes, go_on and clear_stop as go_on.
-  OperatorWish wish_at(const Scene& scene, const KeyMap& keys, bool pausable);
+  // over: asked some 20 times a second; true ends it as go_on.
+  OperatorWish wish_at(const Scene& scene, const KeyMap& keys, bool pausable, const std::function<bool()>& over = {});
   void show(const Scene& scene);
   // To somebody who pressed a key that none of the keys is.
   void explain(const KeyMap& keys, const Key& pressed);
@@ -68,8 +71,19 @@ class SessionConsole final : public Console, private Responder {
   // Keys pressed while nothing was asked: what they mean, for later.
   void note_wishes(const std::vector<Key>& keys, const KeyMap& map);
   std::optional<OperatorWish> noted_wish(const KeyMap& keys);
+  // pressed_ns, key_ns: on the machine's monotonic clock.
+  Answer answer_of(Judgement judgement, EnteredBy who, std::int64_t pressed_ns) const;
   std::optional<Answer> answer_of(Action action, std::int64_t key_ns) const;
-  void answer_taken();
+  std::optional<Answer> question_over(const std::optional<Answer>& answer, double time_out_s);
+  // What the participant's buttons say to the question.
+  struct ButtonReply {
+    std::optional<Answer> answer;
+    bool pending = false;  // a press that has yet to stay alone
+    bool stopped = false;
+  };
+  ButtonReply hear_buttons();
+  // What happened to the button box.
+  void tell_news();
   // False: it was left.
   bool ask_by_keys(QuestionnairePage& page);
   bool ask_by_lines(QuestionnairePage& page);

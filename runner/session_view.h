@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -79,6 +80,10 @@ class SessionView {
   // After an emergency stop, with the devices at rest: go_on clears it, its text is the operator's reason; an end ends
   // the session here.
   virtual OperatorWish recover(const std::string& /*stopped_by*/) { return {Wish::end_for_now, {}}; }
+  // Something of the rig is missing, such as a device that was unplugged; `what` is in the operator's words. Returns
+  // go_on as soon as back() is true, which it asks some times a second, or what the operator wishes meanwhile; at once
+  // for views without a person.
+  virtual OperatorWish missing(const std::string& /*what*/, const std::function<bool()>& /*back*/) { return {}; }
   // The log cannot be written just now: true tries again, false ends the session, and what was not saved is lost.
   virtual bool storage_trouble(const std::string& /*message*/) { return false; }
   virtual void feedback(bool /*correct*/) {}

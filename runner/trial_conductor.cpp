@@ -6,6 +6,7 @@
 #include "data/telemetry.h"
 #include "devices/telemetry_ring.h"
 #include "runner/device_health.h"
+#include "runner/rig_connections.h"
 
 namespace jnd {
 
@@ -39,6 +40,7 @@ TrialConductor::Outcome TrialConductor::conduct(const Trial& trial, const TrialO
   const Attempt attempt{trial, outline, attempts_used, after_trial};
   const Protocol& protocol = parts_.protocol;
   ticks_.clear();
+  await_rig(parts_, recorder_, after_trial);
   // A stop that came between trials: nothing is presented before a person has cleared it.
   if (parts_.person && parts_.rig.stop.latched())
     recover_from_stop(parts_, recorder_, std::string(to_string(parts_.rig.stop.source())), after_trial);
@@ -94,9 +96,12 @@ bool TrialConductor::voided_after(const Attempt& attempt, int interval, const Pr
   // A stop that only makes way for a pause is no fault of the devices.
   const bool pausing = parts_.interrupts.pause && presentation.stopped_by == to_string(StopSource::signal);
   const bool device = presentation.fault != Fault::none && presentation.fault != Fault::no_contact;
-  if (device && !pausing && parts_.record != RecordPolicy::off)
+  const bool counts = counts_as_attempt(parts_, presentation.fault);
+  if (device && !pausing && parts_.record != RecordPolicy::off) {
     recorder_.append(event_kind::kDeviceFault,
                      device_fault_body(attempt.trial, attempt.outline.attempt, interval, presentation));
+    note_connections(parts_, recorder_, "fault");
+  }
   if (parts_.interrupts.end) {
     void_interrupted(attempt, "interrupted");
     throw SessionEnds{false, "signal", {}};
@@ -106,7 +111,7 @@ bool TrialConductor::voided_after(const Attempt& attempt, int interval, const Pr
     return true;
   }
   if (presentation.fault == Fault::none) return voided_by_wish(attempt, outcome);
-  void_attempt(attempt, std::string(to_string(presentation.fault)), {}, true, outcome);
+  void_attempt(attempt, std::string(to_string(presentation.fault)), {}, counts, outcome);
   if (presentation.fault == Fault::emergency_stop)
     recover_from_stop(parts_, recorder_, presentation.stopped_by, attempt.after_trial);
   return true;

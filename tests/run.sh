@@ -14,6 +14,13 @@ install_missing chromium || echo "SKIPPED: chromium cannot be installed: the rep
 install_missing libvterm-dev || echo "SKIPPED: libvterm-dev cannot be installed: the operator's screen is not looked at" >&2
 
 preset=${1:-dev}
+# A kernel of its own with HID devices, in QEMU, and the firmware on an emulated Cortex-M: in the plain build; without
+# the packages those tests say SKIPPED.
+if [ "$preset" = dev ]; then
+  install_missing qemu-system-x86 cpio || echo "SKIPPED: QEMU cannot be installed: the program meets no real HID stack" >&2
+  install_missing gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm ||
+    echo "SKIPPED: gcc-arm-none-eabi cannot be installed: the firmware is not built for a Cortex-M" >&2
+fi
 # Instrumented programs are slow: the campaign of faulty devices runs in full without sanitizers (10,000 cases).
 case $preset in asan|tsan) export JND_FAULT_CASES=${JND_FAULT_CASES:-2000} ;; esac
 launcher=()

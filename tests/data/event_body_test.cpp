@@ -83,7 +83,7 @@ Presentation any_presentation() {
   presentation.stopped_by = *rc::gen::element<std::string>("", "key", "button");
   presentation.fault =
       *rc::gen::element(Fault::none, Fault::no_contact, Fault::stale_pose, Fault::command_gap, Fault::non_finite,
-                        Fault::device_lost, Fault::emergency_stop, Fault::interrupted);
+                        Fault::device_lost, Fault::device_fault, Fault::emergency_stop, Fault::interrupted);
   return presentation;
 }
 

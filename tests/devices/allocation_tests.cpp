@@ -1,8 +1,4 @@
 // No tick of the control loop allocates or frees: counted at malloc itself, below operator new and Eigen.
-//
-// This file replaces malloc and its kin in the whole test program by ones that count and pass on to glibc's. The
-// sanitizers replace them too, so that with them, or without glibc, these tests are skipped, and say so.
-#include <cerrno>
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
@@ -12,62 +8,16 @@
 #include <Eigen/Core>
 
 #include "devices/fingertip_rig.h"
+#include "devices/pose_feed.h"
+#include "devices/replay_tracker.h"
 #include "devices/rig_factory.h"
 #include "devices/rrs3_device.h"
 #include "devices/simulated_hand.h"
 #include "devices/telemetry_ring.h"
 #include "protocols/rig_spec.h"
 #include "tests/catch.h"
-
-#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define JND_COUNTS_ALLOCATIONS 1
-#else
-#define JND_COUNTS_ALLOCATIONS 0
-#endif
-
-namespace {
-thread_local std::int64_t heap_calls = 0;  // of this thread, since it began
-}
-
-#if JND_COUNTS_ALLOCATIONS
-extern "C" {
-void* __libc_malloc(std::size_t size) noexcept;
-void* __libc_calloc(std::size_t count, std::size_t size) noexcept;
-void* __libc_realloc(void* block, std::size_t size) noexcept;
-void* __libc_memalign(std::size_t alignment, std::size_t size) noexcept;
-void __libc_free(void* block) noexcept;
-
-void* malloc(std::size_t size) noexcept {
-  ++heap_calls;
-  return __libc_malloc(size);
-}
-void* calloc(std::size_t count, std::size_t size) noexcept {
-  ++heap_calls;
-  return __libc_calloc(count, size);
-}
-void* realloc(void* block, std::size_t size) noexcept {
-  ++heap_calls;
-  return __libc_realloc(block, size);
-}
-void* memalign(std::size_t alignment, std::size_t size) noexcept {
-  ++heap_calls;
-  return __libc_memalign(alignment, size);
-}
-void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
-  ++heap_calls;
-  return __libc_memalign(alignment, size);
-}
-int posix_memalign(void** block, std::size_t alignment, std::size_t size) noexcept {
-  ++heap_calls;
-  *block = __libc_memalign(alignment, size);
-  return *block == nullptr ? ENOMEM : 0;
-}
-void free(void* block) noexcept {
-  if (block != nullptr) ++heap_calls;
-  __libc_free(block);
-}
-}
-#endif
+#include "tests/counted_heap.h"
+#include "tests/devices/tracker_fixtures.h"
 
 using namespace jnd;
 
@@ -277,4 +227,32 @@ TEST_CASE("no tick of any rig that can be built allocates") {
     CHECK(clock.sleeps > 1000);
     CHECK(clock.at_last_sleep - clock.at_first_sleep == 0);
   }
+}
+
+TEST_CASE("neither reading a tracker's poses nor taking them allocates") {
+  if (skipped()) return;
+  using namespace jnd::testing;
+  PoseFeed feed(kTwoFingers, Eigen::Isometry3d::Identity());
+  std::string file = "jnd-poses 1 units=m clock=source\n";
+  for (int i = 0; i < 100; ++i)
+    for (const int finger : {kThumb, kIndex}) file += text_of(pressing_pose(finger, i * 5 * kMillisecond_ns, 0.05));
+  const ScratchFile poses("poses.txt", file);
+  ReplayTracker replay(poses.path(), kTwoFingers, Eigen::Isometry3d::Identity());
+  replay.begin({}, 0);
+  FingerPose pose;
+  const char* why = "";
+  int read = 0;
+  const std::int64_t before = heap_calls;
+  for (int i = 1; i < 3'000; ++i) {
+    const std::int64_t now = i * kMillisecond_ns;
+    PoseLine line = parse_pose_line("index 1 0.05 0 0 1 0 0 0 0.2 n=7", why).value();
+    line.time_ns = now;
+    line.seen = i % 10 != 0;
+    (void)feed.take(line, i % 2 == 0 ? PoseClock::source : PoseClock::monotonic, now);
+    feed.refuse();
+    read += feed.read(1, pose) ? 1 : 0;
+    read += replay.read(0, now, pose) ? 1 : 0;
+  }
+  CHECK(heap_calls == before);
+  CHECK(read == 2 * 2'999);
 }

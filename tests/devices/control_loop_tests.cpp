@@ -161,6 +161,18 @@ TEST_CASE("a loop that was held up for more than 20 ms stops with a fault") {
   setup.check_stopped(setup.run(), Fault::command_gap);
 }
 
+TEST_CASE("also where it was held up past the end of the interval") {
+  LoopSetup undisturbed;
+  const Presentation whole = undisturbed.run();
+  REQUIRE(whole.fault == Fault::none);
+  LoopSetup setup;
+  setup.clock.late_at = static_cast<int>(whole.ticks);  // the sleep after the last tick
+  setup.clock.late_ns = 1000 * kMs;
+  const Presentation given = setup.run();
+  CHECK(given.fault == Fault::command_gap);
+  CHECK(given.ticks == whole.ticks);
+}
+
 TEST_CASE("a silent tracker stops the device 20 ms later") {
   LoopSetup setup;
   setup.tracker.silent_from_ms = 800;

@@ -129,19 +129,41 @@ TEST_CASE("HID devices: those that may be used, those that may not, and the rule
   const Machine machine;
   machine.put("dev/hidraw0", "");
   machine.put("sys/class/hidraw/hidraw0/device/uevent",
-              "DRIVER=hid\nHID_ID=0003:0000ABCD:00000012\nHID_NAME=Fingertip 1\n");
+              "DRIVER=hid\nHID_ID=0003:0000ABCD:00000012\nHID_NAME=Thing 1\n");
   MachineCheck check = check_hid(machine.root);
   CHECK(check.verdict == Verdict::ok);
-  CHECK(check.found == "1 connected; usable: hidraw0 (Fingertip 1)");
-  // One that nobody may use, root either: a name that leads nowhere.
+  CHECK(check.found == "1 connected; usable: hidraw0 (Thing 1)");
+  // One that nobody may use, root either: a name that leads nowhere. What it is, it does not say.
   fs::create_symlink("nowhere", machine.root / "dev/hidraw10");
   machine.put("sys/class/hidraw/hidraw10/device/uevent", "HID_ID=0003:0000046D:0000C52B\nHID_NAME=Thing\n");
   check = check_hid(machine.root);
   CHECK(check.verdict == Verdict::warn);
-  CHECK(contains(check.found, "2 connected; usable: hidraw0 (Fingertip 1)"));
+  CHECK(contains(check.found, "2 connected; usable: hidraw0 (Thing 1)"));
   CHECK(contains(check.found, "not readable and writable by this login: hidraw10 (Thing)"));
-  CHECK(contains(check.what_to_do, "ATTRS{idVendor}==\"046d\", ATTRS{idProduct}==\"c52b\""));
-  CHECK(contains(check.what_to_do, "/etc/udev/rules.d/"));
+  CHECK(
+      contains(check.what_to_do, "KERNELS==\"0003:046D:C52B.*\", MODE=\"0660\", GROUP=\"plugdev\", TAG+=\"uaccess\""));
+  CHECK(contains(check.what_to_do, "/etc/udev/rules.d/70-jnd.rules"));
+  // It says that it is a keyboard: nobody needs it.
+  machine.put("sys/class/hidraw/hidraw10/device/report_descriptor", "\x05\x01\x09\x06\xA1\x01");
+  check = check_hid(machine.root);
+  CHECK(check.verdict == Verdict::ok);
+  CHECK(contains(check.found, "matters for a button box only: hidraw10 (Thing)"));
+}
+
+TEST_CASE("HID devices of ours are known by their usage, with serial number") {
+  const Machine machine;
+  machine.put("dev/hidraw3", "");
+  machine.put("sys/class/hidraw/hidraw3/device/uevent",
+              "HID_ID=0003:00001209:00005AFE\nHID_NAME=Whatever\nHID_UNIQ=FT-0001\n");
+  machine.put("sys/class/hidraw/hidraw3/device/report_descriptor", "\x06\x4A\xFF\x09\x01\xA1\x01");
+  CHECK(check_hid(machine.root).found == "1 connected; of jnd and usable: hidraw3 (fingertip device FT-0001)");
+  fs::create_symlink("nowhere", machine.root / "dev/hidraw4");
+  machine.put("sys/class/hidraw/hidraw4/device/uevent", "HID_ID=0005:00001209:00005AFE\nHID_UNIQ=TR-1\n");
+  machine.put("sys/class/hidraw/hidraw4/device/report_descriptor", "\x06\x4A\xFF\x09\x02\xA1\x01");
+  const MachineCheck check = check_hid(machine.root);
+  CHECK(check.verdict == Verdict::warn);
+  CHECK(contains(check.found, "by this login: hidraw4 (tracker TR-1)"));
+  CHECK(contains(check.what_to_do, "\"0005:1209:5AFE.*\""));
 }
 
 TEST_CASE("what the kernel refused a real-time thread is a warning with its remedy") {

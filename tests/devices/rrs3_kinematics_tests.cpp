@@ -261,6 +261,28 @@ TEST_CASE("the default geometry reaches the published limits") {
   CHECK(100.0 * reachable / (31 * 25 * 25) == Approx(96.3).margin(0.5));
 }
 
+TEST_CASE("the angle of a folded leg does not turn round by rounding") {
+  const Rrs3Kinematics device = default_device();
+  int folded = 0;
+  for (int r = -30; r <= 30; ++r) {
+    for (int p = -30; p <= 30; ++p) {
+      const double roll = 0.02 * r, pitch = 0.017 * p;
+      // The highest pose that the legs reach, to the last bit: one of them is folded there.
+      double within = -0.020, beyond = 0;
+      if (!device.configuration({within, roll, pitch})) continue;
+      for (int halving = 0; halving < 60; ++halving) {
+        const double middle = (within + beyond) / 2;
+        (device.configuration({middle, roll, pitch}) ? within : beyond) = middle;
+      }
+      const auto at = device.configuration({within, roll, pitch});
+      REQUIRE(at);
+      ++folded;
+      REQUIRE(device.joint_angles(*at).minCoeff() > -std::numbers::pi);  // alpha, above -pi, and delta, 0 to pi
+    }
+  }
+  CHECK(folded > 3000);
+}
+
 TEST_CASE("singularities lie where the independent model finds them") {
   const Rrs3Kinematics device = default_device();
   // Serial: a leg stretched or folded. Reachable just inside, not just outside.

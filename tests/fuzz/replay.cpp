@@ -17,6 +17,7 @@ int fuzz_profile(const std::uint8_t* data, std::size_t size);
 int fuzz_csv(const std::uint8_t* data, std::size_t size);
 int fuzz_events(const std::uint8_t* data, std::size_t size);
 int fuzz_keys(const std::uint8_t* data, std::size_t size);
+int fuzz_report(const std::uint8_t* data, std::size_t size);
 }
 
 namespace {
@@ -27,7 +28,8 @@ struct Target {
 };
 
 constexpr std::array kTargets = {Target{"protocol", fuzz_protocol}, Target{"profile", fuzz_profile},
-                                 Target{"csv", fuzz_csv}, Target{"events", fuzz_events}, Target{"keys", fuzz_keys}};
+                                 Target{"csv", fuzz_csv},           Target{"events", fuzz_events},
+                                 Target{"keys", fuzz_keys},         Target{"report", fuzz_report}};
 
 // Returns how many files there were; a property that does not hold aborts.
 int replay(const Target& target, const std::filesystem::path& corpora) {

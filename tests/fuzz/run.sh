@@ -8,9 +8,9 @@ set -euo pipefail
 cd "$(dirname "$0")/../.."
 runs=${1:-1000000}
 cmake --preset fuzz >/dev/null
-cmake --build --preset fuzz --target fuzz_protocol fuzz_profile fuzz_csv fuzz_events fuzz_keys
+cmake --build --preset fuzz --target fuzz_protocol fuzz_profile fuzz_csv fuzz_events fuzz_keys fuzz_report
 cd build/fuzz
-for target in protocol profile csv events keys; do
+for target in protocol profile csv events keys report; do
   echo "== $target: $runs executions"
   mkdir -p "grown/$target"
   "tests/fuzz/fuzz_$target" -runs="$runs" -max_len=16384 -timeout=20 -print_final_stats=1 -artifact_prefix="crash-$target-" \

@@ -84,3 +84,18 @@ TEST_CASE("shipped protocols of the joint take the time that their notes say") {
   CHECK(expected_duration_s(load_protocol(protocols_folder() / "cutaneous-kinaesthetic.json")) ==
         Approx(55 * 60).epsilon(0.1));
 }
+
+TEST_CASE("where fingers in space are may come from four trackers, and a missing one is told with those that fit") {
+  for (const std::string word : {"hid", "process", "replay"}) CHECK(good("tracker-" + word).rig.tracker == word);
+  const auto suggestion = [](const char* name, const std::string& member) {
+    std::string text = read_text(corpus_folder() / "good" / (std::string(name) + ".json"));
+    const std::size_t at = text.find(member);
+    REQUIRE(at != std::string::npos);
+    const ProtocolCheck check = check_protocol(text.erase(at, member.size()), "p.json");
+    REQUIRE(check.errors.size() == 1);
+    CHECK(check.errors[0].path == "$.rig.tracker");
+    return check.errors[0].suggestion;
+  };
+  CHECK(suggestion("minimal", "\"tracker\": \"hand\",") == R"(add "hand", "hid", "process" or "replay")");
+  CHECK(suggestion("joint", "\"tracker\": \"encoder\",") == R"(add "encoder")");
+}

@@ -238,5 +238,21 @@ TEST_CASE("A line of a pipe holds no control characters and has an end") {
   CHECK(bench.console.ask_text("Note") == "next");
 }
 
+TEST_CASE("While something of the rig is missing it is told, and goes on by itself when it is back") {
+  Bench bench;
+  int asked = 0;
+  const OperatorWish wish = bench.console.missing("device RRS3-0001 is not there", [&] { return ++asked == 4; });
+  CHECK(wish.wish == Wish::go_on);
+  CHECK(asked == 4);
+  CHECK(bench.display.told == std::vector<std::string>{"scene Something is missing."});
+}
+
+TEST_CASE("While something is missing the space bar does not go on, and the session can be left") {
+  Bench bench(" qqlunch\n");
+  const OperatorWish wish = bench.console.missing("device RRS3-0001 is not there", [] { return false; });
+  CHECK(wish.wish == Wish::end_for_now);
+  CHECK(wish.text == "lunch");
+}
+
 }  // namespace
 }  // namespace jnd

@@ -90,7 +90,7 @@ class DeviceCommands(unittest.TestCase):
             self.assertLessEqual(abs(a - b), relative * abs(b) + floor, f"{found} for {expected}")
 
     def test_every_command_has_an_example(self):
-        for command in (("list",), ("info",), ("test",), ("model", "rrs3"), ("model", "mckibben"), ("step", "mckibben"), ("bode", "mckibben"),
+        for command in (("list",), ("info",), ("test",), ("calibrate",), ("model", "rrs3"), ("model", "mckibben"), ("step", "mckibben"), ("bode", "mckibben"),
                         ("track", "mckibben"), ("onset", "mckibben"), ("stiffness", "rrs3"), ("stiffness", "mckibben")):
             self.assertIn("Example:\n  jnd device " + command[0], self.jnd(*command, "--help").stdout)
 
@@ -111,6 +111,71 @@ class DeviceCommands(unittest.TestCase):
         joint = rigs["mckibben"]["devices"][0]
         self.assertEqual((joint["finger"]["g2_m"], joint["tendon"]), (0.013, "unilateral"))
         self.assertIn("rrs3", self.jnd("info", "nothing", code=3).stderr)
+
+    def test_real_devices_that_are_not_there(self):
+        # Whatever machine this runs on, none of ours is connected to it.
+        answer = self.one("list")
+        self.assertEqual([device for device in answer["hid"] if device["ours"]], [])
+        for device in answer["hid"]:
+            self.assertLessEqual({"path", "vendor", "product", "name", "serial", "usage_page", "usage", "usable"}, set(device))
+            self.assertEqual("udev_rule" in device, not device["usable"])
+        text = self.jnd("list").stdout
+        self.assertIn("Connected", text)
+        if not answer["hid"]:
+            self.assertIn("No HID device is connected", text)
+        for command in ("info", "test"):
+            for name in ("FT-0001", "/dev/hidraw999"):
+                message = self.jnd(command, name, code=3).stderr
+                self.assertIn(f"no rig '{name}'", message)
+                self.assertIn("connected: none", message)
+                self.assertEqual(len(message.splitlines()), 1)
+        self.jnd("test", "FT-0001", "--yes", "--json", code=3)
+
+    def test_doctor_looks_for_the_tracker_of_a_protocol(self):
+        subprocess.run([JND, "new", "with_hand.json", "--from", "tutorial"], cwd=self.path, check=True, capture_output=True)
+        with open(os.path.join(self.path, "with_hand.json"), encoding="utf-8") as file:
+            text = file.read()
+        self.assertEqual(text.count('"tracker": "hand"'), 1)
+        with open(os.path.join(self.path, "with_hid.json"), "w", encoding="utf-8") as file:
+            file.write(text.replace('"tracker": "hand"', '"tracker": "hid"'))
+        for name, verdict in (("with_hand.json", "ok"), ("with_hid.json", "bad")):
+            done = subprocess.run([JND, "doctor", "--seconds", "0.1", "--json", "--protocol", name], cwd=self.path, capture_output=True, text=True)
+            report = json.loads(done.stdout)
+            tracker = [check for check in report["checks"] if check["name"] == "tracker"]
+            self.assertEqual([check["verdict"] for check in tracker], [verdict])
+            if verdict == "bad":
+                self.assertEqual((done.returncode, report["ok"]), (1, False))
+                self.assertIn("none is connected", tracker[0]["found"])
+        # And what the laboratory's rig file names: devices that are not there, a program that is.
+        with open(os.path.join(self.path, "with_program.json"), "w", encoding="utf-8") as file:
+            file.write(text.replace('"tracker": "hand"', '"tracker": "process"'))
+        with open(os.path.join(self.path, "booth.json"), "w", encoding="utf-8") as file:
+            json.dump({"format": 1, "title": "Booth", "devices": [{"finger": "thumb", "serial": "FT-1"}], "tracker": {"command": ["sh", "bridge.sh"]}}, file)
+        done = subprocess.run([JND, "doctor", "--seconds", "0.1", "--json", "--protocol", "with_program.json", "--rig", "booth.json"], cwd=self.path, capture_output=True, text=True)
+        found = {check["name"]: check for check in json.loads(done.stdout)["checks"]}
+        self.assertEqual((found["tracker"]["verdict"], found["devices"]["verdict"], done.returncode), ("ok", "bad", 1))
+        self.assertEqual(found["devices"]["found"], "not connected: FT-1 (thumb)")
+        missing = subprocess.run([JND, "doctor", "--protocol", "nowhere.json"], cwd=self.path, capture_output=True, text=True)
+        self.assertEqual(missing.returncode, 3)
+
+    def test_calibrate_refuses_before_it_looks_for_a_device(self):
+        who = ("--operator", "A. Smith", "--reference-name", "scale 17")
+        self.assertIn("connected: none", self.jnd("calibrate", "FT-0001", *who, "--yes", code=3).stderr)
+        self.jnd("calibrate", "FT-0001", code=2)  # nobody signs for it
+        self.jnd("calibrate", *who, code=2)
+        for push, code in (("1,2", 2), ("1,2,0", 2), ("1,2,x", 2), ("1,2,inf", 2), ("1,2,-3", 2)):
+            self.jnd("calibrate", "FT-0001", *who, "--push", push, "--yes", code=code)
+        for name, text, code in (("few.csv", "known_n\n1\n2\n", 3), ("odd.csv", "newtons\n1\n2\n3\n", 3), ("bad.csv", "known_n\n1\nx\n3\n", 3),
+                                 ("negative.csv", "known_n,pushed_n\n1,1\n2,2\n3,-3\n", 3)):
+            with open(os.path.join(self.path, name), "w", encoding="utf-8") as file:
+                file.write(text)
+            self.assertIn(name, self.jnd("calibrate", "FT-0001", *who, "--reference", name, "--yes", code=code).stderr)
+        self.jnd("calibrate", "FT-0001", *who, "--reference", "nowhere.csv", "--yes", code=3)
+        with open(os.path.join(self.path, "good.csv"), "w", encoding="utf-8") as file:
+            file.write("known_n,pushed_n\n1,1\n2,2\n3,3\n")
+        self.assertIn("connected: none", self.jnd("calibrate", "FT-0001", *who, "--reference", "good.csv", "--yes", code=3).stderr)
+        self.jnd("calibrate", "FT-0001", *who, "--reference", "good.csv", "--push", "1,2,3", "--yes", code=2)
+        self.assertIn("exists already", self.jnd("calibrate", "FT-0001", *who, "--out", "good.csv", "--yes", code=2).stderr)
 
     def test_model_of_the_platform(self):
         wrench = ",".join(map(str, SHIPPED_POSE["wrench"]))

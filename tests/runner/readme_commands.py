@@ -14,12 +14,13 @@ import sys
 import tempfile
 
 
-def commands(text):
-    """(line number, command, expected exit code, shown output lines) of every console block."""
+def commands(text, fence="```console"):
+    """(line number, command, expected exit code, shown output lines) of every console block. Blocks "console virtual"
+    need virtual devices: the kernel tests run them."""
     found, inside = [], False
     for number, line in enumerate(text.splitlines(), 1):
         if line.startswith("```"):
-            inside = line == "```console"
+            inside = line == fence
         elif inside and line.startswith("$ "):
             match = re.match(r"\$ (.*?)(?:\s+# exit (\d+))?$", line)
             found.append((number, match[1], int(match[2] or 0), []))
@@ -65,4 +66,5 @@ def main():
     sys.exit(1 if failures or ran == 0 else 0)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,146 @@
+// jnd-virtual-device: a fingertip device, a tracker or a button box that exists in software only, for tests, for
+// rehearsals and to see what a host sends before there is hardware.
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <sys/prctl.h>
+
+#include "devices/device_error.h"
+#include "devices/hid/virtual/device_loop.h"
+#include "devices/hid/virtual/virtual_buttons.h"
+#include "devices/hid/virtual/virtual_fingertip.h"
+#include "devices/hid/virtual/virtual_tracker.h"
+#include "protocols/input_error.h"
+#include "protocols/version.h"
+
+namespace jnd {
+namespace {
+
+struct Options {
+  bool tracker = false, buttons = false, bus_powered = false;
+  std::string serial;
+  std::vector<std::string> fingers;
+  double pulp_n_per_m = 1000;
+  int rate_hz = 0;  // 0: the device's own
+  std::string memory, control, script, log;
+  std::vector<std::string> timed;
+};
+
+jnd_finger finger_of(const std::string& name) {
+  constexpr std::array<std::string_view, 6> kNames = {"any", "thumb", "index", "middle", "ring", "little"};
+  const auto* const found = std::find(kNames.begin(), kNames.end(), name);
+  if (found == kNames.end())
+    throw InputError(fmt::format("--finger {}: give thumb, index, middle, ring, little or any", name));
+  return static_cast<jnd_finger>(found - kNames.begin());
+}
+
+// The words after each --at, up to the next option, as one order: CLI11 would put those of two into one heap.
+std::vector<std::string> join_timed(int argc, char** argv) {
+  std::vector<std::string> arguments;
+  for (int i = 1; i < argc; ++i) {
+    arguments.emplace_back(argv[i]);
+    if (arguments.back() != "--at") continue;
+    std::string words;
+    for (; i + 1 < argc && std::string_view(argv[i + 1]).substr(0, 2) != "--"; ++i)
+      words += (words.empty() ? "" : " ") + std::string(argv[i + 1]);
+    arguments.push_back(words);
+  }
+  return arguments;
+}
+
+void add_options(CLI::App& app, Options& options) {
+  app.set_version_flag("--version", std::string("jnd-virtual-device ") + kVersion);
+  auto* const tracker = app.add_flag("--tracker", options.tracker, "A tracker instead of a fingertip device");
+  app.add_flag("--buttons", options.buttons, "A button box (a gamepad of 8 buttons) instead")->excludes(tracker);
+  app.add_option("--serial", options.serial, "Serial number [VF-0001, VT-0001, VB-0001]");
+  app.add_option("--finger", options.fingers,
+                 "Finger that it is made for [index]; of a tracker, one or two [thumb index]");
+  app.add_option("--pulp", options.pulp_n_per_m, "Stiffness of the finger's pulp, N/m")->capture_default_str();
+  app.add_option("--rate", options.rate_hz, "Steps and reports a second [1000; of a tracker, of each finger, 200]");
+  app.add_option("--memory", options.memory, "File that keeps what is stored in the device (its calibration)");
+  app.add_flag("--bus-powered", options.bus_powered, "Unplugging takes the power away; otherwise the device runs on");
+  app.add_option("--at", options.timed, "An order at a time in seconds since the start: --at 2.5 unplug 300");
+  app.add_option("--script,--press-script", options.script, "File of such orders, one a line, the time first");
+  app.add_option("--control", options.control, "Named pipe (made where missing) to read orders from [standard input]");
+  app.add_option("--log", options.log, "File for every change of state, with its time and the force");
+  app.footer("Orders:\n" + order_help() +
+             "\nIt needs Linux's /dev/uhid, and to be root or a udev rule.\n"
+             "Example:\n  sudo jnd-virtual-device --serial VF-0001 --finger thumb --at 10 unplug 500");
+}
+
+FaultScript script_of(const Options& options) {
+  FaultScript script;
+  for (const std::string& words : options.timed) script.add(parse_timed_order(words));
+  if (options.script.empty()) return script;
+  std::ifstream file(options.script);
+  if (!file) throw InputError(fmt::format("cannot read the script {}", options.script));
+  script.add_lines(std::string(std::istreambuf_iterator<char>(file), {}));
+  return script;
+}
+
+std::unique_ptr<VirtualDevice> make_device(const Options& options, const std::unique_ptr<UhidPort>& port,
+                                           EventLog& log) {
+  const InputReport send = [&port](std::span<const std::uint8_t> report) { return port->send(report); };
+  if (options.buttons)
+    return std::make_unique<VirtualButtons>(options.serial.empty() ? "VB-0001" : options.serial, send);
+  if (options.tracker) {
+    TrackerOptions tracker;
+    if (!options.serial.empty()) tracker.serial = options.serial;
+    if (!options.fingers.empty()) tracker.fingers.clear();
+    for (const std::string& finger : options.fingers) tracker.fingers.push_back(finger_of(finger));
+    if (options.rate_hz != 0) tracker.rate_hz = options.rate_hz;
+    return std::make_unique<VirtualTracker>(tracker, send);
+  }
+  FingertipOptions fingertip;
+  if (!options.serial.empty()) fingertip.serial = options.serial;
+  if (options.fingers.size() > 1) throw InputError("--finger: a fingertip device is made for one finger");
+  if (!options.fingers.empty()) fingertip.finger = finger_of(options.fingers[0]);
+  if (options.rate_hz != 0) fingertip.rate_hz = options.rate_hz;
+  fingertip.pulp_n_per_m = options.pulp_n_per_m;
+  fingertip.memory = options.memory;
+  fingertip.bus_powered = options.bus_powered;
+  return std::make_unique<VirtualFingertip>(fingertip, send, log);
+}
+
+int run(int argc, char** argv) {
+  CLI::App app{"jnd-virtual-device: a fingertip device, tracker or button box behind /dev/uhid", "jnd-virtual-device"};
+  Options options;
+  add_options(app, options);
+  std::vector<std::string> arguments = join_timed(argc, argv);
+  std::reverse(arguments.begin(), arguments.end());
+  try {
+    app.parse(arguments);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  try {
+    FaultScript script = script_of(options);
+    EventLog log = options.log.empty() ? EventLog() : EventLog(options.log);
+    std::unique_ptr<UhidPort> port;  // after the device, so that wrong options are found on every machine
+    const std::unique_ptr<VirtualDevice> device = make_device(options, port, log);
+    port = std::make_unique<UhidPort>();
+    ControlLines control(options.control);
+    (void)::prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);
+    (void)std::signal(SIGPIPE, SIG_IGN);
+    DeviceLoop(*device, *port, script, control, log).run();
+    return 0;
+  } catch (const InputError& error) {
+    fmt::print(stderr, "jnd-virtual-device: {}\n", error.what());
+    return 3;
+  } catch (const DeviceError& error) {
+    fmt::print(stderr, "jnd-virtual-device: {}\n", error.what());
+    return 4;
+  }
+}
+
+}  // namespace
+}  // namespace jnd
+
+int main(int argc, char** argv) {
+  return jnd::run(argc, argv);
+}

@@ -1,0 +1,11 @@
+# Runs the parts named in /guest/parts, one after the other. Status: 0 where no check failed, otherwise 1.
+failed=0
+while read -r part; do
+  echo "# $part"
+  (
+    . /guest/lib.sh
+    . "/guest/$part.sh"
+    exit "$((failures > 0))"
+  ) || failed=1
+done < /guest/parts
+exit "$failed"
