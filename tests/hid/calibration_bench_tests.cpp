@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include <unistd.h>
+
 #include "devices/device_error.h"
 #include "devices/hid/calibration_bench.h"
 #include "devices/hid/report_words.h"
@@ -74,7 +76,7 @@ std::vector<CalibrationStep> pushes(const std::vector<double>& forces) {
 }
 
 struct Folder {
-  fs::path path = fs::temp_directory_path() / "jnd_certificates";
+  fs::path path = fs::temp_directory_path() / ("jnd-certificates-" + std::to_string(::getpid()));
   Folder() {
     fs::remove_all(path);
     fs::create_directories(path);
