@@ -74,8 +74,10 @@ struct DeviceLinkReport {
 
 // What a tracker's stream of poses was like, since the rig was made.
 struct TrackerReport {
-  std::string kind;    // "hid", "process", "replay", "hand"
-  std::string source;  // a serial number, a command line, a file
+  std::string kind;       // "hid", "process", "replay", "hand"
+  std::string source;     // a serial number, a command line, a file
+  std::string firmware;   // of one over HID, "1.0.0"
+  bool is_model = false;  // as of a device
   bool connected = false;
   std::string trouble;
   std::int64_t poses = 0;
@@ -89,6 +91,13 @@ struct TrackerReport {
 struct RigConnections {
   std::vector<DeviceLinkReport> devices;
   std::optional<TrackerReport> tracker;
+
+  // Whether anything of it is a model in software.
+  bool on_a_model() const noexcept {
+    for (const DeviceLinkReport& device : devices)
+      if (device.is_model) return true;
+    return tracker && tracker->is_model;
+  }
 };
 
 class TelemetryRing;

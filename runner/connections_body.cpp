@@ -41,6 +41,8 @@ Json body_of(const DeviceLinkReport& device) {
 Json body_of(const TrackerReport& tracker) {
   return {{"kind", tracker.kind},
           {"source", tracker.source},
+          {"firmware", tracker.firmware},
+          {"is_model", tracker.is_model},
           {"connected", tracker.connected},
           {"trouble", tracker.trouble},
           {"poses", tracker.poses},

@@ -1,6 +1,5 @@
 #include "runner/rig_source.h"
 
-#include <algorithm>
 #include <atomic>
 #include <utility>
 
@@ -28,14 +27,12 @@ class HidRigs final : public RigSource {
  public:
   explicit HidRigs(RigFile file) : file_(std::move(file)) {}
   RigInfo info(const Protocol& protocol, const RigSpec& spec) const override { return hid_rig_info(protocol, spec); }
-  // Connects and lets go again, without the tracker, whose program is started once only.
+  // Connects and lets go again; without a tracker that is no device, whose program is started once only.
   bool look_for_devices(const Protocol& protocol, const RigDescription& rig, const ParticipantProfile& profile,
                         Clock& clock) const override {
     Protocol devices_only = protocol;
-    devices_only.rig.tracker = "hand";
-    const RigConnections found = make_hid_rig(devices_only, rig, file_, profile, 1, 1, clock, bus_)->connections();
-    return std::any_of(found.devices.begin(), found.devices.end(),
-                       [](const DeviceLinkReport& device) { return device.is_model; });
+    if (devices_only.rig.tracker != "hid") devices_only.rig.tracker = "hand";
+    return make_hid_rig(devices_only, rig, file_, profile, 1, 1, clock, bus_)->connections().on_a_model();
   }
   std::unique_ptr<Rig> make(const Protocol& protocol, const RigDescription& rig, const ParticipantProfile& profile,
                             int participant, std::uint64_t seed, Clock& clock,

@@ -18,8 +18,9 @@ class RigSource {
   virtual ~RigSource() = default;
   // What the rig below says of itself, without making it: RigInfo::simulated decides which kinds of session there are.
   virtual RigInfo info(const Protocol& protocol, const RigSpec& spec) const = 0;
-  // Before a study is made: whether the devices that the rig below needs are there. Returns whether one of them is a
-  // model in software, by its own word; a rig that info() calls simulated has nothing to look for. Throws as make does.
+  // Before a study is made: looks whether the devices that the rig below needs are there, a tracker over HID too.
+  // Returns whether one of them is a model in software, by its own word; a rig that info() calls simulated has nothing
+  // to look for. Throws as make does.
   virtual bool look_for_devices(const Protocol& /*protocol*/, const RigDescription& /*rig*/,
                                 const ParticipantProfile& /*profile*/, Clock& /*clock*/) const {
     return false;

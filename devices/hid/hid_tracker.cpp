@@ -5,8 +5,11 @@
 
 #include <fmt/format.h>
 
+#include "devices/device_error.h"
 #include "devices/hid/firmware/jnd_report.h"
 #include "devices/hid/our_devices.h"
+#include "devices/hid/page_talk.h"
+#include "devices/hid/report_words.h"
 
 namespace jnd {
 
@@ -42,7 +45,8 @@ HidTracker::HidTracker(HidBus& bus, std::string serial, const std::vector<std::s
       reader_(
           bus,
           [this](const HidInfo& info) {
-            return is_tracker(info) && (wanted_serial_.empty() || info.serial == wanted_serial_);
+            // One without a serial number on the bus has it in its identity page only.
+            return is_tracker(info) && (wanted_serial_.empty() || info.serial.empty() || info.serial == wanted_serial_);
           },
           *this, kPriority, &clock) {}
 
@@ -56,6 +60,8 @@ std::optional<TrackerReport> HidTracker::report() const {
   feed_.add_to(report);
   const std::lock_guard lock(mutex_);
   report.source = serial_.empty() ? wanted_serial_ : serial_;
+  report.firmware = firmware_;
+  report.is_model = is_model_;
   report.connected = connected_;
   report.trouble = trouble_;
   return report;
@@ -72,10 +78,20 @@ std::string HidTracker::missing() const {
   return feed_.missing(clock_.now_ns());
 }
 
-void HidTracker::connected(const HidInfo& info, HidHandle& /*handle*/) {
+// Poses that come while its identity is asked are not missed: nothing rests on them yet.
+void HidTracker::connected(const HidInfo& info, HidHandle& handle) {
+  const jnd_identity identity = PageTalk(handle, name_of(info)).identity();
+  const std::string serial = serial_of(identity);
+  if (identity.model != JND_MODEL_TRACKER)
+    throw DeviceError(
+        fmt::format("{} says that it is a {}; look at its firmware", name_of(info), model_word(identity.model)));
+  if (!wanted_serial_.empty() && serial != wanted_serial_)
+    throw DeviceError(fmt::format("{} is tracker {}, not {}", info.path, serial, wanted_serial_));
   feed_.begin();
   const std::lock_guard lock(mutex_);
-  serial_ = info.serial;
+  serial_ = serial;
+  firmware_ = firmware_text(identity);
+  is_model_ = (identity.capabilities & JND_IS_MODEL) != 0;
   trouble_.clear();
   connected_ = true;
 }

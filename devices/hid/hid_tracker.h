@@ -19,8 +19,9 @@ namespace jnd {
 
 class HidTracker final : public Tracker, private HidListener {
  public:
-  // serial: of the tracker; empty: any. It need not be there yet: until it is, it is missing(). clock: the loop's,
-  // which must be the machine's monotonic one. Bus and clock must outlive the tracker.
+  // serial: of the tracker; empty: any. It need not be there yet: until it is, it is missing(), and so is one that is
+  // another by its identity page, or speaks another version of the protocol. clock: the loop's, which must be the
+  // machine's monotonic one. Bus and clock must outlive the tracker.
   HidTracker(HidBus& bus, std::string serial, const std::vector<std::string>& fingers,
              const Eigen::Isometry3d& to_world, const Clock& clock);
 
@@ -39,7 +40,8 @@ class HidTracker final : public Tracker, private HidListener {
   PoseFeed feed_;
 
   mutable std::mutex mutex_;
-  std::string serial_;   // of the one that is or was connected
+  std::string serial_, firmware_;  // of the one that is or was connected
+  bool is_model_ = false;
   std::string trouble_;  // why it is not connected
   bool connected_ = false;
 

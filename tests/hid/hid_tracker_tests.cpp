@@ -61,9 +61,40 @@ std::vector<std::uint8_t> bytes_of(const jnd_pose& pose) {
   return bytes;
 }
 
+jnd_identity identity_of(const std::string& serial) {
+  jnd_identity identity{};
+  identity.lowest_version = identity.highest_version = JND_PROTOCOL_VERSION;
+  identity.model = JND_MODEL_TRACKER;
+  identity.degrees_of_freedom = 6;
+  identity.firmware[0] = 2;
+  identity.firmware[1] = 7;
+  identity.loop_rate_hz = 200;
+  identity.capabilities = JND_CAN_TRACK;
+  std::copy(serial.begin(), serial.end(), std::begin(identity.serial));
+  return identity;
+}
+
+// Shows its identity page to whoever asks.
+jnd::test::MadeUpBus::Answers shows(const jnd_identity& identity) {
+  return [identity](std::span<const std::uint8_t> bytes) -> std::vector<std::uint8_t> {
+    jnd_request request{};
+    if (jnd_decode_request(bytes.data(), bytes.size(), &request) != JND_DECODE_OK) return {};
+    jnd_answer answer{};
+    answer.page = request.page;
+    answer.token = request.token;
+    answer.result = request.page == JND_PAGE_IDENTITY ? JND_PAGE_OK : JND_PAGE_UNKNOWN;
+    if (answer.result == JND_PAGE_OK) jnd_encode_identity(&identity, answer.data);
+    std::vector<std::uint8_t> report(JND_REPORT_SIZE);
+    jnd_encode_answer(&answer, report.data());
+    return report;
+  };
+}
+
 // A tracker on a made-up bus, and a way to send it reports that arrive at chosen times.
 struct Bench {
-  explicit Bench(const std::string& serial = "") : tracker(bus, serial, kTwoFingers, kHere, clock) {}
+  explicit Bench(const std::string& serial = "") : tracker(bus, serial, kTwoFingers, kHere, clock) {
+    bus.answer(shows(identity_of("TR-1")));
+  }
   std::int64_t heard() const {
     const auto report = tracker.report();
     return report->poses + report->refused;
@@ -194,6 +225,48 @@ TEST_CASE("a tracker that is unplugged is missing, and taken up again on another
   CHECK(pose.time_ns == 60'000 * kMs);
   CHECK(bench.tracker.report()->gaps == 0);
   CHECK(bench.tracker.report()->trouble.empty());
+}
+
+TEST_CASE("a tracker is asked who it is before its poses count") {
+  const auto said_of = [](const jnd_identity& identity, const std::string& wanted = "") {
+    Bench bench(wanted);
+    bench.bus.answer(shows(identity));
+    bench.bus.plug(tracker_info(""));  // no serial number on the bus
+    const std::string none = "the tracker" + (wanted.empty() ? "" : " " + wanted) + " is not connected";
+    REQUIRE(holds_soon([&] { return bench.tracker.missing() != none; }));
+    return bench.tracker.missing();
+  };
+  jnd_identity later = identity_of("TR-1");
+  later.lowest_version = 2;
+  later.highest_version = 3;
+  CHECK(said_of(later).find("speaks versions 2 to 3 of the report protocol") != std::string::npos);
+  jnd_identity fingertip = identity_of("TR-1");
+  fingertip.model = JND_MODEL_RRS3;
+  CHECK(said_of(fingertip).find("says that it is a 3RRS fingertip device") != std::string::npos);
+  CHECK(said_of(identity_of("TR-2"), "TR-1").find("is tracker TR-2, not TR-1") != std::string::npos);
+  CHECK(said_of(identity_of("TR-1"), "TR-1") == "no pose of the thumb has come yet");
+}
+
+TEST_CASE("a tracker that answers nothing is not used") {
+  Bench bench;
+  bench.bus.answer([](std::span<const std::uint8_t>) { return std::vector<std::uint8_t>(); });
+  bench.bus.plug(tracker_info("TR-1"));
+  REQUIRE(holds_soon([&] { return bench.tracker.missing().find("did not answer") != std::string::npos; }));
+  CHECK_FALSE(bench.tracker.report()->connected);
+}
+
+TEST_CASE("a tracker says its firmware, and whether it is a model in software") {
+  for (const bool model : {false, true}) {
+    Bench bench;
+    jnd_identity identity = identity_of("TR-1");
+    if (model) identity.capabilities |= JND_IS_MODEL;
+    bench.bus.answer(shows(identity));
+    bench.bus.plug(tracker_info(""));
+    REQUIRE(bench.connects());
+    CHECK(bench.tracker.report()->source == "TR-1");
+    CHECK(bench.tracker.report()->firmware == "2.7.0");
+    CHECK(bench.tracker.report()->is_model == model);
+  }
 }
 
 TEST_CASE("a tracker that may not be opened is told with the reason") {

@@ -5,8 +5,10 @@
 #include <chrono>
 #include <condition_variable>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -44,6 +46,12 @@ class MadeUpBus final : public HidBus {
     const std::scoped_lock lock(wires_->mutex);
     wires_->refusal = why;
   }
+  // What a device says to each report that is written to it; an empty report: nothing. Without this it takes none.
+  using Answers = std::function<std::vector<std::uint8_t>(std::span<const std::uint8_t>)>;
+  void answer(Answers answers) {
+    const std::scoped_lock lock(wires_->mutex);
+    wires_->answers = std::move(answers);
+  }
 
  private:
   struct Wires {
@@ -52,6 +60,7 @@ class MadeUpBus final : public HidBus {
     std::vector<HidInfo> devices;
     std::deque<std::vector<std::uint8_t>> reports;
     std::string refusal;
+    Answers answers;
   };
   class Handle final : public HidHandle {
    public:
@@ -68,7 +77,13 @@ class MadeUpBus final : public HidBus {
       std::copy_n(report.begin(), count, bytes.begin());
       return static_cast<int>(count);
     }
-    bool write(std::span<const std::uint8_t>) noexcept override { return false; }
+    bool write(std::span<const std::uint8_t> bytes) noexcept override {
+      const std::scoped_lock lock(wires_->mutex);
+      if (!wires_->answers || wires_->devices.empty()) return false;
+      if (std::vector<std::uint8_t> report = wires_->answers(bytes); !report.empty())
+        wires_->reports.push_back(std::move(report));
+      return true;
+    }
     std::string error() const override { return "pulled out"; }
 
    private:

@@ -193,6 +193,9 @@ def judge_stale_poses(results, study, orders):
 def judge_tracker(results):
     usb = StudyFile(results, "tracker-hid.sqlite")
     judge_answers(results, usb, "tracker-hid.txt", 4, "hid")
+    tracker = usb.of("rig.connections")[-1]["tracker"]
+    results.check("the tracker says its firmware, and that it is a model", tracker["firmware"] == "1.0.0"
+                  and tracker["is_model"], tracker)
     orders = [event["time_s"] for event in DeviceLog(results, "tracker-K1.log").of("order")
               if event["words"] in ("freeze 100", "lose on", "unplug 700")]
     judge_stale_poses(results, usb, orders)

@@ -234,13 +234,29 @@ TEST_CASE("Connections are kept whole, and what is no number as null") {
   TrackerReport tracker;
   tracker.kind = "hid";
   tracker.gaps = 3;
+  tracker.firmware = "2.7.0";
+  tracker.is_model = true;
   const auto body = connections_body({.devices = {device}, .tracker = tracker}, "opened");
   CHECK(body.at("when") == "opened");
   CHECK(body.at("devices")[0].at("sent") == 5);
   CHECK(body.at("devices")[0].at("latency_p99_us") == 12.5);
   CHECK(body.at("devices")[0].at("clock_uncertainty_s").is_null());
   CHECK(body.at("tracker").at("gaps") == 3);
+  CHECK(body.at("tracker").at("firmware") == "2.7.0");
+  CHECK(body.at("tracker").at("is_model") == true);
   CHECK(connections_body({}, "closed").at("tracker").is_null());
+}
+
+TEST_CASE("One model among the devices or behind the tracker makes a rig one of models") {
+  RigConnections rig{.devices = {{}, {}}, .tracker = {}};
+  CHECK_FALSE(rig.on_a_model());
+  rig.tracker = TrackerReport{};
+  CHECK_FALSE(rig.on_a_model());
+  rig.tracker->is_model = true;
+  CHECK(rig.on_a_model());
+  rig.tracker.reset();
+  rig.devices[1].is_model = true;
+  CHECK(rig.on_a_model());
 }
 
 }  // namespace

@@ -11,6 +11,7 @@ poses_from hid
 check "without its tracker a session is refused" fails 20 jnd run /tmp/tracker-hid.json \
   --study /tmp/none.sqlite --participant P01 --rig hid --plain --responder chinello2017
 check "and says which" says /tmp/out "the tracker is not connected"
+check "before a study is made" sh -c "! test -e /tmp/none.sqlite"
 check "a tracker is plugged in" start_device K1 thumb --finger index --tracker --rate 200
 check "nothing that is felt with a model counts as real" exits 2 20 jnd run /tmp/tracker-hid.json --study /tmp/real.sqlite \
   --participant P01 --rig hid --plain --kind real
