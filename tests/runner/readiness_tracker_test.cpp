@@ -12,6 +12,15 @@ bool says(const std::string& text, const char* part) {
   return text.find(part) != std::string::npos;
 }
 
+TrackerReport bridge() {
+  TrackerReport report;
+  report.kind = "process";
+  report.source = "bridge";
+  report.connected = true;
+  report.rate_hz = 200;
+  return report;
+}
+
 // Its tracker is what a test says; every `misses_each`-th look finds something missing.
 class TrackedRig final : public Rig {
  public:
@@ -26,7 +35,7 @@ class TrackedRig final : public Rig {
   }
   RigConnections connections() const override { return {.devices = {}, .tracker = report}; }
 
-  TrackerReport report{.kind = "process", .source = "bridge", .connected = true, .trouble = "", .rate_hz = 200};
+  TrackerReport report = bridge();
   int looks = 0, misses_first = 0, misses_each = 0;
 
  private:

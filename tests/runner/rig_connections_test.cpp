@@ -248,7 +248,8 @@ TEST_CASE("Connections are kept whole, and what is no number as null") {
 }
 
 TEST_CASE("One model among the devices or behind the tracker makes a rig one of models") {
-  RigConnections rig{.devices = {{}, {}}, .tracker = {}};
+  RigConnections rig;
+  rig.devices.resize(2);
   CHECK_FALSE(rig.on_a_model());
   rig.tracker = TrackerReport{};
   CHECK_FALSE(rig.on_a_model());
