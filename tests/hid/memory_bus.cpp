@@ -177,23 +177,37 @@ void MemoryBus::run() noexcept {
   Lock lock(mutex_);
   while (!ends_) {
     changed_.wait_for(lock, milliseconds(1), [this] { return ends_; });
-    if (machine_ns() >= driven_until_ns_.load()) millisecond();
+    if (driving_ == 0 && machine_ns() >= driven_until_ns_) millisecond();
   }
 }
 
 void MemoryBus::drive(bool commands) noexcept {
   constexpr std::int64_t kHeld_ns = 200'000'000;
-  driven_until_ns_.store(machine_ns() + kHeld_ns);
-  Lock lock(mutex_);
-  if (commands)
-    (void)changed_.wait_for(lock, milliseconds(20), [this] {
-      return std::all_of(slots_.begin(), slots_.end(), [](const auto& slot) {
-        return !slot->plugged || slot->blocks || slot->commands > slot->commands_before;
+  // A machine may be too busy to let the writing thread run for as long as that; a device that nobody commands yet, or
+  // no more, does not keep the loop.
+  constexpr milliseconds kBusy(1000), kIdle(20);
+  const auto await_commands = [this](Lock& lock, milliseconds patience, bool of_commanded) {
+    (void)changed_.wait_for(lock, patience, [this, of_commanded] {
+      return std::all_of(slots_.begin(), slots_.end(), [of_commanded](const auto& slot) {
+        return !slot->plugged || slot->blocks || slot->commanded != of_commanded ||
+               slot->commands > slot->commands_before;
       });
     });
-  for (const auto& slot : slots_) slot->commands_before = slot->commands;
+  };
+  Lock lock(mutex_);
+  ++driving_;
+  if (commands) {
+    await_commands(lock, kBusy, true);
+    await_commands(lock, kIdle, false);
+  }
+  for (const auto& slot : slots_) {
+    slot->commanded = slot->commands > slot->commands_before;
+    slot->commands_before = slot->commands;
+  }
   millisecond();
-  (void)changed_.wait_for(lock, milliseconds(1000), [this] { return all_read(); });
+  (void)changed_.wait_for(lock, kBusy, [this] { return all_read(); });
+  --driving_;
+  driven_until_ns_ = machine_ns() + kHeld_ns;
 }
 
 void MemoryBus::sleep_until_ns(std::int64_t deadline) noexcept {

@@ -34,7 +34,7 @@ class MemoryBus final : public HidBus, public Clock {
 
   std::int64_t now_ns() const noexcept override { return now_ns_.load(); }
   std::int64_t utc_ns() const noexcept override { return now_ns_.load(); }
-  // In every millisecond waits a moment for a command to each device, as a loop sends them.
+  // In every millisecond waits for a command to each device, as a loop sends them: for long where one has just come.
   void sleep_until_ns(std::int64_t deadline) noexcept override;
   void pass_ms(int milliseconds);  // the same without commands
 
@@ -68,6 +68,7 @@ class MemoryBus final : public HidBus, public Clock {
     double drift = 0;
     std::int64_t sent = 0, lost = 0;
     std::int64_t commands = 0, commands_before = 0;  // written, by the last millisecond
+    bool commanded = false;                          // in the last millisecond
     std::vector<Handle*> handles;
   };
   class MemoryHandle;
@@ -83,7 +84,9 @@ class MemoryBus final : public HidBus, public Clock {
   std::condition_variable changed_;
   std::vector<std::unique_ptr<Slot>> slots_;
   std::atomic<std::int64_t> now_ns_{1'000'000'000'000};
-  std::atomic<std::int64_t> driven_until_ns_{0};  // of the machine's clock: the thread leaves time to the loop
+  // The thread leaves time to whoever drives it, and for a while after.
+  int driving_ = 0;
+  std::int64_t driven_until_ns_ = 0;  // of the machine's clock
   bool refuses_ = false;
   int next_path_ = 0;
   bool ends_ = false;
