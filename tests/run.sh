@@ -6,7 +6,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 source runner/setup.sh
 # shellcheck disable=SC2086
-install_missing $packages_to_build catch2 librapidcheck-dev libvalijson-dev python3 sqlite3 zstd
+install_missing $packages_to_build catch2 librapidcheck-dev libvalijson-dev python3 sqlite3 zstd mold
 # The page of `jnd report` is looked at in a real browser; without one that test says SKIPPED.
 install_missing chromium || echo "SKIPPED: chromium cannot be installed: the report is not looked at in a browser" >&2
 
@@ -24,6 +24,8 @@ fi
 # Instrumented programs are slow: the campaign of faulty devices runs in full without sanitizers (10,000 cases).
 case $preset in asan|tsan) export JND_FAULT_CASES=${JND_FAULT_CASES:-2000} ;; esac
 launcher=()
+# Another clone finds what was compiled here.
+export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1
 export CCACHE_SLOPPINESS=${CCACHE_SLOPPINESS:-pch_defines,time_macros}
 command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
 echo "Building (preset $preset)"
