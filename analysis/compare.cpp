@@ -100,7 +100,7 @@ Comparison compare(const WithinTable& table) {
       PairComparison pair;
       pair.a = a;
       pair.b = b;
-      pair.t = paired_t(columns[a], columns[b]);
+      pair.t = paired_t(columns[a], columns[b], t_quantile);
       pair.mean_difference = pair.t.mean_difference;
       pair.games_howell = games_howell(columns[a], columns[b], groups);
       pair.tukey = tukey(pair.mean_difference, mean_square_error, n, effect.df2, groups);

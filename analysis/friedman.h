@@ -2,6 +2,7 @@
 //
 // Source: Friedman 1937 with the correction for ties, as R 4.2.2's friedman.test; Kendall's W = chi2 / (n (k - 1));
 // Iman and Davenport 1980, Communications in Statistics A9, 571-595, for the F form, which is less conservative.
+// Values of a participant tie where they are equal as the decimals that were read (decimal_order.h).
 // Accuracy: closed forms, 1e-12. Tests: R 4.2.2.
 #pragma once
 

@@ -14,13 +14,23 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kLeastSlope = 1e-9;  // as in jnd.cpp: smaller means are rounding zeros
 
-// Between two infinities the median is infinite, not undefined.
-double median(std::vector<double> values) {
-  if (values.empty()) return kNaN;
+// Of JNDs with 0 for those at the ceiling and +inf for those without sensitivity. Of two values in the middle that are
+// not both JNDs the one that is none decides: half of its way to the other would be a number that nobody has.
+void set_median(JndGroup& group, std::vector<double> values) {
+  group.median_n = static_cast<int>(values.size());
+  group.median_jnd = kNaN;
+  if (values.empty()) return;
   std::sort(values.begin(), values.end());
-  const std::size_t upper = values.size() / 2;
-  if (values.size() % 2 == 1 || values[upper - 1] == values[upper]) return values[upper];
-  return values[upper - 1] + 0.5 * (values[upper] - values[upper - 1]);
+  const double upper = values[values.size() / 2], lower = values[(values.size() - 1) / 2];
+  if (std::isinf(upper)) {
+    group.median_status = JndStatus::no_sensitivity;
+    group.median_jnd = upper;
+  } else if (lower == 0) {
+    group.median_status = JndStatus::ceiling;
+  } else {
+    group.median_status = JndStatus::ok;
+    group.median_jnd = lower + 0.5 * (upper - lower);
+  }
 }
 
 }  // namespace
@@ -74,8 +84,7 @@ JndGroup jnd_group(std::span<const JndEstimate> estimates) {
   group.mean_jnd = mean_with_ci(jnds);
   group.mean_weber = mean_with_ci(webers);
   group.mean_log_jnd = mean_with_ci(logs);
-  group.median_n = static_cast<int>(for_median.size());
-  group.median_jnd = median(std::move(for_median));
+  set_median(group, std::move(for_median));
   group.slope_n = static_cast<int>(slopes.size());
   const double mean_slope = mean_with_ci(slopes).mean;
   group.inverse_mean_slope = mean_slope > kLeastSlope ? 1.0 / mean_slope : kNaN;

@@ -20,7 +20,11 @@ struct JndGroup {
   int n = 0;              // participants with a row in this condition (N)
   MeanEstimate mean_jnd;  // over status ok (the paper's number)
   MeanEstimate mean_weber;
-  double median_jnd = 0;  // no_sensitivity counts as +inf, ceiling as 0; no_information is left out
+  // no_sensitivity counts as +inf, ceiling as smaller than any JND; no_information is left out. The status says what
+  // stands in the middle: ok; no_sensitivity (median_jnd is +inf); ceiling, or no_information where nobody is in it
+  // (median_jnd is NaN).
+  JndStatus median_status = JndStatus::no_information;
+  double median_jnd = 0;
   int median_n = 0;
   MeanEstimate mean_log_jnd;      // of ln(JND / N/m), over status ok
   double inverse_mean_slope = 0;  // 1 / mean(m) over everyone with finite m; NaN where mean(m) <= 1e-9

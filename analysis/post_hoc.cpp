@@ -17,6 +17,11 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 }  // namespace
 
 PairedT paired_t(std::span<const double> x, std::span<const double> y) {
+  const double df = static_cast<double>(std::min(x.size(), y.size())) - 1;
+  return paired_t(x, y, df > 0 ? student_t_quantile_two_sided(0.05, df) : kNaN);
+}
+
+PairedT paired_t(std::span<const double> x, std::span<const double> y, double t_quantile) {
   PairedT result;
   std::vector<double> differences(std::min(x.size(), y.size()));
   for (std::size_t i = 0; i < differences.size(); ++i) differences[i] = x[i] - y[i];
@@ -36,7 +41,7 @@ PairedT paired_t(std::span<const double> x, std::span<const double> y) {
   }
   result.t = of.mean / se;
   result.p = student_t_two_sided(result.t, result.df);
-  const double half_width = student_t_quantile_two_sided(0.05, result.df) * se;
+  const double half_width = t_quantile * se;
   result.ci_low = of.mean - half_width;
   result.ci_high = of.mean + half_width;
   result.dz = of.mean / of.sd;

@@ -22,6 +22,8 @@ struct PairedT {
   TestStatus status = TestStatus::ok;
 };
 PairedT paired_t(std::span<const double> x, std::span<const double> y);  // of equal size
+// The same for many pairs of one n: t_quantile is the t of n - 1 degrees of freedom that 5 % exceed in size.
+PairedT paired_t(std::span<const double> x, std::span<const double> y, double t_quantile);
 
 // Ignores pairing: treats the conditions as separate groups of participants, with their own variances (Welch).
 struct GamesHowell {

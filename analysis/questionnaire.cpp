@@ -39,10 +39,14 @@ ItemPair item_pair(const WithinTable& ratings, std::size_t a, std::size_t b) {
   ItemPair pair;
   pair.a = a;
   pair.b = b;
-  std::vector<double> differences;
-  for (std::size_t i = 0; i < ratings.n; ++i) differences.push_back(ratings.at(i, a) - ratings.at(i, b));
-  differences = answered(differences);
-  pair.test = signed_rank(differences);
+  std::vector<double> of_a, of_b, differences;
+  for (std::size_t i = 0; i < ratings.n; ++i) {
+    if (std::isnan(ratings.at(i, a)) || std::isnan(ratings.at(i, b))) continue;
+    of_a.push_back(ratings.at(i, a));
+    of_b.push_back(ratings.at(i, b));
+    differences.push_back(of_a.back() - of_b.back());
+  }
+  pair.test = signed_rank(of_a, of_b);
   pair.median_difference = median_of(differences);
   pair.exact = !std::isnan(pair.test.p_exact_permutation);
   pair.p = pair.exact ? pair.test.p_exact_permutation : pair.test.p_normal;
@@ -118,12 +122,6 @@ PairedQuestionnaire paired_questionnaire(std::span<const PairedItem> items) {
     }
   }
   return result;
-}
-
-std::vector<ComparativeItemResult> comparative_questionnaire(std::span<const ComparativeItem> items) {
-  std::vector<ComparativeItemResult> results;
-  for (const ComparativeItem& item : items) results.push_back({item.id, median_interval(answered(item.ratings))});
-  return results;
 }
 
 }  // namespace jnd

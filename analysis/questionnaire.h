@@ -1,4 +1,4 @@
-// Rating items: those answered after each condition (tested in pairs), and those answered once, comparing conditions.
+// Items answered for each condition, tested in pairs; and the interval of a median.
 //
 // Source: Wilcoxon 1945 with midranks and exact permutation p (signed_rank.h); Holm and Benjamini-Hochberg over the
 // family (p_adjust.h); Conover 1999, section 3.2, for the distribution-free interval of a median.
@@ -56,16 +56,5 @@ struct PairedQuestionnaire {
   std::size_t family = 0;  // tests that Holm and Benjamini-Hochberg count: those with a p
 };
 PairedQuestionnaire paired_questionnaire(std::span<const PairedItem> items);
-
-// An item answered once, such as "with the device compared with without". No test: nothing is paired.
-struct ComparativeItem {
-  std::string id;
-  std::vector<double> ratings;  // NaN where an answer is missing
-};
-struct ComparativeItemResult {
-  std::string id;
-  MedianInterval rating;  // over those who answered
-};
-std::vector<ComparativeItemResult> comparative_questionnaire(std::span<const ComparativeItem> items);
 
 }  // namespace jnd

@@ -1,26 +1,32 @@
 #include "analysis/ranks.h"
 
-#include <algorithm>
 #include <cstddef>
-#include <numeric>
+
+#include "analysis/decimal_order.h"
 
 namespace jnd {
 
 Ranks midranks(std::span<const double> values) {
-  std::vector<std::size_t> order(values.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
-  Ranks result;
-  result.ranks.resize(values.size());
-  for (std::size_t first = 0; first < order.size();) {
-    std::size_t end = first + 1;
-    while (end < order.size() && values[order[end]] == values[order[first]]) ++end;
-    const auto equal = static_cast<double>(end - first);
-    const double rank = 0.5 * static_cast<double>(first + 1 + end);  // mean of first + 1 .. end
-    for (std::size_t place = first; place < end; ++place) result.ranks[order[place]] = rank;
-    result.tie_sum += equal * (equal * equal - 1);
-    first = end;
+  return midranks_of_places(decimal_places(values));
+}
+
+Ranks midranks_of_places(std::span<const int> places) {
+  std::vector<std::size_t> equal;  // how many values have each place
+  for (const int place : places) {
+    if (static_cast<std::size_t>(place) >= equal.size()) equal.resize(static_cast<std::size_t>(place) + 1, 0);
+    ++equal[static_cast<std::size_t>(place)];
   }
+  Ranks result;
+  std::vector<double> rank_of;
+  std::size_t before = 0;
+  for (const std::size_t size : equal) {
+    const auto ties = static_cast<double>(size);
+    rank_of.push_back(static_cast<double>(before) + 0.5 * (ties + 1));  // mean of before + 1 .. before + size
+    result.tie_sum += ties * (ties * ties - 1);
+    before += size;
+  }
+  result.ranks.reserve(places.size());
+  for (const int place : places) result.ranks.push_back(rank_of[static_cast<std::size_t>(place)]);
   return result;
 }
 

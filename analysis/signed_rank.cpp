@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdlib>
 #include <limits>
 
+#include "analysis/decimal_order.h"
 #include "analysis/normal.h"
 #include "analysis/ranks.h"
 
@@ -50,29 +52,28 @@ double permutation_p(std::span<const double> ranks, double sum_found) {
   return std::min(1.0, 2 * tail);
 }
 
-}  // namespace
-
-SignedRank signed_rank(std::span<const double> differences) {
+// places: of the differences, as decimal_difference_places() has them.
+SignedRank signed_rank_of(std::span<const int> places) {
   SignedRank result;
-  result.n = static_cast<int>(differences.size());
-  std::vector<double> magnitudes;
+  result.n = static_cast<int>(places.size());
+  std::vector<int> sizes;
   std::vector<bool> positive;
-  for (const double difference : differences) {
-    if (difference == 0) continue;
-    magnitudes.push_back(std::abs(difference));
-    positive.push_back(difference > 0);
+  for (const int place : places) {
+    if (place == 0) continue;
+    sizes.push_back(std::abs(place));
+    positive.push_back(place > 0);
   }
-  result.zeros = result.n - static_cast<int>(magnitudes.size());
+  result.zeros = result.n - static_cast<int>(sizes.size());
   result.p = result.p_normal = result.p_exact_permutation = result.rank_biserial = kNaN;
-  if (magnitudes.empty()) {
-    result.status = differences.empty() ? TestStatus::too_few : TestStatus::no_variance;
+  if (sizes.empty()) {
+    result.status = places.empty() ? TestStatus::too_few : TestStatus::no_variance;
     return result;
   }
-  const Ranks ranks = midranks(magnitudes);
+  const Ranks ranks = midranks_of_places(sizes);
   result.ties = ranks.tie_sum > 0;
-  for (std::size_t i = 0; i < magnitudes.size(); ++i)
+  for (std::size_t i = 0; i < sizes.size(); ++i)
     if (positive[i]) result.v += ranks.ranks[i];
-  const auto n = static_cast<double>(magnitudes.size());
+  const auto n = static_cast<double>(sizes.size());
   const double total = n * (n + 1) / 2;
   result.rank_biserial = (2 * result.v - total) / total;
 
@@ -85,35 +86,51 @@ SignedRank signed_rank(std::span<const double> differences) {
   return result;
 }
 
-SignedRank signed_rank(std::span<const double> x, std::span<const double> y) {
-  std::vector<double> differences(std::min(x.size(), y.size()));
-  for (std::size_t i = 0; i < differences.size(); ++i) differences[i] = x[i] - y[i];
-  return signed_rank(differences);
-}
-
-PrattSignedRank pratt_signed_rank(std::span<const double> differences) {
+PrattSignedRank pratt_of(std::span<const int> places) {
   PrattSignedRank result;
   result.z = result.p = result.p_exact_permutation = kNaN;
-  std::vector<double> magnitudes;
-  for (const double difference : differences) magnitudes.push_back(std::abs(difference));
-  const Ranks ranks = midranks(magnitudes);
+  std::vector<int> sizes;
+  for (const int place : places) sizes.push_back(std::abs(place));
+  const Ranks ranks = midranks_of_places(sizes);
   std::vector<double> used;
   double v = 0, total = 0, squares = 0;
-  for (std::size_t i = 0; i < magnitudes.size(); ++i) {
-    if (differences[i] == 0) continue;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (places[i] == 0) continue;
     used.push_back(ranks.ranks[i]);
     total += ranks.ranks[i];
     squares += ranks.ranks[i] * ranks.ranks[i];
-    if (differences[i] > 0) v += ranks.ranks[i];
+    if (places[i] > 0) v += ranks.ranks[i];
   }
   if (used.empty()) {
-    result.status = differences.empty() ? TestStatus::too_few : TestStatus::no_variance;
+    result.status = places.empty() ? TestStatus::too_few : TestStatus::no_variance;
     return result;
   }
   result.z = (v - total / 2) / std::sqrt(squares / 4);
   result.p = 2 * normal_cdf(-std::abs(result.z));
   result.p_exact_permutation = permutation_p(used, v);
   return result;
+}
+
+std::vector<int> places_of(std::span<const double> differences) {
+  return decimal_difference_places(differences, std::vector<double>(differences.size(), 0.0));
+}
+
+}  // namespace
+
+SignedRank signed_rank(std::span<const double> x, std::span<const double> y) {
+  return signed_rank_of(decimal_difference_places(x, y));
+}
+
+SignedRank signed_rank(std::span<const double> differences) {
+  return signed_rank_of(places_of(differences));
+}
+
+PrattSignedRank pratt_signed_rank(std::span<const double> x, std::span<const double> y) {
+  return pratt_of(decimal_difference_places(x, y));
+}
+
+PrattSignedRank pratt_signed_rank(std::span<const double> differences) {
+  return pratt_of(places_of(differences));
 }
 
 std::vector<double> signed_rank_distribution(int n) {

@@ -1,11 +1,14 @@
 #include "analysis/studentised_range.h"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <optional>
+#include <memory>
+#include <mutex>
 #include <tuple>
 #include <vector>
 
@@ -101,55 +104,134 @@ constexpr Steps steps_for(int groups) noexcept {
   return {0.125, 0.04, 0.25};
 }
 
-// Int P(W > q s) f(s) ds over the distribution of s = sqrt(chi2_df / df), in u = ln s:
-//   f(u) = 2 (df/2)^(df/2) / Gamma(df/2) exp(df (u - e^(2u)/2)).
-double upper_of_many(const RangeTail& tail, const Steps& steps, double q, double df) {
-  // Beyond this the spread of s is below the rounding of q.
-  if (df > 1e15) return tail(q);
-  const double half = df / 2;
-  const double factor = 2 * half * boost::math::gamma_p_derivative(half, half, Policy());
-  const auto term = [&](double u) {
-    // (e^(2u) - 1)/2 - u without cancellation near 0, where it matters for many degrees of freedom.
-    const double drop = std::abs(u) < 0.01
-                            ? u * u * (1 + u * (2.0 / 3 + u * (1.0 / 3 + u * (2.0 / 15 + u * (2.0 / 45)))))
-                            : 0.5 * std::expm1(2 * u) - u;
-    const double density = std::exp(-df * drop);
-    return density > 0 ? density * tail(q * std::exp(u)) : 0.0;
-  };
-  // The peak of exp(df (u - e^(2u)/2) - q^2 e^(2u)/4), and the curvature 2 df of its logarithm there.
-  const double peak = -0.5 * log_one_plus_square(q / std::sqrt(2 * df));
-  const double step = std::min(steps.u, steps.u_spread / std::sqrt(2 * df));
-  double sum = term(peak);
-  for (const double direction : {-step, step}) {
-    for (int i = 1; i < 100'000; ++i) {
-      const double next = term(peak + direction * i);
+// P(W > w) at w = exp(i step), i = ..., -1, 0, 1, ...: each value is computed when it is first asked for, and kept.
+// Any thread may ask: who comes second computes the same value.
+class RangeGrid {
+ public:
+  RangeGrid(const RangeTail& tail, double step)
+      : tail_(tail),
+        step_(step),
+        first_(static_cast<std::int64_t>(std::ceil(kFirst / step))),
+        values_(static_cast<std::size_t>((kLast - kFirst) / step) + 1) {}
+  double step() const noexcept { return step_; }
+  double at(std::int64_t node) {
+    const std::int64_t place = node - first_;
+    if (place < 0) return 1;
+    if (place >= static_cast<std::int64_t>(values_.size())) return tail_(w(node));
+    std::atomic<double>& kept = values_[static_cast<std::size_t>(place)];
+    double value = kept.load(std::memory_order_relaxed);
+    if (value == kUnknown) {
+      value = tail_(w(node));
+      kept.store(value, std::memory_order_relaxed);
+    }
+    return value;
+  }
+
+ private:
+  // ln w: before the first, P(W > w) is not to be told from 1; past the last nothing is left.
+  static constexpr double kFirst = -14, kLast = 4.5, kUnknown = 0;
+  double w(std::int64_t node) const noexcept { return std::exp(step_ * static_cast<double>(node)); }
+
+  const RangeTail& tail_;
+  double step_;
+  std::int64_t first_;
+  std::vector<std::atomic<double>> values_;
+};
+
+// What all q and df of one number of groups share. The sum over ln s converges wherever its nodes lie: those of every q
+// and df can lie on one of a few grids.
+class RangeTable {
+ public:
+  explicit RangeTable(int groups) : steps_(steps_for(groups)), tail_(groups, steps_.z) {}
+
+  double operator()(double w) const { return tail_(w); }
+
+  // The step in ln s that df asks for.
+  double step(double df) const noexcept { return std::min(steps_.u, steps_.u_spread / std::sqrt(2 * df)); }
+  // A grid at least as fine; none for many thousands of degrees of freedom, whose narrow sums differences of logarithms
+  // would spoil.
+  RangeGrid* grid(double step) {
+    std::size_t level = 0;
+    while (level < kKept && step_of(level) > step) ++level;
+    if (level == kKept) return nullptr;
+    std::call_once(made_[level], [&] { grids_[level] = std::make_unique<RangeGrid>(tail_, step_of(level)); });
+    return grids_[level].get();
+  }
+
+ private:
+  static constexpr std::size_t kKept = 16;
+  double step_of(std::size_t level) const noexcept { return steps_.u * std::pow(2, -0.5 * static_cast<double>(level)); }
+
+  Steps steps_;
+  RangeTail tail_;
+  std::array<std::once_flag, kKept> made_;
+  std::array<std::unique_ptr<RangeGrid>, kKept> grids_;
+};
+
+// One table for each number of groups, made when it is first asked for.
+RangeTable& range_table(int groups) {
+  static std::array<std::once_flag, kLargestGroups + 1> made;
+  static std::array<std::unique_ptr<RangeTable>, kLargestGroups + 1> tables;
+  const auto place = static_cast<std::size_t>(groups);
+  std::call_once(made[place], [&] { tables[place] = std::make_unique<RangeTable>(groups); });
+  return *tables[place];
+}
+
+// term(0) + term(1) + term(-1) + ..., to either side until nothing is added.
+template <typename Term>
+double outward_sum(Term term) {
+  double sum = term(0);
+  for (const std::int64_t direction : {-1, 1}) {
+    for (std::int64_t i = 1; i < 100'000; ++i) {
+      const double next = term(direction * i);
       sum += next;
       if (next <= 1e-17 * sum) break;
     }
   }
-  return std::min(1.0, factor * step * sum);
+  return sum;
 }
 
-// P(Q > q) for one pair of groups and df, with what it needs prepared once.
-class Upper {
- public:
-  Upper(int groups, double df) : groups_(groups), df_(df), steps_(steps_for(groups)) {
-    if (groups > 3) tail_.emplace(groups, steps_.z);
+// Int P(W > q s) f(s) ds over the distribution of s = sqrt(chi2_df / df), in u = ln s:
+//   f(u) = 2 (df/2)^(df/2) / Gamma(df/2) exp(df (u - e^(2u)/2)).
+double upper_of_many(RangeTable& table, double q, double df) {
+  // Beyond this the spread of s is below the rounding of q.
+  if (df > 1e15) return table(q);
+  const double half = df / 2;
+  const double factor = 2 * half * boost::math::gamma_p_derivative(half, half, Policy());
+  const auto density = [&](double u) {
+    // (e^(2u) - 1)/2 - u without cancellation near 0, where it matters for many degrees of freedom.
+    const double drop = std::abs(u) < 0.01
+                            ? u * u * (1 + u * (2.0 / 3 + u * (1.0 / 3 + u * (2.0 / 15 + u * (2.0 / 45)))))
+                            : 0.5 * std::expm1(2 * u) - u;
+    return std::exp(-df * drop);
+  };
+  // The peak of exp(df (u - e^(2u)/2) - q^2 e^(2u)/4), and the curvature 2 df of its logarithm there.
+  const double peak = -0.5 * log_one_plus_square(q / std::sqrt(2 * df)), step = table.step(df);
+  double sum = 0;
+  if (RangeGrid* grid = table.grid(step); grid != nullptr) {
+    const double log_q = std::log(q);
+    const std::int64_t centre = std::llround((peak + log_q) / grid->step());
+    sum = grid->step() * outward_sum([&](std::int64_t i) {
+            const double weight = density(grid->step() * static_cast<double>(centre + i) - log_q);
+            return weight > 0 ? weight * grid->at(centre + i) : 0.0;
+          });
+  } else {
+    sum = step * outward_sum([&](std::int64_t i) {
+            const double u = peak + step * static_cast<double>(i), weight = density(u);
+            return weight > 0 ? weight * table(q * std::exp(u)) : 0.0;
+          });
   }
-  double operator()(double q) const {
-    if (q <= 0) return 1;
-    if (std::isinf(q)) return 0;
-    if (groups_ == 2) return student_t_two_sided(q * boost::math::constants::half_root_two<double>(), df_);
-    if (groups_ == 3) return std::min(1.0, upper_of_three(q, df_));
-    return std::isinf(df_) ? (*tail_)(q) : upper_of_many(*tail_, steps_, q, df_);
-  }
+  return std::min(1.0, factor * sum);
+}
 
- private:
-  int groups_;
-  double df_;
-  Steps steps_;
-  std::optional<RangeTail> tail_;
-};
+// q > 0; groups and df valid.
+double upper(double q, int groups, double df) {
+  if (std::isinf(q)) return 0;
+  if (groups == 2) return student_t_two_sided(q * boost::math::constants::half_root_two<double>(), df);
+  if (groups == 3) return std::min(1.0, upper_of_three(q, df));
+  RangeTable& table = range_table(groups);
+  return std::isinf(df) ? table(q) : upper_of_many(table, q, df);
+}
 
 // q of P(|q1 - q2| studentised > q) = p: the range of two.
 double quantile_of_two(double p, double df) noexcept {
@@ -160,7 +242,7 @@ double quantile_of_two(double p, double df) noexcept {
 
 double studentised_range_upper(double q, int groups, double df) {
   if (std::isnan(q) || !valid(groups, df)) return kNaN;
-  return Upper(groups, df)(q);
+  return q > 0 ? upper(q, groups, df) : 1;
 }
 
 double studentised_range_quantile_upper(double p_upper, int groups, double df) {
@@ -172,12 +254,11 @@ double studentised_range_quantile_upper(double p_upper, int groups, double df) {
   // The range exceeds that of any two of its values, and Bonferroni's bound over all pairs exceeds its tail.
   const double pairs = 0.5 * groups * (groups - 1);
   double low = std::log(quantile_of_two(p_upper, df)), high = std::log(quantile_of_two(p_upper / pairs, df));
-  const Upper upper(groups, df);
   // Logarithms straighten the curve in the tail; near 1 they would flatten it.
   const bool tail = p_upper < 0.5;
   const double target = tail ? std::log(p_upper) : p_upper;
   const auto excess = [&](double log_q) {
-    const double p = upper(std::exp(log_q));
+    const double p = upper(std::exp(log_q), groups, df);
     return (tail ? std::log(p) : p) - target;
   };
   const double at_low = excess(low), at_high = excess(high);

@@ -83,6 +83,7 @@ TEST_CASE("a group of JNDs counts everyone, each number with its own n", "[analy
   CHECK(group.mean_log_jnd.mean == Approx(std::log(std::sqrt(200.0 * 400))));
   CHECK(group.median_n == 4);  // 0, 200, 400, inf
   CHECK(group.median_jnd == Approx(300));
+  CHECK(group.median_status == JndStatus::ok);
   CHECK(group.slope_n == 3);
   CHECK(group.inverse_mean_slope == Approx(3 / (1.0 / 200 + 1.0 / 400 - 1e-3)));
   CHECK(group.no_sensitivity == 1);
@@ -99,10 +100,24 @@ TEST_CASE("infinite medians and unusable mean slopes are said, not hidden", "[an
   const std::vector<JndEstimate> pair = {estimate(JndStatus::no_sensitivity, 0),
                                          estimate(JndStatus::no_sensitivity, 0)};
   CHECK(jnd_group(pair).median_jnd == inf);
+  CHECK(jnd_group(pair).median_status == JndStatus::no_sensitivity);
   const JndGroup empty = jnd_group({});
+  CHECK(empty.median_status == JndStatus::no_information);
   CHECK(empty.n == 0);
   CHECK(std::isnan(empty.median_jnd));
   CHECK(std::isnan(empty.mean_jnd.mean));
+}
+
+TEST_CASE("a median at the ceiling is a status and no number", "[analysis]") {
+  const double inf = std::numeric_limits<double>::infinity();
+  const std::vector<JndEstimate> all = {estimate(JndStatus::ceiling, inf), estimate(JndStatus::ceiling, inf)};
+  CHECK(jnd_group(all).median_status == JndStatus::ceiling);
+  CHECK(std::isnan(jnd_group(all).median_jnd));
+  CHECK(jnd_group(all).median_n == 2);
+  // Half of the way between nothing and a JND is nobody's JND.
+  const std::vector<JndEstimate> half = {estimate(JndStatus::ceiling, inf), estimate(JndStatus::ok, 1.0 / 200)};
+  CHECK(jnd_group(half).median_status == JndStatus::ceiling);
+  CHECK(std::isnan(jnd_group(half).median_jnd));
 }
 
 }  // namespace

@@ -107,18 +107,16 @@ TEST_CASE("paired items: missing answers leave only their own pairs", "[analysis
   CHECK(std::isnan(paired_questionnaire(nobody).items[0].pairs[0].median_difference));
 }
 
-TEST_CASE("comparative items: no test, a median with its true coverage", "[analysis]") {
-  const std::vector<ComparativeItem> items = {{"QA1", {8, 7, 9, kMissing, 8, 6, 9, 8}}, {"QA2", {kMissing}}};
-  const std::vector<ComparativeItemResult> found = comparative_questionnaire(items);
-  CHECK(found[0].id == "QA1");
-  CHECK(found[0].rating.n == 7);
-  CHECK(found[0].rating.median == 8);
-  CHECK(found[0].rating.ci_low == 6);
-  CHECK(found[0].rating.ci_high == 9);
-  CHECK(found[0].rating.coverage == 1 - 2.0 / 128);
-  CHECK(found[0].rating.status == TestStatus::ok);
-  CHECK(found[1].rating.n == 0);
-  CHECK(found[1].rating.status == TestStatus::too_few);
+TEST_CASE("a median of few ratings, with its true coverage", "[analysis]") {
+  const MedianInterval found = median_interval(std::vector<double>{8, 7, 9, 8, 6, 9, 8});
+  CHECK(found.n == 7);
+  CHECK(found.median == 8);
+  CHECK(found.ci_low == 6);
+  CHECK(found.ci_high == 9);
+  CHECK(found.coverage == 1 - 2.0 / 128);
+  CHECK(found.status == TestStatus::ok);
+  CHECK(median_interval({}).n == 0);
+  CHECK(median_interval({}).status == TestStatus::too_few);
 }
 
 }  // namespace

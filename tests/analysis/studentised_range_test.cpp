@@ -3,6 +3,8 @@
 
 #include <cmath>
 #include <limits>
+#include <thread>
+#include <vector>
 
 #include "tests/analysis/group_fixture.h"
 #include "tests/catch.h"
@@ -86,6 +88,19 @@ TEST_CASE("studentised range: many degrees of freedom approach the normal range"
     CHECK(std::abs(studentised_range_upper(4, groups, 1e14) - normal) <= 1e-11);
     CHECK(std::abs(studentised_range_upper(4, groups, 1e16) - normal) <= 1e-13);
   }
+}
+
+TEST_CASE("studentised range: a value is the same whoever asked before, and from how many threads", "[analysis]") {
+  const auto tail = [] {
+    std::vector<double> values;
+    for (int i = 1; i < 60; ++i) values.push_back(studentised_range_upper(0.2 * i, 13, 1 + 1.7 * i));
+    return values;
+  };
+  std::vector<std::vector<double>> found(4);
+  std::vector<std::thread> threads;
+  for (std::vector<double>& values : found) threads.emplace_back([&values, &tail] { values = tail(); });
+  for (std::thread& thread : threads) thread.join();
+  for (const std::vector<double>& values : found) CHECK(values == tail());
 }
 
 TEST_CASE("studentised range: the quantile is the inverse of the tail", "[analysis]") {
