@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -41,11 +42,14 @@ bool newton_direction(const NewtonDerivatives& at, const NewtonBox& box, const s
 
 // function.value(place) -> double (-inf where impossible) and function.derivatives(place, NewtonDerivatives&). start
 // must lie in the box and have a finite value. Thread-safe; converged where the remaining step is below 1e-9 standard
-// errors.
+// errors. A search that promises no more than `wanted`, even were its gain kMostGain times what its steps promise, is
+// given up.
 template <typename Function>
-NewtonResult maximise_in_box(const Function& function, std::vector<double> start, const NewtonBox& box) {
+NewtonResult maximise_in_box(const Function& function, std::vector<double> start, const NewtonBox& box,
+                             double wanted = -std::numeric_limits<double>::infinity()) {
   constexpr int kMostSteps = 200, kMostHalvings = 50;
-  constexpr double kNegligible = 1e-18, kQuadratic = 1e-9;
+  constexpr double kMostGain = 4;
+  constexpr double kNegligible = 1e-18, kQuadratic = 1e-9, kRounding = 1e-13;
   NewtonResult result;
   result.place = std::move(start);
   NewtonDerivatives at, next;
@@ -72,6 +76,7 @@ NewtonResult maximise_in_box(const Function& function, std::vector<double> start
       result.converged = true;
       return result;
     }
+    if (at.value + kMostGain * ascent < wanted) return result;
     bool moved = false;
     double step = longest;
     for (int halving = 0; halving < kMostHalvings && !moved; ++halving) {
@@ -88,7 +93,7 @@ NewtonResult maximise_in_box(const Function& function, std::vector<double> start
       if (halving == 0) {
         function.derivatives(trial, next);
         value = next.value;
-        moved = ascent < kQuadratic && std::isfinite(value);
+        moved = ascent < kQuadratic + kRounding * std::abs(at.value) && std::isfinite(value);
       } else {
         value = function.value(trial);
       }

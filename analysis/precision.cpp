@@ -188,7 +188,7 @@ ParticipantPrecision participant_precision(const PrecisionQuestion& question, do
   return result;
 }
 
-Precision precision(const PrecisionQuestion& question) {
+Precision precision(const PrecisionQuestion& question, const std::function<void(int)>& progress) {
   require_sound(question);
   Precision result;
   result.question = question;
@@ -198,7 +198,7 @@ Precision precision(const PrecisionQuestion& question) {
     result.participant.push_back(same != result.participant.end() ? ParticipantPrecision(*same)
                                                                   : participant_precision(question, jnd));
   }
-  set_group_precision(result);
+  set_group_precision(result, progress);
   return result;
 }
 

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -109,8 +110,9 @@ struct Precision {
   std::vector<ContrastPrecision> contrasts;
 };
 
-// Throws std::invalid_argument where a number of the question is out of its range.
-Precision precision(const PrecisionQuestion& question);
+// Throws std::invalid_argument where a number of the question is out of its range. progress hears how many of the
+// question's experiments are drawn: after the participants' part, and then a few hundred times.
+Precision precision(const PrecisionQuestion& question, const std::function<void(int)>& progress = {});
 
 // Only one participant's part, of one true JND.
 ParticipantPrecision participant_precision(const PrecisionQuestion& question, double jnd);

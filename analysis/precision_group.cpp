@@ -122,7 +122,8 @@ ContrastPrecision contrast_of(Tally tally, double experiments) {
 
 }  // namespace
 
-void set_group_precision(Precision& result) {
+void set_group_precision(Precision& result, const std::function<void(int)>& progress) {
+  constexpr int kReports = 500;
   const PrecisionQuestion& question = result.question;
   StudyModel model;
   model.design = question.design;
@@ -138,6 +139,7 @@ void set_group_precision(Precision& result) {
   };
   std::vector<Tally> conditions(simulator.conditions()), contrasts(question.contrasts.size());
   for (int experiment = 0; experiment < question.experiments; ++experiment) {
+    if (progress && experiment % (1 + question.experiments / kReports) == 0) progress(experiment);
     simulator.slopes(question.seed, static_cast<std::uint64_t>(experiment), slopes);
     for (std::size_t i = 0; i < conditions.size(); ++i) add_condition(conditions[i], of_condition(i), intervals, work);
     for (std::size_t i = 0; i < contrasts.size(); ++i)

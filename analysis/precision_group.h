@@ -1,11 +1,13 @@
 // The group's part of analysis/precision.h; used by precision.cpp only.
 #pragma once
 
+#include <functional>
+
 #include "analysis/precision.h"
 
 namespace jnd {
 
 // Simulates result.question.experiments studies; fills result.group and result.contrasts.
-void set_group_precision(Precision& result);
+void set_group_precision(Precision& result, const std::function<void(int)>& progress);
 
 }  // namespace jnd

@@ -1,5 +1,6 @@
 #include "analysis/psychometric.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -182,15 +183,10 @@ PsychometricSolution solve_psychometric(std::span<const PsychometricLevel> level
     return solution;
   }
 
-  bool converged = false;
-  for (const std::vector<double>& start : psychometric_starts(likelihood)) {
-    NewtonResult found = maximise_in_box(likelihood, start, likelihood.box());
-    if (!(found.value > solution.value)) continue;
-    solution.value = found.value;
-    solution.place = std::move(found.place);
-    converged = found.converged;
-  }
   const PsychometricEdge flat = flat_edge(likelihood), step = step_edge(likelihood);
+  NewtonResult found = psychometric_maximum(likelihood, std::max(flat.value, step.value));
+  solution.value = found.value;
+  solution.place = std::move(found.place);
   // What an inner maximum must gain on the edges: above the rounding of the sums.
   const double gain = 1e-10 + 1e-13 * std::abs(data.saturated);
   if (flat.value >= solution.value - gain && flat.value >= step.value - gain) {
@@ -203,7 +199,7 @@ PsychometricSolution solve_psychometric(std::span<const PsychometricLevel> level
     take_step(fit, step);
     solution.value = step.value;
     solution.place = {step.c0, step.c1, step.lapse, step.guess};
-  } else if (!take_estimates(solution) || !converged) {
+  } else if (!take_estimates(solution) || !found.converged) {
     forget_estimates(solution);
     fit.status = PsychometricStatus::not_identified;
   }

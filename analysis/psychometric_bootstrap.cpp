@@ -59,7 +59,8 @@ void collect(Collected& all, const PsychometricFit& fit) {
 }  // namespace
 
 PsychometricBootstrap psychometric_bootstrap(std::span<const PsychometricLevel> levels, const PsychometricModel& model,
-                                             int replicates, std::uint64_t seed, double confidence) {
+                                             int replicates, std::uint64_t seed, double confidence,
+                                             const std::function<void(int)>& progress) {
   PsychometricBootstrap result;
   result.intervals.confidence = confidence;
   result.replicates = replicates;
@@ -80,6 +81,7 @@ PsychometricBootstrap psychometric_bootstrap(std::span<const PsychometricLevel> 
   Collected all;
   int as_bad = 0;
   for (int replicate = 0; replicate < replicates; ++replicate) {
+    if (progress) progress(replicate);
     for (std::size_t i = 0; i < drawn.size(); ++i) drawn[i].k = samplers[i].at(open_uniform(generator));
     const PsychometricFit again = fit_psychometric(drawn, model);
     if (again.deviance >= fit.deviance) ++as_bad;

@@ -7,7 +7,7 @@
 #include <boost/math/special_functions/gamma.hpp>
 
 #include "analysis/psychometric_edges.h"
-#include "analysis/psychometric_joint.h"
+#include "analysis/psychometric_joint_search.h"
 #include "analysis/psychometric_shape.h"
 #include "analysis/psychometric_solution.h"
 
@@ -81,9 +81,18 @@ PsychometricStatus joint_status(const JointLikelihood& likelihood, const NewtonR
   return at_bound(1) ? PsychometricStatus::guess_at_bound : PsychometricStatus::ok;
 }
 
-SharingFit fit_shared(Groups groups, const PsychometricModel& model, PsychometricSharing sharing,
-                      const PsychometricSolution& pooled, const std::vector<PsychometricSolution>& single) {
+// A fit of several groups, with the function of each group (c0, c1, lapse, guess on the pooled axis) that it found.
+struct Shared {
   SharingFit fit;
+  std::vector<std::vector<double>> functions;
+};
+
+// simpler: what models within this one found; their likelihood is where this one's begins, so that it is never below.
+Shared fit_shared(Groups groups, const PsychometricModel& model, PsychometricSharing sharing,
+                  const PsychometricSolution& pooled, const std::vector<PsychometricSolution>& single,
+                  const std::vector<const Shared*>& simpler) {
+  Shared shared;
+  SharingFit& fit = shared.fit;
   fit.sharing = sharing;
   const JointLikelihood likelihood(groups, model, sharing, pooled.likelihood.data());
   for (std::size_t i = 0; i < likelihood.variables(); ++i)
@@ -91,49 +100,35 @@ SharingFit fit_shared(Groups groups, const PsychometricModel& model, Psychometri
   for (const PsychometricSolution& one : single)
     if (one.fit.status == PsychometricStatus::no_information || one.fit.levels < 2) {
       fit.status = one.fit.status;
-      return fit;
+      return shared;
     }
 
-  // From the pooled function, and from the groups' own where they have one.
   const double middle = psychometric_shape_quantile(model.function, 0.5);
+  std::vector<std::vector<double>> starts = joint_starts(likelihood, model, sharing, groups);
+  const auto start_from = [&](const std::vector<std::vector<double>>& functions) {
+    if (functions.empty()) return;
+    const std::vector<double>& rates = functions.front();
+    starts.push_back(joint_place(likelihood, sharing, rates[Place::lapse], rates[Place::guess], functions, middle));
+  };
+  start_from(std::vector<std::vector<double>>(groups.size(), pooled.place));
+  for (const Shared* one : simpler) start_from(one->functions);
   NewtonResult best;
   best.value = -std::numeric_limits<double>::infinity();
-  for (const bool own : {false, true}) {
-    std::vector<double> start(likelihood.variables());
-    start[0] = pooled.place[Place::lapse];
-    start[1] = pooled.place[Place::guess];
-    double log_slope = 0;
-    for (std::size_t g = 0; g < groups.size(); ++g) {
-      std::vector<double> place = pooled.place;
-      if (own && is_estimate(single[g].fit.status)) {
-        // Onto the pooled axis: u = c0 + c1 (x - shift) / scale.
-        const PsychometricData& from = single[g].likelihood.data();
-        const PsychometricData& to = pooled.likelihood.data();
-        place = single[g].place;
-        place[Place::c0] += place[Place::c1] * (to.shift - from.shift) / from.scale;
-        place[Place::c1] *= to.scale / from.scale;
-      }
-      log_slope += std::log(std::max(place[Place::c1], 1e-6));
-      const double pse = (middle - place[Place::c0]) / place[Place::c1];
-      const double shared = std::exp(log_slope / static_cast<double>(g + 1));
-      start[likelihood.slope_index(g)] = sharing == PsychometricSharing::own_location ? shared : place[Place::c1];
-      if (sharing != PsychometricSharing::own_slope)
-        start[likelihood.location_index(g)] =
-            sharing == PsychometricSharing::own_location ? middle - shared * pse : place[Place::c0];
-    }
-    if (sharing == PsychometricSharing::own_slope)
-      start[2] = (middle - pooled.place[Place::c0]) / pooled.place[Place::c1];
+  for (const std::vector<double>& start : starts) {
     if (!std::isfinite(likelihood.value(start))) continue;
     NewtonResult found = maximise_in_box(likelihood, start, likelihood.box());
-    if (found.value > best.value) best = std::move(found);
+    const bool got_there = found.converged && !best.converged && found.value >= best.value - 1e-9;
+    if (found.value > best.value + (best.converged && !found.converged ? 1e-9 : 0) || got_there)
+      best = std::move(found);
   }
-  if (best.place.empty()) return fit;
+  if (best.place.empty()) return shared;
+  for (std::size_t g = 0; g < groups.size(); ++g) shared.functions.push_back(likelihood.group_place(best.place, g));
   fit.status = joint_status(likelihood, best, groups, model, sharing);
-  if (!is_estimate(fit.status)) return fit;
+  if (!is_estimate(fit.status)) return shared;
   fit.log_likelihood = best.value;
   fit.lapse = best.place[0];
   fit.guess = best.place[1];
-  return fit;
+  return shared;
 }
 
 SharingTest test_of(const SharingFit& simpler, const SharingFit& general) {
@@ -189,14 +184,17 @@ PsychometricComparison compare_psychometric(Groups groups, const PsychometricMod
   }
   using Sharing = PsychometricSharing;
   const std::array own = {Sharing::own_location, Sharing::own_slope, Sharing::own_function};
+  std::array<Shared, 3> shared;
   for (std::size_t i = 0; i < own.size(); ++i) {
-    SharingFit& fit = result.fits[i + 1];
+    std::vector<const Shared*> simpler;
+    if (own[i] == Sharing::own_function) simpler = {&shared.front(), &shared[1]};
     if (!pooled.place.empty()) {
-      fit = fit_shared(groups, model, own[i], pooled, single);
+      shared[i] = fit_shared(groups, model, own[i], pooled, single, simpler);
     } else {
-      fit.sharing = own[i];
-      fit.status = pooled.fit.status;
+      shared[i].fit.sharing = own[i];
+      shared[i].fit.status = pooled.fit.status;
     }
+    result.fits[i + 1] = shared[i].fit;
   }
   const auto& [one, location, slope, both] = result.fits;
   result.tests = {test_of(one, location), test_of(one, slope), test_of(one, both), test_of(location, both),

@@ -11,6 +11,7 @@
 #include "analysis/psychometric_quantity.h"
 #include "analysis/psychometric_shape.h"
 #include "analysis/psychometric_solution.h"
+#include "analysis/psychometric_survey.h"
 
 namespace jnd {
 
@@ -60,84 +61,79 @@ class CurvedLikelihood {
 class Profile {
  public:
   Profile(const PsychometricSolution& solution, PsychometricQuantity quantity)
-      : solution_(solution), quantity_(quantity), warm_(solution.place) {}
+      : solution_(solution),
+        quantity_(quantity),
+        survey_(solution.likelihood, solution.likelihood.box()),
+        warm_(solution.place) {}
 
   double at(double z) {
     const PsychometricLikelihood& likelihood = solution_.likelihood;
+    const auto plain = [](const PsychometricLikelihood& of) -> const PsychometricLikelihood& { return of; };
     NewtonBox box = likelihood.box();
     if (quantity_ == PsychometricQuantity::lapse || quantity_ == PsychometricQuantity::guess) {
       const Place rate = quantity_ == PsychometricQuantity::lapse ? Place::lapse : Place::guess;
       hold(box, rate, z);
-      std::vector<std::vector<double>> starts = {warm_, solution_.place};
-      for (auto& start : starts) start[rate] = z;
-      return best_of(likelihood, starts, box);
+      survey_.hold(rate, z);
+      warm_[rate] = z;
+      return best_of(plain, box, [&](double known) { return survey_.peaks(kMostPeaks, known); });
     }
-    const double c1 = solution_.place[Place::c1];
-    const SharedCurve curve = shared_curve(quantity_, likelihood.data(), z, c1);
+    const SharedCurve curve = shared_curve(quantity_, likelihood.data(), z, warm_[Place::c1]);
     if (curve.fixes_c1) {
       hold(box, Place::c1, curve.c1);
-      return best_of(likelihood, starts_at_steepness(curve.c1), box);
+      // Steeper or flatter about the middle of F.
+      const double middle = survey_.middle();
+      warm_[Place::c0] = middle - curve.c1 * (middle - warm_[Place::c0]) / warm_[Place::c1];
+      warm_[Place::c1] = curve.c1;
+      return best_of(plain, box, [&](double known) { return survey_.peaks_at(curve.c1, kMostPeaks, known); });
     }
     hold(box, Place::c0, 0);
     box.lower[Place::c1] = 1e-300;  // the curves are not defined at 0
-    const CurvedLikelihood curved(likelihood, quantity_, z);
-    std::vector<std::vector<double>> starts = {warm_};
-    const auto add = [&](double steepness) {
-      starts.push_back(solution_.place);
-      starts.back()[Place::c1] = steepness;
-    };
-    for (int power = -8; power <= 4; ++power) add(std::ldexp(c1, power));
-    // The farther away the shared value, the flatter the functions through the data.
-    for (const double steepness : {0.1, 0.3, 1.0, 3.0, 10.0}) add(steepness / (1 + std::abs(z)));
-    for (auto& start : starts) start[Place::c0] = 0;
-    return best_of(curved, starts, box);
+    warm_[Place::c0] = 0;
+    const auto curved = [&](const PsychometricLikelihood& of) { return CurvedLikelihood(of, quantity_, z); };
+    const auto h = [&](double c1) { return shared_curve(quantity_, likelihood.data(), z, c1).h; };
+    return best_of(curved, box, [&](double) {
+      std::vector<PsychometricSurvey::Point> points = survey_.peaks_along(h, kMostPeaks);
+      for (PsychometricSurvey::Point& point : points) point.c0 = 0;
+      return points;
+    });
   }
 
  private:
+  static constexpr std::size_t kMostPeaks = 4;
+
   static void hold(NewtonBox& box, std::size_t i, double value) { box.lower[i] = box.upper[i] = value; }
 
-  // Functions of one steepness, each through the rate of one level.
-  std::vector<std::vector<double>> starts_at_steepness(double c1) const {
-    const PsychometricData& data = solution_.likelihood.data();
-    const double middle = psychometric_shape_quantile(data.function, 0.5);
-    std::vector<std::vector<double>> starts = {warm_, solution_.place};
-    starts[1][Place::c0] = middle - c1 * (middle - starts[1][Place::c0]) / starts[1][Place::c1];
-    const double guess = starts[1][Place::guess], lapse = starts[1][Place::lapse];
-    for (std::size_t i = 0; i < data.levels(); ++i) {
-      const double f = (data.k[i] / data.n[i] - guess) / (1 - guess - lapse);
-      starts.push_back(solution_.place);
-      starts.back()[Place::c0] =
-          psychometric_shape_quantile(data.function, std::clamp(f, 1e-3, 1 - 1e-3)) - c1 * data.t[i];
-    }
-    for (auto& start : starts) start[Place::c1] = c1;
-    return starts;
-  }
-
-  // The warm start, which comes first, and the best of the others.
-  template <typename Function>
-  double best_of(const Function& function, const std::vector<std::vector<double>>& starts, const NewtonBox& box) {
-    std::size_t best = 0;
-    double most = -kInf;
-    for (std::size_t i = 0; i < starts.size(); ++i)
-      if (const double value = function.value(starts[i]); value > most) {
-        most = value;
-        best = i;
+  // From where the last search ended, and from the peaks of the survey. Of many levels a search goes on from a peak
+  // only where that of the merged levels gains something.
+  template <typename FunctionOf, typename Peaks>
+  double best_of(FunctionOf&& function_of, const NewtonBox& box, Peaks&& peaks) {
+    constexpr double kGain = 1e-3;
+    const auto& function = function_of(solution_.likelihood);
+    NewtonResult best;
+    best.value = -kInf;
+    if (std::isfinite(function.value(warm_))) best = maximise_in_box(function, warm_, box);
+    for (const PsychometricSurvey::Point& peak : peaks(best.value)) {
+      std::vector<double> start = peak.place();
+      if (solution_.likelihood.data().levels() > kExactLevels) {
+        const auto& merged = function_of(survey_.merged(peak.c1));
+        if (!std::isfinite(merged.value(start))) continue;
+        NewtonResult found = maximise_in_box(merged, start, box);
+        if (!best.place.empty() && std::isfinite(merged.value(best.place)) &&
+            found.value <= maximise_in_box(merged, best.place, box).value + kGain)
+          continue;
+        start = std::move(found.place);
       }
-    double found = -kInf;
-    const auto search_from = [&](std::size_t i) {
-      if (!std::isfinite(function.value(starts[i]))) return;
-      const NewtonResult result = maximise_in_box(function, starts[i], box);
-      if (!(result.value > found)) return;
-      found = result.value;
-      warm_ = result.place;
-    };
-    search_from(best);
-    if (best != 0) search_from(0);
-    return found;
+      if (!std::isfinite(function.value(start))) continue;
+      NewtonResult found = maximise_in_box(function, start, box, best.value);
+      if (found.value > best.value) best = std::move(found);
+    }
+    if (!best.place.empty()) warm_ = best.place;
+    return best.value;
   }
 
   const PsychometricSolution& solution_;
   PsychometricQuantity quantity_;
+  PsychometricSurvey survey_;
   std::vector<double> warm_;
 };
 
@@ -243,6 +239,21 @@ ConfidenceBounds interval_of(const PsychometricSolution& solution, PsychometricQ
   return {std::fmin(a, b), std::fmax(a, b)};
 }
 
+// On a linear axis JND and slope are the second parameter in other units.
+void take_from_second(PsychometricIntervals& intervals, PsychometricFunction function) {
+  const double middle = psychometric_shape_quantile(function, 0.5);
+  const double width = psychometric_shape_quantile(function, 0.75) - middle;
+  const double at_middle = psychometric_shape(function, middle).first;
+  const auto [low, high] = intervals.second;
+  if (function == PsychometricFunction::gaussian) {
+    intervals.jnd = {width * low, width * high};
+    intervals.slope = {at_middle / high, at_middle / low};
+  } else {
+    intervals.jnd = {width / high, width / low};
+    intervals.slope = {at_middle * low, at_middle * high};
+  }
+}
+
 }  // namespace
 
 PsychometricIntervals psychometric_profile(std::span<const PsychometricLevel> levels, const PsychometricModel& model,
@@ -257,12 +268,20 @@ PsychometricIntervals psychometric_profile(std::span<const PsychometricLevel> le
     bounds = interval_of(solution, quantity, 0.5 * z * z);
   };
   fill(intervals.second, PsychometricQuantity::second);
-  if (flat && model.function == PsychometricFunction::weibull) return intervals;
-  fill(intervals.jnd, PsychometricQuantity::jnd);
-  fill(intervals.slope, PsychometricQuantity::slope);
+  const bool logarithmic = model.function == PsychometricFunction::weibull;
+  if (flat && logarithmic) return intervals;
+  if (logarithmic) {
+    fill(intervals.jnd, PsychometricQuantity::jnd);
+    fill(intervals.slope, PsychometricQuantity::slope);
+  } else {
+    take_from_second(intervals, model.function);
+  }
   if (flat) return intervals;
   fill(intervals.location, PsychometricQuantity::location);
-  fill(intervals.pse, PsychometricQuantity::pse);
+  if (psychometric_shape_quantile(model.function, 0.5) == 0)
+    intervals.pse = intervals.location;
+  else
+    fill(intervals.pse, PsychometricQuantity::pse);
   fill(intervals.lapse, PsychometricQuantity::lapse);
   fill(intervals.guess, PsychometricQuantity::guess);
   return intervals;

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <span>
 
@@ -49,8 +50,9 @@ struct PsychometricBootstrap {
 
 // Counts drawn from the fitted function, fitted again by the same model; percentile intervals. The same seed gives the
 // same numbers everywhere (std::mt19937_64, binomial by inversion), alone or among other fits. replicates >= 1. All NaN
-// where the fit of the data is no estimate.
+// where the fit of the data is no estimate. progress hears how many replicates are done, after each.
 PsychometricBootstrap psychometric_bootstrap(std::span<const PsychometricLevel> levels, const PsychometricModel& model,
-                                             int replicates, std::uint64_t seed, double confidence = 0.95);
+                                             int replicates, std::uint64_t seed, double confidence = 0.95,
+                                             const std::function<void(int)>& progress = {});
 
 }  // namespace jnd

@@ -90,6 +90,9 @@ PsychometricLikelihood::PsychometricLikelihood(PsychometricData data, const Psyc
   box_.upper = {kInf, kInf, model.lapse.value_or(kLargestLapse), model.guess.value_or(kLargestGuess)};
 }
 
+PsychometricLikelihood::PsychometricLikelihood(const PsychometricLikelihood& other, PsychometricData data)
+    : data_(std::move(data)), box_(other.box_), prior_a_(other.prior_a_), prior_b_(other.prior_b_) {}
+
 int PsychometricLikelihood::free_parameters() const noexcept {
   int count = 0;
   for (std::size_t i = 0; i < variables; ++i) count += box_.lower[i] < box_.upper[i] ? 1 : 0;

@@ -39,6 +39,8 @@ class PsychometricLikelihood {
   enum Place : std::size_t { c0, c1, lapse, guess, variables };
 
   PsychometricLikelihood(PsychometricData data, const PsychometricModel& model);
+  // Of other data, under the same model.
+  PsychometricLikelihood(const PsychometricLikelihood& other, PsychometricData data);
 
   const PsychometricData& data() const noexcept { return data_; }
   const NewtonBox& box() const noexcept { return box_; }  // c1 >= 0; fixed rates are held

@@ -20,7 +20,8 @@ struct PsychometricSolution {
 // very flat one.
 PsychometricSolution solve_psychometric(std::span<const PsychometricLevel> levels, const PsychometricModel& model);
 
-// Places from which a search may start; at least one. Their values are finite.
-std::vector<std::vector<double>> psychometric_starts(const PsychometricLikelihood& likelihood);
+// The largest value within the family (psychometric_search.cpp). known: one that its edges reach; where nothing can be
+// better the place is empty and the value -inf.
+NewtonResult psychometric_maximum(const PsychometricLikelihood& likelihood, double known);
 
 }  // namespace jnd
