@@ -4,28 +4,43 @@
 #include <charconv>
 #include <numbers>
 
+#include <fmt/format.h>
+
+#include "protocols/hard_limits.h"
 #include "protocols/json_reader.h"
 #include "protocols/read_file.h"
 
 namespace jnd {
 namespace {
 
-constexpr double kQuarterTurn = std::numbers::pi / 2;
+enum class Zero { refused, allowed };
+
+// A limit of the device; one beyond the model's hard limit is an error.
+double read_limit(JsonReader& reader, std::string_view key, double hard, std::string_view unit,
+                  Zero zero = Zero::refused) {
+  const double value = reader.number(key, {.min = 0, .above = zero == Zero::refused, .unit = unit});
+  if (value > hard)
+    reader.error(
+        key, fmt::format("{:g} {} is more than a device of this model is ever given, {:g} {}", value, unit, hard, unit),
+        fmt::format("a description may lower this limit and never raise it: give {:g} {} or less", hard, unit));
+  return value;
+}
 
 void read_rrs3_limits(const JsonNode& node, std::vector<Diagnostic>& diagnostics, const std::string& file,
                       DeviceSpec& spec) {
+  constexpr HardLimits kHard = hard_limits(DeviceModel::rrs3);
   JsonReader reader(node, diagnostics, file);
-  spec.max_force_n = reader.number("max_force_n", {.min = 0, .max = 50, .above = true, .unit = "N"});
-  spec.stroke_m = reader.number("stroke_m", {.min = 0, .max = 0.1, .above = true, .unit = "m"});
-  spec.max_roll_rad = reader.number("max_roll_rad", {.min = 0, .max = kQuarterTurn, .unit = "rad"});
-  spec.max_pitch_rad = reader.number("max_pitch_rad", {.min = 0, .max = kQuarterTurn, .unit = "rad"});
+  spec.max_force_n = read_limit(reader, "max_force_n", kHard.force_n, "N");
+  spec.stroke_m = read_limit(reader, "stroke_m", kHard.stroke_m, "m");
+  spec.max_roll_rad = read_limit(reader, "max_roll_rad", kHard.roll_rad, "rad", Zero::allowed);
+  spec.max_pitch_rad = read_limit(reader, "max_pitch_rad", kHard.pitch_rad, "rad", Zero::allowed);
   spec.max_joint_speed_rad_per_s =
-      reader.number("max_joint_speed_rad_per_s", {.min = 0, .max = 1000, .above = true, .unit = "rad/s"});
+      read_limit(reader, "max_joint_speed_rad_per_s", kHard.joint_speed_rad_per_s, "rad/s");
   spec.min_vibration_g = reader.number("min_vibration_g", {.min = 0, .max = 10, .unit = "g"});
-  spec.max_vibration_g = reader.number("max_vibration_g", {.min = 0, .max = 10, .unit = "g"});
+  spec.max_vibration_g = read_limit(reader, "max_vibration_g", kHard.vibration_g, "g", Zero::allowed);
   spec.min_vibration_hz = reader.number("min_vibration_hz", {.min = 0, .max = 2000, .unit = "Hz"});
-  spec.max_vibration_hz = reader.number("max_vibration_hz", {.min = 0, .max = 2000, .unit = "Hz"});
-  spec.max_stiffness = reader.number("max_stiffness_n_per_m", {.min = 0, .max = 20000, .above = true, .unit = "N/m"});
+  spec.max_vibration_hz = read_limit(reader, "max_vibration_hz", kHard.vibration_hz, "Hz", Zero::allowed);
+  spec.max_stiffness = read_limit(reader, "max_stiffness_n_per_m", kHard.stiffness, "N/m");
   if (spec.max_vibration_g < spec.min_vibration_g && is_sound(diagnostics, node.path))
     reader.error("max_vibration_g", "is below min_vibration_g", "swap them");
   if (spec.max_vibration_hz < spec.min_vibration_hz && is_sound(diagnostics, node.path))
@@ -59,12 +74,13 @@ void read_rrs3(JsonReader& reader, std::vector<Diagnostic>& diagnostics, const s
 
 void read_mckibben_limits(const JsonNode& node, std::vector<Diagnostic>& diagnostics, const std::string& file,
                           DeviceSpec& spec) {
-  constexpr NumberLimits kAngle{.min = 0, .max = 2 * kQuarterTurn, .unit = "rad"};
+  constexpr NumberLimits kAngle{.min = 0, .max = std::numbers::pi, .unit = "rad"};
+  constexpr HardLimits kHard = hard_limits(DeviceModel::mckibben);
   JsonReader reader(node, diagnostics, file);
-  spec.max_force_n = reader.number("max_force_n", {.min = 0, .max = 50, .above = true, .unit = "N"});
+  spec.max_force_n = read_limit(reader, "max_force_n", kHard.force_n, "N");
   spec.lowest_travel = reader.number("min_angle_rad", kAngle);
   spec.highest_travel = reader.number("max_angle_rad", kAngle);
-  spec.max_stiffness = reader.number("max_stiffness_n_per_rad", {.min = 0, .max = 500, .above = true, .unit = "N/rad"});
+  spec.max_stiffness = read_limit(reader, "max_stiffness_n_per_rad", kHard.stiffness, "N/rad");
   if (spec.highest_travel <= spec.lowest_travel && is_sound(diagnostics, node.path))
     reader.error("max_angle_rad", "is not above min_angle_rad", "swap them");
   reader.finish();

@@ -7,8 +7,24 @@
 namespace jnd {
 
 namespace {
-constexpr double kAssumedWeber = 0.25;
+
+constexpr double kForceWeber = 0.315, kVibrationWeber = 0.39, kKinaestheticWeber = 0.23;
+
+double weber_of(const Cues& cues) noexcept {
+  double precision = 0;
+  if (cues.force) precision += 1 / (kForceWeber * kForceWeber);
+  if (cues.vibration) precision += 1 / (kVibrationWeber * kVibrationWeber);
+  if (cues.kinaesthetic) precision += 1 / (kKinaestheticWeber * kKinaestheticWeber);
+  return precision > 0 ? 1 / std::sqrt(precision) : kVibrationWeber;  // without any cue: as the worst
 }
+
+const Cues* cues_of(const Protocol& protocol, std::string_view condition) noexcept {
+  for (const Condition& one : protocol.conditions)
+    if (one.name == condition) return &one.cues;
+  return nullptr;
+}
+
+}  // namespace
 
 std::string_view to_string(JndSource source) noexcept {
   switch (source) {
@@ -26,7 +42,8 @@ PlannedJnd planned_jnd(const Protocol& protocol, std::string_view condition) {
   for (const PublishedValue& value : protocol.published)
     if (value.condition == condition && value.quantity == "jnd" && value.value > 0)
       return {value.value, JndSource::published};
-  return {kAssumedWeber * protocol.stimulus.reference, JndSource::assumed};
+  const Cues* const cues = cues_of(protocol, condition);
+  return {weber_of(cues == nullptr ? Cues{} : *cues) * protocol.stimulus.reference, JndSource::assumed};
 }
 
 bool has_precision(const Protocol& protocol) noexcept {

@@ -4,7 +4,7 @@
 // changes what any other stream gives. The integers are the same on every machine, for ever; normals go through an
 // inverse CDF and agree within rounding.
 //
-// Generator: Philox4x64-10 (Salmon, Moraes, Dror, Shaw 2011, "Parallel random numbers: as easy as 1, 2, 3"),
+// Generator: kGeneratorName (Salmon, Moraes, Dror, Shaw 2011, "Parallel random numbers: as easy as 1, 2, 3"),
 // key = (study seed, hash of the purpose), counter = (position, part, participant, 0).
 #pragma once
 
@@ -13,6 +13,9 @@
 #include <string_view>
 
 namespace jnd {
+
+// What the program calls the generator wherever it names it: Philox on four words of 64 bits, ten rounds.
+inline constexpr std::string_view kGeneratorName = "Philox4x64-10";
 
 // FNV-1a, 64 bits: names of purposes become numbers. Fixed: changing it would change every plan.
 constexpr std::uint64_t hash_of_name(std::string_view name) noexcept {

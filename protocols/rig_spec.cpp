@@ -26,7 +26,9 @@ void read_device(JsonReader& reader, std::string_view key, DeviceModel model, co
                  "the 3RRS device is cutaneous, the McKibben finger kinaesthetic");
     return;
   }
-  bytes += read_input_file(path);
+  const std::string device_bytes = read_input_file(path);
+  bytes += device_bytes;
+  rig.file_hashes.push_back(sha256_hex(device_bytes));
   rig.devices.push_back(std::move(device));
 }
 
@@ -37,6 +39,7 @@ RigSpec load_rig_spec(const std::filesystem::path& path) {
   std::string bytes = read_input_file(path);
   const JsonNode root = parse_json(bytes, file);
   RigSpec rig;
+  rig.file_hashes.push_back(sha256_hex(bytes));
   if (root.find("cutaneous") == nullptr && root.find("kinaesthetic") == nullptr) {
     rig.devices.push_back(load_device_spec(path));
     rig.name = rig.devices[0].name;

@@ -13,8 +13,9 @@ namespace jnd {
 struct RigSpec {
   std::string name;  // "rrs3", "mckibben", "rrs3+mckibben"
   std::string title;
-  std::string sha256;               // over the files it was read from, in order
-  std::vector<DeviceSpec> devices;  // those of one finger: cutaneous first
+  std::string sha256;                    // over the files it was read from, in order
+  std::vector<std::string> file_hashes;  // SHA-256 of each file by itself, in that order
+  std::vector<DeviceSpec> devices;       // those of one finger: cutaneous first
   // Where a contact described in N/m is felt at a joint too: the fingertip moves lever_arm_m into the object per radian
   // of the joint, so that a contact stiffness k is a joint stiffness k lever_arm_m^2 (N m/rad).
   double lever_arm_m = 0;

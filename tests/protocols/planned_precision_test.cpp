@@ -22,13 +22,16 @@ TEST_CASE("the question about the published design") {
   CHECK(precision_note(protocol).empty());
 }
 
-TEST_CASE("without published values a quarter of the reference, without contrasts every pair") {
+TEST_CASE("without published values the Weber fraction of the cues, without contrasts every pair") {
   Protocol protocol = small_protocol(2, 3, 8, Sampling::balanced);
   const PrecisionQuestion question = precision_question(protocol);
   const PlannedJnd planned = planned_jnd(protocol, "c1");
   CHECK(planned.source == JndSource::assumed);
-  CHECK(planned.value == protocol.stimulus.reference / 4);
-  CHECK(question.jnds == std::vector<double>(3, planned.value));
+  // Force, force and vibration, force.
+  const double alone = planned_jnd(protocol, "c0").value;
+  CHECK(alone == Approx(0.315 * protocol.stimulus.reference));
+  CHECK(planned.value == Approx(0.24505 * protocol.stimulus.reference).epsilon(1e-5));
+  CHECK(question.jnds == std::vector<double>{alone, planned.value, alone});
   CHECK(question.design.class_sizes == ClassSizes::balanced);
   CHECK(question.contrasts == std::vector<std::array<int, 2>>{{0, 1}, {0, 2}, {1, 2}});
   protocol.published = {{"c1", "rating", 3, {}, ""}, {"c1", "jnd", 120, {}, ""}};
