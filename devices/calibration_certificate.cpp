@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <ctime>
-#include <fstream>
-#include <sstream>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include "devices/hid/report_words.h"
 #include "protocols/input_error.h"
+#include "protocols/read_file.h"
 #include "protocols/sha256.h"
 
 namespace jnd {
@@ -132,11 +131,7 @@ jnd_certificate stored_certificate(const Json& certificate) {
 }
 
 Json load_certificate(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::stringstream bytes;
-  if (!file || !(bytes << file.rdbuf()))
-    throw InputError(fmt::format("{}: cannot be read; give the file of a calibration", path.string()));
-  Json document = Json::parse(bytes.str(), nullptr, false);
+  Json document = Json::parse(read_input_file(path), nullptr, false);
   const auto text = [&document](const char* key) {
     return document.is_object() && document.contains(key) && document[key].is_string()
                ? document[key].get<std::string>()

@@ -75,7 +75,7 @@ Fault ControlLoop::engage(const PresentRequest& request, std::int64_t start_ns) 
   ring_.clear();
   lateness_.clear();
   late_ns_ = 0;
-  touched_ = saturated_ = false;
+  touched_ = false;
   tracker_.begin(request, start_ns);
   for (std::size_t i = 0; i < fingers_.size(); ++i) {
     Finger& finger = fingers_[i];
@@ -94,7 +94,6 @@ Fault ControlLoop::engage(const PresentRequest& request, std::int64_t start_ns) 
                             : 1;
     one.summary.begin(carried(request.stimulus.cues, one.setup.channel), path);
     one.watch.begin();
-    one.given_n = 0;
     one.governor.deactivate();
     one.governor.reset();
     one.governor.activate(start_ns);
@@ -190,8 +189,6 @@ void ControlLoop::record(int place, const GovernorOutput& out, std::int64_t now_
   tick.travel = one.reading.travel;
   tick.finger_m = {finger.pose.position_m.x(), finger.pose.position_m.y(), finger.pose.position_m.z()};
   if (telemetry_ != nullptr) telemetry_->push(tick);
-  one.given_n = out.given.force_n;
-  saturated_ = saturated_ || out.force_reduced;
 }
 
 Fault ControlLoop::act(int place, const PresentRequest& request, std::int64_t now_ns, double duration_s) noexcept {
@@ -214,20 +211,12 @@ void ControlLoop::stop_all(std::int64_t now_ns) noexcept {
   }
 }
 
-// Of the devices, the one that is nearest to its cap.
 void ControlLoop::show(std::int64_t ticks, double elapsed_s) noexcept {
   LoopGlimpse glimpse;
   glimpse.ticks = ticks;
   glimpse.elapsed_s = elapsed_s;
-  glimpse.lateness_p99_us = lateness_.percentile_us(0.99);
   glimpse.lateness_max_us = lateness_.largest_us();
-  glimpse.saturated = saturated_;
-  for (const Channeled& one : devices_) {
-    const double cap_n = one.setup.spec.max_force_n;
-    if (glimpse.force_cap_n > 0 && one.given_n * glimpse.force_cap_n <= glimpse.force_n * cap_n) continue;
-    glimpse.force_n = one.given_n;
-    glimpse.force_cap_n = cap_n;
-  }
+  glimpse.contact = touched_;
   glimpse_->put(glimpse);
 }
 

@@ -76,7 +76,6 @@ class ControlLoop {
     SensorWatch watch;
     DeviceReading reading;
     GovernorInput input;
-    double given_n = 0;  // in the last tick
   };
 
   const VirtualObject& object_of(const PresentRequest& request) const;
@@ -103,7 +102,6 @@ class ControlLoop {
   LatenessHistogram lateness_;
   std::int64_t late_ns_ = 0;  // of this tick
   bool touched_ = false;      // any finger, in this tick
-  bool saturated_ = false;    // any device, in this presentation
 };
 
 }  // namespace jnd

@@ -4,6 +4,8 @@
 #include <bit>
 #include <cmath>
 
+#include "protocols/hard_limits.h"
+
 namespace jnd {
 
 namespace {
@@ -36,15 +38,16 @@ double soft_start_gain(std::int64_t since_activation_ns) noexcept {
 }
 
 void Governor::configure(const DeviceSpec& spec) noexcept {
-  max_force_n_ = spec.max_force_n;
-  max_roll_rad_ = spec.max_roll_rad;
-  max_pitch_rad_ = spec.max_pitch_rad;
+  const HardLimits hard = hard_limits(spec.model);
+  max_force_n_ = limit_in_force(spec.max_force_n, hard.force_n);
+  max_roll_rad_ = limit_in_force(spec.max_roll_rad, hard.roll_rad);
+  max_pitch_rad_ = limit_in_force(spec.max_pitch_rad, hard.pitch_rad);
   lowest_travel_ = spec.lowest_travel - kTravelSlack;
   highest_travel_ = spec.highest_travel + kTravelSlack;
-  min_vibration_g_ = spec.min_vibration_g;
-  max_vibration_g_ = spec.max_vibration_g;
-  min_vibration_hz_ = spec.min_vibration_hz;
-  max_vibration_hz_ = spec.max_vibration_hz;
+  max_vibration_g_ = limit_in_force(spec.max_vibration_g, hard.vibration_g);
+  min_vibration_g_ = limit_in_force(spec.min_vibration_g, max_vibration_g_);
+  max_vibration_hz_ = limit_in_force(spec.max_vibration_hz, hard.vibration_hz);
+  min_vibration_hz_ = limit_in_force(spec.min_vibration_hz, max_vibration_hz_);
   fault_ = Fault::none;
   state_ = State::inactive;
 }

@@ -1,7 +1,8 @@
 // The only path to a device: what was asked goes in, what is safe to give comes out, with the limits that acted.
 //
 // A falling force and every stop pass at once; only a rising force is slowed. Whatever is not a number gives zero force
-// and a fault. No force leaves a governor that is not active.
+// and a fault. No force leaves a governor that is not active. The limits are those of the device's description, none of
+// them above the model's hard limit (protocols/hard_limits.h).
 //
 //   unconfigured --configure--> inactive --activate--> active --trip, or a fault found--> faulted --reset--> inactive
 //                                  ^------deactivate------'

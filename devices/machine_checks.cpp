@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "devices/loop_limits.h"
+
 namespace jnd {
 
 namespace {
@@ -157,34 +159,42 @@ std::vector<MachineCheck> check_realtime(const RealtimeReport& report) {
   return checks;
 }
 
-MachineCheck judge_jitter(const JitterReport& report, bool session) {
+std::string jitter_text(const JitterReport& report) {
+  const LatenessHistogram& lateness = report.lateness;
+  return fmt::format("p50 {:.0f} us, p99 {:.0f} us, largest {:.0f} us over {} ticks of 1 ms, {} skipped ({:.2g} %)",
+                     lateness.percentile_us(0.50), lateness.percentile_us(0.99), lateness.largest_us(), report.ticks,
+                     report.overruns, 100 * skipped_share(report.ticks, report.overruns));
+}
+
+MachineCheck judge_jitter(const JitterReport& report) {
   MachineCheck check{.name = report.realtime.fifo() ? "lateness with SCHED_FIFO" : "lateness without SCHED_FIFO",
                      .verdict = Verdict::ok,
-                     .found = "",
+                     .found = jitter_text(report),
                      .what_to_do = ""};
-  const LatenessHistogram& lateness = report.lateness;
-  const double p99_us = lateness.percentile_us(0.99), max_us = lateness.largest_us();
-  check.found = fmt::format("p50 {:.0f} us, p99 {:.0f} us, largest {:.0f} us over {} ticks of 1 ms, {} skipped",
-                            lateness.percentile_us(0.50), p99_us, max_us, report.ticks, report.overruns);
-  if (!session) return check;
   if (report.ticks == 0) {
     check.verdict = Verdict::warn;
     check.found = "not measured";
     check.what_to_do = "let the measurement run to its end";
     return check;
   }
-  const std::string quieter =
-      report.realtime.fifo()
-          ? "end other programs, switch power saving off in the firmware, or install a kernel with PREEMPT_RT"
-          : "allow SCHED_FIFO (see above) and end other programs";
-  if (max_us >= kPoseAge_us || p99_us >= kMostLateness_us) {
+  const double p99_us = report.lateness.percentile_us(0.99), largest_us = report.lateness.largest_us();
+  const double skipped = skipped_share(report.ticks, report.overruns);
+  if (largest_us >= kUnfitLoop.largest_us) {
     check.verdict = Verdict::bad;
-    check.found += max_us >= kPoseAge_us ? ": a gap of 20 ms ends a trial" : ": one tick in a hundred is lost";
-    check.what_to_do = quieter;
-  } else if (p99_us > kMostP99_us || max_us > kMostLateness_us) {
+    check.found +=
+        fmt::format(": in a session, which is longer, some ticks will be {:.0f} ms late, which voids a trial",
+                    1e-3 * kGapLateness_us);
+  } else if (p99_us >= kUnfitLoop.p99_us || skipped > kUnfitLoop.skipped_share) {
+    check.verdict = Verdict::bad;
+    check.found += ": one tick in a hundred is lost";
+  } else if (p99_us > kTightLoop.p99_us || largest_us > kTightLoop.largest_us || skipped > kTightLoop.skipped_share) {
     check.verdict = Verdict::warn;
-    check.what_to_do = quieter;
   }
+  if (check.verdict != Verdict::ok)
+    check.what_to_do =
+        report.realtime.fifo()
+            ? "end other programs, switch power saving off in the firmware, or install a kernel with PREEMPT_RT"
+            : "allow SCHED_FIFO (see above) and end other programs";
   return check;
 }
 

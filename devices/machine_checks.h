@@ -56,14 +56,12 @@ struct StorageFigures {
 };
 MachineCheck judge_storage(const StorageFigures& figures);
 
-// The measured lateness of a 1 kHz loop. `session`: as a session would run on this machine; otherwise it is told for
-// comparison only and never worse than ok.
-MachineCheck judge_jitter(const JitterReport& report, bool session);
+// The measured lateness of a 1 kHz loop, judged by devices/loop_limits.h.
+MachineCheck judge_jitter(const JitterReport& report);
+// Its figures: "p50 8 us, p99 20 us, largest 90 us over 3000 ticks of 1 ms, 0 skipped (0 %)".
+std::string jitter_text(const JitterReport& report);
 
-// Limits of the judgements.
-inline constexpr double kMostP99_us = 100;        // a tenth of a period; more is a warning
-inline constexpr double kMostLateness_us = 1000;  // a period: a tick is skipped; more is a warning
-inline constexpr double kPoseAge_us = 20'000;     // zero force and a fault: a session would end
+// Limits of the judgements of disks.
 inline constexpr double kFewBytes = 1e9, kTooFewBytes = 1e8;
 inline constexpr double kSlowSync_s = 0.05, kTooSlowSync_s = 1;  // one sync a trial, before the participant goes on
 

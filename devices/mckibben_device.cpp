@@ -17,6 +17,7 @@ MckibbenOptions mckibben_options(const DeviceSpec& spec, std::uint64_t seed) {
   options.parameters = spec.finger;
   options.gains = spec.gains;
   options.tendon = spec.tendon;
+  options.max_force_n = limit_in_force(spec.max_force_n, hard_limits(DeviceModel::mckibben).force_n);
   options.encoder.pulses_per_turn = spec.sensors.encoder_pulses;
   options.force_sensor.noise_sd_n = spec.sensors.force_noise_sd_n;
   options.force_sensor.resolution_n = spec.sensors.force_resolution_n;
@@ -26,6 +27,7 @@ MckibbenOptions mckibben_options(const DeviceSpec& spec, std::uint64_t seed) {
 
 MckibbenDevice::MckibbenDevice(const MckibbenOptions& options, const FingerFlexion& flexion)
     : model_(options.parameters, options.tendon, options.gains),
+      max_force_n_(options.max_force_n),
       encoder_(options.encoder),
       force_sensor_(options.force_sensor),
       flexion_(flexion),
@@ -128,7 +130,7 @@ DeviceStatus MckibbenDevice::read(std::int64_t now_ns, DeviceReading& reading) n
 DeviceStatus MckibbenDevice::write(const DeviceCommand& command, std::int64_t now_ns) noexcept {
   if (lost_) return DeviceStatus::lost;
   if (!engaged_) return DeviceStatus::ok;
-  reference_n_ = command.force_n > 0 && std::isfinite(command.force_n) ? command.force_n : 0;
+  reference_n_ = command.force_n > 0 && std::isfinite(command.force_n) ? std::min(command.force_n, max_force_n_) : 0;
   written_ns_ = now_ns;
   return DeviceStatus::ok;
 }

@@ -15,6 +15,7 @@
 #include "devices/mckibben_model.h"
 #include "devices/mckibben_sensors.h"
 #include "protocols/device_spec.h"
+#include "protocols/hard_limits.h"
 
 namespace jnd {
 
@@ -24,6 +25,7 @@ struct MckibbenOptions {
   // object of 8 N/rad and 82 % of one of 50; under this within 0.1 % quasi-statically.
   ForceGains gains{.kp = 0.10, .ki = 3.0, .kd = 0};
   Tendon tendon = Tendon::unilateral;
+  double max_force_n = hard_limits(DeviceModel::mckibben).force_n;  // of a command
   Encoder encoder;  // zero_rad is set by the device: it counts from the straight finger
   BeamForceSensor force_sensor;
 };
@@ -41,7 +43,7 @@ class MckibbenDevice final : public FingertipDevice {
   DeviceStatus engage(std::int64_t now_ns) noexcept override;
   // force_n of the force sensor, travel of the encoder (rad).
   DeviceStatus read(std::int64_t now_ns, DeviceReading& reading) noexcept override;
-  // Uses force_n only; before engage and after neutral it is ignored.
+  // Uses force_n only, up to the options' max_force_n; before engage and after neutral it is ignored.
   DeviceStatus write(const DeviceCommand& command, std::int64_t now_ns) noexcept override;
   void neutral() noexcept override;
 
@@ -64,6 +66,7 @@ class MckibbenDevice final : public FingertipDevice {
   bool is_regulating() const noexcept;
 
   MckibbenModel model_;
+  double max_force_n_;
   Encoder encoder_;
   BeamForceSensor force_sensor_;
   const FingerFlexion& flexion_;

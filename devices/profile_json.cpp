@@ -104,6 +104,7 @@ ParticipantProfile parse_profile(const std::string& bytes, const std::string& fi
   using Strategy = ParticipantProfile::Strategy;
   profile.strategy = reader.one_of<Strategy>(
       "strategy", {{"magnitude", Strategy::magnitude}, {"differencing", Strategy::differencing}});
+  profile.calibrated_at_n_per_m = reader.optional_number("calibrated_at_n_per_m", kNoise).value_or(0);
   profile.sigma_force_n_per_m = reader.number("sigma_force_n_per_m", kNoise);
   profile.sigma_vibration_n_per_m = reader.number("sigma_vibration_n_per_m", kNoise);
   profile.kinaesthetic_weber =

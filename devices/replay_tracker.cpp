@@ -1,7 +1,6 @@
 #include "devices/replay_tracker.h"
 
 #include <algorithm>
-#include <fstream>
 #include <optional>
 #include <string_view>
 #include <system_error>
@@ -12,6 +11,7 @@
 #include "devices/pose_feed.h"
 #include "devices/pose_line.h"
 #include "protocols/input_error.h"
+#include "protocols/read_file.h"
 
 namespace jnd {
 
@@ -77,30 +77,17 @@ class ReplayReading {
   std::optional<std::uint32_t> sequence_;
 };
 
-[[noreturn]] void fail(const std::filesystem::path& path, const std::string& message, const std::string& suggestion) {
-  throw InputError(std::vector<Diagnostic>{{path.string(), 0, 0, "", message, suggestion}});
-}
-
 ReplayReading read_replay(const std::filesystem::path& path) {
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored))
-    fail(path, "there is no such file of poses", "look at the tracker's \"replay\" in the rig file");
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) fail(path, "cannot be opened", "may you read it?");
+  if (!std::filesystem::exists(path, ignored))
+    throw InputError(std::vector<Diagnostic>{{path.string(), 0, 0, "", "there is no such file of poses",
+                                              "look at the tracker's \"replay\" in the rig file"}});
+  const std::string bytes = read_input_file(path, kMostBytes);
   ReplayReading reading(path.string());
   LineCutter cutter;
-  std::vector<char> chunk(65536);
-  std::size_t total = 0;
   const auto whole = [&](std::string_view line) { reading.read(line); };
   const auto too_long = [&] { reading.read_too_long(); };
-  do {
-    stream.read(chunk.data(), static_cast<std::streamsize>(chunk.size()));
-    const auto count = static_cast<std::size_t>(stream.gcount());
-    total += count;
-    if (total > kMostBytes) fail(path, "is larger than 64 MiB", "is it the right file? A minute takes about 2 MiB");
-    cutter.cut(std::string_view(chunk.data(), count), whole, too_long);
-  } while (stream);
-  if (stream.bad()) fail(path, "cannot be read to its end", "look at the disk");
+  cutter.cut(bytes, whole, too_long);
   cutter.cut("\n", whole, too_long);  // of a last line without its end
   if (!reading.has_header()) reading.error("the file has no header", "begin it with: jnd-poses 1 units=m clock=source");
   return reading;

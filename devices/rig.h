@@ -33,13 +33,13 @@ struct PresentRequest {
   double tap_g = 0;
 };
 
-// The control loop as it is just now; for the operator's eyes.
+// The control loop as it is just now; for the operator's eyes. It has nothing that follows from a force, because forces
+// tell the stimulus, and whether the condition has any.
 struct LoopGlimpse {
   std::int64_t ticks = 0;  // of the presentation so far
   double elapsed_s = 0;    // to the end of the last of them
-  double lateness_p99_us = 0, lateness_max_us = 0;
-  double force_n = 0, force_cap_n = 0;  // given just now, and at most: of the device that is nearest to its cap
-  bool saturated = false;               // a limit has reduced the asked force in this presentation
+  double lateness_max_us = 0;
+  bool contact = false;  // a finger is in the object, whatever its devices render there
 };
 
 struct RigInfo {

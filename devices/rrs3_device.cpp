@@ -5,6 +5,7 @@
 
 #include "devices/governor.h"
 #include "devices/rrs3_position_control.h"
+#include "protocols/hard_limits.h"
 
 namespace jnd {
 
@@ -20,6 +21,16 @@ bool all_finite(const DeviceCommand& command) noexcept {
                        command.vibration_hz);
 }
 
+VibrationLimits motor_limits(const DeviceSpec& spec) noexcept {
+  const HardLimits hard = hard_limits(spec.model);
+  const double most_g = limit_in_force(spec.max_vibration_g, hard.vibration_g);
+  const double most_hz = limit_in_force(spec.max_vibration_hz, hard.vibration_hz);
+  return {.min_g = limit_in_force(spec.min_vibration_g, most_g),
+          .max_g = most_g,
+          .min_hz = limit_in_force(spec.min_vibration_hz, most_hz),
+          .max_hz = most_hz};
+}
+
 bool pushes(const Eigen::Vector3d& normal) noexcept {
   return normal.z() > 0 && std::abs(normal.squaredNorm() - 1) < 1e-6;
 }
@@ -28,13 +39,10 @@ bool pushes(const Eigen::Vector3d& normal) noexcept {
 
 Rrs3Device::Rrs3Device(const DeviceSpec& spec, const Rrs3DeviceOptions& options)
     : platform_(spec, options.pulp_stiffness_n_per_m),
-      max_force_n_(spec.max_force_n),
+      max_force_n_(limit_in_force(spec.max_force_n, hard_limits(spec.model).force_n)),
       mode_(options.mode),
       sensor_(options.sensor, options.seed),
-      motor_({.min_g = spec.min_vibration_g,
-              .max_g = spec.max_vibration_g,
-              .min_hz = spec.min_vibration_hz,
-              .max_hz = spec.max_vibration_hz}) {
+      motor_(motor_limits(spec)) {
   neutral();
 }
 

@@ -33,7 +33,7 @@ class SimulatedParticipant final : public Responder {
  public:
   SimulatedParticipant(const ParticipantProfile& profile, const Protocol& protocol, int participant, std::uint64_t seed,
                        Clock& clock)
-      : profile_(profile),
+      : profile_(at_reference(profile, protocol.stimulus)),
         reference_(protocol.stimulus.reference),
         participant_(participant),
         seed_(seed),
@@ -152,6 +152,16 @@ class SimulatedParticipant final : public Responder {
 };
 
 }  // namespace
+
+ParticipantProfile at_reference(ParticipantProfile profile, const StimulusSpec& stimulus) {
+  if (!(profile.calibrated_at_n_per_m > 0) || stimulus.unit != StiffnessUnit::n_per_m) return profile;
+  const double scale = stimulus.reference / profile.calibrated_at_n_per_m;
+  profile.sigma_force_n_per_m *= scale;
+  profile.sigma_vibration_n_per_m *= scale;
+  profile.criterion_n_per_m *= scale;
+  profile.calibrated_at_n_per_m = stimulus.reference;
+  return profile;
+}
 
 std::string default_profile(const Protocol& protocol) {
   if (protocol.paradigm == Paradigm::explore) return kExploring;

@@ -31,8 +31,11 @@ struct ParticipantProfile {
   enum class Strategy { magnitude, differencing } strategy = Strategy::magnitude;
   std::string name;
   std::string title;
-  std::string notes;                   // where its numbers come from; may be empty
-  std::string sha256;                  // of the file
+  std::string notes;   // where its numbers come from; may be empty
+  std::string sha256;  // of the file
+  // The reference at which noise and criterion were measured: at another one they keep their Weber fractions. 0: they
+  // are the same whatever the reference.
+  double calibrated_at_n_per_m = 0;
   double sigma_force_n_per_m = 0;      // noise of the force cue
   double sigma_vibration_n_per_m = 0;  // noise of the vibration cue
   // Noise of the kinaesthetic cue as a fraction of the protocol's reference, because joints are measured in N/rad and
@@ -58,6 +61,9 @@ struct ParticipantProfile {
 
 ParticipantProfile load_profile(const std::filesystem::path& path);                   // throws InputError
 ParticipantProfile parse_profile(const std::string& bytes, const std::string& file);  // file: its name in messages
+
+// The profile with its noise and its fixed criterion at a study's reference. Unchanged where the study is not in N/m.
+ParticipantProfile at_reference(ParticipantProfile profile, const StimulusSpec& stimulus);
 
 // The profile that fits a protocol where a user names none.
 std::string default_profile(const Protocol& protocol);

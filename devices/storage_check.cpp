@@ -95,6 +95,9 @@ MachineCheck judge_storage(const StorageFigures& figures) {
   if (figures.network)
     complain(unsafe, "; a network file system cannot promise that an answer is saved, real sessions are refused",
              "keep studies on a local disk (--study FOLDER checks another place)");
+  if (figures.type == "fuse" || figures.type.starts_with("fuse."))
+    complain(unsafe, "; a file system of another program (sshfs, a cloud drive) may promise what it does not keep",
+             "keep studies on a local disk");
   if (figures.type == "tmpfs" || figures.type == "ramfs" || figures.type == "devtmpfs")
     complain(unsafe, "; this is memory: everything in it is lost when the machine stops", "keep studies on a disk");
   if (figures.needed_bytes > 0) check.found += fmt::format(", a session needs {}", bytes_text(figures.needed_bytes));

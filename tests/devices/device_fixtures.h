@@ -35,6 +35,7 @@ inline ParticipantProfile shipped_profile(const char* name) {
 // The parts of a protocol that devices read: those of the published experiment.
 inline Protocol small_protocol() {
   Protocol protocol;
+  protocol.stimulus.reference = 900;
   protocol.rig = {.device = "rrs3", .fingers = {"thumb", "index"}, .tracker = "hand"};
   protocol.conditions = {{.name = "S", .label = "force", .cues = {.force = true, .vibration = false}},
                          {.name = "V", .label = "vibration", .cues = {.force = false, .vibration = true}},

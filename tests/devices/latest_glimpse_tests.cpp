@@ -17,16 +17,14 @@ LoopGlimpse all(std::int64_t number) {
   const auto value = static_cast<double>(number);
   LoopGlimpse glimpse;
   glimpse.ticks = number;
-  glimpse.elapsed_s = glimpse.lateness_p99_us = glimpse.lateness_max_us = value;
-  glimpse.force_n = glimpse.force_cap_n = value;
-  glimpse.saturated = number % 2 == 1;
+  glimpse.elapsed_s = glimpse.lateness_max_us = value;
+  glimpse.contact = number % 2 == 1;
   return glimpse;
 }
 
 bool whole(const LoopGlimpse& glimpse) {
   const auto value = static_cast<double>(glimpse.ticks);
-  return glimpse.elapsed_s == value && glimpse.lateness_p99_us == value && glimpse.lateness_max_us == value &&
-         glimpse.force_n == value && glimpse.force_cap_n == value && glimpse.saturated == (glimpse.ticks % 2 == 1);
+  return glimpse.elapsed_s == value && glimpse.lateness_max_us == value && glimpse.contact == (glimpse.ticks % 2 == 1);
 }
 
 // The loop on a simulated clock, with the shipped hand; what it showed last.
@@ -34,7 +32,7 @@ struct Watched {
   Presentation given;
   LoopGlimpse last;
 };
-Watched watch_loop(double stiffness, double explore_s) {
+Watched watch_loop(double stiffness, const Cues& cues, double explore_s) {
   const DeviceSpec spec = rrs3_spec();
   Rrs3Device thumb(spec, Rrs3DeviceOptions{}), index(spec, Rrs3DeviceOptions{});
   SimulatedHand hand(HandHabits{}, 2, 1, 1);
@@ -42,7 +40,7 @@ Watched watch_loop(double stiffness, double explore_s) {
   LatestGlimpse glimpse;
   ControlLoop loop(on_fingers({&thumb, &index}, spec), hand, clock, sphere_scene(HandHabits{}.sphere_radius_m), nullptr,
                    &glimpse);
-  PresentRequest asked = request(stiffness, kForce);
+  PresentRequest asked = request(stiffness, cues);
   asked.explore_s = explore_s;
   const EmergencyStop stop;
   Watched watched;
@@ -88,19 +86,16 @@ TEST_CASE("a look is whole and never older than the one before, however fast the
   CHECK_FALSE(older);
 }
 
-TEST_CASE("the loop shows its ticks, its force and whether a limit came between") {
-  const Watched soft = watch_loop(300, 2);
-  CHECK(soft.last.ticks % 25 == 1);
-  CHECK(soft.given.ticks - soft.last.ticks < 25);
-  CHECK(soft.last.elapsed_s == Approx(1e-3 * static_cast<double>(soft.last.ticks)));
-  CHECK(soft.last.force_cap_n == 4.7);
-  CHECK_FALSE(soft.last.saturated);
-  const Watched hard = watch_loop(2000, 2);
-  CHECK(hard.last.saturated);
-  // While the hand presses, and not after it.
-  const Watched pressing = watch_loop(300, 0.6);
-  CHECK(pressing.last.force_n > 0.1);
-  CHECK(pressing.last.force_n <= pressing.last.force_cap_n);
+TEST_CASE("the loop shows its ticks and whether a finger is in the object, the same whatever is rendered there") {
+  for (const Cues& cues : {kForce, kVibration})
+    for (const double stiffness : {300.0, 2000.0}) {  // the second one is beyond what the device can give
+      const Watched whole = watch_loop(stiffness, cues, 2);
+      CHECK(whole.last.ticks % 25 == 1);
+      CHECK(whole.given.ticks - whole.last.ticks < 25);
+      CHECK(whole.last.elapsed_s == Approx(1e-3 * static_cast<double>(whole.last.ticks)));
+      CHECK_FALSE(whole.last.contact);  // between two presses
+      CHECK(watch_loop(stiffness, cues, 0.6).last.contact);
+    }
 }
 
 TEST_CASE("who watches a rig on the real clock is called while it presents, on the thread that asked") {
@@ -119,12 +114,18 @@ TEST_CASE("who watches a rig on the real clock is called while it presents, on t
   });
   PresentRequest asked = request(500, kForce);
   asked.explore_s = asked.no_contact_time_out_s = 60;  // the watcher ends it
-  const Presentation given = rig->present(asked);
+  Presentation given = rig->present(asked);
+  // A machine that is busy with something else ends it as a gap between commands, before the watcher could.
+  for (int again = 0; given.fault == Fault::command_gap && again < 50; ++again) {
+    rig->stop.clear();
+    looks = 0;
+    last = {};
+    given = rig->present(asked);
+  }
   CHECK(given.fault == Fault::emergency_stop);
   CHECK(looks >= 3);
   CHECK(here);
   CHECK(forward);
-  CHECK(last.force_cap_n == 4.7);
   CHECK(given.ticks >= last.ticks);
 
   // Nobody watches any more; and nothing of the last presentation is shown in the next.

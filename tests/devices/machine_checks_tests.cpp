@@ -181,14 +181,31 @@ TEST_CASE("what the kernel refused a real-time thread is a warning with its reme
 }
 
 TEST_CASE("lateness: fine, tight, and too much for a session") {
-  CHECK(judge_jitter(measured(10'000, 900'000), true).verdict == Verdict::ok);
-  CHECK(judge_jitter(measured(10'000, 1'100'000), true).verdict == Verdict::warn);     // one tick skipped
-  CHECK(judge_jitter(measured(150'000, 200'000), true).verdict == Verdict::warn);      // p99 above a tenth of a period
-  CHECK(judge_jitter(measured(10'000, 20'000'000), true).verdict == Verdict::bad);     // a gap that ends a trial
-  CHECK(judge_jitter(measured(10'000, 1'500'000, 20), true).verdict == Verdict::bad);  // p99 above a period
-  CHECK(judge_jitter(JitterReport{}, true).verdict == Verdict::warn);
-  CHECK(judge_jitter(measured(10'000, 50'000'000), false).verdict == Verdict::ok);  // for comparison only
-  CHECK(contains(judge_jitter(measured(10'000, 50'000), true).found, "p50 10 us, p99 10 us, largest 50 us"));
+  CHECK(judge_jitter(measured(10'000, 900'000)).verdict == Verdict::ok);
+  CHECK(judge_jitter(measured(10'000, 1'100'000)).verdict == Verdict::warn);     // one tick skipped
+  CHECK(judge_jitter(measured(150'000, 200'000)).verdict == Verdict::warn);      // p99 above a tenth of a period
+  CHECK(judge_jitter(measured(10'000, 20'000'000)).verdict == Verdict::bad);     // a gap that ends a trial
+  CHECK(judge_jitter(measured(10'000, 1'500'000, 20)).verdict == Verdict::bad);  // p99 above a period
+  CHECK(judge_jitter(JitterReport{}).verdict == Verdict::warn);
+  // Half as late as voids a trial, in a second: a session, hundreds of times as long, would lose trials.
+  CHECK(judge_jitter(measured(10'000, 9'400'000)).verdict == Verdict::warn);
+  CHECK(judge_jitter(measured(10'000, 9'600'000)).verdict == Verdict::bad);
+  CHECK(contains(judge_jitter(measured(10'000, 19'500'000)).found, "19 ms late, which voids a trial"));
+  CHECK(contains(judge_jitter(measured(10'000, 50'000)).found, "p50 10 us, p99 10 us, largest 50 us"));
+}
+
+TEST_CASE("skipped ticks are judged by their share of the ticks that were due, however long was measured") {
+  const auto skipped = [](std::int64_t ticks, std::int64_t overruns) {
+    JitterReport report = measured(10'000, 900'000);
+    report.ticks = ticks;
+    report.overruns = overruns;
+    return judge_jitter(report);
+  };
+  CHECK(skipped(3000, 0).verdict == Verdict::ok);
+  CHECK(skipped(2978, 22).verdict == Verdict::warn);
+  CHECK(skipped(2911, 89).verdict == Verdict::bad);  // 3 %
+  CHECK(contains(skipped(2911, 89).found, "89 skipped (3 %)"));
+  CHECK(skipped(299'911, 89).verdict == Verdict::warn);
 }
 
 TEST_CASE("where studies go, judged by its figures") {
@@ -210,6 +227,7 @@ TEST_CASE("where studies go, judged by its figures") {
   CHECK(changed([](StorageFigures& f) { f.network = true; }) == Verdict::bad);
   CHECK(changed([](StorageFigures& f) { f.type = "tmpfs"; }) == Verdict::bad);
   CHECK(changed([](StorageFigures& f) { f.type = "devtmpfs"; }) == Verdict::bad);
+  CHECK(changed([](StorageFigures& f) { f.type = "fuse.sshfs"; }) == Verdict::bad);
   CHECK(changed([](StorageFigures& f) { f.free_bytes = 5e8; }) == Verdict::warn);
   CHECK(changed([](StorageFigures& f) { f.free_bytes = 5e7; }) == Verdict::bad);
   CHECK(changed([](StorageFigures& f) { f.sync_median_s = 0.1; }) == Verdict::warn);

@@ -6,7 +6,9 @@
 
 #include <unistd.h>
 
+#include "devices/simulated_participant.h"
 #include "protocols/input_error.h"
+#include "protocols/planned_precision.h"
 #include "tests/catch.h"
 #include "tests/devices/device_fixtures.h"
 
@@ -81,6 +83,46 @@ TEST_CASE("shipped profiles hold the published calibration") {
     CHECK(profile->ratings.at("S").first == 6.7);
     CHECK(profile->ratings.at("V").first == 3.7);
     CHECK(profile->ratings.at("SV").first == 7.6);
+  }
+}
+
+TEST_CASE("shipped profiles keep their Weber fractions at another reference") {
+  StimulusSpec stimulus;
+  stimulus.reference = 900;
+  for (const char* name : {"chinello2017", "chinello2017-differencing", "chinello2017-varied", "kinaesthetic",
+                           "chinello2017-experiment2"}) {
+    CAPTURE(name);
+    const ParticipantProfile profile = shipped_profile(name);
+    stimulus.reference = 900;
+    const ParticipantProfile published = at_reference(profile, stimulus);
+    CHECK(published.sigma_force_n_per_m == profile.sigma_force_n_per_m);
+    CHECK(published.sigma_vibration_n_per_m == profile.sigma_vibration_n_per_m);
+    CHECK(published.criterion_n_per_m == profile.criterion_n_per_m);
+    stimulus.reference = 450;
+    const ParticipantProfile half = at_reference(profile, stimulus);
+    CHECK(half.sigma_force_n_per_m == profile.sigma_force_n_per_m / 2);
+    CHECK(half.sigma_vibration_n_per_m == profile.sigma_vibration_n_per_m / 2);
+    CHECK(half.criterion_n_per_m == profile.criterion_n_per_m / 2);
+    CHECK(half.criterion_sigmas == profile.criterion_sigmas);
+  }
+  ParticipantProfile absolute = shipped_profile("chinello2017");
+  absolute.calibrated_at_n_per_m = 0;
+  CHECK(at_reference(absolute, stimulus).sigma_force_n_per_m == 283.5);
+}
+
+TEST_CASE("planning assumes the JNDs of the simulated participants") {
+  Protocol protocol;
+  protocol.stimulus.reference = 450;
+  for (const Cues cues : {Cues{true, false, false}, Cues{false, true, false}, Cues{true, true, false},
+                          Cues{true, false, true}, Cues{false, false, true}}) {
+    protocol.conditions = {{"c", "c", cues, true}};
+    const ParticipantProfile profile =
+        at_reference(shipped_profile(default_profile(protocol).c_str()), protocol.stimulus);
+    double precision = 0;
+    if (cues.force) precision += std::pow(profile.sigma_force_n_per_m, -2);
+    if (cues.vibration) precision += std::pow(profile.sigma_vibration_n_per_m, -2);
+    if (cues.kinaesthetic) precision += std::pow(profile.kinaesthetic_weber * 450, -2);
+    CHECK(planned_jnd(protocol, "c").value == Approx(1 / std::sqrt(precision)).epsilon(1e-12));
   }
 }
 

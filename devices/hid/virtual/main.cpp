@@ -2,8 +2,6 @@
 // rehearsals and to see what a host sends before there is hardware.
 #include <csignal>
 #include <cstdio>
-#include <fstream>
-#include <iterator>
 #include <memory>
 
 #include <CLI/CLI.hpp>
@@ -16,6 +14,7 @@
 #include "devices/hid/virtual/virtual_fingertip.h"
 #include "devices/hid/virtual/virtual_tracker.h"
 #include "protocols/input_error.h"
+#include "protocols/read_file.h"
 #include "protocols/version.h"
 
 namespace jnd {
@@ -77,9 +76,7 @@ FaultScript script_of(const Options& options) {
   FaultScript script;
   for (const std::string& words : options.timed) script.add(parse_timed_order(words));
   if (options.script.empty()) return script;
-  std::ifstream file(options.script);
-  if (!file) throw InputError(fmt::format("cannot read the script {}", options.script));
-  script.add_lines(std::string(std::istreambuf_iterator<char>(file), {}));
+  script.add_lines(read_input_file(options.script));
   return script;
 }
 
