@@ -1,11 +1,11 @@
 #include "data/backup.h"
 
+#include <algorithm>
+
 #include <SQLiteCpp/Backup.h>
 #include <SQLiteCpp/SQLiteCpp.h>
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <sqlite3.h>
-#include <unistd.h>
 
 #include "data/new_file.h"
 #include "data/schema.h"
@@ -21,10 +21,6 @@ constexpr int kPagesAtATime = 1024;  // 4 MB: how soon an interruption is notice
 
 // False where interrupted.
 bool copy_pages(SQLite::Database& source, const fs::path& to, const std::function<bool()>& stop) {
-  // Made by us and not by SQLite: private from its first moment.
-  const int descriptor = ::open(to.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-  if (descriptor < 0) throw StorageError(fmt::format("{}: cannot be created", to.string()));
-  ::close(descriptor);
   SQLite::Database copy(fs::absolute(to).string(), SQLite::OPEN_READWRITE);
   // A file that is thrown away unless it is finished needs no journal; it is flushed before it gets its name.
   copy.exec("PRAGMA journal_mode = OFF");
@@ -58,21 +54,46 @@ bool is_of_source(const SQLite::Exception& error) {
   return primary == SQLITE_CORRUPT || primary == SQLITE_NOTADB || primary == SQLITE_BUSY || primary == SQLITE_LOCKED;
 }
 
-bool is_same_study(const Study& study, const fs::path& to) {
+bool has_event(const std::vector<Event>& events, const std::string& hash) {
+  return std::any_of(events.begin(), events.end(), [&](const Event& event) { return event.hash == hash; });
+}
+
+// Whether all that `earlier` holds is in the study too: each of its chains is the beginning of the study's.
+bool holds_all_of(const Study& study, const Study& earlier) {
+  const std::vector<Event> own = earlier.events(kStudyChain);
+  if (!own.empty() && !has_event(study.events(kStudyChain), own.back().hash)) return false;
+  const std::vector<SessionInfo> sessions = earlier.sessions();
+  return std::all_of(sessions.begin(), sessions.end(),
+                     [&](const SessionInfo& session) { return has_event(study.events(session.id), session.head); });
+}
+
+enum class Earlier { of_this_study, further, foreign };
+
+Earlier judge(const Study& study, const fs::path& to) {
   try {
     const StudyInfo& info = study.info();
     const auto earlier = Study::open(to, Study::Access::read_only);
-    return earlier->info().seed == info.seed && earlier->info().protocol_sha256 == info.protocol_sha256;
+    if (earlier->info().seed != info.seed || earlier->info().protocol_sha256 != info.protocol_sha256)
+      return Earlier::foreign;
+    return holds_all_of(study, *earlier) ? Earlier::of_this_study : Earlier::further;
   } catch (const StorageError&) {
-    return false;
+    return Earlier::foreign;
   }
 }
 
-// A backup takes the place of an earlier one only.
+// A backup takes the place of an earlier one only, and of none that has something which this study lacks: that is no
+// backup, but the study that somebody went on with.
 void refuse_another(const Study& study, const fs::path& to) {
-  if (fs::exists(to) && !is_same_study(study, to))
+  if (!fs::exists(to)) return;
+  const Earlier earlier = judge(study, to);
+  if (earlier == Earlier::foreign)
     throw StorageError(fmt::format(
         "{}: is no backup of this study; it was not changed. Remove it yourself or choose another name", to.string()));
+  if (earlier == Earlier::further)
+    throw StorageError(
+        fmt::format("{}: has events that this study lacks, so that it is no earlier backup; it was not changed. Look "
+                    "which of the two is to be kept, and choose another name",
+                    to.string()));
 }
 
 }  // namespace
@@ -82,17 +103,28 @@ BackupReport back_up(const Study& study, const fs::path& to, bool replace, const
   refuse_beside(impl.path, to);
   NewFile file(to, replace);
   refuse_another(study, to);
-  BackupReport report;
   {
     const std::scoped_lock lock(impl.mutex);
-    try {
-      report.interrupted = !copy_pages(impl.database(), file.made(), stop);
-    } catch (const SQLite::Exception& error) {
-      throw storage_error(is_of_source(error) ? impl.path : to, error);
+    if (!copy_into(file, impl.database(), impl.path, stop)) {
+      BackupReport interrupted;
+      interrupted.interrupted = true;
+      return interrupted;
     }
   }
-  if (report.interrupted) return report;
-  with_storage_errors(to, [&] { settle(file.made()); });
+  return finish_copy(file);
+}
+
+bool copy_into(NewFile& file, SQLite::Database& source, const fs::path& path, const std::function<bool()>& stop) {
+  try {
+    return copy_pages(source, file.made(), stop);
+  } catch (const SQLite::Exception& error) {
+    throw storage_error(is_of_source(error) ? path : file.path(), error);
+  }
+}
+
+BackupReport finish_copy(NewFile& file) {
+  BackupReport report;
+  with_storage_errors(file.path(), [&] { settle(file.made()); });
   {
     const auto copy = Study::open(file.made(), Study::Access::read_only);
     report.verified = verify(*copy);

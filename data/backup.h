@@ -7,6 +7,9 @@
 #include <string>
 #include <vector>
 
+#include <SQLiteCpp/SQLiteCpp.h>
+
+#include "data/new_file.h"
 #include "data/study.h"
 
 namespace jnd {
@@ -23,7 +26,14 @@ struct BackupReport {
 // Copies the study as it stands at one instant, whoever writes to it meanwhile; verifies the copy; gives it its name
 // when it is on the disk, readable by its owner only. stop: looked at between pieces; true leaves nothing behind.
 // Throws StorageError: `to` exists (unless replace) or is the study itself, or a disk fails.
+// replace: an earlier backup of this study, and nothing that has events which the study lacks.
 BackupReport back_up(const Study& study, const std::filesystem::path& to, bool replace,
                      const std::function<bool()>& stop = {});
+
+// The two halves of it. The pages of an open connection to the study at `path`, as of one instant; false where `stop`
+// came. Then the verification, and the name where it finds nothing. Throw StorageError.
+bool copy_into(NewFile& file, SQLite::Database& source, const std::filesystem::path& path,
+               const std::function<bool()>& stop = {});
+BackupReport finish_copy(NewFile& file);
 
 }  // namespace jnd

@@ -4,7 +4,10 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstddef>
 #include <system_error>
+
+#include "data/blank_text.h"
 
 namespace jnd {
 
@@ -22,8 +25,6 @@ std::string csv_number(std::int64_t value) {
 
 namespace {
 
-// Spreadsheets skip these before they look whether a cell is a formula: blanks, quotes, no-break space, BOM.
-constexpr std::array<std::string_view, 6> kSkipped = {" ", "\"", "'", "\u00a0", "\ufeff", "\u200b"};
 // What begins a formula, or moves it to where it is one; some take the full-width forms too.
 constexpr std::array<std::string_view, 11> kBegins = {"=",  "+",      "-",      "@",      "\t",    "\r",
                                                       "\n", "\uff1d", "\uff0b", "\uff0d", "\uff20"};
@@ -41,9 +42,10 @@ bool would_run(std::string_view text) noexcept {
   const auto begins_with = [&](std::string_view what) { return text.starts_with(what); };
   for (;;) {
     if (std::any_of(kBegins.begin(), kBegins.end(), begins_with)) return true;
-    const auto* const skipped = std::find_if(kSkipped.begin(), kSkipped.end(), begins_with);
-    if (skipped == kSkipped.end()) return false;
-    text.remove_prefix(skipped->size());
+    // Spreadsheets skip blanks and quotes before they look whether a cell is a formula.
+    const std::size_t skipped = text.starts_with('"') || text.starts_with('\'') ? 1 : leading_blank(text);
+    if (skipped == 0) return false;
+    text.remove_prefix(skipped);
   }
 }
 

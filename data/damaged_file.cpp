@@ -13,6 +13,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "analysis/stop_request.h"
 #include "data/storage_error.h"
 
 namespace jnd {
@@ -21,12 +22,6 @@ namespace {
 
 constexpr std::size_t kPiece = 4096;  // what a disk gives or does not give
 constexpr std::size_t kLogHeader = 32, kFrameHeader = 24;
-
-std::uint32_t big_endian(Bytes bytes, std::size_t at, std::size_t length) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < length; ++i) value = value << 8U | bytes[at + i];
-  return value;
-}
 
 bool possible(std::size_t page_size) {
   return page_size >= 512 && page_size <= 65536 && (page_size & (page_size - 1)) == 0;
@@ -56,6 +51,12 @@ void write_all(int descriptor, const unsigned char* bytes, std::size_t size, con
 
 }  // namespace
 
+std::uint32_t big_endian(Bytes bytes, std::size_t at, std::size_t length) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < length; ++i) value = value << 8U | bytes[at + i];
+  return value;
+}
+
 PrivateCopy::PrivateCopy(const std::filesystem::path& file, const std::filesystem::path& folder) {
   const Descriptor from{::open(file.c_str(), O_RDONLY | O_CLOEXEC)};
   if (from.value < 0) {
@@ -68,6 +69,7 @@ PrivateCopy::PrivateCopy(const std::filesystem::path& file, const std::filesyste
   ::unlink(name.c_str());
   std::array<unsigned char, kPiece> piece{};
   for (off_t at = 0;;) {
+    stop_if_requested();
     ssize_t got = ::pread(from.value, piece.data(), piece.size(), at);
     if (got == 0) break;
     if (got < 0) {

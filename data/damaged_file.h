@@ -30,6 +30,9 @@ class PrivateCopy {
   std::int64_t unreadable_ = 0;
 };
 
+// The number of `length` bytes, at most 4, that begins at `at`: SQLite's integers are big-endian.
+std::uint32_t big_endian(Bytes bytes, std::size_t at, std::size_t length);
+
 // How the file is cut into pages (https://sqlite.org/fileformat2.html, section 1.3).
 struct PageGeometry {
   std::size_t page_size = 4096;  // a power of two from 512 to 65536

@@ -7,7 +7,6 @@
 #include <fstream>
 #include <string_view>
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <sqlite3.h>
 #include <sys/stat.h>
@@ -15,6 +14,7 @@
 #include <unistd.h>
 
 #include "data/schema.h"
+#include "data/schema_check.h"
 
 namespace jnd {
 
@@ -59,6 +59,20 @@ void refuse_other_databases(const fs::path& path, SQLite::Database& database) {
         fmt::format("{}: is an unfinished study (file version {}); it was not changed", path.string(), version));
 }
 
+// A view in a table's place, a foreign trigger or a rewritten column could hang the program, swallow what it writes, or
+// show other answers than were given. Reading does without triggers, indexes and views that somebody dropped: verify
+// tells of them.
+void refuse_other_schema(const fs::path& path, SQLite::Database& database, bool writable) {
+  SQLite::Transaction reading(database);  // a writer may bring the file up to date meanwhile
+  for (const SchemaDifference& one : schema_differences(database))
+    if (writable || !one.readable())
+      throw StorageError(
+          fmt::format("{}: is not a study of this program: {}; it was not changed. jnd recover makes a "
+                      "new study of the events that are in it",
+                      path.string(), to_string(one)));
+  reading.commit();
+}
+
 void refuse_damage(const fs::path& path, SQLite::Database& database) {
   SQLite::Statement check(database, "PRAGMA quick_check(1)");
   if (check.executeStep() && check.getColumn(0).getString() != "ok")
@@ -74,39 +88,27 @@ int primary_code(const SQLite::Exception& error) noexcept {
 
 void settle(SQLite::Database& database) {
   database.setBusyTimeout(kBusyTimeout_ms);
+  // Files come from anywhere: nothing in one may write to the schema. What its schema may call is settled by comparing
+  // it with ours; an untrusted one could not, because SQLite of 2022 and before takes json_extract for unsafe there.
+  sqlite3_db_config(database.getHandle(), SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
   database.exec("PRAGMA foreign_keys = ON");
 }
 
 }  // namespace
 
 std::unique_ptr<SQLite::Database> create_database(const fs::path& path) {
-  // Made by us and not by SQLite: exclusively, and private from its first moment (-wal and -shm take over its mode).
-  const int descriptor = ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-  if (descriptor < 0) {
-    if (errno == EEXIST) throw StorageError(fmt::format("{}: exists already; it was not changed", path.string()));
-    throw StorageError(fmt::format("{}: cannot be created: {}", path.string(), std::strerror(errno)));
-  }
-  // Whatever the umask takes away.
-  const bool is_private = ::fchmod(descriptor, 0600) == 0;
-  ::close(descriptor);
-  if (!is_private) {
-    ::unlink(path.c_str());
+  // Before anything is in it: -wal and -shm take over its mode.
+  if (::chmod(path.c_str(), 0600) != 0)
     throw StorageError(fmt::format("{}: cannot be made private: {}", path.string(), std::strerror(errno)));
-  }
-  try {
-    return with_storage_errors(path, [&] {
-      auto database = std::make_unique<SQLite::Database>(fs::absolute(path).string(), SQLite::OPEN_READWRITE);
-      settle(*database);
-      database->exec("PRAGMA synchronous = FULL");
-      SQLite::Transaction transaction(*database);
-      migrate(*database, 0);
-      transaction.commit();
-      return database;
-    });
-  } catch (...) {
-    ::unlink(path.c_str());
-    throw;
-  }
+  return with_storage_errors(path, [&] {
+    auto database = std::make_unique<SQLite::Database>(fs::absolute(path).string(), SQLite::OPEN_READWRITE);
+    settle(*database);
+    database->exec("PRAGMA synchronous = FULL");
+    SQLite::Transaction transaction(*database);
+    migrate(*database, 0);
+    transaction.commit();
+    return database;
+  });
 }
 
 std::unique_ptr<SQLite::Database> open_database(const fs::path& path, bool writable) {
@@ -125,6 +127,7 @@ std::unique_ptr<SQLite::Database> open_database(const fs::path& path, bool writa
     settle(*database);
     database->exec("PRAGMA query_only = ON");
     refuse_other_databases(path, *database);
+    refuse_other_schema(path, *database, writable);
     if (!writable) return database;
     refuse_damage(path, *database);
     database->exec("PRAGMA query_only = OFF");
@@ -165,10 +168,18 @@ void end_writing(SQLite::Database& database) {
   unless_busy("PRAGMA journal_mode = DELETE");
 }
 
+void insert_row(SQLite::Statement& insert) {
+  if (insert.exec() != 1)
+    throw StorageError(
+        "a row was not stored although nothing failed: something in the file swallows it; run jnd verify");
+}
+
 bool is_network_file_system(long f_type) noexcept {
-  // statfs(2); SMB2 and Ceph from the kernel's own headers. As unsigned: some have the top bit of 32 set.
-  constexpr std::array<unsigned, 9> kNetwork = {0x6969,     0x517B,     0xFF534D42, 0xFE534D42, 0x5346414F,
-                                                0x73757245, 0x01021997, 0x00C36400, 0x6B414653};
+  // statfs(2); SMB2 and Ceph from the kernel's own headers; Lustre, GPFS and the shared folders of VirtualBox and
+  // VMware from their sources. As unsigned: some have the top bit of 32 set.
+  constexpr std::array<unsigned, 13> kNetwork = {0x6969,     0x517B,     0xFF534D42, 0xFE534D42, 0x5346414F,
+                                                 0x73757245, 0x01021997, 0x00C36400, 0x6B414653, 0x0BD00BD0,
+                                                 0x47504653, 0x786F4256, 0xBACBACBC};
   return std::find(kNetwork.begin(), kNetwork.end(), static_cast<unsigned>(f_type)) != kNetwork.end();
 }
 

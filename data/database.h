@@ -11,11 +11,11 @@
 
 namespace jnd {
 
-// A new file with the schema in it, readable by its owner only. Throws StorageError; a file that could not be finished
-// is removed.
+// The schema in an empty file that exists (data/draft.h makes it), readable by its owner only. Throws StorageError.
 std::unique_ptr<SQLite::Database> create_database(const std::filesystem::path& path);
 
-// An existing study. Nothing is written before the file was found to be a whole study of this version or an older one.
+// An existing study. Nothing is written before the file was found to be a whole study of this version or an older one,
+// with the tables, triggers and views of that version and no others.
 // Opened for writing, an older file becomes one of this version; opened for reading it stays as it is, and what later
 // versions added is absent (has_telemetry). Throws StorageError.
 std::unique_ptr<SQLite::Database> open_database(const std::filesystem::path& path, bool writable);
@@ -35,6 +35,10 @@ void end_writing(SQLite::Database& database);
 bool is_network_file_system(long f_type) noexcept;
 // Throws StorageError where the study is on one.
 void refuse_network_file_system(const std::filesystem::path& path);
+
+// Runs an INSERT of one row. Throws StorageError where no row was stored although nothing failed (a trigger may swallow
+// one), and SQLite::Exception.
+void insert_row(SQLite::Statement& insert);
 
 // What went wrong, where, and what to do, from SQLite's error.
 StorageError storage_error(const std::filesystem::path& path, const SQLite::Exception& error);

@@ -1,18 +1,16 @@
 #include "data/export_folder.h"
 
 #include <algorithm>
-#include <array>
-#include <cerrno>
-#include <cstdlib>
-#include <cstring>
 #include <fstream>
+#include <iterator>
+#include <sstream>
 #include <string_view>
-#include <system_error>
 
 #include <fmt/format.h>
 
-#include "data/export_telemetry.h"
+#include "analysis/stop_request.h"
 #include "data/storage_error.h"
+#include "protocols/sha256.h"
 
 namespace jnd {
 
@@ -20,49 +18,62 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The only names that an export writes, and so the only ones that replacing one may remove.
-constexpr std::array<std::string_view, 21> kTopFiles = {
-    "group.csv",   "contrasts.csv",  "answers.csv", "sessions.csv",    "dictionary.csv", "methods.md",
-    "tracks.csv",  "tests.csv",      "pairs.csv",   "sensitivity.csv", "behaviour.csv",  "ratings.csv",
-    "models.csv",  "thresholds.csv", "cells.csv",   "monitoring.csv",  "coded.csv",      "items.csv",
-    "choices.csv", "exposure.csv",   "log.csv"};
-constexpr std::array<std::string_view, 3> kParticipantFiles = {"trials.csv", "cells.csv", "report.csv"};
+// As sha256sum(1) writes and checks it: a hash, two spaces and a name a line; lines with '#' are comments.
+constexpr const char* kSums = "SHA256SUMS";
+constexpr std::string_view kHeading = "# Written by jnd, which replaces this folder only while it is as listed here.\n";
+constexpr std::size_t kHashLength = 64;
 
-template <std::size_t N>
-bool among(const std::array<std::string_view, N>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
+std::string content_of(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  if (!file) throw StorageError(fmt::format("{}: cannot be read", path.string()));
+  return bytes;
 }
 
-bool plain(const fs::directory_entry& entry) {
-  return entry.is_regular_file() && !entry.is_symlink();
+std::string text_of(const std::map<std::string, std::string>& sums) {
+  std::string text(kHeading);
+  for (const auto& [name, sum] : sums) text += fmt::format("{}  {}\n", sum, name);
+  return text;
 }
 
-// The first thing in a folder that is not an export's; empty where there is none.
-fs::path foreign_entry(const fs::path& folder) {
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    const std::string name = entry.path().filename().string();
-    if (plain(entry) && among(kTopFiles, name)) continue;
-    if (!entry.is_directory() || entry.is_symlink() || !name.starts_with("sub-")) return entry.path();
-    for (const fs::directory_entry& inner : fs::directory_iterator(entry.path())) {
-      if (plain(inner) && among(kParticipantFiles, inner.path().filename().string())) continue;
-      if (!inner.is_directory() || inner.is_symlink() || inner.path().filename() != "telemetry") return inner.path();
-      for (const fs::directory_entry& tick_file : fs::directory_iterator(inner.path()))
-        if (!plain(tick_file) || !is_telemetry_file(tick_file.path().filename().string())) return tick_file.path();
+// Empty where there is no such list.
+std::map<std::string, std::string> listed_in(const fs::path& folder) {
+  std::map<std::string, std::string> sums;
+  if (!fs::is_regular_file(fs::symlink_status(folder / kSums))) return sums;
+  std::istringstream text(content_of(folder / kSums));
+  for (std::string line; std::getline(text, line);)
+    if (line.size() > kHashLength + 2 && !line.starts_with('#'))
+      sums[line.substr(kHashLength + 2)] = line.substr(0, kHashLength);
+  return sums;
+}
+
+// The folder may be replaced: it holds nothing but what was written into it.
+void may_go(const fs::path& folder) {
+  if (!fs::is_directory(fs::symlink_status(folder)))
+    throw StorageError(fmt::format("{}: is not a folder", folder.string()));
+  const auto refuse = [&](const fs::path& entry, std::string_view why) {
+    throw StorageError(fmt::format("{}: holds {}, which {}; nothing was changed. Choose another folder",
+                                   folder.string(), entry.lexically_relative(folder).string(), why));
+  };
+  const std::map<std::string, std::string> listed = listed_in(folder);
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+    const std::string name = entry.path().lexically_relative(folder).string();
+    if (entry.is_directory() && !entry.is_symlink()) {
+      const auto within = listed.lower_bound(name + "/");
+      if (within == listed.end() || !within->first.starts_with(name + "/"))
+        refuse(entry.path(), "jnd did not write into it");
+      continue;
     }
+    if (name == kSums && !listed.empty()) continue;
+    const auto found = listed.find(name);
+    if (entry.is_symlink() || !entry.is_regular_file() || found == listed.end())
+      refuse(entry.path(), "jnd did not write into it");
+    if (sha256_hex(content_of(entry.path())) != found->second) refuse(entry.path(), "was changed since jnd wrote it");
   }
-  return {};
 }
 
-void refuse_foreign(const fs::path& folder) {
-  const fs::path foreign = foreign_entry(folder);
-  if (!foreign.empty())
-    throw StorageError(
-        fmt::format("{}: holds {}, which is not of an export; nothing was changed. Export to another folder",
-                    folder.string(), foreign.lexically_relative(folder).string()));
-}
-
-StorageError failed(const fs::path& path, std::string_view what, const std::string& why) {
-  return StorageError(fmt::format("{}: {}: {}", path.string(), what, why));
+StorageError taken(const fs::path& folder) {
+  return StorageError(fmt::format("{}: exists already; name another folder, or say --replace", folder.string()));
 }
 
 }  // namespace
@@ -73,70 +84,39 @@ ExportFolder::ExportFolder(const fs::path& folder, bool replace) : folder_(folde
     if (!folder_.has_filename()) folder_ = folder_.parent_path();  // "out/" is "out"
     const fs::file_status status = fs::symlink_status(folder_);
     if (fs::exists(status)) {
-      if (!fs::is_directory(status)) throw StorageError(fmt::format("{}: is not a folder", folder_.string()));
-      if (!replace)
-        throw StorageError(fmt::format("{}: exists already; export to another folder, or say that it may be replaced",
-                                       folder_.string()));
-      refuse_foreign(folder_);
+      if (fs::is_directory(status) && !replace) throw taken(folder_);
+      may_go(folder_);
     }
     fs::create_directories(folder_.parent_path());
+    draft_ = std::make_unique<Draft>(folder_, Draft::What::folder);
   } catch (const fs::filesystem_error& error) {
-    throw failed(folder_, "cannot be used", error.code().message());
+    throw cannot_write(folder_, error.code().value());
   }
-  std::string name = folder_.string() + ".partial-XXXXXX";
-  if (::mkdtemp(name.data()) == nullptr) throw failed(folder_, "cannot be written", std::strerror(errno));
-  draft_ = name;
-}
-
-ExportFolder::~ExportFolder() {
-  std::error_code ignored;
-  if (!draft_.empty()) fs::remove_all(draft_, ignored);
 }
 
 void ExportFolder::write(const std::string& relative, const std::string& bytes) {
+  stop_if_requested();
   const fs::path below(relative);
   if (below.is_absolute() || std::find(below.begin(), below.end(), "..") != below.end())
     throw StorageError(
         fmt::format("{}: {} would lie outside of the export; nothing was written to it", folder_.string(), relative));
-  const fs::path path = draft_ / below;
-  std::error_code error;
-  fs::create_directories(path.parent_path(), error);
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  if (error || !file)
-    throw StorageError(fmt::format("{}: could not be written (is the disk full?); the export was given up",
-                                   (folder_ / relative).string()));
-  files_.push_back(relative);
+  draft_->write_within(below, bytes);
+  sums_[relative] = sha256_hex(bytes);
 }
 
 std::vector<std::string> ExportFolder::publish() {
+  draft_->write_within(kSums, text_of(sums_));
   try {
-    // mkdtemp makes private folders; results get the mode that any new folder would have.
-    fs::path old;
-    const fs::path twin = draft_.string() + ".new";
-    fs::create_directory(twin);
-    const fs::perms mode = fs::status(twin).permissions();
-    fs::remove(twin);
-    fs::permissions(draft_, mode);
-    if (fs::exists(folder_)) {
-      if (!replace_) throw StorageError(fmt::format("{}: exists already", folder_.string()));
-      refuse_foreign(folder_);
-      old = draft_.string() + ".old";
-      fs::rename(folder_, old);
-    }
-    std::error_code error;
-    fs::rename(draft_, folder_, error);
-    if (error) {
-      if (!old.empty()) fs::rename(old, folder_);
-      throw failed(folder_, "the export could not be moved into place", error.message());
-    }
-    draft_ = old;  // the destructor removes it
+    if (replace_)
+      draft_->replace(may_go);
+    else if (!draft_->publish())
+      throw taken(folder_);
   } catch (const fs::filesystem_error& error) {
-    throw failed(folder_, "the export could not be moved into place", error.code().message());
+    throw cannot_write(folder_, error.code().value());
   }
-  std::sort(files_.begin(), files_.end());
-  return files_;
+  std::vector<std::string> files;
+  for (const auto& [name, sum] : sums_) files.push_back(name);
+  return files;
 }
 
 }  // namespace jnd

@@ -1,30 +1,33 @@
-// A folder of files that appears as a whole or not at all.
+// A folder of files that appears as a whole or not at all, and takes the place only of one that is as it was written.
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <memory>
 #include <string>
 #include <vector>
+
+#include "data/draft.h"
 
 namespace jnd {
 
 class ExportFolder {
  public:
-  // Throws StorageError where `folder` exists and replace is false, or holds anything that an export does not write
+  // Throws StorageError where `folder` exists and replace is false, or is not an earlier one, whole and unchanged
   // (nothing of it is touched then), or cannot be written.
   ExportFolder(const std::filesystem::path& folder, bool replace);
-  ~ExportFolder();  // removes what was not published
-  ExportFolder(const ExportFolder&) = delete;
-  ExportFolder& operator=(const ExportFolder&) = delete;
 
-  // Throws StorageError, also where the name leads out of the folder.
+  // Throws StorageError, also where the name leads out of the folder or was written before, and Stopped.
   void write(const std::string& relative, const std::string& bytes);
-  // Moves the finished folder to its name. Returns the files, relative, in alphabetical order. Throws StorageError.
+  // Adds SHA256SUMS, by which such a folder is known again, and puts the finished folder into its place. Returns the
+  // other files, relative, in alphabetical order. Throws StorageError.
   std::vector<std::string> publish();
 
  private:
-  std::filesystem::path folder_, draft_;
+  std::filesystem::path folder_;
   bool replace_;
-  std::vector<std::string> files_;
+  std::unique_ptr<Draft> draft_;
+  std::map<std::string, std::string> sums_;  // by file, relative
 };
 
 }  // namespace jnd

@@ -1,7 +1,5 @@
 #include "data/export_telemetry.h"
 
-#include <regex>
-
 #include <fmt/format.h>
 
 namespace jnd {
@@ -81,11 +79,6 @@ std::vector<TelemetryRow> telemetry_rows(const Telemetry& telemetry) {
 std::string telemetry_file(std::string_view what, int index, int attempt, int interval, int again) {
   return fmt::format("telemetry/{}-{:03}-attempt-{}-interval-{}{}.csv", what, index, attempt, interval + 1,
                      again > 1 ? fmt::format("-{}", again) : std::string());
-}
-
-bool is_telemetry_file(const std::string& name) {
-  static const std::regex pattern(R"((trial|exploration)-\d{3,}-attempt-\d+-interval-[12](-\d+)?\.csv)");
-  return std::regex_match(name, pattern);
 }
 
 }  // namespace jnd

@@ -26,7 +26,5 @@ std::vector<TelemetryRow> telemetry_rows(const Telemetry& telemetry);
 // "telemetry/trial-007-attempt-1-interval-1.csv"; again: 2 and up where that name is taken. what: "trial", or
 // "exploration" of free interaction.
 std::string telemetry_file(std::string_view what, int index, int attempt, int interval, int again = 1);
-// Whether a file's name, without its folder, is such a name.
-bool is_telemetry_file(const std::string& name);
 
 }  // namespace jnd

@@ -7,11 +7,14 @@
 
 #include <fmt/format.h>
 
+#include "analysis/stop_request.h"
 #include "data/carried_events.h"
 #include "data/event_body.h"
 #include "data/new_file.h"
 #include "data/salvage.h"
 #include "data/schema.h"
+#include "data/signs_of_loss.h"
+#include "data/study_facts.h"
 #include "data/study_lock.h"
 #include "data/telemetry.h"
 #include "protocols/protocol_json.h"
@@ -41,6 +44,18 @@ class Recovery {
   Recovery(const fs::path& damaged, const Salvage& salvage) : damaged_(damaged), salvage_(salvage) {
     for (const std::string& session : salvage_.sessions()) chains_.emplace(session, salvage_.chain(session));
     for (const RowPlace& place : own().kept) own_events_.push_back(salvage_.event(place));
+  }
+
+  // What the damaged file and its log say of their own size is doubted where it does not fit what was salvaged.
+  void compare_with(Bytes file, Bytes log) {
+    std::int64_t found = 0;
+    bool open = false;
+    for (const auto& [session, chain] : chains_) {
+      found += static_cast<std::int64_t>(chain.kept.size());
+      if (session != kStudyChain && !chain.kept.empty())
+        open = open || salvage_.event(chain.kept.back()).event.kind != event_kind::kSessionClosed;
+    }
+    report_.doubts = signs_of_loss(file, log, found, open);
   }
 
   RecoveryReport write(const fs::path& to, const std::optional<fs::path>& protocol, std::int64_t unreadable,
@@ -76,6 +91,13 @@ class Recovery {
     return std::any_of(report_.sessions.begin(), report_.sessions.end(), [&](const RecoveredChain& one) {
       return one.events > 0 && one.participant == text_at(body, "participant") && one.kind == text_at(body, "kind");
     });
+  }
+
+  // What the body of a session's first or last event says of the study's own chain then: it must be among the events
+  // that are left.
+  bool knows_of_lost_events(const RowPlace& place, const std::set<std::string>& hashes) const {
+    const std::string head = text_at(body_of(salvage_.event(place)), kStudyHeadKey);
+    return !head.empty() && !hashes.contains(head);
   }
 
   void read_sessions() {
@@ -115,12 +137,25 @@ class Recovery {
       else if (chains_.at(session).head != text_at(closing, "head"))
         known->cut = true;
     }
+    // Also what the chains said that this study was made from.
+    std::set<std::string> hashes;
+    bool lost_before = false;
+    for (const StoredEvent& stored : own_events_) {
+      hashes.insert(stored.event.hash);
+      if (stored.event.kind == event_kind::kMerged || stored.event.kind == event_kind::kRecovered)
+        add_kept_hashes(body_of(stored), hashes, lost_before);
+    }
+    const bool missed = !lost_before && std::any_of(chains_.begin(), chains_.end(), [&](const auto& one) {
+      return one.first != kStudyChain && !one.second.kept.empty() &&
+             (knows_of_lost_events(one.second.kept.front(), hashes) ||
+              knows_of_lost_events(one.second.kept.back(), hashes));
+    });
     // A session and the study's own chain are told of its end in one transaction, so that what is told to one of them
     // only was lost from the other.
     const bool untold = std::any_of(report_.sessions.begin(), report_.sessions.end(), [&](const RecoveredChain& one) {
       return one.closed && !told.contains(one.session);
     });
-    if (!untold || own_events_.empty()) return;
+    if ((!untold && !missed) || own_events_.empty()) return;
     report_.own.cut = true;
     report_.doubts.emplace_back(
         "the end of the study's own events is lost: exclusions, notes or an unblinding may be missing");
@@ -181,6 +216,7 @@ class Recovery {
       const auto chain = chains_.find(one.session);
       if (chain == chains_.end()) continue;
       for (const RowPlace& place : chain->second.kept) {
+        stop_if_requested();
         const StoredEvent stored = salvage_.event(place);
         std::vector<TelemetryBlob> blobs;
         for (const TelemetryBlob& named : named_telemetry(body_of(stored))) {
@@ -219,8 +255,10 @@ class Recovery {
             {"seeds", std::set<std::string>(seeds_.begin(), seeds_.end())},
             {"protocols", std::set<std::string>(protocols_.begin(), protocols_.end())},
             {"unreadable_bytes", report_.unreadable},
+            {"doubts", report_.doubts},
             {"sessions", std::move(sessions)},
             {"telemetry_lost", lost_},
+            {"study_events_lost", report_.own.cut},
             {"study_events", std::move(chain)},
             {"study_events_unchained", std::move(unchained)}};
   }
@@ -251,7 +289,9 @@ RecoveryReport recover(const fs::path& damaged, const fs::path& to, const std::o
   const fs::path folder = to.has_parent_path() ? to.parent_path() : fs::path(".");
   const PrivateCopy file(damaged, folder), log(damaged.string() + "-wal", folder);
   const Salvage salvage(file.bytes(), log.bytes());
-  return Recovery(damaged, salvage).write(to, protocol, file.unreadable() + log.unreadable(), stamp);
+  Recovery recovery(damaged, salvage);
+  recovery.compare_with(file.bytes(), log.bytes());
+  return recovery.write(to, protocol, file.unreadable() + log.unreadable(), stamp);
 }
 
 }  // namespace jnd

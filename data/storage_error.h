@@ -17,4 +17,10 @@ class StorageTrouble : public StorageError {
   using StorageError::StorageError;
 };
 
+// A study that is not what was recorded: no results are computed from it. The program exits with 1.
+class BrokenChain : public StorageError {
+ public:
+  using StorageError::StorageError;
+};
+
 }  // namespace jnd

@@ -1,16 +1,12 @@
 #include "data/study.h"
 
-#include <cerrno>
 #include <charconv>
-#include <cstring>
 #include <utility>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
+#include "data/draft.h"
 #include "data/event_body.h"
-#include "data/new_file.h"
 #include "data/schema.h"
 #include "data/study_impl.h"
 #include "protocols/sha256.h"
@@ -27,24 +23,6 @@ Study::~Study() {
   }
 }
 
-namespace {
-
-// Gives a finished file its name, which must be free, and makes that survive a power cut.
-void publish(const std::filesystem::path& made, const std::filesystem::path& path) {
-  if (const int error = give_name(made, path); error != 0) {
-    ::unlink(made.c_str());
-    if (error == EEXIST) throw StorageError(fmt::format("{}: exists already; it was not changed", path.string()));
-    throw StorageError(fmt::format("{}: cannot be created: {}", path.string(), std::strerror(error)));
-  }
-  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
-  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) return;
-  ::fsync(descriptor);
-  ::close(descriptor);
-}
-
-}  // namespace
-
 std::unique_ptr<Study> Study::create(const std::filesystem::path& path, const std::string& protocol_name,
                                      const std::string& protocol_bytes, std::uint64_t seed, Stamp stamp) {
   auto impl = std::make_unique<Impl>();
@@ -53,43 +31,16 @@ std::unique_ptr<Study> Study::create(const std::filesystem::path& path, const st
   impl->lock = std::make_unique<StudyLock>(path);
   if (std::filesystem::exists(path))
     throw StorageError(fmt::format("{}: exists already; it was not changed", path.string()));
-  // Made under another name and renamed when whole: killed at any instant, there is a study or there is none. What a
-  // killed program left under that name is ours to remove, since we hold the study's lock.
-  const std::filesystem::path made = path.string() + ".new";
-  ::unlink(made.c_str());
-  ::unlink((made.string() + "-journal").c_str());
-  impl->connection = create_database(made);
-  try {
-    with_storage_errors(path, [&] {
-      SQLite::Database& database = *impl->connection;
-      SQLite::Transaction transaction(database);
-      SQLite::Statement protocol(database, "INSERT INTO protocol (sha256, name, bytes) VALUES (?, ?, ?)");
-      protocol.bind(1, impl->info.protocol_sha256);
-      protocol.bind(2, protocol_name);
-      protocol.bind(3, protocol_bytes.data(), static_cast<int>(protocol_bytes.size()));
-      protocol.exec();
-      SQLite::Statement study(database, "INSERT INTO study (id, seed, protocol) VALUES (1, ?, ?)");
-      study.bind(1, std::to_string(seed));
-      study.bind(2, impl->info.protocol_sha256);
-      study.exec();
-      impl->append(kStudyChain, event_kind::kStudyCreated,
-                   body_text({{"seed", std::to_string(seed)},
-                              {"protocol_sha256", impl->info.protocol_sha256},
-                              {"protocol_name", protocol_name}}),
-                   stamp);
-      transaction.commit();
-    });
-    impl->insert.reset();
-    impl->connection.reset();
-    publish(made, path);
-    impl->connection = open_database(path, true);
-    with_storage_errors(path, [&] { begin_writing(*impl->connection); });
-  } catch (...) {
-    impl->insert.reset();
-    impl->connection.reset();
-    ::unlink(made.c_str());
-    throw;
+  // Made under another name and renamed when whole: killed at any instant, there is a study or there is none.
+  {
+    Draft draft(path, Draft::What::file);
+    impl->connection = create_database(draft.path());
+    impl->fill_new(stamp);
+    if (!draft.publish()) throw StorageError(fmt::format("{}: exists already; it was not changed", path.string()));
   }
+  impl->lock->hold_file();
+  impl->connection = open_database(path, true);
+  with_storage_errors(path, [&] { impl->begin_writing(); });
   return std::unique_ptr<Study>(new Study(std::move(impl)));
 }
 
@@ -102,19 +53,25 @@ std::unique_ptr<Study> Study::open(const std::filesystem::path& path, Access acc
     impl->connection = open_database(path, false);
   } else {
     impl->lock = std::make_unique<StudyLock>(path);
+    impl->lock->refuse_other_names();
     impl->connection = open_database(path, true);
   }
   with_storage_errors(path, [&] {
     impl->read_info();
     if (!writable) return;
     impl->read_ends();
-    begin_writing(*impl->connection);
+    impl->begin_writing();
   });
   return std::unique_ptr<Study>(new Study(std::move(impl)));
 }
 
 const StudyInfo& Study::info() const noexcept {
   return impl_->info;
+}
+
+std::filesystem::path Study::path() const {
+  const std::scoped_lock lock(impl_->mutex);
+  return impl_->path;
 }
 
 std::vector<Event> Study::events(const std::string& session) const {
@@ -132,6 +89,15 @@ std::vector<SessionInfo> Study::sessions() const {
   return impl_->sessions();
 }
 
+std::string Study::head() const {
+  const std::scoped_lock lock(impl_->mutex);
+  return with_storage_errors(impl_->path, [&] {
+    SQLite::Statement last(impl_->database(), "SELECT hash FROM event WHERE session = ? ORDER BY seq DESC LIMIT 1");
+    last.bind(1, kStudyChain);
+    return last.executeStep() ? last.getColumn(0).getString() : std::string();
+  });
+}
+
 void Study::close() {
   const std::scoped_lock lock(impl_->mutex);
   impl_->close();
@@ -145,6 +111,30 @@ SQLite::Database& Study::Impl::database() const {
 void Study::Impl::require_writable() const {
   database();
   if (!lock) throw StorageError(fmt::format("{}: was opened for reading only", path.string()));
+}
+
+// The rows of a study without sessions; closes the connection.
+void Study::Impl::fill_new(Stamp stamp) {
+  with_storage_errors(path, [&] {
+    SQLite::Transaction transaction(database());
+    SQLite::Statement protocol(database(), "INSERT INTO protocol (sha256, name, bytes) VALUES (?, ?, ?)");
+    protocol.bind(1, info.protocol_sha256);
+    protocol.bind(2, info.protocol_name);
+    protocol.bind(3, info.protocol_bytes.data(), static_cast<int>(info.protocol_bytes.size()));
+    insert_row(protocol);
+    SQLite::Statement study(database(), "INSERT INTO study (id, seed, protocol) VALUES (1, ?, ?)");
+    study.bind(1, std::to_string(info.seed));
+    study.bind(2, info.protocol_sha256);
+    insert_row(study);
+    append(kStudyChain, event_kind::kStudyCreated,
+           body_text({{"seed", std::to_string(info.seed)},
+                      {"protocol_sha256", info.protocol_sha256},
+                      {"protocol_name", info.protocol_name}}),
+           stamp);
+    transaction.commit();
+  });
+  insert.reset();
+  connection.reset();
 }
 
 void Study::Impl::read_info() {
@@ -166,11 +156,15 @@ void Study::Impl::read_info() {
 
 void Study::Impl::close() {
   if (!connection) return;
-  insert.reset();
-  insert_telemetry.reset();
+  std::string trouble = std::exchange(untold, {});
+  if (lock && files && files->look(*connection) != StudyFiles::State::in_place) trouble = rescue();
+  forget_statements();
+  files.reset();  // from here on SQLite itself takes the log away, also where it then fails
   if (lock) with_storage_errors(path, [&] { end_writing(*connection); });
   connection.reset();
+  former.reset();
   lock.reset();
+  if (!trouble.empty()) throw StorageError(trouble);
 }
 
 }  // namespace jnd

@@ -14,6 +14,7 @@
 #include <string_view>
 #include <vector>
 
+#include "data/problem.h"
 #include "data/session_log.h"
 #include "data/storage_error.h"
 #include "protocols/vocabulary.h"
@@ -75,7 +76,10 @@ class Study {
   ~Study();
 
   const StudyInfo& info() const noexcept;
+  // As it was named; of another file where its own was taken away and the study was rescued (data/README.md).
+  std::filesystem::path path() const;
   std::vector<SessionInfo> sessions() const;  // by kind, then participant number
+  std::string head() const;                   // hash of the last event of the study's own chain
 
   // Both logs must not outlive the study. Real sessions are refused on network file systems.
   // A new session, its session.opened event committed. Simulated and pilot sessions have numbers of their own; a
@@ -111,8 +115,10 @@ struct VerifyReport {
   std::int64_t events = 0;
   std::int64_t trials = 0;  // completed, main part
   std::int64_t voided = 0;
-  std::int64_t telemetry = 0;  // blobs
-  std::vector<std::string> problems;
+  std::int64_t telemetry = 0;       // blobs
+  std::int64_t telemetry_lost = 0;  // that a recovery says it could not save
+  std::string study_head;           // hash of the last event of the study's own chain
+  std::vector<Problem> problems;
 };
 // Recomputes every hash, telemetry's among them, and every trial's stimuli from the protocol, seed and participant.
 VerifyReport verify(const Study& study);

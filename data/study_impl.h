@@ -14,6 +14,7 @@
 
 #include "data/database.h"
 #include "data/study.h"
+#include "data/study_files.h"
 #include "data/study_lock.h"
 
 namespace jnd {
@@ -34,13 +35,13 @@ using ParticipantKey = std::pair<SessionKind, std::string>;
 
 // An answer that was taken back: its completion is followed by a trial.voided of the same attempt.
 struct TakenBack {
-  std::int64_t row = 0;  // rowid of the completion
   std::string session;
   std::int64_t seq = 0;         // of the completion
   std::int64_t voided_seq = 0;  // of the trial.voided
   bool practice = false;
 };
-// By row. Of files of every version; voids are few, so that this costs next to nothing beside reading the trials.
+// By session and seq. Of files of every version; voids are few, so that this costs next to nothing beside reading the
+// trials.
 std::vector<TakenBack> taken_back(SQLite::Database& database);
 // Who was left out, and whether the number is free again.
 std::map<ParticipantKey, bool> excluded_participants(SQLite::Database& database);
@@ -56,16 +57,28 @@ struct Study::Impl {
   std::map<ParticipantKey, bool> excluded;  // for writing only: whether the number is free again
   bool people = false;                      // a real or pilot session was opened: synchronous=FULL for good
   bool relaxed = false;                     // synchronous=NORMAL just now
-  bool shaken = false;  // the disk failed: what it flushed before may not be what it holds (see write())
+  std::unique_ptr<StudyFiles> files;        // for writing only
+  struct Former {
+    std::filesystem::path path;
+    std::unique_ptr<StudyLock> lock;
+  };
+  std::unique_ptr<Former> former;  // after a rescue, until it is known which file the study goes on in
+  std::string untold;              // of a rescue after an event was written
+  bool shaken = false;             // the disk failed: what it flushed before may not be what it holds (see write())
 
   // The connection; throws StorageError after close(). Call with the mutex held, as all below.
   SQLite::Database& database() const;
   void require_writable() const;
   void read_info();
   void read_ends();
+  void fill_new(Stamp stamp);
+  // Once the study is open for writing. Keeps synchronous as it was.
+  void begin_writing();
   // Runs what adds events, in a transaction of its own or in autocommit. Where it fails for a reason that may pass
   // (StorageTrouble: full, an error of the disk, another program's lock) nothing was written, no transaction is open,
-  // and it can be run again. `ends` must be put back by the caller where it was changed before the failure.
+  // and it can be run again. The study is looked for
+  // before and after: what returns is in a file that can be found. `ends` must be put back by the caller where it was
+  // changed before the failure.
   template <typename Action>
   void write(Action&& action);
   // Within write(): one event, committed unless a transaction is open.
@@ -86,13 +99,24 @@ struct Study::Impl {
  private:
   void steady();
   void tidy_after_failure() const;
+  void forget_statements();
+  // Throws StorageTrouble, once for each rescue, where the study or its log is not in its place; the next time it goes
+  // on: in the study's own file where that is back as it was, else in the new one.
+  void require_in_place();
+  void confirm_written();
+  // Copies everything into a new file beside the study, verifies it, and goes over to it. Returns what happened, in
+  // words; throws StorageTrouble where it cannot be done.
+  std::string rescue();
+  void choose_file();
 };
 
 template <typename Action>
 void Study::Impl::write(Action&& action) {
   try {
+    require_in_place();
     steady();
     action();
+    confirm_written();
   } catch (const SQLite::Exception& error) {
     tidy_after_failure();
     shaken = shaken || is_disk_error(error);

@@ -9,6 +9,7 @@
 #include "data/event_body.h"
 #include "data/plain_name.h"
 #include "data/schema.h"
+#include "data/study_facts.h"
 #include "data/study_impl.h"
 #include "data/utc_time.h"
 #include "protocols/version.h"
@@ -100,7 +101,8 @@ void refuse_numbers(const NewSession& session, const Study::Impl& study) {
   }
 }
 
-nlohmann::ordered_json opened_body(const NewSession& session, const StudyInfo& study) {
+// study_head: of the study's own chain just now.
+nlohmann::ordered_json opened_body(const NewSession& session, const StudyInfo& study, const std::string& study_head) {
   nlohmann::ordered_json body = {
       {"participant", session.participant},
       {"participant_number", session.participant_number},
@@ -119,6 +121,8 @@ nlohmann::ordered_json opened_body(const NewSession& session, const StudyInfo& s
       {"seed", std::to_string(study.seed)}};
   if (!session.language.empty()) body["language"] = session.language;
   if (!session.boot_id.empty()) body["boot_id"] = session.boot_id;
+  // Simulated sessions begin side by side, in an order of their threads; their events must not depend on it.
+  if (session.kind != SessionKind::simulated) body[kStudyHeadKey] = study_head;
   return body;
 }
 
@@ -130,7 +134,7 @@ std::unique_ptr<SessionLog> Study::open_session(const NewSession& session) {
   refuse_names(session, *impl_);
   refuse_numbers(session, *impl_);
   if (session.kind == SessionKind::real) refuse_network_file_system(impl_->path);
-  const std::string body = body_text(opened_body(session, impl_->info));
+  const std::string body = body_text(opened_body(session, impl_->info, impl_->ends.at(kStudyChain).hash));
   impl_->write([&] {
     impl_->set_durability(session.kind);
     impl_->append(session.id, event_kind::kSessionOpened, body, session.stamp);
@@ -177,7 +181,10 @@ void Study::close_session(const std::string& id, Stamp stamp) {
       totals.reset();
       SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
       impl_->append(id, event_kind::kSessionClosed,
-                    body_text({{"trials_completed", completed}, {"trials_voided", voided}}), stamp);
+                    body_text({{"trials_completed", completed},
+                               {"trials_voided", voided},
+                               {kStudyHeadKey, impl_->ends.at(kStudyChain).hash}}),
+                    stamp);
       impl_->append(kStudyChain, event_kind::kSessionClosed,
                     body_text({{"session", id},
                                {"participant", before.participant},
@@ -230,7 +237,7 @@ void Study::Impl::append(const std::string& session, std::string_view kind, cons
   insert->bindNoCopy(7, event.body);
   insert->bindNoCopy(8, event.hash);
   try {
-    insert->exec();  // commits, unless the caller has a transaction open
+    insert_row(*insert);  // commits, unless the caller has a transaction open
   } catch (...) {
     insert->tryReset();
     insert->clearBindings();
@@ -284,6 +291,11 @@ void Study::Impl::read_ends() {
     end.number = info.number;
     end.kind = info.kind;
   }
+  if (!ends.contains(kStudyChain))
+    throw StorageError(
+        fmt::format("{}: the study's own events are missing: it is damaged; it was not changed. jnd "
+                    "recover makes a new study of what is in it",
+                    path.string()));
   excluded = excluded_participants(database());
 }
 

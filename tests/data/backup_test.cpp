@@ -32,7 +32,7 @@ TEST_CASE("a backup holds every event and head, and is private", "[data]") {
   const BackupReport report = backup_of(path, folder / "backup.jnd");
   CHECK(report.written);
   CHECK(report.verified.sessions == 3);
-  CHECK(report.verified.problems == std::vector<std::string>{});
+  CHECK(report.verified.problems == std::vector<Problem>{});
   CHECK(report.bytes == std::filesystem::file_size(folder / "backup.jnd"));
   CHECK(mode_of(folder / "backup.jnd") == 0600);
   CHECK(files_in(folder) == 2);
@@ -80,7 +80,7 @@ TEST_CASE("an interrupted backup leaves nothing, and the earlier one as it was",
   CHECK_FALSE(backup_of(path, folder / "backup.jnd", true, [] { return true; }).written);
   CHECK(bytes_of(folder / "backup.jnd") == earlier);
   CHECK(files_in(folder) == 2);
-  write_bytes(folder / "backup.jnd.new", "half");  // of a program that was killed
+  write_bytes(folder / "backup.jnd.jnd-draft-abc123", "half");  // of a program that was killed
   CHECK(backup_of(path, folder / "backup.jnd", true).written);
   CHECK(files_in(folder) == 2);
 }
@@ -117,6 +117,16 @@ TEST_CASE("a backup takes the place of an earlier one only", "[data]") {
   is_kept(folder / "other-protocol");
   REQUIRE(backup_of(path, folder / "backup.jnd").written);
   CHECK(backup_of(path, folder / "backup.jnd", true).written);
+}
+
+TEST_CASE("a study that somebody went on with is no earlier backup", "[data]") {
+  const TemporaryFolder folder;
+  const auto path = filled_study(folder);
+  REQUIRE(backup_of(path, folder / "backup.jnd").written);
+  Study::open(folder / "backup.jnd", Study::Access::read_write)->open_session(new_session(9));
+  const std::string before = bytes_of(folder / "backup.jnd");
+  CHECK_THROWS_WITH(backup_of(path, folder / "backup.jnd", true), Catch::Contains("events that this study lacks"));
+  CHECK(bytes_of(folder / "backup.jnd") == before);
 }
 
 TEST_CASE("a study that cannot be read is named, and not its backup", "[data]") {

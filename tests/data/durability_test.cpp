@@ -71,7 +71,7 @@ TEST_CASE("kill -9 in the middle of appending loses nothing that was acknowledge
         log->append(event_kind::kTrialCompleted, to_body(record_of(chinello(), planned[i], usual_answer(planned[i]))),
                     stamp_of(planned[i]));
       study->close_session(id, {9, 9});
-      CHECK(verify(*study).problems == std::vector<std::string>{});
+      CHECK(verify(*study).problems == std::vector<Problem>{});
       study->close();
       CHECK_FALSE(std::filesystem::exists(path.string() + ".lock"));
     }
@@ -118,7 +118,7 @@ TEST_CASE("sessions in several threads keep their own whole chains", "[data]") {
     });
   for (std::thread& thread : threads) thread.join();
   const VerifyReport report = verify(*study);
-  CHECK(report.problems == std::vector<std::string>{});
+  CHECK(report.problems == std::vector<Problem>{});
   CHECK(report.sessions == kThreads * kEach);
   CHECK(study->sessions().size() == kThreads * kEach);
 }

@@ -55,7 +55,7 @@ TEST_CASE("merged sessions are the same to the letter, and verify", "[data]") {
   }
   const std::string bytes_a = bytes_of(a), bytes_b = bytes_of(b);
   const MergeReport report = merge({a, b}, folder / "merged.jnd", kLater);
-  CHECK(report.verified.problems == std::vector<std::string>{});
+  CHECK(report.verified.problems == std::vector<Problem>{});
   CHECK(report.verified.sessions == 5);
   CHECK(report.sources[0].sessions == 3);
   CHECK(report.sources[1].sessions == 2);
@@ -118,7 +118,7 @@ TEST_CASE("a protocol with other spaces means the same", "[data]") {
   const MergeReport report = merge({a, b}, folder / "merged.jnd", kLater);
   CHECK_FALSE(report.sources[0].reworded);
   CHECK(report.sources[1].reworded);
-  CHECK(report.verified.problems == std::vector<std::string>{});
+  CHECK(report.verified.problems == std::vector<Problem>{});
   SQLite::Database database((folder / "merged.jnd").string());
   CHECK(database.execAndGet("SELECT count(*) FROM protocol").getInt() == 2);
 }
@@ -149,6 +149,10 @@ TEST_CASE("what would confuse people or plans is refused, all of it at once", "[
   CHECK_THAT(with_c, !Catch::Contains("number 1"));
   Study::create(other, "chinello2017", chinello().bytes, 3, kLater);
   CHECK_THAT(refusal(folder, {a, other}), Catch::Contains("of another protocol (chinello2017"));
+  // Whatever the names of its sessions.
+  Study::open(other, Study::Access::read_write)->open_session(session_of("P01", 1));
+  const std::string with_other = refusal(folder, {a, other});
+  CHECK_THAT(with_other, Catch::Contains("of another protocol (chinello2017") && !Catch::Contains("twice"));
   CHECK_THAT(refusal(folder, {a, folder / "." / "a.jnd"}), Catch::Contains("are the same file"));
   CHECK_THAT(refusal(folder, {a, folder / "none.jnd"}), Catch::Contains("there is no such study"));
 }

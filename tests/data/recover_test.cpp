@@ -10,6 +10,7 @@
 #include "data/damaged_file.h"
 #include "data/salvage.h"
 #include "data/schema.h"
+#include "data/study_care.h"
 #include "protocols/read_file.h"
 #include "tests/data/damage_fixture.h"
 #include "tests/data/version_1_study.h"
@@ -34,14 +35,14 @@ Recovered recover_bytes(const TemporaryFolder& folder, const StudyContent& befor
   try {
     const RecoveryReport report =
         recover(damaged, to, std::string(JND_SOURCE_DIR) + "/protocols/tutorial.json", kLater);
-    CHECK(report.verified.problems == std::vector<std::string>{});
+    CHECK(report.verified.problems == std::vector<Problem>{});
     recovered.whole = report.whole();
   } catch (const StorageError& error) {
     CHECK_THAT(error.what(), Catch::Contains("nothing of a study was found"));
     CHECK_FALSE(std::filesystem::exists(to));
     return recovered;
   }
-  CHECK(verify(*Study::open(to, Study::Access::read_only)).problems == std::vector<std::string>{});
+  CHECK(verify(*Study::open(to, Study::Access::read_only)).problems == std::vector<Problem>{});
   const StudyContent now = content_of(to);
   for (const auto& [session, events] : now.events) recovered.events += kept_of(before, now, session);
   for (const auto& [key, blobs] : now.telemetry) {
@@ -89,7 +90,7 @@ TEST_CASE("a recovered study goes on", "[data]") {
   study->resume_session("P03-simulated")->append(event_kind::kSessionResumed, {{"cause", "recovered"}}, kLater);
   study->close_session("P03-simulated", kLater);
   run_whole_session(*study, tutorial(), 4);
-  CHECK(verify(*study).problems == std::vector<std::string>{});
+  CHECK(verify(*study).problems == std::vector<Problem>{});
 }
 
 TEST_CASE("a truncated study gives what is left of it", "[data]") {
@@ -101,9 +102,10 @@ TEST_CASE("a truncated study gives what is left of it", "[data]") {
   for (std::size_t part = 0; part <= 16; ++part) {
     const std::size_t size = bytes.size() * part / 16 + (part % 3) * 101;
     CAPTURE(size);
-    const std::size_t events = recover_bytes(folder, before, bytes.substr(0, size)).events;
-    CHECK(events >= most);  // a longer file never gives less
-    most = std::max(most, events);
+    const Recovered recovered = recover_bytes(folder, before, bytes.substr(0, size));
+    CHECK(recovered.events >= most);  // a longer file never gives less
+    CHECK(recovered.whole == (size >= bytes.size()));
+    most = std::max(most, recovered.events);
   }
   CHECK(most == all_events(before));
 }
@@ -136,7 +138,9 @@ TEST_CASE("lost pages cost the events on them, and those behind", "[data]") {
     CAPTURE(page);
     std::string changed = bytes;
     changed.replace(page * page_size, page_size, page_size, '\0');
-    lost_some = recover_bytes(folder, before, changed).events < all_events(before) || lost_some;
+    const Recovered recovered = recover_bytes(folder, before, changed);
+    if (recovered.events < all_events(before)) CHECK_FALSE(recovered.whole);
+    lost_some = recovered.events < all_events(before) || lost_some;
   }
   CHECK(lost_some);
 }
@@ -160,7 +164,7 @@ TEST_CASE("recovery stops at a changed event and counts what lies behind it", "[
   CHECK(chain.cut);
   CHECK_FALSE(chain.closed);
   CHECK(report.sessions[1].closed);
-  CHECK(report.verified.problems == std::vector<std::string>{});
+  CHECK(report.verified.problems == std::vector<Problem>{});
   // The session is open in the new study, and can be gone on with.
   const auto study = Study::open(folder / "new.jnd", Study::Access::read_only);
   CHECK(study->sessions().front().state != study->sessions().back().state);
@@ -226,16 +230,17 @@ TEST_CASE("without its protocol a study is recovered only with the same file", "
                     Catch::Contains("is not the protocol of this study"));
   const RecoveryReport report = recover_with(protocols + "tutorial.json");
   CHECK(report.doubts.size() == 1);
-  CHECK(report.verified.problems == std::vector<std::string>{});
+  CHECK(report.verified.problems == std::vector<Problem>{});
 }
 
 TEST_CASE("a study chain that lost its end is known by a session that it does not close", "[data]") {
   const TemporaryFolder folder;
   const auto path = filled_study(folder);
   // The closing of the second session is the last event of the study's own chain: nothing lies behind the gap.
-  raw_sql(path,
-          "DROP TRIGGER event_no_delete; PRAGMA secure_delete = ON; DELETE FROM event WHERE session = 'study' AND "
-          "seq = 3; VACUUM");
+  hidden_sql(
+      path,
+      "PRAGMA secure_delete = ON; DELETE FROM event WHERE session = 'study' AND seq = 3; VACUUM; UPDATE tally SET "
+      "events = events - 1");
   const RecoveryReport report = recover(path, folder / "new.jnd", std::nullopt, kLater);
   CHECK(report.sessions.size() == 3);
   CHECK(report.own.events == 2);
@@ -244,17 +249,65 @@ TEST_CASE("a study chain that lost its end is known by a session that it does no
   CHECK_FALSE(report.whole());
   REQUIRE(report.doubts.size() == 1);
   CHECK_THAT(report.doubts[0], Catch::Contains("the end of the study's own events is lost"));
-  CHECK(report.verified.problems == std::vector<std::string>{});
+  CHECK(report.verified.problems == std::vector<Problem>{});
 }
 
-TEST_CASE("studies of earlier versions are recovered without doubts", "[data]") {
+TEST_CASE("an end that was cut off is missed where nothing but a later session or the count of events knows of it",
+          "[data]") {
+  const TemporaryFolder folder;
+  const auto path = folder / "study.jnd";
+  {
+    const auto study = new_study(path);
+    run_whole_session(*study, tutorial(), 1);
+    exclude_participant(*study, "P01", SessionKind::simulated, "asleep", false, kLater);
+    study->open_session(new_session(2, SessionKind::real));
+  }
+  const std::string cut = "PRAGMA secure_delete = ON; DELETE FROM event WHERE kind = 'participant.excluded'; VACUUM;";
+  hidden_sql(path, cut);
+  const RecoveryReport counted = recover(path, folder / "counted.jnd", std::nullopt, kLater);
+  CHECK_FALSE(counted.whole());
+  REQUIRE(counted.doubts.size() == 2);
+  CHECK(counted.doubts[0] == "30 events were added to the study, and 29 of them were found");
+  CHECK_THAT(counted.doubts[1], Catch::Contains("the end of the study's own events is lost"));
+  CHECK(counted.verified.problems == std::vector<Problem>{});
+  hidden_sql(path, "UPDATE tally SET events = events - 1");
+  const RecoveryReport pinned = recover(path, folder / "pinned.jnd", std::nullopt, kLater);
+  CHECK_FALSE(pinned.whole());
+  CHECK(pinned.own.cut);
+  CHECK(pinned.doubts.size() == 1);
+  CHECK(pinned.verified.problems == std::vector<Problem>{});
+}
+
+TEST_CASE("a file that ends early says how many of its pages are missing", "[data]") {
+  const TemporaryFolder folder;
+  const auto path = folder / "study.jnd";
+  {
+    const auto study = new_study(path);
+    for (int number = 1; number <= 6; ++number) run_whole_session(*study, tutorial(), number);
+  }
+  const std::string bytes = bytes_of(path);
+  write_bytes(path, bytes.substr(0, bytes.size() - 2 * 4096 - 1));
+  const RecoveryReport report = recover(path, folder / "new.jnd", std::nullopt, kLater);
+  CHECK_FALSE(report.whole());
+  REQUIRE_FALSE(report.doubts.empty());
+  CHECK(report.doubts[0] == "the file ends early: 3 of its " + std::to_string(bytes.size() / 4096) +
+                                " pages are missing, and what was on them");
+  std::string headless = bytes;
+  headless.replace(0, 100, 100, 'x');
+  write_bytes(path, headless);
+  CHECK_THAT(recover(path, folder / "headless.jnd", std::nullopt, kLater).doubts.at(0),
+             Catch::Contains("header is damaged"));
+}
+
+TEST_CASE("studies of earlier versions are recovered, in doubt only where a session is open", "[data]") {
   const TemporaryFolder folder;
   write_version_1_study(folder / "1.jnd");
   write_version_2_study(folder / "2.jnd");
   for (const char* name : {"1.jnd", "2.jnd"}) {
     CAPTURE(name);
     const RecoveryReport report = recover(folder / name, folder / (std::string("new-") + name), std::nullopt, kLater);
-    CHECK(report.doubts == std::vector<std::string>{});
+    REQUIRE(report.doubts.size() == 1);
+    CHECK_THAT(report.doubts[0], Catch::Contains("a session is open"));
     CHECK_FALSE(report.own.cut);
   }
 }

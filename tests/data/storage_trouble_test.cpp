@@ -108,7 +108,7 @@ TEST_CASE("a person's trial costs one flush, a simulated one none", "[data]") {
       CHECK(flushes == before + (kind == SessionKind::simulated ? 0 : 1));
     }
     CHECK(bench.synchronous() == (kind == SessionKind::simulated ? 1 : 2));
-    CHECK(verify(*bench.study).problems == std::vector<std::string>{});
+    CHECK(verify(*bench.study).problems == std::vector<Problem>{});
   }
 }
 
@@ -156,7 +156,7 @@ void fail_one_by_one(std::atomic<int>& what, int error, const std::string& words
   const SessionState state = replay(bench.log->events());
   CHECK(state.completed.size() == trial + 1);
   bench.study->close_session("P01-real", {9, 9});
-  CHECK(verify(*bench.study).problems == std::vector<std::string>{});
+  CHECK(verify(*bench.study).problems == std::vector<Problem>{});
   bench.study->close();
   CHECK(verify(*Study::open(bench.folder / "study.jnd", Study::Access::read_only)).problems.empty());
 }
@@ -195,7 +195,7 @@ TEST_CASE("another program's lock is trouble that passes", "[data]") {
   }
   other.exec("COMMIT");
   bench.answer(0);
-  CHECK(verify(*bench.study).problems == std::vector<std::string>{});
+  CHECK(verify(*bench.study).problems == std::vector<Problem>{});
 }
 
 TEST_CASE("study files are private whatever the umask", "[data]") {

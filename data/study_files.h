@@ -1,0 +1,42 @@
+// Whether a study that is open for writing, and its write-ahead log, are still the files at its place. A file that was
+// removed, renamed or replaced can be written to without an error, and nobody would find it again.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include <SQLiteCpp/SQLiteCpp.h>
+
+namespace jnd {
+
+class StudyFiles {
+ public:
+  enum class State { in_place, removed, moved, replaced, log_removed, log_replaced, log_cut };
+
+  // Once the study is open for writing, with its log. place: absolute, without links. study: a descriptor of it, which
+  // must outlive this.
+  StudyFiles(std::filesystem::path place, int study);
+  ~StudyFiles();
+  StudyFiles(const StudyFiles&) = delete;
+  StudyFiles& operator=(const StudyFiles&) = delete;
+
+  // What is true at this moment; some microseconds.
+  State look(SQLite::Database& connection);
+  // "study.sqlite was renamed to /home/lab/b.sqlite".
+  std::string in_words(State state) const;
+  // Where the file is now, as the kernel knows it; empty where it has no name any more.
+  std::filesystem::path whereabouts() const;
+
+  // Closes the connection to a study that is not in place: puts the log's content into the file, whatever it is called
+  // now, as far as there is any, and takes no file's name away but the log's own.
+  void leave(std::unique_ptr<SQLite::Database>& connection, State state) const;
+
+ private:
+  void find_log();
+  bool log_is_whole(SQLite::Database& connection) const;
+
+  std::filesystem::path place_, log_place_;
+  int study_, log_ = -1;
+};
+
+}  // namespace jnd
