@@ -7,6 +7,7 @@
 
 #include "data/event_body.h"
 #include "data/storage_error.h"
+#include "data/study_lock.h"
 
 namespace jnd {
 
@@ -15,7 +16,7 @@ bool is_carried(std::string_view kind) noexcept {
 }
 
 bool in_use(const std::filesystem::path& study) {
-  const int descriptor = ::open((study.string() + ".lock").c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+  const int descriptor = ::open((real_place(study).string() + ".lock").c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
   if (descriptor < 0) return false;
   const bool free = ::flock(descriptor, LOCK_SH | LOCK_NB) == 0;
   ::close(descriptor);

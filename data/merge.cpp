@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "analysis/stop_request.h"
 #include "data/carried_events.h"
 #include "data/event_body.h"
 #include "data/merge_source.h"
@@ -58,6 +59,7 @@ Json merged_body(const std::vector<SourceStudy>& sources) {
 
 void copy_session(StudyWriter& writer, const Study& study, const std::string& session, std::int64_t& events) {
   for (const Event& event : study.events(session)) {
+    stop_if_requested();
     writer.copy(stored(event), study.telemetry(session, event.seq));
     ++events;
   }

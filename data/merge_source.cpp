@@ -62,6 +62,7 @@ class Conflicts {
 
   std::vector<std::string> find() {
     for (const SourceStudy& source : sources_) check_protocol(source);
+    if (!reasons_.empty()) return std::move(reasons_);  // studies of their own: what they share has no meaning
     for (const SourceStudy& source : sources_)
       for (const SourceSession& session : source.sessions) check_session(source, session);
     for (const SourceStudy& source : sources_) check_exclusions(source);

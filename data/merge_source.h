@@ -25,7 +25,7 @@ struct SourceStudy {
   std::vector<SourceSession> sessions;
   std::vector<SourceProtocol> protocols;  // all that the file keeps
   std::vector<Event> own;                 // the study's chain
-  std::vector<std::string> damage;        // what verify finds
+  std::vector<Problem> damage;            // what verify finds
 };
 
 // Throw InputError.

@@ -6,6 +6,7 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 
 #include "data/schema_version_3.h"
+#include "data/schema_version_4.h"
 
 namespace jnd {
 
@@ -191,14 +192,15 @@ void to_version_2(SQLite::Database& database) {
 }
 
 // Step i makes a file of version i one of version i + 1. A step that has been released is never edited.
-constexpr std::array<void (*)(SQLite::Database&), kSchemaVersion> kSteps = {to_version_1, to_version_2, to_version_3};
+constexpr std::array<void (*)(SQLite::Database&), kSchemaVersion> kSteps = {to_version_1, to_version_2, to_version_3,
+                                                                            to_version_4};
 
 }  // namespace
 
-void migrate(SQLite::Database& database, int version) {
-  for (std::size_t step = static_cast<std::size_t>(version); step < kSteps.size(); ++step) kSteps[step](database);
+void migrate(SQLite::Database& database, int from, int to) {
+  for (int version = from; version < to; ++version) kSteps.at(static_cast<std::size_t>(version))(database);
   database.exec("PRAGMA application_id = " + std::to_string(kApplicationId));
-  database.exec("PRAGMA user_version = " + std::to_string(kSchemaVersion));
+  database.exec("PRAGMA user_version = " + std::to_string(to));
 }
 
 }  // namespace jnd

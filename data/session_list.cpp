@@ -75,17 +75,17 @@ void for_sessions(SQLite::Database& database, const char* sql, std::map<std::str
 }  // namespace
 
 std::vector<TakenBack> taken_back(SQLite::Database& database) {
-  // Voids first, which are few; of a completion that was voided twice the first void counts. Within a session the order
-  // of rowid is that of seq, and it stands in every index.
+  // Voids first, which are few; of a completion that was voided twice the first void counts. The plus keeps SQLite to
+  // the index of trials.
   SQLite::Statement query(
       database,
-      "SELECT c.rowid, c.session, c.seq, min(v.seq), c.practice FROM event v CROSS JOIN event c WHERE v.kind = "
-      "'trial.voided' AND c.kind = 'trial.completed' AND c.session = v.session AND c.trial = v.trial AND c.rowid < "
-      "v.rowid AND c.attempt = v.attempt GROUP BY c.rowid ORDER BY c.rowid");
+      "SELECT c.session, c.seq, min(v.seq), c.practice FROM event v CROSS JOIN event c WHERE v.kind = 'trial.voided' "
+      "AND c.kind = 'trial.completed' AND c.session = v.session AND c.trial = v.trial AND +c.seq < v.seq AND "
+      "c.attempt = v.attempt GROUP BY c.session, c.seq ORDER BY c.session, c.seq");
   std::vector<TakenBack> found;
   while (query.executeStep())
-    found.push_back({query.getColumn(0).getInt64(), query.getColumn(1).getString(), query.getColumn(2).getInt64(),
-                     query.getColumn(3).getInt64(), query.getColumn(4).getInt() != 0});
+    found.push_back({query.getColumn(0).getString(), query.getColumn(1).getInt64(), query.getColumn(2).getInt64(),
+                     query.getColumn(3).getInt() != 0});
   return found;
 }
 

@@ -5,6 +5,8 @@
 #include <string_view>
 #include <utility>
 
+#include "analysis/stop_request.h"
+
 namespace jnd {
 
 namespace {
@@ -156,6 +158,7 @@ void StoredRows::each(const std::function<void(StoredRow&&)>& found) const {
 }
 
 void StoredRows::scan(Bytes page, int geometry, const std::function<void(StoredRow&&)>& found) const {
+  stop_if_requested();
   const std::size_t usable = geometries_[static_cast<std::size_t>(geometry)].usable;
   const Bytes used = page.first(std::min(usable, page.size()));
   const bool log = !log_[static_cast<std::size_t>(geometry)].empty();

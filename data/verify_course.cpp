@@ -24,8 +24,7 @@ constexpr double kTimeOutSlack_s = 0.05;
 
 class Course {
  public:
-  Course(const Protocol& protocol, const Plan& plan, bool marks,
-         const std::function<void(const Event&, const std::string&)>& problem)
+  Course(const Protocol& protocol, const Plan& plan, bool marks, const TellCourse& problem)
       : protocol_(protocol),
         plan_(plan),
         questions_(protocol, plan),
@@ -80,7 +79,12 @@ class Course {
 
   template <typename... Arguments>
   void problem(fmt::format_string<Arguments...> text, Arguments&&... arguments) {
-    tell_(*event_, fmt::format(text, std::forward<Arguments>(arguments)...));
+    tell_(*event_, fmt::format(text, std::forward<Arguments>(arguments)...), Problem::Reveals::plan);
+  }
+  // The same of places, numbers of attempts and times, which give nothing away.
+  template <typename... Arguments>
+  void open_problem(fmt::format_string<Arguments...> text, Arguments&&... arguments) {
+    tell_(*event_, fmt::format(text, std::forward<Arguments>(arguments)...), Problem::Reveals::nothing);
   }
 
   // An attempt at a trial begins here.
@@ -88,15 +92,16 @@ class Course {
     const auto found = planned_.find(index);
     if (found == planned_.end()) return;  // verify says so
     const Trial& trial = *found->second;
-    if (pending_) problem("trial {} begins while trial {} has no end yet", index, pending_->index);
+    if (pending_) open_problem("trial {} begins while trial {} has no end yet", index, pending_->index);
     int& highest = attempts_[index];
-    if (attempt != highest + 1) problem("trial {}: is attempt {}, and the next one is {}", index, attempt, highest + 1);
+    if (attempt != highest + 1)
+      open_problem("trial {}: is attempt {}, and the next one is {}", index, attempt, highest + 1);
     highest = std::max(highest, attempt);
     if (used_[index] >= protocol_.timeline.max_attempts)
-      problem("trial {} comes again although its {} attempts were used up", index, used_[index]);
-    if (finished_.contains(index)) problem("trial {} comes again after it was answered or given up", index);
+      open_problem("trial {} comes again although its {} attempts were used up", index, used_[index]);
+    if (finished_.contains(index)) open_problem("trial {} comes again after it was answered or given up", index);
     if (trial.practice) {
-      if (practice_over_) problem("trial {}: is practice, which had ended", index);
+      if (practice_over_) open_problem("trial {}: is practice, which had ended", index);
     } else {
       begin_main(trial);
     }
@@ -104,15 +109,16 @@ class Course {
   }
 
   void begin_main(const Trial& trial) {
-    if (protocol_.practice && !practice_over_) problem("trial {}: comes before practice had ended", trial.index);
+    if (protocol_.practice && !practice_over_) open_problem("trial {}: comes before practice had ended", trial.index);
     if (person_ && !protocol_.consent.empty() && !consented_)
-      problem("trial {}: comes before the participant's consent", trial.index);
+      open_problem("trial {}: comes before the participant's consent", trial.index);
     if (trial.block != block_) {
       block_ = trial.block;
       for (const Trial& other : plan_.trials)
         if (!other.practice && other.block < trial.block && !finished_.contains(other.index) &&
             !adaptive_.over(other)) {
-          problem("trial {}: of block {} comes while block {} still has trials", trial.index, trial.block, other.block);
+          open_problem("trial {}: of block {} comes while block {} still has trials", trial.index, trial.block,
+                       other.block);
           break;
         }
       for (const std::string& missing : questions_.missing_before(trial.block))
@@ -121,25 +127,26 @@ class Course {
     }
     if (marks_ && !resumed_)
       if (const std::optional<int> due = questions_.missing_break_within(main_done_))
-        problem("trial {}: comes before the break that is due after {} trials", trial.index, *due);
+        open_problem("trial {}: comes before the break that is due after {} trials", trial.index, *due);
   }
 
   void complete(const TrialRecord& record) {
     const int index = record.trial.index;
     if (pending_ && pending_->index == index) {
       if (pending_->attempt != record.attempt)
-        problem("trial {}: attempt {} began, and attempt {} was answered", index, pending_->attempt, record.attempt);
+        open_problem("trial {}: attempt {} began, and attempt {} was answered", index, pending_->attempt,
+                     record.attempt);
       pending_.reset();
     } else {
       begin(index, record.attempt);
     }
     const double time_s = record.answer.response_time_s, limit_s = protocol_.timeline.answer_time_out_s;
     if (!std::isfinite(time_s) || time_s < 0)
-      problem("trial {}: a response time of {} s cannot be", index, time_s);
+      open_problem("trial {}: a response time of {} s cannot be", index, time_s);
     else if (limit_s > 0 && time_s > limit_s + kTimeOutSlack_s)
-      problem("trial {}: was answered after {:.3f} s, and the time-out is {} s", index, time_s, limit_s);
+      open_problem("trial {}: was answered after {:.3f} s, and the time-out is {} s", index, time_s, limit_s);
     else if (record.duration_s < time_s)
-      problem("trial {}: took {} s, less than its answer alone, {} s", index, record.duration_s, time_s);
+      open_problem("trial {}: took {} s, less than its answer alone, {} s", index, record.duration_s, time_s);
     finished_.insert(index);
     answered_.push_back({record.trial, record.attempt, record.answer.judgement});
     if (!record.trial.practice) ++main_done_;
@@ -176,13 +183,13 @@ class Course {
   void end_practice(const Json& body) {
     practice_over_ = true;
     if (!protocol_.practice) {
-      problem("the protocol has no practice");
+      open_problem("the protocol has no practice");
       return;
     }
     const int round = whole_at(body, "rounds");
     const double share = body.at("share_correct").get<double>();
     if (round > protocol_.practice->max_rounds)
-      problem("practice took {} rounds, and the protocol allows {}", round, protocol_.practice->max_rounds);
+      open_problem("practice took {} rounds, and the protocol allows {}", round, protocol_.practice->max_rounds);
     const auto trials = std::count_if(plan_.trials.begin(), plan_.trials.end(),
                                       [&](const Trial& one) { return one.practice && one.round == round; });
     const auto correct = std::count_if(answered_.begin(), answered_.end(), [&](const Answered& one) {
@@ -204,28 +211,28 @@ class Course {
     }
     const auto slot = std::find_if(plan_.explorations.begin(), plan_.explorations.end(),
                                    [&](const ExplorationSlot& one) { return one.index == index; });
-    if (slot == plan_.explorations.end()) return problem("object {} is not in the plan", index);
+    if (slot == plan_.explorations.end()) return open_problem("object {} is not in the plan", index);
     for (const ExplorationSlot& one : plan_.explorations)
       if (one.index < index && !explored_.contains(one.index))
-        problem("object {} was explored before object {} was over", index, one.index);
-    if (!explored_.insert(index).second) problem("object {} was explored after it was over", index);
+        open_problem("object {} was explored before object {} was over", index, one.index);
+    if (!explored_.insert(index).second) open_problem("object {} was explored after it was over", index);
     const double duration_s = body.at("duration_s").get<double>();
     if (!body.value("ended_early", false) && duration_s < slot->duration_s - kTimeOutSlack_s)
-      problem("object {} was explored for {} s of {} s", index, duration_s, slot->duration_s);
+      open_problem("object {} was explored for {} s of {} s", index, duration_s, slot->duration_s);
   }
 
   void close(const Json& body) {
     if (whole_at(body, "trials_completed") != main_done_ || whole_at(body, "trials_voided") != voided_)
-      problem("closes with {} trials and {} voided ones; its events are {} and {}", whole_at(body, "trials_completed"),
-              whole_at(body, "trials_voided"), main_done_, voided_);
+      open_problem("closes with {} trials and {} voided ones; its events are {} and {}",
+                   whole_at(body, "trials_completed"), whole_at(body, "trials_voided"), main_done_, voided_);
     if (for_good_) return;  // the operator ended it, or there was no consent: short, and the log says so
-    if (pending_) problem("closes while trial {} has no end", pending_->index);
+    if (pending_) open_problem("closes while trial {} has no end", pending_->index);
     const auto left = std::count_if(plan_.trials.begin(), plan_.trials.end(), [&](const Trial& one) {
       return !one.practice && !finished_.contains(one.index) && !adaptive_.over(one);
     });
-    if (left > 0) problem("closes with {} trial{} still to do", left, left == 1 ? "" : "s");
+    if (left > 0) open_problem("closes with {} trial{} still to do", left, left == 1 ? "" : "s");
     for (const ExplorationSlot& one : plan_.explorations)
-      if (!explored_.contains(one.index)) problem("closes before object {} was explored", one.index);
+      if (!explored_.contains(one.index)) open_problem("closes before object {} was explored", one.index);
     for (const std::string& missing : questions_.missing_at_end()) problem("closes without {}", missing);
   }
 
@@ -234,7 +241,7 @@ class Course {
   CourseOfQuestions questions_;
   AdaptiveRun adaptive_;
   bool marks_;  // the program says when a trial begins; earlier ones took fewer breaks after an interruption
-  std::function<void(const Event&, const std::string&)> tell_;
+  TellCourse tell_;
   const Event* event_ = nullptr;
   std::map<int, const Trial*> planned_;
   std::map<int, int> attempts_, used_;  // by trial: the highest one; those that count
@@ -248,7 +255,7 @@ class Course {
 }  // namespace
 
 void check_course(const Protocol& protocol, const Plan& plan, const std::vector<Event>& events,
-                  const std::function<void(const Event&, const std::string&)>& problem) {
+                  const TellCourse& problem) {
   const bool marks = std::any_of(events.begin(), events.end(),
                                  [](const Event& event) { return event.kind == event_kind::kTrialBegan; });
   Course course(protocol, plan, marks, problem);

@@ -5,15 +5,18 @@
 #include <string>
 #include <vector>
 
+#include "data/problem.h"
 #include "data/session_log.h"
 #include "protocols/plan.h"
 #include "protocols/protocol.h"
 
 namespace jnd {
 
-// problem: called with the event that a rule does not allow, and why. Throws nlohmann::json::exception and StorageError
-// where a body is not what its kind says; verify says so too.
+// Called with the event that a rule does not allow, why, and what that gives away.
+using TellCourse = std::function<void(const Event&, const std::string&, Problem::Reveals)>;
+
+// Throws nlohmann::json::exception and StorageError where a body is not what its kind says; verify says so too.
 void check_course(const Protocol& protocol, const Plan& plan, const std::vector<Event>& events,
-                  const std::function<void(const Event&, const std::string&)>& problem);
+                  const TellCourse& problem);
 
 }  // namespace jnd

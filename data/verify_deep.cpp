@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 
 #include "data/carried_events.h"
+#include "data/draft.h"
 #include "data/event_body.h"
 #include "data/exploration_body.h"
 #include "data/study_impl.h"
@@ -37,15 +38,21 @@ class DeepVerifier {
       const Protocol protocol = parse_protocol(study_.info().protocol_bytes, study_.info().protocol_name);
       for (const SessionInfo& session : study_.sessions()) check_session(protocol, session);
     } catch (const InputError& error) {
-      report_.problems.push_back(fmt::format("The stored protocol cannot be read: {}", error.what()));
+      of_file("The stored protocol cannot be read: {}", error.what());
     }
     return std::move(report_);
   }
 
  private:
-  void problem(const Event& event, const std::string& what) {
+  void problem(const Event& event, const std::string& what, Problem::Reveals reveals = Problem::Reveals::plan) {
+    const std::string where = fmt::format("Session {}, event {} ({})", event.session, event.seq, event.kind);
+    report_.problems.push_back({where, fmt::format("{}: {}.", where, what), reveals});
+  }
+
+  template <typename... Arguments>
+  void of_file(fmt::format_string<Arguments...> text, Arguments&&... arguments) {
     report_.problems.push_back(
-        fmt::format("Session {}, event {} ({}): {}.", event.session, event.seq, event.kind, what));
+        {"The file", fmt::format(text, std::forward<Arguments>(arguments)...), Problem::Reveals::nothing});
   }
 
   // Through SQLite's own handle: closing another descriptor of this file would drop the locks of this process.
@@ -61,8 +68,7 @@ class DeepVerifier {
     for (sqlite3_int64 at = 0; at < size; at += static_cast<sqlite3_int64>(piece.size())) {
       const auto length = static_cast<int>(std::min(size - at, static_cast<sqlite3_int64>(piece.size())));
       if (file->pMethods->xRead(file, piece.data(), length, at) != SQLITE_OK)
-        report_.problems.push_back(
-            fmt::format("The file: bytes {} to {} cannot be read from the disk.", at, at + length - 1));
+        of_file("The file: bytes {} to {} cannot be read from the disk.", at, at + length - 1);
       else
         report_.bytes += length;
     }
@@ -71,8 +77,7 @@ class DeepVerifier {
     };
     const std::int64_t expected = pages("PRAGMA page_count") * pages("PRAGMA page_size");
     const bool log = fs::exists(impl.path.string() + "-wal");
-    if (size != expected && !log)
-      report_.problems.push_back(fmt::format("The file: has {} bytes; its header says {}.", size, expected));
+    if (size != expected && !log) of_file("The file: has {} bytes; its header says {}.", size, expected);
   }
 
   void look_beside() {
@@ -80,8 +85,8 @@ class DeepVerifier {
     struct stat status {};
     if (::stat(path.c_str(), &status) != 0) return;
     if ((status.st_mode & (S_IWGRP | S_IWOTH)) != 0)
-      report_.problems.push_back(fmt::format("The file: others may write to it (mode {:o}); chmod 600 ends that.",
-                                             static_cast<unsigned>(status.st_mode) & 0777U));
+      of_file("The file: others may write to it (mode {:o}); chmod 600 ends that.",
+              static_cast<unsigned>(status.st_mode) & 0777U);
     else if ((status.st_mode & (S_IRGRP | S_IROTH)) != 0)
       report_.remarks.push_back(fmt::format("others may read the file (mode {:o}); chmod 600 ends that",
                                             static_cast<unsigned>(status.st_mode) & 0777U));
@@ -100,9 +105,9 @@ class DeepVerifier {
             "a program that wrote to this study was killed; what it had saved is here, and the next one that writes "
             "puts it into the file");
     }
-    if (beside(".new"))
-      report_.remarks.push_back(fmt::format("{}.new was left by a program that was killed before it had finished it",
-                                            path.filename().string()));
+    for (const fs::path& draft : left_drafts(path))
+      report_.remarks.push_back(
+          fmt::format("{} was left by a program that was killed before it had finished it", draft.filename().string()));
   }
 
   void check_session(const Protocol& protocol, const SessionInfo& session) {
@@ -111,7 +116,9 @@ class DeepVerifier {
     try {
       const Plan plan = make_plan(protocol, session.participant_number, seed_of(events.front()), session.number);
       check_course(protocol, plan, events,
-                   [this](const Event& event, const std::string& what) { problem(event, what); });
+                   [this](const Event& event, const std::string& what, Problem::Reveals reveals) {
+                     problem(event, what, reveals);
+                   });
       ++report_.sessions;
       for (const Event& event : events) check_telemetry(protocol, event);
     } catch (const std::invalid_argument& error) {

@@ -19,7 +19,7 @@ struct DeepReport {
   std::int64_t numbers = 0;    // compared, in these
   int sessions = 0;            // whose course was followed
   std::int64_t bytes = 0;      // read
-  std::vector<std::string> problems;
+  std::vector<Problem> problems;
   std::vector<std::string> remarks;  // what nobody did wrong and somebody may want to know
 };
 

@@ -7,6 +7,7 @@
 #include "data/body_numbers.h"
 #include "data/plain_name.h"
 #include "data/storage_error.h"
+#include "data/verify_fields.h"
 
 namespace jnd {
 
@@ -20,8 +21,14 @@ bool within(int place, std::size_t size) noexcept {
 
 }  // namespace
 
+void SessionCheck::add(const Event& event, const std::string& what, Problem::Reveals reveals) {
+  const std::string where = fmt::format("Session {}, event {}", session_, event.seq);
+  report_.problems.push_back({where, fmt::format("{}: {}", where, what), reveals});
+}
+
 void SessionCheck::check(const Event& event, const Json& body) {
-  if (closed_) problem(event, "({}): comes after session.closed.", event.kind);
+  check_fields(event.kind, body);
+  if (closed_) open_problem(event, "({}): comes after session.closed.", event.kind);
   if (event.kind == event_kind::kSessionOpened) {
     open(event, body);
   } else if (event.kind == event_kind::kSessionClosed) {
@@ -46,22 +53,22 @@ void SessionCheck::check(const Event& event, const Json& body) {
 }
 
 void SessionCheck::open(const Event& event, const Json& body) {
-  if (event.seq != 1) problem(event, "session.opened is not the first event.");
+  if (event.seq != 1) open_problem(event, "session.opened is not the first event.");
   opened_ = true;
   participant_ = body.at("participant").get<std::string>();
-  if (!plain_name(participant_)) problem(event, "the participant code cannot be one.");
+  if (!plain_name(participant_)) open_problem(event, "the participant code cannot be one.");
   kind_ = body.at("kind").get<std::string>();
   participant_number_ = whole_at(body, "participant_number");
   number_ = whole_or(body, "session_number", 1);
   seed_ = body.at("seed").get<std::string>();
-  if (!session_kind_from(kind_)) problem(event, "unknown kind of session \"{}\".", kind_);
+  if (!session_kind_from(kind_)) open_problem(event, "unknown kind of session \"{}\".", kind_);
   if (!facts_.seeds.contains(seed_) || !facts_.protocols.contains(body.at("protocol_sha256").get<std::string>()))
     problem(event, "was opened for another study (its seed or protocol is not this study's).");
   else
     make_the_plan();
   if (protocol_ != nullptr && !has_plan_)
-    problem(event, "no plan for session {} of participant number {}, so that no trial can be compared with it.",
-            number_, participant_number_);
+    open_problem(event, "no plan for session {} of participant number {}, so that no trial can be compared with it.",
+                 number_, participant_number_);
 }
 
 void SessionCheck::make_the_plan() {
@@ -82,7 +89,7 @@ void SessionCheck::make_the_plan() {
 
 bool SessionCheck::planned_index(const Event& event, int index) {
   if (!has_plan_ || planned_.contains(index)) return has_plan_;
-  problem(event, "trial {} is not in the plan of participant {}.", index, participant_);
+  open_problem(event, "trial {} is not in the plan of participant {}.", index, participant_);
   return false;
 }
 
@@ -93,23 +100,23 @@ std::vector<SessionCheck::Given>::iterator SessionCheck::given(int index) {
 void SessionCheck::check_began(const Event& event, const Json& body) {
   const int index = whole_at(body, "index");
   if (pending_)
-    problem(event, "trial {} began while trial {}, which had begun before, had neither an answer nor a void.", index,
-            pending_->index);
+    open_problem(event, "trial {} began while trial {}, which had begun before, had neither an answer nor a void.",
+                 index, pending_->index);
   pending_ = PendingTrial{index, whole_at(body, "attempt")};
   if (planned_index(event, index) && given(index) != given_.end())
-    problem(event, "trial {} began although it was answered, and its answer was not taken back.", index);
+    open_problem(event, "trial {} began although it was answered, and its answer was not taken back.", index);
 }
 
 void SessionCheck::check_completed(const Event& event, const Json& body) {
   const TrialRecord record = trial_record_from(body);
   const Trial& trial = record.trial;
   if (!trial.practice) ++report_.trials;
-  if (given(trial.index) != given_.end()) problem(event, "trial {} was completed before.", trial.index);
+  if (given(trial.index) != given_.end()) open_problem(event, "trial {} was completed before.", trial.index);
   if (given_up_.contains(trial.index))
-    problem(event, "trial {} was completed after its block had been ended.", trial.index);
+    open_problem(event, "trial {} was completed after its block had been ended.", trial.index);
   if (pending_ && (pending_->index != trial.index || pending_->attempt != record.attempt))
-    problem(event, "trial {}, attempt {}, was completed while trial {}, attempt {}, was presented.", trial.index,
-            record.attempt, pending_->index, pending_->attempt);
+    open_problem(event, "trial {}, attempt {}, was completed while trial {}, attempt {}, was presented.", trial.index,
+                 record.attempt, pending_->index, pending_->attempt);
   pending_.reset();
   check_planned(event, trial);
   // As planned, so that one changed trial is one problem.
@@ -143,8 +150,8 @@ void SessionCheck::check_voided(const Event& event, const Json& body) {
   const auto answer = given(trial.index);
   if (answer == given_.end() || answer->attempt != whole_at(body, "attempt")) {
     if (answer != given_.end())
-      problem(event, "trial {}: attempt {} is voided, but attempt {} was answered.", trial.index,
-              whole_at(body, "attempt"), answer->attempt);
+      open_problem(event, "trial {}: attempt {} is voided, but attempt {} was answered.", trial.index,
+                   whole_at(body, "attempt"), answer->attempt);
     check_planned(event, trial);
     return;
   }
@@ -169,8 +176,8 @@ void SessionCheck::check_block_ended(const Event& event, const Json& body) {
     if (!has_plan_ || !planned_index(event, index)) continue;
     const Trial& trial = planned_.at(index);
     if (!trial.practice && trial.block != block)
-      problem(event, "trial {} is given up with block {}, but is of block {}.", index, block, trial.block);
-    if (given(index) != given_.end()) problem(event, "trial {} is given up although it was answered.", index);
+      open_problem(event, "trial {} is given up with block {}, but is of block {}.", index, block, trial.block);
+    if (given(index) != given_.end()) open_problem(event, "trial {} is given up although it was answered.", index);
     // Practice may come again after an interruption.
     if (!trial.practice) given_up_.insert(index);
   }
@@ -181,12 +188,12 @@ void SessionCheck::check_exploration(const Event& event, const Json& body) {
   if (!has_plan_) return;
   const auto planned = explorations_.find(index);
   if (planned == explorations_.end()) {
-    problem(event, "free interaction {} is not in the plan of participant {}.", index, participant_);
+    open_problem(event, "free interaction {} is not in the plan of participant {}.", index, participant_);
     return;
   }
   if (event.kind == event_kind::kExplorationVoided) explored_.erase(index);
   if (event.kind != event_kind::kExploration) return;
-  if (!explored_.insert(index).second) problem(event, "free interaction {} was completed before.", index);
+  if (!explored_.insert(index).second) open_problem(event, "free interaction {} was completed before.", index);
   const ExplorationSlot& slot = planned->second;
   const std::string condition = protocol_->conditions.at(static_cast<std::size_t>(slot.condition)).name;
   const std::string object =

@@ -13,19 +13,11 @@
 
 #include "data/event_body.h"
 #include "data/study.h"
+#include "data/study_facts.h"
 #include "protocols/adaptive_run.h"
 #include "protocols/plan.h"
 
 namespace jnd {
-
-// What the study's own chain says of its sessions.
-struct StudyFacts {
-  std::set<std::string> seeds;               // the study's, and those of merged studies
-  std::set<std::string> protocols;           // SHA-256 of the study's protocol, and of files that say the same
-  std::map<std::string, std::string> heads;  // of closed sessions
-  // Who was left out, by kind and code: whether the number is free again.
-  std::map<std::pair<std::string, std::string>, bool> excluded;
-};
 
 class SessionCheck {
  public:
@@ -55,9 +47,14 @@ class SessionCheck {
 
   template <typename... Arguments>
   void problem(const Event& event, fmt::format_string<Arguments...> text, Arguments&&... arguments) {
-    report_.problems.push_back(fmt::format("Session {}, event {}: {}", session_, event.seq,
-                                           fmt::format(text, std::forward<Arguments>(arguments)...)));
+    add(event, fmt::format(text, std::forward<Arguments>(arguments)...), Problem::Reveals::plan);
   }
+  // The same of what gives nothing of the plan away.
+  template <typename... Arguments>
+  void open_problem(const Event& event, fmt::format_string<Arguments...> text, Arguments&&... arguments) {
+    add(event, fmt::format(text, std::forward<Arguments>(arguments)...), Problem::Reveals::nothing);
+  }
+  void add(const Event& event, const std::string& what, Problem::Reveals reveals);
 
   void open(const Event& event, const nlohmann::ordered_json& body);
   void make_the_plan();

@@ -4,11 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "data/body_numbers.h"
 #include "data/database.h"
-#include "data/event_body.h"
-#include "data/schema.h"
-#include "data/study_impl.h"
+#include "data/study_facts.h"
 #include "data/telemetry.h"
 #include "protocols/sha256.h"
 
@@ -32,47 +29,19 @@ std::string fault_of(const TelemetryBlob& stored, const TelemetryBlob& named) {
   return {};
 }
 
-std::set<std::string> lost_of(SQLite::Database& database) {
-  std::set<std::string> lost;
-  SQLite::Statement query(database, "SELECT body FROM event WHERE session = ? AND kind = ?");
-  query.bind(1, kStudyChain);
-  query.bind(2, std::string(event_kind::kRecovered));
-  while (query.executeStep()) {
-    const auto body = nlohmann::ordered_json::parse(query.getColumn(0).getString(), nullptr, false);
-    if (!body.is_object() || !body.contains("telemetry_lost")) continue;
-    try {
-      for (const auto& one : body.at("telemetry_lost"))
-        lost.insert(telemetry_key(one.at("session").get<std::string>(), whole_at<std::int64_t>(one, "seq"),
-                                  whole_at(one, "interval")));
-    } catch (const nlohmann::json::exception&) {
-      continue;  // nothing is forgiven by what cannot be read
-    }
-  }
-  return lost;
-}
-
 }  // namespace
 
-std::string telemetry_key(std::string_view session, std::int64_t seq, int interval) {
-  return fmt::format("{}/{}/{}", session, seq, interval);
-}
+TelemetryCheck::TelemetryCheck(SQLite::Database& database, const std::set<std::string>& lost)
+    : database_(database), present_(has_telemetry(database)), lost_(lost) {}
 
-std::set<std::string> lost_in_recovery(const Study& study) {
-  const Study::Impl& impl = study.impl();
-  const std::scoped_lock lock(impl.mutex);
-  return with_storage_errors(impl.path, [&] { return lost_of(impl.database()); });
-}
-
-TelemetryCheck::TelemetryCheck(SQLite::Database& database)
-    : database_(database), present_(has_telemetry(database)), lost_(lost_of(database)) {}
-
-void TelemetryCheck::check(const Event& event, const nlohmann::ordered_json& body, std::vector<std::string>& problems) {
+void TelemetryCheck::check(const Event& event, const nlohmann::ordered_json& body, std::vector<Problem>& problems) {
   const std::vector<TelemetryBlob> named = named_telemetry(body);
   if (named.empty()) return;
   for (const TelemetryBlob& one : named) {
     const auto problem = [&](std::string_view what) {
-      problems.push_back(fmt::format("Session {}, event {} ({}): the telemetry of interval {} {}.", event.session,
-                                     event.seq, event.kind, one.interval + 1, what));
+      const std::string where = fmt::format("Session {}, event {} ({})", event.session, event.seq, event.kind);
+      problems.push_back({where, fmt::format("{}: the telemetry of interval {} {}.", where, one.interval + 1, what),
+                          Problem::Reveals::nothing});
     };
     named_.push_back(telemetry_key(event.session, event.seq, one.interval));
     if (!present_) {
@@ -86,7 +55,10 @@ void TelemetryCheck::check(const Event& event, const nlohmann::ordered_json& bod
     query.bind(2, event.seq);
     query.bind(3, one.interval);
     if (!query.executeStep()) {
-      if (!lost_.contains(named_.back())) problem("is missing");
+      if (lost_.contains(named_.back()))
+        ++missing_;
+      else
+        problem("is missing");
       continue;
     }
     ++blobs_;
@@ -96,7 +68,7 @@ void TelemetryCheck::check(const Event& event, const nlohmann::ordered_json& bod
   }
 }
 
-void TelemetryCheck::finish(std::vector<std::string>& problems) {
+void TelemetryCheck::finish(std::vector<Problem>& problems) {
   if (!present_) return;
   std::sort(named_.begin(), named_.end());
   SQLite::Statement query(database_, "SELECT session, seq, interval FROM telemetry ORDER BY session, seq, interval");
@@ -104,10 +76,11 @@ void TelemetryCheck::finish(std::vector<std::string>& problems) {
     const std::string session = query.getColumn(0).getString();
     const std::int64_t seq = query.getColumn(1).getInt64();
     const int interval = query.getColumn(2).getInt();
-    if (!std::binary_search(named_.begin(), named_.end(), telemetry_key(session, seq, interval)))
-      problems.push_back(
-          fmt::format("Session {}, event {}: there is telemetry of interval {} that the event does not name.", session,
-                      seq, interval + 1));
+    if (std::binary_search(named_.begin(), named_.end(), telemetry_key(session, seq, interval))) continue;
+    const std::string where = fmt::format("Session {}, event {}", session, seq);
+    problems.push_back(
+        {where, fmt::format("{}: there is telemetry of interval {} that the event does not name.", where, interval + 1),
+         Problem::Reveals::nothing});
   }
 }
 

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <set>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <SQLiteCpp/SQLiteCpp.h>
@@ -14,29 +13,25 @@
 
 namespace jnd {
 
-// What names the ticks of one interval in a study: "session/seq/interval".
-std::string telemetry_key(std::string_view session, std::int64_t seq, int interval);
-
-// What a damaged study had already lost when it was recovered is known, and no problem of the new one.
-std::set<std::string> lost_in_recovery(const Study& study);
-
 class TelemetryCheck {
  public:
-  explicit TelemetryCheck(SQLite::Database& database);
+  // lost: keys of what a recovery could not save; must outlive this.
+  TelemetryCheck(SQLite::Database& database, const std::set<std::string>& lost);
 
   // For every event, in the order of session and seq: recomputes the hash of each blob that its body names, and reads
   // it. Throws StorageError where the body's "telemetry" cannot be read.
-  void check(const Event& event, const nlohmann::ordered_json& body, std::vector<std::string>& problems);
+  void check(const Event& event, const nlohmann::ordered_json& body, std::vector<Problem>& problems);
   // At the end: the blobs that no event names.
-  void finish(std::vector<std::string>& problems);
+  void finish(std::vector<Problem>& problems);
 
   std::int64_t blobs() const noexcept { return blobs_; }
+  std::int64_t lost() const noexcept { return missing_; }  // named, and said to be lost
 
  private:
   SQLite::Database& database_;
-  bool present_;                // the table: files of version 1 have none
-  std::set<std::string> lost_;  // keys: study.recovered says that they could not be saved
-  std::int64_t blobs_ = 0;
+  bool present_;  // the table: files of version 1 have none
+  const std::set<std::string>& lost_;
+  std::int64_t blobs_ = 0, missing_ = 0;
   std::vector<std::string> named_;  // keys
 };
 

@@ -183,6 +183,7 @@ TEST_CASE("network file systems are known by their numbers", "[data]") {
   CHECK(is_network_file_system(0x6969));                        // NFS
   CHECK(is_network_file_system(0xFE534D42));                    // SMB2
   CHECK(is_network_file_system(static_cast<int>(0xFE534D42)));  // where f_type is a signed 32-bit number
+  CHECK(is_network_file_system(0x786F4256));                    // a shared folder of VirtualBox
   CHECK_FALSE(is_network_file_system(0xEF53));                  // ext4
   CHECK_FALSE(is_network_file_system(0x01021994));              // tmpfs
 }

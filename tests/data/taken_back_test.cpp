@@ -110,7 +110,7 @@ TEST_CASE("the file takes a second answer only after the first was taken back", 
   const SessionInfo info = study->sessions()[0];
   CHECK(info.trials_done == 1);
   CHECK(info.trials_voided == 3);
-  CHECK(verify(*study).problems == std::vector<std::string>{});
+  CHECK(verify(*study).problems == std::vector<Problem>{});
   CHECK(verify(*study).trials == 1);
   SQLite::Database& database = study->impl().database();
   CHECK(database.execAndGet("SELECT group_concat(attempt) FROM trials").getString() == "3");
@@ -137,7 +137,7 @@ TEST_CASE("results are those of the answers that hold", "[data]") {
     }
     study->close_session("P01-simulated", {9, 9});
   }
-  CHECK(verify(*study).problems == std::vector<std::string>{});
+  CHECK(verify(*study).problems == std::vector<Problem>{});
   const StudyAnalysis with = analyze(*study, tutorial(), SessionKind::simulated),
                       without = analyze(*plain, tutorial(), SessionKind::simulated);
   REQUIRE(with.cells.size() == without.cells.size());
@@ -156,7 +156,7 @@ TEST_CASE("what contradicts itself about begun, voided and given-up trials is fo
   const std::vector<Trial> trials = make_plan(tutorial(), 1, kSeed).trials;
   log->mark(event_kind::kTrialBegan, {{"index", 1}, {"attempt", 1}}, {1, 1});
   answer(*log, trials[0], 1, usual_answer(trials[0]));
-  CHECK(verify(*study).problems == std::vector<std::string>{});
+  CHECK(verify(*study).problems == std::vector<Problem>{});
   log->mark(event_kind::kTrialBegan, {{"index", 1}, {"attempt", 2}}, {1, 1});
   log->mark(event_kind::kTrialBegan, {{"index", 2}, {"attempt", 1}}, {1, 1});
   answer(*log, trials[2], 1, usual_answer(trials[2]));
@@ -166,7 +166,7 @@ TEST_CASE("what contradicts itself about begun, voided and given-up trials is fo
   answer(*log, trials[19], 1, usual_answer(trials[19]));
   log->append(event_kind::kExploration, {{"index", 1}, {"attempt", 1}}, {1, 1});
   std::string all;
-  for (const std::string& problem : verify(*study).problems) all += problem + "\n";
+  for (const Problem& problem : verify(*study).problems) all += problem.text + "\n";
   CHECK_THAT(all, Catch::Contains("trial 1 began although it was answered"));
   CHECK_THAT(all, Catch::Contains("trial 2 began while trial 1"));
   CHECK_THAT(all, Catch::Contains("trial 3, attempt 1, was completed while trial 2, attempt 1, was presented"));

@@ -232,7 +232,7 @@ TEST_CASE("telemetry is stored with its event or not at all", "[data]") {
   append_with_telemetry(*log, trials[1], {press(10), press(10)});
   log->append(event_kind::kBreakTaken, {{"after_trial", 1}, {"duration_s", 1.0}}, {9, 9}, {});
   const VerifyReport report = verify(*study);
-  CHECK(report.problems == std::vector<std::string>{});
+  CHECK(report.problems == std::vector<Problem>{});
   CHECK(report.telemetry == 4);
 }
 

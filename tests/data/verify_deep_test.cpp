@@ -10,7 +10,7 @@ namespace {
 
 std::string deep_problems(const Study& study) {
   std::string all;
-  for (const std::string& problem : verify_deep(study).problems) all += problem + "\n";
+  for (const Problem& problem : verify_deep(study).problems) all += problem.text + "\n";
   return all;
 }
 
@@ -137,7 +137,7 @@ TEST_CASE("the file's mode and what was left beside it are told", "[data]") {
   CHECK(remarks().empty());
   ::chmod(path.c_str(), 0644);
   write_bytes(folder / "study.jnd.lock", "1");
-  write_bytes(folder / "study.jnd.new", "half");
+  write_bytes(folder / "study.jnd.jnd-draft-abc123", "half");
   CHECK(remarks().size() == 3);
   ::chmod(path.c_str(), 0666);
   CHECK_THAT(deep_problems(*Study::open(path, Study::Access::read_only)), Catch::Contains("others may write"));

@@ -28,7 +28,7 @@ TEST_CASE("a study of version 1 is read, verified, analysed and exported as it i
     CHECK(study->sessions()[0].trials_done == 16);
     CHECK(study->telemetry("P01-simulated", 2).empty());
     const VerifyReport report = verify(*study);
-    CHECK(report.problems == std::vector<std::string>{});
+    CHECK(report.problems == std::vector<Problem>{});
     CHECK(report.trials == 16 + 2);
     const SessionState state = replay(study->events("P01-simulated"));
     REQUIRE(state.completed.size() == 24);
@@ -76,12 +76,12 @@ TEST_CASE("a study of version 1 becomes current when it is opened for writing, a
       log->append(event_kind::kTrialCompleted, to_body(record_of(tutorial(), trials[i], usual_answer(trials[i]))),
                   stamp_of(trials[i]));
     study->close_session("P02-simulated", {9, 9});
-    CHECK(verify(*reader).problems == std::vector<std::string>{});
+    CHECK(verify(*reader).problems == std::vector<Problem>{});
     CHECK(verify(*reader).telemetry == 2);
   }
   CHECK(version_of(path) == kSchemaVersion);
   const auto study = Study::open(path, Access::read_only);
-  CHECK(verify(*study).problems == std::vector<std::string>{});
+  CHECK(verify(*study).problems == std::vector<Problem>{});
   CHECK(study->telemetry("P02-simulated", 12).size() == 2);
   SQLite::Database database(path.string(), SQLite::OPEN_READONLY);
   CHECK(database.execAndGet("SELECT count(*) FROM trials WHERE stimulus_1_n_per_rad IS NULL AND stimulus_1_n_per_m > 0")

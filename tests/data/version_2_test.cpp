@@ -30,7 +30,7 @@ TEST_CASE("a study of version 2 is read, verified and analysed as it is", "[data
     CHECK(sessions[2].rig_sha256 == std::string(64, 'a'));
     CHECK(sessions[2].trials_voided == 1);
     CHECK_FALSE(sessions[2].excluded);
-    CHECK(verify(*study).problems == std::vector<std::string>{});
+    CHECK(verify(*study).problems == std::vector<Problem>{});
     CHECK(replay(study->events("P03-simulated")).completed.size() == 2);
     CHECK(analyze(*study, tutorial(), SessionKind::simulated).participants == 3);
   }
@@ -44,7 +44,7 @@ TEST_CASE("a study of version 2 becomes current when it is opened for writing", 
   write_version_2_study(path);
   {
     const auto study = Study::open(path, Access::read_write);
-    CHECK(verify(*study).problems == std::vector<std::string>{});
+    CHECK(verify(*study).problems == std::vector<Problem>{});
     const auto log = study->resume_session("P03-simulated");
     // What version 2 refused: an answer taken back, and given again.
     const Trial trial = make_plan(tutorial(), 3, kSeed).trials[1];
@@ -52,7 +52,7 @@ TEST_CASE("a study of version 2 becomes current when it is opened for writing", 
     TrialRecord again = record_of(tutorial(), trial, usual_answer(trial));
     again.attempt = 2;
     log->append(event_kind::kTrialCompleted, to_body(again), {9, 9});
-    CHECK(verify(*study).problems == std::vector<std::string>{});
+    CHECK(verify(*study).problems == std::vector<Problem>{});
   }
   CHECK(version_of(path) == kSchemaVersion);
   SQLite::Database database(path.string(), SQLite::OPEN_READONLY);

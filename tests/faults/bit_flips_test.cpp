@@ -35,7 +35,7 @@ std::string found(const std::filesystem::path& path) {
   try {
     const auto study = Study::open(path, Study::Access::read_only);
     const VerifyReport report = verify(*study);
-    return report.problems.empty() ? "" : report.problems.front();
+    return report.problems.empty() ? "" : report.problems.front().text;
   } catch (const StorageError& error) {
     return error.what();
   }

@@ -28,7 +28,7 @@ import time
 TRIAL = re.compile(r"Trial (\d+) of")
 WAITS_FOR_SPACE = "[space]"
 ASKS = "[s] same"
-SAVED = re.compile(r"\s+saved: (\w+)")
+SAVED = re.compile(r"\s+saved: \w+ \d+, (\w+)")
 FINISHED_BEFORE = "has finished this study"
 PRESSED_AGAIN_AFTER_S = 2  # without a word from the program: keys pressed before a prompt do not count
 

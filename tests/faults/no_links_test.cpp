@@ -63,7 +63,7 @@ TEST_CASE("A power cut at any step of creating a study on a disk without links l
     disk.power_on(generator);
     if (std::filesystem::exists(path)) {
       ++there;
-      REQUIRE(verify(*Study::open(path, Study::Access::read_only)).problems == std::vector<std::string>{});
+      REQUIRE(verify(*Study::open(path, Study::Access::read_only)).problems == std::vector<Problem>{});
     } else {
       ++absent;
       REQUIRE_FALSE(created);

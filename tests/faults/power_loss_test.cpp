@@ -106,7 +106,7 @@ TEST_CASE("A study of an older version survives power cuts while it is brought u
     disk.power_on(generator);
     for (const auto access : {Study::Access::read_only, Study::Access::read_write}) {
       const auto study = Study::open(path, access);
-      REQUIRE(verify(*study).problems == std::vector<std::string>{});
+      REQUIRE(verify(*study).problems == std::vector<Problem>{});
       REQUIRE(study->sessions().size() == 2);
       REQUIRE(replay(study->events("P02-simulated")).completed.size() == 10);
     }

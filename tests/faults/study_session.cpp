@@ -122,7 +122,8 @@ std::string StudySession::check(const std::map<int, Judgement>& acknowledged, st
   if (!std::filesystem::exists(path_))
     return acknowledged.empty() && phase_ == Phase::create ? "" : "the study is gone";
   const auto study = Study::open(path_, Study::Access::read_only);
-  if (const VerifyReport report = verify(*study); !report.problems.empty()) return "verify: " + report.problems.front();
+  if (const VerifyReport report = verify(*study); !report.problems.empty())
+    return "verify: " + report.problems.front().text;
   const StudyInfo& info = study->info();
   const Plan plan = make_plan(parse_protocol(info.protocol_bytes, info.protocol_name), 1, info.seed);
   if (plan.trials != make_plan(protocol_, 1, kStudySeed).trials) return "the plan is another one";
