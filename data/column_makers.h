@@ -14,6 +14,10 @@ namespace jnd {
 template <typename Row>
 using Columns = std::vector<CsvColumn<Row>>;
 
+inline constexpr const char* kMedianStatus =
+    "what stands in the middle: a JND (ok), no sensitivity, or a JND below what was tested (ceiling)";
+inline constexpr const char* kJndStatuses = "ok no_sensitivity ceiling no_information";
+
 template <typename Row>
 void add_file(std::vector<ResultFile>& files, const std::string& name, const Columns<Row>& columns,
               const std::vector<Row>& rows) {

@@ -16,10 +16,10 @@
 #include "data/export_telemetry.h"
 #include "data/methods_text.h"
 #include "data/result_columns.h"
+#include "data/study_facts.h"
 #include "data/study_impl.h"
 #include "data/trial_rows.h"
 #include "data/utc_time.h"
-#include "data/verify_telemetry.h"
 #include "protocols/sha256.h"
 
 namespace jnd {
@@ -153,14 +153,14 @@ std::vector<std::string> export_csv(const Study& study, const Protocol& protocol
     describe(name, columns, dictionary);
   };
   if (has_thresholds) write("group.csv", group_columns(protocol, analysis.kind), analysis.group);
-  if (!analysis.contrasts.empty())
-    write("contrasts.csv", contrast_columns(protocol, analysis.kind), analysis.contrasts);
+  if (const std::vector<ContrastRow> contrasts = contrasts_of(results, protocol); !contrasts.empty())
+    write("contrasts.csv", contrast_columns(protocol, analysis.kind), contrasts);
   for (const ResultFile& file : result_files(results, protocol, nullptr)) {
     files.write(file.name, file.text);
     dictionary.insert(dictionary.end(), file.dictionary.begin(), file.dictionary.end());
   }
   if (!answers.empty() && !sealed) write("answers.csv", answer_columns(), answers);
-  write("sessions.csv", session_columns(seed_text(study, protocol, ""), protocol), listed);
+  write("sessions.csv", session_columns(seed_text(study, protocol, ""), results.chains.study_head, protocol), listed);
   std::vector<LogRow> rows = log_rows(study, analysis.kind, listed);
   if (sealed)  // what was said in one trial of the common plan hints at its stimuli
     for (LogRow& row : rows)

@@ -1,6 +1,7 @@
 // Columns of the files that hold results: cells, report, group, contrasts; and of answers, sessions and the dictionary.
 #include <cmath>
 
+#include "data/column_makers.h"
 #include "data/export_tables.h"
 #include "protocols/version.h"
 
@@ -144,13 +145,13 @@ std::vector<CsvColumn<ThresholdResult>> report_columns(const Protocol& protocol)
        [](const R& r) { return csv_number(r.jnd.weber); }},
       {in_unit("reference_", protocol), "base of the Weber fraction", unit_of(protocol), "",
        [k = protocol.stimulus.reference](const R&) { return csv_number(k); }},
-      {"status", "what the estimate is", "", "ok no_sensitivity ceiling no_information",
+      {"status", "what the estimate is", "", kJndStatuses,
        [](const R& r) { return std::string(to_string(r.jnd.status)); }},
       {"cautions", "remarks, separated by blanks; none of them excludes anything", "",
        "extrapolated floor few_trials series_missing", [](const R& r) { return caution_names(r.jnd); }},
-      {"median_response_time_s", "median of the times that the participant entered; 0 without one", "s", "",
+      {"median_response_time_s", "median of the times that the participant entered; empty without one", "s", "",
        [](const R& r) { return csv_number(r.median_response_time_s); }},
-      {"mean_trial_s", "mean time of a counted trial; 0 without one", "s", "",
+      {"mean_trial_s", "mean time of a counted trial; empty without one", "s", "",
        [](const R& r) { return csv_number(r.mean_trial_s); }}};
   add_convention(columns, protocol, true);
   return columns;
@@ -168,8 +169,10 @@ std::vector<CsvColumn<GroupResult>> group_columns(const Protocol& protocol, Sess
            [](const R& r) { return r.jnd.mean_jnd; });
   columns.push_back(
       {"n_median", "participants in the median", "", "", [](const R& r) { return csv_number(r.jnd.median_n); }});
-  columns.push_back({in_unit("jnd_median_", protocol), "median JND; no_sensitivity counts as Inf, ceiling as 0",
+  columns.push_back({in_unit("jnd_median_", protocol), "median JND; Inf or empty where its status says why",
                      unit_of(protocol), "", [](const R& r) { return csv_number(r.jnd.median_jnd); }});
+  columns.push_back({"jnd_median_status", kMedianStatus, "", kJndStatuses,
+                     [](const R& r) { return std::string(to_string(r.jnd.median_status)); }});
   add_mean(columns, "log_jnd_", "", "ln(JND / (" + unit_of(protocol) + ")) over status ok", "",
            [](const R& r) { return r.jnd.mean_log_jnd; });
   columns.push_back(
@@ -191,15 +194,24 @@ std::vector<CsvColumn<GroupResult>> group_columns(const Protocol& protocol, Sess
   return columns;
 }
 
-std::vector<CsvColumn<ContrastResult>> contrast_columns(const Protocol& protocol, SessionKind kind) {
-  using R = ContrastResult;
+std::vector<CsvColumn<ContrastRow>> contrast_columns(const Protocol& protocol, SessionKind kind) {
+  using R = ContrastRow;
   std::vector<CsvColumn<R>> columns = {
       {"condition_a", "first condition", "", "", [&protocol](const R& r) { return condition_name(protocol, r.a); }},
       {"condition_b", "second condition", "", "", [&protocol](const R& r) { return condition_name(protocol, r.b); }},
-      {"kind", "kind of the sessions", "", kKinds, [kind](const R&) { return std::string(to_string(kind)); }}};
-  add_mean(columns, "difference_", in_unit("_", protocol), "JND(a) - JND(b) over participants with status ok in both",
-           unit_of(protocol), [](const R& r) { return r.difference; });
-  add_convention(columns, protocol, true);
+      {"kind", "kind of the sessions", "", kKinds, [kind](const R&) { return std::string(to_string(kind)); }},
+      {"outcome", "the scale of every number in the row", "", "slope jnd log_jnd threshold",
+       [](const R& r) { return r.outcome; }},
+      {"unit", "unit of the differences in the row; empty where they have none", "", "",
+       [](const R& r) { return r.unit; }},
+      {"registered", "1 on the scale of the registered tests; 0 where the JND stands beside it", "", "0 1",
+       [](const R& r) { return csv_flag(r.registered); }},
+      {"participants", "participants (N)", "", "", [](const R& r) { return csv_number(r.participants); }}};
+  add_mean(columns, "difference_", "", "a - b within the participants who have both", "",
+           [](const R& r) { return r.difference; });
+  columns.push_back({"p", "of the registered contrast, corrected as registered; empty where not registered or refused",
+                     "", "", [](const R& r) { return csv_number(r.p); }});
+  if (!protocol.design.procedure) add_convention(columns, protocol, true);
   return columns;
 }
 
@@ -225,7 +237,8 @@ std::vector<CsvColumn<ExportAnswer>> answer_columns() {
       {"text", "the question as asked", "", "", [](const R& r) { return csv_text(r.text); }}};
 }
 
-std::vector<CsvColumn<SessionInfo>> session_columns(const std::string& seed, const Protocol& protocol) {
+std::vector<CsvColumn<SessionInfo>> session_columns(const std::string& seed, const std::string& study_head,
+                                                    const Protocol& protocol) {
   using R = SessionInfo;
   return {
       {"participant", "code of the participant", "", "", [](const R& r) { return csv_text(r.participant); }},
@@ -247,6 +260,9 @@ std::vector<CsvColumn<SessionInfo>> session_columns(const std::string& seed, con
        [](const R& r) { return csv_number(r.trials_voided); }},
       {"trials_total", "main trials planned", "", "", [](const R& r) { return csv_number(r.trials_total); }},
       {"head", "hash of its last event: names everything before it", "", "", [](const R& r) { return r.head; }},
+      {"study_head",
+       "hash of the last event of the study's own chain: names every exclusion, unblinding and closing before it", "",
+       "", [study_head](const R&) { return study_head; }},
       {"seed", "seed of the study; empty while it is sealed", "", "", [seed](const R&) { return seed; }},
       {"protocol", "name of the protocol", "", "", [n = protocol.name](const R&) { return csv_text(n); }},
       {"protocol_sha256", "SHA-256 of the protocol's bytes", "", "", [sha = protocol.sha256](const R&) { return sha; }},

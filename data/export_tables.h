@@ -8,6 +8,7 @@
 #include "data/csv_writer.h"
 #include "data/device_places.h"
 #include "data/study_analysis.h"
+#include "data/study_contrasts.h"
 #include "protocols/protocol.h"
 
 namespace jnd {
@@ -32,10 +33,11 @@ std::vector<CsvColumn<ExportTrial>> trial_columns(const Protocol& protocol, cons
 std::vector<CsvColumn<CellResult>> cell_columns(const Protocol& protocol);
 std::vector<CsvColumn<ThresholdResult>> report_columns(const Protocol& protocol);
 std::vector<CsvColumn<GroupResult>> group_columns(const Protocol& protocol, SessionKind kind);
-std::vector<CsvColumn<ContrastResult>> contrast_columns(const Protocol& protocol, SessionKind kind);
+std::vector<CsvColumn<ContrastRow>> contrast_columns(const Protocol& protocol, SessionKind kind);
 std::vector<CsvColumn<ExportAnswer>> answer_columns();
 // seed: empty where it is sealed.
-std::vector<CsvColumn<SessionInfo>> session_columns(const std::string& seed, const Protocol& protocol);
+std::vector<CsvColumn<SessionInfo>> session_columns(const std::string& seed, const std::string& study_head,
+                                                    const Protocol& protocol);
 std::vector<CsvColumn<DictionaryRow>> dictionary_columns();
 
 }  // namespace jnd

@@ -6,7 +6,10 @@
 #include <fmt/format.h>
 
 #include "data/blinding.h"
+#include "data/markdown_text.h"
 #include "data/questionnaire_methods.h"
+#include "data/references.h"
+#include "protocols/random_stream.h"
 #include "protocols/version.h"
 
 namespace jnd {
@@ -24,48 +27,126 @@ std::string list_of(const std::vector<std::string>& items) {
   return text;
 }
 
-std::string design_paragraph(const Protocol& protocol, const StudyResults& results) {
-  std::vector<std::string> conditions, pairs;
-  for (const Condition& one : protocol.conditions) conditions.push_back(fmt::format("{} ({})", one.name, one.label));
-  for (const Series& one : protocol.series) pairs.push_back(fmt::format("{:g} and {:g}", one.pair[0], one.pair[1]));
-  const Design& design = protocol.design;
-  if (design.procedure)
-    return fmt::format(
-        "{} {} participant{} compared pairs of stimuli that differed in stiffness (same-different, two intervals) "
-        "under {} "
-        "feedback condition{}: {}. The answers set the difference from the reference of {:g} {}: {} track{} a "
-        "condition, "
-        "differences from {:g} to {:g}, {:.0f} % catch trials (equal pairs, which move nothing), balanced in short "
-        "blocks. "
-        "The order of conditions, tracks and catch trials was drawn per participant from the study's seed with "
-        "counter-based random streams (Philox4x32, Salmon et al. 2011). Practice trials took no part in any number "
-        "below.\n",
-        results.analysis.participants, to_string(results.analysis.kind), results.analysis.participants == 1 ? "" : "s",
-        protocol.conditions.size(), protocol.conditions.size() == 1 ? "" : "s", list_of(conditions),
-        protocol.stimulus.reference, unit_of(protocol), design.procedure->starts.size(),
-        design.procedure->starts.size() == 1 ? "" : "s", design.procedure->clamp[0], design.procedure->clamp[1],
-        100 * design.procedure->catch_share);
+const char* plural(std::size_t n) {
+  return n == 1 ? "" : "s";
+}
+
+std::string order_words(Order order) {
+  switch (order) {
+    case Order::fixed:
+      return "in the protocol's order";
+    case Order::random:
+      return "in an order drawn for each participant";
+    case Order::permuted:
+      return "in all their orders, dealt to the participants in turn";
+    case Order::williams:
+      return "in the orders of a Williams square, dealt to the participants in turn";
+  }
+  return "";
+}
+
+// Who judged what, under which conditions.
+std::string task_words(const Protocol& protocol, const StudyResults& results) {
+  std::vector<std::string> conditions;
+  for (const Condition& one : protocol.conditions)
+    conditions.push_back(fmt::format("{} ({})", markdown_text(one.name), markdown_text(one.label)));
+  const auto participants = static_cast<std::size_t>(results.analysis.participants);
   return fmt::format(
-      "{} {} participant{} compared pairs of stimuli that differed in stiffness (same-different, two intervals) under "
-      "{} "
-      "feedback condition{}: {}. The pairs were {} {}. Each cell of condition and series had {} trials; the classes "
-      "(same, "
-      "different) were {}. The order of conditions, series and trials was drawn per participant from the study's seed "
-      "with counter-based random streams (Philox4x32, Salmon et al. 2011). Practice trials took no part in any number "
-      "below.\n",
-      results.analysis.participants, to_string(results.analysis.kind), results.analysis.participants == 1 ? "" : "s",
-      protocol.conditions.size(), protocol.conditions.size() == 1 ? "" : "s", list_of(conditions), list_of(pairs),
-      unit_of(protocol), design.trials_per_cell,
+      "{} {} participant{} judged whether two stimuli were the same or different in stiffness (same-different, two "
+      "intervals) under {} feedback condition{}: {}. ",
+      participants, to_string(results.analysis.kind), plural(participants), conditions.size(),
+      plural(conditions.size()), list_of(conditions));
+}
+
+std::string session_words(const Design& design) {
+  return design.sessions == 1 ? "" : fmt::format(" in each of {} sessions", design.sessions);
+}
+
+// In which order it came, and what decided that.
+std::string order_sentences(const Protocol& protocol) {
+  const Design& design = protocol.design;
+  std::string text;
+  if (protocol.series.size() > 1) text += fmt::format("Series came {}. ", order_words(design.series_order));
+  if (protocol.conditions.size() > 1)
+    text += design.arrangement == Arrangement::mixed
+                ? "Conditions were mixed trial by trial. "
+                : fmt::format("Conditions came in blocks, {}{}. ", order_words(design.condition_order),
+                              design.per_series ? ", another one in each series" : "");
+  text += fmt::format(
+      "Whatever was drawn or dealt followed from the study's seed, by counter-based random streams ({}, Salmon et al. "
+      "2011).",
+      kGeneratorName);
+  if (protocol.practice) text += " Practice trials took no part in any number below.";
+  return text + "\n";
+}
+
+std::string procedure_words(const AdaptiveProcedure& procedure, std::string_view unit) {
+  if (procedure.kind == AdaptiveProcedure::Kind::quest)
+    return fmt::format(
+        "QUEST (Watson and Pelli 1983) presented ten to the mean of the posterior (King-Smith et al. 1994), with beta "
+        "= "
+        "{:g}, delta = {:g} and gamma = {:g}",
+        procedure.quest.beta, procedure.quest.delta, procedure.quest.gamma);
+  const StaircaseRule& rule = procedure.staircase;
+  std::string halved;
+  for (const int reversal : rule.halve_after)
+    halved += fmt::format("{}{}", halved.empty() ? ", halved at reversal " : ", ", reversal);
+  const std::string steps =
+      rule.multiplicative
+          ? fmt::format("factors of {:g} up and {:g} down", rule.step_up, rule.step_down)
+          : fmt::format("steps of {:g} {} up and {:g} {} down", rule.step_up, unit, rule.step_down, unit);
+  return fmt::format("staircases went {} up, {} down ({}) in {}{}", rule.up, rule.down,
+                     rule.step_up == rule.step_down ? "Levitt 1971" : "Levitt 1971; Kaernbach 1991", steps, halved);
+}
+
+std::string procedure_sentences(const Protocol& protocol) {
+  const AdaptiveProcedure& procedure = *protocol.design.procedure;
+  const std::string_view unit = unit_of(protocol);
+  std::string text = fmt::format(
+      "The answers set the difference from the reference of {:g} {}, within {:g} to {:g} {}: {}. There were {} track{} "
+      "a "
+      "condition{}; each ended after {}{} trials with a difference. ",
+      protocol.stimulus.reference, unit, procedure.clamp[0], procedure.clamp[1], unit, procedure_words(procedure, unit),
+      procedure.starts.size(), plural(procedure.starts.size()), session_words(protocol.design),
+      procedure.reversals > 0 ? fmt::format("{} reversals, or ", procedure.reversals) : std::string(),
+      procedure.trials);
+  if (procedure.catch_share > 0)
+    text += fmt::format(
+        "{:.0f} % of the trials were catch trials (equal pairs, which move nothing), kept in short blocks. ",
+        100 * procedure.catch_share);
+  return text;
+}
+
+std::string series_sentences(const Protocol& protocol) {
+  const Design& design = protocol.design;
+  std::vector<std::string> pairs;
+  for (const Series& one : protocol.series) pairs.push_back(fmt::format("{:g}/{:g}", one.pair[0], one.pair[1]));
+  return fmt::format(
+      "The pairs of stiffnesses were {} {}. Each cell of condition and series was planned with {} trial{}{}; the "
+      "classes (same, "
+      "different) were {}. ",
+      list_of(pairs), unit_of(protocol), design.trials_per_cell,
+      plural(static_cast<std::size_t>(design.trials_per_cell)), session_words(design),
       design.sampling == Sampling::balanced ? "balanced within each cell"
                                             : "drawn independently with a probability of one half");
 }
 
-std::string correction_words(const Protocol& protocol) {
-  const std::string& correction = protocol.analysis.correction;
-  if (correction == "loglinear")
-    return "Rates were corrected log-linearly, (k + 0.5) / (n + 1), in every cell (Hautus 1995). ";
-  if (correction == "half")
-    return "Rates of 0 and 1 were replaced by 1/(2n) and 1 - 1/(2n) (Macmillan and Kaplan 1985). ";
+std::string design_paragraph(const Protocol& protocol, const StudyResults& results) {
+  return task_words(protocol, results) +
+         (protocol.design.procedure ? procedure_sentences(protocol) : series_sentences(protocol)) +
+         order_sentences(protocol);
+}
+
+std::string correction_words(const StudyAnalysis& analysis) {
+  if (is_maximum_likelihood(analysis.method.method)) return "The fit is to the counts, without any correction. ";
+  switch (analysis.method.correction) {
+    case Correction::loglinear:
+      return "Rates were corrected log-linearly, (k + 0.5) / (n + 1), in every cell (Hautus 1995). ";
+    case Correction::half:
+      return "Rates of 0 and 1 were replaced by 1/(2n) and 1 - 1/(2n) (Macmillan and Kaplan 1985). ";
+    case Correction::none:
+      break;
+  }
   return "Rates were not corrected. ";
 }
 
@@ -120,20 +201,21 @@ std::string interval_words(const StudyAnalysis& analysis) {
 }
 
 std::string adaptive_paragraph(const AdaptiveProcedure& procedure) {
-  const double target = 100 * adaptive_target(procedure);
+  std::string text = fmt::format("The threshold is the difference of which \"different\" is said in {:.1f} %: ",
+                                 100 * adaptive_target(procedure));
   if (procedure.kind == AdaptiveProcedure::Kind::quest)
-    return fmt::format(
-        "The threshold is the difference of which \"different\" is said in {:.1f} %: 10 to the mean of the posterior "
-        "of its "
-        "logarithm after the last trial (QUEST, Watson and Pelli 1983), averaged over the tracks of a condition.\n",
-        target);
-  return fmt::format(
-      "The threshold is the difference of which \"different\" is said in {:.1f} % (Levitt 1971): the mean of the last "
-      "{} "
-      "reversals of each track, averaged over the tracks of a condition. It moves with the criterion: the rate of "
-      "false "
-      "alarms on catch trials stands beside it.\n",
-      target, procedure.averaged_reversals / 2 * 2);
+    text +=
+        "ten to the mean of the posterior of its logarithm after the last trial, averaged on the logarithm over the "
+        "tracks of a condition that have a threshold.";
+  else
+    text += fmt::format(
+        "the mean of the last {} reversals of each track (Levitt 1971), averaged over the tracks of a condition that "
+        "have so many.",
+        procedure.averaged_reversals / 2 * 2);
+  text += " It moves with the criterion";
+  text += procedure.catch_share > 0 ? ": the rate of false alarms on catch trials stands beside it.\n"
+                                    : ", of which nothing is known without catch trials.\n";
+  return text;
 }
 
 std::string estimate_paragraph(const Protocol& protocol, const StudyResults& results) {
@@ -141,46 +223,90 @@ std::string estimate_paragraph(const Protocol& protocol, const StudyResults& res
   const StudyAnalysis& analysis = results.analysis;
   return fmt::format(
       "{}{}{}; JND = 1/m, the difference at d' = 1, and the Weber fraction is JND / {:g} {}. Differences are the {} "
-      "ones.{} "
-      "Estimates with m <= 1e-9 have no JND (status no_sensitivity): means of JNDs leave them out, medians count them "
-      "as "
-      "infinite; every group number names how many of how many it rests on.\n",
-      dprime_words(analysis.method.model), correction_words(protocol), slope_words(analysis),
+      "ones.{} Estimates with m <= 1e-9 have no JND (status no_sensitivity), nor have those whose m is infinite "
+      "(status ceiling): means of JNDs leave both out, medians count the former as infinite and the latter as smaller "
+      "than any JND. Every group number names how many of how many it rests on.\n",
+      dprime_words(analysis.method.model), correction_words(analysis), slope_words(analysis),
       protocol.stimulus.reference, unit_of(protocol), to_string(analysis.by), interval_words(analysis));
+}
+
+std::string omnibus_words(Omnibus omnibus, std::size_t conditions) {
+  switch (omnibus) {
+    case Omnibus::anova:
+      return conditions > 2 ? "a one-way repeated-measures analysis of variance with the correction of Greenhouse and "
+                              "Geisser 1959"
+                            : "a one-way repeated-measures analysis of variance";
+    case Omnibus::friedman:
+      return "Friedman's test with the correction for ties (Friedman 1937)";
+    case Omnibus::none:
+      break;
+  }
+  return "";
 }
 
 std::string post_hoc_words(PostHoc post_hoc) {
   switch (post_hoc) {
     case PostHoc::holm_t:
-      return "paired t tests of the registered contrasts with Holm's correction (Holm 1979)";
+      return "paired t tests with Holm's correction over them (Holm 1979)";
     case PostHoc::games_howell:
-      return "Games-Howell tests (Games and Howell 1976), which ignore the pairing";
+      return "Games-Howell tests over all conditions, which ignore the pairing (Games and Howell 1976)";
     case PostHoc::tukey:
-      return "Tukey's studentised range test with the repeated-measures error term";
+      return "Tukey's studentised range test over all conditions, with the repeated-measures error term";
     case PostHoc::wilcoxon:
-      return "Wilcoxon signed-rank tests of the registered contrasts with Holm's correction";
+      return "signed-rank tests (Wilcoxon 1945) with Holm's correction over them (Holm 1979)";
   }
   return "";
 }
 
-std::string test_paragraph(const Protocol& protocol, const OutcomeComparison& outcome) {
-  const GroupTestPlan& tests = protocol.analysis.tests;
+// What is registered: "... by A, and the 3 registered contrasts by B"; empty where nothing is.
+std::string registered_tests(const Protocol& protocol) {
+  const std::string omnibus = omnibus_words(protocol.analysis.tests.omnibus, protocol.conditions.size());
+  const std::size_t contrasts = protocol.analysis.contrasts.size();
+  std::string text = omnibus.empty() ? "" : "all conditions together by " + omnibus;
+  if (contrasts == 0) return text;
+  return text + fmt::format("{}the {}registered contrast{} by {}", text.empty() ? "" : ", and ",
+                            contrasts == 1 ? "" : fmt::format("{} ", contrasts), plural(contrasts),
+                            post_hoc_words(protocol.analysis.tests.post_hoc));
+}
+
+// What was tested beside the registered outcome.
+std::string other_tests(const StudyResults& results) {
+  std::vector<std::string> others;
+  for (const OutcomeComparison& outcome : results.comparisons)
+    if (!outcome.registered && outcome.refused.empty())
+      others.push_back(outcome.question ? fmt::format("the answers to \"{}\"", markdown_text(outcome.title))
+                                        : outcome.title);
   std::string text;
-  if (tests.omnibus == Omnibus::anova)
-    text =
-        "Conditions were compared by a one-way repeated-measures analysis of variance with the Greenhouse-Geisser "
-        "correction";
-  else if (tests.omnibus == Omnibus::friedman)
-    text = "Conditions were compared by Friedman's test with the correction for ties";
-  else
-    text = "Conditions were compared in pairs only";
-  text += fmt::format(" on the {} ({} of {} participants), and by {}; alpha = {:g}. ", outcome.outcome, outcome.table.n,
-                      outcome.table.n + outcome.left_out.size(), post_hoc_words(tests.post_hoc), tests.alpha);
+  if (!others.empty())
+    text += fmt::format(
+        " The same tests were made beside the registered ones on: {}. Nothing is corrected for the number of outcomes.",
+        list_of(others));
+  if (results.ratings.family > 0)
+    text += fmt::format(
+        " Of answers to questions pairs of conditions were also compared by signed-rank tests (Wilcoxon 1945), with "
+        "the corrections of Holm 1979 and of Benjamini and Hochberg 1995 over the {} test{}.",
+        results.ratings.family, plural(results.ratings.family));
+  return text;
+}
+
+std::string test_paragraph(const Protocol& protocol, const StudyResults& results) {
+  const OutcomeComparison& outcome = results.comparisons.front();
+  const std::size_t conditions = protocol.conditions.size();
+  if (conditions < 2) return "There was one condition, and nothing to compare it with.\n";
+  const std::string tests = registered_tests(protocol);
+  if (!outcome.refused.empty())
+    return fmt::format("The tests on the {} were refused: {}.{}\n", outcome.title, outcome.refused,
+                       other_tests(results));
+  std::string text =
+      tests.empty()
+          ? std::string("No test was registered.")
+          : fmt::format("The {} was compared over {} ({} of {} participants; alpha = {:g}).", outcome.title, tests,
+                        outcome.table.n, outcome.table.n + outcome.left_out.size(), protocol.analysis.tests.alpha);
+  text += " The normality of residuals was looked at with Shapiro and Wilk's test (Royston 1995)";
+  if (conditions > 2) text += ", sphericity with that of Mauchly 1940";
   text +=
-      "Normality: Shapiro-Wilk (Royston 1995); sphericity: Mauchly. Within-participant intervals: Cousineau 2005 with "
-      "Morey's correction (2008).";
-  if (!outcome.refused.empty()) text += " The registered tests were refused: " + outcome.refused + ".";
-  return text + "\n";
+      ". Intervals of a condition within participants are those of Cousineau 2005 with the correction of Morey 2008.";
+  return text + other_tests(results) + "\n";
 }
 
 std::string exclusion_paragraph(const Protocol& protocol, const StudyResults& results) {
@@ -205,60 +331,46 @@ std::string exclusion_paragraph(const Protocol& protocol, const StudyResults& re
 void add_list(std::string& text, const char* heading, const std::vector<std::string>& sentences, const char* none) {
   text += fmt::format("\n## {}\n\n", heading);
   if (sentences.empty()) text += fmt::format("{}\n", none);
-  for (const std::string& sentence : sentences) text += fmt::format("- {}\n", sentence);
+  for (const std::string& sentence : sentences) text += fmt::format("- {}\n", markdown_text(sentence));
 }
 
 std::string reproduction(const Study& study, const Protocol& protocol, const StudyResults& results) {
   std::string text = fmt::format(
       "\n## To do it again\n\n"
-      "- Program: jnd {}\n- Protocol: {}, SHA-256 `{}`\n- Seed of the study: {}\n- Sessions: {}, heads of their "
-      "chains:\n",
-      kVersion, protocol.name, protocol.sha256, seed_text(study, protocol, "sealed while the study is blinded"),
+      "- Program: jnd {}\n- Protocol: {}, SHA-256 `{}`\n- Seed of the study: {}\n- Events: {}\n- Sessions: {}, heads "
+      "of their chains:\n",
+      kVersion, markdown_text(protocol.name), protocol.sha256,
+      seed_text(study, protocol, "sealed while the study is blinded"), chain_line(results.chains),
       results.analysis.heads.size());
   for (const SessionHead& head : results.analysis.heads)
     text += fmt::format("  - {} `{}`{}\n", head.participant, head.hash, head.closed ? "" : " (not finished)");
   return text;
 }
 
-constexpr const char* kReferences =
-    "\n## References\n\n"
-    "- Cousineau D. (2005). Tutorials in Quantitative Methods for Psychology 1, 42-45.\n"
-    "- Efron B., Tibshirani R. (1993). An Introduction to the Bootstrap. Chapman and Hall.\n"
-    "- Games P., Howell J. (1976). Journal of Educational Statistics 1, 113-125.\n"
-    "- Gourevitch V., Galanter E. (1967). Psychometrika 32, 25-33.\n"
-    "- Hautus M. (1995). Behavior Research Methods 27, 46-51.\n"
-    "- Holm S. (1979). Scandinavian Journal of Statistics 6, 65-70.\n"
-    "- Levitt H. (1971). Journal of the Acoustical Society of America 49, 467-477.\n"
-    "- Macmillan N., Creelman C. (2005). Detection Theory: A User's Guide, 2nd ed. Erlbaum.\n"
-    "- Macmillan N., Kaplan H. (1985). Psychological Bulletin 98, 185-199.\n"
-    "- Morey R. (2008). Tutorials in Quantitative Methods for Psychology 4, 61-64.\n"
-    "- Royston P. (1995). Applied Statistics 44, 547-551 (AS R94).\n"
-    "- Salmon J. et al. (2011). Parallel random numbers: as easy as 1, 2, 3. SC '11.\n"
-    "- Watson A., Pelli D. (1983). Perception and Psychophysics 33, 113-120.\n";
-
 }  // namespace
 
 std::string methods_text(const Study& study, const Protocol& protocol, const StudyResults& results) {
-  std::string text = fmt::format("# Methods: {}\n\n", protocol.title);
+  std::string text = fmt::format("# Methods: {}\n\n", markdown_text(protocol.title));
   if (results.analysis.kind != SessionKind::real)
     text += fmt::format("**These are {} data, not those of a study with participants.**\n\n",
                         to_string(results.analysis.kind));
   if (!protocol.source.citation.empty())
-    text += fmt::format("After: {}{}\n\n", protocol.source.citation,
+    text += fmt::format("After: {}{}\n\n", markdown_text(protocol.source.citation),
                         protocol.source.doi.empty() ? "" : " https://doi.org/" + protocol.source.doi);
   if (results.questionnaire) {
     text += "## Design\n\n" + exploration_design(protocol, results);
     text += "\n## Tests\n\n" + questionnaire_tests(results);
     add_list(text, "Deviations from the registered plan", results.deviations, "None.");
-    return text + reproduction(study, protocol, results) + questionnaire_references();
+    text += reproduction(study, protocol, results);
+    return text + references_of(text);
   }
   text += "## Design\n\n" + design_paragraph(protocol, results);
   text += "\n## Estimates\n\n" + estimate_paragraph(protocol, results) + "\n" + exclusion_paragraph(protocol, results);
-  text += "\n## Tests\n\n" + test_paragraph(protocol, results.comparisons.front());
+  text += "\n## Tests\n\n" + test_paragraph(protocol, results);
   add_list(text, "Deviations from the registered plan", results.deviations, "None.");
   add_list(text, "Warnings", results.warnings, "None.");
   text += reproduction(study, protocol, results);
-  return text + kReferences;
+  return text + references_of(text);
 }
 
 }  // namespace jnd

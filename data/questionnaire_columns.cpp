@@ -1,5 +1,6 @@
 #include "data/questionnaire_columns.h"
 
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -14,6 +15,11 @@ struct ScoreRow {
   const ItemScore* score;
 };
 
+// NaN of numbers.
+double side_of(const ItemScore& score, int ItemScore::Sides::*side) {
+  return score.sides ? *score.sides.*side : std::nan("");
+}
+
 Columns<ScoreRow> score_columns(const Protocol& protocol) {
   using R = ScoreRow;
   return {text<R>("item", "identifier of the question", [](const R& r) { return r.question->id; }),
@@ -21,20 +27,26 @@ Columns<ScoreRow> score_columns(const Protocol& protocol) {
           text<R>("text", "the question", [](const R& r) { return r.question->text; }),
           text<R>("condition", "condition rated; empty where asked once",
                   [&protocol](const R& r) { return condition_of(protocol, r.score->condition); }),
-          number<R>("n", "participants who answered", [](const R& r) { return r.score->moments.n; }),
-          number<R>("mean", "mean rating", [](const R& r) { return r.score->moments.mean; }),
-          number<R>("sd", "standard deviation, n - 1", [](const R& r) { return r.score->moments.sd; }),
-          number<R>("median", "median rating", [](const R& r) { return r.score->median.median; }),
+          number<R>("n", "participants who answered", [](const R& r) { return r.score->mean.n; }),
+          number<R>("mean", "mean answer", [](const R& r) { return r.score->mean.mean; }),
+          number<R>("sd", "standard deviation, n - 1", [](const R& r) { return r.score->mean.sd; }),
+          number<R>("mean_ci95_low", "lower end of the mean's 95 % interval (Student t)",
+                    [](const R& r) { return r.score->mean.ci_low; }),
+          number<R>("mean_ci95_high", "upper end", [](const R& r) { return r.score->mean.ci_high; }),
+          number<R>("median", "median answer", [](const R& r) { return r.score->median.median; }),
           number<R>("ci_low", "lower end of the median's distribution-free interval",
                     [](const R& r) { return r.score->median.ci_low; }),
           number<R>("ci_high", "upper end", [](const R& r) { return r.score->median.ci_high; }),
           number<R>("coverage", "how often the interval covers; below 0.95 where there are too few participants",
                     [](const R& r) { return r.score->median.coverage; }),
-          number<R>("scale_min", "lowest rating", [](const R& r) { return r.question->min; }),
-          number<R>("scale_max", "highest rating", [](const R& r) { return r.question->max; }),
-          number<R>("n_below", "ratings below the middle of the scale", [](const R& r) { return r.score->below; }),
-          number<R>("n_middle", "ratings on the middle of the scale", [](const R& r) { return r.score->at; }),
-          number<R>("n_above", "ratings above the middle of the scale", [](const R& r) { return r.score->above; })};
+          number<R>("scale_min", "lowest answer that may be given", [](const R& r) { return r.question->min; }),
+          number<R>("scale_max", "highest", [](const R& r) { return r.question->max; }),
+          number<R>("n_below", "ratings below the middle of the scale; empty for numbers, as the next two",
+                    [](const R& r) { return side_of(*r.score, &ItemScore::Sides::below); }),
+          number<R>("n_middle", "ratings on the middle of the scale",
+                    [](const R& r) { return side_of(*r.score, &ItemScore::Sides::at); }),
+          number<R>("n_above", "ratings above the middle of the scale",
+                    [](const R& r) { return side_of(*r.score, &ItemScore::Sides::above); })};
 }
 
 struct OptionRow {
@@ -76,17 +88,21 @@ Columns<Exposure> exposure_columns(const Protocol& protocol) {
 
 }  // namespace
 
-std::vector<ResultFile> questionnaire_files(const QuestionnaireResults& results, const Protocol& protocol) {
+void add_items_file(std::vector<ResultFile>& files, const std::vector<QuestionnaireItem>& items,
+                    const Protocol& protocol) {
   std::vector<ScoreRow> scores;
-  for (const QuestionnaireItem& item : results.items)
+  for (const QuestionnaireItem& item : items)
     for (const ItemScore& score : item.scores)
       scores.push_back({&protocol.questions[static_cast<std::size_t>(item.question)], &score});
+  add_file(files, "items.csv", score_columns(protocol), scores);
+}
+
+std::vector<ResultFile> questionnaire_files(const QuestionnaireResults& results, const Protocol& protocol) {
   std::vector<OptionRow> options;
   for (const ChoiceResult& choice : results.choices)
     for (std::size_t i = 0; i < choice.options.size(); ++i)
       options.push_back({&protocol.questions[static_cast<std::size_t>(choice.question)], &choice, i});
   std::vector<ResultFile> files;
-  add_file(files, "items.csv", score_columns(protocol), scores);
   add_file(files, "choices.csv", option_columns(protocol), options);
   add_file(files, "exposure.csv", exposure_columns(protocol), results.exposure);
   return files;

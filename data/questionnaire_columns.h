@@ -1,4 +1,4 @@
-// The columns of items.csv, choices.csv and exposure.csv: numbers for machines, unrounded.
+// The files of the answers to questions: numbers for machines, unrounded.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,10 @@
 
 namespace jnd {
 
-// Files without rows are left out. The tests of paired items are in ratings.csv.
+// items.csv of any paradigm; no file without rows. The tests of paired items are in ratings.csv.
+void add_items_file(std::vector<ResultFile>& files, const std::vector<QuestionnaireItem>& items,
+                    const Protocol& protocol);
+// choices.csv and exposure.csv of free interaction. Files without rows are left out.
 std::vector<ResultFile> questionnaire_files(const QuestionnaireResults& results, const Protocol& protocol);
 
 }  // namespace jnd

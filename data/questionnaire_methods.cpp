@@ -4,6 +4,9 @@
 
 #include <fmt/format.h>
 
+#include "data/markdown_text.h"
+#include "protocols/random_stream.h"
+
 namespace jnd {
 
 namespace {
@@ -24,19 +27,19 @@ const char* plural(std::size_t n) {
 std::string exploration_design(const Protocol& protocol, const StudyResults& results) {
   std::vector<std::string> conditions;
   for (const Condition& one : protocol.conditions)
-    conditions.push_back(fmt::format("{} ({}{})", one.name, one.label, one.devices ? "" : "; nothing was rendered"));
+    conditions.push_back(fmt::format("{} ({}{})", markdown_text(one.name), markdown_text(one.label),
+                                     one.devices ? "" : "; nothing was rendered"));
   const Exploration& explore = *protocol.explore;
   const std::size_t objects = explore.objects.size();
   return fmt::format(
       "{} {} participant{} interacted freely with {} virtual object{} ({}) under {} condition{}: {}. Each condition "
       "lasted {:g} s, divided equally among the objects. The order of conditions and objects was dealt per participant "
-      "from the study's seed with counter-based random streams (Philox4x32, Salmon et al. 2011). The object's "
-      "stiffness "
-      "was {:g} {}. Time in which the session was paused does not count.\n",
+      "from the study's seed with counter-based random streams ({}, Salmon et al. 2011). Objects had a "
+      "stiffness of {:g} {}. Time in which the session was paused does not count.\n",
       results.questionnaire->participants, to_string(results.analysis.kind),
       results.questionnaire->participants == 1 ? "" : "s", objects, plural(objects), list_of(explore.objects),
       protocol.conditions.size(), plural(protocol.conditions.size()), list_of(conditions), explore.duration_s,
-      protocol.stimulus.reference, to_string(protocol.stimulus.unit));
+      kGeneratorName, protocol.stimulus.reference, to_string(protocol.stimulus.unit));
 }
 
 std::string questionnaire_tests(const StudyResults& results) {
@@ -45,7 +48,8 @@ std::string questionnaire_tests(const StudyResults& results) {
       std::count_if(all.items.begin(), all.items.end(), [](const QuestionnaireItem& item) { return item.paired; }));
   const std::size_t once = all.items.size() - paired;
   std::string text = fmt::format(
-      "{} item{} {} rated after each condition. Conditions were compared item by item with Wilcoxon's signed-rank test "
+      "{} item{} {} answered for each condition. Conditions were compared item by item with Wilcoxon's signed-rank "
+      "test "
       "(Wilcoxon 1945; zero differences dropped). The p of the normal approximation with the corrections for "
       "continuity "
       "and ties, or the exact one without ties, is that of R's wilcox.test. Ratings tie, therefore the p that enters "
@@ -58,23 +62,12 @@ std::string questionnaire_tests(const StudyResults& results) {
       all.tests.family, all.below_alpha.exact, all.below_alpha.holm, all.below_alpha.bh);
   if (once > 0)
     text += fmt::format(
-        "\n{} item{} {} rated once, after all conditions. They have no pair and no test: mean, standard deviation, and "
+        "\n{} item{} {} answered once. They have no pair and no test: mean, standard deviation, and "
         "the median with its distribution-free interval (Conover 1999, section 3.2).\n",
         once, plural(once), once == 1 ? "was" : "were");
   if (!all.choices.empty())
     text += "\nChoices are counts, with exact binomial intervals of each share (Clopper and Pearson 1934).\n";
   return text;
-}
-
-std::string questionnaire_references() {
-  return "\n## References\n\n"
-         "- Benjamini Y., Hochberg Y. (1995). Journal of the Royal Statistical Society B 57, 289-300.\n"
-         "- Clopper C., Pearson E. (1934). Biometrika 26, 404-413.\n"
-         "- Conover W. (1999). Practical Nonparametric Statistics, 3rd ed. Wiley.\n"
-         "- Holm S. (1979). Scandinavian Journal of Statistics 6, 65-70.\n"
-         "- Kerby D. (2014). Comprehensive Psychology 3, 11.IT.3.1.\n"
-         "- Salmon J. et al. (2011). Parallel random numbers: as easy as 1, 2, 3. SC '11.\n"
-         "- Wilcoxon F. (1945). Biometrics Bulletin 1, 80-83.\n";
 }
 
 }  // namespace jnd

@@ -8,9 +8,8 @@
 
 namespace jnd {
 
-// Markdown: the sections Design and Tests, and References for the end. results.questionnaire must have a value.
+// Markdown: the sections Design and Tests. results.questionnaire must have a value.
 std::string exploration_design(const Protocol& protocol, const StudyResults& results);
 std::string questionnaire_tests(const StudyResults& results);
-std::string questionnaire_references();
 
 }  // namespace jnd

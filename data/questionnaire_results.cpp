@@ -29,10 +29,13 @@ ItemScore score_of(const std::vector<double>& column, int condition, const Quest
     if (!std::isnan(value)) answered.push_back(value);
   ItemScore score;
   score.condition = condition;
-  score.moments = moments(answered);
+  score.mean = mean_with_ci(answered);
   score.median = median_interval(answered);
+  if (question.kind != Question::Kind::rating) return score;
+  ItemScore::Sides sides;
   const double middle = (question.min + question.max) / 2;
-  for (const double value : answered) ++(value < middle ? score.below : value > middle ? score.above : score.at);
+  for (const double value : answered) ++(value < middle ? sides.below : value > middle ? sides.above : sides.at);
+  score.sides = sides;
   return score;
 }
 

@@ -3,23 +3,28 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "analysis/exact_proportion.h"
-#include "analysis/moments.h"
+#include "analysis/group.h"
 #include "analysis/questionnaire.h"
 #include "data/study.h"
 #include "protocols/protocol.h"
 
 namespace jnd {
 
-// One rating item in one condition, over the participants who answered.
+// The answers to one question of kind rating or number in one condition, over the participants who answered.
 struct ItemScore {
   int condition = -1;  // place in Protocol::conditions; -1: asked once
-  Moments moments;
+  MeanEstimate mean;
   MedianInterval median;
-  int below = 0, at = 0, above = 0;  // the midpoint of the scale
+  // Ratings below, on and above the middle of the scale; none of numbers, whose range is only what may be typed.
+  struct Sides {
+    int below = 0, at = 0, above = 0;
+  };
+  std::optional<Sides> sides;
 };
 
 struct QuestionnaireItem {
@@ -60,7 +65,8 @@ struct QuestionnaireResults {
   TestCount below_alpha;
 };
 
-// Ratings of one item: participants x conditions (paired), or participants x 1; NaN where an answer is missing.
+// Ratings, or numbers, of one item: participants x conditions (paired), or participants x 1; NaN where an answer is
+// missing.
 struct RatedItem {
   int question = 0;
   bool paired = false;

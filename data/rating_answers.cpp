@@ -32,7 +32,7 @@ std::vector<RatedQuestion> read_ratings(const Study& study, const Protocol& prot
   std::vector<std::vector<Tally>> tallies;
   for (std::size_t i = 0; i < protocol.questions.size(); ++i) {
     const Question& question = protocol.questions[i];
-    if (question.kind != Question::Kind::rating) continue;
+    if (question.kind != Question::Kind::rating && question.kind != Question::Kind::number) continue;
     RatedQuestion rated;
     rated.question = static_cast<int>(i);
     rated.paired = question.per_condition || question.when == Question::When::after_condition;

@@ -1,4 +1,4 @@
-// The ratings of the questionnaires, as numbers.
+// The answers to questions of kind rating and number, as numbers.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace jnd {
 
-// One rating question with its answers, by session (the places in the list that was asked for).
+// One such question with its answers, by session (the places in the list that was asked for).
 struct RatedQuestion {
   int question = 0;     // place in Protocol::questions
   bool paired = false;  // answered for each condition, or once
@@ -17,7 +17,7 @@ struct RatedQuestion {
   std::vector<double> ratings;
 };
 
-// Every question of kind rating, in the protocol's order.
+// Every question of kind rating or number, in the protocol's order.
 std::vector<RatedQuestion> read_ratings(const Study& study, const Protocol& protocol,
                                         const std::vector<SessionInfo>& sessions);
 // The same with a row for each participant, in the order of participants_of: the mean over the participant's sessions.

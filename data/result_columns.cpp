@@ -107,8 +107,11 @@ Columns<MethodRow> sensitivity_columns(const Protocol& protocol) {
       text<R>("condition", "feedback condition",
               [&protocol](const R& r) { return protocol.conditions[r.condition].name; }),
       number<R>(
-          "jnd_median", "median JND; no_sensitivity counts as Inf, ceiling as 0",
+          "jnd_median", "median JND; Inf or empty where its status says why",
           [](const R& r) { return r.row->median_jnd[r.condition]; }, std::string(to_string(protocol.stimulus.unit))),
+      text<R>(
+          "jnd_median_status", kMedianStatus, [](const R& r) { return to_string(r.row->median_status[r.condition]); },
+          kJndStatuses),
       number<R>(
           "jnd_mean", "mean JND over status ok", [](const R& r) { return r.row->mean_jnd[r.condition]; },
           std::string(to_string(protocol.stimulus.unit))),
@@ -176,21 +179,22 @@ struct RatingRow {
 
 Columns<RatingRow> rating_columns(const Protocol& protocol) {
   using R = RatingRow;
-  return {text<R>("item", "identifier of the question", [](const R& r) { return r.item->id; }),
-          text<R>("condition_a", "first condition",
-                  [&protocol](const R& r) { return protocol.conditions[r.pair->a].name; }),
-          text<R>("condition_b", "second condition",
-                  [&protocol](const R& r) { return protocol.conditions[r.pair->b].name; }),
-          number<R>("n", "participants who rated both", [](const R& r) { return r.pair->test.n; }),
-          number<R>("median_a", "median rating of a", [](const R& r) { return r.item->conditions[r.pair->a].median; }),
-          number<R>("median_b", "median rating of b", [](const R& r) { return r.item->conditions[r.pair->b].median; }),
-          number<R>("zeros", "equal ratings, which the test drops", [](const R& r) { return r.pair->test.zeros; }),
-          number<R>("v", "Wilcoxon's V", [](const R& r) { return r.pair->test.v; }),
-          number<R>("p", "exact permutation p (normal beyond 200 differences)", [](const R& r) { return r.pair->p; }),
-          number<R>("p_holm", "with Holm's correction over all pairs of all items",
-                    [](const R& r) { return r.pair->p_holm; }),
-          number<R>("p_bh", "with Benjamini and Hochberg's", [](const R& r) { return r.pair->p_bh; }),
-          number<R>("rank_biserial", "effect size, -1 to 1", [](const R& r) { return r.pair->test.rank_biserial; })};
+  return {
+      text<R>("item", "identifier of the question", [](const R& r) { return r.item->id; }),
+      text<R>("condition_a", "first condition",
+              [&protocol](const R& r) { return protocol.conditions[r.pair->a].name; }),
+      text<R>("condition_b", "second condition",
+              [&protocol](const R& r) { return protocol.conditions[r.pair->b].name; }),
+      number<R>("n", "participants who answered for both", [](const R& r) { return r.pair->test.n; }),
+      number<R>("median_a", "median answer under a", [](const R& r) { return r.item->conditions[r.pair->a].median; }),
+      number<R>("median_b", "median answer under b", [](const R& r) { return r.item->conditions[r.pair->b].median; }),
+      number<R>("zeros", "equal answers, which the test drops", [](const R& r) { return r.pair->test.zeros; }),
+      number<R>("v", "Wilcoxon's V", [](const R& r) { return r.pair->test.v; }),
+      number<R>("p", "exact permutation p (normal beyond 200 differences)", [](const R& r) { return r.pair->p; }),
+      number<R>("p_holm", "with Holm's correction over all pairs of all items",
+                [](const R& r) { return r.pair->p_holm; }),
+      number<R>("p_bh", "with Benjamini and Hochberg's", [](const R& r) { return r.pair->p_bh; }),
+      number<R>("rank_biserial", "effect size, -1 to 1", [](const R& r) { return r.pair->test.rank_biserial; })};
 }
 
 Columns<ThresholdModel> model_columns(const Protocol& protocol) {
@@ -215,8 +219,7 @@ Columns<ThresholdModel> model_columns(const Protocol& protocol) {
               "jnd_ci95_high", "upper end", [](const R& r) { return r.jnd.ci_high; }, unit),
           number<R>("weber", "JND / reference", [](const R& r) { return r.jnd.weber; }),
           text<R>(
-              "status", "what the estimate is", [](const R& r) { return to_string(r.jnd.status); },
-              "ok no_sensitivity ceiling no_information"),
+              "status", "what the estimate is", [](const R& r) { return to_string(r.jnd.status); }, kJndStatuses),
           number<R>("log_likelihood", "of maximum likelihood, without binomial constants",
                     [](const R& r) { return r.jnd.log_likelihood; }),
           number<R>("deviance", "against a rate for each class of each series",
@@ -281,6 +284,7 @@ std::vector<ResultFile> result_files(const StudyResults& results, const Protocol
   add_file(files, "pairs.csv", pair_columns(protocol), pairs);
   add_file(files, "sensitivity.csv", sensitivity_columns(protocol), sensitivity);
   add_file(files, "behaviour.csv", behaviour_columns(protocol), behaviour);
+  add_items_file(files, results.items, protocol);
   add_file(files, "ratings.csv", rating_columns(protocol), ratings);
   if (models != nullptr) add_file(files, "models.csv", model_columns(protocol), models->thresholds);
   if (results.questionnaire)
@@ -296,7 +300,7 @@ void write_results(ExportFolder& files, const StudyResults& results, const Proto
   add_file(all, "thresholds.csv", report_columns(protocol), analysis.thresholds);
   add_file(all, "cells.csv", cell_columns(protocol), analysis.cells);
   add_file(all, "group.csv", group_columns(protocol, analysis.kind), analysis.group);
-  add_file(all, "contrasts.csv", contrast_columns(protocol, analysis.kind), analysis.contrasts);
+  add_file(all, "contrasts.csv", contrast_columns(protocol, analysis.kind), contrasts_of(results, protocol));
   for (ResultFile& file : result_files(results, protocol, models)) all.push_back(std::move(file));
   std::vector<DictionaryRow> dictionary;
   for (const ResultFile& file : all) {

@@ -68,7 +68,7 @@ struct ParticipantData {
 };
 
 double median(std::vector<double> values) {
-  if (values.empty()) return 0;
+  if (values.empty()) return std::nan("");
   const auto upper = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), upper, values.end());
   if (values.size() % 2 == 1) return *upper;
@@ -159,7 +159,7 @@ void estimate(StudyAnalysis& analysis, std::vector<ParticipantData> participants
       analysis.thresholds.push_back({data.participant, analysis.kind, condition,
                                      estimate_threshold(of_series, protocol, method, analysis.intervals, seed),
                                      median(std::move(times.response_times_s)),
-                                     times.trials > 0 ? times.sum_s / times.trials : 0, combined(sources)});
+                                     times.trials > 0 ? times.sum_s / times.trials : std::nan(""), combined(sources)});
     }
   }
   for (int condition = 0; condition < conditions; ++condition) {

@@ -61,8 +61,8 @@ struct ThresholdResult {
   SessionKind kind = SessionKind::simulated;
   int condition = 0;
   JndEstimate jnd;
-  double median_response_time_s = 0;                               // participant's own entries; 0 without one
-  double mean_trial_s = 0;                                         // time per trial
+  double median_response_time_s = 0;                               // participant's own entries; NaN without one
+  double mean_trial_s = 0;                                         // time per trial; NaN without one
   DifferenceSource difference_source = DifferenceSource::nominal;  // of the series in the fit
 };
 

@@ -148,10 +148,7 @@ OutcomeComparison compare_times(const std::vector<ThresholdResult>& thresholds, 
   fill(
       result, thresholds.size() / conditions, protocol,
       [&](std::size_t row) -> const std::string& { return thresholds[row * conditions].participant; },
-      [&](std::size_t row, std::size_t condition) {
-        const double mean = thresholds[row * conditions + condition].mean_trial_s;
-        return mean > 0 ? mean : kNone;
-      },
+      [&](std::size_t row, std::size_t condition) { return thresholds[row * conditions + condition].mean_trial_s; },
       [](std::size_t, std::size_t) { return "no counted trial"; });
   test(result);
   return result;

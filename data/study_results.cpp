@@ -11,19 +11,14 @@ namespace {
 void add_ratings(StudyResults& results, const Study& study, const Protocol& protocol,
                  const std::vector<SessionInfo>& sessions) {
   const std::vector<std::string> participants = participants_of(sessions);
-  std::vector<PairedItem> paired;
-  std::vector<ComparativeItem> once;
+  std::vector<RatedItem> items;
   for (RatedQuestion& rated : read_pooled_ratings(study, protocol, sessions)) {
-    const std::string& id = protocol.questions[static_cast<std::size_t>(rated.question)].id;
-    if (!rated.paired) {
-      once.push_back({id, std::move(rated.ratings)});
-      continue;
-    }
-    results.comparisons.push_back(compare_ratings(rated, participants, protocol));
-    paired.push_back({id, {participants.size(), protocol.conditions.size(), std::move(rated.ratings)}});
+    if (rated.paired) results.comparisons.push_back(compare_ratings(rated, participants, protocol));
+    items.push_back({rated.question, rated.paired, std::move(rated.ratings)});
   }
-  results.ratings = paired_questionnaire(paired);
-  results.comparative = comparative_questionnaire(once);
+  QuestionnaireResults all = questionnaire_of(items, participants.size(), protocol);
+  results.items = std::move(all.items);
+  results.ratings = std::move(all.tests);
 }
 
 // What follows from the thresholds alone.
@@ -70,20 +65,15 @@ StudyResults explore_results_of(const Study& study, const Protocol& protocol, Se
   results.questionnaire = questionnaire_results(study, protocol, sessions);
   results.analysis.participants = results.questionnaire->participants;
   results.by_series.refused = "there are no trials";
+  results.items = results.questionnaire->items;
   results.ratings = results.questionnaire->tests;
-  for (const QuestionnaireItem& item : results.questionnaire->items)
-    if (!item.paired)
-      results.comparative.push_back(
-          {protocol.questions[static_cast<std::size_t>(item.question)].id, item.scores.front().median});
   add_remarks(results, protocol);
   for (const std::string& one : exposure_deviations(*results.questionnaire, protocol))
     results.deviations.push_back(one);
   return results;
 }
 
-}  // namespace
-
-StudyResults results_of(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by) {
+StudyResults computed_results_of(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by) {
   if (protocol.paradigm == Paradigm::explore) return explore_results_of(study, protocol, kind);
   if (protocol.design.procedure) return adaptive_results_of(study, protocol, kind);
   StudyResults results;
@@ -98,8 +88,22 @@ StudyResults results_of(const Study& study, const Protocol& protocol, SessionKin
   return results;
 }
 
+}  // namespace
+
+StudyResults results_of(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by) {
+  ChainReport chains = require_whole_chains(study);
+  StudyResults results = computed_results_of(study, protocol, kind, by);
+  results.chains = std::move(chains);
+  return results;
+}
+
 StudyResults results_of(const Study& study, const Protocol& protocol, SessionKind kind) {
   return results_of(study, protocol, kind, registered_source(protocol));
+}
+
+std::vector<ContrastRow> contrasts_of(const StudyResults& results, const Protocol& protocol) {
+  if (results.questionnaire) return {};
+  return contrast_rows(results.analysis, results.comparisons.front(), protocol);
 }
 
 StudyResults results_of(StudyAnalysis analysis, const Protocol& protocol) {

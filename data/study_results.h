@@ -8,10 +8,12 @@
 
 #include "analysis/questionnaire.h"
 #include "data/adaptive_results.h"
+#include "data/chain_check.h"
 #include "data/questionnaire_results.h"
 #include "data/study_analysis.h"
 #include "data/study_behaviour.h"
 #include "data/study_comparisons.h"
+#include "data/study_contrasts.h"
 #include "data/study_remarks.h"
 #include "data/study_sensitivity.h"
 #include "protocols/protocol.h"
@@ -19,25 +21,29 @@
 namespace jnd {
 
 struct StudyResults {
+  ChainReport chains;      // of the whole study, read before anything was computed; empty where counts alone were given
   StudyAnalysis analysis;  // cells, thresholds, group, contrasts
   // Where the answers set the levels, thresholds are the procedure's: cells, thresholds, group and what rests on them
   // are then empty, and the registered tests are on these.
   std::optional<AdaptiveResults> adaptive;
-  // Of the paradigm explore, which has no trials: then this, ratings, comparative and the remarks are all there is.
+  // Of the paradigm explore, which has no trials: then this, items, ratings and the remarks are all there is.
   std::optional<QuestionnaireResults> questionnaire;
-  std::vector<OutcomeComparison> comparisons;      // the registered one first, then times, then ratings
-  SeriesComparison by_series;                      // condition x series
-  bool detailed = true;                            // what follows was computed; not above kMostInDetail participants
-  std::vector<SensitivityRow> sensitivity;         // the registered method first
-  StudyBehaviour behaviour;                        // order effect, bias, drift, cue strategy
-  PairedQuestionnaire ratings;                     // items rated under each condition
-  std::vector<ComparativeItemResult> comparative;  // rating items asked once
-  std::vector<std::string> deviations;             // from what was registered
-  std::vector<std::string> warnings;               // where the design cannot carry the number
+  std::vector<OutcomeComparison> comparisons;  // the registered one first, then times, then ratings
+  SeriesComparison by_series;                  // condition x series
+  bool detailed = true;                        // what follows was computed; not above kMostInDetail participants
+  std::vector<SensitivityRow> sensitivity;     // the registered method first
+  StudyBehaviour behaviour;                    // order effect, bias, drift, cue strategy
+  std::vector<QuestionnaireItem> items;        // means and medians of ratings and numbers, in the protocol's order
+  PairedQuestionnaire ratings;                 // tests of those that were answered for each condition
+  std::vector<std::string> deviations;         // from what was registered
+  std::vector<std::string> warnings;           // where the design cannot carry the number
 };
 
+// Checks the chains of the study first: throws BrokenChain where it is not what was recorded.
 StudyResults results_of(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by);
 StudyResults results_of(const Study& study, const Protocol& protocol, SessionKind kind);  // by what is registered
+// The rows of contrasts.csv and its like; empty where none is registered, or there are no trials.
+std::vector<ContrastRow> contrasts_of(const StudyResults& results, const Protocol& protocol);
 // Of counts alone: without behaviour and ratings, and no times.
 StudyResults results_of(StudyAnalysis analysis, const Protocol& protocol);
 

@@ -37,6 +37,7 @@ SensitivityRow row_of(const std::vector<ThresholdResult>& thresholds, const Prot
     std::vector<JndEstimate> estimates;
     for (std::size_t i = condition; i < thresholds.size(); i += conditions) estimates.push_back(thresholds[i].jnd);
     const JndGroup group = jnd_group(estimates);
+    row.median_status.push_back(group.median_status);
     row.median_jnd.push_back(group.median_jnd);
     row.mean_jnd.push_back(group.mean_jnd.mean);
     row.n_ok.push_back(group.mean_jnd.n);

@@ -13,8 +13,9 @@ namespace jnd {
 struct SensitivityRow {
   ThresholdMethod method;
   bool registered = false;
-  // By condition, in the study's unit, as in JndGroup: the median counts no_sensitivity as inf and ceiling as 0; the
-  // mean is over status ok.
+  // By condition, in the study's unit, as in JndGroup: the median is a number only where its status is ok, or
+  // no_sensitivity (inf); the mean is over status ok.
+  std::vector<JndStatus> median_status;
   std::vector<double> median_jnd, mean_jnd;
   std::vector<int> n_ok;
   int n = 0;                           // participants in the tests

@@ -51,8 +51,25 @@ TEST_CASE("cells are quoted where they must be, and numbers keep every digit", "
   CHECK(csv_number(std::numeric_limits<std::int64_t>::min()) == "-9223372036854775808");
   CHECK(csv_flag(true) == "1");
   CHECK(csv_flag(false) == "0");
-  for (const char* text : {"=1+1", "+a", "-a", "-1-1", "+1.", "@SUM(A1)", "\tx", "\rx", "\nx", "  =1+1", "\"=1", "'=1",
-                           "\xef\xbb\xbf=1", "\xc2\xa0@x",
+  for (const char* text : {"=1+1",
+                           "+a",
+                           "-a",
+                           "-1-1",
+                           "+1.",
+                           "@SUM(A1)",
+                           "\tx",
+                           "\rx",
+                           "\nx",
+                           "  =1+1",
+                           "\"=1",
+                           "'=1",
+                           "\xef\xbb\xbf=1",
+                           "\xc2\xa0@x",
+                           "\u3000 =1",
+                           "\u2003=1",
+                           "\u2060\u200d-a",
+                           "\v+a",
+                           "\u180e=1",
                            "\xef\xbc\x9d"
                            "1"})
     CHECK(csv_text(text) == "'" + std::string(text));
@@ -68,11 +85,11 @@ TEST_CASE("an export holds every trial and result, and its dictionary every colu
   const auto listed = export_csv(*study, tutorial(), results, folder / "out", false);
   const auto files = files_in(folder / "out");
   CHECK(listed == std::vector<std::string>{"answers.csv", "behaviour.csv", "contrasts.csv", "dictionary.csv",
-                                           "group.csv", "methods.md", "pairs.csv", "ratings.csv", "sensitivity.csv",
-                                           "sessions.csv", "sub-P01/cells.csv", "sub-P01/report.csv",
+                                           "group.csv", "items.csv", "methods.md", "pairs.csv", "ratings.csv",
+                                           "sensitivity.csv", "sessions.csv", "sub-P01/cells.csv", "sub-P01/report.csv",
                                            "sub-P01/trials.csv", "sub-P02/cells.csv", "sub-P02/report.csv",
                                            "sub-P02/trials.csv", "tests.csv"});
-  CHECK(files.size() == listed.size());
+  CHECK(files.size() == listed.size() + 1);  // and SHA256SUMS
 
   std::map<std::string, std::set<std::string>> described;
   for (const auto& row : read_csv(files.at("dictionary.csv"))) {
@@ -82,7 +99,7 @@ TEST_CASE("an export holds every trial and result, and its dictionary every colu
   }
   for (const auto& [name, bytes] : files) {
     CAPTURE(name);
-    if (name == "methods.md") continue;
+    if (name == "methods.md" || name == "SHA256SUMS") continue;
     const auto rows = read_csv(bytes);
     const std::string pattern = name.starts_with("sub-") ? "sub-*" + name.substr(name.find('/')) : name;
     const std::set<std::string> columns(rows[0].begin(), rows[0].end());
@@ -132,8 +149,11 @@ TEST_CASE("the same events give the same bytes, however their sessions were inte
   {
     std::vector<std::thread> threads;
     for (int number = 3; number >= 1; --number)
-      threads.emplace_back([&two, number] { run_whole_session(*two, chinello(), number); });
+      threads.emplace_back([&two, number] { answer_all(*two->open_session(new_session(number)), chinello(), number); });
     for (std::thread& thread : threads) thread.join();
+    // The order of the closings is kept in the study's own chain.
+    for (int number = 1; number <= 3; ++number)
+      two->close_session(new_session(number).id, {1'700'000'900'000'000'000, 900});
   }
   const auto expected = exported(*one, chinello(), folder / "a");
   CHECK(exported(*two, chinello(), folder / "b") == expected);
@@ -176,6 +196,9 @@ TEST_CASE("an existing folder is replaced only if asked, and never one that hold
   fs::create_directory(out / "figures");
   CHECK_THROWS_WITH(exported(*study, tutorial(), out, true), Catch::Contains("figures"));
   fs::remove(out / "figures");
+  std::ofstream(out / "group.csv", std::ios::app) << "a row of mine\n";
+  CHECK_THROWS_WITH(exported(*study, tutorial(), out, true), Catch::Contains("group.csv, which was changed"));
+  std::ofstream(out / "group.csv", std::ios::trunc) << first.at("group.csv");
   std::ofstream(folder / "file") << "x";
   CHECK_THROWS_WITH(exported(*study, tutorial(), folder / "file", true), Catch::Contains("not a folder"));
   fs::create_directory_symlink(out, folder / "link");

@@ -1,6 +1,7 @@
 // Questionnaires of free interaction: tests against numbers computed by hand, choices and times out of a log.
 #include "data/questionnaire_results.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -72,13 +73,14 @@ TEST_CASE("an item without any difference is no test, and the family does not co
 TEST_CASE("scores are over those who answered, pairs over those who answered both", "[data]") {
   const QuestionnaireResults results = questionnaire_of({kMissing}, 6, experiment2());
   const QuestionnaireItem& item = results.items.front();
-  CHECK(item.scores[0].moments.n == 5);
-  CHECK(item.scores[0].moments.mean == Approx(4));
-  CHECK(item.scores[1].moments.n == 5);
+  CHECK(item.scores[0].mean.n == 5);
+  CHECK(item.scores[0].mean.mean == Approx(4));
+  CHECK(item.scores[1].mean.n == 5);
   CHECK(results.tests.items.front().pairs.front().test.n == 4);
-  CHECK(item.scores[0].below == 3);
-  CHECK(item.scores[0].at == 1);
-  CHECK(item.scores[0].above == 1);
+  REQUIRE(item.scores[0].sides);
+  CHECK(item.scores[0].sides->below == 3);
+  CHECK(item.scores[0].sides->at == 1);
+  CHECK(item.scores[0].sides->above == 1);
 }
 
 TEST_CASE("an item rated once has scores and no test", "[data]") {
@@ -87,7 +89,7 @@ TEST_CASE("an item rated once has scores and no test", "[data]") {
   CHECK(results.tests.items.empty());
   REQUIRE(results.items.size() == 1);
   CHECK(results.items.front().scores.front().condition == -1);
-  CHECK(results.items.front().scores.front().moments.mean == Approx(8.2));
+  CHECK(results.items.front().scores.front().mean.mean == Approx(8.2));
   CHECK(results.items.front().scores.front().median.median == 8);
 }
 
@@ -129,7 +131,7 @@ TEST_CASE("a study of free interaction is read out of its log", "[data]") {
   REQUIRE(results.questionnaire);
   const QuestionnaireResults& all = *results.questionnaire;
   CHECK(all.participants == 3);
-  CHECK(all.items.size() == 21);
+  CHECK(all.items.size() == 22);
   CHECK(all.tests.items.size() == 17);
   CHECK(all.tests.family == 17);
   for (const PairedItemResult& item : all.tests.items) {
@@ -150,18 +152,23 @@ TEST_CASE("a study of free interaction is read out of its log", "[data]") {
     CHECK(row.shortest_s == 60);
     CHECK(row.ended_early == 1);
   }
-  CHECK(results.comparative.size() == 4);
+  CHECK(std::count_if(results.items.begin(), results.items.end(),
+                      [](const QuestionnaireItem& item) { return !item.paired; }) == 5);
   bool said = false;
   for (const std::string& one : results.deviations) said = said || one.find("ended early") != std::string::npos;
   CHECK(said);
 
   const std::string methods = methods_text(*study, experiment2(), results);
-  CHECK(methods.find("17 items were rated after each condition") != std::string::npos);
+  CHECK(methods.find("17 items were answered for each condition") != std::string::npos);
   CHECK(methods.find("d'") == std::string::npos);
-  const std::vector<ResultFile> files = questionnaire_files(all, experiment2());
-  REQUIRE(files.size() == 3);
+  std::vector<ResultFile> files;
+  add_items_file(files, all.items, experiment2());
+  REQUIRE(files.size() == 1);
   CHECK(files[0].name == "items.csv");
-  CHECK(files[0].text.find("\nQB1,QB,It is easy to use.,C,3,7,1,7,6,8,") != std::string::npos);
+  CHECK(files[0].text.find("\nQB1,QB,It is easy to use.,C,3,7,1,4.5158") != std::string::npos);
+  CHECK(files[0].text.find(",7,6,8,0.75,1,9,") != std::string::npos);
+  for (ResultFile& file : questionnaire_files(all, experiment2())) files.push_back(std::move(file));
+  REQUIRE(files.size() == 3);
   CHECK(files[1].text.find("preference,,wearing the devices,2,3,") != std::string::npos);
 }
 

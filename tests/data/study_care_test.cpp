@@ -26,7 +26,7 @@ void run_session(Study& study, int participant, int number, SessionKind kind = S
 
 std::string problems_of(const Study& study) {
   std::string all;
-  for (const std::string& problem : verify(study).problems) all += problem + "\n";
+  for (const Problem& problem : verify(study).problems) all += problem.text + "\n";
   return all;
 }
 

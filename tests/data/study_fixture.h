@@ -119,10 +119,30 @@ inline std::string bytes_of(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
+inline std::vector<std::string> texts(const std::vector<Problem>& problems) {
+  std::vector<std::string> all;
+  for (const Problem& problem : problems) all.push_back(problem.text);
+  return all;
+}
+
 // SQL as someone with the sqlite3 shell would run it.
 inline void raw_sql(const std::filesystem::path& path, const std::string& sql) {
   SQLite::Database database(path.string(), SQLite::OPEN_READWRITE);
   database.exec(sql);
+}
+
+// The same as somebody who hides it: triggers are out of the way meanwhile, and stand there again afterwards.
+inline void hidden_sql(const std::filesystem::path& path, const std::string& sql) {
+  std::string drop, restore;
+  {
+    SQLite::Database database(path.string(), SQLite::OPEN_READONLY);
+    SQLite::Statement query(database, "SELECT name, sql FROM sqlite_schema WHERE type = 'trigger'");
+    while (query.executeStep()) {
+      drop += "DROP TRIGGER " + query.getColumn(0).getString() + ";";
+      restore += query.getColumn(1).getString() + ";";
+    }
+  }
+  raw_sql(path, drop + sql + ";" + restore);
 }
 
 }  // namespace jnd

@@ -6,6 +6,7 @@
 
 #include "data/methods_text.h"
 #include "data/rating_answers.h"
+#include "data/result_columns.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
 
@@ -72,6 +73,51 @@ TEST_CASE("the registered tests run on the slope, and contrasts are Holm's over 
   CHECK(omnibus_p(slope.comparison, one.analysis) == slope.comparison.friedman.p);
   one.analysis.tests.omnibus = Omnibus::none;
   CHECK(std::isnan(omnibus_p(slope.comparison, one.analysis)));
+}
+
+TEST_CASE("a row of the contrasts is on one scale: the registered one with its p, the JND without", "[data]") {
+  Protocol protocol = chinello();
+  protocol.analysis.contrasts = {{2, 0}};
+  const StudyResults results = results_of(analyze_counts(group_counts(), protocol, SessionKind::real), protocol);
+  const std::vector<ContrastRow> rows = contrasts_of(results, protocol);
+  REQUIRE(rows.size() == 2);
+  const PairComparison& pair = results.comparisons.front().comparison.pairs[1];  // 0 - 2
+  CHECK(rows[0].outcome == "slope");
+  CHECK(rows[0].unit == "per N/m");
+  CHECK(rows[0].registered);
+  CHECK(rows[0].difference.n == 5);
+  CHECK(rows[0].difference.mean == Approx(-pair.mean_difference));
+  CHECK(rows[0].difference.ci_low == Approx(-pair.t.ci_high));
+  CHECK(rows[0].p == pair.t.p);
+  CHECK(rows[1].outcome == "jnd");
+  CHECK(rows[1].unit == "N/m");
+  CHECK(rows[1].difference.mean == results.analysis.contrasts[0].difference.mean);
+  CHECK(std::isnan(rows[1].p));
+
+  protocol.analysis.tests.outcome = Outcome::jnd;
+  const StudyResults on_jnd = results_of(analyze_counts(group_counts(), protocol, SessionKind::real), protocol);
+  const std::vector<ContrastRow> one = contrasts_of(on_jnd, protocol);
+  REQUIRE(one.size() == 1);
+  CHECK(one[0].registered);
+  CHECK(one[0].difference.mean == rows[1].difference.mean);
+  CHECK(std::isfinite(one[0].p));
+}
+
+TEST_CASE("a method that has a value for nobody has a status as its median", "[data]") {
+  std::vector<CellCounts> cells;
+  for (const char* name : {"P01", "P02", "P03"})
+    for (const CellCounts& cell : participant_counts(name, {{{20, 20, 20}, {20, 20, 20}, {20, 20, 20}}}, 0))
+      cells.push_back(cell);
+  const StudyResults results = results_of(analyze_counts(cells, chinello(), SessionKind::real), chinello());
+  bool found = false;
+  for (const SensitivityRow& row : results.sensitivity) {
+    if (row.method.method != JndMethod::least_squares || row.method.correction != Correction::none) continue;
+    found = true;
+    CHECK(row.n == 0);
+    CHECK(row.median_status == std::vector<JndStatus>(3, JndStatus::ceiling));
+    for (const double median : row.median_jnd) CHECK(std::isnan(median));
+  }
+  CHECK(found);
 }
 
 TEST_CASE("tests on the JND are refused where somebody has none, by name; the slope keeps everybody", "[data]") {
@@ -174,6 +220,50 @@ TEST_CASE("a study's results hold ratings, times and the manner of answering", "
     CHECK(text.find(part) != std::string::npos);
   CHECK(text.back() == '\n');
   CHECK(text == methods_text(*study, tutorial(), results_of(*study, tutorial(), SessionKind::simulated)));
+}
+
+TEST_CASE("answers to questions of kind number have a mean, an interval and the comparison of a rating", "[data]") {
+  Protocol protocol = tutorial();
+  protocol.questions.clear();
+  Question guess;
+  guess.when = Question::When::after_session;
+  guess.kind = Question::Kind::number;
+  guess.id = "guess";
+  guess.text = "How much stiffer, in percent?";
+  guess.max = 1000;
+  guess.per_condition = true;
+  Question age = guess;
+  age.when = Question::When::before_session;
+  age.id = "age";
+  age.per_condition = false;
+  protocol.questions = {guess, age};
+  const TemporaryFolder folder;
+  const auto study = new_study(folder / "study.jnd", protocol);
+  for (int number = 1; number <= 3; ++number) {
+    const NewSession session = new_session(number);
+    const auto log = study->open_session(session);
+    for (std::size_t i = 0; i < protocol.conditions.size(); ++i)
+      log->append(event_kind::kQuestionAnswered,
+                  question_body(guess, protocol.conditions[i].name,
+                                std::to_string(100 * number + static_cast<int>(i) * number), 0),
+                  {9, 9});
+    log->append(event_kind::kQuestionAnswered, question_body(age, "", std::to_string(20 + number), 0), {9, 9});
+  }
+  const StudyResults results = results_of(*study, protocol, SessionKind::simulated);
+  REQUIRE(results.items.size() == 2);
+  CHECK(results.items[0].paired);
+  CHECK(results.items[0].scores[0].mean.mean == Approx(200));
+  CHECK(results.items[0].scores[0].mean.ci_low == Approx(200 - 248.4138).epsilon(1e-5));
+  CHECK_FALSE(results.items[0].scores[0].sides);
+  CHECK(results.items[1].scores[0].mean.mean == Approx(22));
+  REQUIRE(results.ratings.items.size() == 1);
+  CHECK(results.ratings.items[0].pairs[0].test.n == 3);
+  CHECK(results.comparisons.back().outcome == "guess");
+  CHECK(results.comparisons.back().refused.empty());
+  bool listed = false;
+  for (const ResultFile& file : result_files(results, protocol, nullptr))
+    listed = listed || (file.name == "items.csv" && file.text.find("\nage,") != std::string::npos);
+  CHECK(listed);
 }
 
 TEST_CASE("departing from the registered axis and unfinished sessions are deviations", "[data]") {

@@ -1,0 +1,14 @@
+// Text that people wrote, inside Markdown that the program writes.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace jnd {
+
+// The text as CommonMark shows it literally: characters that would be emphasis, code, a link, a tag or an entity have
+// a backslash in front; a line break is a blank, so that it can begin no heading or list. For use within a line, after
+// other text.
+std::string markdown_text(std::string_view text);
+
+}  // namespace jnd
