@@ -9,6 +9,7 @@
 #include <string>
 
 #include "devices/clock.h"
+#include "devices/emergency_stop.h"
 #include "devices/responder.h"
 #include "protocols/protocol.h"
 #include "protocols/vocabulary.h"
@@ -35,6 +36,7 @@ struct ConsoleOptions {
   bool plain = false;                           // lines, also on a terminal
   EnteredBy entered_by = EnteredBy::operator_;  // of answers by keys
   ButtonBox* buttons = nullptr;                 // the participant's own, where there are some; outlives the console
+  const EmergencyStop* stop = nullptr;          // the rig's, which waits look at; outlives the console
 };
 
 // Thread rule: the session's thread only.
@@ -43,8 +45,11 @@ struct ConsoleOptions {
 // return Wish::pause, a trial or a page of questions is left without an answer, and what was typed on the page is there
 // when it is asked again; the latch itself is left to the engine. Where `end` is set, or the keys have ended, a wait
 // returns Wish::end_for_now, nothing, or false.
-// judge() returns nothing where the operator asks for something instead of the answer: meanwhile() then says what. What
-// was typed during a presentation and does not break it off (pause, note, end) is the next ready()'s.
+// Stops: where a key or a button has latched the rig's stop, every wait returns at once with Wish::stopped or without
+// an answer, but for recover()'s and those in it. A text to be read (consent, instructions, a page of questions, a
+// finding) takes no answer before all of it was seen. judge() returns nothing where the operator asks for something
+// instead of the answer: meanwhile() then says what. What was typed during a presentation and does not break it off
+// (pause, note, end) is the next ready()'s.
 class Console : public SessionView {
  public:
   virtual Responder& responder() = 0;

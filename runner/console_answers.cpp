@@ -21,12 +21,10 @@ std::optional<Answer> SessionConsole::answer_of(Action action, std::int64_t key_
   return answer_of(action == Action::answer_same ? Judgement::same : Judgement::different, options_.entered_by, key_ns);
 }
 
-// What is heard from now on is for the next ready(): the keys that still mean something are shown. An answer counts
+// What is heard from now on is for the next ready(). An answer counts
 // only in time; the look at the clock was before the wait for it.
 std::optional<Answer> SessionConsole::question_over(const std::optional<Answer>& answer, double time_out_s) {
-  display_->working_keys(
-      question_keys_.without({Action::answer_same, Action::answer_different, Action::repeat_trial, Action::help})
-          .hints());
+  display_->working_keys(between_trials_keys(protocol_.timeline).hints());
   return answer && answer->response_time_s <= time_out_s ? answer : std::nullopt;
 }
 
@@ -63,7 +61,7 @@ std::optional<Answer> SessionConsole::judge(const TrialQuestion& question) {
     }
     const ButtonReply buttons = hear_buttons();
     if (buttons.answer) return question_over(buttons.answer, question.time_out_s);
-    if (buttons.stopped) return std::nullopt;  // the latch is set: no answer counts
+    if (buttons.stopped || keys_.stopped()) return std::nullopt;  // the latch is set: no answer counts
     if (!buttons.pending && static_cast<double>(clock_.now_ns() - cue_shown_ns_) * 1e-9 > question.time_out_s)
       return question_over(std::nullopt, question.time_out_s);
     const std::optional<Key> key = keys_.next();
@@ -81,8 +79,8 @@ std::optional<Answer> SessionConsole::judge(const TrialQuestion& question) {
       case Action::pause:
       case Action::note:
         note_wishes({*key}, keys);
-        display_->explain(Tone::quiet, *action == Action::pause ? "the pause comes after the answer"
-                                                                : "the note can be typed after the answer");
+        display_->explain(Tone::quiet, *action == Action::pause ? "the pause comes after this trial"
+                                                                : "the note can be typed after this trial");
         break;
       case Action::help:
         help_with_question();
@@ -146,9 +144,10 @@ bool SessionConsole::ask_by_keys(QuestionnairePage& page) {
     std::optional<Key> key;
     // A y that is held down confirms one question, not the whole page; in a text a character may be typed twice.
     const bool text = page.reviewing() || page.items()[page.at()].question->kind != Question::Kind::confirm;
-    while (!key && !keys_.ended() && !keys_.pause_asked()) key = keys_.next(text);
+    while (!key && !interrupted()) key = keys_.next(text);
     if (!key) break;
     if ((key->is(KeyName::page_down) || key->is(KeyName::page_up)) && display_->scroll(key->name)) continue;
+    if (page.answers(*key) && still_to_read()) continue;
     const std::size_t before = page.at();
     const QuestionnairePage::State state = page.press(*key);
     if (state == QuestionnairePage::State::committed) {
@@ -168,13 +167,13 @@ bool SessionConsole::ask_by_keys(QuestionnairePage& page) {
 bool SessionConsole::ask_by_lines(QuestionnairePage& page) {
   bool shown = false;
   std::size_t at = 0;
-  while (!keys_.ended() && !keys_.pause_asked()) {
+  while (!interrupted()) {
     if (!shown || page.at() != at) display_->page(page);
     shown = true;
     at = page.at();
     const std::optional<std::string> line = keys_.line("");
     if (!line) {
-      if (keys_.ended() || keys_.pause_asked()) break;
+      if (interrupted()) break;
       if (leaves_page()) return false;
       shown = false;
       continue;

@@ -10,17 +10,21 @@
 namespace jnd {
 
 char32_t SessionConsole::choose(const std::string& question, const std::vector<KeyHint>& keys) {
+  const TypingText no_text(*keyboard_, false);  // a page may ask
   keys_.prompt();
-  display_->ask(question, keys);
+  std::vector<KeyHint> shown = keys;
+  shown.push_back(stop_hint());
+  display_->ask(question, shown);
   char32_t chosen = 0;
-  while (chosen == 0 && !keys_.ended()) {
+  const bool pausing = keys_.pause_asked();  // already: a dialog of the pause
+  while (chosen == 0 && !keys_.ended() && !keys_.stopped() && keys_.pause_asked() == pausing) {
     const std::optional<Key> key = keys_.next();
     if (!key) continue;
     if (key->is(KeyName::escape)) break;
     if (key->name != KeyName::character) continue;
     const std::string pressed = to_utf8(std::u32string(1, key->character));
-    if (std::any_of(keys.begin(), keys.end(), [&](const KeyHint& hint) { return hint.key == pressed; }))
-      chosen = key->character;
+    if (std::none_of(keys.begin(), keys.end(), [&](const KeyHint& hint) { return hint.key == pressed; })) continue;
+    if (!still_to_read()) chosen = key->character;
   }
   keys_.prompt();  // before the scene is seen again
   display_->asked();
@@ -83,8 +87,7 @@ std::optional<OperatorWish> SessionConsole::wish_of(Action action, const KeyMap&
     case Action::end_session:
       return ask_end();
     case Action::stop:
-      display_->tell(Tone::warning, "STOP: the devices give nothing. [space] leads to where it is cleared");
-      return std::nullopt;
+      return OperatorWish{Wish::stopped, {}};
     case Action::help:
       help(keys);
       return std::nullopt;
@@ -101,9 +104,9 @@ void SessionConsole::help(const KeyMap& keys) {
   for (const KeyHint& hint : all) text += fmt::format("{:>8}  {}\n", "[" + hint.key + "]", hint.what);
   if (!display_->by_lines()) text += "\nKeys pressed before a prompt, or held down since, do not count.\n";
   keys_.prompt();
-  display_->scene({Tone::strong, "Keys", "", text, {{"space", "back", true}}});
+  display_->scene({Tone::strong, "Keys", "", text, {{"space", "back", true}, stop_hint()}});
   if (display_->by_lines()) return;
-  while (!keys_.ended() && !keys_.pause_asked()) {
+  while (!interrupted()) {
     const std::optional<Key> key = keys_.next();
     if (key && !display_->scroll(key->name)) break;
   }
@@ -115,6 +118,24 @@ void SessionConsole::help_with_question() {
   if (!display_->by_lines()) {
     display_->working_keys({});
     display_->say(CuePlace::question, question_words_, question_aloud_, false);
+  }
+}
+
+void SessionConsole::hear_in_trial() {
+  const std::size_t before = noted_.size();
+  note_wishes(keys_.drain(), question_keys_);
+  if (noted_.size() == before) return;
+  switch (noted_.back()) {
+    case Action::pause:
+      return display_->explain(Tone::quiet, "the pause comes after this trial");
+    case Action::note:
+      return display_->explain(Tone::quiet, "the note can be typed after this trial");
+    case Action::end_session:
+      return display_->explain(Tone::quiet, "the end comes after this trial");
+    case Action::repeat_trial:
+      return display_->explain(Tone::quiet, "it is repeated, after this interval");
+    default:
+      return;
   }
 }
 

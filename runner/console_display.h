@@ -22,12 +22,16 @@ struct TonedLine {
 // What the session stands at, and the keys that work there.
 struct Scene {
   Tone tone = Tone::strong;  // of the heading
-  std::string heading;       // "Trial 3 of 16"
-  std::string beside;        // more about it, in a normal tone
-  std::string text;          // to be read: an instruction, a consent; may be long, with line ends
-  std::vector<KeyHint> keys;
-  std::string task{};  // what the operator is to do, in the place of heading and beside; lines do without
+  std::string heading{};     // "Trial 3 of 16"
+  std::string beside{};      // more about it, in a normal tone
+  std::string text{};        // to be read: an instruction, a consent; may be long, with line ends
+  std::vector<KeyHint> keys{};
+  std::string task{};    // what the operator is to do, in the place of heading and beside; lines do without
+  bool to_read = false;  // the keys answer the text: not before it was seen (Display::unread)
 };
+
+// "Trial 5 of 16": how far the session is. One that comes again has the number that it had.
+std::string trial_heading(const TrialOutline& outline);
 
 // Texts are printable (runner/terminal.h) but for the line ends of Scene::text. Thread rule: the session's thread only.
 class Display {
@@ -47,7 +51,8 @@ class Display {
   virtual void feedback(const std::string& words) = 0;                            // to say to the participant
   virtual void tell(Tone tone, const std::string& text) = 0;                      // what happened
   virtual void explain(Tone tone, const std::string& text) { tell(tone, text); }  // about a key, until the next one
-  virtual void answer(const std::string& words, const std::string& by) = 0;       // the last one, which is saved
+  // The last one, which is saved. trial: "trial 5". What was told before this trial has gone with it.
+  virtual void answer(const std::string& trial, const std::string& words, const std::string& by) = 0;
   virtual void answer_taken_back() {}
   virtual void outline(const TrialOutline&) {}
   virtual void progress(const std::vector<ConditionProgress>&) {}
@@ -69,6 +74,9 @@ class Display {
   virtual void refresh() {}
   // Up, down, page up, page down in a long text; false where there is nothing to scroll.
   virtual bool scroll(KeyName) { return false; }
+  // Why what is to be read, a text, a page of questions or a dialog, cannot be answered yet: some of it was not seen,
+  // or the window is too small for it. Empty: it can.
+  virtual std::string unread() { return {}; }
   // Answers come as lines, asked one after the other.
   virtual bool by_lines() const noexcept = 0;
 };

@@ -10,6 +10,12 @@ namespace {
 constexpr double kPoll_s = 0.05;
 }  // namespace
 
+bool PromptKeys::stopped() const noexcept {
+  if (stop_ == nullptr || seeing_to_stop_) return false;
+  const StopSource source = stop_->source();
+  return source == StopSource::key || source == StopSource::button;
+}
+
 std::vector<Key> PromptKeys::drain() {
   std::vector<Key> keys;
   if (keyboard_ == nullptr || !keyboard_->is_terminal()) return keys;  // a pipe's writer cannot wait for prompts
@@ -71,7 +77,7 @@ std::optional<std::string> PromptKeys::edited_line(const std::string& label, con
   display_.field(label, editor);
   std::optional<std::string> text;
   const bool pausing = pause_asked();  // already: a note during the pause
-  while (!ended() && pause_asked() == pausing) {
+  while (!ended() && !stopped() && pause_asked() == pausing) {
     const std::optional<Key> key = next(true);
     if (!key) continue;
     const LineEditor::Outcome outcome = editor.press(*key);

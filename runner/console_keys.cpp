@@ -12,7 +12,7 @@ namespace jnd {
 
 namespace {
 
-const KeyBinding kStop{kStopKey, Action::stop, "stops the devices at any time", true};
+const KeyBinding kStop{kStopKey, Action::stop, "STOP the devices", true};
 
 char32_t capital(char32_t letter) {
   return letter >= 'a' && letter <= 'z' ? letter - 'a' + 'A' : letter;
@@ -60,8 +60,17 @@ std::optional<Action> KeyMap::action_of(const Key& key) const noexcept {
 
 std::vector<KeyHint> KeyMap::hints() const {
   std::vector<KeyHint> hints;
-  for (const KeyBinding& binding : bindings_) hints.push_back({key_name(binding.key), binding.what, binding.brief});
+  for (const KeyBinding& binding : bindings_)
+    hints.push_back({key_name(binding.key), binding.what, binding.brief, binding.action == Action::stop});
   return hints;
+}
+
+KeyHint stop_hint() {
+  return {key_name(kStop.key), kStop.what, true, true};
+}
+
+KeyHint stop_hint_of_text() {
+  return {"Ctrl-C", "STOP, pause", true, true};
 }
 
 KeyMap KeyMap::without(std::initializer_list<Action> actions) const {
@@ -94,31 +103,50 @@ std::string KeyMap::explanation(const Key& pressed) const {
 }
 
 KeyMap ready_keys(bool can_void_last) {
-  std::vector<KeyBinding> bindings = {
-      {' ', Action::go_on, "when the participant is ready", true}, kStop, {'p', Action::pause, "pause", false}};
-  if (can_void_last) bindings.push_back({'u', Action::void_last, "take back the last answer", false});
-  bindings.insert(bindings.end(), {{'n', Action::note, "note", false},
-                                   {'b', Action::take_break, "break", false},
-                                   {'k', Action::end_block, "end this block", false},
-                                   {'q', Action::end_session, "end", true},
-                                   {'?', Action::help, "all keys", true}});
-  return KeyMap(std::move(bindings));
+  const KeyMap keys({{' ', Action::go_on, "when the participant is ready", true},
+                     kStop,
+                     {'p', Action::pause, "pause", false},
+                     {'u', Action::void_last, "take back the last answer", false},
+                     {'n', Action::note, "note", false},
+                     {'b', Action::take_break, "break", false},
+                     {'k', Action::end_block, "end this block", false},
+                     {'q', Action::end_session, "end", true},
+                     {'?', Action::help, "all keys", true}});
+  return can_void_last ? keys : keys.without({Action::void_last});
 }
 
 KeyMap question_keys(const Timeline& timeline) {
   const auto key = [&](char32_t letter) { return spared(letter, timeline); };
   return KeyMap({{static_cast<char32_t>(timeline.key_same), Action::answer_same, "same", true},
                  {static_cast<char32_t>(timeline.key_different), Action::answer_different, "different", true},
+                 kStop,
                  {key('r'), Action::repeat_trial, "repeat this trial", true},
-                 {key('p'), Action::pause, "pause after it", false},
-                 {key('n'), Action::note, "note after it", false},
+                 {key('p'), Action::pause, "pause after this trial", false},
+                 {key('n'), Action::note, "note after this trial", false},
                  {key('q'), Action::end_session, "end", true},
-                 {kStopKey, Action::stop, "STOP", true},
                  {'?', Action::help, "all keys", false}});
+}
+
+KeyMap presentation_keys(const Timeline& timeline) {
+  const auto key = [&](char32_t letter) { return spared(letter, timeline); };
+  return KeyMap({kStop,
+                 {key('r'), Action::repeat_trial, "repeat it, after this interval", true},
+                 {key('p'), Action::pause, "pause after this trial", false},
+                 {key('n'), Action::note, "note after this trial", false},
+                 {key('q'), Action::end_session, "end after this trial", true}});
+}
+
+KeyMap between_trials_keys(const Timeline& timeline) {
+  const auto key = [&](char32_t letter) { return spared(letter, timeline); };
+  return KeyMap({kStop,
+                 {key('p'), Action::pause, "pause", true},
+                 {key('n'), Action::note, "note", true},
+                 {key('q'), Action::end_session, "end", true}});
 }
 
 KeyMap pause_keys() {
   return KeyMap({{' ', Action::go_on, "goes on", true},
+                 kStop,
                  {'n', Action::note, "note", true},
                  {'q', Action::end_session, "ends the session", true}});
 }
@@ -134,15 +162,13 @@ KeyMap missing_keys() {
 }
 
 KeyMap break_keys(bool over) {
-  std::vector<KeyBinding> bindings;
-  if (over) bindings.push_back({' ', Action::go_on, "goes on", true});
-  bindings.insert(bindings.end(),
-                  {{'n', Action::note, "note", true}, {'q', Action::end_session, "ends the session", true}});
-  return KeyMap(std::move(bindings));
+  const KeyMap keys = pause_keys();
+  return over ? keys : keys.without({Action::go_on});
 }
 
 KeyMap instruction_keys() {
   return KeyMap({{' ', Action::go_on, "goes on", true},
+                 kStop,
                  {'p', Action::pause, "pause", false},
                  {'n', Action::note, "note", true},
                  {'q', Action::end_session, "ends the session", true}});
@@ -150,7 +176,8 @@ KeyMap instruction_keys() {
 
 KeyMap consent_keys() {
   return KeyMap({{'y', Action::consent, "the participant agrees", true},
-                 {'n', Action::refuse, "the participant does not agree", true}});
+                 {'n', Action::refuse, "the participant does not agree", true},
+                 kStop});
 }
 
 KeyMap ready_to_explore_keys() {
@@ -175,6 +202,7 @@ KeyMap exploring_keys() {
 
 KeyMap storage_keys() {
   return KeyMap({{' ', Action::try_again, "tries again", true},
+                 kStop,
                  {'q', Action::give_up, "ends the session; what was not saved is lost", true}});
 }
 

@@ -36,6 +36,7 @@ struct KeyHint {
   std::string key;    // as printed: "space", "p", "Enter"
   std::string what;   // what it does
   bool brief = true;  // also where there is room for the most important keys only
+  bool stop = false;  // shown at every size
 };
 
 struct KeyBinding {
@@ -59,9 +60,12 @@ class KeyMap {
 };
 
 KeyMap ready_keys(bool can_void_last);
-// During a presentation and for the answer. The protocol's answer keys win: an operator's letter that is one of them
-// moves to its capital, and where both are answers to the digit 0, 8 or 9 that is free.
+// For the answer. The protocol's answer keys win: an operator's letter that is one of them moves to its capital, and
+// where both are answers to the digit 0, 8 or 9 that is free.
 KeyMap question_keys(const Timeline& timeline);
+// The same letters during a presentation, where most of them act later, and say so; and between trials.
+KeyMap presentation_keys(const Timeline& timeline);
+KeyMap between_trials_keys(const Timeline& timeline);
 KeyMap pause_keys();
 KeyMap stopped_keys();
 KeyMap missing_keys();  // while something of the rig is
@@ -72,6 +76,8 @@ KeyMap ready_to_explore_keys();
 KeyMap exploring_keys();
 KeyMap storage_keys();
 
+KeyHint stop_hint();
+KeyHint stop_hint_of_text();  // while text is typed, where the stop key is a letter
 // Whether it is the stop key, which latches wherever no text is typed.
 bool stops(const Key& key) noexcept;
 // A key as a person calls it.

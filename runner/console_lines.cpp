@@ -6,17 +6,20 @@
 
 #include <fmt/format.h>
 
+#include "runner/interrupt.h"
 #include "runner/terminal.h"
 
 namespace jnd {
 
 namespace {
 
-// Prints and shows at once: the operator reads along, also through a pipe.
+// Prints and shows at once: the operator reads along, also through a pipe. Where nobody can read any more the session
+// ends as after a signal, and goes on when it is begun again.
 template <typename... Args>
 void put(fmt::format_string<Args...> format, Args&&... args) {
-  fmt::print(format, std::forward<Args>(args)...);
-  std::fflush(stdout);
+  const std::string text = fmt::format(format, std::forward<Args>(args)...);
+  const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
+  if (std::fflush(stdout) != 0 || !written) request_interrupt();
 }
 
 std::string toned(Tone tone, const std::string& text) {
@@ -135,8 +138,8 @@ void LineDisplay::tell(Tone tone, const std::string& text) {
   put("  {}\n", toned(tone, text));
 }
 
-void LineDisplay::answer(const std::string& words, const std::string&) {
-  put("  saved: {}\n", words);
+void LineDisplay::answer(const std::string& trial, const std::string& words, const std::string&) {
+  put("  saved: {}, {}\n", trial, words);
 }
 
 // Said every ten seconds, or every minute of a long one.

@@ -61,9 +61,8 @@ class ExplorationBlock {
   SessionState& state_;
   std::vector<std::string> codes_;
   ExplorationHistory history_;
-  bool asked_ = false;      // the view wants the operator's wish to be heard
-  double force_cap_n_ = 0;  // as the loop last told it
-  Telemetry ticks_;         // of the present attempt
+  bool asked_ = false;  // the view wants the operator's wish to be heard
+  Telemetry ticks_;     // of the present attempt
 };
 
 // The program was killed while somebody explored: that attempt is over, and it comes again.
@@ -111,8 +110,7 @@ void ExplorationBlock::attempt(const ExplorationSlot& slot, int attempt) {
   asked_ = false;
   await_rig(parts_, recorder_, slots_done());
   // A stop that came before it: nothing is felt, and nothing counted, before a person has cleared it.
-  if (parts_.person && parts_.rig.stop.latched())
-    recover_from_stop(parts_, recorder_, std::string(to_string(parts_.rig.stop.source())), slots_done());
+  heed_interrupts(parts_, recorder_, slots_done());
   recorder_.mark(event_kind::kExplorationBegan, {{"index", slot.index}, {"attempt", attempt}});
   history_.attempts[slot.index] = attempt;
   ExplorationRecord record = exploration_of(parts_.protocol, slot, attempt);
@@ -129,6 +127,7 @@ void ExplorationBlock::attempt(const ExplorationSlot& slot, int attempt) {
   if (!ticks.empty()) body["telemetry"] = telemetry_body(ticks);
   recorder_.append(event_kind::kExploration, body, ticks);
   state_.explored.insert(slot.index);
+  parts_.view.explored();
 }
 
 ExplorationBlock::PieceEnd ExplorationBlock::render_piece(ExplorationRecord& record, double length_s) {
@@ -142,7 +141,6 @@ ExplorationBlock::PieceEnd ExplorationBlock::render_piece(ExplorationRecord& rec
   request.object = record.object;
   const double left_s = record.slot.duration_s - record.duration_s;
   parts_.rig.watch([&](const LoopGlimpse& glimpse) {
-    force_cap_n_ = glimpse.force_cap_n;
     parts_.view.health(health_of(glimpse));
     // What the operator wishes is heard at once: the object lets go, and goes on after it.
     if (!still_exploring(left_s - glimpse.elapsed_s)) parts_.rig.stop.latch(StopSource::program);
@@ -160,9 +158,7 @@ ExplorationBlock::PieceEnd ExplorationBlock::render_piece(ExplorationRecord& rec
   if (piece.fault == Fault::none && !(piece.duration_s > 0)) piece.fault = Fault::device_lost;
   record.duration_s += piece.duration_s;
   keep_ticks(piece);
-  DeviceHealth health = health_of(piece);
-  health.force_cap_n = force_cap_n_;
-  parts_.view.health(health);
+  parts_.view.health(health_of(piece));
   if (piece.fault != Fault::none && piece.fault != Fault::interrupted)
     return stopped(record, std::string(to_string(piece.fault)),
                    piece.fault == Fault::emergency_stop ? piece.stopped_by : std::string(),

@@ -1,7 +1,12 @@
 #include "runner/interrupt.h"
 
 #include <csignal>
+#include <utility>
 
+#include <unistd.h>
+
+#include "analysis/stop_request.h"
+#include "runner/commands.h"
 #include "runner/screen_restore.h"
 
 namespace jnd {
@@ -11,6 +16,7 @@ namespace {
 Interrupts latches;
 std::atomic<bool> pausing{false};  // Ctrl-C pauses a session
 std::atomic<int> presses{0};       // of Ctrl-C since the last pause was over
+std::atomic<int> holds{0};         // HoldInterrupts that live
 std::atomic<EmergencyStop*> rig_stop{nullptr};
 // A signal handler may touch lock-free atomics only.
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free &&
@@ -31,12 +37,26 @@ void end_at_next(int signal_number) {
   sigaction(signal_number, &next, nullptr);
 }
 
+void latch_end() noexcept {
+  latches.end = true;
+  stop_requested() = true;
+}
+
+// Nothing would have to be finished or undone.
+[[noreturn]] void end_with_words() noexcept {
+  restore_terminal();
+  constexpr char kWords[] = "\njnd: interrupted before it was done\n";
+  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, kWords, sizeof kWords - 1);
+  _exit(exit_code::kInterrupted);
+}
+
 void on_signal(int signal_number) {
   const bool pauses = signal_number == SIGINT && pausing;
   if (pauses && presses.fetch_add(1) == 0) {
     latches.pause = true;
   } else {
-    latches.end = true;
+    if (holds == 0) end_with_words();
+    latch_end();
     end_at_next(signal_number);
   }
   if (EmergencyStop* stop = rig_stop) stop->latch(StopSource::signal);
@@ -53,7 +73,21 @@ const std::atomic<bool>& interrupt_requested() noexcept {
 }
 
 void request_interrupt() noexcept {
-  latches.end = true;
+  latch_end();
+}
+
+HoldInterrupts::HoldInterrupts() noexcept {
+  ++holds;
+}
+HoldInterrupts::~HoldInterrupts() {
+  --holds;
+}
+
+std::function<int()> holding_interrupts(std::function<int()> command) {
+  return [command = std::move(command)] {
+    const HoldInterrupts hold;
+    return command();
+  };
 }
 
 void install_interrupt_handlers() noexcept {

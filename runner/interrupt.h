@@ -1,8 +1,9 @@
-// Ctrl-C and other signals: latches that the session and the rig look at. Nothing is ever killed in the middle of a
-// write.
+// Ctrl-C and other signals. A command that only computes ends at the first one, at once. One that writes, or moves a
+// device, holds them: they set latches that it looks at, and nothing is ever killed in the middle of a write.
 #pragma once
 
 #include <atomic>
+#include <functional>
 
 #include "devices/emergency_stop.h"
 
@@ -18,10 +19,24 @@ struct Interrupts {
 Interrupts& interrupts() noexcept;
 // interrupts().end: what everything but an operator's session looks at.
 const std::atomic<bool>& interrupt_requested() noexcept;
-// SIGINT, SIGTERM and SIGHUP. The first sets `end`, a second one of the same kind ends the program at once, as usual.
+// SIGINT, SIGTERM and SIGHUP. Without HoldInterrupts the first ends the program at once, with words and exit code 130.
+// With it the first sets `end` and stop_requested() (analysis/stop_request.h), and a second one of the same kind ends
+// the program at once, as usual.
 // SIGXFSZ is ignored: a file that may not grow is trouble with storage, which is said where it is written.
 void install_interrupt_handlers() noexcept;
 void request_interrupt() noexcept;  // as if a signal had come
+
+// While one lives, signals are latched: for work that has to be finished or undone.
+class HoldInterrupts {
+ public:
+  HoldInterrupts() noexcept;
+  ~HoldInterrupts();
+  HoldInterrupts(const HoldInterrupts&) = delete;
+  HoldInterrupts& operator=(const HoldInterrupts&) = delete;
+};
+
+// The same for the whole of a command.
+std::function<int()> holding_interrupts(std::function<int()> command);
 
 // While it lives, a first Ctrl-C sets `pause` and a second one, whenever it comes before the pause is over, sets `end`;
 // a third ends the program at once.

@@ -95,10 +95,11 @@ class StopOnKey {
   Keyboard* keyboard_;
 };
 
-// While it lives, keys are text.
+// While it lives, keys are text; or are not, as in a dialog that a page of text has.
 class TypingText {
  public:
-  explicit TypingText(Keyboard& keyboard) noexcept : keyboard_(keyboard), before_(keyboard.typing(true)) {}
+  explicit TypingText(Keyboard& keyboard, bool text = true) noexcept
+      : keyboard_(keyboard), before_(keyboard.typing(text)) {}
   ~TypingText() { keyboard_.typing(before_); }
   TypingText(const TypingText&) = delete;
   TypingText& operator=(const TypingText&) = delete;

@@ -14,7 +14,8 @@ enum class Wish {
   end_block,     // the rest of the block is given up
   take_break,    // a break that the protocol does not ask for
   end_for_now,   // resumable
-  end_for_good   // the session is closed as it is
+  end_for_good,  // the session is closed as it is
+  stopped        // nothing; the rig's stop came first, and is to be seen to
 };
 
 struct OperatorWish {

@@ -109,22 +109,25 @@ void QuestionnairePage::back() {
   if (at_ > 0) go_to(at_ - 1);
 }
 
+bool QuestionnairePage::answers(const Key& key) const noexcept {
+  if (key.is(KeyName::enter) || key.is(KeyName::down) || key.is(KeyName::tab)) return true;
+  return !reviewing() && items_[at_].question->kind == Question::Kind::confirm && (key.is(U'y') || key.is(U'Y'));
+}
+
 QuestionnairePage::State QuestionnairePage::press(const Key& key) {
   if (key.is(KeyName::escape)) return State::leaving;
   if (key.is(KeyName::up)) {
     back();
     return State::open;
   }
-  const bool forward = key.is(KeyName::enter) || key.is(KeyName::down) || key.is(KeyName::tab);
   if (reviewing()) {
     if (key.is(KeyName::enter) && editor_.empty()) return commit();
     if (key.is(KeyName::enter)) return enter(editor_.text());
     editor_.press(key);
     return State::open;
   }
-  if (forward) return take(editor_.text());
+  if (answers(key)) return take(key.name == KeyName::character ? "y" : editor_.text());
   const Question& question = *items_[at_].question;
-  if (question.kind == Question::Kind::confirm && (key.is(U'y') || key.is(U'Y'))) return take("y");
   mistake_.clear();
   if (key.name == KeyName::character && !fits(question, key.character))
     mistake_ = question.kind == Question::Kind::confirm  ? "please type y once it is so"

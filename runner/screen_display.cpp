@@ -39,6 +39,7 @@ class ScreenDisplay final : public Display {
     if (!painter_) return lines_.scene(scene);
     model_.hint = {};
     model_.scrolled = 0;
+    read_ = false;
     if (scene.heading.empty())
       model_.scene.keys = scene.keys;  // a question: what was said stays
     else
@@ -81,8 +82,11 @@ class ScreenDisplay final : public Display {
     model_.hint = {tone, text};
     draw();
   }
-  void answer(const std::string& words, const std::string& by) override {
-    if (!painter_) return lines_.answer(words, by);
+  void answer(const std::string& trial, const std::string& words, const std::string& by) override {
+    if (!painter_) return lines_.answer(trial, words, by);
+    model_.past.erase(model_.past.begin(), model_.past.begin() + static_cast<std::ptrdiff_t>(before_trial_));
+    before_trial_ = 0;
+    model_.answered = trial;
     model_.answer = words;
     model_.by = by;
     model_.say.clear();
@@ -90,7 +94,10 @@ class ScreenDisplay final : public Display {
     draw();
   }
   void answer_taken_back() override { model_.answer.clear(); }
-  void outline(const TrialOutline& outline) override { model_.outline = outline; }
+  void outline(const TrialOutline& outline) override {
+    model_.outline = outline;
+    before_trial_ = model_.past.size();
+  }
   void progress(const std::vector<ConditionProgress>& progress) override {
     model_.progress = progress;
     draw();
@@ -136,7 +143,10 @@ class ScreenDisplay final : public Display {
   }
   void page(const QuestionnairePage& page) override {
     if (!painter_) return lines_.page(page);
-    if (model_.page == nullptr || page.at() != question_) model_.scrolled = 0;
+    if (model_.page == nullptr || page.at() != question_) {
+      model_.scrolled = 0;
+      read_ = false;
+    }
     model_.page = &page;
     question_ = page.at();
     model_.hint = {};
@@ -163,12 +173,23 @@ class ScreenDisplay final : public Display {
     draw();
     return true;
   }
+  std::string unread() override {
+    if (!painter_) return {};
+    draw();  // as large as the window is now
+    if (unseen_ == Unseen::too_small) return "the window is too small to read this: make it larger";
+    if (model_.dialog || read_) return {};
+    return model_.page != nullptr ? "there is more to read first: Page Down"
+                                  : "there is more to read first: arrow down";
+  }
   bool by_lines() const noexcept override { return !painter_; }
 
  private:
   void happened(Tone tone, const std::string& text) {
     model_.past.push_back({tone, text});
-    if (model_.past.size() > kPastKept) model_.past.pop_front();
+    if (model_.past.size() > kPastKept) {
+      model_.past.pop_front();
+      before_trial_ -= before_trial_ > 0 ? 1 : 0;
+    }
     draw();
   }
   void draw() {
@@ -177,6 +198,8 @@ class ScreenDisplay final : public Display {
     const Frame frame = lay_out(model_, painter_->rows(), painter_->columns(), painter_->unicode());
     hidden_lines_ = frame.hidden_lines;
     window_lines_ = frame.window_lines;
+    unseen_ = frame.unseen;
+    if (!model_.dialog && !model_.field) read_ = read_ || unseen_ == Unseen::nothing;
     painter_->paint(frame);
   }
 
@@ -187,6 +210,9 @@ class ScreenDisplay final : public Display {
   std::int64_t health_shown_ns_ = 0;
   int hidden_lines_ = 0, window_lines_ = 0;
   std::size_t question_ = 0;  // of the page, that is shown
+  Unseen unseen_ = Unseen::nothing;
+  bool read_ = false;             // all of the scene's text, or of the page's question, was on view
+  std::size_t before_trial_ = 0;  // of what has happened: told before this trial
   bool feedback_ = false;
 };
 

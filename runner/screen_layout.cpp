@@ -15,16 +15,46 @@ namespace {
 constexpr std::size_t kMostPast = 4;
 constexpr int kMostKeyRows = 3;
 
+std::vector<KeyHint> keys_now(const ScreenModel& model) {
+  if (model.dialog) return model.dialog->keys;
+  if (model.field) return {{"Enter", "done", true}, {"Esc", "cancel", true}, stop_hint_of_text()};
+  if (model.page == nullptr) return model.scene.keys;
+  const char* const enter = model.page->reviewing()           ? "saves the answers"
+                            : model.page->items().size() == 1 ? "saves the answer"
+                                                              : "next";
+  std::vector<KeyHint> keys = {{"Enter", enter, true}};
+  if (model.page->at() > 0) keys.push_back({"up", "back", true});
+  keys.push_back({"Esc", "leave", true});
+  keys.push_back(stop_hint_of_text());
+  return keys;
+}
+
+// The stop first, then what is asked or said, then the other keys, as much of it as there are rows.
 Frame too_small(const ScreenModel& model, int rows, const Paper& paper) {
+  const std::vector<KeyHint> keys = keys_now(model);
+  std::string first;
+  for (const KeyHint& hint : keys)
+    if (hint.stop) first += fmt::format("[{}] {}   ", hint.key, hint.what);
+  first += fmt::format("too small, {} x {} needed", kLeastColumns, kLeastRows);
+
+  const bool reading = !model.dialog && (model.page != nullptr || model.scene.to_read);
+  std::string words = model.dialog  ? model.dialog->question
+                      : model.field ? model.field->label + ": " + model.field->text
+                      : reading     ? "Make the window larger to read what is asked. "
+                                      "Nothing is answered before."
+                      : !model.say.empty() && !model.scene.keys.empty() && model.scene.heading.empty()
+                          ? (model.aloud ? "SAY " : "") + model.say
+                          : model.scene.heading;
   Frame frame;
+  frame.rows.push_back({span(paper, 0, first, style_of(Tone::warning))});
+  for (const std::string& line : wrapped(showable(words, paper.unicode), paper.columns))
+    frame.rows.push_back({span(paper, 0, line, style_of(Tone::strong))});
+  const bool fits = static_cast<int>(frame.rows.size()) <= rows;
+  if (!model.hint.text.empty()) frame.rows.push_back({span(paper, 0, model.hint.text, style_of(model.hint.tone))});
+  for (Row& row : key_rows(paper, keys, std::max(1, rows - static_cast<int>(frame.rows.size()))))
+    frame.rows.push_back(std::move(row));
   frame.rows.resize(static_cast<std::size_t>(std::max(rows, 1)));
-  frame.rows[0] = {span(
-      paper, 0,
-      fmt::format("{} x {}: too small ({} x {}). The session goes on.", paper.columns, rows, kLeastColumns, kLeastRows),
-      style_of(Tone::warning))};
-  const std::vector<KeyHint>& keys = model.dialog ? model.dialog->keys : model.scene.keys;
-  if (rows > 1) frame.rows[1] = {span(paper, 0, model.dialog ? model.dialog->question : model.scene.heading)};
-  if (rows > 2) frame.rows[2] = key_rows(paper, keys, 1).front();
+  if (reading || (model.dialog && !fits)) frame.unseen = Unseen::too_small;
   return frame;
 }
 
@@ -41,17 +71,6 @@ std::vector<Row> past_rows(const Paper& paper, const ScreenModel& model, int roo
     rows.insert(rows.begin(), event.begin(), event.end());
   }
   return rows;
-}
-
-std::vector<KeyHint> keys_now(const ScreenModel& model) {
-  if (model.dialog) return model.dialog->keys;
-  if (model.field) return {{"Enter", "done", true}, {"Esc", "cancel", true}};
-  if (model.page == nullptr) return model.scene.keys;
-  if (model.page->reviewing())
-    return {{"Enter", "saves the answers", true}, {"up", "back", true}, {"Esc", "leave", true}};
-  const char* enter = model.page->items().size() == 1 ? "saves the answer" : "next";
-  if (model.page->at() == 0) return {{"Enter", enter, true}, {"Esc", "leave", true}};
-  return {{"Enter", enter, true}, {"up", "back", true}, {"Esc", "leave", true}};
 }
 
 }  // namespace
@@ -91,6 +110,10 @@ Frame lay_out(const ScreenModel& model, int rows, int columns, bool unicode) {
   }
   frame.window_lines = window_end - head;
   frame.hidden_lines = scrollable - scrolled;
+  if (scrollable > 0 && frame.window_lines < 1)
+    frame.unseen = Unseen::too_small;
+  else if (frame.hidden_lines > 0)
+    frame.unseen = Unseen::below;
   if (frame.hidden_lines > 0 && frame.window_lines > 0)
     frame.rows[static_cast<std::size_t>(main_from + window_end - 1)] = {span(
         paper, 1,

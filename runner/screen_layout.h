@@ -23,9 +23,9 @@ struct ScreenModel {
   int scrolled = 0;  // lines of the scene's text, or of the page, above the window
   std::string say;   // to the participant, now; or what goes on
   bool aloud = false;
-  std::string answer, by;      // the last one, and who entered it
-  std::deque<TonedLine> past;  // notes, voided trials: oldest first
-  TonedLine hint;              // about the key that was just pressed
+  std::string answered, answer, by;  // the last one: of which trial, what, and who entered it
+  std::deque<TonedLine> past;        // notes, voided trials: oldest first
+  TonedLine hint;                    // about the key that was just pressed
   struct Countdown {
     std::string what;
     double left_s = 0, total_s = 0;
@@ -56,11 +56,19 @@ struct Span {
 };
 using Row = std::vector<Span>;
 
+// What keeps a text, a page or a dialog from being answered.
+enum class Unseen {
+  nothing,
+  below,     // some of it is below the window, or not yet scrolled to
+  too_small  // the window cannot show it
+};
+
 struct Frame {
   std::vector<Row> rows;
   std::optional<std::pair<int, int>> cursor;  // row and column
   int hidden_lines = 0;                       // of the scene's text or of the page, below the window
   int window_lines = 0;                       // of them, in the window
+  Unseen unseen = Unseen::nothing;
 };
 
 // unicode: block characters, lines and ellipses; otherwise ASCII.

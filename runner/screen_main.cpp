@@ -92,7 +92,7 @@ MainPart main_part(const Paper& paper, const ScreenModel& model) {
     part.rows.push_back({span(paper, 1, bar(share, paper.columns / 3, paper.unicode)),
                          span(paper, 3 + paper.columns / 3, seconds_left(model.countdown->left_s), kBold)});
   }
-  if (model.dialog) part.rows.push_back({span(paper, 1, model.dialog->question, style_of(Tone::warning))});
+  if (model.dialog) add_text(paper, model.dialog->question, style_of(Tone::warning), part.rows);
   if (model.field) add_field(paper, *model.field, part);
   if (!model.hint.text.empty())
     for (const std::string& line : wrapped(model.hint.text, paper.columns - 2))
@@ -123,8 +123,8 @@ void add_scale(const Paper& paper, const Question& question, std::vector<Row>& r
     return;
   }
   rows.push_back({span(paper, 1, scale, kBold)});
-  rows.push_back({span(paper, 1, fmt::format("{:g} = {}", question.min, question.low_label))});
-  rows.push_back({span(paper, 1, fmt::format("{:g} = {}", question.max, question.high_label))});
+  add_text(paper, fmt::format("{:g} = {}", question.min, question.low_label), {}, rows);
+  add_text(paper, fmt::format("{:g} = {}", question.max, question.high_label), {}, rows);
 }
 
 void add_question(const Paper& paper, const QuestionnairePage& page, MainPart& part) {
@@ -140,9 +140,12 @@ void add_question(const Paper& paper, const QuestionnairePage& page, MainPart& p
   if (question.kind == Question::Kind::rating) add_scale(paper, question, part.rows);
   if (question.kind == Question::Kind::number)
     part.rows.push_back({span(paper, 1, fmt::format("a number from {:g} to {:g}", question.min, question.max), kDim)});
-  for (std::size_t i = 0; i < question.options.size(); ++i)
-    part.rows.push_back({span(paper, 1, fmt::format("{}", i + 1), kBold),
-                         span(paper, 4, i < question.shown.size() ? question.shown[i] : question.options[i])});
+  for (std::size_t i = 0; i < question.options.size(); ++i) {
+    const std::size_t first = part.rows.size();
+    const std::string& option = i < question.shown.size() ? question.shown[i] : question.options[i];
+    for (const std::string& line : wrapped(option, paper.columns - 5)) part.rows.push_back({span(paper, 4, line)});
+    part.rows[first].insert(part.rows[first].begin(), span(paper, 1, fmt::format("{}", i + 1), kBold));
+  }
   const std::string label = question.kind == Question::Kind::confirm  ? "y once it is so"
                             : question.kind == Question::Kind::choice ? "Number"
                                                                       : "Answer";

@@ -12,7 +12,12 @@ namespace jnd {
 
 namespace {
 constexpr Style kBold{.bold = true}, kDim{.dim = true};
-constexpr int kForceCells = 4;
+constexpr double kOnTime_us = 1000;  // a period of the loop
+
+std::string lateness_text(double latest_us) {
+  if (latest_us < kOnTime_us) return "on time";
+  return fmt::format("late by up to {:.0f} ms", std::ceil(latest_us / 1000));
+}
 }  // namespace
 
 Span span(const Paper& paper, int column, const std::string& text, Style style) {
@@ -82,17 +87,14 @@ Row trial_row(const Paper& paper, const ScreenModel& model) {
     return {span(paper, 1, fmt::format("{} of {} trials done", model.card.trials_done, model.card.trials_total))};
   }
   const TrialOutline& outline = *model.outline;
-  std::string head;
-  if (outline.practice)
-    head = fmt::format("Practice {} of {}", outline.number, outline.total);
-  else
-    head = fmt::format("Trial {} of {}{}", outline.number, outline.at_most ? "at most " : "", outline.total);
+  const std::string head = trial_heading(outline);
   std::string rest;
   if (!outline.practice) rest += fmt::format("   block {} of {}", outline.block, outline.blocks);
   if (outline.practice && outline.round > 1) rest += fmt::format("   round {}", outline.round);
   if (!outline.condition_code.empty()) rest += fmt::format("   condition {}", outline.condition_code);
-  if (outline.attempt > 1) rest += fmt::format("   attempt {}", outline.attempt);
   if (!outline.practice) rest += fmt::format("   about {} left", duration_text(outline.time_left_s));
+  if (outline.attempt > 1) rest += fmt::format("   attempt {}", outline.attempt);
+  rest += fmt::format("   plan no. {}", outline.plan_number);
   return {span(paper, 1, head, kBold), span(paper, 1 + columns_of(head), rest)};
 }
 
@@ -126,8 +128,10 @@ Row rule_row(const Paper& paper) {
 
 Row answer_row(const Paper& paper, const ScreenModel& model) {
   if (model.answer.empty()) return {span(paper, 1, "No answer to show", kDim)};
-  return {span(paper, 1, "Last answer:", kDim), span(paper, 14, model.answer, kBold),
-          span(paper, 16 + columns_of(model.answer), fmt::format("saved; entered by the {}", model.by), kDim)};
+  const std::string saved = fmt::format("Saved: {},", model.answered);
+  const int from = 2 + columns_of(saved);
+  return {span(paper, 1, saved, kDim), span(paper, from, model.answer, kBold),
+          span(paper, from + 2 + columns_of(model.answer), fmt::format("entered by the {}", model.by), kDim)};
 }
 
 Row health_row(const Paper& paper, const std::optional<DeviceHealth>& health) {
@@ -139,43 +143,57 @@ Row health_row(const Paper& paper, const std::optional<DeviceHealth>& health) {
     column += columns_of(row.back().text) + 2;
   };
   if (!health->fault.empty()) add(fmt::format("FAULT: {}", health->fault), style_of(Tone::warning));
-  // In coarse steps and without a number: how hard somebody presses is to be seen, how stiff the sphere is not.
-  if (health->force_cap_n > 0)
-    add(fmt::format("Force {} of {:.1f} N",
-                    bar(std::ceil(kForceCells * health->force_n / health->force_cap_n) / kForceCells, kForceCells,
-                        paper.unicode),
-                    health->force_cap_n),
-        {});
-  if (health->limited_trials > 0)
-    add(fmt::format("limit in {} of {} trials", health->limited_trials, health->trials), {});
-  if (health->rate_hz > 0) add(fmt::format("{:.0f} Hz", health->rate_hz), {});
-  if (health->lateness_max_us > 0)
-    add(fmt::format("late {:.0f} us, at most {:.0f}", health->lateness_p99_us, health->lateness_max_us), kDim);
+  if (!health->presenting)
+    add("Devices at rest", {});
+  else
+    add(health->contact ? "Devices at work: contact" : "Devices at work: no contact", {});
+  if (health->rate_hz > 0)
+    add(fmt::format("{}{:.0f} Hz, {}", health->presenting ? "" : "last: ", health->rate_hz,
+                    lateness_text(health->lateness_max_us)),
+        kDim);
   return row;
 }
 
-std::vector<Row> key_rows(const Paper& paper, const std::vector<KeyHint>& keys, int most) {
-  for (const bool all : {true, false}) {
-    std::vector<Row> rows(1);
-    int column = 1;
-    for (const KeyHint& hint : keys) {
-      if (!all && !hint.brief) continue;
-      const std::string key = fmt::format("[{}]", hint.key);
-      const int width = columns_of(key) + 1 + columns_of(hint.what);
-      if (column > 1 && column + width > paper.columns) {
-        rows.emplace_back();
-        column = 1;
-      }
-      rows.back().push_back(span(paper, column, key, kBold));
-      rows.back().push_back(span(paper, column + columns_of(key) + 1, hint.what));
-      column += width + 3;
+namespace {
+
+int width_of(const KeyHint& hint) {
+  return columns_of(hint.key) + 3 + columns_of(hint.what);
+}
+
+std::vector<Row> rows_of_keys(const Paper& paper, const std::vector<KeyHint>& keys) {
+  std::vector<Row> rows(1);
+  int column = 1;
+  for (const KeyHint& hint : keys) {
+    if (column > 1 && column + width_of(hint) > paper.columns) {
+      rows.emplace_back();
+      column = 1;
     }
-    if (static_cast<int>(rows.size()) <= most || !all) {
-      rows.resize(std::min(rows.size(), static_cast<std::size_t>(std::max(most, 1))));
-      return rows;
-    }
+    rows.back().push_back(span(paper, column, fmt::format("[{}]", hint.key), kBold));
+    rows.back().push_back(span(paper, column + columns_of(hint.key) + 3, hint.what));
+    column += width_of(hint) + 3;
   }
-  return {};
+  return rows;
+}
+
+}  // namespace
+
+std::vector<Row> key_rows(const Paper& paper, const std::vector<KeyHint>& keys, int most) {
+  std::vector<KeyHint> shown = keys;
+  std::vector<Row> rows = rows_of_keys(paper, shown);
+  const auto too_many = [&] { return static_cast<int>(rows.size()) > std::max(most, 1); };
+  if (too_many()) {
+    std::erase_if(shown, [](const KeyHint& hint) { return !hint.brief; });
+    rows = rows_of_keys(paper, shown);
+  }
+  // The last one that is not the stop goes first.
+  while (too_many() && shown.size() > 1) {
+    const auto last = std::find_if(shown.rbegin(), shown.rend(), [](const KeyHint& hint) { return !hint.stop; });
+    if (last == shown.rend()) break;
+    shown.erase(std::next(last).base());
+    rows = rows_of_keys(paper, shown);
+  }
+  rows.resize(std::min(rows.size(), static_cast<std::size_t>(std::max(most, 1))));
+  return rows;
 }
 
 }  // namespace jnd

@@ -27,6 +27,7 @@ Row progress_row(const Paper& paper, const std::vector<ConditionProgress>& progr
 Row rule_row(const Paper& paper);
 Row answer_row(const Paper& paper, const ScreenModel& model);
 Row health_row(const Paper& paper, const std::optional<DeviceHealth>& health);
+// At most so many rows: where there is too little room the less important keys are left out, the stop never.
 std::vector<Row> key_rows(const Paper& paper, const std::vector<KeyHint>& keys, int most);
 
 // The middle: what to do and to say now, a dialog, a text, a page. cursor: its row within the part, and its column.

@@ -13,11 +13,12 @@ namespace jnd {
 
 namespace {
 
-constexpr double kLook_s = 0.05;  // how often a countdown looks at the keys
+constexpr double kLook_s = 0.05;    // how often a countdown looks at the keys
+constexpr double kCounted_s = 3.0;  // a wait between trials of so long is counted down
 
-std::string outline_text(const TrialOutline& outline) {
-  if (outline.practice) return fmt::format("Practice {} of {}", outline.number, outline.total);
-  return fmt::format("Trial {} of {}{}", outline.number, outline.at_most ? "at most " : "", outline.total);
+// As messages name it, which outlive its heading.
+std::string name_of(const TrialOutline& outline) {
+  return fmt::format("{} {}", outline.practice ? "practice" : "trial", outline.number);
 }
 
 // Why a trial did not count, in words.
@@ -26,7 +27,7 @@ std::string reason_text(const std::string& reason) {
       {{"no_answer", "no answer in time"},
        {"no_contact", "the sphere was not touched"},
        {"emergency_stop", "stopped"},
-       {"saturated", "a device was at its limit"},
+       {"saturated", "by a rule of the protocol"},  // which one would tell how stiff the object was
        {"repeated", "repeated at your wish"},
        {"paused", "paused"},
        {"interrupted", "interrupted"},
@@ -52,7 +53,7 @@ SessionConsole::SessionConsole(const ConsoleOptions& options, const Protocol& pr
       keyboard_(keyboard),
       clock_(clock),
       display_(std::move(display)),
-      keys_(keyboard, interrupts, *display_),
+      keys_(keyboard, interrupts, *display_, options.stop),
       question_keys_(question_keys(protocol.timeline)) {}
 
 void SessionConsole::begin(const SessionCard& card) {
@@ -78,13 +79,22 @@ void SessionConsole::announce(const std::string& text, bool warning) {
 void SessionConsole::acknowledge(const std::string& heading, const std::string& text) {
   const KeyMap keys({{' ', Action::go_on, "goes on", true}});
   keys_.prompt();
-  show({Tone::warning, heading, "", text, keys.hints()});
-  while (!keys_.ended() && !keys_.pause_asked()) {
+  show({.tone = Tone::warning, .heading = heading, .text = text, .keys = keys.hints(), .to_read = true});
+  while (!interrupted()) {
     const std::optional<Key> key = keys_.next();
     if (!key || display_->scroll(key->name)) continue;
-    if (keys.action_of(*key)) return;
-    explain(keys, *key);
+    if (!keys.action_of(*key))
+      explain(keys, *key);
+    else if (!still_to_read(true))
+      return;
   }
+}
+
+bool SessionConsole::still_to_read(bool turns_page) {
+  const std::string why = display_->unread();
+  if (why.empty()) return false;
+  if (!turns_page || !display_->scroll(KeyName::page_down)) display_->explain(Tone::warning, why);
+  return true;
 }
 
 void SessionConsole::end(const std::string& last_words) {
@@ -117,6 +127,7 @@ OperatorWish SessionConsole::wish_at(const Scene& scene, const KeyMap& keys, boo
   for (;;) {
     tell_news();
     if (keys_.ended()) return {Wish::end_for_now, {}};
+    if (keys_.stopped()) return {Wish::stopped, {}};
     if (pausable && keys_.pause_asked()) return {Wish::pause, {}};
     if (over && over()) return {};
     const std::optional<Key> key = keys_.next();
@@ -126,6 +137,7 @@ OperatorWish SessionConsole::wish_at(const Scene& scene, const KeyMap& keys, boo
       explain(keys, *key);
       continue;
     }
+    if (scene.to_read && *action == Action::go_on && still_to_read(true)) continue;
     if (const std::optional<OperatorWish> wish = wish_of(*action, keys)) return *wish;
     if (keys_.ended()) continue;
     if (*action == Action::help && !display_->by_lines()) {
@@ -137,13 +149,14 @@ OperatorWish SessionConsole::wish_at(const Scene& scene, const KeyMap& keys, boo
 }
 
 void SessionConsole::outline_scene(const TrialOutline& outline, Scene& scene) const {
-  scene.heading = outline_text(outline);
+  scene.heading = trial_heading(outline);
   std::vector<std::string> parts;
   if (!outline.condition_code.empty()) parts.push_back(fmt::format("condition {}", printable(outline.condition_code)));
   if (!outline.practice)
     parts.push_back(fmt::format("block {} of {}  about {} left", outline.block, outline.blocks,
                                 duration_text(outline.time_left_s)));
   if (outline.attempt > 1) parts.push_back(fmt::format("(attempt {})", outline.attempt));
+  parts.push_back(fmt::format("plan no. {}", outline.plan_number));
   scene.beside = fmt::format("{}", fmt::join(parts, "  "));
 }
 
@@ -153,9 +166,13 @@ OperatorWish SessionConsole::ready(const TrialOutline& outline) {
   if (const auto decided = std::exchange(decided_, std::nullopt);
       decided && (decided->wish == Wish::end_for_now || decided->wish == Wish::end_for_good))
     return *decided;
-  display_->outline(outline);
+  TrialOutline shown = outline;
+  // Where a limit voids a trial, an attempt of its own would say that one of the two objects is stiff.
+  if (protocol_.stimulus.on_saturation == OnSaturation::repeat) shown.attempt = 1;
+  display_->countdown_over();
+  display_->outline(shown);
   Scene scene;
-  outline_scene(outline, scene);
+  outline_scene(shown, scene);
   scene.task = "Wait until the participant is ready";
   OperatorWish wish = wish_at(scene, ready_keys(outline.can_void_last), true);
   if (wish.wish == Wish::go_on) {
@@ -173,7 +190,7 @@ OperatorWish SessionConsole::meanwhile() {
     if (wish.wish == Wish::go_on) show(scene_);
     return wish;
   }
-  note_wishes(keys_.drain(), question_keys_);
+  hear_in_trial();
   const auto repeat = std::find(noted_.begin(), noted_.end(), Action::repeat_trial);
   if (repeat == noted_.end()) return {};
   noted_.erase(repeat);
@@ -194,7 +211,10 @@ void SessionConsole::progress(const std::vector<ConditionProgress>& by_condition
 }
 
 void SessionConsole::health(const DeviceHealth& health) {
-  display_->health(health);
+  DeviceHealth shown = health;
+  if (!shown.fault.empty()) shown.fault = reason_text(shown.fault);
+  display_->health(shown);
+  if (health.presenting && protocol_.paradigm != Paradigm::explore) hear_in_trial();
 }
 
 void SessionConsole::cue(CuePlace place, const CueSignal& cue) {
@@ -211,41 +231,61 @@ void SessionConsole::cue(CuePlace place, const CueSignal& cue) {
     cue_shown_ns_ = clock_.now_ns();
     return;
   }
-  if (keys_.anybody())
-    display_->working_keys(
-        question_keys_.without({Action::answer_same, Action::answer_different, Action::help}).hints());
+  if (keys_.anybody()) display_->working_keys(presentation_keys(protocol_.timeline).hints());
   display_->say(place, words, aloud, beep);
 }
 
-void SessionConsole::saved(const TrialOutline&, const Answer& answer) {
-  display_->answer(fmt::format("{}, {:.2f} s", to_string(answer.judgement), answer.response_time_s),
+void SessionConsole::saved(const TrialOutline& outline, const Answer& answer) {
+  last_answered_ = name_of(outline);
+  display_->answer(last_answered_, fmt::format("{}, {:.2f} s", to_string(answer.judgement), answer.response_time_s),
                    std::string(to_string(answer.entered_by)));
 }
 
-void SessionConsole::voided(const TrialOutline&, const std::string& reason, bool will_repeat) {
+void SessionConsole::voided(const TrialOutline& outline, const std::string& reason, bool will_repeat) {
+  if (keys_.anybody()) display_->working_keys(between_trials_keys(protocol_.timeline).hints());
   display_->tell(Tone::warning,
-                 fmt::format("not counted ({}); {}", reason_text(reason),
+                 fmt::format("{} not counted ({}); {}", name_of(outline), reason_text(reason),
                              will_repeat ? "it comes again at the end of this block" : "its attempts are used up"));
 }
 
 void SessionConsole::took_back(bool will_repeat) {
   display_->answer_taken_back();
-  display_->tell(Tone::warning,
-                 fmt::format("last answer taken back; {}", will_repeat ? "its trial comes again at the end of its block"
-                                                                       : "the attempts of its trial are used up"));
+  display_->tell(Tone::warning, fmt::format("{} taken back; {}",
+                                            last_answered_.empty() ? "last answer" : "answer to " + last_answered_,
+                                            will_repeat ? "its trial comes again at the end of its block"
+                                                        : "the attempts of its trial are used up"));
+  last_answered_.clear();
+}
+
+bool SessionConsole::waiting(double left_s, double total_s) {
+  if (!keys_.anybody()) return true;
+  tell_news();
+  // In a quick rehearsal the session's clock runs ahead of keys and eyes.
+  const std::int64_t now_ns = SteadyClock().now_ns();
+  if (static_cast<double>(now_ns - looked_ns_) * 1e-9 < kLook_s / 2) return true;
+  looked_ns_ = now_ns;
+  note_wishes(keys_.drain(), question_keys_);
+  if (total_s >= kCounted_s) display_->countdown("next trial", left_s, total_s);
+  display_->refresh();
+  std::erase(noted_, Action::repeat_trial);  // its trial is over
+  return noted_.empty();
 }
 
 OperatorWish SessionConsole::recover(const std::string& stopped_by) {
   Scene scene{Tone::warning,
               fmt::format("STOPPED ({}). The devices are at rest.", printable(stopped_by)),
               "",
-              "See to the participant and the devices. This trial comes again later.",
+              "See to the participant and the devices. A trial that was under way comes again later.",
               {}};
   if (!keys_.anybody()) {
     show(scene);
     return {Wish::end_for_now, {}};
   }
-  return wish_at(scene, stopped_keys(), true);
+  keys_.see_to_stop(true);
+  OperatorWish wish = wish_at(scene, stopped_keys(), true);
+  // A pause in it is still in it.
+  if (wish.wish == Wish::go_on) keys_.see_to_stop(false);
+  return wish;
 }
 
 OperatorWish SessionConsole::missing(const std::string& what, const std::function<bool()>& back) {
@@ -275,7 +315,7 @@ bool SessionConsole::storage_trouble(const std::string& message) {
     if (action == Action::give_up) {
       if (confirm("End the session? What was not saved is lost.")) return false;
       display_->keys_again();
-    } else if (!action) {
+    } else {
       explain(keys, *key);
     }
   }
@@ -311,16 +351,13 @@ OperatorWish SessionConsole::break_over(const Break& pause) {
   if (!display_->by_lines() && clock_.now_ns() < break_ends_ns_) show(break_scene_);  // a pause had the screen
   for (std::int64_t now = clock_.now_ns(); now < break_ends_ns_; now = clock_.now_ns()) {
     if (keys_.ended()) return {Wish::end_for_now, {}};
+    if (keys_.stopped()) return {Wish::stopped, {}};
     if (keys_.pause_asked()) return {Wish::pause, {}};
     tell_news();
     display_->countdown("break", static_cast<double>(break_ends_ns_ - now) * 1e-9, pause.duration_s);
     display_->refresh();
     for (const Key& key : keys_.drain()) {
       const std::optional<Action> action = keys.action_of(key);
-      if (stops(key)) {
-        explain(keys, key);
-        continue;
-      }
       if (!action) {
         display_->explain(Tone::quiet, fmt::format("the break is not over: {} left",
                                                    duration_text(static_cast<double>(break_ends_ns_ - now) * 1e-9)));
@@ -336,30 +373,37 @@ OperatorWish SessionConsole::break_over(const Break& pause) {
 }
 
 OperatorWish SessionConsole::instruct(const Instruction& instruction) {
-  return wish_at(
-      {Tone::strong, "Instructions", "read them out, or let the participant read them", instruction.text, {}},
-      instruction_keys(), true);
+  return wish_at({.heading = "Instructions",
+                  .beside = "read them out, or let the participant read them",
+                  .text = instruction.text,
+                  .to_read = true},
+                 instruction_keys(), true);
 }
 
-bool SessionConsole::consent(const std::string& text) {
+std::optional<bool> SessionConsole::consent(const std::string& text) {
   if (!keys_.anybody()) return !keys_.ended();
   const KeyMap keys = consent_keys();
   keys_.prompt();
-  show({Tone::strong, "Consent", "read it out, or let the participant read it", text, keys.hints()});
-  while (!keys_.ended()) {
+  show({.heading = "Consent",
+        .beside = "read it out, or let the participant read it",
+        .text = text,
+        .keys = keys.hints(),
+        .to_read = true});
+  while (!interrupted()) {
     const std::optional<Key> key = keys_.next();
     if (!key || display_->scroll(key->name)) continue;
     const std::optional<Action> action = keys.action_of(*key);
-    if (action == Action::consent) return true;
-    if (action == Action::refuse) {
+    if (action == Action::consent || action == Action::refuse) {
+      if (still_to_read()) continue;
+      if (action == Action::consent) return true;
       if (confirm("No consent: the session ends for good. Is that right?")) return false;
       if (!keys_.ended()) display_->keys_again();
     } else {
       explain(keys, *key);
     }
   }
-  request_interrupt();  // no answer is no refusal
-  return false;
+  if (keys_.ended()) request_interrupt();  // no answer is no refusal
+  return std::nullopt;
 }
 
 OperatorWish SessionConsole::ready_to_explore(const ExplorationOutline& outline) {

@@ -34,6 +34,7 @@ class SessionConsole final : public Console, private Responder {
   void saved(const TrialOutline& outline, const Answer& answer) override;
   void voided(const TrialOutline& outline, const std::string& reason, bool will_repeat) override;
   void took_back(bool will_repeat) override;
+  bool waiting(double left_s, double total_s) override;
   OperatorWish recover(const std::string& stopped_by) override;
   OperatorWish missing(const std::string& what, const std::function<bool()>& back) override;
   bool storage_trouble(const std::string& message) override;
@@ -42,7 +43,7 @@ class SessionConsole final : public Console, private Responder {
   void break_begins(const Break& pause, bool asked_by_operator) override;
   OperatorWish break_over(const Break& pause) override;
   OperatorWish instruct(const Instruction& instruction) override;
-  bool consent(const std::string& text) override;
+  std::optional<bool> consent(const std::string& text) override;
   OperatorWish ready_to_explore(const ExplorationOutline& outline) override;
   bool exploring(double left_s) override;
 
@@ -51,12 +52,16 @@ class SessionConsole final : public Console, private Responder {
   std::optional<std::string> reply(const Question& question, int condition) override;
   std::optional<Replies> reply_all(const std::vector<AskedQuestion>& page) override;
 
-  // Shows a scene and waits for one of its keys. Pauses and ends come back as wishes, go_on and clear_stop as go_on.
-  // over: asked some 20 times a second; true ends it as go_on.
+  // Shows a scene and waits for one of its keys. Pauses, stops and ends come back as wishes, go_on and clear_stop as
+  // go_on. over: asked some 20 times a second; true ends it as go_on.
   OperatorWish wish_at(const Scene& scene, const KeyMap& keys, bool pausable, const std::function<bool()>& over = {});
   void show(const Scene& scene);
   // To somebody who pressed a key that none of the keys is.
   void explain(const KeyMap& keys, const Key& pressed);
+  // Whether what is to be read was not all seen yet, of which the operator is told; turns_page: instead it is scrolled.
+  bool still_to_read(bool turns_page = false);
+  // Something comes before the answer that is waited for.
+  bool interrupted() const noexcept { return keys_.ended() || keys_.pause_asked() || keys_.stopped(); }
   // Until the operator has read it.
   void acknowledge(const std::string& heading, const std::string& text);
   // What a key asks for, after its dialog; none where the operator thought better of it.
@@ -70,6 +75,8 @@ class SessionConsole final : public Console, private Responder {
   void help_with_question();
   // Keys pressed while nothing was asked: what they mean, for later.
   void note_wishes(const std::vector<Key>& keys, const KeyMap& map);
+  // During a trial: what was pressed so far is noted, and the operator told when it is done.
+  void hear_in_trial();
   std::optional<OperatorWish> noted_wish(const KeyMap& keys);
   // pressed_ns, key_ns: on the machine's monotonic clock.
   Answer answer_of(Judgement judgement, EnteredBy who, std::int64_t pressed_ns) const;
@@ -100,6 +107,8 @@ class SessionConsole final : public Console, private Responder {
   std::string announced_;  // before the screen came
   bool warned_ = false;
   Scene scene_;                          // the latest
+  std::string last_answered_;            // "trial 5"; empty: none of this run
+  std::int64_t looked_ns_ = 0;           // at the keys between trials, of the machine's clock
   std::vector<Action> noted_;            // asked for while nothing could be done about it
   std::optional<OperatorWish> decided_;  // what meanwhile() is to say
   std::int64_t cue_shown_ns_ = 0;        // the question's, of clock_

@@ -277,7 +277,7 @@ void SessionEngine::take_break(const Break& pause, int after_trial) {
   parts_.view.break_begins(pause, false);
   settle(parts_, recorder_, after_trial, [&] { return parts_.view.break_over(pause); });
   const std::int64_t least = began + static_cast<std::int64_t>(pause.duration_s * 1e9);
-  parts_.clock.sleep_until_ns(least);
+  wait_out(parts_, recorder_, least, after_trial);
   recorder_.append(
       event_kind::kBreakTaken,
       {{"after_trial", after_trial}, {"duration_s", static_cast<double>(parts_.clock.now_ns() - began) * 1e-9}});
@@ -307,6 +307,7 @@ TrialOutline SessionEngine::outline_of(const Trial& trial) const {
   TrialOutline outline;
   outline.practice = trial.practice;
   outline.round = trial.round;
+  outline.plan_number = trial.index;
   outline.attempt = progress_.next_attempt(trial.index);
   outline.block = trial.block;
   outline.blocks = blocks_;

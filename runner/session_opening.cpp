@@ -121,7 +121,7 @@ OpenedSession open_session(Study& study, const SessionRequest& request, const Se
   session.participant_number = target.participant_number;
   session.number = target.number;
   session.id = request.kind == SessionKind::simulated
-                   ? simulated_session_id(study.info().seed, target.participant_number, target.number)
+                   ? simulated_session_id(study.info(), target.participant_number, target.number)
                    : to_string(boost::uuids::random_generator()());
   session.responder = request.responder;
   session.profile_sha256 = request.profile_sha256;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -57,43 +58,41 @@ class SessionRecorder {
   const SessionParts& parts_;
 };
 
-// Does what the operator wishes at any time that is not a trial's: notes, pauses; throws SessionEnds for an end.
-// Returns the first wish that is the caller's to fulfil (go_on, repeat_trial, void_last, end_block, take_break). again:
-// asks the operator anew after a note or a pause.
-template <typename Ask>
-OperatorWish settle(const SessionParts& parts, const SessionRecorder& recorder, int after_trial, Ask&& again);
+// Does what the operator wishes at any time that is not a trial's: notes, pauses; throws SessionEnds for an end. False:
+// the wish is the caller's to fulfil (go_on, repeat_trial, void_last, end_block, take_break).
+bool fulfilled(const SessionParts& parts, const SessionRecorder& recorder, int after_trial, const OperatorWish& wish);
 
-// Devices neutral, until the operator goes on. cause: "key", "ctrl-c". Throws SessionEnds where the session ends.
+// Asks the operator until a wish is the caller's. Between two askings stops and signals are heeded. ask: gives the
+// operator's wish.
+template <typename Ask>
+OperatorWish settle(const SessionParts& parts, const SessionRecorder& recorder, int after_trial, Ask&& ask);
+
+// Devices neutral, until the operator goes on or stops them. cause: "key", "ctrl-c". Throws SessionEnds where the
+// session ends.
 void pause_session(const SessionParts& parts, const SessionRecorder& recorder, const std::string& cause,
                    const std::string& reason, int after_trial);
 
-// Pauses where Ctrl-C was pressed, ends where a signal or a second Ctrl-C asks for it. Call between steps.
+// Pauses where Ctrl-C was pressed, ends where a signal or a second Ctrl-C asks for it, and where the rig's stop is
+// latched waits for the person who clears it. Call between steps.
 void heed_interrupts(const SessionParts& parts, const SessionRecorder& recorder, int after_trial);
 
 // The rig's stop is latched: only a person's word clears it. Throws SessionEnds where the session ends instead.
 void recover_from_stop(const SessionParts& parts, const SessionRecorder& recorder, const std::string& stopped_by,
                        int after_trial);
 
+// Waits for a time of the session's clock, with an eye on what cannot wait: a stop and signals, and where the operator
+// is heard SessionView::waiting. False: one of them came first.
+enum class OperatorHeard { no, yes };
+bool wait_until(const SessionParts& parts, std::int64_t deadline_ns, OperatorHeard heard = OperatorHeard::no);
+// The whole of it: what came first is heeded, and the rest is waited for. Without a person a stop ends it.
+void wait_out(const SessionParts& parts, const SessionRecorder& recorder, std::int64_t deadline_ns, int after_trial);
+
 template <typename Ask>
-OperatorWish settle(const SessionParts& parts, const SessionRecorder& recorder, int after_trial, Ask&& again) {
+OperatorWish settle(const SessionParts& parts, const SessionRecorder& recorder, int after_trial, Ask&& ask) {
   for (;;) {
     heed_interrupts(parts, recorder, after_trial);
-    OperatorWish wish = again();
-    switch (wish.wish) {
-      case Wish::note:
-        recorder.note(wish.text, after_trial);
-        break;
-      case Wish::pause:
-        if (parts.interrupts.pause) break;  // Ctrl-C: it is heeded above, and its stop of the rig is taken back
-        pause_session(parts, recorder, "key", wish.text, after_trial);
-        break;
-      case Wish::end_for_now:
-        throw SessionEnds{false, "operator", wish.text};
-      case Wish::end_for_good:
-        throw SessionEnds{true, "operator", wish.text};
-      default:
-        return wish;
-    }
+    OperatorWish wish = ask();
+    if (!fulfilled(parts, recorder, after_trial, wish)) return wish;
   }
 }
 

@@ -45,13 +45,15 @@ void SessionEngine::instruct(Instruction::When when) {
 
 void SessionEngine::consent() {
   if (!parts_.person || protocol_.consent.empty() || progress_.state().consented) return;
-  heed_interrupts(parts_, recorder_, after_trial());
-  const bool given = parts_.view.consent(protocol_.consent);
-  heed_interrupts(parts_, recorder_, after_trial());
+  std::optional<bool> given;
+  while (!given) {
+    heed_interrupts(parts_, recorder_, after_trial());
+    given = parts_.view.consent(protocol_.consent);
+  }
   nlohmann::ordered_json body = {{"language", protocol_.language}, {"text", protocol_.consent}, {"by", "operator"}};
-  if (!given) body["refused"] = true;
+  if (!*given) body["refused"] = true;
   recorder_.append(event_kind::kConsent, body);
-  if (!given) throw SessionEnds{true, "no consent", {}};
+  if (!*given) throw SessionEnds{true, "no consent", {}};
   progress_.state().consented = true;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,8 +16,9 @@ namespace jnd {
 
 // Where the session stands, as the operator may see it.
 struct TrialOutline {
-  int number = 0;  // k of n in the main part, or in the practice round
+  int number = 0;  // k of n in the main part, or in the practice round: how far the session is
   int total = 0;
+  int plan_number = 0;   // Trial::index: its place in the plan, as exports and notes count
   bool at_most = false;  // the answers may end the session before `total`
   bool practice = false;
   int round = 0;  // of practice
@@ -35,15 +37,15 @@ struct ConditionProgress {
   int done = 0, total = 0;
 };
 
-// How the devices did in the last presentation, and, while one goes on, how they do.
+// How the devices do while a presentation goes on, and how they did in the last one. Nothing here follows from a force
+// or a limit: those tell the stimulus, and whether the condition has force at all. Whether fingers are in the object is
+// known from where they are, in every condition alike.
 struct DeviceHealth {
-  double rate_hz = 0;  // of the control loop; 0: unknown
-  double lateness_p99_us = 0, lateness_max_us = 0;
-  double force_n = 0, force_cap_n = 0;  // largest of all devices
-  // Trials of this run, and those in which a limit reduced a force: never the present one, whose stimuli that would
-  // hint at.
-  int trials = 0, limited_trials = 0;
-  std::string fault;  // empty: none
+  bool presenting = false;  // otherwise the devices are at rest
+  bool contact = false;     // while presenting
+  double rate_hz = 0;       // of the control loop; 0: unknown
+  double lateness_max_us = 0;
+  std::string fault;  // what a device or the loop could not do; empty: nothing. A stop is none.
 };
 
 // Free interaction: what the operator may see of it.
@@ -63,6 +65,7 @@ class SessionView {
  public:
   virtual ~SessionView() = default;
   // Before a trial: go_on presents it; anything else is done, and this is asked again where a trial is still to come.
+  // Whatever asks for a wish may return stopped; it is asked again once the stop is cleared.
   virtual OperatorWish ready(const TrialOutline&) { return {}; }
   // What the operator asked for during a presentation, or instead of an answer: repeat_trial, or an end.
   virtual OperatorWish meanwhile() { return {}; }
@@ -72,6 +75,9 @@ class SessionView {
   virtual void progress(const std::vector<ConditionProgress>&) {}
   virtual void health(const DeviceHealth&) {}
   virtual void cue(CuePlace, const CueSignal&) {}
+  // Until the next trial may begin; called some times a second. False: the operator wants something, which is ready()'s
+  // to say.
+  virtual bool waiting(double /*left_s*/, double /*total_s*/) { return true; }
   // After the answer's transaction is committed, and not before.
   virtual void saved(const TrialOutline&, const Answer&) {}
   virtual void voided(const TrialOutline&, const std::string& /*reason*/, bool /*will_repeat*/) {}
@@ -93,12 +99,14 @@ class SessionView {
   virtual OperatorWish break_over(const Break&) { return {}; }
   // A page to read out or to show; in the participant's language.
   virtual OperatorWish instruct(const Instruction&) { return {}; }
-  // True: the participant consents.
-  virtual bool consent(const std::string& /*text*/) { return true; }
+  // Whether the participant consents; nothing where a signal or a stop came first.
+  virtual std::optional<bool> consent(const std::string& /*text*/) { return true; }
   // Before free interaction with an object.
   virtual OperatorWish ready_to_explore(const ExplorationOutline&) { return {}; }
   // It goes on; called some times a second. False ends it (see meanwhile()).
   virtual bool exploring(double /*left_s*/) { return true; }
+  // After its transaction is committed, and not before.
+  virtual void explored() {}
 };
 
 }  // namespace jnd

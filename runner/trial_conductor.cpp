@@ -25,10 +25,7 @@ bool saturated(const Presentation& presentation) {
 
 TrialConductor::TrialConductor(const SessionParts& parts, const SessionRecorder& recorder)
     : parts_(parts), recorder_(recorder) {
-  parts_.rig.watch([this](const LoopGlimpse& glimpse) {
-    force_cap_n_ = glimpse.force_cap_n;
-    show(health_of(glimpse));
-  });
+  parts_.rig.watch([this](const LoopGlimpse& glimpse) { parts_.view.health(health_of(glimpse)); });
 }
 
 TrialConductor::~TrialConductor() {
@@ -40,10 +37,11 @@ TrialConductor::Outcome TrialConductor::conduct(const Trial& trial, const TrialO
   const Attempt attempt{trial, outline, attempts_used, after_trial};
   const Protocol& protocol = parts_.protocol;
   ticks_.clear();
+  // However soon the operator goes on, the time between trials passes.
+  wait_out(parts_, recorder_, earliest_ns_, after_trial);
   await_rig(parts_, recorder_, after_trial);
-  // A stop that came between trials: nothing is presented before a person has cleared it.
-  if (parts_.person && parts_.rig.stop.latched())
-    recover_from_stop(parts_, recorder_, std::string(to_string(parts_.rig.stop.source())), after_trial);
+  // A stop that came meanwhile: nothing is presented before a person has cleared it.
+  heed_interrupts(parts_, recorder_, after_trial);
   recorder_.mark(event_kind::kTrialBegan, {{"index", trial.index}, {"attempt", outline.attempt}});
   const std::int64_t began = parts_.clock.now_ns();
   Outcome outcome;
@@ -54,7 +52,9 @@ TrialConductor::Outcome TrialConductor::conduct(const Trial& trial, const TrialO
   record.series_name = protocol.series[static_cast<std::size_t>(trial.series)].name;
 
   for (int interval = 0; interval < 2; ++interval) {
-    if (interval == 1) sleep_s(protocol.timeline.gap_s);
+    if (interval == 1 && !wait_until(parts_, after_s(protocol.timeline.gap_s)) &&
+        voided_by_interruption(attempt, outcome))
+      return outcome;
     if (!cue(attempt, interval == 0 ? CuePlace::first : CuePlace::second, outcome)) return outcome;
     Presentation& presentation = record.presentations[static_cast<std::size_t>(interval)];
     presentation = present(attempt, interval);
@@ -82,12 +82,10 @@ TrialConductor::Outcome TrialConductor::conduct(const Trial& trial, const TrialO
   ticks_.clear();
   // From here on the answer is safe; only now is anyone told.
   outcome.answered = true;
-  ++trials_;
-  if (saturated(record.presentations[0]) || saturated(record.presentations[1])) ++limited_trials_;
   parts_.view.saved(outline, *answer);
   const Feedback feedback = trial.practice ? protocol.practice->feedback : protocol.feedback;
   if (feedback == Feedback::correctness) parts_.view.feedback(trial.same == (answer->judgement == Judgement::same));
-  sleep_s(protocol.timeline.between_trials_s);
+  wait_between_trials();
   return outcome;
 }
 
@@ -135,22 +133,25 @@ bool TrialConductor::voided_by_wish(const Attempt& attempt, Outcome& outcome) {
   }
 }
 
-void TrialConductor::voided_unanswered(const Attempt& attempt, Outcome& outcome) {
+bool TrialConductor::voided_by_interruption(const Attempt& attempt, Outcome& outcome) {
   if (parts_.interrupts.end) {
     void_interrupted(attempt, "interrupted");
     throw SessionEnds{false, "signal", {}};
   }
   if (parts_.interrupts.pause) {
     void_attempt(attempt, "paused", {}, false, outcome);
-    return;
+    return true;
   }
   const StopSource source = parts_.rig.stop.source();
-  if (source != StopSource::none) {
-    void_attempt(attempt, std::string(to_string(Fault::emergency_stop)), {}, true, outcome);
-    recover_from_stop(parts_, recorder_, std::string(to_string(source)), attempt.after_trial);
-    return;
-  }
-  if (!voided_by_wish(attempt, outcome)) void_attempt(attempt, "no_answer", {}, true, outcome);
+  if (source == StopSource::none) return false;
+  void_attempt(attempt, std::string(to_string(Fault::emergency_stop)), {}, true, outcome);
+  recover_from_stop(parts_, recorder_, std::string(to_string(source)), attempt.after_trial);
+  return true;
+}
+
+void TrialConductor::voided_unanswered(const Attempt& attempt, Outcome& outcome) {
+  if (voided_by_interruption(attempt, outcome) || voided_by_wish(attempt, outcome)) return;
+  void_attempt(attempt, "no_answer", {}, true, outcome);
 }
 
 void TrialConductor::void_attempt(const Attempt& attempt, const std::string& reason, const std::string& words,
@@ -160,7 +161,7 @@ void TrialConductor::void_attempt(const Attempt& attempt, const std::string& rea
   log_void(attempt.trial, attempt.outline.attempt, reason, words, counts);
   const int used = attempt.attempts_used + (counts ? 1 : 0);
   parts_.view.voided(attempt.outline, reason, used < parts_.protocol.timeline.max_attempts);
-  sleep_s(parts_.protocol.timeline.between_trials_s);
+  wait_between_trials();
 }
 
 void TrialConductor::void_interrupted(const Attempt& attempt, const std::string& reason) {
@@ -212,16 +213,8 @@ Presentation TrialConductor::present(const Attempt& attempt, int interval) {
   request.id = {trial.index, attempt.outline.attempt, interval};
   Presentation presentation = parts_.rig.present(request);
   keep_ticks(trial, interval, presentation);
-  DeviceHealth health = health_of(presentation);
-  health.force_cap_n = force_cap_n_;
-  show(health);
+  parts_.view.health(health_of(presentation));
   return presentation;
-}
-
-void TrialConductor::show(DeviceHealth health) const {
-  health.trials = trials_;
-  health.limited_trials = limited_trials_;
-  parts_.view.health(health);
 }
 
 // Every tick of the interval, to be stored with the trial.
@@ -236,8 +229,14 @@ void TrialConductor::keep_ticks(const Trial& trial, int interval, const Presenta
   if (!telemetry.channels.empty()) ticks_.push_back(encode_telemetry(interval, telemetry));
 }
 
-void TrialConductor::sleep_s(double seconds) {
-  parts_.clock.sleep_until_ns(parts_.clock.now_ns() + static_cast<std::int64_t>(seconds * 1e9));
+std::int64_t TrialConductor::after_s(double seconds) const {
+  return parts_.clock.now_ns() + static_cast<std::int64_t>(seconds * 1e9);
+}
+
+// What is left of it when something comes first is waited for before the next attempt.
+void TrialConductor::wait_between_trials() {
+  earliest_ns_ = after_s(parts_.protocol.timeline.between_trials_s);
+  (void)wait_until(parts_, earliest_ns_, OperatorHeard::yes);
 }
 
 }  // namespace jnd

@@ -1,6 +1,7 @@
 // One attempt at one trial: two presentations, a question, an answer that is committed before anybody is told.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -42,23 +43,24 @@ class TrialConductor {
   // voided.
   bool cue(const Attempt& attempt, CuePlace place, Outcome& outcome);
   Presentation present(const Attempt& attempt, int interval);
-  void show(DeviceHealth health) const;
   void keep_ticks(const Trial& trial, int interval, const Presentation& presentation);
   // Why the attempt ends here: nothing, or it was voided.
   bool voided_after(const Attempt& attempt, int interval, const Presentation& presentation, Outcome& outcome);
   bool voided_by_wish(const Attempt& attempt, Outcome& outcome);
+  // By a signal or a stop, just now.
+  bool voided_by_interruption(const Attempt& attempt, Outcome& outcome);
   void voided_unanswered(const Attempt& attempt, Outcome& outcome);
   void void_attempt(const Attempt& attempt, const std::string& reason, const std::string& words, bool counts,
                     Outcome& outcome);
   // Felt, but ended by us: it comes again, and the log knows that it was felt.
   void void_interrupted(const Attempt& attempt, const std::string& reason);
-  void sleep_s(double seconds);
+  std::int64_t after_s(double seconds) const;  // of the session's clock
+  void wait_between_trials();
 
   const SessionParts& parts_;
   const SessionRecorder& recorder_;
   std::vector<TelemetryBlob> ticks_;  // of the present trial's intervals
-  double force_cap_n_ = 0;            // as the loop last told it
-  int trials_ = 0, limited_trials_ = 0;
+  std::int64_t earliest_ns_ = 0;      // of the next attempt, of the session's clock
 };
 
 }  // namespace jnd

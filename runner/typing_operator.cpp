@@ -5,17 +5,17 @@
 #include <unistd.h>
 
 #include "protocols/input_error.h"
+#include "runner/standard_streams.h"
 #include "runner/terminal.h"
 
 namespace jnd {
 
 void TypingOperator::ask(const std::string& question) {
-  fmt::print(stderr, "{}: ", printable(question));
-  std::fflush(stderr);
+  print_message("{}: ", printable(question));
 }
 
 void TypingOperator::say(const std::string& text) {
-  fmt::print(stderr, "  {}\n", printable(text));
+  print_message("  {}\n", printable(text));
 }
 
 std::optional<std::string> TypingOperator::answer() {

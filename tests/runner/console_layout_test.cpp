@@ -23,7 +23,7 @@ ScreenModel model_of(SessionKind kind) {
   outline.condition_code = "B";
   model.outline = outline;
   model.progress = {{"A", 1, 36}, {"B", 36, 36}, {"C", 0, 36}};
-  model.health = DeviceHealth{1000, 35, 80, 2.3, 4.7, 24, 3, "stale_pose"};
+  model.health = {.presenting = true, .contact = true, .rate_hz = 1000, .lateness_max_us = 80, .fault = "stale_pose"};
   model.scene.heading = "Trial 3 of 108";
   model.scene.task = "Wait until the participant is ready";
   model.scene.keys = ready_keys(true).hints();
@@ -64,11 +64,73 @@ TEST_CASE("A frame fits its window, whatever the size") {
 TEST_CASE("What matters is on the smallest screen, and below it one line says why there is none") {
   const std::string small = text_of(lay_out(model_of(SessionKind::pilot), kLeastRows, kLeastColumns, true));
   for (const char* const needed : {"REHEARSAL", "P01", "Trial 3 of 108", "block 1 of 9", "condition B", "SAY",
-                                   "First sphere.", "36/36", "FAULT: stale_pose", "[space]", "[x]", "[q]"})
+                                   "First sphere.", "36/36", "FAULT: stale_pose", "contact", "[space]", "[x]", "[q]"})
     CHECK(small.find(needed) != std::string::npos);
   const std::string smaller = text_of(lay_out(model_of(SessionKind::pilot), kLeastRows - 1, kLeastColumns, true));
   CHECK(smaller.find("too small") != std::string::npos);
-  CHECK(smaller.find("The session goes on") != std::string::npos);
+  CHECK(smaller.find("Trial 3 of 108") != std::string::npos);
+}
+
+// What asks for something, each in its own way.
+std::vector<ScreenModel> models_that_wait(const QuestionnairePage& page) {
+  std::vector<ScreenModel> models(7, model_of(SessionKind::real));
+  models[1].scene.keys = question_keys(Timeline()).hints();
+  models[2].scene.keys = presentation_keys(Timeline()).hints();
+  models[3].scene = {
+      .heading = "Consent", .text = std::string(2000, 'a'), .keys = consent_keys().hints(), .to_read = true};
+  models[4].dialog = {"Give up the rest of this block? Its trials are left out.",
+                      {{"y", "yes"}, {"n", "no"}, stop_hint()}};
+  models[5].field = {"Pause. Reason, or Enter", "tired", "tired"};
+  models[6].page = &page;
+  return models;
+}
+
+TEST_CASE("The stop is among the keys shown at every size") {
+  Question question;
+  question.kind = Question::Kind::confirm;
+  question.text = "Masking noise is on.";
+  const QuestionnairePage page({{&question, "", ""}});
+  for (const ScreenModel& model : models_that_wait(page))
+    for (int rows = 1; rows <= 50; ++rows)
+      for (int columns = 10; columns <= 140; columns += 5) {
+        const std::string text = text_of(lay_out(model, rows, columns, true));
+        INFO(rows << " x " << columns << "\n" << text);
+        CHECK((text.find("[x]") != std::string::npos || text.find("[Ctrl-C]") != std::string::npos));
+      }
+}
+
+TEST_CASE("What is to be answered says whether all of it can be seen") {
+  Question question;
+  question.kind = Question::Kind::confirm;
+  question.text = "Masking noise is on.";
+  const QuestionnairePage page({{&question, "", ""}});
+  const std::vector<ScreenModel> models = models_that_wait(page);
+  for (const std::size_t place : {std::size_t{3}, std::size_t{6}}) {
+    const Frame frame = lay_out(models[place], 10, 40, true);
+    CHECK(frame.unseen == Unseen::too_small);
+    CHECK(text_of(frame).find("Make the window larger") != std::string::npos);
+  }
+  // A dialog is asked where its question fits.
+  CHECK(lay_out(models[4], 10, 40, true).unseen == Unseen::nothing);
+  CHECK(text_of(lay_out(models[4], 10, 40, true)).find("left out.") != std::string::npos);
+  CHECK(lay_out(models[4], 2, 40, true).unseen == Unseen::too_small);
+  CHECK(lay_out(models[3], 24, 80, true).unseen == Unseen::below);
+  CHECK(lay_out(models[6], kLeastRows, kLeastColumns, true).unseen == Unseen::nothing);
+  for (const std::size_t place : {std::size_t{0}, std::size_t{1}, std::size_t{2}})  // nothing to be read
+    CHECK(lay_out(models[place], 10, 40, true).unseen == Unseen::nothing);
+}
+
+TEST_CASE("A long option of a question is broken into lines, not cut") {
+  Question question;
+  question.kind = Question::Kind::choice;
+  question.text = "Which?";
+  question.options = {std::string(30, 'a') + " " + std::string(30, 'b') + " end", "no"};
+  const QuestionnairePage page({{&question, "", ""}});
+  ScreenModel model = model_of(SessionKind::pilot);
+  model.page = &page;
+  const std::string text = text_of(lay_out(model, 24, 60, true));
+  CHECK(text.find("end") != std::string::npos);
+  CHECK(text.find("1 " + std::string(30, 'a')) != std::string::npos);
 }
 
 TEST_CASE("The three kinds differ in words and in lettering, not in colour alone") {

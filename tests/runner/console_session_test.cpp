@@ -68,41 +68,57 @@ class KeptDisplay final : public Display {
   void begin(const SessionCard&) override {}
   void end(const std::string&) override {}
   void announce(const std::string&, bool) override {}
-  void scene(const Scene& scene) override { told.push_back("scene " + scene.heading); }
+  void scene(const Scene& scene) override {
+    told.push_back("scene " + scene.heading);
+    if (on_scene) on_scene();
+  }
   void keys_again() override {}
   void working_keys(const std::vector<KeyHint>& hints) override {
     keys.clear();
-    for (const KeyHint& hint : hints) keys += hint.key;
+    key_words.clear();
+    for (const KeyHint& hint : hints) {
+      keys += hint.key;
+      key_words += hint.what + "; ";
+    }
   }
   void say(CuePlace, const std::string& words, bool aloud, bool beep) override {
     if (while_drawing) while_drawing();
     told.push_back((aloud ? "say " : "name ") + words + (beep ? " with a beep" : ""));
   }
   void feedback(const std::string&) override {}
-  void tell(Tone, const std::string&) override {}
+  void tell(Tone, const std::string& text) override { messages.push_back(text); }
   void explain(Tone, const std::string& text) override {
     told.push_back("explain " + text);
     if (explained) explained();
   }
-  void answer(const std::string&, const std::string&) override {}
+  void answer(const std::string& trial, const std::string& words, const std::string&) override {
+    messages.push_back("saved " + trial + ", " + words);
+  }
   void countdown(const std::string&, double, double) override { counting = true; }
   void countdown_over() override { counting = false; }
-  void field(const std::string&, const LineEditor&) override {}
+  void field(const std::string&, const LineEditor&) override {
+    if (typing) typing();
+  }
   void field_done() override {}
-  void ask(const std::string&, const std::vector<KeyHint>&) override {}
+  void ask(const std::string&, const std::vector<KeyHint>&) override {
+    if (asking) asking();
+  }
   void page(const QuestionnairePage& page) override {
     if (shown) shown(page);
   }
   bool scroll(KeyName name) override {
     if (name == KeyName::page_down) told.push_back("scroll down");
+    if (name == KeyName::page_down) --to_scroll;
     return name == KeyName::page_down;
   }
+  std::string unread() override { return to_scroll > 0 ? "there is more" : ""; }
   bool by_lines() const noexcept override { return false; }
 
-  std::vector<std::string> told;
-  std::string keys;
+  std::vector<std::string> told, messages;
+  std::string keys, key_words;
   bool counting = false;
-  std::function<void()> while_drawing, explained;
+  int to_scroll = 0;  // how often until all of a text was seen
+  std::function<void()> on_scene, while_drawing, explained, typing, asking;
   std::function<void(const QuestionnairePage&)> shown;
 };
 
@@ -113,7 +129,8 @@ struct Bench {
       : input(std::move(keys)),
         made(new KeptDisplay),
         display(*made),
-        console(ConsoleOptions(), protocol, &keyboard, clock, interrupted, std::unique_ptr<Display>(made)) {}
+        console(ConsoleOptions{.stop = &stop}, protocol, &keyboard, clock, interrupted,
+                std::unique_ptr<Display>(made)) {}
 
   void ask() {
     CueSignal cue;
@@ -132,6 +149,7 @@ struct Bench {
   Keyboard keyboard;
   ElapsingClock clock;
   Interrupts interrupted;
+  EmergencyStop stop;
   KeptDisplay* made;
   KeptDisplay& display;
   SessionConsole console;
@@ -145,7 +163,7 @@ TEST_CASE("An answer that comes after the time-out does not count, though the lo
     // Looked at 0.7 s after the cue, and answered 1.4 s after it; 0.4 and 0.8 s where in time.
     const std::optional<Answer> answer = bench.judge(1);
     CHECK(answer.has_value() != late);
-    CHECK(bench.display.keys == "pnqx");  // what still means something
+    CHECK(bench.display.keys == "xpnq");  // what still means something
   }
 }
 
@@ -181,23 +199,133 @@ TEST_CASE("After the keys were looked at, the words to say are there again, with
 TEST_CASE("During a presentation no key is shown that does nothing") {
   Bench bench("");
   bench.console.cue(CuePlace::first, CueSignal());
-  CHECK(bench.display.keys == "rpnqx");
+  CHECK(bench.display.keys == "xrpnq");
 }
 
-TEST_CASE("The stop key latches from a pipe too, and says so where it is no key of the scene") {
+TEST_CASE("Keys that act later say when") {
+  Bench bench("s");
+  bench.console.cue(CuePlace::first, CueSignal());
+  CHECK(
+      bench.display.key_words ==
+      "STOP the devices; repeat it, after this interval; pause after this trial; note after this trial; end after this "
+      "trial; ");
+  bench.ask();
+  CHECK(bench.judge(30));
+  CHECK(bench.display.key_words == "STOP the devices; pause; note; end; ");
+}
+
+TEST_CASE("A key that acts later is acknowledged while the presentation goes on") {
+  Bench bench;
+  DeviceHealth health;
+  health.presenting = true;
+  bench.input->press("q");
+  for (int i = 0; i < 100 && bench.display.told.empty(); ++i) bench.console.health(health);
+  CHECK(bench.display.told == std::vector<std::string>{"explain the end comes after this trial"});
+}
+
+TEST_CASE("Messages about a trial carry its number") {
+  Bench bench("");
+  TrialOutline trial;
+  trial.number = 5;
+  TrialOutline practice;
+  practice.number = 2;
+  practice.practice = true;
+  bench.console.saved(trial, {Judgement::same, EnteredBy::operator_, 1.224});
+  bench.console.took_back(true);
+  bench.console.took_back(true);  // one that an earlier run saved
+  bench.console.voided(practice, "no_answer", true);
+  bench.console.voided(trial, "repeated", false);
+  CHECK(bench.display.messages ==
+        std::vector<std::string>{"saved trial 5, same, 1.22 s",
+                                 "answer to trial 5 taken back; its trial comes again at the end of its block",
+                                 "last answer taken back; its trial comes again at the end of its block",
+                                 "practice 2 not counted (no answer in time); it comes again at the end of this block",
+                                 "trial 5 not counted (repeated at your wish); its attempts are used up"});
+}
+
+TEST_CASE("What a limit did to a trial is not told: it would say how stiff an object was") {
+  Bench bench("");
+  bench.console.voided(TrialOutline(), "saturated", true);
+  REQUIRE(bench.display.messages.size() == 1);
+  CHECK(bench.display.messages[0].find("limit") == std::string::npos);
+}
+
+TEST_CASE("The stop key latches from a pipe too, and ends the wait") {
   for (const std::string key : {"x", "X"}) {
     Bench bench(key + " ");
-    EmergencyStop stop;
-    const StopOnKey stopping(&bench.keyboard, stop);
-    CHECK(bench.console.paused("operator").wish == Wish::go_on);
-    CHECK(stop.source() == StopSource::key);
-    CHECK(bench.display.told.back() == "explain STOP: the devices give nothing");
+    const StopOnKey stopping(&bench.keyboard, bench.stop);
+    CHECK(bench.console.paused("operator").wish == Wish::stopped);
+    CHECK(bench.stop.source() == StopSource::key);
   }
   Bench bench("\x1b[x ");
-  EmergencyStop stop;
-  const StopOnKey stopping(&bench.keyboard, stop);
-  (void)bench.console.paused("operator");
-  CHECK_FALSE(stop.latched());  // within a sequence
+  const StopOnKey stopping(&bench.keyboard, bench.stop);
+  CHECK(bench.console.paused("operator").wish == Wish::go_on);
+  CHECK_FALSE(bench.stop.latched());  // within a sequence
+}
+
+TEST_CASE(
+    "A stop ends whatever the operator is asked, also what is being typed or confirmed; the stop itself is asked") {
+  const std::vector<std::function<Wish(SessionConsole&)>> waits = {
+      [](SessionConsole& console) { return console.ready(TrialOutline()).wish; },
+      [](SessionConsole& console) { return console.paused("key").wish; },
+      [](SessionConsole& console) { return console.instruct(Instruction()).wish; },
+      [](SessionConsole& console) { return console.ready_to_explore(ExplorationOutline()).wish; },
+      [](SessionConsole& console) { return console.missing("a device", [] { return false; }).wish; },
+      [](SessionConsole& console) {
+        Break pause;
+        pause.duration_s = 60;
+        console.break_begins(pause, false);
+        return console.break_over(pause).wish;
+      },
+      [](SessionConsole& console) { return console.consent("I agree.") ? Wish::go_on : Wish::stopped; }};
+  for (const auto& wait : waits) {
+    Bench bench;
+    bench.stop.latch(StopSource::button);
+    CHECK(wait(bench.console) == Wish::stopped);
+  }
+  for (const char* const key : {"n", "u"}) {  // a note; a dialog
+    Bench bench;
+    bench.display.typing = bench.display.asking = [&] { bench.stop.latch(StopSource::button); };
+    bench.display.on_scene = [&] { bench.input->press(key); };
+    TrialOutline outline;
+    outline.can_void_last = true;
+    CHECK(bench.console.ready(outline).wish == Wish::stopped);
+  }
+  Bench bench("c\n");
+  bench.stop.latch(StopSource::key);
+  CHECK(bench.console.recover("key").wish == Wish::go_on);
+}
+
+TEST_CASE("Ctrl-C at the consent is neither consent nor refusal") {
+  Bench bench;
+  bench.interrupted.pause = true;
+  CHECK_FALSE(bench.console.consent("I agree."));
+  CHECK_FALSE(bench.interrupted.end);
+}
+
+TEST_CASE("A text takes no answer before all of it was seen") {
+  Bench agrees("yy\x1b[6~y");  // y, y, Page Down, y
+  agrees.display.to_scroll = 1;
+  CHECK(agrees.console.consent("A long text.") == true);
+  CHECK(agrees.display.told ==
+        std::vector<std::string>{"scene Consent", "explain there is more", "explain there is more", "scroll down"});
+  Bench refuses("n\x1b[6~ny");
+  refuses.display.to_scroll = 1;
+  CHECK(refuses.console.consent("A long text.") == false);
+  CHECK(refuses.display.told[1] == "explain there is more");
+
+  Bench reads("   ");  // the space bar turns the page until there is no more
+  reads.display.to_scroll = 2;
+  CHECK(reads.console.instruct(Instruction()).wish == Wish::go_on);
+  CHECK(reads.display.told == std::vector<std::string>{"scene Instructions", "scroll down", "scroll down"});
+
+  Question question;
+  question.kind = Question::Kind::confirm;
+  Bench confirms("yy\x1b[6~y");
+  confirms.display.to_scroll = 1;
+  CHECK(confirms.console.responder().reply_all({{question, -1}}));
+  CHECK(confirms.display.told ==
+        std::vector<std::string>{"explain there is more", "explain there is more", "scroll down"});
 }
 
 TEST_CASE("The countdown of free interaction is over where something else begins") {

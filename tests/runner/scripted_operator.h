@@ -35,7 +35,7 @@ class Scripted final : public SessionView {
   }
   OperatorWish recover(const std::string&) override { return {Wish::go_on, "the strap had slipped"}; }
   void took_back(bool will_repeat) override { taken_back.push_back(will_repeat); }
-  bool consent(const std::string&) override { return consents; }
+  std::optional<bool> consent(const std::string&) override { return consents; }
   void progress(const std::vector<ConditionProgress>& conditions) override { last_progress = conditions; }
 
   std::map<int, OperatorWish> before, after_presentation;

@@ -82,6 +82,12 @@ void begin(ScriptedTerminal& terminal, Screens& screens) {
   screens.check("instructions", terminal);
   terminal.press_for(" ", "Consent");
   screens.check("consent", terminal);
+  terminal.resize(10, 40);
+  terminal.wait_for("Make the window larger");
+  terminal.press_for("y", "too small to read this");  // no consent to what nobody can see
+  screens.check("consent-too-small", terminal);
+  terminal.resize(24, 80);
+  terminal.wait_for("giving a");
   terminal.press_for("y", "Handedness");
   terminal.press("z");
   terminal.wait_for("please type the number of an answer");
@@ -108,7 +114,7 @@ void practise(ScriptedTerminal& terminal, Screens& screens) {
   terminal.press("mispressed, sagt er: größer");
   terminal.wait_for("größer");
   screens.check("take-back-reason", terminal);
-  terminal.press_for(kEnter, "last answer taken back");
+  terminal.press_for(kEnter, "taken back; its trial");
   screens.check("taken-back", terminal);
 
   terminal.press_for("n", "Note:");
