@@ -42,8 +42,8 @@ int wilcoxon(const GroupOptions& options) {
   for (const PairedColumn& item : paired_columns(csv)) {
     WilcoxonRow row;
     row.item = item.item;
-    row.test = signed_rank(item.differences);
-    row.pratt = pratt_signed_rank(item.differences);
+    row.test = signed_rank(item.x, item.y);
+    row.pratt = pratt_signed_rank(item.x, item.y);
     p.push_back(row.test.p);
     rows.push_back(row);
   }
@@ -117,6 +117,12 @@ int shapiro(const GroupOptions& options) {
   return exit_code::kDone;
 }
 
+// Before the example in the help of what ranks.
+const std::string kDecimals =
+    "Values and differences tie where they are equal as the decimals in the file: 5.50 - 5.45 and 5.40 - 5.35 do. R "
+    "ranks\n"
+    "their binary forms, unless wilcox.test is told digits.rank = 9.\n\n";
+
 CLI::App* add_range(CalcTree& tree, const std::string& name, const std::string& what, const std::string& column,
                     int (*run)(const RangeOptions&)) {
   const auto options = std::make_shared<RangeOptions>();
@@ -142,11 +148,13 @@ void add_calc_group(CalcTree& tree) {
                                "compare jnds.csv --json", compared, compare_conditions);
   CalcTree::add_input(*compare, compared->input,
                       "participant, condition, value (a row for every participant and condition)");
+  compare->footer(kDecimals + compare->get_footer());
 
   const auto paired = std::make_shared<GroupOptions>();
   CLI::App* ranks = tree.add("wilcoxon", "Signed-rank tests of paired ratings, corrected over the items",
                              "wilcoxon ratings.csv --json", paired, wilcoxon);
   CalcTree::add_input(*ranks, paired->input, "x, y, and item where there are several");
+  ranks->footer(kDecimals + ranks->get_footer());
 
   add_range(tree, "ptukey", "Tail probability of the studentised range", "q", ptukey);
   add_range(tree, "qtukey", "Quantile of the studentised range (p is the lower probability)", "p", qtukey);

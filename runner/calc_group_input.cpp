@@ -14,7 +14,7 @@ namespace {
 class Names {
  public:
   std::size_t add(const CsvTable& csv, std::size_t row, const char* column) {
-    const std::string& name = csv.text(row, column);
+    const std::string name(csv.text(row, column));
     if (name.empty()) csv.fail(row, column, "is empty", "every row names its " + std::string(column));
     const auto [place, added] = places_.try_emplace(name, names.size());
     if (added) {
@@ -91,9 +91,10 @@ std::vector<PairedColumn> paired_columns(const CsvTable& csv) {
     std::size_t place = 0;
     if (csv.has("item")) {
       place = items.add(csv, row, "item");
-      if (place == columns.size()) columns.push_back({items.names.back(), {}});
+      if (place == columns.size()) columns.push_back({items.names.back(), {}, {}});
     }
-    columns[place].differences.push_back(csv.number(row, "x", kGroupValues) - csv.number(row, "y", kGroupValues));
+    columns[place].x.push_back(csv.number(row, "x", kGroupValues));
+    columns[place].y.push_back(csv.number(row, "y", kGroupValues));
   }
   return columns;
 }

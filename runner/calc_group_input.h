@@ -21,8 +21,8 @@ struct LongTable {
 LongTable long_table(const CsvTable& csv);
 
 struct PairedColumn {
-  std::string item;                 // empty without a column of that name
-  std::vector<double> differences;  // x - y
+  std::string item;          // empty without a column of that name
+  std::vector<double> x, y;  // of equal size
 };
 // Columns x, y and perhaps item, in the order of each item's first row.
 std::vector<PairedColumn> paired_columns(const CsvTable& csv);

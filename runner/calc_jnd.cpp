@@ -62,7 +62,7 @@ std::vector<Group> groups_of(const CsvTable& table) {
   std::map<std::pair<std::string, std::string>, std::size_t> places;
   for (std::size_t row = 0; row < table.rows(); ++row) {
     const SeriesCounts series = series_of(table, row);
-    const auto key = std::make_pair(table.text(row, "participant"), table.text(row, "condition"));
+    const std::pair<std::string, std::string> key(table.text(row, "participant"), table.text(row, "condition"));
     const auto [place, added] = places.try_emplace(key, groups.size());
     if (added) groups.push_back({key.first, key.second, {}});
     groups[place->second].series.push_back(series);

@@ -14,6 +14,7 @@
 #include "runner/commands.h"
 #include "runner/csv_table.h"
 #include "runner/json_output.h"
+#include "runner/progress_bar.h"
 
 namespace jnd {
 
@@ -67,7 +68,7 @@ std::vector<Group> groups_of(const CsvTable& table, const PsychometricModel& mod
     if (model.function == PsychometricFunction::weibull && level.x <= 0)
       table.fail(row, "x", fmt::format("{:g} is no level of a Weibull function", level.x),
                  "its levels are above 0; for others use gumbel, its form on a linear axis");
-    level.n = table.integer(row, "n", 1, kMostTrials);
+    level.n = table.integer(row, "n", 0, kMostTrials);
     level.k = table.integer(row, "k", 0, kMostTrials);
     if (level.k > level.n)
       table.fail(row, "k", fmt::format("{} answers in {} trials", level.k, level.n), "k is at most n");
@@ -83,13 +84,24 @@ std::vector<Group> groups_of(const CsvTable& table, const PsychometricModel& mod
   return groups;
 }
 
+// Says how far it is where that takes more than some seconds.
+PsychometricBootstrap bootstrap_of(const Group& group, const PsychometricModel& model, const FitOptions& options) {
+  constexpr double kMostLevelsWithoutWord = 2e5;  // of all replicates
+  const double levels = static_cast<double>(group.levels.size()) * options.replicates;
+  std::optional<ProgressBar> bar;
+  if (levels > kMostLevelsWithoutWord) bar.emplace("fitting replicates", options.replicates);
+  return psychometric_bootstrap(group.levels, model, options.replicates, options.seed, options.confidence,
+                                [&bar](int done) {
+                                  if (bar) bar->update(done);
+                                });
+}
+
 PsychometricAnswer answer_for(const Group& group, const PsychometricModel& model, const FitOptions& options) {
   PsychometricAnswer answer;
   answer.group = group.name;
   answer.fit = fit_psychometric(group.levels, model);
   if (options.interval == "bootstrap") {
-    answer.bootstrap =
-        psychometric_bootstrap(group.levels, model, options.replicates, options.seed, options.confidence);
+    answer.bootstrap = bootstrap_of(group, model, options);
     answer.intervals = answer.bootstrap->intervals;
   } else {
     answer.intervals = psychometric_profile(group.levels, model, options.confidence);

@@ -119,7 +119,7 @@ class Fit(unittest.TestCase):
 
     def test_mistakes_are_one_located_message(self):
         options = ("--function", "weibull", "--guess", "0.5", "--lapse", "free")
-        for text, place in (("x,n,k\n1,10,5\n2,10,11\n", ":3:3: k: "), ("x,n,k\n1,0,0\n", ":2:2: n: "),
+        for text, place in (("x,n,k\n1,10,5\n2,10,11\n", ":3:3: k: "), ("x,n,k\n1,-1,0\n", ":2:2: n: "),
                             ("x,n,k\n1,10,5\n0,10,5\n", ":3:1: x: "), ("x,n,k\n1,10,many\n", ":2:3: k: "),
                             ("x,n,k\n1,10.5,5\n", ":2:2: n: "), ("x,n,k\n1,10,-1\n", ":2:3: k: "),
                             ("x,n\n1,10\n", ":1:"), ("x,n,k,z\n1,10,5,1\n", ":1:4:"), ("x,n,k\n", ":1:")):

@@ -139,6 +139,21 @@ class CalcGroup(unittest.TestCase):
             self.assertEqual(found["p_holm"], found["p"])
             self.assertEqual(found["method"], "exact" if "exact" in one["R_default_method"] else "normal")
 
+    def test_ties_are_those_of_the_decimals(self):
+        # R: example(wilcox.test), p of digits.rank = 9 and of the tenfold values.
+        for unit in (0.1, 1, 100):
+            lines = ["x,y"] + [f"{round(unit * x, 1)},{round(unit * (x - 1), 1)}" for x in (4, 3, 2)]
+            (found,) = self.json_lines("wilcoxon", lines)
+            self.assertEqual((found["ties"], found["method"], found["v"]), (True, "normal", 6))
+            self.near(found["p"], 0.148914673178766, 1e-14)
+            self.near(found["pratt"]["p_exact_permutation"], 0.25, 1e-15)
+        rows = [f"P{i},{c},{v}" for i, pair in enumerate(((0.4, 0.3), (0.3, 0.2), (0.2, 0.1))) for c, v in zip("AB", pair)]
+        (found,) = self.json_lines("compare", ["participant,condition,value"] + rows)
+        self.near(found["pairs"][0]["wilcoxon"]["p"], 0.148914673178766, 1e-14)
+        for command in ("wilcoxon", "compare"):
+            text = subprocess.run([JND, "calc", command, "--help"], capture_output=True, text=True, check=True).stdout
+            self.assertIn("digits.rank", text)
+
     def test_wilcoxon_corrects_over_the_items(self):
         ratings = REFERENCE["datasets"][1]["data"]
         lines = ["item,x,y"] + [f"Q{j},{row[0]},{row[j]}" for row in ratings for j in (1, 2)] + ["same,4,4", "same,5,5"]

@@ -1,0 +1,95 @@
+#!/usr/bin/env python3
+"""What `jnd calc` reads: the tables that spreadsheets write, and words for what it does not read.
+
+Usage: calc_input_test.py JND
+"""
+import json
+import os
+import socket
+import subprocess
+import sys
+import tempfile
+import unittest
+
+JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
+TABLE = "participant,condition,value\nP1,S,3.5\nP1,V,4.25\nP2,S,3.125\nP2,V,5.5\nP3,S,2.5\nP3,V,1.5\n"
+
+
+def calc(command, data, *more):
+    return subprocess.run([JND, "calc", command, "-", *more], input=data, capture_output=True, timeout=60)
+
+
+class CalcInput(unittest.TestCase):
+    def compared(self, data):
+        done = calc("compare", data, "--json")
+        self.assertEqual(done.returncode, 0, done.stderr.decode())
+        return json.loads(done.stdout)
+
+    def refused(self, command, data, *parts):
+        done = calc(command, data)
+        message = done.stderr.decode()
+        self.assertEqual(done.returncode, 3, message)
+        self.assertEqual(done.stdout, b"")
+        self.assertEqual(len(message.splitlines()), 1, message)
+        for part in parts:
+            self.assertIn(part, message)
+
+    def test_what_spreadsheets_write_is_one_table(self):
+        plain = self.compared(TABLE.encode())
+        semicolons = TABLE.replace(",", ";").replace(".", ",")
+        for name, data in {
+            "semicolons, decimal commas": semicolons.encode(),
+            "semicolons, decimal points": TABLE.replace(",", ";").encode(),
+            "a first line sep=": ("sep=;\n" + semicolons).encode(),
+            "tabs": TABLE.replace(",", "\t").encode(),
+            "a byte order mark": TABLE.encode("utf-8-sig"),
+            "UTF-16": TABLE.replace(",", "\t").encode("utf-16"),
+            "UTF-16, high byte first": b"\xfe\xff" + TABLE.encode("utf-16-be"),
+            "CRLF": TABLE.replace("\n", "\r\n").encode(),
+            "lone CR": TABLE.replace("\n", "\r").encode(),
+            "blanks around names": TABLE.replace("P1,S,", "P1 ,S\u00a0,").replace("P2,V", '"P2 ", V\u200b').encode(),
+            "cleared rows": (TABLE + ",,\n\n").encode(),
+        }.items():
+            with self.subTest(name):
+                self.assertEqual(self.compared(data), plain)
+
+    def test_what_could_mean_two_things_is_refused(self):
+        self.refused("compare", TABLE.replace("P2", "Jos\u00e9").encode("latin-1"), ":4:1:", "0xe9", "Latin-1", "UTF-8")
+        self.refused("compare", TABLE.replace(",", ";").replace("3.5\n", "3,5\n").encode(), ":3:3:", "line 2", "alike")
+        self.refused("wilcoxon", b"x\ty\n1,250\t3\n", ":2:1:", "1.250 or 1250", "thousands")
+        self.refused("shapiro", b"x\n3,25\n", ":2:", "has 2 cells", "decimal point")
+        self.refused("shapiro", b"x\r3.25\rz\r", ":3:1:", "not a finite number")
+        self.refused("shapiro", b"PK\x03\x04rest", "spreadsheet", "save it as CSV")
+        self.refused("shapiro", b"\xff\xfex\x00\n\x00\x00", "UTF-16", "half a character")
+        self.refused("shapiro", b"x\x00\n\x00", "zero bytes")
+
+    def test_a_level_without_trials_is_left_out(self):
+        rows = "x,n,k\n1,20,2\n2,20,9\n3,20,17\n"
+        options = ("--function", "logistic", "--guess", "0", "--lapse", "0", "--json")
+        self.assertEqual(calc("fit", (rows + "4,0,0\n").encode(), *options).stdout, calc("fit", rows.encode(), *options).stdout)
+
+    def test_kinds_of_files(self):
+        with tempfile.TemporaryDirectory() as folder:
+            pipe, sock = os.path.join(folder, "pipe"), os.path.join(folder, "socket")
+            os.mkfifo(pipe)
+            with socket.socket(socket.AF_UNIX) as server:
+                server.bind(sock)
+                for path, part in ((folder, "is a folder"), (pipe, "is a named pipe"), ("/dev/zero", "is a device"),
+                                   (sock, "is a socket"), (os.path.join(folder, "none"), "no such file")):
+                    done = subprocess.run([JND, "calc", "sdt", path], capture_output=True, text=True, timeout=20)
+                    self.assertEqual(done.returncode, 3, done.stderr)
+                    self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
+                    self.assertIn(part, done.stderr)
+        done = subprocess.run(["bash", "-c", '"$0" calc shapiro <(printf "x\\n1\\n2\\n4\\n")', JND], capture_output=True,
+                              text=True, timeout=20)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_an_endless_input_has_an_end(self):
+        with open("/dev/zero", "rb") as zeros:
+            done = subprocess.run([JND, "calc", "sdt", "-"], stdin=zeros, capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 3, done.stderr)
+        self.assertIn("is larger than 256 MiB", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
