@@ -1,19 +1,22 @@
 // jnd analyze: the registered analysis of a study, what stands beside it, and the methods in words.
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 
 #include <fmt/format.h>
 
 #include "data/blinding.h"
+#include "data/draft.h"
 #include "data/export_folder.h"
 #include "data/methods_text.h"
 #include "data/result_columns.h"
+#include "data/seal.h"
 #include "data/study_results.h"
 #include "runner/analysis_text.h"
 #include "runner/blinded_files.h"
 #include "runner/commands.h"
+#include "runner/interrupt.h"
 #include "runner/json_output.h"
+#include "runner/standard_streams.h"
 #include "runner/study_access.h"
 #include "runner/terminal.h"
 
@@ -23,47 +26,29 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kMethodsHeading = "# Methods: ";
+constexpr std::string_view kCommand = "analyze";
 
-// Whether the file may be written over: there is none, or an earlier analysis wrote it.
-bool is_ours(const fs::path& path) {
-  std::error_code ignored;
-  if (!fs::exists(path, ignored)) return true;
-  std::ifstream stream(path, std::ios::binary);
-  std::string begin(kMethodsHeading.size(), '\0');
-  stream.read(begin.data(), static_cast<std::streamsize>(begin.size()));
-  return stream && begin == kMethodsHeading;
-}
-
-// The numbers come first: a folder that cannot be written is said, and does not take the analysis with it.
+// The numbers come first: a file that cannot be written, or that is not to be written over, is said and does not take
+// the analysis with it.
 void write_methods(const AnalyzeOptions& options, const std::string& text) {
+  const HoldInterrupts hold;
   const bool named = !options.methods.empty();
   const fs::path path = named ? fs::path(options.methods) : fs::path(options.study).parent_path() / "methods.md";
-  if (!is_ours(path)) {
-    const std::string message = fmt::format("{}: is not a methods file of jnd, and was left as it is", path.string());
-    if (named) throw StorageError(message + "; name another one");
-    fmt::print(stderr, "jnd: {} (--methods FILE names another one)\n", printable(message));
+  try {
+    Draft draft(path, Draft::What::file);
+    draft.write(sealed(text, kCommand));
+    draft.replace([](const fs::path& earlier) { require_sealed(earlier, kCommand); });
+  } catch (const StorageError& error) {
+    if (named) throw;
+    write_marked_message(fmt::format("{} (--methods FILE names another place)", error.what()));
     return;
   }
-  const fs::path draft = path.string() + ".new";
-  std::ofstream stream(draft, std::ios::binary | std::ios::trunc);
-  stream << text;
-  stream.close();
-  std::error_code error;
-  if (stream) fs::rename(draft, path, error);
-  if (stream && !error) {
-    if (!options.json) fmt::print("The methods in words: {}\n", printable(path.string()));
-    return;
-  }
-  std::error_code ignored;
-  fs::remove(draft, ignored);
-  const std::string message = fmt::format("{}: cannot be written", path.string());
-  if (named) throw StorageError(message);
-  fmt::print(stderr, "jnd: {} (--methods FILE names another place)\n", printable(message));
+  if (!options.json) fmt::print("The methods in words: {}\n", printable(path.string()));
 }
 
 void write_csv(const std::string& folder, bool replace, const StudyResults& results, const Protocol& protocol,
                const StudyModels* models) {
+  const HoldInterrupts hold;
   ExportFolder files(folder, replace);
   write_results(files, results, protocol, models);
   files.publish();
@@ -88,6 +73,7 @@ int analyze_blinded(const Study& study, const Protocol& protocol, const AnalyzeO
   if (options.cells || options.models == "all" || !options.methods.empty())
     throw UsageError(results.line + "\n--cells, --models all and --methods name conditions: leave them out until then");
   if (!options.csv.empty()) {
+    const HoldInterrupts hold;
     ExportFolder files(options.csv, options.replace);
     write_blinded_results(files, results, protocol);
     files.publish();
@@ -96,8 +82,9 @@ int analyze_blinded(const Study& study, const Protocol& protocol, const AnalyzeO
     fmt::print("{}\n", json_line(to_json(results, protocol)));
     return exit_code::kDone;
   }
-  fmt::print("{}\n{}\n{}\n\n", bold(printable(protocol.title)),
-             dim(fmt::format("protocol {}", protocol.sha256.substr(0, 12))), warn(printable(results.line)));
+  fmt::print("{}\n{}\n{}\n{}\n\n", bold(printable(protocol.title)),
+             dim(fmt::format("protocol {}", protocol.sha256.substr(0, 12))), dim(chain_line(results.chains)),
+             warn(printable(results.line)));
   if (results.participants.empty()) fmt::print("  no real session yet\n");
   for (const ResultTable& table : blinded_tables(results, protocol)) print_table(table);
   say_other_kinds(study, SessionKind::real);
@@ -123,9 +110,10 @@ int command_analyze(const AnalyzeOptions& options) {
     if (all_models) out["models"] = to_json(models, protocol);
     fmt::print("{}\n", json_line(out));
   } else {
-    fmt::print("{}\n{}\n\n", bold(printable(protocol.title)),
+    fmt::print("{}\n{}\n{}\n\n", bold(printable(protocol.title)),
                dim(fmt::format("protocol {}, seed {}", protocol.sha256.substr(0, 12),
-                               seed_text(*study, protocol, "sealed while real sessions are blinded"))));
+                               seed_text(*study, protocol, "sealed while real sessions are blinded"))),
+               dim(chain_line(results.chains)));
     if (results.analysis.participants == 0) {
       fmt::print("  no {} session yet\n", to_string(kind));
       return exit_code::kDone;

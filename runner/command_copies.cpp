@@ -9,6 +9,7 @@
 #include "runner/care_output.h"
 #include "runner/commands.h"
 #include "runner/interrupt.h"
+#include "runner/standard_streams.h"
 #include "runner/terminal.h"
 #include "runner/text_table.h"
 
@@ -60,7 +61,8 @@ Json chain_json(const RecoveredChain& chain) {
           {"cut", chain.cut}};
 }
 
-void print_recovery(const RecoverOptions& options, const RecoveryReport& report) {
+void print_recovery(const RecoverOptions& options, const RecoveryReport& report,
+                    const std::vector<std::string>& problems) {
   fmt::print("{}: {}\n", bold(printable(options.to)),
              report.whole() ? "everything that is known of was recovered" : "what could be read was recovered");
   TextTable table({"session", "participant", "kind", "events", "what became of it"},
@@ -76,7 +78,7 @@ void print_recovery(const RecoverOptions& options, const RecoveryReport& report)
   if (report.unreadable > 0)
     fmt::print("{}\n", warn(fmt::format("The disk did not give {}.", counted(report.unreadable, "byte"))));
   for (const std::string& doubt : report.doubts) fmt::print("{}\n", warn(printable("Note: " + doubt + ".")));
-  for (const std::string& problem : report.verified.problems) fmt::print("problem: {}\n", printable(problem));
+  for (const std::string& problem : problems) fmt::print("problem: {}\n", printable(problem));
   fmt::print(
       "Sessions that are not whole are open in the new study. What happened in them after the last event above is "
       "lost;\n"
@@ -92,7 +94,7 @@ int command_backup(const BackupOptions& options) {
     report = back_up(*study, options.to, options.replace, [] { return interrupt_requested().load(); });
   }
   if (report.interrupted) {
-    fmt::print(stderr, "jnd: interrupted; nothing was written\n");
+    write_message("jnd: interrupted; nothing was written\n");
     return exit_code::kInterrupted;
   }
   if (options.json) {
@@ -146,12 +148,12 @@ int command_merge(const MergeOptions& options) {
 int command_recover(const RecoverOptions& options) {
   std::optional<std::filesystem::path> protocol;
   if (options.protocol) protocol = *options.protocol;
-  RecoveryReport report = recover(options.damaged, options.to, protocol, stamp_now());
-  report.verified.problems =
-      unsealed_problems(std::move(report.verified.problems), *Study::open(options.to, Study::Access::read_only));
+  const RecoveryReport report = recover(options.damaged, options.to, protocol, stamp_now());
+  const std::vector<std::string> problems =
+      unsealed_problems(report.verified.problems, *Study::open(options.to, Study::Access::read_only));
   const bool whole = report.whole();
   if (!options.json) {
-    print_recovery(options, report);
+    print_recovery(options, report, problems);
     return whole ? exit_code::kDone : exit_code::kProblemFound;
   }
   Json out = {{"to", options.to},
@@ -161,7 +163,7 @@ int command_recover(const RecoverOptions& options) {
               {"study_events_unchained", report.own.unchained},
               {"sessions", Json::array()},
               {"doubts", report.doubts},
-              {"problems", report.verified.problems}};
+              {"problems", problems}};
   for (const RecoveredChain& chain : report.sessions) out["sessions"].push_back(chain_json(chain));
   print_json(out);
   return whole ? exit_code::kDone : exit_code::kProblemFound;

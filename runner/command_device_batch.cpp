@@ -1,18 +1,18 @@
 // jnd device model rrs3 --batch: the 3RRS model's answers to many poses, JSON lines in and out.
-#include <cerrno>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
-#include <fstream>
 #include <iostream>
+#include <sstream>
 
 #include <fmt/format.h>
 
 #include "protocols/input_error.h"
 #include "protocols/json_reader.h"
+#include "protocols/read_file.h"
 #include "runner/commands.h"
 #include "runner/device_output.h"
 #include "runner/rrs3_answer.h"
+#include "runner/standard_streams.h"
 #include "runner/terminal.h"
 
 namespace jnd {
@@ -79,13 +79,20 @@ std::string located(const InputError& error, const std::string& file, int line) 
   return text;
 }
 
-void report(const std::string& message) {
-  std::string::size_type begin = 0;
-  while (begin <= message.size()) {
-    const auto end = std::min(message.find('\n', begin), message.size());
-    fmt::print(stderr, "jnd: {}\n", printable(message.substr(begin, end - begin)));
-    begin = end + 1;
+constexpr std::size_t kMostBatchBytes = std::size_t{64} << 20U;
+constexpr std::size_t kLongestLine = std::size_t{1} << 20U;
+
+// The next line of a stream that may be anything; false at its end. Throws InputError where a line has no end.
+bool next_line(std::istream& in, std::string& line, const std::string& name, int number) {
+  line.clear();
+  for (int byte = in.get(); in; byte = in.get()) {
+    if (byte == '\n') return true;
+    if (line.size() == kLongestLine)
+      throw InputError(std::vector<Diagnostic>{
+          {name, number, 1, "", "the line is longer than 1 MiB", "give one question a line, as JSON"}});
+    line += static_cast<char>(byte);
   }
+  return !line.empty();
 }
 
 bool blank(const std::string& line) {
@@ -101,15 +108,12 @@ int answer_rrs3_batch(const Rrs3ModelOptions& options) {
                                                          : load_rrs3_geometry(options.geometry);
   const bool standard_input = options.batch == "-";
   const std::string name = standard_input ? "standard input" : options.batch;
-  std::ifstream file;
-  if (!standard_input) {
-    file.open(options.batch);
-    if (!file) throw InputError(fmt::format("{} cannot be read: {}", options.batch, std::strerror(errno)));
-  }
+  std::istringstream file;
+  if (!standard_input) file.str(read_input_file(options.batch, kMostBatchBytes));
   std::istream& in = standard_input ? std::cin : file;
   bool all_sound = true;
   int number = 0;
-  for (std::string line; std::getline(in, line);) {
+  for (std::string line; next_line(in, line, name, number + 1);) {
     ++number;
     if (blank(line)) continue;
     // A bad line has its answer too, so that the others keep their places.
@@ -125,7 +129,7 @@ int answer_rrs3_batch(const Rrs3ModelOptions& options) {
     } catch (const InputError& error) {
       all_sound = false;
       const std::string message = located(error, name, number);
-      report(message);
+      write_marked_message(message);
       answer = {{"status", "invalid"}, {"line", number}, {"message", message}};
     }
     print_json(answer);

@@ -1,14 +1,14 @@
 // jnd device learn-buttons: which bits of a button box's reports mean what, asked of a person who presses them.
 #include <cerrno>
 #include <charconv>
-#include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "data/draft.h"
 #include "devices/device_error.h"
 #include "devices/hid/hidapi_bus.h"
 #include "runner/button_dialogue.h"
@@ -86,38 +86,17 @@ bool reports_numbered(const std::string& path) {
   return numbers_reports(descriptor);
 }
 
-// Made before anybody presses anything, and taken away again where nothing comes of it.
-class NewFile {
- public:
-  // O_EXCL: never over somebody's file.
-  explicit NewFile(const std::string& name)
-      : name_(name), descriptor_(open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644)) {
-    if (descriptor_ < 0 && errno == EEXIST)
-      throw UsageError(fmt::format("{} exists already; choose another name", name_));
-    if (descriptor_ < 0) throw UsageError(fmt::format("{} cannot be written: {}", name_, std::strerror(errno)));
-  }
-  ~NewFile() {
-    close(descriptor_);
-    if (!complete_) unlink(name_.c_str());
-  }
-  NewFile(const NewFile&) = delete;
-  NewFile& operator=(const NewFile&) = delete;
-  void write(const std::string& text) {
-    complete_ = ::write(descriptor_, text.data(), text.size()) == static_cast<ssize_t>(text.size());
-    if (!complete_) throw UsageError(fmt::format("{} could not be written in full; nothing was left behind", name_));
-  }
-
- private:
-  std::string name_;
-  int descriptor_;
-  bool complete_ = false;
-};
+UsageError taken(const std::string& file) {
+  return UsageError(fmt::format("{} exists already; choose another name", file));
+}
 
 }  // namespace
 
 int command_device_learn_buttons(const LearnButtonsOptions& options) {
   HidapiBus bus;
-  NewFile file(options.file);
+  // Before anybody presses anything.
+  if (std::filesystem::exists(std::filesystem::symlink_status(options.file))) throw taken(options.file);
+  Draft file(options.file, Draft::What::file, Draft::Access::everyone);
   const std::optional<HidInfo> info = chosen_device(bus, options.device);
   if (!info) return exit_code::kInterrupted;
   say(fmt::format("Learning the buttons of {}. Ctrl-C gives up.", described(*info)));
@@ -128,6 +107,7 @@ int command_device_learn_buttons(const LearnButtonsOptions& options) {
     return exit_code::kInterrupted;
   }
   file.write(to_json(*mapping));
+  if (!file.publish()) throw taken(options.file);
   fmt::print("{} written. Use it:  jnd run PROTOCOL --study STUDY --buttons {}\n", printable(options.file),
              printable(options.file));
   if (info->usage_page == 0x01 && (info->usage == 0x06 || info->usage == 0x07))

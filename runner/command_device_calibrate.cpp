@@ -16,6 +16,7 @@
 #include "runner/device_output.h"
 #include "runner/hid_devices.h"
 #include "runner/interrupt.h"
+#include "runner/standard_streams.h"
 #include "runner/terminal.h"
 #include "runner/text_table.h"
 #include "runner/typing_operator.h"
@@ -140,7 +141,7 @@ int command_device_calibrate(const DeviceCalibrateOptions& options) {
   try {
     with_device(bus, info, [&](HidHandle& handle) { record = measure(handle, options, plan); });
   } catch (const BenchInterrupted& interrupted) {
-    fmt::print(stderr, "{}: {}; its calibration is as it was\n", printable(options.name), interrupted.what());
+    print_message("{}: {}; its calibration is as it was\n", printable(options.name), interrupted.what());
     return exit_code::kInterrupted;
   }
   const std::vector<CalibrationFinding> findings = findings_of(record);

@@ -11,6 +11,7 @@
 #include "runner/device_output.h"
 #include "runner/hid_devices.h"
 #include "runner/interrupt.h"
+#include "runner/standard_streams.h"
 #include "runner/terminal.h"
 #include "runner/text_table.h"
 
@@ -79,7 +80,7 @@ int hid_device_test(HidBus& bus, const std::string& name, bool json, bool yes) {
                                   : test_fingertip(handle, info, name, press, checks);
     });
   } catch (const BenchInterrupted& interrupted) {
-    fmt::print(stderr, "{}: {}\n", printable(name), interrupted.what());
+    print_message("{}: {}\n", printable(name), interrupted.what());
     return exit_code::kInterrupted;
   }
   const auto failed = std::count_if(checks.begin(), checks.end(), [](const BenchCheck& check) { return !check.ok; });

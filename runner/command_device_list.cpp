@@ -8,6 +8,7 @@
 #include "runner/hid_devices.h"
 #include "runner/hid_list.h"
 #include "runner/resources.h"
+#include "runner/rig_limits.h"
 #include "runner/terminal.h"
 
 namespace jnd {
@@ -22,10 +23,6 @@ std::string what_it_is(const RigSpec& rig) {
   std::string text;
   for (const DeviceSpec& device : rig.devices) text += (text.empty() ? "" : "; ") + what_it_is(device);
   return text + ", simulated";
-}
-
-std::string limits_text(const DeviceSpec& device) {
-  return fmt::format("{:g} N, {:g} {}", device.max_force_n, device.max_stiffness, to_string(device.unit));
 }
 
 nlohmann::ordered_json limits_json(const DeviceSpec& device) {
@@ -103,13 +100,10 @@ nlohmann::ordered_json device_json(const DeviceSpec& device) {
 }
 
 nlohmann::ordered_json rig_json(const RigSpec& rig, const std::string& file) {
-  nlohmann::ordered_json out = {{"name", rig.name},
-                                {"title", rig.title},
-                                {"what", what_it_is(rig)},
-                                {"simulated", true},
-                                {"file", file},
-                                {"sha256", rig.sha256},
-                                {"devices", nlohmann::ordered_json::array()}};
+  nlohmann::ordered_json out = {{"name", rig.name},           {"title", rig.title},
+                                {"what", what_it_is(rig)},    {"simulated", true},
+                                {"shipped", is_shipped(rig)}, {"file", file},
+                                {"sha256", rig.sha256},       {"devices", nlohmann::ordered_json::array()}};
   for (const DeviceSpec& device : rig.devices) out["devices"].push_back(device_json(device));
   if (rig.devices.size() > 1) out["lever_arm_m"] = rig.lever_arm_m;
   return out;
@@ -165,7 +159,9 @@ int command_device_list(bool json) {
     const std::filesystem::path file = find_resource(Resource::device_spec, name);
     const RigSpec rig = load_rig_spec(file);
     rigs.push_back(rig_json(rig, file.string()));
-    text += fmt::format("  {}: {}\n", bold(printable(rig.name)), printable(rig.title));
+    const std::string other = not_shipped_text(rig);
+    text += fmt::format("  {}: {}{}\n", bold(printable(rig.name)), printable(rig.title),
+                        other.empty() ? "" : warn(printable(" (" + other + ")")));
     for (const DeviceSpec& device : rig.devices)
       text += fmt::format("      {}; at most {}\n", what_it_is(device), limits_text(device));
   }
@@ -194,7 +190,8 @@ int command_device_info(const std::string& name, bool json) {
   }
   fmt::print("{}: {}\n", bold(printable(rig.name)), printable(rig.title));
   say("what", what_it_is(rig));
-  say("file", file.string());
+  say("file", printable(file.string()));
+  say("description", is_shipped(rig) ? "as shipped" : warn(printable(not_shipped_text(rig))));
   say("SHA-256", rig.sha256);
   if (rig.devices.size() > 1)
     say("lever arm", fmt::format("{:g} m from the joint to the contact: 500 N/m there are {:g} N/rad of the joint",

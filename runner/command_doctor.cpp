@@ -17,6 +17,7 @@
 #include "runner/interrupt.h"
 #include "runner/json_output.h"
 #include "runner/resources.h"
+#include "runner/standard_streams.h"
 #include "runner/terminal.h"
 #include "runner/text_table.h"
 
@@ -95,15 +96,16 @@ int command_doctor(const DoctorOptions& options) {
   checks.push_back(
       check_storage(options.study.value_or("."), {.root = "/", .is_network = is_network_file_system, .syncs = 20}));
   if (!options.json && is_terminal(STDERR_FILENO))
-    fmt::print(stderr, "measuring how late a loop of 1 ms wakes, with and without SCHED_FIFO, {:g} s each ...\n",
-               options.seconds);
+    print_message("measuring how late a loop of 1 ms wakes, with and without SCHED_FIFO, {:g} s each ...\n",
+                  options.seconds);
   const JitterReport session = measure(RealtimePolicy::prefer, options.seconds);
   const bool compare = session.realtime.fifo();
   const JitterReport ordinary = compare ? measure(RealtimePolicy::off, options.seconds) : JitterReport{};
   if (interrupt_requested()) return exit_code::kInterrupted;
   for (MachineCheck& check : check_realtime(session.realtime)) checks.push_back(std::move(check));
-  checks.push_back(judge_jitter(session, true));
-  if (compare) checks.push_back(judge_jitter(ordinary, false));
+  checks.push_back(judge_jitter(session));
+  // For comparison, and no finding of its own: a session does not run so.
+  if (compare) checks.back().found += "; without SCHED_FIFO: " + jitter_text(ordinary);
 
   int bad = 0, warnings = 0;
   std::size_t name_width = 0;

@@ -2,37 +2,26 @@
 
 #include <functional>
 #include <sstream>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "data/storage_error.h"
-#include "devices/device_error.h"
-#include "protocols/input_error.h"
 #include "protocols/version.h"
 #include "runner/calc.h"
 #include "runner/care_commands.h"
+#include "runner/command_outcome.h"
 #include "runner/commands.h"
 #include "runner/device_commands.h"
 #include "runner/interrupt.h"
 #include "runner/precision_options.h"
 #include "runner/report_command.h"
+#include "runner/standard_streams.h"
 #include "runner/terminal.h"
 
 namespace jnd {
 
 namespace {
-
-// Messages go to stderr, each line marked, so that a script's output stays clean.
-int failed(int code, const std::string& message) {
-  std::string::size_type begin = 0;
-  while (begin <= message.size()) {
-    const auto end = std::min(message.find('\n', begin), message.size());
-    fmt::print(stderr, "jnd: {}\n", printable(message.substr(begin, end - begin)));
-    begin = end + 1;
-  }
-  return code;
-}
 
 // Adds a command whose help ends with an example.
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& what, const std::string& example) {
@@ -41,10 +30,8 @@ CLI::App* add_command(CLI::App& app, const std::string& name, const std::string&
   return command;
 }
 
-}  // namespace
-
-int run_command_line(int argc, const char* const* argv) {
-  install_interrupt_handlers();
+// Reads the arguments and runs the command that they choose.
+int parse_and_run(int argc, const char* const* argv) {
   CLI::App app{"jnd: plan, rehearse, run and analyse stiffness-discrimination studies", "jnd"};
   app.set_version_flag("--version", std::string("jnd ") + kVersion);
   app.require_subcommand(1);
@@ -60,7 +47,7 @@ int run_command_line(int argc, const char* const* argv) {
       add_command(app, "new", "Write a protocol to start from", "jnd new my-study.json --from chinello2017-balanced");
   command->add_option("FILE", make.file, "the file to write; it must not exist")->required();
   command->add_option("--from", make.from, "the shipped protocol to copy (default: tutorial)");
-  command->callback([&] { chosen = [&] { return command_new(make); }; });
+  command->callback([&] { chosen = holding_interrupts([&] { return command_new(make); }); });
 
   CheckOptions check;
   command = add_command(app, "check", "Find every mistake in a protocol", "jnd check my-study.json");
@@ -118,7 +105,7 @@ int run_command_line(int argc, const char* const* argv) {
       ->check(CLI::IsMember({"off", "events", "full"}));
   command->add_option("--realtime", run.realtime, "real-time scheduling: off, prefer (default), require")
       ->check(CLI::IsMember({"off", "prefer", "require"}));
-  command->callback([&] { chosen = [&] { return command_run(run); }; });
+  command->callback([&] { chosen = holding_interrupts([&] { return command_run(run); }); });
 
   SimulateOptions simulate;
   command = add_command(app, "simulate", "Run simulated participants through the study",
@@ -135,7 +122,7 @@ int run_command_line(int argc, const char* const* argv) {
       ->check(CLI::IsMember({"off", "events", "full"}));
   command->add_flag("--no-study", simulate.no_study, "keep nothing: print the group's result only");
   command->add_flag("--json", simulate.json, "machine-readable result of --no-study");
-  command->callback([&] { chosen = [&] { return command_simulate(simulate); }; });
+  command->callback([&] { chosen = holding_interrupts([&] { return command_simulate(simulate); }); });
 
   StudyOptions status;
   command = add_command(app, "status", "What a study holds", "jnd status s.sqlite");
@@ -207,7 +194,7 @@ int run_command_line(int argc, const char* const* argv) {
   command->add_option("--protocol", doctor.protocol, "is the machine fit for this one too: has it the tracker");
   command->add_option("--rig", doctor.rig, "and for this rig file: are its devices, tracker and buttons there");
   command->add_flag("--json", doctor.json, "machine-readable");
-  command->callback([&] { chosen = [&] { return command_doctor(doctor); }; });
+  command->callback([&] { chosen = holding_interrupts([&] { return command_doctor(doctor); }); });
 
   add_care_commands(app, chosen);
   add_calc_commands(app, chosen);
@@ -215,24 +202,22 @@ int run_command_line(int argc, const char* const* argv) {
 
   try {
     app.parse(argc, argv);
-    return chosen();
   } catch (const CLI::ParseError& error) {
     std::ostringstream out, err;
     const int code = app.exit(error, out, err);  // help, version or the message, which quotes arguments
     fmt::print("{}", printable_lines(out.str()));
-    fmt::print(stderr, "{}", printable_lines(err.str()));
+    write_message(printable_lines(err.str()));
     return code == 0 ? exit_code::kDone : exit_code::kUsage;
-  } catch (const UsageError& error) {
-    return failed(exit_code::kUsage, error.what());
-  } catch (const DeviceError& error) {
-    return failed(exit_code::kDevice, error.what());
-  } catch (const InputError& error) {
-    return failed(exit_code::kInvalidInput, error.what());
-  } catch (const StorageError& error) {
-    return failed(exit_code::kStorage, error.what());
-  } catch (const std::exception& error) {
-    return failed(exit_code::kStorage, error.what());
   }
+  return chosen();
+}
+
+}  // namespace
+
+int run_command_line(int argc, const char* const* argv) {
+  keep_standard_streams();
+  install_interrupt_handlers();
+  return outcome_of([&] { return parse_and_run(argc, argv); });
 }
 
 }  // namespace jnd

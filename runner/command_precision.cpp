@@ -10,6 +10,7 @@
 #include "runner/precision_json.h"
 #include "runner/precision_options.h"
 #include "runner/precision_text.h"
+#include "runner/progress_bar.h"
 #include "runner/study_access.h"
 #include "runner/terminal.h"
 
@@ -55,6 +56,16 @@ void set_jnds(const std::vector<std::string>& arguments, const Protocol& protoco
   }
 }
 
+// Says how far it is where that takes more than some seconds.
+Precision precision_with_progress(const PrecisionQuestion& question) {
+  constexpr double kMostCellsWithoutWord = 2e7;
+  const double cells = static_cast<double>(question.jnds.size() * question.design.differences.size()) *
+                       question.participants * question.experiments;
+  if (cells <= kMostCellsWithoutWord) return precision(question);
+  ProgressBar bar("simulating studies", question.experiments);
+  return precision(question, [&bar](int done) { bar.update(done); });
+}
+
 }  // namespace
 
 void add_precision_options(CLI::App& plan, PrecisionOptions& options) {
@@ -62,7 +73,7 @@ void add_precision_options(CLI::App& plan, PrecisionOptions& options) {
       plan.add_flag("--precision", options.asked, "how well this design will measure JNDs, instead of the order");
   plan.add_option("--jnd", options.jnds,
                   "true JND to plan for: a number for all conditions, or NAME=NUMBER for one (default: the published "
-                  "values, else a quarter of the reference)")
+                  "values, else the Weber fractions of the simulated participants)")
       ->needs(precision)
       ->allow_extra_args(false);
   plan.add_option("--trials", options.trials, "trials a cell (default: the protocol's)")
@@ -98,7 +109,7 @@ int command_plan_precision(const PlanOptions& plan, const PrecisionOptions& opti
   for (const Condition& condition : protocol.conditions)
     planned.sources.push_back(planned_jnd(protocol, condition.name).source);
   set_jnds(options.jnds, protocol, planned, question.jnds);
-  planned.precision = precision(question);
+  planned.precision = precision_with_progress(question);
   if (plan.json) {
     nlohmann::ordered_json out = {{"protocol_sha256", protocol.sha256}};
     out["precision"] = precision_json(planned, protocol);

@@ -1,18 +1,11 @@
 // jnd new and jnd check: protocols before anyone takes part.
-#include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <optional>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
-#include <unistd.h>
 
+#include "data/draft.h"
 #include "devices/hid/streamed_tracker.h"
-#include "protocols/device_lint.h"
 #include "protocols/duration.h"
-#include "protocols/json_reader.h"
 #include "protocols/plan.h"
 #include "protocols/protocol_json.h"
 #include "protocols/read_file.h"
@@ -20,24 +13,19 @@
 #include "runner/json_output.h"
 #include "runner/precision_json.h"
 #include "runner/precision_text.h"
+#include "runner/protocol_fitness.h"
 #include "runner/resources.h"
-#include "runner/study_access.h"
 #include "runner/terminal.h"
 
 namespace jnd {
 
 namespace {
 
-// False where the file exists. O_EXCL: never over somebody's file, even if two programs do this at once.
+// False where the file exists.
 bool write_new_file(const std::filesystem::path& path, const std::string& bytes) {
-  const int descriptor = open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
-  if (descriptor < 0 && errno == EEXIST) return false;
-  if (descriptor < 0) throw InputError(fmt::format("{} cannot be written: {}", path.string(), std::strerror(errno)));
-  const ssize_t written = write(descriptor, bytes.data(), bytes.size());
-  close(descriptor);
-  if (written == static_cast<ssize_t>(bytes.size())) return true;
-  unlink(path.c_str());
-  throw InputError(fmt::format("{} could not be written in full; nothing was left behind", path.string()));
+  Draft draft(path, Draft::What::file, Draft::Access::everyone);
+  draft.write(bytes);
+  return draft.publish();
 }
 
 }  // namespace
@@ -80,34 +68,14 @@ PlannedPrecision planned_precision(const Protocol& protocol) {
   return planned;
 }
 
-// The objects of free interaction must be there: their files are found by their names.
-void look_for_objects(const Protocol& protocol, const std::string& file, ProtocolCheck& check) {
-  if (!protocol.explore) return;
-  const std::vector<std::string> shipped = shipped_names(Resource::object);
-  const JsonNode root = parse_json(protocol.bytes, file);
-  for (std::size_t i = 0; i < protocol.explore->objects.size(); ++i) {
-    const std::string& name = protocol.explore->objects[i];
-    if (std::find(shipped.begin(), shipped.end(), name) != shipped.end()) continue;
-    const JsonNode* const explore = root.find("explore");
-    check.errors.push_back(diagnostic_at(explore->find("objects")->items[i], file,
-                                         fmt::format("there is no object {}", in_quotes(name)),
-                                         fmt::format("there are {}", fmt::join(shipped, ", "))));
-  }
-}
-
 CheckedFile check_file(const std::string& name_or_path) {
-  const std::filesystem::path path = find_resource(Resource::protocol, name_or_path);
   CheckedFile result;
-  result.check = check_protocol(read_input_file(path), path.string());
-  if (!result.check.protocol) return result;
+  result.check = check_fitness(find_resource(Resource::protocol, name_or_path));
+  if (!result.check.errors.empty()) return result;
   const Protocol& protocol = *result.check.protocol;
-  const DeviceLint lint = lint_against_device(protocol, rig_spec_of(protocol), path.string());
-  result.check.errors.insert(result.check.errors.end(), lint.errors.begin(), lint.errors.end());
-  result.check.warnings.insert(result.check.warnings.end(), lint.warnings.begin(), lint.warnings.end());
-  look_for_objects(protocol, path.string(), result.check);
   result.trials = main_trial_count(make_plan(protocol, 1, 1));
   result.duration_s = expected_duration_s(protocol);
-  if (result.check.errors.empty() && has_precision(protocol)) result.precision = planned_precision(protocol);
+  if (has_precision(protocol)) result.precision = planned_precision(protocol);
   return result;
 }
 

@@ -160,6 +160,7 @@ int command_run(const RunOptions& options) {
   const StopOnKey stop_key(keyboard.get(), rig->stop);
   const StopOnButton stop_button(buttons, rig->stop);
 
+  console_options.stop = &rig->stop;
   const std::unique_ptr<Console> console = make_console(console_options, shown, keyboard.get(), *clock, interrupted);
   Readiness readiness;
   if (person) {
@@ -212,17 +213,17 @@ int command_run(const RunOptions& options) {
   }
   if (end == SessionEnd::interrupted) {
     study->close();
-    console->end(
-        fmt::format("{}Stopped. Every answer so far is saved in {}; the same command goes on at the next trial.",
-                    missing.empty() ? "" : printable("Missing: " + missing) + ".\n", printable(options.study)));
+    console->end(fmt::format(
+        "{}Stopped. Every answer so far is saved in {}; the same command goes on at the next trial.",
+        missing.empty() ? "" : printable("Missing: " + missing) + ".\n", printable(study->path().string())));
     return exit_code::kInterrupted;
   }
   study->close();
   console->end(end == SessionEnd::completed
                    ? fmt::format("{} The session of {} is complete and saved in {}.", bold("Done."),
-                                 request.participant, printable(options.study))
+                                 request.participant, printable(study->path().string()))
                    : fmt::format("Ended. The session of {} is closed as it is; everything so far is saved in {}.",
-                                 request.participant, printable(options.study)));
+                                 request.participant, printable(study->path().string())));
   return exit_code::kDone;
 }
 

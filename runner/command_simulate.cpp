@@ -11,7 +11,9 @@
 #include "runner/interrupt.h"
 #include "runner/json_output.h"
 #include "runner/resources.h"
+#include "runner/rig_limits.h"
 #include "runner/simulate.h"
+#include "runner/standard_streams.h"
 #include "runner/study_access.h"
 #include "runner/terminal.h"
 
@@ -19,8 +21,13 @@ namespace jnd {
 
 namespace {
 
+// "1 session", "2 sessions".
+std::string counted(int n, const char* what) {
+  return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
+}
+
 int interrupted() {
-  fmt::print(stderr, "jnd: interrupted; nothing was kept\n");
+  write_message("jnd: interrupted; nothing was kept\n");
   return exit_code::kInterrupted;
 }
 
@@ -59,6 +66,8 @@ int command_simulate(const SimulateOptions& options) {
   const RigDescription rig = rig_of(protocol);
   const ParticipantProfile profile = load_profile(
       find_resource(Resource::profile, options.profile.empty() ? default_profile(protocol) : options.profile));
+  if (const std::string other = not_shipped_text(rig.spec); !other.empty() && !options.json)
+    fmt::print("{}\n", warn(printable(fmt::format("The rig is {}: {}.", other, limits_text(rig.spec)))));
   const int processors = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   Simulation simulation{protocol, rig, profile};
   simulation.record = record_policy_of(options.record);
@@ -93,12 +102,14 @@ int command_simulate(const SimulateOptions& options) {
     trials += session.trials_done;
     voided += session.trials_voided;
   }
+  const int sessions = protocol.design.sessions;
   if (result.already_complete > 0)
-    fmt::print("{} participant{} had finished before.\n", result.already_complete,
-               result.already_complete == 1 ? "" : "s");
-  fmt::print("{}: {} participants, profile {}, seed {}: {} {}, {} voided\n", printable(*options.study),
-             result.completed + result.already_complete, printable(profile.name), simulation.seed, trials,
-             explores ? "explorations" : "trials", voided);
+    fmt::print("{} had finished before.\n",
+               counted(result.already_complete, sessions == 1 ? "participant" : "session"));
+  fmt::print("{}: {}{}, profile {}, seed {}: {} {}, {} voided\n", printable(*options.study),
+             counted(options.participants, "participant"),
+             sessions == 1 ? "" : fmt::format(", {} sessions each", sessions), printable(profile.name), simulation.seed,
+             trials, explores ? "explorations" : "trials", voided);
   fmt::print("  next:  jnd analyze {}\n", printable(*options.study));
   return exit_code::kDone;
 }

@@ -12,6 +12,7 @@
 #include "runner/blinded_files.h"
 #include "runner/blinded_problem.h"
 #include "runner/commands.h"
+#include "runner/interrupt.h"
 #include "runner/json_output.h"
 #include "runner/study_access.h"
 #include "runner/terminal.h"
@@ -31,7 +32,8 @@ int command_status(const StudyOptions& options) {
         {"protocol", info.protocol_name},
         {"protocol_sha256", info.protocol_sha256},
         {"seed", sealed ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(info.seed)},
-        {"blinding", to_json(blinding)}};
+        {"blinding", to_json(blinding)},
+        {"study_head", study->head()}};
     out["sessions"] = nlohmann::ordered_json::array();
     for (const SessionInfo& session : sessions)
       out["sessions"].push_back(
@@ -65,7 +67,7 @@ int command_status(const StudyOptions& options) {
                fmt::format("{} of {}", session.trials_done, session.trials_total),
                std::to_string(session.trials_voided), session.started.substr(0, 19),
                session.ended.substr(0, std::min<std::size_t>(19, session.ended.size())), printable(session.responder)});
-  fmt::print("{}", table.text());
+  fmt::print("{}  {}\n", table.text(), dim("head of the study's own chain: " + study->head()));
   return exit_code::kDone;
 }
 
@@ -75,8 +77,8 @@ int command_verify(const StudyOptions& options) {
   DeepReport deep;
   if (options.deep) deep = verify_deep(*study);
   report.problems.insert(report.problems.end(), deep.problems.begin(), deep.problems.end());
-  report.problems = unsealed_problems(std::move(report.problems), *study);
-  const bool ok = report.problems.empty();
+  const std::vector<std::string> problems = unsealed_problems(report.problems, *study);
+  const bool ok = problems.empty();
   if (options.json) {
     nlohmann::ordered_json out = {{"ok", ok},
                                   {"sessions", report.sessions},
@@ -84,7 +86,9 @@ int command_verify(const StudyOptions& options) {
                                   {"trials", report.trials},
                                   {"voided", report.voided},
                                   {"telemetry", report.telemetry},
-                                  {"problems", report.problems}};
+                                  {"telemetry_lost", report.telemetry_lost},
+                                  {"study_head", report.study_head},
+                                  {"problems", problems}};
     if (options.deep)
       out["deep"] = {{"sessions", deep.sessions},
                      {"intervals", deep.intervals},
@@ -93,12 +97,17 @@ int command_verify(const StudyOptions& options) {
                      {"remarks", deep.remarks}};
     fmt::print("{}\n", json_line(out));
   } else {
-    for (const std::string& problem : report.problems) fmt::print("problem: {}\n", printable(problem));
+    for (const std::string& problem : problems) fmt::print("problem: {}\n", printable(problem));
     fmt::print("{}: {} ({} sessions, {} events, {} trials, {} voided{})\n", printable(options.study),
                ok ? bold("every hash and every planned stimulus agrees")
-                  : fmt::format("{} problem{}", report.problems.size(), report.problems.size() == 1 ? "" : "s"),
+                  : fmt::format("{} problem{}", problems.size(), problems.size() == 1 ? "" : "s"),
                report.sessions, report.events, report.trials, report.voided,
                report.telemetry > 0 ? fmt::format(", telemetry of {} intervals", report.telemetry) : std::string());
+    if (report.telemetry_lost > 0)
+      fmt::print("{}\n", warn(fmt::format("  ticks of {} interval{} are said to be lost (study.recovered)",
+                                          report.telemetry_lost, report.telemetry_lost == 1 ? "" : "s")));
+    if (!report.study_head.empty())
+      fmt::print("  {}\n", dim("head of the study's own chain: " + printable(report.study_head)));
     if (options.deep)
       fmt::print("  the course of {} sessions was followed, {} numbers of {} intervals computed again, {} bytes read\n",
                  deep.sessions, deep.numbers, deep.intervals, deep.bytes);
@@ -112,6 +121,7 @@ namespace {
 int export_in_code(const Study& study, const Protocol& protocol, const ExportOptions& options) {
   const BlindedResults results =
       blinded_results(study, protocol, source_to_analyse(protocol, options.by), options.study);
+  const HoldInterrupts hold;
   const std::vector<std::string> files = export_blinded(study, protocol, results, options.folder, options.replace);
   fmt::print("{}\n{} files (real data, in code) in {}; dictionary.csv says what every column is\n",
              warn(printable(results.line)), files.size(), printable(options.folder));
@@ -132,6 +142,7 @@ int command_export(const ExportOptions& options) {
   const StudyResults results = results_of(*study, protocol, kind, source_to_analyse(protocol, options.by));
   std::optional<TelemetryExport> telemetry;
   if (options.telemetry) telemetry = {{limit::kNames.begin(), limit::kNames.end()}};
+  const HoldInterrupts hold;
   const std::vector<std::string> files =
       export_csv(*study, protocol, results, options.folder, options.replace, telemetry);
   fmt::print("{} files ({} data) in {}; dictionary.csv says what every column is\n", files.size(), to_string(kind),

@@ -6,6 +6,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "runner/interrupt.h"
+
 namespace jnd {
 
 namespace {
@@ -242,7 +244,7 @@ void Tree::add_test() {
   Arguments& all = *arguments_;
   CLI::App* command =
       add(device_, "test", "Self-test of a rig, or test of a connected device", "test rrs3\n  jnd device test FT-0001",
-          [&all] { return command_device_test(all.rig, all.json, all.yes); });
+          holding_interrupts([&all] { return command_device_test(all.rig, all.json, all.yes); }));
   command->add_option("RIG", all.rig, "a rig's name, a file that describes one, or a device's serial number or path")
       ->required();
   command->add_flag("--yes", all.yes, "a real device may press (0.5 N) and vibrate without being asked for");
@@ -255,7 +257,7 @@ void Tree::add_calibrate() {
                           "calibrate FT-0001 --operator \"A. Smith\" --reference-name \"scale 17\" --push 1,2,4,2,1\n"
                           "  jnd device calibrate FT-0001 --operator \"A. Smith\" --reference-name \"weights\" "
                           "--reference points.csv --store",
-                          [&calibrate] { return command_device_calibrate(calibrate); });
+                          holding_interrupts([&calibrate] { return command_device_calibrate(calibrate); }));
   command->add_option("DEVICE", calibrate.name, "a serial number or a path, as jnd device list shows them")->required();
   command->add_option("--reference", calibrate.reference,
                       "interactive: known forces are typed; or a CSV file of them: known_n (N), and pushed_n (N) where "
@@ -281,7 +283,8 @@ void Tree::add_learn_buttons() {
   LearnButtonsOptions& learn = arguments_->learn_buttons;
   CLI::App* command =
       add(device_, "learn-buttons", "Learn which buttons of a gamepad, keypad or pedal mean same and different",
-          "learn-buttons --to pedals.json --stop", [&learn] { return command_device_learn_buttons(learn); });
+          "learn-buttons --to pedals.json --stop",
+          holding_interrupts([&learn] { return command_device_learn_buttons(learn); }));
   command->add_option("--to", learn.file, "the mapping to write, for jnd run --buttons; it must not exist")->required();
   command->add_option("--device", learn.device, "its path, such as /dev/hidraw0 (default: the only one, or asked for)");
   command->add_flag("--stop", learn.with_stop, "also a button that stops the devices at any time");

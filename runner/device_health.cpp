@@ -1,27 +1,31 @@
 #include "runner/device_health.h"
 
-#include <algorithm>
-
 namespace jnd {
+
+namespace {
+
+// Others are an end of the presentation that somebody asked for, or the participant's doing.
+bool of_the_devices(Fault fault) {
+  return fault != Fault::none && fault != Fault::no_contact && fault != Fault::emergency_stop &&
+         fault != Fault::interrupted;
+}
+
+}  // namespace
 
 DeviceHealth health_of(const LoopGlimpse& glimpse) {
   DeviceHealth health;
+  health.presenting = true;
+  health.contact = glimpse.contact;
   health.rate_hz = glimpse.elapsed_s > 0 ? static_cast<double>(glimpse.ticks) / glimpse.elapsed_s : 0;
-  health.lateness_p99_us = glimpse.lateness_p99_us;
   health.lateness_max_us = glimpse.lateness_max_us;
-  health.force_n = glimpse.force_n;
-  health.force_cap_n = glimpse.force_cap_n;
   return health;
 }
 
 DeviceHealth health_of(const Presentation& presentation) {
   DeviceHealth health;
   health.rate_hz = presentation.duration_s > 0 ? static_cast<double>(presentation.ticks) / presentation.duration_s : 0;
-  health.lateness_p99_us = presentation.lateness_p99_us;
   health.lateness_max_us = presentation.lateness_max_us;
-  for (const FingerPresentation& finger : presentation.fingers)
-    health.force_n = std::max(health.force_n, finger.peak_force_n);
-  if (presentation.fault != Fault::none) health.fault = to_string(presentation.fault);
+  if (of_the_devices(presentation.fault)) health.fault = to_string(presentation.fault);
   return health;
 }
 

@@ -6,7 +6,7 @@
 
 namespace jnd {
 
-DeviceHealth health_of(const LoopGlimpse& glimpse);
-DeviceHealth health_of(const Presentation& presentation);  // without the force cap, which it does not know
+DeviceHealth health_of(const LoopGlimpse& glimpse);        // while it goes on
+DeviceHealth health_of(const Presentation& presentation);  // when it is over, with the devices at rest
 
 }  // namespace jnd

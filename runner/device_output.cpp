@@ -1,16 +1,13 @@
 #include "runner/device_output.h"
 
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <cstring>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include "data/storage_error.h"
+#include "data/draft.h"
 #include "runner/commands.h"
+#include "runner/interrupt.h"
 #include "runner/json_output.h"
 #include "runner/resources.h"
 #include "runner/terminal.h"
@@ -45,17 +42,10 @@ bool write_csv(const DeviceOutput& output, const std::string& csv) {
     fmt::print("{}", csv);
     return true;
   }
-  // O_EXCL: never over somebody's file.
-  const int descriptor = open(output.csv.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
-  if (descriptor < 0 && errno == EEXIST)
-    throw UsageError(fmt::format("{} exists already; choose another name", output.csv));
-  if (descriptor < 0) throw StorageError(fmt::format("{} cannot be written: {}", output.csv, std::strerror(errno)));
-  const ssize_t written = write(descriptor, csv.data(), csv.size());
-  close(descriptor);
-  if (written != static_cast<ssize_t>(csv.size())) {
-    unlink(output.csv.c_str());
-    throw StorageError(fmt::format("{} could not be written in full; nothing was left behind", output.csv));
-  }
+  const HoldInterrupts hold;
+  Draft draft(output.csv, Draft::What::file, Draft::Access::everyone);
+  draft.write(csv);
+  if (!draft.publish()) throw UsageError(fmt::format("{} exists already; choose another name", output.csv));
   return false;
 }
 

@@ -19,7 +19,7 @@ std::vector<double> numbers_of(const std::string& text, std::size_t count, std::
                                std::string_view wants);
 
 // Writes what --csv asks. Returns whether standard output belongs to the CSV, so that nothing else is to be printed.
-// Throws UsageError beside --json, where the file exists, and StorageError where it cannot be written.
+// Throws UsageError beside --json and where the file exists, and StorageError where it cannot be written.
 bool write_csv(const DeviceOutput& output, const std::string& csv);
 
 // Prints one JSON document on a line.

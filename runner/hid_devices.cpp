@@ -17,6 +17,7 @@
 #include "runner/commands.h"
 #include "runner/interrupt.h"
 #include "runner/resources.h"
+#include "runner/standard_streams.h"
 #include "runner/terminal.h"
 
 namespace jnd {
@@ -43,11 +44,9 @@ std::string shipped_udev_rules() {
 }
 
 bool names_a_rig(const std::string& name) {
-  std::error_code error;
-  if (std::filesystem::is_regular_file(name, error)) return true;
-  const std::string plain = name.ends_with(".json") ? name.substr(0, name.size() - 5) : name;
+  if (names_a_file(name)) return !name.starts_with("/dev/");  // such as /dev/hidraw0
   const std::vector<std::string> shipped = shipped_names(Resource::device_spec);
-  return std::find(shipped.begin(), shipped.end(), plain) != shipped.end();
+  return std::find(shipped.begin(), shipped.end(), name) != shipped.end();
 }
 
 HidInfo find_device(HidBus& bus, const std::string& name) {
@@ -125,7 +124,7 @@ bool may_press(const std::string& what, bool yes, bool needed) {
     if (needed) throw UsageError("the device would press, and there is no terminal to ask on: give --yes");
     return false;
   }
-  fmt::print(stderr, "{}\nLet it press? [y/N] ", what);
+  print_message("{}\nLet it press? [y/N] ", what);
   std::string line;
   for (char character = 0; !interrupts().end;) {
     pollfd ready{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};

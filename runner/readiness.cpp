@@ -34,10 +34,12 @@ Readiness check_readiness(const ReadinessInput& input) {
   if (input.rig.connections().tracker)  // before the devices: without poses these can only stop
     items.push_back(input.fast ? left_out("tracker") : check_tracker(input.rig));
   items.push_back(input.fast ? left_out("devices") : check_devices(input.spec, input.rig));
+  items.push_back(check_description(input.spec));
   items.push_back(check_calibration(input.spec, utc_ns));
   items.push_back(input.fast ? left_out("loop") : check_loop_jitter(input.rig.realtime().policy));
   items.push_back(check_keyboard(input.keyboard_is_terminal));
   if (input.buttons != nullptr) items.push_back(check_buttons(*input.buttons));
+  items.push_back(check_study(input.study));
   items.push_back(check_plan_balance(input.protocol, input.plan));
   items.push_back(
       check_participant(sessions, input.participant, input.kind, input.plan, input.protocol.design.sessions));
@@ -64,17 +66,21 @@ nlohmann::ordered_json readiness_body(const Readiness& readiness, const std::str
 }
 
 std::string readiness_text(const Readiness& readiness) {
-  std::string text;
+  std::string text, limits;
   for (const MachineCheck& item : readiness.items) {
-    if (item.verdict == Verdict::ok) continue;
+    if (item.verdict == Verdict::ok) {
+      if (item.name == kLimitsItem) limits = fmt::format("Limits: {}.\n", printable(item.found));
+      continue;
+    }
     text +=
         fmt::format("{} {}: {}\n", item.verdict == Verdict::bad ? "BAD" : "warning", item.name, printable(item.found));
     if (!item.what_to_do.empty()) text += fmt::format("  -> {}\n", printable(item.what_to_do));
   }
   if (text.empty()) {
     for (const MachineCheck& item : readiness.items) text += (text.empty() ? "Ready: " : ", ") + item.name;
-    return text + ".\n";
+    return text + ".\n" + limits;
   }
+  text += limits;
   if (readiness.blocked && !readiness.overridable)
     text += "No reason sets this aside: answers could be lost, or the participant is not to take part.\n";
   return text;

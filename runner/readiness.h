@@ -33,8 +33,8 @@ struct ReadinessInput {
 };
 
 struct Readiness {
-  std::vector<MachineCheck>
-      items;  // storage, tracker (where it is outside), devices, calibration, loop, keyboard, plan, participant, clock
+  std::vector<MachineCheck> items;  // storage, tracker (where it is outside), devices, limits, calibration, loop,
+                                    // keyboard, study, plan, participant, clock
   // A real session is not begun with a finding that is bad, any other only where its data could be lost, or where its
   // participant is not to take part (again).
   bool blocked = false;
@@ -50,8 +50,8 @@ struct Readiness {
 Readiness check_readiness(const ReadinessInput& input);
 
 nlohmann::ordered_json readiness_body(const Readiness& readiness, const std::string& overridden_because);
-// For the operator: what is not in order, marked BAD or warning, or one line that all is. Without colours; ends with an
-// end of line.
+// For the operator: what is not in order, marked BAD or warning, or one line that all is; and what the devices may do
+// at most. Without colours; ends with an end of line.
 std::string readiness_text(const Readiness& readiness);
 
 }  // namespace jnd

@@ -9,6 +9,7 @@
 #include "runner/device_bench.h"
 #include "runner/interrupt.h"
 #include "runner/readiness_items.h"
+#include "runner/rig_limits.h"
 
 namespace jnd {
 
@@ -99,6 +100,17 @@ MachineCheck check_devices(const RigSpec& spec, Rig& rig) {
   return check;
 }
 
+MachineCheck check_description(const RigSpec& spec) {
+  MachineCheck check = item(kLimitsItem);
+  check.found = limits_text(spec);
+  const std::string other = not_shipped_text(spec);
+  if (other.empty()) return check;
+  check.verdict = Verdict::warn;
+  add(check.found, other);
+  check.what_to_do = "go on only if this description is the one that you mean ($.rig.device of the protocol)";
+  return check;
+}
+
 MachineCheck check_calibration(const RigSpec& spec, std::int64_t utc_ns) {
   MachineCheck check = item("calibration");
   for (const DeviceSpec& device : spec.devices) {
@@ -134,7 +146,7 @@ MachineCheck check_calibration(const RigSpec& spec, std::int64_t utc_ns) {
 }
 
 MachineCheck check_loop_jitter(RealtimePolicy policy) {
-  MachineCheck check = judge_jitter(probe_jitter_on_thread(policy, kJitter_s, interrupt_requested()), true);
+  MachineCheck check = judge_jitter(probe_jitter_on_thread(policy, kJitter_s, interrupt_requested()));
   check.found = check.name + ": " + check.found;
   check.name = "loop";
   return check;

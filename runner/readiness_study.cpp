@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "data/chain_check.h"
 #include "data/database.h"
 #include "data/utc_time.h"
 #include "protocols/cohort.h"
@@ -96,6 +97,16 @@ MachineCheck check_plan_balance(const Protocol& protocol, const Plan& plan) {
         fmt::format("orders are balanced at multiples of {}, {} participants are planned", balance.group_size, planned),
         fmt::format("plan {} participants in the next study (jnd plan --cohort shows the balance)",
                     (planned / balance.group_size + 1) * balance.group_size));
+  return check;
+}
+
+MachineCheck check_study(const Study& study) {
+  MachineCheck check = item("study", "");
+  try {
+    check.found = fmt::format("every hash of its {} events agrees", require_whole_chains(study).events);
+  } catch (const BrokenChain& error) {
+    complain(check, Verdict::bad, error.what(), "go on with a backup, or with what jnd recover makes of it");
+  }
   return check;
 }
 

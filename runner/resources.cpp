@@ -68,18 +68,24 @@ std::vector<std::string> shipped_names(Resource resource) {
   return names;
 }
 
+bool names_a_file(const std::string& name_or_path) noexcept {
+  return name_or_path.find('/') != std::string::npos || name_or_path.ends_with(".json");
+}
+
 fs::path find_resource(Resource resource, const std::string& name_or_path) {
+  const char* noun = place_of(resource).noun;
   std::error_code error;
-  if (fs::is_regular_file(name_or_path, error)) return name_or_path;
-  const bool plain_name = name_or_path.find('/') == std::string::npos;
-  if (plain_name) {
-    std::string file = name_or_path;
-    if (!file.ends_with(".json")) file += ".json";
-    fs::path shipped = folder_of(resource) / file;
-    if (fs::is_regular_file(shipped, error)) return shipped;
+  if (names_a_file(name_or_path)) {
+    if (fs::exists(name_or_path, error)) return name_or_path;
+    throw InputError(fmt::format("there is no {} file '{}' (shipped, and named without .json: {})", noun, name_or_path,
+                                 fmt::join(shipped_names(resource), ", ")));
   }
-  throw InputError(fmt::format("there is no {} file '{}', and none of that name is shipped (shipped: {})",
-                               place_of(resource).noun, name_or_path, fmt::join(shipped_names(resource), ", ")));
+  fs::path shipped = folder_of(resource) / (name_or_path + ".json");
+  if (fs::is_regular_file(shipped, error)) return shipped;
+  const std::string hint =
+      fs::exists(name_or_path, error) ? fmt::format("; for the file write ./{}", name_or_path) : "";
+  throw InputError(fmt::format("no {} called '{}' is shipped (shipped: {}){}", noun, name_or_path,
+                               fmt::join(shipped_names(resource), ", "), hint));
 }
 
 }  // namespace jnd

@@ -10,7 +10,11 @@ namespace jnd {
 
 enum class Resource { protocol, profile, device_spec, object };
 
-// A path that exists is taken as it is; otherwise a shipped file of that name, with or without ".json".
+// What has a '/' in it or ends in ".json" is a file of the user's. Anything else is a shipped name, and never a file
+// that happens to be called so.
+bool names_a_file(const std::string& name_or_path) noexcept;
+
+// The file that is meant: the user's own, which exists (whatever it is), or the shipped one.
 // Throws InputError that lists the shipped names.
 std::filesystem::path find_resource(Resource resource, const std::string& name_or_path);
 

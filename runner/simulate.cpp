@@ -30,7 +30,7 @@ constexpr std::int64_t kDay_ns = 86'400'000'000'000;
 constexpr std::int64_t kHour_ns = 3'600'000'000'000;
 constexpr std::int64_t kFirstDay_ns = 946'713'600'000'000'000;  // 2000-01-01T08:00:00Z
 
-// Counts trials for the progress bar; a simulated participant needs no words.
+// Counts trials, or explorations, for the progress bar; a simulated participant needs no words.
 class CountingView final : public SessionView {
  public:
   explicit CountingView(std::atomic<std::int64_t>& trials) : trials_(trials) {}
@@ -39,12 +39,18 @@ class CountingView final : public SessionView {
     ++trials_;
     ++saved_;
   }
+  void explored() override { ++trials_; }
   std::int64_t saved_trials() const noexcept { return saved_; }
 
  private:
   std::int64_t saved_ = 0;
   std::atomic<std::int64_t>& trials_;
 };
+
+// What a session goes through: main trials, or explorations.
+int steps_of(const Plan& plan) {
+  return std::max(main_trial_count(plan), static_cast<int>(plan.explorations.size()));
+}
 
 std::int64_t main_trials(const SessionState& state) {
   return std::count_if(state.completed.begin(), state.completed.end(),
@@ -120,7 +126,9 @@ void for_each_place(const Simulation& simulation, int places, const std::atomic<
   for (int i = 0; i < std::clamp(simulation.threads, 1, places); ++i) threads.emplace_back(worker);
 
   std::unique_ptr<ProgressBar> bar;
-  if (simulation.progress) bar = std::make_unique<ProgressBar>("simulating trials", trials_total);
+  if (simulation.progress)
+    bar = std::make_unique<ProgressBar>(simulation.protocol.explore ? "simulating explorations" : "simulating trials",
+                                        trials_total);
   for (int place = 1; place <= places; ++place) {
     std::unique_lock lock(mutex);
     const std::optional<Work>& result = results[static_cast<std::size_t>(place)];
@@ -148,15 +156,19 @@ std::int64_t simulated_epoch_ns(int participant, int session) {
   return kFirstDay_ns + (participant - 1) * kDay_ns + (session - 1) * kHour_ns;
 }
 
-std::string simulated_session_id(std::uint64_t seed, int participant, int session) {
-  const std::string first = fmt::format("simulated/{}/{}", seed, participant);
-  return sha256_hex(session == 1 ? first : fmt::format("{}/{}", first, session)).substr(0, 32);
+std::string simulated_session_id(const StudyInfo& study, int participant, int session) {
+  return sha256_hex(fmt::format("simulated/{}/{}/{}/{}", study.protocol_sha256, study.seed, participant, session))
+      .substr(0, 32);
 }
 
 SimulationResult simulate_study(const Simulation& simulation, Study& study) {
   SimulationResult result;
   std::map<std::string, SessionInfo> known;
-  for (const SessionInfo& session : study.sessions()) known.emplace(session.id, session);
+  std::map<std::pair<int, int>, std::string> ids;  // by number of participant and session: earlier programs had others
+  for (const SessionInfo& session : study.sessions()) {
+    known.emplace(session.id, session);
+    if (session.kind == SessionKind::simulated) ids[{session.participant_number, session.number}] = session.id;
+  }
   const std::string responder = "profile " + simulation.profile.name;
   std::atomic<std::int64_t> trials{0};
   std::int64_t total = 0;
@@ -164,11 +176,12 @@ SimulationResult simulate_study(const Simulation& simulation, Study& study) {
   const int places = simulation.participants * simulation.protocol.design.sessions;
   const auto id_of = [&](int place) {
     const Turn turn = turn_of(place, simulation.protocol);
-    return simulated_session_id(simulation.seed, turn.participant, turn.session);
+    const auto found = ids.find({turn.participant, turn.session});
+    return found != ids.end() ? found->second : simulated_session_id(study.info(), turn.participant, turn.session);
   };
   for (int place = 1; place <= places; ++place) {
     const Turn turn = turn_of(place, simulation.protocol);
-    total += main_trial_count(make_plan(simulation.protocol, turn.participant, simulation.seed, turn.session));
+    total += steps_of(make_plan(simulation.protocol, turn.participant, simulation.seed, turn.session));
     const auto found = known.find(id_of(place));
     if (found == known.end()) continue;
     if (found->second.responder != responder)
@@ -204,7 +217,7 @@ SimulationResult simulate_study(const Simulation& simulation, Study& study) {
       session.rig_mode = rig.mode;
       session.tracker = rig.tracker;
       session.rig_sha256 = rig.sha256;
-      session.trials_total = std::max(main_trial_count(plan), static_cast<int>(plan.explorations.size()));
+      session.trials_total = steps_of(plan);
       session.stamp = {simulated_epoch_ns(turn.participant, turn.session), 0};
       log = study.open_session(session);
     }
@@ -252,15 +265,15 @@ AdaptiveResults simulate_thresholds(const Simulation& simulation) {
                              main_trial_count(make_plan(simulation.protocol, 1, simulation.seed));
   const auto work = [&](int participant) {
     if (interrupt_requested()) return Work::interrupted;
+    std::vector<std::vector<Event>> sessions;
     for (int session = 1; session <= simulation.protocol.design.sessions; ++session) {
       MemoryLog log;
       const Plan plan = make_plan(simulation.protocol, participant, simulation.seed, session);
       if (run_participant(simulation, {}, plan, log, trials) != SessionEnd::completed) return Work::interrupted;
-      const std::vector<AdaptiveRow> found =
-          adaptive_rows(log.events(), simulation.protocol, participant_code(participant), SessionKind::simulated);
-      std::vector<AdaptiveRow>& all = rows[static_cast<std::size_t>(participant)];
-      all.insert(all.end(), found.begin(), found.end());
+      sessions.push_back(log.events());
     }
+    rows[static_cast<std::size_t>(participant)] =
+        adaptive_rows(sessions, simulation.protocol, participant_code(participant), SessionKind::simulated);
     return Work::finished;
   };
   for_each_place(simulation, simulation.participants, trials, total, work, [](int) {});

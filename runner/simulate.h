@@ -54,6 +54,7 @@ AdaptiveResults simulate_thresholds(const Simulation& simulation);
 std::string participant_code(int number);
 // The simulated time of a session: 2000-01-01T08:00:00Z, a day a participant, an hour a session.
 std::int64_t simulated_epoch_ns(int participant, int session = 1);
-std::string simulated_session_id(std::uint64_t seed, int participant, int session = 1);
+// Another one for every protocol and seed, so that studies which have nothing in common can lie side by side.
+std::string simulated_session_id(const StudyInfo& study, int participant, int session = 1);
 
 }  // namespace jnd

@@ -58,7 +58,7 @@ TEST_CASE("jnd device learn-buttons writes over nothing, and leaves nothing behi
   const std::string there = folder.file("there.json", "{}"), fresh = (folder.path / "new.json").string();
   CHECK(jnd({"device", "learn-buttons"}) == exit_code::kUsage);
   CHECK(jnd({"device", "learn-buttons", "--to", there}) == exit_code::kUsage);
-  CHECK(jnd({"device", "learn-buttons", "--to", (folder.path / "no/where.json").string()}) == exit_code::kUsage);
+  CHECK(jnd({"device", "learn-buttons", "--to", (folder.path / "no/where.json").string()}) == exit_code::kStorage);
   CHECK(jnd({"device", "learn-buttons", "--to", fresh, "--debounce", "1000"}) == exit_code::kUsage);
   CHECK(jnd({"device", "learn-buttons", "--to", fresh, "--device", "/dev/no-such-device"}) == exit_code::kDevice);
   CHECK_FALSE(std::filesystem::exists(fresh));

@@ -62,7 +62,9 @@ class WatchedDisplay final : public Display {
   void feedback(const std::string&) override {}
   void tell(Tone, const std::string& text) override { keep(text); }
   void explain(Tone, const std::string& text) override { keep(text); }
-  void answer(const std::string& words, const std::string& by) override { answers.push_back(words + " by " + by); }
+  void answer(const std::string&, const std::string& words, const std::string& by) override {
+    answers.push_back(words + " by " + by);
+  }
   void countdown(const std::string&, double, double) override {}
   void countdown_over() override {}
   void field(const std::string&, const LineEditor&) override {

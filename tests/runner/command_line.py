@@ -8,11 +8,14 @@ import csv
 import json
 import os
 import re
+import shutil
+import signal
 import sqlite3
 import stat
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
@@ -162,6 +165,80 @@ class CommandLine(unittest.TestCase):
         self.jnd("export", study, "--to", "whole-csv", code=5)
         self.jnd("export", study, "--to", "whole-csv", "--replace")
 
+    def test_a_file_in_the_folder_takes_no_shipped_devices_place(self):
+        spec = json.loads(self.jnd("device", "info", "rrs3", "--json").stdout)
+        text = read(spec["file"])
+        with tempfile.TemporaryDirectory() as folder:
+            write(os.path.join(folder, "rrs3"), text.replace('"max_force_n": 4.7', '"max_force_n": 12'))
+            write(os.path.join(folder, "weak.json"), text.replace('"max_force_n": 4.7', '"max_force_n": 3'))
+            in_folder = lambda *arguments: subprocess.run([JND, *arguments], capture_output=True, text=True, cwd=folder)
+            listed = in_folder("device", "list").stdout
+            self.assertIn("at most 4.7 N", listed)
+            self.assertNotIn("12 N", listed)
+            refused = in_folder("device", "info", "./rrs3")
+            self.assertEqual(refused.returncode, 3, refused.stdout)
+            self.assertIn("12 N is more than a device of this model is ever given, 4.7 N", refused.stderr)
+            self.assertIn("not the shipped rrs3", in_folder("device", "info", "weak.json").stdout)
+            # The laboratory's own descriptions.
+            shutil.copytree(os.path.dirname(spec["file"]), os.path.join(folder, "specs"))
+            os.replace(os.path.join(folder, "weak.json"), os.path.join(folder, "specs", "rrs3.json"))
+            options = {"capture_output": True, "text": True, "cwd": folder, "env": dict(os.environ, JND_DATA_DIR=folder)}
+            simulated = subprocess.run([JND, "simulate", self.small, "--participants", "1", "--no-study"], **options)
+            self.assertEqual(simulated.returncode, 0, simulated.stderr)
+            self.assertIn("not the shipped rrs3: rrs3 at most 3 N", simulated.stdout)
+            session = subprocess.run([JND, "run", self.small, "--study", "m.sqlite", "--participant", "P01", "--fast"], input="q", **options)
+            self.assertIn("warning limits: rrs3 at most 3 N, 2000 N/m; not the shipped rrs3", session.stdout + session.stderr)
+
+    def test_streams_that_cannot_be_written(self):
+        study = self.study("streams.sqlite", participants=1)
+        for arguments in (("status", study), ("verify", study), ("analyze", study, "--no-methods", "--json"), ("check", self.small),
+                          ("plan", self.small), ("--help",)):
+            with open("/dev/full", "w") as full:
+                done = subprocess.run([JND, *arguments], stdout=full, stderr=subprocess.PIPE, text=True, cwd=self.path)
+            self.assertEqual(done.returncode, 5, f"{arguments}: {done.stderr}")
+            self.assertIn("could not be written in full: No space left on device", done.stderr)
+        shell = lambda words: subprocess.run(["bash", "-c", f'"$0" {words}', JND], capture_output=True, text=True, cwd=self.path)
+        # A message that nobody can read changes nothing else.
+        self.assertEqual(shell("status nothing.sqlite 2>/dev/full").returncode, 5)
+        self.assertEqual(shell("status nothing.sqlite 2>&-").returncode, 5)
+        self.assertEqual(shell(f"simulate {self.small} --participants 1 --seed 1 --study lost.sqlite 2>/dev/full").returncode, 0)
+        self.assertEqual(shell(f"simulate {self.small} --participants 1 --seed 1 --study closed.sqlite >&- 2>&-").returncode, 5)
+        for name in ("lost.sqlite", "closed.sqlite"):
+            self.jnd("verify", name)
+        # A session whose screen is gone ends, and goes on later.
+        gone = shell(f"run {self.small} --study gone.sqlite --participant P01 --responder chinello2017 --fast --seed 1 >/dev/full")
+        self.assertEqual(gone.returncode, 130, gone.stderr)
+        self.jnd("run", self.small, "--study", "gone.sqlite", "--participant", "P01", "--responder", "chinello2017", "--fast")
+        self.jnd("verify", "gone.sqlite")
+
+    def test_the_first_signal_ends_what_only_computes(self):
+        for number in (signal.SIGINT, signal.SIGTERM):
+            # Minutes of arithmetic, and standard input that never ends.
+            for arguments in (("plan", "chinello2017", "--precision", "--participants", "1000", "--trials", "2000", "--between-cv", "0.5"),
+                              ("calc", "sdt", "-")):
+                program = subprocess.Popen([JND, *arguments], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+                catches = lambda: int(re.search(r"SigCgt:\s*(\w+)", read(f"/proc/{program.pid}/status"))[1], 16) >> (number - 1) & 1
+                while not catches():
+                    time.sleep(0.01)
+                program.send_signal(number)
+                self.assertEqual(program.wait(60), 130, arguments)
+                self.assertIn("jnd: interrupted", program.stderr.read())
+                for stream in (program.stdin, program.stdout, program.stderr):
+                    stream.close()
+
+    def test_what_is_no_file_is_refused_and_nobody_is_waited_for(self):
+        pipe = os.path.join(self.path, "pipe.json")
+        os.mkfifo(pipe)
+        for thing, words in ((pipe, "is a named pipe"), ("/dev/zero", "is a device"), (self.path + "/", "is a folder")):
+            for arguments in (("check", thing), ("simulate", "tutorial", "--no-study", "--profile", thing), ("device", "model", "rrs3", "--batch", thing),
+                              ("run", "tutorial", "--study", "no.sqlite", "--participant", "P01", "--rig", thing),
+                              ("run", "tutorial", "--study", "no.sqlite", "--participant", "P01", "--buttons", thing)):
+                done = self.jnd(*arguments, code=3, timeout=60, input="")
+                self.assertIn(words, done.stderr, arguments)
+        study = self.study("methods.sqlite", participants=1)
+        self.assertIn("is not a file; it was left as it is", self.jnd("analyze", study, "--methods", pipe, code=5, timeout=60).stderr)
+        self.assertFalse(os.path.exists(os.path.join(self.path, "no.sqlite")))
+
     def test_no_bare_nan_in_json(self):
         study = self.study("json.sqlite")
         for command in (("analyze", study, "--json"), ("status", study, "--json"), ("verify", study, "--json")):
@@ -173,6 +250,58 @@ class CommandLine(unittest.TestCase):
         before = json.loads(self.jnd("status", study, "--json").stdout)
         self.assertIn("had finished before", self.jnd("simulate", self.small, "--participants", "3", "--study", study).stdout)
         self.assertEqual(json.loads(self.jnd("status", study, "--json").stdout), before)
+
+    def variant(self, base, name, change):
+        """The path of a shipped protocol that was changed."""
+        path = os.path.join(self.path, name)
+        self.jnd("new", path, "--from", base)
+        protocol = json.loads(read(path))
+        change(protocol)
+        write(path, json.dumps(protocol, indent=1))
+        return path
+
+    def test_check_refuses_what_run_and_simulate_refuse_in_the_same_words(self):
+        def with_object(name):
+            def change(protocol):
+                protocol["rig"].pop("sphere_radius_m", None)
+                protocol["rig"]["object"] = name
+            return change
+
+        def two_far_apart(protocol):
+            protocol["rig"]["separation_m"] = 0.05
+            with_object("baseball")(protocol)
+
+        for number, (change, words) in enumerate((
+                (with_object("ghost"), "$.rig.object: no object called 'ghost' is shipped"),
+                (with_object("wall"), '$.rig.object: "wall" does not lie between two fingers'),
+                (two_far_apart, "does not fit between fingers that rest"))):
+            path = self.variant("tutorial", f"unfit-{number}.json", change)
+            checked = self.jnd("check", path, code=3).stdout
+            error = next(line for line in checked.splitlines() if line.startswith("error: "))[len("error: "):]
+            self.assertIn(words, error)
+            self.assertRegex(error, r"^\S+\.json:[1-9]\d*:\d+: \$\.rig")
+            for command in (("run", path, "--participant", "P01", "--responder", "chinello2017", "--fast", "--study", "unfit.sqlite"),
+                            ("simulate", path, "--no-study", "--participants", "1"), ("plan", path, "--participant", "1")):
+                self.assertIn(error, self.jnd(*command, code=3).stderr)
+            self.assertFalse(os.path.exists(os.path.join(self.path, "unfit.sqlite")))
+
+    def test_sessions_are_not_counted_as_participants(self):
+        def twice(protocol):
+            protocol["design"]["sessions"] = 2
+        said = self.jnd("simulate", self.variant("tutorial", "twice.json", twice), "--participants", "3", "--study", "twice.sqlite").stdout
+        self.assertIn("twice.sqlite: 3 participants, 2 sessions each, profile chinello2017", said)
+        self.assertIn("6 sessions had finished before", self.jnd("simulate", "twice.json", "--participants", "3", "--study", "twice.sqlite").stdout)
+        adaptive = self.variant("adaptive-staircase", "adaptive-twice.json", twice)
+        result = json.loads(self.jnd("simulate", adaptive, "--participants", "2", "--no-study", "--json").stdout)
+        self.assertEqual({row["n"] for row in result["group"]}, {2}, result["group"])
+
+    def test_free_interaction_shows_how_far_it_is(self):
+        def short(protocol):
+            protocol["explore"]["duration_s"] = 10
+        path = self.variant("chinello2017-experiment2", "short.json", short)
+        done = self.jnd("simulate", path, "--participants", "2", "--study", "short.sqlite")
+        self.assertIn("simulating explorations: 8 of 8", done.stderr)
+        self.assertIn("2 participants", done.stdout)
 
     def test_refusals_say_what_to_do_and_lose_nothing(self):
         study = self.study("refusals.sqlite")
@@ -211,7 +340,7 @@ class CommandLine(unittest.TestCase):
         text = text.split("about condition")[0]  # the ratings after the last trial name the conditions
         for secret in ("500", "600", "700", "900", "N/m", "SV", "servo", "motor", "hit", "correct"):
             self.assertNotIn(secret, text)
-        self.assertEqual(len(re.findall(r"saved: (same|different)", done.stdout)), 36)
+        self.assertEqual(len(re.findall(r"saved: \w+ \d+, (same|different)", done.stdout)), 36)
 
     def test_a_person_can_stop_and_go_on(self):
         questions = "30\nfemale\nright\nno\n"

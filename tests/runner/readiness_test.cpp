@@ -367,6 +367,11 @@ TEST_CASE("the text is one line where all is well, and never a command to the te
   readiness.items = {{.name = "plan", .verdict = Verdict::ok, .found = "fine", .what_to_do = ""},
                      {.name = "loop", .verdict = Verdict::ok, .found = "fine", .what_to_do = ""}};
   CHECK(readiness_text(readiness) == "Ready: plan, loop.\n");
+  // What the devices may do is said in any case.
+  readiness.items.push_back(
+      {.name = "limits", .verdict = Verdict::ok, .found = "rrs3 at most 4.7 N", .what_to_do = ""});
+  CHECK(readiness_text(readiness) == "Ready: plan, loop, limits.\nLimits: rrs3 at most 4.7 N.\n");
+  readiness.items.pop_back();
   readiness.items[1] = {.name = "loop", .verdict = Verdict::warn, .found = "\x1b[2Jlate", .what_to_do = "be\x07 quiet"};
   const std::string text = readiness_text(readiness);
   CHECK(says(text, "late"));
