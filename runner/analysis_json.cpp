@@ -15,14 +15,6 @@ Json cautions_json(const JndEstimate& estimate) {
   return out;
 }
 
-Json mean_json(const MeanEstimate& estimate) {
-  return {{"n", estimate.n},
-          {"mean", json_number(estimate.mean)},
-          {"sd", json_number(estimate.sd)},
-          {"ci_low", json_number(estimate.ci_low)},
-          {"ci_high", json_number(estimate.ci_high)}};
-}
-
 std::string in_unit(const char* name, const Protocol& protocol) {
   return std::string(name).append(name_suffix(protocol.stimulus.unit));
 }
@@ -67,10 +59,11 @@ Json group_json(const GroupResult& row, const Protocol& protocol) {
               {"n_used", row.jnd.mean_jnd.n},
               {"n", row.jnd.n},
               {"difference_source", to_string(row.difference_source)},
-              {"jnd", mean_json(row.jnd.mean_jnd)},
-              {"weber", mean_json(row.jnd.mean_weber)},
-              {"log_jnd", mean_json(row.jnd.mean_log_jnd)},
+              {"jnd", to_json(row.jnd.mean_jnd)},
+              {"weber", to_json(row.jnd.mean_weber)},
+              {"log_jnd", to_json(row.jnd.mean_log_jnd)},
               {"median_jnd", json_number(row.jnd.median_jnd)},
+              {"median_status", to_string(row.jnd.median_status)},
               {"median_n", row.jnd.median_n},
               {"inverse_mean_slope", json_number(row.jnd.inverse_mean_slope)},
               {"slope_n", row.jnd.slope_n},
@@ -86,6 +79,14 @@ Json group_json(const GroupResult& row, const Protocol& protocol) {
 
 }  // namespace
 
+Json to_json(const MeanEstimate& estimate) {
+  return {{"n", estimate.n},
+          {"mean", json_number(estimate.mean)},
+          {"sd", json_number(estimate.sd)},
+          {"ci_low", json_number(estimate.ci_low)},
+          {"ci_high", json_number(estimate.ci_high)}};
+}
+
 Json to_json(const StudyAnalysis& analysis, const Protocol& protocol) {
   Json out = {{"kind", to_string(analysis.kind)},
               {"protocol_sha256", protocol.sha256},
@@ -98,7 +99,6 @@ Json to_json(const StudyAnalysis& analysis, const Protocol& protocol) {
               {in_unit("reference_", protocol), protocol.stimulus.reference},
               {"participants", Json::array()},
               {"group", Json::array()},
-              {"contrasts", Json::array()},
               {"exclusions", analysis.exclusions},
               {"heads", Json::array()}};
   // Cells come in the same order as thresholds: by participant, then condition.
@@ -127,11 +127,6 @@ Json to_json(const StudyAnalysis& analysis, const Protocol& protocol) {
     out["participants"].push_back(participant);
   }
   for (const GroupResult& row : analysis.group) out["group"].push_back(group_json(row, protocol));
-  for (const ContrastResult& row : analysis.contrasts)
-    out["contrasts"].push_back({{"a", protocol.conditions[static_cast<std::size_t>(row.a)].name},
-                                {"b", protocol.conditions[static_cast<std::size_t>(row.b)].name},
-                                {"difference_source", to_string(row.difference_source)},
-                                {"difference", mean_json(row.difference)}});
   for (const SessionHead& head : analysis.heads)
     out["heads"].push_back(
         {{"participant", head.participant}, {"session", head.session}, {"closed", head.closed}, {"hash", head.hash}});

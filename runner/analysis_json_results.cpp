@@ -83,6 +83,7 @@ Json sensitivity_json(const SensitivityRow& row, const Protocol& protocol) {
   for (std::size_t i = 0; i < row.median_jnd.size(); ++i)
     out["conditions"].push_back({{"condition", protocol.conditions[i].name},
                                  {"median_jnd", json_number(row.median_jnd[i])},
+                                 {"median_status", to_string(row.median_status[i])},
                                  {"mean_jnd", json_number(row.mean_jnd[i])},
                                  {"n_ok", row.n_ok[i]}});
   for (std::size_t i = 0; i < row.contrast_p.size(); ++i) {
@@ -167,40 +168,71 @@ Json cue_strategy_json(const StudyBehaviour& behaviour, const Protocol& protocol
   return out;
 }
 
+Json score_json(const ItemScore& score) {
+  return {{"n", score.mean.n},
+          {"mean", json_number(score.mean.mean)},
+          {"mean_ci_low", json_number(score.mean.ci_low)},
+          {"mean_ci_high", json_number(score.mean.ci_high)},
+          {"median", json_number(score.median.median)},
+          {"ci_low", json_number(score.median.ci_low)},
+          {"ci_high", json_number(score.median.ci_high)},
+          {"coverage", json_number(score.median.coverage)},
+          {"status", to_text(score.median.status)}};
+}
+
+Json item_pair_json(const ItemPair& pair, const Protocol& protocol) {
+  return {{"a", protocol.conditions[pair.a].name},
+          {"b", protocol.conditions[pair.b].name},
+          {"n", pair.test.n},
+          {"v", json_number(pair.test.v)},
+          {"p", json_number(pair.p)},
+          {"exact", pair.exact},
+          {"p_holm", json_number(pair.p_holm)},
+          {"p_bh", json_number(pair.p_bh)},
+          {"median_difference", json_number(pair.median_difference)},
+          {"rank_biserial", json_number(pair.test.rank_biserial)},
+          {"status", to_text(pair.test.status)}};
+}
+
 Json ratings_json(const StudyResults& results, const Protocol& protocol) {
   Json out = {{"family", results.ratings.family}, {"items", Json::array()}, {"once", Json::array()}};
-  for (const PairedItemResult& item : results.ratings.items) {
-    Json one = {{"item", item.id}, {"conditions", Json::array()}, {"pairs", Json::array()}};
-    for (std::size_t i = 0; i < item.conditions.size(); ++i)
-      one["conditions"].push_back({{"condition", protocol.conditions[i].name},
-                                   {"n", item.conditions[i].n},
-                                   {"median", json_number(item.conditions[i].median)},
-                                   {"ci_low", json_number(item.conditions[i].ci_low)},
-                                   {"ci_high", json_number(item.conditions[i].ci_high)},
-                                   {"coverage", json_number(item.conditions[i].coverage)}});
-    for (const ItemPair& pair : item.pairs)
-      one["pairs"].push_back({{"a", protocol.conditions[pair.a].name},
-                              {"b", protocol.conditions[pair.b].name},
-                              {"n", pair.test.n},
-                              {"v", json_number(pair.test.v)},
-                              {"p", json_number(pair.p)},
-                              {"exact", pair.exact},
-                              {"p_holm", json_number(pair.p_holm)},
-                              {"p_bh", json_number(pair.p_bh)},
-                              {"median_difference", json_number(pair.median_difference)},
-                              {"rank_biserial", json_number(pair.test.rank_biserial)},
-                              {"status", to_text(pair.test.status)}});
+  auto tested = results.ratings.items.begin();  // of the paired items, in the same order
+  for (const QuestionnaireItem& item : results.items) {
+    Json one = {{"item", protocol.questions[static_cast<std::size_t>(item.question)].id}};
+    if (!item.paired) {
+      one.update(score_json(item.scores.front()));
+      out["once"].push_back(one);
+      continue;
+    }
+    one["conditions"] = one["pairs"] = Json::array();
+    for (const ItemScore& score : item.scores) {
+      Json condition = {{"condition", condition_name(protocol, score.condition)}};
+      condition.update(score_json(score));
+      one["conditions"].push_back(condition);
+    }
+    for (const ItemPair& pair : tested->pairs) one["pairs"].push_back(item_pair_json(pair, protocol));
+    ++tested;
     out["items"].push_back(one);
   }
-  for (const ComparativeItemResult& item : results.comparative)
-    out["once"].push_back({{"item", item.id},
-                           {"n", item.rating.n},
-                           {"median", json_number(item.rating.median)},
-                           {"ci_low", json_number(item.rating.ci_low)},
-                           {"ci_high", json_number(item.rating.ci_high)},
-                           {"coverage", json_number(item.rating.coverage)},
-                           {"status", to_text(item.rating.status)}});
   return out;
+}
+
+Json contrast_row_json(const ContrastRow& row, const Protocol& protocol) {
+  Json out = contrast_json({row.a, row.b}, protocol);
+  out.update({{"outcome", row.outcome},
+              {"unit", row.unit},
+              {"registered", row.registered},
+              {"participants", row.participants},
+              {"difference", to_json(row.difference)},
+              {"p", json_number(row.p)},
+              {"refused", row.refused.empty() ? Json(nullptr) : Json(row.refused)},
+              {"difference_source", to_string(row.difference_source)}});
+  return out;
+}
+
+void add_chains(Json& out, const ChainReport& chains) {
+  out["events_verified"] = chains.events;
+  out["study_head"] = chains.study_head;
 }
 
 // Of the paradigm explore.
@@ -209,6 +241,7 @@ Json explore_json(const StudyResults& results, const Protocol& protocol) {
   out["questionnaire"] = to_json(*results.questionnaire, protocol);
   out["deviations"] = results.deviations;
   out["warnings"] = results.warnings;
+  add_chains(out, results.chains);
   out["heads"] = Json::array();
   for (const SessionHead& head : results.analysis.heads)
     out["heads"].push_back(
@@ -221,6 +254,10 @@ Json explore_json(const StudyResults& results, const Protocol& protocol) {
 nlohmann::ordered_json to_json(const StudyResults& results, const Protocol& protocol) {
   if (results.questionnaire) return explore_json(results, protocol);
   Json out = results.adaptive ? to_json(*results.adaptive, protocol) : to_json(results.analysis, protocol);
+  add_chains(out, results.chains);
+  out["contrasts"] = Json::array();
+  for (const ContrastRow& row : contrasts_of(results, protocol))
+    out["contrasts"].push_back(contrast_row_json(row, protocol));
   out["comparisons"] = Json::array();
   for (const OutcomeComparison& outcome : results.comparisons)
     out["comparisons"].push_back(outcome_json(outcome, protocol));

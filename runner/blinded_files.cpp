@@ -49,8 +49,8 @@ std::vector<CsvColumn<CodedTrial>> coded_trial_columns() {
       {"duration_s", "from the first cue to the answer", "s", "", [](const R& r) { return csv_number(r.duration_s); }}};
 }
 
-std::vector<CsvColumn<SessionInfo>> coded_session_columns(const Protocol& protocol) {
-  std::vector<CsvColumn<SessionInfo>> columns = session_columns("", protocol);
+std::vector<CsvColumn<SessionInfo>> coded_session_columns(const BlindedResults& results, const Protocol& protocol) {
+  std::vector<CsvColumn<SessionInfo>> columns = session_columns("", results.chains.study_head, protocol);
   std::erase_if(columns, [](const auto& column) { return column.name == "seed"; });
   return columns;
 }
@@ -104,7 +104,7 @@ std::vector<std::string> export_blinded(const Study& study, const Protocol& prot
   std::erase_if(sessions, [](const SessionInfo& session) { return session.kind != SessionKind::real; });
   const std::vector<std::string> codes = condition_codes(protocol, study.info().seed);
   const auto trial_columns = coded_trial_columns();
-  const auto sessions_columns = coded_session_columns(protocol);
+  const auto sessions_columns = coded_session_columns(results, protocol);
   std::map<std::string, std::vector<CodedTrial>> trials;  // by participant
   std::map<std::string, std::set<std::int64_t>> not_counted = taken_back_of(study);
   for (const SessionInfo& session : sessions)
@@ -140,8 +140,10 @@ std::string blinded_page(const BlindedResults& results, const Protocol& protocol
   for (const ResultTable& table : blinded_tables(results, protocol)) html += table_html(table);
   html += fmt::format(
       "<h2 id=\"provenance\">Provenance</h2>\n<dl>\n<dt>Program</dt><dd>jnd {}</dd>\n<dt>Study</dt><dd>{}</dd>\n"
-      "<dt>Protocol</dt><dd>{}</dd>\n<dt>SHA-256 of the protocol</dt><dd class=\"hash\">{}</dd>\n</dl>\n",
-      kVersion, user_text(study_file), user_text(protocol.name), escape_markup(protocol.sha256));
+      "<dt>Protocol</dt><dd>{}</dd>\n<dt>SHA-256 of the protocol</dt><dd class=\"hash\">{}</dd>\n"
+      "<dt>Chains of events</dt><dd class=\"hash\">{}</dd>\n</dl>\n",
+      kVersion, user_text(study_file), user_text(protocol.name), escape_markup(protocol.sha256),
+      escape_markup(chain_line(results.chains)));
   return html + fmt::format("</main>\n<footer>Made by jnd {} from {}.</footer>\n</body>\n</html>\n", kVersion,
                             user_text(study_file));
 }

@@ -1,9 +1,6 @@
 #include "runner/blinded_problem.h"
 
-#include <algorithm>
-#include <array>
 #include <exception>
-#include <string_view>
 
 #include "data/blinding.h"
 #include "runner/study_access.h"
@@ -11,10 +8,6 @@
 namespace jnd {
 
 namespace {
-
-// In messages that go on to say what was planned or presented, or that quote an event.
-constexpr std::array<std::string_view, 7> kTelling = {" presented ", "condition", "series",   "seed",
-                                                      "stimul",      "track",     "last read"};
 
 bool sealed(const Study& study) {
   try {
@@ -26,17 +19,16 @@ bool sealed(const Study& study) {
 
 }  // namespace
 
-std::vector<std::string> unsealed_problems(std::vector<std::string> problems, const Study& study) {
-  if (problems.empty() || !sealed(study)) return problems;
-  for (std::string& problem : problems) {
-    if (std::none_of(kTelling.begin(), kTelling.end(),
-                     [&](std::string_view word) { return problem.find(word) != std::string::npos; }))
-      continue;
-    const std::string::size_type colon = problem.find(": ");
-    problem = (colon == std::string::npos ? "The study" : problem.substr(0, colon)) +
-              ": contradicts the plan or the rest of the study; what exactly is sealed while the study is blinded.";
-  }
-  return problems;
+std::vector<std::string> unsealed_problems(const std::vector<Problem>& problems, const Study& study) {
+  const bool in_words = problems.empty() || !sealed(study);
+  std::vector<std::string> texts;
+  for (const Problem& problem : problems)
+    texts.push_back(in_words || problem.reveals == Problem::Reveals::nothing
+                        ? problem.text
+                        : problem.where +
+                              ": contradicts the plan or the rest of the study; what exactly is sealed "
+                              "while the study is blinded.");
+  return texts;
 }
 
 }  // namespace jnd

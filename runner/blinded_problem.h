@@ -8,8 +8,8 @@
 
 namespace jnd {
 
-// The problems as they are where nothing is sealed. Otherwise those that tell of a condition, series, stiffness or the
-// seed say only where they are. A study too damaged to know counts as sealed.
-std::vector<std::string> unsealed_problems(std::vector<std::string> problems, const Study& study);
+// The problems in words where nothing is sealed. Otherwise those that give something of the plan away say only where
+// they are. A study too damaged to know counts as sealed.
+std::vector<std::string> unsealed_problems(const std::vector<Problem>& problems, const Study& study);
 
 }  // namespace jnd

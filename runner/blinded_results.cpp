@@ -24,7 +24,7 @@ double median(std::vector<double> values) {
 // What is added up over the sessions of one participant.
 struct Tally {
   BlindedParticipant row;
-  int closed = 0, answers = 0, different = 0, saturated = 0;
+  int closed = 0, answers = 0, different = 0;
   bool excluded = false, ended_early = false;
   double seconds = 0;
   std::vector<double> response_times;
@@ -51,7 +51,6 @@ void add_session(Tally& tally, const Study& study, const SessionInfo& session) {
 void add_trial(Tally& tally, const CountedTrial& trial) {
   ++tally.answers;
   tally.different += trial.said_different ? 1 : 0;
-  tally.saturated += trial.saturated_share > 0 ? 1 : 0;
   tally.seconds += trial.duration_s;
   if (trial.by_participant) tally.response_times.push_back(trial.response_time_s);
 }
@@ -64,7 +63,6 @@ BlindedParticipant summed(Tally tally, const Protocol& protocol) {
               : tally.ended_early                        ? "ended early"
                                                          : "not finished";
   row.said_different = tally.different / answers;
-  row.saturated_trials = tally.saturated / answers;
   row.mean_trial_s = tally.seconds / answers;
   row.median_response_time_s = median(std::move(tally.response_times));
   return row;
@@ -98,6 +96,7 @@ std::vector<BlindedGroup> groups_of(const Study& study, const Protocol& protocol
 BlindedResults blinded_results(const Study& study, const Protocol& protocol, DifferenceSource by,
                                const std::string& study_name) {
   BlindedResults results;
+  results.chains = require_whole_chains(study);
   results.state = blinding_of(study, protocol, SessionKind::real);
   results.line = blinding_line(results.state, study_name);
   std::vector<SessionInfo> sessions = study.sessions();

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "data/blinding.h"
+#include "data/chain_check.h"
 #include "data/csv_writer.h"
 #include "data/study_analysis.h"
 #include "protocols/protocol.h"
@@ -23,7 +24,6 @@ struct BlindedParticipant {
   int trials_done = 0, trials_total = 0, trials_voided = 0;
   int device_faults = 0;
   double said_different = 0;          // of the answers
-  double saturated_trials = 0;        // of the trials: those in which a limit reduced a force
   double median_response_time_s = 0;  // of answers that the participant entered; NaN without one
   double mean_trial_s = 0;            // NaN without one
 };
@@ -40,13 +40,15 @@ struct BlindedGroup {
 inline constexpr int kFewestTogether = 3;
 
 struct BlindedResults {
+  ChainReport chains;  // of the whole study, read before anything was computed
   BlindingState state;
   std::string line;  // blinding_line
   std::vector<BlindedParticipant> participants;
   std::vector<BlindedGroup> groups;  // by code
 };
 
-// Of the study's real sessions. study_name: how the command line names the study.
+// Of the study's real sessions. Throws BrokenChain where the study is not what was recorded. study_name: how the
+// command line names the study.
 BlindedResults blinded_results(const Study& study, const Protocol& protocol, DifferenceSource by,
                                const std::string& study_name);
 

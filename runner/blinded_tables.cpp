@@ -26,7 +26,6 @@ ResultTable participants_table(const BlindedResults& results) {
                      {"voided", true},
                      {"device faults", true},
                      {"said different", true},
-                     {"saturated", true},
                      {"median response s", true},
                      {"s a trial", true}},
                     {},
@@ -35,8 +34,7 @@ ResultTable participants_table(const BlindedResults& results) {
     table.rows.push_back({row.participant, row.state, std::to_string(row.sessions),
                           fmt::format("{} of {}", row.trials_done, row.trials_total), std::to_string(row.trials_voided),
                           std::to_string(row.device_faults), percent_text(row.said_different),
-                          percent_text(row.saturated_trials), number_text(row.median_response_time_s, 2),
-                          number_text(row.mean_trial_s, 1)});
+                          number_text(row.median_response_time_s, 2), number_text(row.mean_trial_s, 1)});
   return table;
 }
 
@@ -78,6 +76,8 @@ nlohmann::ordered_json to_json(const BlindedResults& results, const Protocol& pr
   nlohmann::ordered_json out = {{"kind", "real"}, {"blinding", to_json(results.state)}};
   out["blinding"]["why"] = results.line;
   out["protocol_sha256"] = protocol.sha256;
+  out["events_verified"] = results.chains.events;
+  out["study_head"] = results.chains.study_head;
   out["participants"] = nlohmann::ordered_json::array();
   for (const BlindedParticipant& row : results.participants)
     out["participants"].push_back({{"participant", row.participant},
@@ -88,7 +88,6 @@ nlohmann::ordered_json to_json(const BlindedResults& results, const Protocol& pr
                                    {"trials_voided", row.trials_voided},
                                    {"device_faults", row.device_faults},
                                    {"said_different", json_number(row.said_different)},
-                                   {"saturated_trials", json_number(row.saturated_trials)},
                                    {"median_response_time_s", json_number(row.median_response_time_s)},
                                    {"mean_trial_s", json_number(row.mean_trial_s)}});
   out["group"] = nlohmann::ordered_json::array();
@@ -118,8 +117,6 @@ std::vector<CsvColumn<BlindedParticipant>> blinded_participant_columns() {
            [](const R& r) { return csv_number(r.device_faults); }},
           {"said_different", "share of answers \"different\", over all stimuli", "", "",
            [](const R& r) { return csv_number(r.said_different); }},
-          {"saturated_trials", "share of trials in which a limit reduced a force", "", "",
-           [](const R& r) { return csv_number(r.saturated_trials); }},
           {"median_response_time_s", "median response time of the participant's own entries", "s", "",
            [](const R& r) { return csv_number(r.median_response_time_s); }},
           {"mean_trial_s", "mean time per trial", "s", "", [](const R& r) { return csv_number(r.mean_trial_s); }}};

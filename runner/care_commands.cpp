@@ -4,6 +4,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "runner/interrupt.h"
+
 namespace jnd {
 
 namespace {
@@ -27,7 +29,9 @@ void add_care_commands(CLI::App& app, std::function<int()>& chosen) {
     CLI::App* command = app.add_subcommand(name, what);
     command->footer("Example:\n  " + example);
     command->add_flag("--json", json, "machine-readable");
-    command->callback([&chosen, arguments, run = std::move(run)] { chosen = run; });
+    command->callback([&chosen, arguments, run = std::move(run)] {
+      chosen = holding_interrupts(run);  // each of them writes
+    });
     return command;
   };
 

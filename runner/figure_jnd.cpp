@@ -71,23 +71,23 @@ std::string caption_of(const StudyResults& results, const Protocol& protocol, st
         "with a JND under every condition. ",
         complete, analysis.participants);
   text +=
-      "The median counts participants without sensitivity as infinite and those at the ceiling as 0. Whoever has no "
-      "JND "
-      "stands at the edge, counted.";
+      "The median counts participants without sensitivity as infinite and those at the ceiling as below every JND. "
+      "Participants without a JND stand at the edge, counted.";
   for (const GroupResult& row : analysis.group)
-    if (row.jnd.n > 0 && std::isinf(row.jnd.median_jnd))
-      text += fmt::format(" {}: the median is infinite, so it is not drawn.", condition_text(protocol, row.condition));
+    if (row.jnd.n > 0 && row.jnd.median_status != JndStatus::ok)
+      text += fmt::format(" {}: the median is {}, so it is not drawn.", condition_text(protocol, row.condition),
+                          median_text(row.jnd.median_status, row.jnd.median_jnd, protocol));
   return text;
 }
 
 std::string description_of(const StudyAnalysis& analysis, const Protocol& protocol) {
   std::string text;
   for (const GroupResult& row : analysis.group)
-    text += fmt::format("{}: mean {} {}, 95 % CI {}, median {}, {} of {} participants. ",
-                        condition_text(protocol, row.condition), stiffness_text(row.jnd.mean_jnd.mean, protocol),
-                        unit_of(protocol),
-                        range_text(row.jnd.mean_jnd.ci_low, row.jnd.mean_jnd.ci_high, stiffness_decimals(protocol)),
-                        stiffness_text(row.jnd.median_jnd, protocol), row.jnd.mean_jnd.n, row.jnd.n);
+    text += fmt::format(
+        "{}: mean {} {}, 95 % CI {}, median {}, {} of {} participants. ", condition_text(protocol, row.condition),
+        stiffness_text(row.jnd.mean_jnd.mean, protocol), unit_of(protocol),
+        range_text(row.jnd.mean_jnd.ci_low, row.jnd.mean_jnd.ci_high, stiffness_decimals(protocol)),
+        median_text(row.jnd.median_status, row.jnd.median_jnd, protocol), row.jnd.mean_jnd.n, row.jnd.n);
   return text;
 }
 

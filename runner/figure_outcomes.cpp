@@ -110,10 +110,11 @@ std::vector<Figure> rating_figures(const StudyResults& results, const Protocol& 
                                        [&](const Question& one) { return one.id == outcome.outcome; });
     ConditionFigure figure = figure_of(outcome, protocol, 1);
     figure.id = fmt::format("rating-{}", figures.size() + 1);
-    figure.title = fmt::format("Ratings by condition: {}", outcome.outcome);
-    figure.y_title = "rating";
+    const bool rated = question != protocol.questions.end() && question->kind == Question::Kind::rating;
+    figure.title = fmt::format("{} by condition: {}", rated ? "Ratings" : "Answers", outcome.outcome);
+    figure.y_title = rated ? "rating" : "answer";
     std::string scale;
-    if (question != protocol.questions.end() && question->max > question->min) {
+    if (rated && question->max > question->min) {
       // Half a step of room, so that the ratings at the ends of the scale can be seen whole.
       figure.scale = {question->min - 0.5, question->max + 0.5};
       if (question->max - question->min <= 12) figure.ticks = 12;
@@ -129,7 +130,7 @@ std::vector<Figure> rating_figures(const StudyResults& results, const Protocol& 
           column.published = value.value;
           column.published_half_width = value.ci95_half_width;
         }
-    const std::string caption = fmt::format("“{}”{} {} Points beside one another are equal ratings.{}", outcome.title,
+    const std::string caption = fmt::format("“{}”{} {} Points beside one another are equal answers.{}", outcome.title,
                                             scale, kMarks, left_out_text(outcome));
     figures.push_back({figure.id, figure.title, caption, draw_condition_figure(figure, protocol)});
   }

@@ -71,7 +71,7 @@ std::string description_of(const std::vector<SensitivityRow>& rows, const Protoc
     text += describe(row.method) + ": ";
     for (std::size_t i = 0; i < row.median_jnd.size(); ++i)
       text += fmt::format("{} {}, ", condition_text(protocol, static_cast<int>(i)),
-                          stiffness_text(row.median_jnd[i], protocol));
+                          median_text(row.median_status[i], row.median_jnd[i], protocol));
     text += verdict_of(row) + ". ";
   }
   return text;
@@ -99,11 +99,12 @@ std::vector<Figure> sensitivity_figures(const StudyResults& results, const Proto
   svg.rectangle(panel.left, panel.top, panel.width(), panel.height(), kFrame);
   return {
       {"sensitivity", title,
-       fmt::format("The median counts participants without sensitivity as infinite (an arrow at the right edge, as "
-                   "is a median beyond the scale) and those at the ceiling as 0. At the right: how many participants "
-                   "have a JND, by condition, and whether every registered test decides as under the registered "
-                   "method (alpha {:g}).",
-                   protocol.analysis.tests.alpha),
+       fmt::format(
+           "The median counts participants without sensitivity as infinite (an arrow at the right edge, as "
+           "is a median beyond the scale); at the ceiling there is none to draw. At the right: how many participants "
+           "have a JND, by condition, and whether every registered test decides as under the registered "
+           "method (alpha {:g}).",
+           protocol.analysis.tests.alpha),
        svg}};
 }
 

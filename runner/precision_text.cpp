@@ -175,11 +175,13 @@ std::string contrast_table(const Precision& precision, const Protocol& protocol,
 std::string sources_of(const PlannedPrecision& planned, const Protocol& protocol) {
   std::string text;
   for (std::size_t i = 0; i < planned.sources.size(); ++i) {
-    const char* source = planned.sources[i] == JndSource::published ? "published"
-                         : planned.sources[i] == JndSource::asked   ? "as asked"
-                                                                    : "assumed: a quarter of the reference";
-    text += fmt::format("{}{} {:g} ({})", text.empty() ? "" : ", ", name_of(protocol, i),
-                        planned.precision.participant[i].true_jnd, source);
+    const double jnd = planned.precision.participant[i].true_jnd;
+    const std::string source = planned.sources[i] == JndSource::published ? "published"
+                               : planned.sources[i] == JndSource::asked
+                                   ? "as asked"
+                                   : fmt::format("assumed: {:.1f} % of the reference, as simulated participants",
+                                                 100 * jnd / protocol.stimulus.reference);
+    text += fmt::format("{}{} {:g} ({})", text.empty() ? "" : ", ", name_of(protocol, i), jnd, source);
   }
   return text;
 }

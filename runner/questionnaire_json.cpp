@@ -13,18 +13,24 @@ const Question& question_of(int place, const Protocol& protocol) {
   return protocol.questions[static_cast<std::size_t>(place)];
 }
 
+Json side_json(const ItemScore& score, int ItemScore::Sides::*side) {
+  return score.sides ? Json(*score.sides.*side) : Json(nullptr);
+}
+
 Json score_json(const ItemScore& score, const Names& names) {
   return {{"condition", score.condition < 0 ? Json(nullptr) : Json(names[static_cast<std::size_t>(score.condition)])},
-          {"n", score.moments.n},
-          {"mean", json_number(score.moments.mean)},
-          {"sd", json_number(score.moments.sd)},
+          {"n", score.mean.n},
+          {"mean", json_number(score.mean.mean)},
+          {"sd", json_number(score.mean.sd)},
+          {"mean_ci_low", json_number(score.mean.ci_low)},
+          {"mean_ci_high", json_number(score.mean.ci_high)},
           {"median", json_number(score.median.median)},
           {"ci_low", json_number(score.median.ci_low)},
           {"ci_high", json_number(score.median.ci_high)},
           {"coverage", json_number(score.median.coverage)},
-          {"below", score.below},
-          {"middle", score.at},
-          {"above", score.above}};
+          {"below", side_json(score, &ItemScore::Sides::below)},
+          {"middle", side_json(score, &ItemScore::Sides::at)},
+          {"above", side_json(score, &ItemScore::Sides::above)}};
 }
 
 Json pair_json(const ItemPair& pair, const Names& names) {

@@ -1,12 +1,13 @@
 #include "runner/report_files.h"
 
-#include <fstream>
 #include <system_error>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
+#include "data/draft.h"
+#include "data/seal.h"
 #include "data/storage_error.h"
+#include "runner/interrupt.h"
 
 namespace jnd {
 
@@ -14,13 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-StorageError failed(const fs::path& path, const std::string& why) {
-  return StorageError(fmt::format("{}: the report could not be written: {}", path.string(), why));
-}
-
-fs::path beside(const fs::path& path, std::string_view what) {
-  return path.string() + fmt::format(".{}-{}", what, ::getpid());
-}
+constexpr std::string_view kCommand = "report";
 
 // "out/" is "out".
 fs::path plain_path(const fs::path& path) {
@@ -28,66 +23,35 @@ fs::path plain_path(const fs::path& path) {
   return whole.has_filename() ? whole : whole.parent_path();
 }
 
-void check_page(const fs::path& page, bool replace) {
-  const fs::file_status status = fs::symlink_status(page);
-  if (!fs::exists(status)) return;
-  if (!fs::is_regular_file(status)) throw StorageError(fmt::format("{}: is not a file", page.string()));
-  if (!replace)
-    throw StorageError(fmt::format("{}: exists already; report to another file, or say --replace", page.string()));
+// What an earlier report wrote, and nobody has changed since. Throw StorageError otherwise.
+void page_may_go(const fs::path& page) {
+  require_sealed(page, kCommand);
+}
+void figures_may_go(const fs::path& folder) {
+  if (!fs::is_directory(fs::symlink_status(folder)))
+    throw StorageError(fmt::format("{}: is not a folder", folder.string()));
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) require_sealed(entry.path(), kCommand);
 }
 
-void check_folder(const fs::path& folder, bool replace) {
-  const fs::file_status status = fs::symlink_status(folder);
-  if (!fs::exists(status)) return;
-  if (!fs::is_directory(status)) throw StorageError(fmt::format("{}: is not a folder", folder.string()));
-  if (!replace)
-    throw StorageError(
-        fmt::format("{}: exists already; put the figures into another folder, or say --replace", folder.string()));
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
-    if (entry.is_symlink() || !entry.is_regular_file() || entry.path().extension() != ".svg")
-      throw StorageError(
-          fmt::format("{}: holds {}, which is not a figure; nothing was changed. Report to another place",
-                      folder.string(), entry.path().filename().string()));
+void check_place(const fs::path& place, bool replace, void (*may_go)(const fs::path&), std::string_view other) {
+  if (!fs::exists(fs::symlink_status(place))) return;
+  if (!replace) throw StorageError(fmt::format("{}: exists already; {}, or say --replace", place.string(), other));
+  may_go(place);
 }
 
-void write_file(const fs::path& path, const std::string& bytes) {
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  if (!file) throw failed(path, "is the disk full?");
+void publish(Draft& draft, const fs::path& place, bool replace, void (*may_go)(const fs::path&)) {
+  if (replace)
+    draft.replace(may_go);
+  else if (!draft.publish())
+    throw StorageError(fmt::format("{}: exists already; it was not changed", place.string()));
 }
 
-// What is written before it is moved into place; removed again where that does not come.
-class Draft {
- public:
-  explicit Draft(const ReportFiles& files)
-      : page(beside(files.page, "partial")),
-        folder(beside(files.folder, "partial")),
-        old(beside(files.folder, "old")) {}
-  ~Draft() {
-    std::error_code ignored;
-    fs::remove(page, ignored);
-    fs::remove_all(folder, ignored);
-  }
-  Draft(const Draft&) = delete;
-  Draft& operator=(const Draft&) = delete;
-
-  const fs::path page, folder, old;
-};
-
-void move_into_place(const ReportFiles& files, const Draft& draft) {
-  const bool had_folder = fs::exists(files.folder);
-  if (had_folder) fs::rename(files.folder, draft.old);
-  try {
-    if (!files.figures.empty()) fs::rename(draft.folder, files.folder);
-    fs::rename(draft.page, files.page);
-  } catch (const fs::filesystem_error&) {
-    std::error_code ignored;
-    if (!files.figures.empty()) fs::remove_all(files.folder, ignored);
-    if (had_folder) fs::rename(draft.old, files.folder, ignored);
-    throw;
-  }
-  if (had_folder) fs::remove_all(draft.old);
+// Figures of an earlier report where this one has none. Under a draft's name they go with it.
+void take_figures_away(const fs::path& folder) {
+  if (!fs::exists(fs::symlink_status(folder))) return;
+  Draft nothing(folder, Draft::What::folder);
+  nothing.replace(figures_may_go);
+  fs::remove(folder);  // fails where something was put into it meanwhile
 }
 
 }  // namespace
@@ -96,29 +60,32 @@ void check_report_place(const fs::path& page, const fs::path& folder, bool repla
   try {
     if (plain_path(page) == plain_path(folder))
       throw StorageError(fmt::format("{}: the page and the folder of figures need two names", page.string()));
-    check_page(plain_path(page), replace);
-    check_folder(plain_path(folder), replace);
+    check_place(plain_path(page), replace, page_may_go, "report to another file");
+    check_place(plain_path(folder), replace, figures_may_go, "put the figures into another folder");
   } catch (const fs::filesystem_error& error) {
-    throw failed(page, error.code().message());
+    throw cannot_write(page, error.code().value());
   }
 }
 
 void write_report(const ReportFiles& files, bool replace) {
+  const HoldInterrupts hold;
   check_report_place(files.page, files.folder, replace);
-  ReportFiles placed = files;
+  const fs::path page = plain_path(files.page), folder = plain_path(files.folder);
   try {
-    placed.page = plain_path(files.page);
-    placed.folder = plain_path(files.folder);
-    fs::create_directories(placed.page.parent_path());
-    fs::create_directories(placed.folder.parent_path());
-    const Draft draft(placed);
-    write_file(draft.page, placed.page_bytes);
-    if (!placed.figures.empty()) fs::create_directory(draft.folder);
-    for (const auto& [name, bytes] : placed.figures) write_file(draft.folder / name, bytes);
-    check_report_place(placed.page, placed.folder, replace);
-    move_into_place(placed, draft);
+    fs::create_directories(page.parent_path());
+    fs::create_directories(folder.parent_path());
+    Draft page_draft(page, Draft::What::file);
+    page_draft.write(sealed(files.page_bytes, kCommand));
+    if (files.figures.empty()) {
+      take_figures_away(folder);
+    } else {
+      Draft figures(folder, Draft::What::folder);
+      for (const auto& [name, bytes] : files.figures) figures.write_within(name, sealed(bytes, kCommand));
+      publish(figures, folder, replace, figures_may_go);
+    }
+    publish(page_draft, page, replace, page_may_go);
   } catch (const fs::filesystem_error& error) {
-    throw failed(placed.page, error.code().message());
+    throw cannot_write(page, error.code().value());
   }
 }
 

@@ -15,12 +15,12 @@ struct ReportFiles {
   std::vector<std::pair<std::string, std::string>> figures;  // name and bytes; the folder is not made where empty
 };
 
-// Throws StorageError where the page or the folder exists and replace is false, where the folder holds anything but SVG
-// files or either is not what its name says (then nothing is changed), or where they cannot be written.
+// Throws StorageError where the page or the folder exists and replace is false, where either is anything but what an
+// earlier report wrote, unchanged (then nothing is changed), or where they cannot be written.
 void check_report_place(const std::filesystem::path& page, const std::filesystem::path& folder, bool replace);
 
-// Writes both beside their places and moves them there: what stood there before stays whole until then. Checks the
-// place first. Throws StorageError.
+// Writes both beside their places, for their owner only, and puts them there: what stood there before stays whole until
+// then, and each is whole at any instant. Checks the place first. Throws StorageError.
 void write_report(const ReportFiles& files, bool replace);
 
 }  // namespace jnd

@@ -1,6 +1,7 @@
 #include "runner/report_markdown.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cstddef>
 #include <vector>
 
@@ -12,22 +13,52 @@ namespace jnd {
 
 namespace {
 
+bool is_escape(std::string_view text, std::size_t place) {
+  return text[place] == '\\' && place + 1 < text.size() &&
+         std::ispunct(static_cast<unsigned char>(text[place + 1])) != 0;
+}
+
+// The place of `mark`, where no backslash takes its meaning.
+std::size_t find_mark(std::string_view text, std::string_view mark, std::size_t from) {
+  for (std::size_t place = from; place < text.size(); ++place) {
+    if (is_escape(text, place))
+      ++place;
+    else if (text.substr(place).starts_with(mark))
+      return place;
+  }
+  return std::string_view::npos;
+}
+
+// As HTML, without the backslashes.
+std::string literal_html(std::string_view text) {
+  std::string plain;
+  for (std::size_t place = 0; place < text.size(); ++place) {
+    if (is_escape(text, place)) ++place;
+    plain += text[place];
+  }
+  return escape_markup(plain);
+}
+
 // Escaped, with `code` and **strong** where both ends stand in the same text.
 std::string inline_html(std::string_view text) {
   std::string html;
   while (!text.empty()) {
-    const std::size_t code = text.find('`'), strong = text.find("**");
+    const std::size_t code = find_mark(text, "`", 0), strong = find_mark(text, "**", 0);
     const std::size_t begin = std::min(code, strong);
     if (begin == std::string_view::npos) break;
-    const std::string_view mark = code < strong ? "`" : "**";
-    const std::size_t end = text.find(mark, begin + mark.size());
+    const bool is_code = code < strong;
+    const std::string_view mark = is_code ? "`" : "**";
+    const std::size_t inside_at = begin + mark.size();
+    // Backslashes mean nothing within code.
+    const std::size_t end = is_code ? text.find(mark, inside_at) : find_mark(text, mark, inside_at);
     if (end == std::string_view::npos) break;
-    const std::string_view inside = text.substr(begin + mark.size(), end - begin - mark.size());
-    const std::string_view tag = code < strong ? "code" : "strong";
-    html += escape_markup(text.substr(0, begin)) + fmt::format("<{0}>{1}</{0}>", tag, escape_markup(inside));
+    const std::string_view inside = text.substr(inside_at, end - inside_at);
+    html += literal_html(text.substr(0, begin));
+    html += is_code ? fmt::format("<code>{}</code>", escape_markup(inside))
+                    : fmt::format("<strong>{}</strong>", literal_html(inside));
     text.remove_prefix(end + mark.size());
   }
-  return html + escape_markup(text);
+  return html + literal_html(text);
 }
 
 std::string_view trimmed(std::string_view line) {

@@ -44,8 +44,10 @@ std::string group_sentence(const GroupResult& row, const Protocol& protocol) {
   }
   if (std::isfinite(jnd.median_jnd))
     text += fmt::format(", median {} {}", stiffness_text(jnd.median_jnd, protocol), escape_markup(unit));
-  else if (std::isinf(jnd.median_jnd))
+  else if (jnd.median_status == JndStatus::no_sensitivity)
     text += ", median infinite";
+  else if (jnd.median_status == JndStatus::ceiling)
+    text += ", median at the ceiling";
   return text + fmt::format("; {} of {} participants", jnd.mean_jnd.n, jnd.n);
 }
 
@@ -133,11 +135,12 @@ std::string provenance_html(const StudyResults& results, const Protocol& protoco
       "<h2 id=\"provenance\">Provenance</h2>\n<p>Whoever has the study file can recompute every number of this page "
       "with <code>jnd analyze</code>; <code>jnd verify</code> recomputes the hashes.</p>\n<dl>\n"
       "<dt>Program</dt><dd>jnd {}</dd>\n<dt>Study</dt><dd>{}, seed {}</dd>\n<dt>Protocol</dt><dd>{}</dd>\n"
-      "<dt>SHA-256 of the protocol</dt><dd class=\"hash\">{}</dd>\n<dt>Sessions</dt><dd>{}</dd>\n{}</dl>\n",
+      "<dt>SHA-256 of the protocol</dt><dd class=\"hash\">{}</dd>\n<dt>Sessions</dt><dd>{}</dd>\n"
+      "<dt>Chains of events</dt><dd class=\"hash\">{}</dd>\n{}</dl>\n",
       escape_markup(facts.program_version), user_text(facts.study_file),
       facts.study_seed ? std::to_string(*facts.study_seed) : "sealed while the study is blinded",
       user_text(protocol.name), escape_markup(protocol.sha256), to_string(results.analysis.kind),
-      source_html(protocol.source));
+      escape_markup(chain_line(results.chains)), source_html(protocol.source));
   ResultTable heads{"heads", "Session heads", "the last hash of each session's chain of events", {}, {}, {}};
   heads.columns = {{"participant"}, {"session"}, {"state"}, {"head"}};
   for (const SessionHead& head : results.analysis.heads)

@@ -10,6 +10,11 @@ std::string stiffness_text(double value, const Protocol& protocol) {
   return number_text(value, stiffness_decimals(protocol));
 }
 
+std::string median_text(JndStatus status, double median, const Protocol& protocol) {
+  if (status == JndStatus::ceiling || status == JndStatus::no_information) return std::string(to_string(status));
+  return stiffness_text(median, protocol);
+}
+
 std::string_view unit_of(const Protocol& protocol) noexcept {
   return to_string(protocol.stimulus.unit);
 }

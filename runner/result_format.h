@@ -14,6 +14,8 @@ namespace jnd {
 // tens of N/rad.
 int stiffness_decimals(const Protocol& protocol) noexcept;
 std::string stiffness_text(double value, const Protocol& protocol);
+// Of a median of JNDs: the number, "inf" where no sensitivity stands in the middle, else the status in words.
+std::string median_text(JndStatus status, double median, const Protocol& protocol);
 std::string_view unit_of(const Protocol& protocol) noexcept;
 // Of slopes, so that they have digits to read: d' per 100 N/m, d' per 10 N/rad.
 int slope_step(const Protocol& protocol) noexcept;

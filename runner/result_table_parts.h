@@ -23,6 +23,6 @@ ResultTable adaptive_rows_table(const AdaptiveResults& results, const Protocol& 
 ResultTable behaviour_table(const StudyResults& results, const Protocol& protocol);
 ResultTable cues_table(const StudyResults& results, const Protocol& protocol);
 ResultTable ratings_table(const StudyResults& results, const Protocol& protocol);
-ResultTable comparative_table(const StudyResults& results, const Protocol& protocol);
+ResultTable items_table(const StudyResults& results, const Protocol& protocol);
 
 }  // namespace jnd

@@ -90,7 +90,7 @@ ResultTable participants_table(const StudyResults& results, const Protocol& prot
     table.rows.push_back({row.participant == last ? "" : row.participant, condition_text(protocol, row.condition),
                           number_text(slope_step(protocol) * row.jnd.slope, 3), stiffness_text(row.jnd.jnd, protocol),
                           range_text(row.jnd.ci_low, row.jnd.ci_high, stiffness_decimals(protocol)),
-                          percent_text(row.jnd.weber), row.mean_trial_s > 0 ? number_text(row.mean_trial_s, 1) : "-",
+                          percent_text(row.jnd.weber), number_text(row.mean_trial_s, 1),
                           joined(cautions_text(row.jnd), source_remark(row.difference_source, analysis))});
     last = row.participant;
   }
@@ -162,12 +162,13 @@ ResultTable group_table(const StudyResults& results, const Protocol& protocol) {
     const std::string& condition = condition_text(protocol, row.condition);
     const JndGroup& jnd = row.jnd;
     const PublishedValue* weber = published(protocol, condition, "weber");
-    table.rows.push_back(
-        {condition, fmt::format("{} of {}", jnd.mean_jnd.n, jnd.n), stiffness_text(jnd.mean_jnd.mean, protocol),
-         range_text(jnd.mean_jnd.ci_low, jnd.mean_jnd.ci_high, stiffness_decimals(protocol)),
-         stiffness_text(jnd.median_jnd, protocol), stiffness_text(std::exp(jnd.mean_log_jnd.mean), protocol),
-         stiffness_text(jnd.inverse_mean_slope, protocol), percent_text(jnd.mean_weber.mean),
-         published_jnd(protocol, condition), weber == nullptr ? "" : percent_text(weber->value)});
+    table.rows.push_back({condition, fmt::format("{} of {}", jnd.mean_jnd.n, jnd.n),
+                          stiffness_text(jnd.mean_jnd.mean, protocol),
+                          range_text(jnd.mean_jnd.ci_low, jnd.mean_jnd.ci_high, stiffness_decimals(protocol)),
+                          median_text(jnd.median_status, jnd.median_jnd, protocol),
+                          stiffness_text(std::exp(jnd.mean_log_jnd.mean), protocol),
+                          stiffness_text(jnd.inverse_mean_slope, protocol), percent_text(jnd.mean_weber.mean),
+                          published_jnd(protocol, condition), weber == nullptr ? "" : percent_text(weber->value)});
   }
   const bool any_published = std::any_of(table.rows.begin(), table.rows.end(),
                                          [](const auto& row) { return !row[8].empty() || !row[9].empty(); });
@@ -184,15 +185,14 @@ std::vector<ResultTable> result_tables(const StudyResults& results, const Protoc
   if (results.adaptive) {
     tables.push_back(adaptive_rows_table(*results.adaptive, protocol, true));
     tables.push_back(adaptive_group_table(*results.adaptive, protocol));
-    for (const auto make : {omnibus_table, pairs_table, ratings_table, comparative_table}) {
+    for (const auto make : {contrasts_table, omnibus_table, pairs_table, items_table, ratings_table}) {
       ResultTable table = make(results, protocol);
       if (!table.rows.empty()) tables.push_back(std::move(table));
     }
     return tables;
   }
-  for (const auto make :
-       {participants_table, group_table, contrasts_table, omnibus_table, pairs_table, series_table, sensitivity_table,
-        behaviour_table, cues_table, ratings_table, comparative_table, cells_table}) {
+  for (const auto make : {participants_table, group_table, contrasts_table, omnibus_table, pairs_table, series_table,
+                          sensitivity_table, behaviour_table, cues_table, items_table, ratings_table, cells_table}) {
     ResultTable table = make(results, protocol);
     if (!table.rows.empty()) tables.push_back(std::move(table));
   }

@@ -11,17 +11,13 @@ namespace jnd {
 
 namespace {
 
-const Question* question_of(const std::string& id, const Protocol& protocol) {
-  for (const Question& question : protocol.questions)
-    if (question.id == id) return &question;
-  return nullptr;
-}
-
-std::string question_note(const std::string& id, const Protocol& protocol) {
-  const Question* question = question_of(id, protocol);
-  return question == nullptr ? id
-                             : fmt::format("{}: \"{}\" ({:g} {} .. {:g} {})", id, question->text, question->min,
-                                           question->low_label, question->max, question->high_label);
+// "(1 not at all .. 9 completely)", or "(0 .. 40)" of a number, whose ends have no names.
+std::string question_note(const Question& question) {
+  const auto end = [](double value, const std::string& label) {
+    return fmt::format("{:g}{}{}", value, label.empty() ? "" : " ", label);
+  };
+  return fmt::format("{}: \"{}\" ({} .. {})", question.id, question.text, end(question.min, question.low_label),
+                     end(question.max, question.high_label));
 }
 
 std::vector<std::string> behaviour_row(const BehaviourRow& row, const Protocol& protocol) {
@@ -106,10 +102,38 @@ ResultTable cues_table(const StudyResults& results, const Protocol& protocol) {
   return table;
 }
 
+ResultTable items_table(const StudyResults& results, const Protocol& protocol) {
+  ResultTable table{"items",
+                    "Answers to the questions",
+                    "mean with Student's interval; median with a distribution-free one, which covers as often as said",
+                    {{"question"},
+                     {"condition"},
+                     {"n", true},
+                     {"mean", true},
+                     {"95 % CI", true},
+                     {"median", true},
+                     {"interval", true},
+                     {"covers", true}},
+                    {},
+                    {}};
+  for (const QuestionnaireItem& item : results.items) {
+    const Question& question = protocol.questions[static_cast<std::size_t>(item.question)];
+    for (const ItemScore& score : item.scores)
+      table.rows.push_back({score.condition <= 0 ? question.id : "",
+                            score.condition < 0 ? "asked once" : condition_text(protocol, score.condition),
+                            std::to_string(score.mean.n), number_text(score.mean.mean, 2),
+                            range_text(score.mean.ci_low, score.mean.ci_high, 2), number_text(score.median.median, 1),
+                            range_text(score.median.ci_low, score.median.ci_high, 1),
+                            percent_text(score.median.coverage)});
+    table.remarks.push_back(question_note(question));
+  }
+  return table;
+}
+
 ResultTable ratings_table(const StudyResults& results, const Protocol& protocol) {
   ResultTable table{
       "ratings",
-      "Ratings of the conditions",
+      "Answers compared between conditions",
       fmt::format("Wilcoxon signed ranks with the exact permutation p; Holm and Benjamini-Hochberg over {} "
                   "test{}",
                   results.ratings.family, results.ratings.family == 1 ? "" : "s"),
@@ -125,25 +149,6 @@ ResultTable ratings_table(const StudyResults& results, const Protocol& protocol)
                             std::to_string(pair.test.n), std::to_string(pair.test.zeros), number_text(pair.test.v, 1),
                             p_value_text(pair.p), p_value_text(pair.p_holm), p_value_text(pair.p_bh),
                             number_text(pair.test.rank_biserial, 2)});
-    table.remarks.push_back(question_note(item.id, protocol));
-  }
-  return table;
-}
-
-ResultTable comparative_table(const StudyResults& results, const Protocol& protocol) {
-  ResultTable table{"comparative",
-                    "Ratings given once",
-                    "median with a distribution-free interval; no test, as there is no pair",
-                    {},
-                    {},
-                    {}};
-  table.columns = {{"item"}, {"n", true}, {"median", true}, {"95 % CI", true}, {"coverage", true}, {"remarks"}};
-  for (const ComparativeItemResult& item : results.comparative) {
-    const MedianInterval& rating = item.rating;
-    table.rows.push_back({item.id, std::to_string(rating.n), number_text(rating.median, 1),
-                          range_text(rating.ci_low, rating.ci_high, 1), percent_text(rating.coverage),
-                          rating.status == TestStatus::ok ? "" : to_text(rating.status)});
-    table.remarks.push_back(question_note(item.id, protocol));
   }
   return table;
 }

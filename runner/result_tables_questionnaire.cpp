@@ -16,10 +16,14 @@ const Question& question_of(int place, const Protocol& protocol) {
   return protocol.questions[static_cast<std::size_t>(place)];
 }
 
-std::string mean_text(const Moments& moments) {
-  if (moments.n == 0) return "-";
-  if (moments.n < 2) return number_text(moments.mean, 1);
-  return number_text(moments.mean, 1) + " ± " + number_text(moments.sd, 1);
+std::string mean_text(const MeanEstimate& mean) {
+  if (mean.n == 0) return "-";
+  if (mean.n < 2) return number_text(mean.mean, 1);
+  return number_text(mean.mean, 1) + " ± " + number_text(mean.sd, 1);
+}
+
+std::string side_text(const ItemScore& score, int ItemScore::Sides::*side) {
+  return score.sides ? std::to_string(*score.sides.*side) : "";
 }
 
 std::string median_text(const MedianInterval& median) {
@@ -86,10 +90,10 @@ ResultTable scores_table(const QuestionnaireResults& results, const Protocol& pr
     if (!item.paired) continue;
     const Question& question = question_of(item.question, protocol);
     int n = 0;
-    for (const ItemScore& score : item.scores) n = std::max(n, score.moments.n);
+    for (const ItemScore& score : item.scores) n = std::max(n, score.mean.n);
     std::vector<std::string> row = {question.id, std::to_string(n)};
     for (const ItemScore& score : item.scores) {
-      row.push_back(mean_text(score.moments));
+      row.push_back(mean_text(score.mean));
       row.push_back(median_text(score.median));
       row.push_back(
           published_text(question.id, protocol.conditions[static_cast<std::size_t>(score.condition)].name, protocol));
@@ -167,10 +171,10 @@ ResultTable once_table(const QuestionnaireResults& results, const Protocol& prot
     if (item.paired) continue;
     const Question& question = question_of(item.question, protocol);
     const ItemScore& score = item.scores.front();
-    table.rows.push_back({question.id, std::to_string(score.moments.n), mean_text(score.moments),
-                          median_text(score.median), percent_text(score.median.coverage),
-                          published_once(question.id, protocol), std::to_string(score.below), std::to_string(score.at),
-                          std::to_string(score.above)});
+    table.rows.push_back({question.id, std::to_string(score.mean.n), mean_text(score.mean), median_text(score.median),
+                          percent_text(score.median.coverage), published_once(question.id, protocol),
+                          side_text(score, &ItemScore::Sides::below), side_text(score, &ItemScore::Sides::at),
+                          side_text(score, &ItemScore::Sides::above)});
     table.remarks.push_back(question_line(question));
   }
   drop_empty_columns(table);

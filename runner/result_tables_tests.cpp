@@ -51,28 +51,50 @@ std::string outcome_name(const OutcomeComparison& outcome) {
   return outcome.outcome + (outcome.registered ? " *" : "");
 }
 
+// How people read the numbers of a contrast's scale.
+struct ScaleText {
+  std::string name;
+  double factor = 1;
+  int decimals = 3;
+};
+
+ScaleText scale_text(const ContrastRow& row, const Protocol& protocol) {
+  ScaleText text;
+  text.name = row.outcome;
+  if (row.outcome == to_string(Outcome::slope)) {
+    text.factor = slope_step(protocol);
+    text.name = fmt::format("d' per {} {}", slope_step(protocol), unit_of(protocol));
+  } else if (row.outcome == to_string(Outcome::log_jnd)) {
+    text.name = "ln JND";
+  } else {
+    text.name = fmt::format("{} {}", row.outcome == to_string(Outcome::jnd) ? "JND" : row.outcome, unit_of(protocol));
+    text.decimals = stiffness_decimals(protocol);
+  }
+  if (row.registered) text.name += " *";
+  return text;
+}
+
 }  // namespace
 
 ResultTable contrasts_table(const StudyResults& results, const Protocol& protocol) {
-  const StudyAnalysis& analysis = results.analysis;
   ResultTable table{"contrasts", "Registered contrasts", "", {}, {}, {}};
-  if (analysis.contrasts.empty()) return table;
+  const std::vector<ContrastRow> rows = contrasts_of(results, protocol);
+  if (rows.empty()) return table;
   const OutcomeComparison& tested = results.comparisons.front();
-  table.note = fmt::format("paired differences of the JND, participants with both; p: {}, on the {}",
-                           post_hoc_name(protocol.analysis.tests.post_hoc), tested.outcome);
-  table.columns = {{"contrast"},      {"n", true},        {fmt::format("mean difference {}", unit_of(protocol)), true},
-                   {"95 % CI", true}, {"n tested", true}, {"p", true},
-                   {"remarks"}};
-  const std::vector<double> p = tested.refused.empty() ? contrast_p(tested.comparison, protocol.analysis)
-                                                       : std::vector<double>(analysis.contrasts.size(), std::nan(""));
-  for (std::size_t i = 0; i < analysis.contrasts.size(); ++i) {
-    const ContrastResult& row = analysis.contrasts[i];
+  table.note = fmt::format(
+      "paired differences with Student's interval, each row on one scale; p: {}, on the registered scale (*)",
+      post_hoc_name(protocol.analysis.tests.post_hoc));
+  table.columns = {{"contrast"},      {"scale"},   {"n", true}, {"mean difference", true},
+                   {"95 % CI", true}, {"p", true}, {"remarks"}};
+  for (const ContrastRow& row : rows) {
+    const ScaleText scale = scale_text(row, protocol);
     table.rows.push_back(
-        {contrast_name({row.a, row.b}, protocol), std::to_string(row.difference.n),
-         stiffness_text(row.difference.mean, protocol),
-         range_text(row.difference.ci_low, row.difference.ci_high, stiffness_decimals(protocol)), used(tested),
-         p_value_text(p[i]),
-         joined(source_remark(row.difference_source, analysis), tested.refused.empty() ? "" : "refused")});
+        {contrast_name({row.a, row.b}, protocol), scale.name,
+         fmt::format("{} of {}", row.difference.n, row.participants),
+         number_text(scale.factor * row.difference.mean, scale.decimals),
+         range_text(scale.factor * row.difference.ci_low, scale.factor * row.difference.ci_high, scale.decimals),
+         row.registered ? p_value_text(row.p) : "",
+         joined(source_remark(row.difference_source, results.analysis), row.refused.empty() ? "" : "refused")});
   }
   if (!tested.refused.empty()) table.remarks.push_back("no tests: " + tested.refused);
   if (std::all_of(table.rows.begin(), table.rows.end(), [](const auto& row) { return row.back().empty(); })) {
@@ -172,7 +194,8 @@ ResultTable sensitivity_table(const StudyResults& results, const Protocol& proto
   ResultTable table{
       "sensitivity",
       "Would another method change the conclusion?",
-      fmt::format("median JND in {} (a missing JND counts as infinite); tests on the {} as registered, alpha = "
+      fmt::format("median JND in {} (no sensitivity counts as infinite; ceiling: below what was tested); tests on the "
+                  "{} as registered, alpha = "
                   "{:g}; models measure d' differently: JNDs of different models are not comparable",
                   unit_of(protocol), to_string(protocol.analysis.tests.outcome), protocol.analysis.tests.alpha),
       {},
@@ -190,7 +213,8 @@ ResultTable sensitivity_table(const StudyResults& results, const Protocol& proto
         row.method.model,
         row.method.correction == Correction::none ? "raw" : std::string(to_string(row.method.correction)),
         std::string(to_string(row.method.method))};
-    for (const double median : row.median_jnd) cells.push_back(stiffness_text(median, protocol));
+    for (std::size_t i = 0; i < row.median_jnd.size(); ++i)
+      cells.push_back(median_text(row.median_status[i], row.median_jnd[i], protocol));
     cells.push_back(fmt::format("{} of {}", row.n, row.participants));
     cells.push_back(p_value_text(row.omnibus_p));
     for (const double p : row.contrast_p) cells.push_back(p_value_text(p));

@@ -8,10 +8,10 @@
 #include "data/event_body.h"
 #include "data/study_analysis.h"
 #include "devices/object_json.h"
-#include "protocols/device_lint.h"
 #include "protocols/protocol_difference.h"
 #include "protocols/protocol_json.h"
 #include "runner/commands.h"
+#include "runner/protocol_fitness.h"
 #include "runner/resources.h"
 #include "runner/terminal.h"
 
@@ -32,11 +32,9 @@ RigDescription rig_of(const Protocol& protocol) {
 }
 
 Protocol load_checked_protocol(const std::string& name_or_path) {
-  const std::filesystem::path path = find_resource(Resource::protocol, name_or_path);
-  Protocol protocol = load_protocol(path);
-  const DeviceLint lint = lint_against_device(protocol, rig_spec_of(protocol), path.string());
-  if (!lint.errors.empty()) throw InputError(lint.errors);
-  return protocol;
+  ProtocolCheck check = check_fitness(find_resource(Resource::protocol, name_or_path));
+  if (!check.errors.empty()) throw InputError(std::move(check.errors));
+  return std::move(*check.protocol);
 }
 
 namespace {

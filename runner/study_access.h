@@ -14,7 +14,7 @@
 
 namespace jnd {
 
-// Loads and lints a protocol, also against its device. Throws InputError with every mistake.
+// A protocol that can be run (protocol_fitness.h). Throws InputError with every mistake.
 Protocol load_checked_protocol(const std::string& name_or_path);
 // The files that the protocol's rig names: its devices, and its virtual object. Throw InputError.
 RigSpec rig_spec_of(const Protocol& protocol);

@@ -97,8 +97,8 @@ struct TemporaryFolder {
 
 std::string problems_of(const std::filesystem::path& path) {
   std::string all;
-  for (const std::string& problem : verify(*Study::open(path, Study::Access::read_only)).problems)
-    all += problem + "\n";
+  for (const Problem& problem : verify(*Study::open(path, Study::Access::read_only)).problems)
+    all += problem.text + "\n";
   return all;
 }
 
@@ -117,7 +117,7 @@ TEST_CASE("A simulated adaptive study: verified, read, exported; a changed answe
   {
     const auto study = Study::create(path, protocol.name, protocol.bytes, 11, {simulated_epoch_ns(1), 0});
     REQUIRE(simulate_study(simulation, *study).completed == 2);
-    CHECK(verify(*study).problems == std::vector<std::string>{});
+    CHECK(verify(*study).problems == std::vector<Problem>{});
     const AdaptiveResults results = adaptive_results(*study, protocol, SessionKind::simulated);
     REQUIRE(results.rows.size() == 2 * 2 * 3);
     CHECK(results.group.size() == 2);

@@ -55,6 +55,22 @@ class Analyze(unittest.TestCase):
         self.assertEqual({row["condition"] for row in result["cue_strategy"]}, {"S", "V", "SV"})
         self.assertEqual(len(result["behaviour"]), 3 + 4)
 
+    def test_a_row_of_the_contrasts_is_on_one_scale(self):
+        result = self.analysis("chinello2017.sqlite")
+        rows = [row for row in result["contrasts"] if (row["a"], row["b"]) == ("S", "V")]
+        self.assertEqual([(row["outcome"], row["unit"], row["registered"]) for row in rows],
+                         [("slope", "per N/m", True), ("jnd", "N/m", False)])
+        slopes = {c: {r["participant"]: r["slope"] for r in result["participants"] if r["condition"] == c} for c in "SV"}
+        mean = sum(slopes["S"][who] - slopes["V"][who] for who in slopes["S"]) / 4
+        self.assertAlmostEqual(rows[0]["difference"]["mean"], mean, places=12)
+        self.assertIsNotNone(rows[0]["p"])
+        self.assertIsNone(rows[1]["p"])
+        self.jnd("export", "chinello2017.sqlite", "--to", "scales")
+        with open(self.path("scales", "contrasts.csv"), newline="", encoding="utf-8") as file:
+            table = list(csv.DictReader(file))
+        self.assertEqual([(r["outcome"], r["p"] != "") for r in table], [("slope", True), ("jnd", False)] * 3)
+        self.assertAlmostEqual(float(table[0]["difference_mean"]), mean, places=12)
+
     def test_all_models_stand_beside_the_registered_one(self):
         models = self.analysis("chinello2017.sqlite", "--models", "all")["models"]
         self.assertEqual(len(models["thresholds"]), 4 * 3 * 11)
@@ -73,7 +89,7 @@ class Analyze(unittest.TestCase):
         self.jnd("analyze", "chinello2017.sqlite", "--csv", "out", "--models", "all", "--no-methods")
         with open(self.path("out", "dictionary.csv"), newline="", encoding="utf-8") as file:
             described = {(row["file"], row["column"]) for row in csv.DictReader(file)}
-        for name in os.listdir(self.path("out")):
+        for name in set(os.listdir(self.path("out"))) - {"SHA256SUMS"}:
             with open(self.path("out", name), newline="", encoding="utf-8") as file:
                 for column in csv.DictReader(file).fieldnames:
                     self.assertIn((name, column), described)
@@ -89,6 +105,12 @@ class Analyze(unittest.TestCase):
         for part in [status["protocol_sha256"], "Seed of the study: 3", "jnd 0."] + [s["head"] for s in status["sessions"]]:
             self.assertIn(part, text)
         self.jnd("analyze", "chinello2017.sqlite", "--methods", "words.md")  # its own file
+        with open(self.path("words.md"), "a", encoding="utf-8") as file:
+            file.write("my own paragraph\n")
+        refused = self.jnd("analyze", "chinello2017.sqlite", "--methods", "words.md", code=5).stderr
+        self.assertIn("was changed after jnd analyze had written it", refused)
+        with open(self.path("words.md"), encoding="utf-8") as file:
+            self.assertTrue(file.read().endswith("my own paragraph\n"))
         with open(self.path("mine.md"), "w", encoding="utf-8") as file:
             file.write("my notes\n")
         self.jnd("analyze", "chinello2017.sqlite", "--methods", "mine.md", code=5)

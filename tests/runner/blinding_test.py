@@ -157,6 +157,10 @@ class Blinding(unittest.TestCase):
         self.assertEqual({trial["condition_code"] for trial in plan["trials"]}, {"A", "B", "C"})
         self.assertIsNone(plan["seed"])
         self.jnd("export", "s.sqlite", "--to", "x")
+        for name in ("x/monitoring.csv", "x/dictionary.csv"):  # limits follow from forces
+            self.assertNotIn("saturated", self.read(name))
+        self.assertNotIn("saturated", json.dumps(result))
+        self.assertNotIn("saturated", self.jnd("analyze", "s.sqlite"))
         header = self.read("x/sub-P01/trials.csv").splitlines()[1]
         for column in ("stimulus", "same", "correct", "answer", "force", "saturated", "series"):
             self.assertNotIn(column, header)

@@ -89,8 +89,10 @@ class Care(unittest.TestCase):
         with open(self.path("damaged.sqlite"), "wb") as file:
             file.write(content)
         self.jnd("verify", "damaged.sqlite", code=5)
-        report = self.json("recover", "damaged.sqlite", "--to", "saved.sqlite")
-        self.assertTrue(report["whole"])
+        # All of it comes back, but what said so is gone with the first page.
+        report = self.json("recover", "damaged.sqlite", "--to", "saved.sqlite", code=1)
+        self.assertFalse(report["whole"])
+        self.assertEqual([doubt.split(":")[0] for doubt in report["doubts"]], ["the file's header is damaged"])
         self.assertTrue(all(row["closed"] for row in report["sessions"]))
         self.assertTrue(self.json("verify", "saved.sqlite", "--deep")["ok"])
         trials = "SELECT session, seq, body, hash FROM event WHERE session <> 'study' ORDER BY session, seq"
@@ -99,6 +101,62 @@ class Care(unittest.TestCase):
         with open(self.path("damaged.sqlite"), "rb") as file:
             self.assertEqual(file.read(), bytes(content))
         self.jnd("recover", "damaged.sqlite", "--to", "saved.sqlite", code=5)
+
+    def test_a_file_that_was_cut_is_never_called_whole(self):
+        with open(self.path("s.sqlite"), "rb") as file:
+            content = file.read()
+        self.assertTrue(self.json("recover", "s.sqlite", "--to", "whole.sqlite")["whole"])
+        for part in range(3, 8):
+            with open(self.path("cut.sqlite"), "wb") as file:
+                file.write(content[: len(content) * part // 8])
+            report = self.json("recover", "cut.sqlite", "--to", f"saved-{part}.sqlite", code=1)
+            self.assertFalse(report["whole"])
+            self.assertIn("the file ends early", report["doubts"][0])
+
+    def test_no_results_come_from_a_study_that_was_changed(self):
+        """One stimulus in the file: everything that would compute with it says so and writes nothing."""
+        with open(self.path("s.sqlite"), "rb") as file:
+            content = file.read()
+        self.assertIn(b'"stimulus_1_n_per_m":900', content)
+        with open(self.path("rot.sqlite"), "wb") as file:
+            file.write(content.replace(b'"stimulus_1_n_per_m":900', b'"stimulus_1_n_per_m":400', 1))
+        before = sorted(os.listdir(self.folder))
+        for arguments in (("analyze", "rot.sqlite"), ("analyze", "rot.sqlite", "--json"), ("report", "rot.sqlite", "--to", "r.html"),
+                          ("export", "rot.sqlite", "--to", "e")):
+            done = self.jnd(*arguments, code=1)
+            self.assertEqual(done.stdout, "")
+            self.assertIn("is not what was recorded, and no results are computed from it", done.stderr)
+            self.assertIn("its hash does not match", done.stderr)
+        self.assertEqual(sorted(os.listdir(self.folder)), before)
+        self.jnd("verify", "rot.sqlite", code=1)
+
+    def test_the_head_of_the_studys_own_chain_is_wherever_heads_are(self):
+        self.jnd("exclude", "s.sqlite", "--participant", "P02", "--reason", "felt ill")
+        with sqlite3.connect(self.path("s.sqlite")) as study:
+            head = study.execute("SELECT hash FROM event WHERE session = 'study' ORDER BY seq DESC").fetchone()[0]
+        self.jnd("report", "s.sqlite", "--to", "r.html")
+        self.jnd("export", "s.sqlite", "--to", "e")
+        for arguments in (("status",), ("verify",), ("analyze", "--no-methods")):
+            self.assertIn(head, self.jnd(arguments[0], "s.sqlite", *arguments[1:]).stdout, arguments)
+            self.assertEqual(self.json(arguments[0], "s.sqlite", *arguments[1:])["study_head"], head)
+        for name in ("r.html", "e/sessions.csv", "e/methods.md"):
+            with open(self.path(name), encoding="utf-8") as file:
+                self.assertIn(head, file.read(), name)
+
+    def test_studies_of_two_protocols_with_one_seed_are_told_apart(self):
+        self.jnd("simulate", "adaptive-quest", "--participants", "1", "--study", "q.sqlite", "--seed", "5")
+        refused = self.jnd("merge", "s.sqlite", "q.sqlite", "--to", "m.sqlite", code=3).stderr
+        self.assertIn("is of another protocol", refused)
+        self.assertNotIn("twice", refused)
+        ids = [{row["id"] for row in self.json("status", name)["sessions"]} for name in ("s.sqlite", "q.sqlite")]
+        self.assertFalse(ids[0] & ids[1])
+
+    def test_a_file_with_a_foreign_trigger_is_refused_in_words(self):
+        with sqlite3.connect(self.path("s.sqlite")) as study:
+            study.execute("CREATE TRIGGER z BEFORE INSERT ON event WHEN NEW.kind = 'note' BEGIN SELECT RAISE(IGNORE); END")
+        for arguments in (("verify",), ("status",), ("analyze", "--no-methods"), ("note", "hello")):
+            refused = self.jnd(arguments[0], "s.sqlite", *arguments[1:], code=5).stderr
+            self.assertIn("is not a study of this program: it has a trigger z that no study has; it was not changed", refused)
 
     def test_a_session_that_is_closed_and_cut_is_not_whole(self):
         study = sqlite3.connect(self.path("s.sqlite"))
@@ -117,11 +175,28 @@ class Care(unittest.TestCase):
         self.assertTrue(self.json("verify", "other.sqlite")["ok"])
 
     def test_the_damaged_original_is_never_overwritten(self):
-        os.rename(self.path("s.sqlite"), self.path("s.sqlite.new"))
+        os.rename(self.path("s.sqlite"), self.path("s.sqlite.lock"))
         for command in ("recover", "backup"):
-            refused = self.jnd(command, "s.sqlite.new", "--to", "s.sqlite", code=5).stderr
-            self.assertIn("would overwrite s.sqlite.new", refused)
-        self.assertEqual(os.listdir(self.folder), ["s.sqlite.new"])
+            refused = self.jnd(command, "s.sqlite.lock", "--to", "s.sqlite", code=5).stderr
+            self.assertIn("would overwrite s.sqlite.lock", refused)
+        self.assertEqual(os.listdir(self.folder), ["s.sqlite.lock"])
+
+    def test_a_report_replaces_neither_a_study_nor_a_foreign_file(self):
+        with open(self.path("thesis.docx"), "w", encoding="utf-8") as file:
+            file.write("years of work")
+        os.mkdir(self.path("drawings"))
+        with open(self.path("drawings/mine.svg"), "w", encoding="utf-8") as file:
+            file.write("<svg/>")
+        with open(self.path("s.sqlite"), "rb") as file:
+            before = file.read()
+        for place in ("s.sqlite", "thesis.docx"):
+            refused = self.jnd("report", "s.sqlite", "--to", place, "--replace", code=5).stderr
+            self.assertIn("was not written by jnd report", refused)
+        self.jnd("report", "s.sqlite", "--to", "r.html", "--figures", "drawings", "--replace", code=5)
+        with open(self.path("s.sqlite"), "rb") as file:
+            self.assertEqual(file.read(), before)
+        self.assertEqual(os.listdir(self.path("drawings")), ["mine.svg"])
+        self.assertFalse(os.path.exists(self.path("r.html")))
 
     def test_deep_verification_computes_what_was_delivered(self):
         self.simulate("full.sqlite", 7, "--record", "full")

@@ -84,11 +84,14 @@ class Experiment2(unittest.TestCase):
         paired = [item["item"] for item in items if "pairs" in item]
         once = [item["item"] for item in items if "pairs" not in item]
         self.assertEqual(paired, ITEMS)
-        self.assertEqual(once, ["QA1", "QA2", "QA3", "QA4"])
+        self.assertEqual(once, ["age", "QA1", "QA2", "QA3", "QA4"])
+        age = items[0]["scores"][0]
+        self.assertEqual((age["n"], age["below"]), (12, None))  # a number is no rating: its range has no middle
+        self.assertTrue(age["mean_ci_low"] < age["mean"] < age["mean_ci_high"])
         ratings = self.ratings()
         for item in ITEMS:
             self.assertEqual({c: len(r) for c, r in ratings[item].items()}, {"C": 12, "N": 12})
-        for item in once:
+        for item in once[1:]:
             self.assertEqual({c: len(r) for c, r in ratings[item].items()}, {"": 12})
         values = [v for item in ratings.values() for by in item.values() for v in by.values()]
         self.assertTrue(all(1 <= v <= 9 for v in values))
@@ -134,7 +137,7 @@ class Experiment2(unittest.TestCase):
         with open(self.path("methods.md"), encoding="utf-8") as file:
             self.assertIn("The 17 tests are one family", file.read())
         self.ratings()
-        self.assertEqual(len(self.rows("out", "items.csv")), 17 * 2 + 4)
+        self.assertEqual(len(self.rows("out", "items.csv")), 17 * 2 + 5)
         self.assertEqual(len(self.rows("out", "ratings.csv")), 17)
         described = {(row["file"], row["column"]) for row in self.rows("out", "dictionary.csv")}
         for name in ("items.csv", "choices.csv", "exposure.csv", "answers.csv"):

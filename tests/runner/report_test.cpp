@@ -6,6 +6,7 @@
 #include <rapidcheck.h>
 #include <unistd.h>
 
+#include "data/seal.h"
 #include "data/storage_error.h"
 #include "runner/report_files.h"
 #include "runner/report_html.h"
@@ -198,6 +199,8 @@ TEST_CASE("the few words of Markdown") {
   CHECK(markdown_to_html("1. a\n2. b\n## h", 2) == "<ol>\n<li>a</li>\n<li>b</li>\n</ol>\n<h3>h</h3>\n");
   CHECK(markdown_to_html("<b>x</b> [l](http)", 3) == "<p>&lt;b&gt;x&lt;/b&gt; [l](http)</p>\n");
   CHECK(markdown_to_html("2.5 is no list, nor is # this", 3) == "<p>2.5 is no list, nor is # this</p>\n");
+  CHECK(markdown_to_html("a \\`b\\` \\*\\*c\\*\\* \\\\ **d\\*** \\<b>", 3) ==
+        "<p>a `b` **c** \\ <strong>d*</strong> &lt;b&gt;</p>\n");
   CHECK(markdown_to_html("an open ` stays", 3) == "<p>an open ` stays</p>\n");
   CHECK(markdown_to_html("###### deep", 6) == "<h6>deep</h6>\n");
   CHECK(markdown_to_html("", 3).empty());
@@ -241,15 +244,15 @@ TEST_CASE("the style sheet knows every class of the figures, dark paper and prin
 TEST_CASE("a report appears whole, and replaces only a report") {
   const Folder folder;
   write_report(two_files(folder.path, "one"), false);
-  CHECK(bytes_of(folder.path / "r.html") == "one");
-  CHECK(bytes_of(folder.path / "r-figures" / "b.svg") == "one");
+  CHECK(bytes_of(folder.path / "r.html") == sealed("one", "report"));
+  CHECK(bytes_of(folder.path / "r-figures" / "b.svg") == sealed("one", "report"));
   CHECK_THROWS_AS(write_report(two_files(folder.path, "two"), false), StorageError);
-  CHECK(bytes_of(folder.path / "r.html") == "one");
+  CHECK(bytes_of(folder.path / "r.html") == sealed("one", "report"));
   ReportFiles fewer = two_files(folder.path, "two");
   fewer.figures.pop_back();
   write_report(fewer, true);
-  CHECK(bytes_of(folder.path / "r.html") == "two");
-  CHECK(bytes_of(folder.path / "r-figures" / "a.svg") == "two");
+  CHECK(bytes_of(folder.path / "r.html") == sealed("two", "report"));
+  CHECK(bytes_of(folder.path / "r-figures" / "a.svg") == sealed("two", "report"));
   CHECK_FALSE(fs::exists(folder.path / "r-figures" / "b.svg"));
   SECTION("nothing is left beside it") {
     std::size_t entries = 0;
@@ -259,7 +262,7 @@ TEST_CASE("a report appears whole, and replaces only a report") {
   SECTION("a folder that holds something else is not touched") {
     std::ofstream(folder.path / "r-figures" / "notes.txt") << "mine";
     CHECK_THROWS_AS(write_report(two_files(folder.path, "three"), true), StorageError);
-    CHECK(bytes_of(folder.path / "r.html") == "two");
+    CHECK(bytes_of(folder.path / "r.html") == sealed("two", "report"));
     CHECK(bytes_of(folder.path / "r-figures" / "notes.txt") == "mine");
   }
   SECTION("a link or folder in the page's place is refused") {
