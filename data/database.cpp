@@ -13,6 +13,7 @@
 #include <sys/vfs.h>
 #include <unistd.h>
 
+#include "analysis/stop_request.h"
 #include "data/schema.h"
 #include "data/schema_check.h"
 
@@ -23,6 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kBusyTimeout_ms = 5000;
+constexpr int kStepsBetweenLooks = 10'000;  // of SQLite's virtual machine: well below a millisecond
 
 void refuse_other_files(const fs::path& path) {
   std::error_code error;
@@ -94,6 +96,12 @@ void settle(SQLite::Database& database) {
   database.exec("PRAGMA foreign_keys = ON");
 }
 
+// One statement can take minutes on a large file. Not for a writer: it ends between events, never within one.
+void end_reading_when_asked(SQLite::Database& database) {
+  sqlite3_progress_handler(
+      database.getHandle(), kStepsBetweenLooks, [](void*) { return stop_requested() ? 1 : 0; }, nullptr);
+}
+
 }  // namespace
 
 std::unique_ptr<SQLite::Database> create_database(const fs::path& path) {
@@ -128,7 +136,10 @@ std::unique_ptr<SQLite::Database> open_database(const fs::path& path, bool writa
     database->exec("PRAGMA query_only = ON");
     refuse_other_databases(path, *database);
     refuse_other_schema(path, *database, writable);
-    if (!writable) return database;
+    if (!writable) {
+      end_reading_when_asked(*database);
+      return database;
+    }
     refuse_damage(path, *database);
     database->exec("PRAGMA query_only = OFF");
     const int version = pragma(*database, "user_version");
@@ -192,7 +203,12 @@ void refuse_network_file_system(const fs::path& path) {
                     path.string()));
 }
 
+void throw_if_stopped(const SQLite::Exception& error) {
+  if (primary_code(error) == SQLITE_INTERRUPT && stop_requested()) throw Stopped();
+}
+
 StorageError storage_error(const fs::path& path, const SQLite::Exception& error) {
+  throw_if_stopped(error);
   const std::string where = path.string();
   switch (primary_code(error)) {
     case SQLITE_CORRUPT:
@@ -243,6 +259,12 @@ void throw_write_error(const fs::path& path, const SQLite::Exception& error) {
       throw StorageTrouble(
           fmt::format("{}: another program holds the file ({}): this event is not saved, all earlier ones are. Close "
                       "that program and try again",
+                      where, error.what()));
+    case SQLITE_CONSTRAINT:
+      throw StorageError(
+          fmt::format("{}: the study refuses this event ({}), as if another program had written to it meanwhile: the "
+                      "event is not saved, all earlier ones are. Close that program, look at the study with jnd verify, "
+                      "and take the session up again",
                       where, error.what()));
     default:
       throw storage_error(path, error);

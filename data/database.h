@@ -40,7 +40,11 @@ void refuse_network_file_system(const std::filesystem::path& path);
 // one), and SQLite::Exception.
 void insert_row(SQLite::Statement& insert);
 
-// What went wrong, where, and what to do, from SQLite's error.
+// Throws Stopped (analysis/stop_request.h) where reading ended because that was asked for: a file opened for reading
+// ends its statements then.
+void throw_if_stopped(const SQLite::Exception& error);
+
+// What went wrong, where, and what to do, from SQLite's error. Throws Stopped as throw_if_stopped() does.
 StorageError storage_error(const std::filesystem::path& path, const SQLite::Exception& error);
 
 // The same for events that could not be added: StorageTrouble where the same event may be added later.

@@ -38,11 +38,18 @@ Number number_at(const char* bytes) {
   return number;
 }
 
+// One that SQLite has open; nullptr where there is none.
+sqlite3_file* open_file(SQLite::Database& connection, int which) {
+  sqlite3_file* file = nullptr;
+  if (sqlite3_file_control(connection.getHandle(), "main", which, &file) != SQLITE_OK) return nullptr;
+  return file != nullptr && file->pMethods != nullptr ? file : nullptr;
+}
+
 // As this connection has it mapped; no frames where there is none, or while another program changes it.
 LogIndex index_of(SQLite::Database& connection) {
-  sqlite3_file* file = nullptr;
-  if (sqlite3_file_control(connection.getHandle(), "main", SQLITE_FCNTL_FILE_POINTER, &file) != SQLITE_OK ||
-      file == nullptr || file->pMethods == nullptr || file->pMethods->iVersion < 2)
+  sqlite3_file* file = open_file(connection, SQLITE_FCNTL_FILE_POINTER);
+  // Without an open log SQLite has no index, and would never let go of one that we mapped.
+  if (file == nullptr || file->pMethods->iVersion < 2 || !open_file(connection, SQLITE_FCNTL_JOURNAL_POINTER))
     return {};
   void volatile* mapped = nullptr;
   if (file->pMethods->xShmMap(file, 0, kIndexRegion, 0, &mapped) != SQLITE_OK || mapped == nullptr) return {};

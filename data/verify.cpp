@@ -87,6 +87,7 @@ class Verifier {
       report_.telemetry_lost = telemetry_->lost();
       reading.commit();
     } catch (const SQLite::Exception& error) {
+      throw_if_stopped(error);
       problem("The file", " is damaged: it could not be read to its end ({}).", error.what());
     }
     return std::move(report_);

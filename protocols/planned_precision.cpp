@@ -1,5 +1,6 @@
 #include "protocols/planned_precision.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -16,6 +17,17 @@ double weber_of(const Cues& cues) noexcept {
   if (cues.vibration) precision += 1 / (kVibrationWeber * kVibrationWeber);
   if (cues.kinaesthetic) precision += 1 / (kKinaestheticWeber * kKinaestheticWeber);
   return precision > 0 ? 1 / std::sqrt(precision) : kVibrationWeber;  // without any cue: as the worst
+}
+
+// Draws of a participant in one condition and series: some seconds. A larger study is drawn less often; what follows
+// from the number of studies is printed with it.
+constexpr double kMostDraws = 1e7;
+constexpr int kFewestExperiments = 1000;
+
+int experiments_of(const PrecisionQuestion& question) {
+  const double draws = static_cast<double>(question.jnds.size() * question.design.differences.size()) *
+                       static_cast<double>(question.participants);
+  return std::clamp(static_cast<int>(kMostDraws / draws), kFewestExperiments, question.experiments);
 }
 
 const Cues* cues_of(const Protocol& protocol, std::string_view condition) noexcept {
@@ -71,6 +83,7 @@ PrecisionQuestion precision_question(const Protocol& protocol) {
       for (int b = a + 1; b < conditions; ++b) question.contrasts.push_back({a, b});
   }
   question.participants = protocol.design.participants;
+  question.experiments = experiments_of(question);
   return question;
 }
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "devices/loop_limits.h"
 #include "runner/screen_text.h"
 #include "runner/terminal.h"
 
@@ -12,10 +13,9 @@ namespace jnd {
 
 namespace {
 constexpr Style kBold{.bold = true}, kDim{.dim = true};
-constexpr double kOnTime_us = 1000;  // a period of the loop
 
 std::string lateness_text(double latest_us) {
-  if (latest_us < kOnTime_us) return "on time";
+  if (latest_us < kTightLoop.largest_us) return "on time";
   return fmt::format("late by up to {:.0f} ms", std::ceil(latest_us / 1000));
 }
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <vector>
 
+#include <boost/algorithm/string/predicate.hpp>
 #include <boost/uuid/random_generator.hpp>
 #include <boost/uuid/uuid_io.hpp>
 #include <fmt/format.h>
@@ -25,6 +26,18 @@ void refuse_excluded(const std::vector<SessionInfo>& sessions, const SessionRequ
     if (session.participant == request.participant && session.kind == request.kind && session.excluded)
       throw UsageError(fmt::format("participant {} was excluded from this study; a newcomer needs a code of their own",
                                    request.participant));
+}
+
+// On many disks the folders of their results would be one, and who reads a list takes them for one person.
+void refuse_other_capitals(const std::vector<SessionInfo>& sessions, const SessionRequest& request) {
+  const auto begun = [&](const SessionInfo& one) { return one.participant == request.participant; };
+  if (std::any_of(sessions.begin(), sessions.end(), begun)) return;
+  for (const SessionInfo& session : sessions)
+    if (boost::iequals(session.participant, request.participant))
+      throw UsageError(fmt::format(
+          "participant {}: the study has a participant {}, and codes that differ in capitals only are mistaken for "
+          "each other. For the same person: --participant {}; a newcomer needs another code",
+          request.participant, session.participant, session.participant));
 }
 
 // A mistyped code would begin a second participant while the first one waits with the device on.
@@ -75,6 +88,7 @@ void check_participant_code(const std::string& code) {
 SessionTarget choose_session(const Study& study, const Protocol& protocol, const SessionRequest& request) {
   const std::vector<SessionInfo> sessions = study.sessions();
   refuse_excluded(sessions, request);
+  refuse_other_capitals(sessions, request);
   SessionTarget target;
   std::string last_ended;
   int finished = 0;

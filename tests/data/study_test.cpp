@@ -5,6 +5,9 @@
 
 #include <sys/stat.h>
 
+#include "analysis/stop_request.h"
+#include "data/database.h"
+#include "data/event_body.h"
 #include "data/schema.h"
 #include "data/study_impl.h"
 #include "data/utc_time.h"
@@ -89,6 +92,37 @@ TEST_CASE("a second writer is refused with the process that holds the study; rea
   answer_all(*writer->resume_session("P01-simulated"), tutorial(), 2, 0);
   writer->close();
   CHECK_NOTHROW(Study::open(path, Access::read_write));
+}
+
+TEST_CASE("a statement that only reads ends when that is asked for, a writer's does not", "[data]") {
+  const TemporaryFolder folder;
+  const auto path = folder / "study.jnd";
+  new_study(path)->close();
+  constexpr const char* kLong =
+      "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < 300000) SELECT count(*) FROM n";
+  const auto count = [&](SQLite::Database& database) {
+    return with_storage_errors(path, [&] { return database.execAndGet(kLong).getInt(); });
+  };
+  const auto reader = open_database(path, false), writer = open_database(path, true);
+  CHECK(count(*reader) == 300'000);
+  stop_requested() = true;
+  CHECK_THROWS_AS(count(*reader), Stopped);
+  CHECK(count(*writer) == 300'000);
+  stop_requested() = false;
+  CHECK(count(*reader) == 300'000);
+}
+
+TEST_CASE("a row that another program put in our place is told as that", "[data]") {
+  const TemporaryFolder folder;
+  const auto path = folder / "study.jnd";
+  const auto study = new_study(path);
+  const auto log = study->open_session(new_session(1));
+  SQLite::Database(path.string(), SQLite::OPEN_READWRITE)
+      .exec("INSERT INTO event (session, seq, kind, utc, monotonic_ns, version, body, hash) "
+            "SELECT session, seq + 1, 'note', utc, monotonic_ns, version, body, hash FROM event "
+            "WHERE session = 'P01-simulated'");
+  CHECK_THROWS_WITH(log->append(event_kind::kNote, {{"text", "hello"}}, kNow),
+                    Catch::Contains("as if another program had written to it meanwhile"));
 }
 
 TEST_CASE("a reader that stays open does not hinder the writer's close, nor lose anything", "[data]") {

@@ -22,6 +22,16 @@ TEST_CASE("the question about the published design") {
   CHECK(precision_note(protocol).empty());
 }
 
+TEST_CASE("a study of very many people is drawn less often, but never too seldom") {
+  Protocol protocol = small_protocol(2, 3, 8, Sampling::balanced);  // six cells a participant
+  protocol.design.participants = 18;
+  CHECK(precision_question(protocol).experiments == 20'000);
+  protocol.design.participants = 200;
+  CHECK(precision_question(protocol).experiments == 8'333);
+  protocol.design.participants = 100'000;
+  CHECK(precision_question(protocol).experiments == 1'000);
+}
+
 TEST_CASE("without published values the Weber fraction of the cues, without contrasts every pair") {
   Protocol protocol = small_protocol(2, 3, 8, Sampling::balanced);
   const PrecisionQuestion question = precision_question(protocol);
