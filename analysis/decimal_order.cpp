@@ -25,8 +25,9 @@ struct Decimal {
   int exponent = 0;  // of ten
 };
 
-// None where the shortest decimal has more than 15 digits.
+// None where the shortest decimal has more than 15 digits, and for what is no number.
 std::optional<Decimal> short_decimal(double value) {
+  if (!std::isfinite(value)) return std::nullopt;
   // Most measured numbers have few decimals. A quotient of exact numbers is the double nearest to that decimal.
   constexpr std::array kPowers = {1.0, 10.0, 100.0, 1000.0, 10000.0};
   int places = 0;

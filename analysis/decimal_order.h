@@ -4,9 +4,10 @@
 // rounding, and change with the unit. So numbers are compared
 //   exactly, as the shortest decimals that read back the same, where all of them have at most 15 significant digits
 //   (a double keeps every such decimal) and lie within 37 places of one another;
-//   within their rounding elsewhere (the third of a decimal, a mean, a fitted threshold): a number x is known to
-//   2^-51 |x|, a difference to 2^-51 of the larger of its two numbers. Numbers that are nearer than both errors
-//   together are equal, and so is a chain of such neighbours.
+//   within their rounding elsewhere: a number x is taken as known to 2^-51 |x|, a difference to 2^-51 of the larger
+//   of its two numbers. That is enough for the third of a decimal and for a mean of few values; fitted values tie only
+//   where their data are the same. Numbers that are nearer than both errors together are equal, and so is a chain of
+//   such neighbours.
 // R's wilcox.test and friedman.test compare the doubles; wilcox.test(digits.rank = 9) rounds the differences first.
 // Tests: R 4.2.2 on whole multiples of the unit of measured data; data times 1/3.
 #pragma once

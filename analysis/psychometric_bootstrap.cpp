@@ -81,7 +81,6 @@ PsychometricBootstrap psychometric_bootstrap(std::span<const PsychometricLevel> 
   Collected all;
   int as_bad = 0;
   for (int replicate = 0; replicate < replicates; ++replicate) {
-    if (progress) progress(replicate);
     for (std::size_t i = 0; i < drawn.size(); ++i) drawn[i].k = samplers[i].at(open_uniform(generator));
     const PsychometricFit again = fit_psychometric(drawn, model);
     if (again.deviance >= fit.deviance) ++as_bad;
@@ -91,11 +90,10 @@ PsychometricBootstrap psychometric_bootstrap(std::span<const PsychometricLevel> 
       ++result.separated;
     else if (again.status == PsychometricStatus::not_increasing)
       ++result.not_increasing;
-    else {
+    else
       ++result.others;
-      continue;
-    }
-    collect(all, again);
+    collect(all, again);  // of the others every number is NaN
+    if (progress) progress(replicate + 1);
   }
   result.with_pse = static_cast<int>(all.pse.size());
   result.deviance_p = (1.0 + as_bad) / (1.0 + replicates);

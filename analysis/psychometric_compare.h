@@ -52,8 +52,7 @@ struct PsychometricComparison {
 // Maximum likelihood in every model (a prior is not used). A free lapse or guess is one and the same for all groups in
 // every model, so that the tests concern locations and slopes alone. Each model is searched from what the models within
 // it found, so that it is never less likely than they are, and from the best of each group at many rates, slopes and
-// places. At least two groups. Throws std::invalid_argument
-// as fit_psychometric, and for fewer groups.
+// places. At least two groups. Throws std::invalid_argument as fit_psychometric, and for fewer groups.
 PsychometricComparison compare_psychometric(std::span<const std::vector<PsychometricLevel>> groups,
                                             const PsychometricModel& asked);
 

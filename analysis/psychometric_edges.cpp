@@ -81,12 +81,12 @@ PsychometricEdge step_edge(const PsychometricLikelihood& likelihood) noexcept {
           double nearest = kInf;
           if (j > 0) nearest = data.t[j] - data.t[j - 1];
           if (j + 1 < data.levels()) nearest = std::min(nearest, data.t[j + 1] - data.t[j]);
-          best.c1 = kSteep / nearest;
+          best.c1 = kSteep / std::max(nearest, data.least_distance());
           best.t = data.t[j];
           best.c0 = psychometric_shape_quantile(data.function, f) - best.c1 * best.t;
         }
       } else if (!through && j > 0 && keep_better(best, sides, lapse, guess, kNaN, likelihood)) {
-        best.c1 = 2 * kSteep / (data.t[j] - data.t[j - 1]);
+        best.c1 = 2 * kSteep / std::max(data.t[j] - data.t[j - 1], data.least_distance());
         best.t = (data.t[j] + data.t[j - 1]) / 2;
         best.c0 = -best.c1 * best.t;
       }

@@ -48,8 +48,10 @@ PsychometricData psychometric_data(std::span<const PsychometricLevel> levels, co
   }
   std::sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.x < b.x; });
   for (const PsychometricLevel& level : sorted) {
-    if (data.x.empty() || data.x.back() != level.x) {
+    const double t = logarithmic ? std::log(level.x) : level.x;
+    if (data.t.empty() || data.t.back() != t) {
       data.x.push_back(level.x);
+      data.t.push_back(t);
       data.n.push_back(0);
       data.k.push_back(0);
     }
@@ -59,7 +61,6 @@ PsychometricData psychometric_data(std::span<const PsychometricLevel> levels, co
   for (std::size_t i = 0; i < data.levels(); ++i) {
     const double n = data.n[i], k = data.k[i];
     if (n > std::numeric_limits<int>::max()) throw std::invalid_argument("more than 2^31 trials at one level");
-    data.t.push_back(logarithmic ? std::log(data.x[i]) : data.x[i]);
     data.trials += n;
     data.answers += k;
     data.saturated += count_log(k, k / n) + count_log(n - k, (n - k) / n);

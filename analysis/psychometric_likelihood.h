@@ -15,7 +15,7 @@ namespace jnd {
 
 struct PsychometricData {
   PsychometricFunction function = PsychometricFunction::logistic;
-  // One entry a different level with trials, ascending.
+  // One entry a different level with trials, ascending. Levels with the same logarithm are one to the weibull function.
   std::vector<double> x, t, n, k;
   double shift = 0, scale = 1;  // t = (x - shift) / scale; weibull t = ln x - shift
   double trials = 0, answers = 0;
@@ -23,6 +23,9 @@ struct PsychometricData {
 
   std::size_t levels() const noexcept { return x.size(); }
   double range() const noexcept { return t.empty() ? 0 : t.back() - t.front(); }  // of t
+  // Levels nearer on the t axis than this are taken to be this far apart: for a function that rises between them,
+  // c0 + c1 t would have lost its digits.
+  double least_distance() const noexcept { return 1e-9 * range(); }
 };
 
 // Throws std::invalid_argument where a level or the model breaks the ranges of psychometric.h.

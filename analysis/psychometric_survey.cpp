@@ -23,6 +23,7 @@ constexpr double kMerged = 0.1;         // widest cell, in rises
 constexpr double kMergedError = 1e-3;   // of log-likelihood a trial, at most, by merging
 constexpr double kSteepestAlong = 1e4;  // rises of the last function of a curve in the range of the levels
 constexpr double kLeastRate = 1e-300;
+constexpr std::size_t kParts = 1000;  // of many levels: the narrowest of them sets the steepest row
 
 double rates_log(double n, double k, double p) noexcept {
   return count_log(k, p) + count_log(n - k, 1 - p);
@@ -39,6 +40,7 @@ PsychometricSurvey::PsychometricSurvey(const PsychometricLikelihood& likelihood,
       high_(psychometric_shape_quantile(data_.function, 1 - kTail)),
       rise_(psychometric_shape_quantile(data_.function, 0.75) - psychometric_shape_quantile(data_.function, 0.25)),
       nearest_(kInf) {
+  const std::size_t apart = 1 + data_.levels() / kParts;
   double n = 0, k = 0, t = 0, best = 0;
   for (std::size_t i = 0; i <= data_.levels(); ++i) {
     n_before_.push_back(n);
@@ -46,12 +48,13 @@ PsychometricSurvey::PsychometricSurvey(const PsychometricLikelihood& likelihood,
     t_before_.push_back(t);
     best_before_.push_back(best);
     if (i == data_.levels()) break;
-    if (i > 0) nearest_ = std::min(nearest_, data_.t[i] - data_.t[i - 1]);
+    if (i >= apart) nearest_ = std::min(nearest_, data_.t[i] - data_.t[i - apart]);
     n += data_.n[i];
     k += data_.k[i];
     t += data_.n[i] * data_.t[i];
     best += rates_log(data_.n[i], data_.k[i], data_.k[i] / data_.n[i]);
   }
+  nearest_ = std::max(nearest_, data_.least_distance());
   lapse_ = 0.5 * (box_.lower[Place::lapse] + box_.upper[Place::lapse]);
   guess_ = 0.5 * (box_.lower[Place::guess] + box_.upper[Place::guess]);
 }
@@ -216,12 +219,13 @@ PsychometricSurvey::Stretch PsychometricSurvey::whole_row(double c1) const noexc
 
 // The functions of one steepness, a quarter of their rise apart, within the stretches; these become what is left of
 // them. Of a gap between levels much wider than the rise, one place is enough.
-PsychometricSurvey::Row PsychometricSurvey::row(double c1, std::vector<Stretch>& stretches, double& best) {
+std::vector<PsychometricSurvey::Point> PsychometricSurvey::row(double c1, std::vector<Stretch>& stretches,
+                                                               double& best) {
   const Cells& cells = cells_for(c1);
   const Stretch whole = whole_row(c1);
   const double step = kStep * rise_ / c1, near = kNear * rise_ / c1;
   const double merging = data_.levels() > kExactLevels ? kMergedError * data_.trials : 0;
-  Row row{c1, {}, {}};
+  std::vector<Point> points;
   std::vector<Stretch> left;
   for (const Stretch& stretch : stretches) {
     const double to = std::min(stretch.to, whole.to);
@@ -229,22 +233,21 @@ PsychometricSurvey::Row PsychometricSurvey::row(double c1, std::vector<Stretch>&
     auto next = std::upper_bound(cells.t().begin(), cells.t().end(), t);
     while (t <= to) {
       if (bound(cells, t, c1, step) >= best - merging) {
-        row.t.push_back(t);
-        row.points.push_back(at(middle_ - c1 * t, c1));
-        best = std::max(best, row.points.back().value);
+        points.push_back(at(middle_ - c1 * t, c1));
+        best = std::max(best, points.back().value);
         if (!left.empty() && left.back().to >= t - step)
           left.back().to = t + step;
         else
           left.push_back({t - step, t + step});
       }
-      t += step;
+      t = std::max(t + step, std::nextafter(t, kInf));  // a step may be less than the last digit of t
       while (next != cells.t().end() && *next <= t) ++next;
       const bool in_gap = next != cells.t().begin() && next != cells.t().end();
       if (in_gap && t - *(next - 1) > near && *next - t > near) t = *next - near;
     }
   }
   stretches = std::move(left);
-  return row;
+  return points;
 }
 
 namespace {
@@ -264,28 +267,26 @@ bool is_peak(const std::vector<PsychometricSurvey::Point>& points, std::size_t i
 }  // namespace
 
 std::vector<PsychometricSurvey::Point> PsychometricSurvey::peaks(std::size_t most, double known) {
-  std::vector<Row> rows;
   const double flattest = rise_ / (kFlattest * data_.range()), steepest = kSteeper * kSteepest * rise_ / nearest_;
   std::vector<Stretch> stretches = {whole_row(flattest)};
   double best = known;
+  std::vector<Point> found;
   double c1 = flattest;
-  while (c1 <= steepest && !stretches.empty()) {
-    rows.push_back(row(c1, stretches, best));
+  while (c1 <= steepest && c1 < kInf && !stretches.empty()) {  // infinite where all levels are at one t
+    const std::vector<Point> points = row(c1, stretches, best);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (is_peak(points, i)) found.push_back(points[i]);
     c1 *= kSteeper;
   }
-  std::vector<Point> found;
-  for (const Row& row : rows)
-    for (std::size_t i = 0; i < row.points.size(); ++i)
-      if (is_peak(row.points, i)) found.push_back(row.points[i]);
   return best_of(std::move(found), most);
 }
 
 std::vector<PsychometricSurvey::Point> PsychometricSurvey::peaks_at(double c1, std::size_t most, double known) {
   std::vector<Stretch> stretches = {whole_row(c1)};
-  const Row found = row(c1, stretches, known);
+  const std::vector<Point> found = row(c1, stretches, known);
   std::vector<Point> peaks;
-  for (std::size_t i = 0; i < found.points.size(); ++i)
-    if (is_peak(found.points, i)) peaks.push_back(found.points[i]);
+  for (std::size_t i = 0; i < found.size(); ++i)
+    if (is_peak(found, i)) peaks.push_back(found[i]);
   return best_of(std::move(peaks), most);
 }
 
@@ -296,7 +297,7 @@ std::vector<PsychometricSurvey::Point> PsychometricSurvey::peaks_along(const std
   const double steepest = std::min(kSteepest * rise_ / nearest_, kSteepestAlong * rise_ / data_.range());
   std::vector<Point> points, peaks;
   double c1 = flattest;
-  while (c1 <= kSteeper * steepest) {
+  while (c1 <= kSteeper * steepest && c1 < kInf) {
     points.push_back(at(h(c1), c1));
     c1 *= kSteeper;
   }

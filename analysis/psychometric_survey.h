@@ -12,7 +12,8 @@
 //
 // Levels beyond the rise of F (nearer than 1e-6 to 0 or 1) count together. More than kExactLevels levels are merged
 // where they lie within a tenth of that rise of each other; then the survey is approximate, and a search goes on from
-// it on the levels themselves.
+// it on the levels themselves. The steepest rows then rise over about a ten-thousandth of the levels where these are
+// densest: steeper functions differ little from steps, and noise gives them very many peaks.
 #pragma once
 
 #include <cstddef>
@@ -60,18 +61,13 @@ class PsychometricSurvey {
   struct Stretch {
     double from, to;
   };
-  struct Row {
-    double c1;
-    std::vector<double> t;  // of the middles of F, ascending
-    std::vector<Point> points;
-  };
   struct Weighed {
     double n, k, g, upper;
   };
   const Cells& cells_for(double c1);
   Cells cells_of_width(double width) const;
   double bound(const Cells& cells, double t, double c1, double slack) const;
-  Row row(double c1, std::vector<Stretch>& stretches, double& best);
+  std::vector<Point> row(double c1, std::vector<Stretch>& stretches, double& best);
   Stretch whole_row(double c1) const noexcept;
   double best_rates(double& lapse, double& guess) const;
 
@@ -79,7 +75,7 @@ class PsychometricSurvey {
   const PsychometricData& data_;
   NewtonBox box_;
   double low_ = 0, middle_ = 0, high_ = 0, rise_ = 0;  // u at F = 1e-6, 0.5, 1 - 1e-6; and between the quartiles
-  double nearest_ = 0;                                 // least distance of two levels on the t axis
+  double nearest_ = 0;  // least distance of two levels on the t axis; of many levels, of some in a row
   std::vector<double> n_before_, k_before_, t_before_, best_before_;  // of the levels; t weighted by n
   std::map<int, Cells> cells_;                                        // by power of two of their width
   std::vector<Weighed> weighed_;                                      // of the function looked at

@@ -199,6 +199,17 @@ TEST_CASE("the bootstrap p of the deviance is near the asymptotic one, and small
   CHECK(psychometric_bootstrap(bad, model, 500, 3).deviance_p == Approx(1.0 / 501));
 }
 
+TEST_CASE("the bootstrap says after each replicate how many are done", "[psychometric]") {
+  // Few trials: some replicates have one and the same answer throughout.
+  std::vector<int> said, expected;
+  const PsychometricBootstrap few =
+      psychometric_bootstrap(std::vector<PsychometricLevel>{{1, 2, 0}, {2, 2, 1}, {3, 2, 0}, {4, 2, 1}}, {}, 100, 1,
+                             0.95, [&said](int done) { said.push_back(done); });
+  for (int i = 1; i <= 100; ++i) expected.push_back(i);
+  CHECK(few.others > 0);
+  CHECK(said == expected);
+}
+
 TEST_CASE("bootstrap fits without a threshold count as what they say", "[psychometric]") {
   const PsychometricModel model;
   const PsychometricBootstrap few =
