@@ -184,7 +184,7 @@ MachineCheck judge_jitter(const JitterReport& report) {
     check.found +=
         fmt::format(": in a session, which is longer, some ticks will be {:.0f} ms late, which voids a trial",
                     1e-3 * kGapLateness_us);
-  } else if (p99_us >= kUnfitLoop.p99_us || skipped > kUnfitLoop.skipped_share) {
+  } else if (p99_us >= kUnfitLoop.p99_us || skipped >= kUnfitLoop.skipped_share) {
     check.verdict = Verdict::bad;
     check.found += ": one tick in a hundred is lost";
   } else if (p99_us > kTightLoop.p99_us || largest_us > kTightLoop.largest_us || skipped > kTightLoop.skipped_share) {

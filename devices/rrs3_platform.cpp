@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/hard_limits.h"
 #include "protocols/input_error.h"
 
 namespace jnd {
@@ -13,18 +14,20 @@ namespace {
 constexpr double kRest_m = 1e-12;
 constexpr double kRest_m_per_s = 1e-9;
 constexpr double kStep_s = 1e-9 * static_cast<double>(kPlatformStep_ns);
+constexpr HardLimits kHard = hard_limits(DeviceModel::rrs3);
 }  // namespace
 
 Rrs3Platform::Rrs3Platform(const DeviceSpec& spec, double pulp_stiffness_n_per_m)
     : kinematics_(geometry_of(spec)),
       pulp_n_per_m_(pulp_stiffness_n_per_m),
-      joint_step_rad_(spec.max_joint_speed_rad_per_s * kStep_s) {
-  if (!(pulp_n_per_m_ > 0) || !std::isfinite(pulp_n_per_m_) || spec.max_force_n / pulp_n_per_m_ > spec.stroke_m / 2)
+      joint_step_rad_(limit_in_force(spec.max_joint_speed_rad_per_s, kHard.joint_speed_rad_per_s) * kStep_s) {
+  const double stroke_m = limit_in_force(spec.stroke_m, kHard.stroke_m);
+  if (!(pulp_n_per_m_ > 0) || !std::isfinite(pulp_n_per_m_) || spec.max_force_n / pulp_n_per_m_ > stroke_m / 2)
     throw InputError(fmt::format(
         "a finger pulp of {} N/m lets the platform of {} go {:.1f} mm at {} N, more than half its stroke of {:.1f} mm: "
         "give pulp_stiffness_n_per_m of at least {:.0f}",
-        pulp_n_per_m_, spec.name, 1e3 * spec.max_force_n / pulp_n_per_m_, spec.max_force_n, 1e3 * spec.stroke_m,
-        std::ceil(2 * spec.max_force_n / spec.stroke_m)));
+        pulp_n_per_m_, spec.name, 1e3 * spec.max_force_n / pulp_n_per_m_, spec.max_force_n, 1e3 * stroke_m,
+        std::ceil(2 * spec.max_force_n / stroke_m)));
   if (!solve_pose({.pz_m = spec.rest_z_m}))
     throw InputError(fmt::format("the geometry of {} cannot hold its rest pose at z = {} m: check the lengths",
                                  spec.name, spec.rest_z_m));

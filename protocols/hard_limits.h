@@ -1,5 +1,7 @@
 // The most that a device of each model is ever given, whatever its description says: a description may lower a limit,
-// never raise it. The reader of descriptions refuses more with words, the governor and the devices themselves cap it.
+// never raise it. The reader of descriptions refuses more with words. Force, tilt and vibration are capped once more by
+// the governor, force and vibration also by the models of the devices, stroke and joint speed by the platform's model.
+// A stiffness gives nothing but forces, which are capped.
 #pragma once
 
 #include <algorithm>

@@ -34,8 +34,8 @@ bool has_precision(const Protocol& protocol) noexcept;
 CountsDesign counts_design(const Protocol& protocol);
 
 // Conditions in the protocol's order with their planned JNDs, its contrasts (without any: every pair), its
-// participants. Of studies with more than some hundred participants fewer are drawn, at least 1,000: 10 million draws of
-// a participant's answers to one series in all.
+// participants. Where conditions x series x participants is above 500, fewer than 20,000 studies are drawn, but at
+// least 1,000: 10 million draws of a participant's answers to one series in all.
 PrecisionQuestion precision_question(const Protocol& protocol);
 
 // What the figures of analysis/precision.h do not cover of this protocol's registered analysis; empty where they are

@@ -7,7 +7,9 @@
 
 #include "devices/governor.h"
 #include "devices/mckibben_device.h"
+#include "devices/rrs3_platform.h"
 #include "protocols/hard_limits.h"
+#include "protocols/input_error.h"
 #include "tests/catch.h"
 #include "tests/devices/device_fixtures.h"
 
@@ -63,6 +65,7 @@ DeviceCommand any_command() {
   command.vibration_g = *rc::gen::inRange(0, 100) / 10.0;
   command.vibration_hz = *rc::gen::inRange(0, 1000);
   command.roll_rad = *rc::gen::inRange(-100, 100) / 50.0;
+  command.pitch_rad = *rc::gen::inRange(-100, 100) / 50.0;
   return command;
 }
 
@@ -102,8 +105,23 @@ TEST_CASE("the governor gives no more than the hard limits, whatever a descripti
         RC_ASSERT(given.vibration_g >= 0 && given.vibration_g <= std::max(hard.vibration_g, 0.0));
         RC_ASSERT(given.vibration_hz >= 0 && given.vibration_hz <= std::max(hard.vibration_hz, 0.0));
         RC_ASSERT(std::abs(given.roll_rad) <= hard.roll_rad);
+        RC_ASSERT(std::abs(given.pitch_rad) <= hard.pitch_rad);
       }
     }));
+}
+
+TEST_CASE("the platform's joints turn no faster than the hard limit, and its stroke is no longer") {
+  DeviceSpec faster = rrs3_spec(), longer = rrs3_spec();
+  faster.max_joint_speed_rad_per_s *= 100;
+  longer.stroke_m *= 100;
+  Rrs3Platform at_limit(rrs3_spec(), 1000), described_faster(faster, 1000);
+  for (int i = 0; i < 20; ++i) {
+    at_limit.step({.roll_rad = 0.3, .pitch_rad = 0.3});
+    described_faster.step({.roll_rad = 0.3, .pitch_rad = 0.3});
+    CHECK(described_faster.coordinates().roll_rad == at_limit.coordinates().roll_rad);
+    CHECK(described_faster.coordinates().pitch_rad == at_limit.coordinates().pitch_rad);
+  }
+  CHECK_THROWS_AS(Rrs3Platform(longer, 600), InputError);
 }
 
 TEST_CASE("past the governor the models' own caps hold, whatever a description says") {
@@ -116,7 +134,7 @@ TEST_CASE("past the governor the models' own caps hold, whatever a description s
     std::int64_t now = 0;
     (void)device.engage(now);
     DeviceCommand command = any_command();
-    command.roll_rad = 0;
+    command.roll_rad = command.pitch_rad = 0;
     for (int i = 0; i < 200; ++i) {
       DeviceReading reading;
       (void)device.read(now, reading);

@@ -203,6 +203,7 @@ TEST_CASE("skipped ticks are judged by their share of the ticks that were due, h
   };
   CHECK(skipped(3000, 0).verdict == Verdict::ok);
   CHECK(skipped(2978, 22).verdict == Verdict::warn);
+  CHECK(skipped(2970, 30).verdict == Verdict::bad);  // 1 %, the limit itself
   CHECK(skipped(2911, 89).verdict == Verdict::bad);  // 3 %
   CHECK(contains(skipped(2911, 89).found, "89 skipped (3 %)"));
   CHECK(skipped(299'911, 89).verdict == Verdict::warn);
