@@ -58,11 +58,9 @@ bool has_event(const std::vector<Event>& events, const std::string& hash) {
   return std::any_of(events.begin(), events.end(), [&](const Event& event) { return event.hash == hash; });
 }
 
-// Whether all that `earlier` holds is in the study too: each of its chains is the beginning of the study's.
-bool holds_all_of(const Study& study, const Study& earlier) {
-  const std::vector<Event> own = earlier.events(kStudyChain);
+// Whether all that an earlier file holds is in the study too: each of its chains is the beginning of the study's.
+bool holds_all_of(const Study& study, const std::vector<Event>& own, const std::vector<SessionInfo>& sessions) {
   if (!own.empty() && !has_event(study.events(kStudyChain), own.back().hash)) return false;
-  const std::vector<SessionInfo> sessions = earlier.sessions();
   return std::all_of(sessions.begin(), sessions.end(),
                      [&](const SessionInfo& session) { return has_event(study.events(session.id), session.head); });
 }
@@ -70,15 +68,19 @@ bool holds_all_of(const Study& study, const Study& earlier) {
 enum class Earlier { of_this_study, further, foreign };
 
 Earlier judge(const Study& study, const fs::path& to) {
+  std::vector<Event> own;
+  std::vector<SessionInfo> sessions;
   try {
     const StudyInfo& info = study.info();
     const auto earlier = Study::open(to, Study::Access::read_only);
     if (earlier->info().seed != info.seed || earlier->info().protocol_sha256 != info.protocol_sha256)
       return Earlier::foreign;
-    return holds_all_of(study, *earlier) ? Earlier::of_this_study : Earlier::further;
+    own = earlier->events(kStudyChain);
+    sessions = earlier->sessions();
   } catch (const StorageError&) {
     return Earlier::foreign;
   }
+  return holds_all_of(study, own, sessions) ? Earlier::of_this_study : Earlier::further;
 }
 
 // A backup takes the place of an earlier one only, and of none that has something which this study lacks: that is no
@@ -111,7 +113,8 @@ BackupReport back_up(const Study& study, const fs::path& to, bool replace, const
       return interrupted;
     }
   }
-  return finish_copy(file);
+  // Looked at once more: another program may have put something there during a long copy.
+  return finish_copy(file, [&study](const fs::path& earlier) { refuse_another(study, earlier); });
 }
 
 bool copy_into(NewFile& file, SQLite::Database& source, const fs::path& path, const std::function<bool()>& stop) {
@@ -122,7 +125,7 @@ bool copy_into(NewFile& file, SQLite::Database& source, const fs::path& path, co
   }
 }
 
-BackupReport finish_copy(NewFile& file) {
+BackupReport finish_copy(NewFile& file, const std::function<void(const fs::path&)>& may_go) {
   BackupReport report;
   with_storage_errors(file.path(), [&] { settle(file.made()); });
   {
@@ -134,7 +137,7 @@ BackupReport finish_copy(NewFile& file) {
     if (!own.empty()) report.study_head = own.back().hash;
   }
   report.bytes = fs::file_size(file.made());
-  file.publish();
+  file.publish(may_go);
   report.written = true;
   return report;
 }

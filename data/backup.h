@@ -31,9 +31,9 @@ BackupReport back_up(const Study& study, const std::filesystem::path& to, bool r
                      const std::function<bool()>& stop = {});
 
 // The two halves of it. The pages of an open connection to the study at `path`, as of one instant; false where `stop`
-// came. Then the verification, and the name where it finds nothing. Throw StorageError.
+// came. Then the verification, and the name where it finds nothing (may_go: see NewFile::publish). Throw StorageError.
 bool copy_into(NewFile& file, SQLite::Database& source, const std::filesystem::path& path,
                const std::function<bool()>& stop = {});
-BackupReport finish_copy(NewFile& file);
+BackupReport finish_copy(NewFile& file, const std::function<void(const std::filesystem::path&)>& may_go = {});
 
 }  // namespace jnd

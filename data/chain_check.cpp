@@ -1,7 +1,9 @@
 #include "data/chain_check.h"
 
 #include <algorithm>
+#include <exception>
 #include <map>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -38,24 +40,51 @@ void hash_all(std::vector<ChainRow>& rows) {
       row->agrees = event_hash(row->before, row->event, row->utc) == row->event.hash;
   };
   if (rows.size() < 2 * threads || threads == 1) return hash(0, rows.size());
-  std::vector<std::jthread> workers;
-  for (std::size_t i = 0; i < threads; ++i)
-    workers.emplace_back(hash, rows.size() * i / threads, rows.size() * (i + 1) / threads);
+  std::vector<std::exception_ptr> failures(threads);
+  {
+    std::vector<std::jthread> workers;
+    workers.reserve(threads);
+    for (std::size_t i = 0; i < threads; ++i) {
+      const auto work = [&, i]() noexcept {
+        try {
+          hash(rows.size() * i / threads, rows.size() * (i + 1) / threads);
+        } catch (...) {
+          failures[i] = std::current_exception();
+        }
+      };
+      try {
+        workers.emplace_back(work);
+      } catch (const std::system_error&) {
+        work();  // no more threads may be made
+      }
+    }
+  }
+  for (const std::exception_ptr& failure : failures)
+    if (failure) std::rethrow_exception(failure);
 }
 
 class Walk {
  public:
-  Walk(SQLite::Database& database, const StudyFacts& facts, const std::function<void(const Event&)>& each)
-      : database_(database), facts_(facts), each_(each) {}
+  Walk(SQLite::Database& database, const StudyFacts& facts, const std::function<void(const Event&)>& each,
+       ChainReport& report)
+      : database_(database), facts_(facts), each_(each), report_(report) {}
 
-  ChainReport run() {
+  void run() {
     SQLite::Statement query(database_,
                             "SELECT session, seq, kind, utc, monotonic_ns, version, body, hash, rowid FROM event ORDER "
                             "BY session, seq");
     std::vector<ChainRow> rows;
     std::size_t bytes = 0;
     std::string session, before;
-    while (query.executeStep()) {
+    const auto next = [&] {
+      try {
+        return query.executeStep();
+      } catch (const SQLite::Exception&) {
+        take(rows);  // what lies before the damage is told as well
+        throw;
+      }
+    };
+    while (next()) {
       ChainRow& row = rows.emplace_back();
       Event& event = row.event;
       event.session = query.getColumn(0).getString();
@@ -78,7 +107,6 @@ class Walk {
     take(rows);
     check_ends();
     check_tally();
-    return std::move(report_);
   }
 
  private:
@@ -108,9 +136,12 @@ class Walk {
     Event& event = row.event;
     ++report_.events;
     End& end = ends_[event.session];
-    if (event.seq != end.seq + 1)
+    const bool possible = event.seq >= 1;
+    if (!possible)
+      problem("Session " + event.session, ": event {} has a number that no event has.", event.seq);
+    else if (event.seq - 1 != end.seq)
       problem("Session " + event.session, ": event {} follows event {}: {} missing.", event.seq, end.seq,
-              event.seq - end.seq - 1);
+              event.seq - 1 - end.seq);
     const std::string where = fmt::format("Session {}, event {}", event.session, event.seq);
     if (!row.agrees)
       problem(where, " ({}): its hash does not match: this event or the one before it was changed.", event.kind);
@@ -121,7 +152,7 @@ class Walk {
     } catch (const StorageError& error) {
       problem(where, ": {}.", error.what());
     }
-    end.seq = event.seq;
+    if (possible) end.seq = event.seq;
     end.row = row.row;
     end.hash = event.hash;
     if (event.session == kStudyChain) return;
@@ -176,7 +207,7 @@ class Walk {
   SQLite::Database& database_;
   const StudyFacts& facts_;
   const std::function<void(const Event&)>& each_;
-  ChainReport report_;
+  ChainReport& report_;
   std::map<std::string, End> ends_;  // of every session that was found
 };
 
@@ -187,9 +218,9 @@ std::string open_words(const Problem& problem) {
 
 }  // namespace
 
-ChainReport check_chains(SQLite::Database& database, const StudyFacts& facts,
-                         const std::function<void(const Event&)>& each) {
-  return Walk(database, facts, each).run();
+void check_chains(SQLite::Database& database, const StudyFacts& facts, const std::function<void(const Event&)>& each,
+                  ChainReport& report) {
+  Walk(database, facts, each, report).run();
 }
 
 ChainReport require_whole_chains(const Study& study) {
@@ -199,7 +230,8 @@ ChainReport require_whole_chains(const Study& study) {
     SQLite::Transaction reading(impl.database());  // one instant, whatever a session adds meanwhile
     std::vector<Problem> problems;
     const StudyFacts facts = study_facts(impl.database(), impl.info, problems);
-    ChainReport found = check_chains(impl.database(), facts, {});
+    ChainReport found;
+    check_chains(impl.database(), facts, {}, found);
     if (sha256_hex(impl.info.protocol_bytes) != impl.info.protocol_sha256)
       problems.push_back({"The study", "The study: its protocol was changed.", Problem::Reveals::nothing});
     found.problems.insert(found.problems.end(), problems.begin(), problems.end());
@@ -217,8 +249,8 @@ ChainReport require_whole_chains(const Study& study) {
 }
 
 std::string chain_line(const ChainReport& report) {
-  return fmt::format("every hash agrees ({} events); head of the study's own chain: {}", report.events,
-                     report.study_head);
+  return fmt::format("every hash agrees ({} event{}); head of the study's own chain: {}", report.events,
+                     report.events == 1 ? "" : "s", report.study_head);
 }
 
 }  // namespace jnd

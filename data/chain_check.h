@@ -22,9 +22,9 @@ struct ChainReport {
 };
 
 // Calls each for every event, in the order of session and seq. Hashes on several threads; `each` runs on this one.
-// Throws SQLite::Exception.
-ChainReport check_chains(SQLite::Database& database, const StudyFacts& facts,
-                         const std::function<void(const Event&)>& each);
+// Throws SQLite::Exception where the file cannot be read to its end: `report` has what was found until then.
+void check_chains(SQLite::Database& database, const StudyFacts& facts, const std::function<void(const Event&)>& each,
+                  ChainReport& report);
 
 // For whoever computes results: what the chains are, where nothing is wrong with them, the protocol and the schema.
 // Throws BrokenChain with the first problem, in words that give nothing of the plan away, and StorageError. Grows

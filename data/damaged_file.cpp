@@ -11,6 +11,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "analysis/stop_request.h"
@@ -58,11 +59,17 @@ std::uint32_t big_endian(Bytes bytes, std::size_t at, std::size_t length) {
 }
 
 PrivateCopy::PrivateCopy(const std::filesystem::path& file, const std::filesystem::path& folder) {
-  const Descriptor from{::open(file.c_str(), O_RDONLY | O_CLOEXEC)};
+  // Without waiting: the opening of a named pipe would wait for somebody who writes.
+  const Descriptor from{::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)};
   if (from.value < 0) {
     if (errno == ENOENT) return;
     throw StorageError(fmt::format("{}: cannot be read: {}", file.string(), std::strerror(errno)));
   }
+  struct stat status {};
+  if (::fstat(from.value, &status) != 0)
+    throw StorageError(fmt::format("{}: cannot be read: {}", file.string(), std::strerror(errno)));
+  if (!S_ISREG(status.st_mode))
+    throw StorageError(fmt::format("{}: is not a file; remove it and try again", file.string()));
   std::string name = (folder / ".jnd-recover-XXXXXX").string();
   const Descriptor to{::mkostemp(name.data(), O_CLOEXEC)};
   if (to.value < 0) throw StorageError(fmt::format("{}: cannot be written: {}", folder.string(), std::strerror(errno)));

@@ -15,7 +15,8 @@ using Bytes = std::span<const unsigned char>;
 // ends. What the disk cannot read becomes zeros.
 class PrivateCopy {
  public:
-  // An absent file is empty. folder: where there is room for the copy. Throws StorageError.
+  // An absent file is empty. folder: where there is room for the copy. Throws StorageError, also where it is a folder,
+  // a named pipe or a device.
   PrivateCopy(const std::filesystem::path& file, const std::filesystem::path& folder);
   ~PrivateCopy();
   PrivateCopy(const PrivateCopy&) = delete;

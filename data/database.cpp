@@ -179,10 +179,11 @@ void end_writing(SQLite::Database& database) {
   unless_busy("PRAGMA journal_mode = DELETE");
 }
 
-void insert_row(SQLite::Statement& insert) {
+void insert_row(SQLite::Statement& insert, const fs::path& path) {
   if (insert.exec() != 1)
-    throw StorageError(
-        "a row was not stored although nothing failed: something in the file swallows it; run jnd verify");
+    throw StorageError(fmt::format(
+        "{}: a row was not stored although nothing failed: something in the file swallows it; run jnd verify",
+        path.string()));
 }
 
 bool is_network_file_system(long f_type) noexcept {
@@ -261,11 +262,11 @@ void throw_write_error(const fs::path& path, const SQLite::Exception& error) {
                       "that program and try again",
                       where, error.what()));
     case SQLITE_CONSTRAINT:
-      throw StorageError(
-          fmt::format("{}: the study refuses this event ({}), as if another program had written to it meanwhile: the "
-                      "event is not saved, all earlier ones are. Close that program, look at the study with jnd verify, "
-                      "and take the session up again",
-                      where, error.what()));
+      throw StorageError(fmt::format(
+          "{}: the study refuses this event ({}), as if another program had written to it meanwhile: the "
+          "event is not saved, all earlier ones are. Close that program, look at the study with jnd verify, "
+          "and take the session up again",
+          where, error.what()));
     default:
       throw storage_error(path, error);
   }

@@ -36,9 +36,9 @@ bool is_network_file_system(long f_type) noexcept;
 // Throws StorageError where the study is on one.
 void refuse_network_file_system(const std::filesystem::path& path);
 
-// Runs an INSERT of one row. Throws StorageError where no row was stored although nothing failed (a trigger may swallow
-// one), and SQLite::Exception.
-void insert_row(SQLite::Statement& insert);
+// Runs an INSERT of one row into the study at `path`. Throws StorageError where no row was stored although nothing
+// failed (a trigger may swallow one), and SQLite::Exception.
+void insert_row(SQLite::Statement& insert, const std::filesystem::path& path);
 
 // Throws Stopped (analysis/stop_request.h) where reading ended because that was asked for: a file opened for reading
 // ends its statements then.

@@ -8,6 +8,7 @@
 #include <random>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include <fcntl.h>
@@ -22,7 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kDraft = ".jnd-draft-", kOld = ".jnd-old-";
+constexpr std::string_view kDraft = ".jnd-draft-", kOld = ".jnd-old-", kKept = ".jnd-kept-";  // nobody clears kept ones
+constexpr std::string_view kAlphabet = "abcdefghijklmnopqrstuvwxyz0123456789", kDigits = "0123456789";
 constexpr std::size_t kLetters = 6;     // random ones, at the end of a name
 constexpr std::size_t kMostName = 200;  // bytes of NAME that a draft keeps, so that long names have drafts too
 
@@ -41,12 +43,20 @@ std::string beginning(const fs::path& place, std::string_view mark) {
   return name + std::string(mark);
 }
 
+// With a digit among them, so that no word that somebody gave a file ("backup") looks like them.
+bool are_letters(std::string_view text) {
+  return text.size() == kLetters && text.find_first_not_of(kAlphabet) == std::string_view::npos &&
+         text.find_first_of(kDigits) != std::string_view::npos;
+}
+
 std::string letters() {
-  static constexpr std::string_view kAlphabet = "abcdefghijklmnopqrstuvwxyz0123456789";
   std::random_device device;
   std::uniform_int_distribution<std::size_t> any(0, kAlphabet.size() - 1);
   std::string text;
-  for (std::size_t i = 0; i < kLetters; ++i) text += kAlphabet[any(device)];
+  while (!are_letters(text)) {
+    text.clear();
+    for (std::size_t i = 0; i < kLetters; ++i) text += kAlphabet[any(device)];
+  }
   return text;
 }
 
@@ -72,6 +82,39 @@ int take(const fs::path& path) {
   return -1;
 }
 
+// Locks what has this name and is to be replaced, so that no other program takes it for a killed program's draft and
+// clears it away once it has a draft's name. Where it cannot be opened or locked, clear_drafts cannot take it either.
+class Held {
+ public:
+  explicit Held(const fs::path& path) { hold(path); }
+  ~Held() { let_go(); }
+  Held(const Held&) = delete;
+  Held& operator=(const Held&) = delete;
+
+  // Another one may have come to the place before it was moved.
+  void hold_instead(const fs::path& path) {
+    struct stat held {
+    }, named{};
+    if (descriptor_ >= 0 && ::fstat(descriptor_, &held) == 0 && ::lstat(path.c_str(), &named) == 0 &&
+        same_file(held, named))
+      return;
+    let_go();
+    hold(path);
+  }
+
+ private:
+  void hold(const fs::path& path) {
+    descriptor_ = ::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    if (descriptor_ >= 0) (void)::flock(descriptor_, LOCK_EX | LOCK_NB);
+  }
+  void let_go() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+    descriptor_ = -1;
+  }
+
+  int descriptor_ = -1;
+};
+
 void remove_draft(const fs::path& path) noexcept {
   std::error_code ignored;
   if (fs::is_directory(fs::symlink_status(path, ignored))) {
@@ -89,7 +132,8 @@ std::vector<fs::path> names_of(const fs::path& place, std::string_view mark) {
   std::error_code error;
   for (fs::directory_iterator entry(folder_of(place), error), end; !error && entry != end; entry.increment(error)) {
     const std::string name = entry->path().filename().string();
-    if (name.size() == begin.size() + kLetters && name.starts_with(begin)) found.push_back(entry->path());
+    if (name.starts_with(begin) && are_letters(std::string_view(name).substr(begin.size())))
+      found.push_back(entry->path());
   }
   return found;
 }
@@ -148,14 +192,17 @@ Draft::Draft(const fs::path& place, What what, Access access) : place_(place), w
       if (what == What::folder) ::rmdir(path_.c_str());
       throw cannot_write(place, error);
     }
-    // Another program that clears up may have come between the two calls and taken it away.
+    // Another program that clears up may have come between the two calls: it holds it, or has taken it away.
+    const int failed = ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0 ? 0 : errno;
     struct stat made {
     }, named{};
-    if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0 && ::fstat(descriptor_, &made) == 0 &&
-        ::lstat(path_.c_str(), &named) == 0 && same_file(made, named))
+    if (failed == 0 && ::fstat(descriptor_, &made) == 0 && ::lstat(path_.c_str(), &named) == 0 &&
+        same_file(made, named))
       break;
+    if (failed != 0) remove_draft(path_);
     ::close(descriptor_);
     descriptor_ = -1;
+    if (failed != 0 && failed != EWOULDBLOCK) throw cannot_write(place, failed);
   }
   // Whatever the umask took away. A file system without modes has none to give.
   if (access == Access::owner) (void)::fchmod(descriptor_, what == What::folder ? 0700 : 0600);
@@ -188,6 +235,9 @@ void Draft::write_within(const fs::path& relative, std::string_view bytes) const
 }
 
 bool Draft::publish() {
+  // A file's content was flushed by who wrote it. A folder's is flushed here, all of it at once.
+  if (what_ == What::folder && ::syncfs(descriptor_) != 0 && !is_unknown_to_file_system(errno))
+    throw cannot_write(place_, errno);
   if (const int error = give_name(path_, place_); error != 0) {
     if (error == EEXIST) return false;
     throw cannot_write(place_, error);
@@ -200,12 +250,15 @@ bool Draft::publish() {
 void Draft::replace(const std::function<void(const fs::path&)>& may_go) {
   if (publish()) return;
   may_go(place_);
+  Held held(place_);
   const int error = exchange(path_, place_);
   if (error == 0) {
     try {
+      held.hold_instead(path_);
       may_go(path_);
     } catch (...) {
-      exchange(path_, place_);
+      if (const int failed = exchange(path_, place_); failed != 0) throw kept(std::exchange(path_, {}), failed);
+      may_go(place_);  // the same once more, in words that name the place and not the draft
       throw;
     }
     remove_draft(path_);
@@ -221,10 +274,12 @@ void Draft::replace(const std::function<void(const fs::path&)>& may_go) {
   const fs::path old = fresh_name(place_, kOld);
   if (std::rename(place_.c_str(), old.c_str()) != 0) throw cannot_write(place_, errno);
   try {
+    held.hold_instead(old);
     may_go(old);
     if (const int failed = give_name(path_, place_); failed != 0) throw cannot_write(place_, failed);
   } catch (...) {
-    give_name(old, place_);
+    if (const int failed = give_name(old, place_); failed != 0) throw kept(old, failed);
+    may_go(place_);
     throw;
   }
   path_.clear();
@@ -232,19 +287,32 @@ void Draft::replace(const std::function<void(const fs::path&)>& may_go) {
   finish();
 }
 
+StorageError Draft::kept(const fs::path& old, int error) const {
+  // A draft's name is cleared away by the next program.
+  fs::path name = fresh_name(place_, kKept);
+  if (give_name(old, name) != 0) name = old;
+  return StorageError(fmt::format(
+      "{}: what was there may not be replaced, and could not be put back ({}); it is kept as {}. Look which "
+      "of the two you want, and move it there",
+      place_.string(), std::strerror(error), name.string()));
+}
+
+// The output has its name by now. Whether that is flushed is not for every file system to say, nor may everybody who
+// may write into a folder also open it.
 void Draft::finish() {
   const int folder = ::open(folder_of(place_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (folder < 0 && errno == EACCES) return;
   if (folder < 0) throw cannot_write(place_, errno);
   const int error = ::fsync(folder) == 0 ? 0 : errno;
   ::close(folder);
-  if (error != 0) throw cannot_write(place_, error);
+  if (error != 0 && !is_unknown_to_file_system(error)) throw cannot_write(place_, error);
 }
 
 void clear_drafts(const fs::path& place) {
   for (const fs::path& old : names_of(place, kOld)) {
     const int descriptor = take(old);
     if (descriptor < 0) continue;
-    if (give_name(old, place) != 0) remove_draft(old);  // its successor is there
+    if (give_name(old, place) == EEXIST) remove_draft(old);  // its successor is there
     ::close(descriptor);
   }
   for (const fs::path& draft : names_of(place, kDraft)) {
@@ -273,7 +341,7 @@ int give_name(const fs::path& made, const fs::path& path) noexcept {
     return 0;
   }
   // Folders have one name only, and so have files on some file systems: looking first is then the best there is.
-  if (errno != EPERM && errno != ENOTSUP) return errno;
+  if (errno != EPERM && !is_unknown_to_file_system(errno)) return errno;
   struct stat taken {};
   if (::lstat(path.c_str(), &taken) == 0) return EEXIST;
   return std::rename(made.c_str(), path.c_str()) == 0 ? 0 : errno;

@@ -1,8 +1,7 @@
 #include "data/export_folder.h"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
+#include <limits>
 #include <sstream>
 #include <string_view>
 
@@ -10,6 +9,8 @@
 
 #include "analysis/stop_request.h"
 #include "data/storage_error.h"
+#include "protocols/input_error.h"
+#include "protocols/read_file.h"
 #include "protocols/sha256.h"
 
 namespace jnd {
@@ -22,12 +23,15 @@ namespace fs = std::filesystem;
 constexpr const char* kSums = "SHA256SUMS";
 constexpr std::string_view kHeading = "# Written by jnd, which replaces this folder only while it is as listed here.\n";
 constexpr std::size_t kHashLength = 64;
+constexpr std::string_view kUnlisted = "is not listed in its SHA256SUMS";
 
 std::string content_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string bytes{std::istreambuf_iterator<char>(file), {}};
-  if (!file) throw StorageError(fmt::format("{}: cannot be read", path.string()));
-  return bytes;
+  try {
+    return read_input_file(path, std::numeric_limits<std::size_t>::max());
+  } catch (const InputError&) {
+    throw StorageError(fmt::format(
+        "{}: cannot be read; nothing was changed. Look at the disk, or choose another folder", path.string()));
+  }
 }
 
 std::string text_of(const std::map<std::string, std::string>& sums) {
@@ -47,7 +51,7 @@ std::map<std::string, std::string> listed_in(const fs::path& folder) {
   return sums;
 }
 
-// The folder may be replaced: it holds nothing but what was written into it.
+// The folder may be replaced: it holds nothing but what was written into it. Files that were removed since are no loss.
 void may_go(const fs::path& folder) {
   if (!fs::is_directory(fs::symlink_status(folder)))
     throw StorageError(fmt::format("{}: is not a folder", folder.string()));
@@ -56,18 +60,22 @@ void may_go(const fs::path& folder) {
                                    folder.string(), entry.lexically_relative(folder).string(), why));
   };
   const std::map<std::string, std::string> listed = listed_in(folder);
+  if (listed.empty() && !fs::is_empty(folder))
+    throw StorageError(fmt::format(
+        "{}: has no SHA256SUMS that lists its files, by which a folder of jnd is known; nothing was changed. Choose "
+        "another folder or remove it yourself",
+        folder.string()));
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
     const std::string name = entry.path().lexically_relative(folder).string();
     if (entry.is_directory() && !entry.is_symlink()) {
       const auto within = listed.lower_bound(name + "/");
-      if (within == listed.end() || !within->first.starts_with(name + "/"))
-        refuse(entry.path(), "jnd did not write into it");
+      if (within == listed.end() || !within->first.starts_with(name + "/")) refuse(entry.path(), kUnlisted);
       continue;
     }
-    if (name == kSums && !listed.empty()) continue;
+    if (name == kSums) continue;
     const auto found = listed.find(name);
-    if (entry.is_symlink() || !entry.is_regular_file() || found == listed.end())
-      refuse(entry.path(), "jnd did not write into it");
+    if (found == listed.end()) refuse(entry.path(), kUnlisted);
+    if (entry.is_symlink() || !entry.is_regular_file()) refuse(entry.path(), "is not the file that jnd wrote");
     if (sha256_hex(content_of(entry.path())) != found->second) refuse(entry.path(), "was changed since jnd wrote it");
   }
 }

@@ -1,4 +1,5 @@
-// A folder of files that appears as a whole or not at all, and takes the place only of one that is as it was written.
+// A folder of files that appears as a whole or not at all, and takes the place only of one that holds nothing but what
+// was written into it.
 #pragma once
 
 #include <filesystem>
@@ -13,8 +14,8 @@ namespace jnd {
 
 class ExportFolder {
  public:
-  // Throws StorageError where `folder` exists and replace is false, or is not an earlier one, whole and unchanged
-  // (nothing of it is touched then), or cannot be written.
+  // Throws StorageError where `folder` exists and replace is false, or where it holds anything but unchanged files of
+  // an earlier one (nothing of it is touched then), or cannot be written. An empty folder may be replaced.
   ExportFolder(const std::filesystem::path& folder, bool replace);
 
   // Throws StorageError, also where the name leads out of the folder or was written before, and Stopped.

@@ -67,11 +67,12 @@ std::string order_sentences(const Protocol& protocol) {
   const Design& design = protocol.design;
   std::string text;
   if (protocol.series.size() > 1) text += fmt::format("Series came {}. ", order_words(design.series_order));
+  const bool own_order = design.per_series && design.condition_order != Order::fixed && protocol.series.size() > 1;
   if (protocol.conditions.size() > 1)
     text += design.arrangement == Arrangement::mixed
                 ? "Conditions were mixed trial by trial. "
                 : fmt::format("Conditions came in blocks, {}{}. ", order_words(design.condition_order),
-                              design.per_series ? ", another one in each series" : "");
+                              own_order ? ", another one in each series" : "");
   text += fmt::format(
       "Whatever was drawn or dealt followed from the study's seed, by counter-based random streams ({}, Salmon et al. "
       "2011).",
@@ -103,13 +104,14 @@ std::string procedure_sentences(const Protocol& protocol) {
   const AdaptiveProcedure& procedure = *protocol.design.procedure;
   const std::string_view unit = unit_of(protocol);
   std::string text = fmt::format(
-      "The answers set the difference from the reference of {:g} {}, within {:g} to {:g} {}: {}. There were {} track{} "
-      "a "
-      "condition{}; each ended after {}{} trials with a difference. ",
+      "The answers set the difference from the reference of {:g} {}, within {:g} to {:g} {}: {}. Each condition had {} "
+      "track{}{}; a track ended after {}{} trial{} with a difference. ",
       protocol.stimulus.reference, unit, procedure.clamp[0], procedure.clamp[1], unit, procedure_words(procedure, unit),
       procedure.starts.size(), plural(procedure.starts.size()), session_words(protocol.design),
-      procedure.reversals > 0 ? fmt::format("{} reversals, or ", procedure.reversals) : std::string(),
-      procedure.trials);
+      procedure.reversals > 0 ? fmt::format("{} reversal{}, or ", procedure.reversals,
+                                            plural(static_cast<std::size_t>(procedure.reversals)))
+                              : std::string(),
+      procedure.trials, plural(static_cast<std::size_t>(procedure.trials)));
   if (procedure.catch_share > 0)
     text += fmt::format(
         "{:.0f} % of the trials were catch trials (equal pairs, which move nothing), kept in short blocks. ",
@@ -244,15 +246,17 @@ std::string omnibus_words(Omnibus omnibus, std::size_t conditions) {
   return "";
 }
 
-std::string post_hoc_words(PostHoc post_hoc) {
+std::string post_hoc_words(PostHoc post_hoc, std::size_t contrasts) {
   switch (post_hoc) {
     case PostHoc::holm_t:
+      if (contrasts == 1) return "a paired t test";
       return "paired t tests with Holm's correction over them (Holm 1979)";
     case PostHoc::games_howell:
       return "Games-Howell tests over all conditions, which ignore the pairing (Games and Howell 1976)";
     case PostHoc::tukey:
       return "Tukey's studentised range test over all conditions, with the repeated-measures error term";
     case PostHoc::wilcoxon:
+      if (contrasts == 1) return "a signed-rank test (Wilcoxon 1945)";
       return "signed-rank tests (Wilcoxon 1945) with Holm's correction over them (Holm 1979)";
   }
   return "";
@@ -266,25 +270,27 @@ std::string registered_tests(const Protocol& protocol) {
   if (contrasts == 0) return text;
   return text + fmt::format("{}the {}registered contrast{} by {}", text.empty() ? "" : ", and ",
                             contrasts == 1 ? "" : fmt::format("{} ", contrasts), plural(contrasts),
-                            post_hoc_words(protocol.analysis.tests.post_hoc));
+                            post_hoc_words(protocol.analysis.tests.post_hoc, contrasts));
 }
 
 // What was tested beside the registered outcome.
-std::string other_tests(const StudyResults& results) {
+std::string other_tests(const StudyResults& results, bool any_registered) {
   std::vector<std::string> others;
   for (const OutcomeComparison& outcome : results.comparisons)
-    if (!outcome.registered && outcome.refused.empty())
+    if (!(outcome.registered && any_registered) && outcome.refused.empty())
       others.push_back(outcome.question ? fmt::format("the answers to \"{}\"", markdown_text(outcome.title))
                                         : outcome.title);
   std::string text;
   if (!others.empty())
-    text += fmt::format(
-        " The same tests were made beside the registered ones on: {}. Nothing is corrected for the number of outcomes.",
-        list_of(others));
+    text += fmt::format(" {}: {}. Nothing is corrected for the number of outcomes.",
+                        any_registered ? "The same tests were made beside the registered ones on"
+                                       : "The analysis of variance, Friedman's test (Friedman 1937) and pairwise tests "
+                                         "were computed for",
+                        list_of(others));
   if (results.ratings.family > 0)
     text += fmt::format(
-        " Of answers to questions pairs of conditions were also compared by signed-rank tests (Wilcoxon 1945), with "
-        "the corrections of Holm 1979 and of Benjamini and Hochberg 1995 over the {} test{}.",
+        " Pairs of conditions were also compared by the answers to questions, with signed-rank tests (Wilcoxon 1945) "
+        "and the corrections of Holm 1979 and of Benjamini and Hochberg 1995 over the {} test{}.",
         results.ratings.family, plural(results.ratings.family));
   return text;
 }
@@ -295,8 +301,8 @@ std::string test_paragraph(const Protocol& protocol, const StudyResults& results
   if (conditions < 2) return "There was one condition, and nothing to compare it with.\n";
   const std::string tests = registered_tests(protocol);
   if (!outcome.refused.empty())
-    return fmt::format("The tests on the {} were refused: {}.{}\n", outcome.title, outcome.refused,
-                       other_tests(results));
+    return fmt::format("The tests on the {} were refused: {}.{}\n", outcome.title, markdown_text(outcome.refused),
+                       other_tests(results, !tests.empty()));
   std::string text =
       tests.empty()
           ? std::string("No test was registered.")
@@ -306,7 +312,7 @@ std::string test_paragraph(const Protocol& protocol, const StudyResults& results
   if (conditions > 2) text += ", sphericity with that of Mauchly 1940";
   text +=
       ". Intervals of a condition within participants are those of Cousineau 2005 with the correction of Morey 2008.";
-  return text + other_tests(results) + "\n";
+  return text + other_tests(results, !tests.empty()) + "\n";
 }
 
 std::string exclusion_paragraph(const Protocol& protocol, const StudyResults& results) {
@@ -356,7 +362,7 @@ std::string methods_text(const Study& study, const Protocol& protocol, const Stu
                         to_string(results.analysis.kind));
   if (!protocol.source.citation.empty())
     text += fmt::format("After: {}{}\n\n", markdown_text(protocol.source.citation),
-                        protocol.source.doi.empty() ? "" : " https://doi.org/" + protocol.source.doi);
+                        protocol.source.doi.empty() ? "" : " https://doi.org/" + markdown_text(protocol.source.doi));
   if (results.questionnaire) {
     text += "## Design\n\n" + exploration_design(protocol, results);
     text += "\n## Tests\n\n" + questionnaire_tests(results);

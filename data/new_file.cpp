@@ -61,12 +61,15 @@ const fs::path& NewFile::allowed_path() const {
   return path_;
 }
 
-void NewFile::publish() {
+void NewFile::publish(const std::function<void(const fs::path&)>& may_go) {
   flush(made());
   allowed_path();
   if (!replace_ && !draft_.publish()) throw taken(path_);
-  // What stood there was looked at before, and the lock has kept writers away since.
-  if (replace_) draft_.replace([](const fs::path&) {});
+  // The lock has kept this program's writers away, but nobody else.
+  if (replace_)
+    draft_.replace([&](const fs::path& earlier) {
+      if (may_go) may_go(earlier);
+    });
 }
 
 }  // namespace jnd

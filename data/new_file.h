@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 
 #include "data/draft.h"
 #include "data/study_lock.h"
@@ -24,8 +25,9 @@ class NewFile {
   // Where to write it: an empty file, readable by its owner only.
   const std::filesystem::path& made() const noexcept { return draft_.path(); }
   const std::filesystem::path& path() const noexcept { return path_; }
-  // Flushes it, gives it its name and flushes the folder, so that it survives a power cut. Throws StorageError.
-  void publish();
+  // Flushes it, gives it its name and flushes the folder, so that it survives a power cut. may_go: throws where the
+  // file that would be replaced is not to go; it is asked as Draft::replace says. Throws StorageError.
+  void publish(const std::function<void(const std::filesystem::path&)>& may_go = {});
 
  private:
   const std::filesystem::path& allowed_path() const;  // throws StorageError where it is taken

@@ -31,13 +31,15 @@ std::string exploration_design(const Protocol& protocol, const StudyResults& res
                                      one.devices ? "" : "; nothing was rendered"));
   const Exploration& explore = *protocol.explore;
   const std::size_t objects = explore.objects.size();
+  std::vector<std::string> names;
+  for (const std::string& one : explore.objects) names.push_back(markdown_text(one));
   return fmt::format(
       "{} {} participant{} interacted freely with {} virtual object{} ({}) under {} condition{}: {}. Each condition "
       "lasted {:g} s, divided equally among the objects. The order of conditions and objects was dealt per participant "
       "from the study's seed with counter-based random streams ({}, Salmon et al. 2011). Objects had a "
       "stiffness of {:g} {}. Time in which the session was paused does not count.\n",
       results.questionnaire->participants, to_string(results.analysis.kind),
-      results.questionnaire->participants == 1 ? "" : "s", objects, plural(objects), list_of(explore.objects),
+      results.questionnaire->participants == 1 ? "" : "s", objects, plural(objects), list_of(names),
       protocol.conditions.size(), plural(protocol.conditions.size()), list_of(conditions), explore.duration_s,
       kGeneratorName, protocol.stimulus.reference, to_string(protocol.stimulus.unit));
 }

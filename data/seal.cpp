@@ -1,11 +1,13 @@
 #include "data/seal.h"
 
-#include <fstream>
-#include <iterator>
+#include <limits>
+#include <system_error>
 
 #include <fmt/format.h>
 
 #include "data/storage_error.h"
+#include "protocols/input_error.h"
+#include "protocols/read_file.h"
 #include "protocols/sha256.h"
 
 namespace jnd {
@@ -32,10 +34,16 @@ void require_sealed(const std::filesystem::path& path, std::string_view command)
     return StorageError(
         fmt::format("{}: {}; it was left as it is. Remove it yourself or choose another name", path.string(), why));
   };
-  if (!std::filesystem::is_regular_file(std::filesystem::symlink_status(path))) throw refused("is not a file");
-  std::ifstream file(path, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
-  if (!file) throw refused("cannot be read");
+  std::error_code ignored;  // the status says it too
+  const std::filesystem::file_status status = std::filesystem::symlink_status(path, ignored);
+  if (status.type() == std::filesystem::file_type::none) throw refused("cannot be read");
+  if (!std::filesystem::is_regular_file(status)) throw refused("is not a file");
+  std::string bytes;
+  try {
+    bytes = read_input_file(path, std::numeric_limits<std::size_t>::max());
+  } catch (const InputError&) {
+    throw refused("cannot be read");
+  }
   const std::size_t at = bytes.rfind(seal_beginning(command));
   if (at == std::string::npos) throw refused(fmt::format("was not written by jnd {}", command));
   if (bytes.substr(at) != seal_of(std::string_view(bytes).substr(0, at), command))

@@ -21,6 +21,7 @@ struct FileHeader {
   PageGeometry geometry;
   std::uint32_t pages = 0;
   std::uint32_t version = 0;  // of the schema
+  bool logged = false;        // in write-ahead mode, as a study is until it is closed
 };
 
 // None where it is damaged: sizes that cannot be, or a page count of another state of the file than the rest.
@@ -31,7 +32,7 @@ std::optional<FileHeader> header_of(Bytes page) {
   const auto number = [&](std::size_t at, std::size_t length) { return big_endian(page, at, length); };
   const std::size_t stated = number(16, 2), size = stated == 1 ? 65536 : stated, reserved = page[20];
   const bool possible = size >= 512 && (size & (size - 1)) == 0 && size - reserved >= 480;
-  FileHeader header{{size, size - reserved}, number(28, 4), number(60, 4)};
+  FileHeader header{{size, size - reserved}, number(28, 4), number(60, 4), page[18] == 2 || page[19] == 2};
   if (!possible || header.pages == 0 || number(24, 4) != number(92, 4)) return std::nullopt;
   return header;
 }
@@ -46,14 +47,14 @@ std::optional<FileHeader> newest_header(Bytes file, Bytes log) {
   return header;
 }
 
-std::uint32_t missing_pages(Bytes file, Bytes log, const FileHeader& header) {
-  std::set<std::uint32_t> logged;
-  for (const LogPage& page : pages_of_log(log, header.geometry)) logged.insert(page.number);
-  std::uint32_t missing = 0;
+// Without counting page by page: a damaged header may say any number.
+std::size_t missing_pages(Bytes file, Bytes log, const FileHeader& header) {
   const std::size_t whole = file.size() / header.geometry.page_size;
-  for (std::size_t number = whole + 1; number <= header.pages; ++number)
-    if (!logged.contains(static_cast<std::uint32_t>(number))) ++missing;
-  return missing;
+  if (header.pages <= whole) return 0;
+  std::set<std::uint32_t> behind;
+  for (const LogPage& page : pages_of_log(log, header.geometry))
+    if (page.number > whole && page.number <= header.pages) behind.insert(page.number);
+  return header.pages - whole - behind.size();
 }
 
 // The number in the only row of the table `tally`: a leaf with one cell, which ends with the page and holds a NULL (the
@@ -95,12 +96,21 @@ std::vector<std::string> signs_of_loss(Bytes file, Bytes log, std::int64_t found
   if (!header)
     return {"the file's header is damaged: how long the file was, and how many events were in it, is not known"};
   std::vector<std::string> signs;
-  if (const std::uint32_t missing = missing_pages(file, log, *header); missing > 0)
+  if (header->logged && log.empty())
+    signs.emplace_back(
+        "the study was not closed, and its log (-wal) is missing or empty: whether something was only in the log is "
+        "not known");
+  if (const std::size_t missing = missing_pages(file, log, *header); missing > 0)
     signs.push_back(fmt::format("the file ends early: {} of its {} pages are missing, and what was on them", missing,
                                 header->pages));
   const std::optional<std::int64_t> added =
       header->version >= kFirstWithTally ? highest_tally(file, log, header->geometry) : std::nullopt;
-  if (added && *added != found)
+  if (added && *added < found)
+    signs.push_back(fmt::format(
+        "the newest count of the study's events is lost ({} are counted, {} were found): whether all of them were "
+        "found is not known",
+        *added, found));
+  else if (added && *added != found)
     signs.push_back(fmt::format("{} events were added to the study, and {} of them were found", *added, found));
   else if (!added && header->version >= kFirstWithTally)
     signs.emplace_back("the count of the study's events is lost: whether all of them were found is not known");

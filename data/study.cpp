@@ -1,6 +1,7 @@
 #include "data/study.h"
 
 #include <charconv>
+#include <cstdio>
 #include <utility>
 
 #include <fmt/format.h>
@@ -18,8 +19,10 @@ Study::Study(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Study::~Study() {
   try {
     close();
-  } catch (const std::exception&) {
-    // Everything acknowledged is committed; the next opening replays the write-ahead log.
+  } catch (const std::exception& error) {
+    // Everything acknowledged is committed; the next opening replays the write-ahead log. But it may be in a new file
+    // now, or in one that was taken away, and nobody else tells of that.
+    std::fputs((std::string("jnd: ") + error.what() + "\n").c_str(), stderr);
   }
 }
 
@@ -121,11 +124,11 @@ void Study::Impl::fill_new(Stamp stamp) {
     protocol.bind(1, info.protocol_sha256);
     protocol.bind(2, info.protocol_name);
     protocol.bind(3, info.protocol_bytes.data(), static_cast<int>(info.protocol_bytes.size()));
-    insert_row(protocol);
+    insert_row(protocol, path);
     SQLite::Statement study(database(), "INSERT INTO study (id, seed, protocol) VALUES (1, ?, ?)");
     study.bind(1, std::to_string(info.seed));
     study.bind(2, info.protocol_sha256);
-    insert_row(study);
+    insert_row(study, path);
     append(kStudyChain, event_kind::kStudyCreated,
            body_text({{"seed", std::to_string(info.seed)},
                       {"protocol_sha256", info.protocol_sha256},
@@ -157,10 +160,21 @@ void Study::Impl::read_info() {
 void Study::Impl::close() {
   if (!connection) return;
   std::string trouble = std::exchange(untold, {});
-  if (lock && files && files->look(*connection) != StudyFiles::State::in_place) trouble = rescue();
+  if (lock && files) {
+    const StudyFiles::State state = files->look(*connection);
+    if (state != StudyFiles::State::in_place && state != StudyFiles::State::unseen)
+      trouble = rescue(state, "What was saved could not be put into another file");
+  }
+  if (!trouble.empty())
+    trouble += back ? " Go on with the study; the other file is a copy" : " Use that file from now on";
   forget_statements();
   files.reset();  // from here on SQLite itself takes the log away, also where it then fails
-  if (lock) with_storage_errors(path, [&] { end_writing(*connection); });
+  try {
+    if (lock) with_storage_errors(path, [&] { end_writing(*connection); });
+  } catch (const StorageError& error) {
+    if (trouble.empty()) throw;
+    throw StorageError(fmt::format("{}. {}", trouble, error.what()));
+  }
   connection.reset();
   former.reset();
   lock.reset();

@@ -1,6 +1,7 @@
 #include "data/study_files.h"
 
 #include <array>
+#include <cerrno>
 #include <cstdint>
 #include <cstring>
 #include <memory>
@@ -64,13 +65,13 @@ LogIndex index_of(SQLite::Database& connection) {
   return index;
 }
 
-enum class Named { same, other, none };
+enum class Named { same, other, none, unseen };
 
-// Whether `path` names the file of a descriptor.
+// Whether `path` names the file of a descriptor; errno says why that is unseen.
 Named named(const fs::path& path, int descriptor) {
   struct stat open {
   }, found{};
-  if (::stat(path.c_str(), &found) != 0) return Named::none;
+  if (::stat(path.c_str(), &found) != 0) return errno == ENOENT || errno == ENOTDIR ? Named::none : Named::unseen;
   if (::fstat(descriptor, &open) != 0) return Named::other;
   return open.st_ino == found.st_ino && open.st_dev == found.st_dev ? Named::same : Named::other;
 }
@@ -91,7 +92,12 @@ StudyFiles::~StudyFiles() {
 }
 
 StudyFiles::State StudyFiles::look(SQLite::Database& connection) {
+  const auto unseen = [this] {
+    error_ = errno;
+    return State::unseen;
+  };
   const Named study = named(place_, study_);
+  if (study == Named::unseen) return unseen();
   if (study != Named::same) {
     if (!whereabouts().empty()) return study == Named::none ? State::moved : State::replaced;
     return study == Named::none ? State::removed : State::replaced;
@@ -100,6 +106,7 @@ StudyFiles::State StudyFiles::look(SQLite::Database& connection) {
   // After an error of the disk SQLite makes the log with the next event only: nothing can be missing before it.
   if (log_ < 0) return index_of(connection).frames == 0 ? State::in_place : State::log_removed;
   const Named log = named(log_place_, log_);
+  if (log == Named::unseen) return unseen();
   if (log != Named::same) return log == Named::none ? State::log_removed : State::log_replaced;
   return log_is_whole(connection) ? State::in_place : State::log_cut;
 }
@@ -142,26 +149,31 @@ std::string StudyFiles::in_words(State state) const {
       return fmt::format("another file was put in the place of {}, the log that belongs to the study", log);
     case State::log_cut:
       return fmt::format("{}, the log that belongs to the study, was cut off or written over", log);
+    case State::unseen:
+      return fmt::format("{} or its log cannot be looked at ({})", study, std::strerror(error_));
   }
   return study;
 }
 
-void StudyFiles::leave(std::unique_ptr<SQLite::Database>& connection, State state) const {
+bool StudyFiles::leave(std::unique_ptr<SQLite::Database>& connection, State state) const {
   sqlite3* handle = connection->getHandle();
   if (state == State::log_cut) {
     // What the log holds now must not come into the file.
     sqlite3_db_config(handle, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
     connection.reset();
-    return;
+    return false;
   }
   int keep_log = 1;  // SQLite would remove what has its name, whoever's it is
   sqlite3_file_control(handle, "main", SQLITE_FCNTL_PERSIST_WAL, &keep_log);
-  sqlite3_wal_checkpoint_v2(handle, "main", SQLITE_CHECKPOINT_TRUNCATE, nullptr, nullptr);
+  const bool whole =
+      sqlite3_wal_checkpoint_v2(handle, "main", SQLITE_CHECKPOINT_TRUNCATE, nullptr, nullptr) == SQLITE_OK;
   connection.reset();
   struct stat status {};
-  if (log_ < 0 || ::fstat(log_, &status) != 0 || status.st_size != 0 || named(log_place_, log_) != Named::same) return;
+  if (log_ < 0 || ::fstat(log_, &status) != 0 || status.st_size != 0 || named(log_place_, log_) != Named::same)
+    return whole;
   ::unlink(log_place_.c_str());
   ::unlink((place_.string() + "-shm").c_str());
+  return whole;
 }
 
 }  // namespace jnd

@@ -11,7 +11,8 @@ namespace jnd {
 
 class StudyFiles {
  public:
-  enum class State { in_place, removed, moved, replaced, log_removed, log_replaced, log_cut };
+  // unseen: the disk or the folder does not let it be looked at, so that nothing is known.
+  enum class State { in_place, removed, moved, replaced, log_removed, log_replaced, log_cut, unseen };
 
   // Once the study is open for writing, with its log. place: absolute, without links. study: a descriptor of it, which
   // must outlive this.
@@ -28,8 +29,9 @@ class StudyFiles {
   std::filesystem::path whereabouts() const;
 
   // Closes the connection to a study that is not in place: puts the log's content into the file, whatever it is called
-  // now, as far as there is any, and takes no file's name away but the log's own.
-  void leave(std::unique_ptr<SQLite::Database>& connection, State state) const;
+  // now, as far as there is any, and takes no file's name away but the log's own. Whether the file holds everything
+  // then.
+  bool leave(std::unique_ptr<SQLite::Database>& connection, State state) const;
 
  private:
   void find_log();
@@ -37,6 +39,7 @@ class StudyFiles {
 
   std::filesystem::path place_, log_place_;
   int study_, log_ = -1;
+  int error_ = 0;  // why it is unseen
 };
 
 }  // namespace jnd

@@ -64,6 +64,8 @@ struct Study::Impl {
   };
   std::unique_ptr<Former> former;  // after a rescue, until it is known which file the study goes on in
   std::string untold;              // of a rescue after an event was written
+  bool back = false;               // of the last rescue: only the log was gone, and the study itself holds all again
+  std::int64_t gaps = 0;           // events that the chains lacked when it was opened for writing
   bool shaken = false;             // the disk failed: what it flushed before may not be what it holds (see write())
 
   // The connection; throws StorageError after close(). Call with the mutex held, as all below.
@@ -76,9 +78,8 @@ struct Study::Impl {
   void begin_writing();
   // Runs what adds events, in a transaction of its own or in autocommit. Where it fails for a reason that may pass
   // (StorageTrouble: full, an error of the disk, another program's lock) nothing was written, no transaction is open,
-  // and it can be run again. The study is looked for
-  // before and after: what returns is in a file that can be found. `ends` must be put back by the caller where it was
-  // changed before the failure.
+  // and it can be run again. The study is looked for before and after: what returns is in a file that can be found.
+  // `ends` must be put back by the caller where it was changed and nothing was committed.
   template <typename Action>
   void write(Action&& action);
   // Within write(): one event, committed unless a transaction is open.
@@ -104,9 +105,10 @@ struct Study::Impl {
   // on: in the study's own file where that is back as it was, else in the new one.
   void require_in_place();
   void confirm_written();
-  // Copies everything into a new file beside the study, verifies it, and goes over to it. Returns what happened, in
-  // words; throws StorageTrouble where it cannot be done.
-  std::string rescue();
+  // Copies everything into a new file beside the study, verifies it (not where the program was asked to end meanwhile),
+  // and goes over to it. Returns what happened, in words; throws StorageTrouble where it cannot be done, with what that
+  // means for the event that is added just now.
+  std::string rescue(StudyFiles::State state, const char* fate);
   void choose_file();
 };
 

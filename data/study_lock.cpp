@@ -171,7 +171,11 @@ void StudyLock::hold_file() {
   ::close(file_);
   file_ = -1;
   if (error != EAGAIN && error != EACCES) throw cannot_lock(study_, error);
-  throw in_use(study_, elsewhere.empty() ? "another process" : elsewhere);
+  // Readers are among those that have it open: which one writes is not known.
+  throw in_use(study_,
+               elsewhere.empty()
+                   ? "another program, perhaps under another name of the study,"
+                   : fmt::format("another program, perhaps under another name of the study (open in: {}),", elsewhere));
 }
 
 void StudyLock::refuse_other_names() const {

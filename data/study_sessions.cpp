@@ -171,6 +171,7 @@ void Study::close_session(const std::string& id, Stamp stamp) {
     throw StorageError(fmt::format("{}: session {} is not open", impl_->path.string(), id));
   const ChainEnd before = found->second;
   const ChainEnd study_before = impl_->ends.at(kStudyChain);
+  bool committed = false;
   try {
     impl_->write([&] {
       SQLite::Database& database = impl_->database();
@@ -192,9 +193,11 @@ void Study::close_session(const std::string& id, Stamp stamp) {
                                {"head", impl_->ends.at(id).hash}}),
                     stamp);
       transaction.commit();
+      committed = true;
       impl_->ends.at(id).closed = true;
     });
   } catch (...) {
+    if (committed) throw;  // what follows the writing failed
     impl_->ends.at(id) = before;
     impl_->ends.at(kStudyChain) = study_before;
     throw;
@@ -237,7 +240,7 @@ void Study::Impl::append(const std::string& session, std::string_view kind, cons
   insert->bindNoCopy(7, event.body);
   insert->bindNoCopy(8, event.hash);
   try {
-    insert_row(*insert);  // commits, unless the caller has a transaction open
+    insert_row(*insert, path);  // commits, unless the caller has a transaction open
   } catch (...) {
     insert->tryReset();
     insert->clearBindings();

@@ -28,7 +28,7 @@ void Study::Impl::append(const std::string& session, std::string_view kind, cons
       insert_telemetry->bind(5, blob.ticks);
       insert_telemetry->bind(6, blob.dropped);
       insert_telemetry->bindNoCopy(7, blob.bytes.data(), static_cast<int>(blob.bytes.size()));
-      insert_row(*insert_telemetry);
+      insert_row(*insert_telemetry, path);
       insert_telemetry->reset();
     }
     insert_telemetry->clearBindings();

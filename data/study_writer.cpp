@@ -41,7 +41,7 @@ void StudyWriter::begin(const StudyInfo& info, Stamp stamp) {
     SQLite::Statement study(*database_, "INSERT INTO study (id, seed, protocol) VALUES (1, ?, ?)");
     study.bind(1, std::to_string(info.seed));
     study.bind(2, info.protocol_sha256);
-    insert_row(study);
+    insert_row(study, file_.path());
   });
   append(event_kind::kStudyCreated,
          {{"seed", std::to_string(info.seed)},
@@ -56,7 +56,7 @@ void StudyWriter::keep_protocol(const std::string& sha256, const std::string& na
     protocol.bind(1, sha256);
     protocol.bind(2, name);
     bind_blob(protocol, 3, bytes);
-    insert_row(protocol);
+    insert_row(protocol, file_.path());
   });
 }
 
@@ -88,7 +88,7 @@ void StudyWriter::copy(const StoredEvent& stored, const std::vector<TelemetryBlo
       insert_telemetry_->bind(5, blob.ticks);
       insert_telemetry_->bind(6, blob.dropped);
       bind_blob(*insert_telemetry_, 7, blob.bytes);
-      insert_row(*insert_telemetry_);
+      insert_row(*insert_telemetry_, file_.path());
       insert_telemetry_->reset();
     }
     insert_telemetry_->clearBindings();
@@ -105,7 +105,7 @@ void StudyWriter::insert(const Event& event, const std::string& utc) {
     insert_event_->bindNoCopy(6, event.version);
     insert_event_->bindNoCopy(7, event.body);
     insert_event_->bindNoCopy(8, event.hash);
-    insert_row(*insert_event_);
+    insert_row(*insert_event_, file_.path());
     insert_event_->reset();
     insert_event_->clearBindings();
   });

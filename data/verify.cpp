@@ -83,25 +83,37 @@ class Verifier {
       check_exclusions();
       telemetry_->finish(report_.problems);
       check_schema();
-      report_.telemetry = telemetry_->blobs();
-      report_.telemetry_lost = telemetry_->lost();
       reading.commit();
     } catch (const SQLite::Exception& error) {
       throw_if_stopped(error);
       problem("The file", " is damaged: it could not be read to its end ({}).", error.what());
+    }
+    if (telemetry_) {
+      report_.telemetry = telemetry_->blobs();
+      report_.telemetry_lost = telemetry_->lost();
     }
     return std::move(report_);
   }
 
  private:
   void walk_chains() {
-    ChainReport chains = check_chains(study_.database(), facts_, [this](const Event& event) { take(event); });
-    finish();
-    report_.events = chains.events;
-    report_.study_head = std::move(chains.study_head);
-    // Before what follows from them.
-    report_.problems.insert(report_.problems.begin(), std::make_move_iterator(chains.problems.begin()),
-                            std::make_move_iterator(chains.problems.end()));
+    ChainReport chains;
+    const auto keep = [&] {
+      finish();
+      report_.events = chains.events;
+      report_.study_head = std::move(chains.study_head);
+      // Before what follows from them.
+      report_.problems.insert(report_.problems.begin(), std::make_move_iterator(chains.problems.begin()),
+                              std::make_move_iterator(chains.problems.end()));
+    };
+    try {
+      check_chains(
+          study_.database(), facts_, [this](const Event& event) { take(event); }, chains);
+    } catch (const SQLite::Exception&) {
+      keep();
+      throw;
+    }
+    keep();
   }
 
   // text: what comes behind `where`.

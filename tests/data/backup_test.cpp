@@ -155,5 +155,33 @@ TEST_CASE("a damaged study does not take the place of a good backup", "[data]") 
   CHECK(bytes_of(folder / "backup.jnd") == earlier);
 }
 
+TEST_CASE("what is put at a backup's place while it is made is kept", "[data]") {
+  const TemporaryFolder folder;
+  const auto path = filled_study(folder), to = folder / "backup.jnd";
+  REQUIRE(backup_of(path, to).written);
+  CHECK_THROWS_WITH(backup_of(path, to, true,
+                              [&] {
+                                write_bytes(to, "precious");
+                                return false;
+                              }),
+                    Catch::StartsWith(to.string() + ": is no backup of this study"));
+  CHECK(bytes_of(to) == "precious");
+  CHECK(files_in(folder) == 2);
+}
+
+TEST_CASE("a study whose events cannot be read is named, and not the backup that it is compared with", "[data]") {
+  const TemporaryFolder folder;
+  const auto path = filled_study(folder);
+  REQUIRE(backup_of(path, folder / "backup.jnd").written);
+  const auto study = Study::open(path, Study::Access::read_only);
+  SQLite::Database database(path.string(), SQLite::OPEN_READONLY);
+  const int page = database.execAndGet("SELECT rootpage FROM sqlite_schema WHERE name = 'event'").getInt();
+  std::string bytes = bytes_of(path);
+  bytes.replace(static_cast<std::size_t>(page - 1) * 4096, 4096, 4096, '\xFF');
+  bytes[27] = static_cast<char>(bytes[27] + 1);  // the counter of changes: what was read before is read again
+  write_bytes(path, bytes);
+  CHECK_THROWS_WITH(back_up(*study, folder / "backup.jnd", true), Catch::StartsWith(path.string() + ": "));
+}
+
 }  // namespace
 }  // namespace jnd

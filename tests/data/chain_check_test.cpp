@@ -223,5 +223,22 @@ TEST_CASE("a problem is sealed unless whoever makes it says that it gives nothin
   CHECK(sealed("presented 450 and 900"));
 }
 
+TEST_CASE("an event with a number that no event has is said to have it", "[data]") {
+  const TemporaryFolder folder;
+  const auto path = study_with_exclusion(folder);
+  hidden_sql(path,
+             "PRAGMA ignore_check_constraints = ON; UPDATE event SET seq = -9223372036854775807 - 1 WHERE session = "
+             "'P02-simulated' AND seq = 1");
+  const std::string refusal = refusal_of(path);
+  CHECK_THAT(refusal, Catch::Contains("Session P02-simulated: event -9223372036854775808 has a number that no event "
+                                      "has."));
+}
+
+TEST_CASE("one event is one event", "[data]") {
+  const TemporaryFolder folder;
+  const auto study = new_study(folder / "study.jnd");
+  CHECK_THAT(chain_line(require_whole_chains(*study)), Catch::Contains("(1 event)"));
+}
+
 }  // namespace
 }  // namespace jnd

@@ -189,7 +189,8 @@ TEST_CASE("an existing folder is replaced only if asked, and never one that hold
   CHECK(exported(*study, tutorial(), out, true) == first);
 
   std::ofstream(out / "sub-P01" / "thesis.txt") << "precious";
-  CHECK_THROWS_WITH(exported(*study, tutorial(), out, true), Catch::Contains("sub-P01/thesis.txt"));
+  CHECK_THROWS_WITH(exported(*study, tutorial(), out, true),
+                    Catch::Contains("sub-P01/thesis.txt, which is not listed in its SHA256SUMS"));
   CHECK(bytes_of(out / "sub-P01" / "thesis.txt") == "precious");
   CHECK(bytes_of(out / "group.csv") == first.at("group.csv"));
   fs::remove(out / "sub-P01" / "thesis.txt");
@@ -204,6 +205,11 @@ TEST_CASE("an existing folder is replaced only if asked, and never one that hold
   fs::create_directory_symlink(out, folder / "link");
   CHECK_THROWS_WITH(exported(*study, tutorial(), folder / "link", true), Catch::Contains("not a folder"));
   CHECK_NOTHROW(exported(*study, tutorial(), out, true));
+  fs::remove(out / "SHA256SUMS");
+  CHECK_THROWS_WITH(exported(*study, tutorial(), out, true), Catch::Contains("out: has no SHA256SUMS"));
+  CHECK(bytes_of(out / "group.csv") == first.at("group.csv"));
+  fs::create_directory(folder / "empty");
+  CHECK_NOTHROW(exported(*study, tutorial(), folder / "empty", true));
 
   std::set<std::string> left;
   for (const auto& entry : fs::directory_iterator(folder.path())) left.insert(entry.path().filename().string());

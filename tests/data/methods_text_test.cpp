@@ -98,5 +98,24 @@ TEST_CASE("people's texts stay as they were typed in the methods", "[data]") {
   CHECK(has(text, "(\\*\\*label\\*\\*)"));
 }
 
+TEST_CASE("the methods say of tests and orders what was so", "[data]") {
+  Protocol protocol = tutorial();
+  protocol.analysis.tests.post_hoc = PostHoc::holm_t;
+  CHECK(has(methods_of(protocol), "the registered contrast by a paired t test ("));
+  protocol.analysis.tests.omnibus = Omnibus::none;
+  protocol.analysis.contrasts.clear();
+  const std::string text = methods_of(protocol);
+  CHECK(has(text, "No test was registered."));
+  CHECK(has(text, "pairwise tests were computed for: slope of d'"));
+  CHECK_FALSE(has(text, "registered ones"));
+  Protocol fixed = chinello();
+  fixed.design.per_series = true;
+  fixed.design.condition_order = Order::permuted;
+  CHECK(has(methods_of(fixed), "another one in each series"));
+  fixed.design.condition_order = Order::fixed;
+  CHECK_FALSE(has(methods_of(fixed), "another one in each series"));
+  CHECK(has(methods_of(shipped("adaptive-quest")), "Each condition had "));
+}
+
 }  // namespace
 }  // namespace jnd

@@ -6,6 +6,7 @@
 #include <string>
 
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include "data/damaged_file.h"
 #include "data/salvage.h"
@@ -369,6 +370,64 @@ TEST_CASE("recovery refuses what it must not touch", "[data]") {
   const auto open = Study::open(path, Study::Access::read_write);
   CHECK_THROWS_WITH(recover(path, folder / "new.jnd", std::nullopt, kLater), Catch::Contains("writing to this study"));
   CHECK_FALSE(std::filesystem::exists(folder / "new.jnd"));
+}
+
+TEST_CASE("a study that was not closed is in doubt where its log is not beside it", "[data]") {
+  const TemporaryFolder folder;
+  const auto path = folder / "study.jnd";
+  {
+    const auto study = new_study(path);
+    fill_study(*study);
+    // What was saved until now is in the file, and only in the log from here on.
+    SQLite::Database other(path.string(), SQLite::OPEN_READWRITE);
+    SQLite::Statement(other, "PRAGMA wal_checkpoint(PASSIVE)").executeStep();
+    write_bytes(folder / "copy.jnd", bytes_of(path));
+    study->open_session(new_session(4));
+  }
+  const RecoveryReport report = recover(folder / "copy.jnd", folder / "new.jnd", std::nullopt, kLater);
+  CHECK_FALSE(report.whole());
+  REQUIRE(report.doubts.size() == 1);
+  CHECK_THAT(report.doubts[0], Catch::Contains("was not closed, and its log (-wal) is missing or empty"));
+  CHECK(recover(path, folder / "closed.jnd", std::nullopt, kLater).whole());
+}
+
+TEST_CASE("more events than a study counts leave a doubt about its newest count", "[data]") {
+  const TemporaryFolder folder;
+  const auto path = filled_study(folder);
+  hidden_sql(path, "UPDATE tally SET events = events - 4");
+  const RecoveryReport report = recover(path, folder / "new.jnd", std::nullopt, kLater);
+  CHECK_FALSE(report.whole());
+  REQUIRE(report.doubts.size() == 1);
+  CHECK_THAT(report.doubts[0], Catch::StartsWith("the newest count of the study's events is lost ("));
+}
+
+TEST_CASE("a header that says of more pages than a disk holds is told, and not counted through", "[data]") {
+  const TemporaryFolder folder;
+  const auto path = filled_study(folder);
+  std::string bytes = bytes_of(path);
+  const std::size_t pages = bytes.size() / 4096;
+  bytes.replace(28, 4, 4, '\xFF');
+  write_bytes(path, bytes);
+  CHECK(recover(path, folder / "new.jnd", std::nullopt, kLater).doubts.at(0) ==
+        "the file ends early: " + std::to_string(0xFFFFFFFFU - pages) +
+            " of its 4294967295 pages are missing, and what was on them");
+}
+
+TEST_CASE("a log that is no file is refused", "[data]") {
+  const TemporaryFolder folder;
+  const auto path = filled_study(folder);
+  const auto log = folder / "study.jnd-wal";
+  const auto refused = [&] {
+    CHECK_THROWS_WITH(recover(path, folder / "new.jnd", std::nullopt, kLater),
+                      log.string() + ": is not a file; remove it and try again");
+    std::filesystem::remove(log);
+  };
+  REQUIRE(::mkfifo(log.c_str(), 0600) == 0);
+  refused();
+  std::filesystem::create_symlink("/dev/zero", log);
+  refused();
+  std::filesystem::create_directory(log);
+  refused();
 }
 
 }  // namespace

@@ -112,7 +112,7 @@ TEST_CASE("an event that something swallows is not said to be stored", "[data]")
   const auto log = study->open_session(new_session(1));
   study->impl().database().exec(
       "CREATE TEMP TRIGGER z BEFORE INSERT ON main.event WHEN NEW.kind = 'note' BEGIN SELECT RAISE(IGNORE); END");
-  CHECK_THROWS_WITH(add_note(*study, "hello", kNow), Catch::Contains("was not stored"));
+  CHECK_THROWS_WITH(add_note(*study, "hello", kNow), Catch::Contains("study.jnd: a row was not stored"));
   CHECK_THROWS_WITH(log->append(event_kind::kNote, {{"text", "hello"}}, kNow), Catch::Contains("was not stored"));
   log->append(event_kind::kBreakTaken, {{"after_trial", 0}, {"duration_s", 1.0}}, kNow);
   CHECK(verify(*study).problems == std::vector<Problem>{});

@@ -2,11 +2,13 @@
 // whatever names a study has.
 #include <functional>
 
+#include <sqlite3.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "data/draft.h"
 #include "data/seal.h"
+#include "data/study_impl.h"
 #include "data/study_lock.h"
 #include "tests/data/damage_fixture.h"
 
@@ -87,11 +89,127 @@ TEST_CASE("a log that was removed costs nothing: the study takes it in and goes 
   const Running running;
   running.answer(0);
   fs::remove(running.path.string() + "-wal");
-  CHECK_THROWS_AS(running.answer(1), StorageTrouble);
+  CHECK_THROWS_WITH(running.answer(1), Catch::EndsWith("and in the study again. Try again"));
   running.answer(1);
+  CHECK_FALSE(fs::exists(running.rescued));
   running.study->close();
   CHECK(running.study->path() == running.path);
   CHECK(events_in(running.path) == 3);
+}
+
+TEST_CASE("a rescue is not given up because the program is asked to end", "[data]") {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "study.jnd", rescued = folder / "study-rescued.jnd";
+  const auto study = new_study(path);
+  const auto log = study->open_session(new_session(1));
+  const auto note = [&] { log->append(event_kind::kNote, {{"text", "one of many"}}, kLater); };
+  for (int i = 0; i < 1000; ++i) note();
+  fs::remove(path);
+  {
+    const StopAsked asked;
+    CHECK_THROWS_WITH(note(), Catch::Contains(rescued.string()));
+    note();
+    study->close();
+  }
+  const auto found = Study::open(rescued, Study::Access::read_only);
+  CHECK(found->events("P01-simulated").size() == 1002);
+  CHECK(verify(*found).problems == std::vector<Problem>{});
+}
+
+TEST_CASE("a study whose folder is gone too is rescued when there is one again", "[data]") {
+  const Running running;
+  running.answer(0);
+  fs::remove_all(running.folder.path());
+  CHECK_THROWS_WITH(running.answer(1),
+                    Catch::Contains("its folder is gone too") && Catch::Contains("This event is not saved"));
+  fs::create_directory(running.folder.path());
+  CHECK_THROWS_WITH(running.answer(1), Catch::Contains(running.rescued.string()));
+  running.answer(1);
+  running.study->close();
+  CHECK(events_in(running.rescued) == 3);
+}
+
+TEST_CASE("a study that is gone when it is closed is rescued, and its new name told", "[data]") {
+  const Running running;
+  running.answer(0);
+  fs::remove(running.path);
+  CHECK_THROWS_WITH(running.study->close(), Catch::Contains(running.rescued.string()) &&
+                                                Catch::EndsWith("Use that file from now on") &&
+                                                !Catch::Contains("try again"));
+  CHECK(events_in(running.rescued) == 2);
+}
+
+TEST_CASE("what was written over a log never comes into the study, also where nothing can be rescued", "[data]") {
+  Running running;
+  running.answer(0);
+  const std::string before = bytes_of(running.path);
+  fs::create_directory(running.rescued.string() + ".lock");  // no file can be made under that name
+  const fs::path log = running.path.string() + "-wal";
+  write_bytes(log, std::string(fs::file_size(log), '\xA5'));
+  CHECK_THROWS_WITH(running.answer(1), Catch::Contains("could not be put into another file"));
+  running.log.reset();
+  running.study.reset();
+  CHECK(bytes_of(running.path) == before);
+}
+
+TEST_CASE("an event that is in what was taken away is not called unsaved, and not added again", "[data]") {
+  const Running running;
+  const fs::path folder = running.folder.path();
+  const auto take_away = [](void* place) {
+    fs::remove_all(*static_cast<const fs::path*>(place));
+    return 0;
+  };
+  sqlite3_commit_hook(running.study->impl().database().getHandle(), take_away, const_cast<fs::path*>(&folder));
+  try {
+    running.study->close_session("P01-pilot", kLater);
+    FAIL("it was not noticed");
+  } catch (const StorageTrouble&) {
+    FAIL("it would be added again");
+  } catch (const StorageError& error) {
+    CHECK_THAT(error.what(), Catch::Contains("This event and all before it are saved in what was taken away"));
+  }
+  CHECK_THROWS_WITH(running.answer(0), Catch::Contains("is closed"));
+}
+
+TEST_CASE("a study that lacked an event before is rescued all the same", "[data]") {
+  const TemporaryFolder folder;
+  const auto path = filled_study(folder);
+  hidden_sql(path, "DELETE FROM event WHERE session = 'P01-simulated' AND seq = 5");
+  const auto study = Study::open(path, Study::Access::read_write);
+  const auto log = study->resume_session("P03-simulated");
+  fs::remove(path);
+  const auto note = [&] { log->append(event_kind::kNote, {{"text", "later"}}, kLater); };
+  const fs::path rescued = folder / "study-rescued.jnd";
+  CHECK_THROWS_WITH(note(), Catch::Contains("is now in " + rescued.string()));
+  note();
+  study->close();
+  CHECK(Study::open(rescued, Study::Access::read_only)->events("P03-simulated").size() == 5);
+}
+
+TEST_CASE("a study that cannot be looked at is not taken for removed", "[data]") {
+  const Running running;
+  running.answer(0);
+  const fs::path folder = running.folder.path(), away = folder.string() + "-away";
+  fs::rename(folder, away);
+  fs::create_directory_symlink(folder, folder);  // a name that leads to itself
+  CHECK_THROWS_WITH(running.answer(1), Catch::Contains("cannot be looked at") && Catch::Contains("try again"));
+  fs::remove(folder);
+  fs::rename(away, folder);
+  running.answer(1);
+  CHECK(running.study->path() == running.path);
+  running.study->close();
+  CHECK(events_in(running.path) == 3);
+}
+
+TEST_CASE("a log that a killed program left goes into the study before anything is added", "[data]") {
+  const Running running;
+  running.answer(0);
+  const fs::path killed = running.folder / "killed.jnd", log = killed.string() + "-wal";
+  fs::copy_file(running.path, killed);
+  fs::copy_file(running.path.string() + "-wal", log);
+  const auto study = Study::open(killed, Study::Access::read_write);
+  CHECK(fs::file_size(log) == 0);
+  CHECK(study->events("P01-pilot").size() == 2);
 }
 
 TEST_CASE("one writer only, by whatever name the study is called", "[data]") {
@@ -100,7 +218,8 @@ TEST_CASE("one writer only, by whatever name the study is called", "[data]") {
   fs::create_symlink(running.path, running.folder / "link.jnd");
   CHECK_THROWS_WITH(Study::open(running.folder / "link.jnd", Study::Access::read_write), refused);
   fs::create_hard_link(running.path, running.folder / "twin.jnd");
-  CHECK_THROWS_WITH(Study::open(running.folder / "twin.jnd", Study::Access::read_write), refused);
+  CHECK_THROWS_WITH(Study::open(running.folder / "twin.jnd", Study::Access::read_write),
+                    refused && Catch::Contains("another program, perhaps under another name"));
   fs::remove(running.folder / "twin.jnd");
   fs::remove(running.path.string() + ".lock");
   CHECK_THROWS_WITH(Study::open(running.path, Study::Access::read_write), refused);

@@ -9,6 +9,7 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <stdlib.h>
 
+#include "analysis/stop_request.h"
 #include "data/event_body.h"
 #include "data/study.h"
 #include "protocols/plan.h"
@@ -33,6 +34,14 @@ class TemporaryFolder {
 
  private:
   std::filesystem::path path_;
+};
+
+// The program is asked to end, while it lives.
+struct StopAsked {
+  StopAsked() { stop_requested() = true; }
+  ~StopAsked() { stop_requested() = false; }
+  StopAsked(const StopAsked&) = delete;
+  StopAsked& operator=(const StopAsked&) = delete;
 };
 
 inline const Protocol& tutorial() {

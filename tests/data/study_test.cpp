@@ -105,10 +105,11 @@ TEST_CASE("a statement that only reads ends when that is asked for, a writer's d
   };
   const auto reader = open_database(path, false), writer = open_database(path, true);
   CHECK(count(*reader) == 300'000);
-  stop_requested() = true;
-  CHECK_THROWS_AS(count(*reader), Stopped);
-  CHECK(count(*writer) == 300'000);
-  stop_requested() = false;
+  {
+    const StopAsked asked;
+    CHECK_THROWS_AS(count(*reader), Stopped);
+    CHECK(count(*writer) == 300'000);
+  }
   CHECK(count(*reader) == 300'000);
 }
 
@@ -118,10 +119,11 @@ TEST_CASE("a row that another program put in our place is told as that", "[data]
   const auto study = new_study(path);
   const auto log = study->open_session(new_session(1));
   SQLite::Database(path.string(), SQLite::OPEN_READWRITE)
-      .exec("INSERT INTO event (session, seq, kind, utc, monotonic_ns, version, body, hash) "
-            "SELECT session, seq + 1, 'note', utc, monotonic_ns, version, body, hash FROM event "
-            "WHERE session = 'P01-simulated'");
-  CHECK_THROWS_WITH(log->append(event_kind::kNote, {{"text", "hello"}}, kNow),
+      .exec(
+          "INSERT INTO event (session, seq, kind, utc, monotonic_ns, version, body, hash) "
+          "SELECT session, seq + 1, 'note', utc, monotonic_ns, version, body, hash FROM event "
+          "WHERE session = 'P01-simulated'");
+  CHECK_THROWS_WITH(log->append(event_kind::kNote, {{"text", "hello"}}, Stamp{1'700'001'000'000'000'000, 7}),
                     Catch::Contains("as if another program had written to it meanwhile"));
 }
 

@@ -125,6 +125,33 @@ TEST_CASE("removed, moved and forged events are found", "[data]") {
              Catch::Contains("unknown kind \"trial.invented\""));
 }
 
+TEST_CASE("what was found before the file breaks off is told with the damage", "[data]") {
+  const TemporaryFolder folder;
+  const auto path = folder / "study.jnd";
+  {
+    const auto study = new_study(path);
+    run_whole_session(*study, tutorial(), 1);
+    run_whole_session(*study, tutorial(), 2);
+    const auto log = study->open_session(new_session(3));
+    answer_all(*log, tutorial(), 3);
+    for (int i = 0; i < 100; ++i) log->append(event_kind::kNote, {{"text", "of the page that is lost"}}, {9, 9});
+  }
+  hidden_sql(path,
+             "UPDATE event SET utc = '2024-11-14T22:13:20.123456789Z' WHERE session = 'P01-simulated' AND seq = 12");
+  std::string bytes = bytes_of(path);
+  const std::size_t at = bytes.find("of the page that is lost");
+  REQUIRE(at != std::string::npos);
+  bytes.replace(at / 4096 * 4096, 4096, std::string(4096, '\xA5'));
+  std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
+  const VerifyReport report = verify(*Study::open(path, Study::Access::read_only));
+  std::string all;
+  for (const Problem& problem : report.problems) all += problem.text + "\n";
+  CHECK_THAT(all, Catch::Contains("Session P01-simulated, event 12 (trial.completed): its hash does not match"));
+  CHECK_THAT(all, Catch::Contains("could not be read to its end"));
+  CHECK(report.events > 52);  // of the two sessions before it
+  CHECK(report.sessions == 3);
+}
+
 TEST_CASE("a participant code that leads out of a folder is found, and no list of sessions takes it", "[data]") {
   const TemporaryFolder folder;
   const auto path = whole_study(folder);
