@@ -17,10 +17,7 @@ bool sealed(const Study& study) {
   }
 }
 
-}  // namespace
-
-std::vector<std::string> unsealed_problems(const std::vector<Problem>& problems, const Study& study) {
-  const bool in_words = problems.empty() || !sealed(study);
+std::vector<std::string> texts_of(const std::vector<Problem>& problems, bool in_words) {
   std::vector<std::string> texts;
   for (const Problem& problem : problems)
     texts.push_back(in_words || problem.reveals == Problem::Reveals::nothing
@@ -29,6 +26,16 @@ std::vector<std::string> unsealed_problems(const std::vector<Problem>& problems,
                               ": contradicts the plan or the rest of the study; what exactly is sealed "
                               "while the study is blinded.");
   return texts;
+}
+
+}  // namespace
+
+std::vector<std::string> unsealed_problems(const std::vector<Problem>& problems, const Study& study) {
+  return texts_of(problems, problems.empty() || !sealed(study));
+}
+
+std::vector<std::string> sealed_problems(const std::vector<Problem>& problems) {
+  return texts_of(problems, false);
 }
 
 }  // namespace jnd

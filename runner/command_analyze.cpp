@@ -1,6 +1,7 @@
 // jnd analyze: the registered analysis of a study, what stands beside it, and the methods in words.
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -31,7 +32,6 @@ constexpr std::string_view kCommand = "analyze";
 // The numbers come first: a file that cannot be written, or that is not to be written over, is said and does not take
 // the analysis with it.
 void write_methods(const AnalyzeOptions& options, const std::string& text) {
-  const HoldInterrupts hold;
   const bool named = !options.methods.empty();
   const fs::path path = named ? fs::path(options.methods) : fs::path(options.study).parent_path() / "methods.md";
   try {
@@ -44,14 +44,6 @@ void write_methods(const AnalyzeOptions& options, const std::string& text) {
     return;
   }
   if (!options.json) fmt::print("The methods in words: {}\n", printable(path.string()));
-}
-
-void write_csv(const std::string& folder, bool replace, const StudyResults& results, const Protocol& protocol,
-               const StudyModels* models) {
-  const HoldInterrupts hold;
-  ExportFolder files(folder, replace);
-  write_results(files, results, protocol, models);
-  files.publish();
 }
 
 void print_results(const StudyResults& results, const Protocol& protocol, const AnalyzeOptions& options) {
@@ -103,7 +95,13 @@ int command_analyze(const AnalyzeOptions& options) {
   // Nothing but the procedure's own threshold exists where the answers set the levels.
   const bool all_models = options.models == "all" && !results.adaptive;
   const StudyModels models = all_models ? study_models(results.analysis, protocol) : StudyModels{};
-  if (!options.csv.empty()) write_csv(options.csv, options.replace, results, protocol, all_models ? &models : nullptr);
+  const HoldInterrupts hold;
+  // Its place is taken last: where something else that was asked for cannot be written, nothing stays behind.
+  std::optional<ExportFolder> csv;
+  if (!options.csv.empty()) {
+    csv.emplace(options.csv, options.replace);
+    write_results(*csv, results, protocol, all_models ? &models : nullptr);
+  }
 
   if (options.json) {
     nlohmann::ordered_json out = to_json(results, protocol);
@@ -116,15 +114,18 @@ int command_analyze(const AnalyzeOptions& options) {
                dim(chain_line(results.chains)));
     if (results.analysis.participants == 0) {
       fmt::print("  no {} session yet\n", to_string(kind));
-      return exit_code::kDone;
+    } else {
+      if (all_models) print_table(models_table(models, protocol));
+      print_results(results, protocol, options);
+      say_other_kinds(*study, kind);
     }
-    if (all_models) print_table(models_table(models, protocol));
-    print_results(results, protocol, options);
-    say_other_kinds(*study, kind);
-    if (!options.csv.empty()) fmt::print("CSV files of these results are in {}\n", printable(options.csv));
   }
   if (results.analysis.participants > 0 && !options.no_methods)
     write_methods(options, methods_text(*study, protocol, results));
+  if (csv) {
+    csv->publish();
+    if (!options.json) fmt::print("CSV files of these results are in {}\n", printable(options.csv));
+  }
   return exit_code::kDone;
 }
 

@@ -1,6 +1,7 @@
 // jnd backup, merge and recover: new files out of studies.
 #include <fmt/format.h>
 
+#include "analysis/stop_request.h"
 #include "data/backup.h"
 #include "data/merge.h"
 #include "data/recover.h"
@@ -9,6 +10,7 @@
 #include "runner/care_output.h"
 #include "runner/commands.h"
 #include "runner/interrupt.h"
+#include "runner/number_text.h"
 #include "runner/standard_streams.h"
 #include "runner/terminal.h"
 #include "runner/text_table.h"
@@ -19,10 +21,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using Align = TextTable::Align;
-
-std::string counted(std::int64_t count, const char* thing) {
-  return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
-}
 
 Json backup_json(const BackupOptions& options, const BackupReport& report) {
   Json out = {{"to", options.to},
@@ -83,6 +81,19 @@ void print_recovery(const RecoverOptions& options, const RecoveryReport& report,
       "Sessions that are not whole are open in the new study. What happened in them after the last event above is "
       "lost;\n"
       "a backup may have more of it. Keep the damaged file.\n");
+}
+
+// In words, where a signal leaves the time to look whether the new study is sealed.
+std::vector<std::string> problems_of(const RecoveryReport& report, const std::string& to) {
+  try {
+    return unsealed_problems(report.verified.problems, *Study::open(to, Study::Access::read_only));
+  } catch (const Stopped&) {
+    write_marked_message(fmt::format(
+        "interrupted when {} was already written: it stays, and this is its report; jnd verify {} says all of its "
+        "problems",
+        to, to));
+    return sealed_problems(report.verified.problems);
+  }
 }
 
 }  // namespace
@@ -149,8 +160,7 @@ int command_recover(const RecoverOptions& options) {
   std::optional<std::filesystem::path> protocol;
   if (options.protocol) protocol = *options.protocol;
   const RecoveryReport report = recover(options.damaged, options.to, protocol, stamp_now());
-  const std::vector<std::string> problems =
-      unsealed_problems(report.verified.problems, *Study::open(options.to, Study::Access::read_only));
+  const std::vector<std::string> problems = problems_of(report, options.to);
   const bool whole = report.whole();
   if (!options.json) {
     print_recovery(options, report, problems);

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -95,7 +96,10 @@ UsageError taken(const std::string& file) {
 int command_device_learn_buttons(const LearnButtonsOptions& options) {
   HidapiBus bus;
   // Before anybody presses anything.
-  if (std::filesystem::exists(std::filesystem::symlink_status(options.file))) throw taken(options.file);
+  std::error_code error;
+  const std::filesystem::file_status there = std::filesystem::symlink_status(options.file, error);
+  if (!std::filesystem::status_known(there)) throw cannot_write(options.file, error.value());
+  if (std::filesystem::exists(there)) throw taken(options.file);
   Draft file(options.file, Draft::What::file, Draft::Access::everyone);
   const std::optional<HidInfo> info = chosen_device(bus, options.device);
   if (!info) return exit_code::kInterrupted;

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "analysis/stop_request.h"
 #include "data/database.h"
 #include "devices/hid/hidapi_bus.h"
 #include "devices/hid/rig_check.h"
@@ -16,8 +17,8 @@
 #include "runner/hid_devices.h"
 #include "runner/interrupt.h"
 #include "runner/json_output.h"
-#include "runner/resources.h"
 #include "runner/standard_streams.h"
+#include "runner/study_access.h"
 #include "runner/terminal.h"
 #include "runner/text_table.h"
 
@@ -79,7 +80,7 @@ void print_check(const MachineCheck& check, std::size_t name_width) {
 std::vector<MachineCheck> check_rig_of(const DoctorOptions& options) {
   std::optional<Protocol> protocol;
   std::optional<RigFile> file;
-  if (!options.protocol.empty()) protocol = load_protocol(find_resource(Resource::protocol, options.protocol));
+  if (!options.protocol.empty()) protocol = load_checked_protocol(options.protocol);
   if (!options.rig.empty()) file = load_rig_file(options.rig);
   if (!protocol && !file) return {};
   std::vector<SeenHid> seen;
@@ -101,7 +102,7 @@ int command_doctor(const DoctorOptions& options) {
   const JitterReport session = measure(RealtimePolicy::prefer, options.seconds);
   const bool compare = session.realtime.fifo();
   const JitterReport ordinary = compare ? measure(RealtimePolicy::off, options.seconds) : JitterReport{};
-  if (interrupt_requested()) return exit_code::kInterrupted;
+  if (interrupt_requested()) throw Stopped();
   for (MachineCheck& check : check_realtime(session.realtime)) checks.push_back(std::move(check));
   checks.push_back(judge_jitter(session));
   // For comparison, and no finding of its own: a session does not run so.

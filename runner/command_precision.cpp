@@ -56,9 +56,9 @@ void set_jnds(const std::vector<std::string>& arguments, const Protocol& protoco
   }
 }
 
-// Says how far it is where that takes more than some seconds.
+// Says how far it is where that takes more than about a second.
 Precision precision_with_progress(const PrecisionQuestion& question) {
-  constexpr double kMostCellsWithoutWord = 2e7;
+  constexpr double kMostCellsWithoutWord = 1e6;
   const double cells = static_cast<double>(question.jnds.size() * question.design.differences.size()) *
                        question.participants * question.experiments;
   if (cells <= kMostCellsWithoutWord) return precision(question);

@@ -10,6 +10,7 @@
 #include "runner/commands.h"
 #include "runner/interrupt.h"
 #include "runner/json_output.h"
+#include "runner/number_text.h"
 #include "runner/resources.h"
 #include "runner/rig_limits.h"
 #include "runner/simulate.h"
@@ -20,11 +21,6 @@
 namespace jnd {
 
 namespace {
-
-// "1 session", "2 sessions".
-std::string counted(int n, const char* what) {
-  return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
-}
 
 int interrupted() {
   write_message("jnd: interrupted; nothing was kept\n");

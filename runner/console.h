@@ -46,10 +46,10 @@ struct ConsoleOptions {
 // when it is asked again; the latch itself is left to the engine. Where `end` is set, or the keys have ended, a wait
 // returns Wish::end_for_now, nothing, or false.
 // Stops: where a key or a button has latched the rig's stop, every wait returns at once with Wish::stopped or without
-// an answer, but for recover()'s and those in it. A text to be read (consent, instructions, a page of questions, a
-// finding) takes no answer before all of it was seen. judge() returns nothing where the operator asks for something
-// instead of the answer: meanwhile() then says what. What was typed during a presentation and does not break it off
-// (pause, note, end) is the next ready()'s.
+// an answer, but for recover()'s and those in it, and storage_trouble()'s, which comes before the stop. A text to be
+// read (consent, instructions, a page of questions, a finding) takes no answer before all of it was seen. judge()
+// returns nothing where the operator asks for something instead of the answer: meanwhile() then says what. What was
+// typed during a presentation and does not break it off (pause, note, end) is the next ready()'s.
 class Console : public SessionView {
  public:
   virtual Responder& responder() = 0;

@@ -21,8 +21,8 @@ std::optional<Answer> SessionConsole::answer_of(Action action, std::int64_t key_
   return answer_of(action == Action::answer_same ? Judgement::same : Judgement::different, options_.entered_by, key_ns);
 }
 
-// What is heard from now on is for the next ready(). An answer counts
-// only in time; the look at the clock was before the wait for it.
+// What is heard from now on is for the next ready(). An answer counts only in time; the look at the clock was before
+// the wait for it.
 std::optional<Answer> SessionConsole::question_over(const std::optional<Answer>& answer, double time_out_s) {
   display_->working_keys(between_trials_keys(protocol_.timeline).hints());
   return answer && answer->response_time_s <= time_out_s ? answer : std::nullopt;
@@ -138,16 +138,20 @@ bool SessionConsole::leaves_page() {
 bool SessionConsole::ask_by_keys(QuestionnairePage& page) {
   const TypingText typing(*keyboard_);
   keys_.prompt();
-  bool left = false;
+  bool left = false, changed = true;
   while (!left) {
-    display_->page(page);
+    if (changed) display_->page(page);
+    changed = true;
     std::optional<Key> key;
     // A y that is held down confirms one question, not the whole page; in a text a character may be typed twice.
     const bool text = page.reviewing() || page.items()[page.at()].question->kind != Question::Kind::confirm;
     while (!key && !interrupted()) key = keys_.next(text);
     if (!key) break;
     if ((key->is(KeyName::page_down) || key->is(KeyName::page_up)) && display_->scroll(key->name)) continue;
-    if (page.answers(*key) && still_to_read()) continue;
+    if (page.answers(*key) && still_to_read()) {
+      changed = false;  // so that what is told stays
+      continue;
+    }
     const std::size_t before = page.at();
     const QuestionnairePage::State state = page.press(*key);
     if (state == QuestionnairePage::State::committed) {

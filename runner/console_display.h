@@ -30,7 +30,8 @@ struct Scene {
   bool to_read = false;  // the keys answer the text: not before it was seen (Display::unread)
 };
 
-// "Trial 5 of 16": how far the session is. One that comes again has the number that it had.
+// "Trial 5 of 16": how far the session is. A trial that did not count and the one after it have the same number; what
+// tells them apart is the plan's.
 std::string trial_heading(const TrialOutline& outline);
 
 // Texts are printable (runner/terminal.h) but for the line ends of Scene::text. Thread rule: the session's thread only.

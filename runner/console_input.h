@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "runner/console_display.h"
@@ -25,7 +26,8 @@ class PromptKeys {
   bool pause_asked() const noexcept { return interrupts_.pause; }
   // A person has stopped the rig, which is to be seen to before anything else; not while it is.
   bool stopped() const noexcept;
-  void see_to_stop(bool seeing) noexcept { seeing_to_stop_ = seeing; }
+  // Returns what it was before.
+  bool see_to_stop(bool seeing) noexcept { return std::exchange(seeing_to_stop_, seeing); }
 
   // A prompt is about to be shown. Returns the keys pressed before it, which do not answer it.
   std::vector<Key> prompt();

@@ -174,6 +174,10 @@ KeyMap instruction_keys() {
                  {'q', Action::end_session, "ends the session", true}});
 }
 
+KeyMap finding_keys() {
+  return KeyMap({{' ', Action::go_on, "goes on", true}, kStop});
+}
+
 KeyMap consent_keys() {
   return KeyMap({{'y', Action::consent, "the participant agrees", true},
                  {'n', Action::refuse, "the participant does not agree", true},

@@ -99,13 +99,28 @@ class CsvTable::Scanner {
   std::string_view cell(int column) {
     const std::size_t begin = at_;
     const int line = line_;
-    const std::string_view found = without_blanks(take('"') ? quoted(line, column) : plain());
+    const std::string_view found = without_blanks(quote_comes() ? quoted(line, column) : plain());
     if (invalid_ >= begin && invalid_ < at_)
       fail_at(file_, line, column, "",
               fmt::format("holds the byte {:#04x}, which is not UTF-8 text (Latin-1 or Windows-1252?)",
                           static_cast<unsigned char>(text_[invalid_])),
               "save it as CSV, UTF-8");
     return found;
+  }
+  // Where a quote opens the cell, goes behind it; blanks before it are none of the cell.
+  bool quote_comes() {
+    const std::size_t begin = at_;
+    skip_blanks();
+    if (take('"')) return true;
+    at_ = begin;
+    return false;
+  }
+  void skip_blanks() {
+    while (at_ < text_.size() && !at_line_end() && text_[at_] != separator_) {
+      const std::size_t blank = leading_blank(text_.substr(at_));
+      if (blank == 0) return;
+      at_ += blank;
+    }
   }
   std::string_view plain() {
     const std::size_t begin = at_;
@@ -124,6 +139,7 @@ class CsvTable::Scanner {
       value += text_[at_];
       step();
     }
+    skip_blanks();
     return kept_.unquoted.emplace_back(std::move(value));
   }
 

@@ -76,6 +76,14 @@ void request_interrupt() noexcept {
   latch_end();
 }
 
+void outlive_readers() noexcept {
+  struct sigaction nothing {};
+  nothing.sa_handler = [](int) {};  // unlike SIG_IGN not handed on
+  nothing.sa_flags = SA_RESTART;
+  sigemptyset(&nothing.sa_mask);
+  sigaction(SIGPIPE, &nothing, nullptr);
+}
+
 HoldInterrupts::HoldInterrupts() noexcept {
   ++holds;
 }

@@ -29,4 +29,8 @@ std::string range_text(double low, double high, int decimals) {
   return number_text(low, decimals) + " .. " + number_text(high, decimals);
 }
 
+std::string counted(std::int64_t count, std::string_view thing) {
+  return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
+}
+
 }  // namespace jnd

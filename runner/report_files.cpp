@@ -63,7 +63,7 @@ void check_report_place(const fs::path& page, const fs::path& folder, bool repla
     check_place(plain_path(page), replace, page_may_go, "report to another file");
     check_place(plain_path(folder), replace, figures_may_go, "put the figures into another folder");
   } catch (const fs::filesystem_error& error) {
-    throw cannot_write(page, error.code().value());
+    throw cannot_write(error.path1().empty() ? page : error.path1(), error.code().value());
   }
 }
 
@@ -85,7 +85,7 @@ void write_report(const ReportFiles& files, bool replace) {
     }
     publish(page_draft, page, replace, page_may_go);
   } catch (const fs::filesystem_error& error) {
-    throw cannot_write(page, error.code().value());
+    throw cannot_write(error.path1().empty() ? page : error.path1(), error.code().value());
   }
 }
 

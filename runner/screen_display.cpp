@@ -104,7 +104,8 @@ class ScreenDisplay final : public Display {
   }
   void health(const DeviceHealth& health) override {
     const std::int64_t now = clock_.now_ns();
-    const bool soon = now - health_shown_ns_ < kHealthEvery_ns && health.fault.empty();
+    // What a presentation ends with stays on view until the next one.
+    const bool soon = now - health_shown_ns_ < kHealthEvery_ns && health.fault.empty() && health.presenting;
     model_.health = health;
     if (soon) return;  // it is drawn with what comes next
     health_shown_ns_ = now;

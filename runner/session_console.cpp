@@ -21,6 +21,24 @@ std::string name_of(const TrialOutline& outline) {
   return fmt::format("{} {}", outline.practice ? "practice" : "trial", outline.number);
 }
 
+// Where it could be mistaken: a trial that did not count and the one after it have the same number.
+std::string full_name_of(const TrialOutline& outline) {
+  return fmt::format("{} (plan no. {})", name_of(outline), outline.plan_number);
+}
+
+// A stop is seen to for as long as it lives, or what is asked comes before that.
+class SeeingToStop {
+ public:
+  explicit SeeingToStop(PromptKeys& keys) noexcept : keys_(keys), before_(keys.see_to_stop(true)) {}
+  ~SeeingToStop() { keys_.see_to_stop(before_); }
+  SeeingToStop(const SeeingToStop&) = delete;
+  SeeingToStop& operator=(const SeeingToStop&) = delete;
+
+ private:
+  PromptKeys& keys_;
+  bool before_;
+};
+
 // Why a trial did not count, in words.
 std::string reason_text(const std::string& reason) {
   static constexpr std::array<std::pair<const char*, const char*>, 15> kWords = {
@@ -77,13 +95,13 @@ void SessionConsole::announce(const std::string& text, bool warning) {
 }
 
 void SessionConsole::acknowledge(const std::string& heading, const std::string& text) {
-  const KeyMap keys({{' ', Action::go_on, "goes on", true}});
+  const KeyMap keys = finding_keys();
   keys_.prompt();
   show({.tone = Tone::warning, .heading = heading, .text = text, .keys = keys.hints(), .to_read = true});
   while (!interrupted()) {
     const std::optional<Key> key = keys_.next();
     if (!key || display_->scroll(key->name)) continue;
-    if (!keys.action_of(*key))
+    if (keys.action_of(*key) != Action::go_on)
       explain(keys, *key);
     else if (!still_to_read(true))
       return;
@@ -102,6 +120,7 @@ void SessionConsole::end(const std::string& last_words) {
 }
 
 void SessionConsole::show(const Scene& scene) {
+  display_->countdown_over();  // of what this takes the place of
   scene_ = scene;
   if (!keys_.anybody()) scene_.keys.clear();
   display_->scene(scene_);
@@ -169,7 +188,6 @@ OperatorWish SessionConsole::ready(const TrialOutline& outline) {
   TrialOutline shown = outline;
   // Where a limit voids a trial, an attempt of its own would say that one of the two objects is stiff.
   if (protocol_.stimulus.on_saturation == OnSaturation::repeat) shown.attempt = 1;
-  display_->countdown_over();
   display_->outline(shown);
   Scene scene;
   outline_scene(shown, scene);
@@ -198,7 +216,6 @@ OperatorWish SessionConsole::meanwhile() {
 }
 
 OperatorWish SessionConsole::paused(const std::string& cause) {
-  display_->countdown_over();  // of free interaction that it broke off
   Scene scene;
   scene.tone = Tone::warning;
   scene.heading = "Paused";
@@ -236,15 +253,15 @@ void SessionConsole::cue(CuePlace place, const CueSignal& cue) {
 }
 
 void SessionConsole::saved(const TrialOutline& outline, const Answer& answer) {
-  last_answered_ = name_of(outline);
-  display_->answer(last_answered_, fmt::format("{}, {:.2f} s", to_string(answer.judgement), answer.response_time_s),
+  last_answered_ = full_name_of(outline);
+  display_->answer(name_of(outline), fmt::format("{}, {:.2f} s", to_string(answer.judgement), answer.response_time_s),
                    std::string(to_string(answer.entered_by)));
 }
 
 void SessionConsole::voided(const TrialOutline& outline, const std::string& reason, bool will_repeat) {
   if (keys_.anybody()) display_->working_keys(between_trials_keys(protocol_.timeline).hints());
   display_->tell(Tone::warning,
-                 fmt::format("{} not counted ({}); {}", name_of(outline), reason_text(reason),
+                 fmt::format("{} not counted ({}); {}", full_name_of(outline), reason_text(reason),
                              will_repeat ? "it comes again at the end of this block" : "its attempts are used up"));
 }
 
@@ -265,6 +282,11 @@ bool SessionConsole::waiting(double left_s, double total_s) {
   if (static_cast<double>(now_ns - looked_ns_) * 1e-9 < kLook_s / 2) return true;
   looked_ns_ = now_ns;
   note_wishes(keys_.drain(), question_keys_);
+  // A page that came between, such as a note's or a pause's, is over.
+  if (!scene_.heading.empty()) {
+    scene_ = {};
+    display_->working_keys(between_trials_keys(protocol_.timeline).hints());
+  }
   if (total_s >= kCounted_s) display_->countdown("next trial", left_s, total_s);
   display_->refresh();
   std::erase(noted_, Action::repeat_trial);  // its trial is over
@@ -302,6 +324,8 @@ OperatorWish SessionConsole::missing(const std::string& what, const std::functio
 
 bool SessionConsole::storage_trouble(const std::string& message) {
   if (!keys_.anybody()) return false;
+  // A stop has to wait here: what comes of it could not be written, and the devices give nothing anyway.
+  const SeeingToStop first(keys_);
   const KeyMap keys = storage_keys();
   keys_.prompt();
   show({Tone::warning, "The study cannot be written just now.", "",
@@ -407,7 +431,6 @@ std::optional<bool> SessionConsole::consent(const std::string& text) {
 }
 
 OperatorWish SessionConsole::ready_to_explore(const ExplorationOutline& outline) {
-  display_->countdown_over();  // of the one before
   Scene scene;
   scene.heading = fmt::format("Free interaction {} of {}", outline.number, outline.total);
   scene.beside = fmt::format("condition {}  {}", printable(outline.condition_code), duration_text(outline.duration_s));

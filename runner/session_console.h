@@ -107,7 +107,7 @@ class SessionConsole final : public Console, private Responder {
   std::string announced_;  // before the screen came
   bool warned_ = false;
   Scene scene_;                          // the latest
-  std::string last_answered_;            // "trial 5"; empty: none of this run
+  std::string last_answered_;            // "trial 5 (plan no. 13)"; empty: none of this run
   std::int64_t looked_ns_ = 0;           // at the keys between trials, of the machine's clock
   std::vector<Action> noted_;            // asked for while nothing could be done about it
   std::optional<OperatorWish> decided_;  // what meanwhile() is to say

@@ -206,9 +206,17 @@ SessionEngine::BlockEnd SessionEngine::run_block(const std::vector<Trial>& block
 bool SessionEngine::ready(const Trial& next, const TrialOutline& outline, const std::vector<Trial>& left,
                           BlockEnd& end) {
   for (;;) {
-    const OperatorWish wish = settle(parts_, recorder_, after_trial(), [&] { return parts_.view.ready(outline); });
+    const OperatorWish wish = settle(parts_, recorder_, after_trial(), [&] {
+      (void)conductor_.rested();  // a note or a pause leaves its rest
+      return parts_.view.ready(outline);
+    });
     heed_interrupts(parts_, recorder_, after_trial());
-    if (wish.wish == Wish::go_on) return true;
+    if (wish.wish == Wish::go_on) {
+      // However soon the operator goes on, the time between trials passes. A stop that is still latched is one that
+      // nobody clears, and ends the session when something is to be presented.
+      if (parts_.rig.stop.latched() || conductor_.rested()) return true;
+      continue;
+    }
     if (wish.wish == Wish::take_break) break_on_request(wish.text);
     if (wish.wish == Wish::end_block) {
       end_block(left, wish.text);

@@ -18,7 +18,7 @@ namespace jnd {
 struct TrialOutline {
   int number = 0;  // k of n in the main part, or in the practice round: how far the session is
   int total = 0;
-  int plan_number = 0;   // Trial::index: its place in the plan, as exports and notes count
+  int plan_number = 0;   // Trial::index: its place in the plan, as exports count
   bool at_most = false;  // the answers may end the session before `total`
   bool practice = false;
   int round = 0;  // of practice

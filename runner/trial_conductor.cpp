@@ -37,8 +37,6 @@ TrialConductor::Outcome TrialConductor::conduct(const Trial& trial, const TrialO
   const Attempt attempt{trial, outline, attempts_used, after_trial};
   const Protocol& protocol = parts_.protocol;
   ticks_.clear();
-  // However soon the operator goes on, the time between trials passes.
-  wait_out(parts_, recorder_, earliest_ns_, after_trial);
   await_rig(parts_, recorder_, after_trial);
   // A stop that came meanwhile: nothing is presented before a person has cleared it.
   heed_interrupts(parts_, recorder_, after_trial);
@@ -233,10 +231,13 @@ std::int64_t TrialConductor::after_s(double seconds) const {
   return parts_.clock.now_ns() + static_cast<std::int64_t>(seconds * 1e9);
 }
 
-// What is left of it when something comes first is waited for before the next attempt.
 void TrialConductor::wait_between_trials() {
   earliest_ns_ = after_s(parts_.protocol.timeline.between_trials_s);
-  (void)wait_until(parts_, earliest_ns_, OperatorHeard::yes);
+  (void)rested();
+}
+
+bool TrialConductor::rested() {
+  return wait_until(parts_, earliest_ns_, OperatorHeard::yes);
 }
 
 }  // namespace jnd

@@ -23,8 +23,12 @@ class TrialConductor {
     TrialRecord record;   // of an answered trial, as committed
     bool counts = false;  // a voided attempt: it uses up one of the trial's attempts
   };
-  // trial: with its stimuli known. attempts_used: so far. Throws SessionEnds, StorageError.
+  // trial: with its stimuli known. attempts_used: so far. Once rested(). Throws SessionEnds, StorageError.
   Outcome conduct(const Trial& trial, const TrialOutline& outline, int attempts_used, int after_trial);
+
+  // Waits for what is left of the time between trials, also where something came first before. False: something does
+  // again, which is to be seen to.
+  bool rested();
 
   // trial.voided. reason: "no_answer", "saturated", a fault, "repeated", "taken_back", "interrupted", ...; words: the
   // operator's. Of no attempt that is under way: take_back and the like, by the engine.

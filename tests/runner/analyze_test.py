@@ -85,6 +85,10 @@ class Analyze(unittest.TestCase):
         by = self.analysis("chinello2017.sqlite", "--by", "delivered")
         self.assertIn("over delivered ones", by["deviations"][0])
 
+    def test_nothing_stays_behind_where_one_of_two_outputs_cannot_be_written(self):
+        self.jnd("analyze", "chinello2017.sqlite", "--csv", "alone", "--methods", "no-such-folder/m.md", code=5)
+        self.assertFalse(os.path.exists(self.path("alone")))
+
     def test_results_as_csv_have_a_dictionary(self):
         self.jnd("analyze", "chinello2017.sqlite", "--csv", "out", "--models", "all", "--no-methods")
         with open(self.path("out", "dictionary.csv"), newline="", encoding="utf-8") as file:

@@ -48,6 +48,8 @@ class CalcInput(unittest.TestCase):
             "CRLF": TABLE.replace("\n", "\r\n").encode(),
             "lone CR": TABLE.replace("\n", "\r").encode(),
             "blanks around names": TABLE.replace("P1,S,", "P1 ,S\u00a0,").replace("P2,V", '"P2 ", V\u200b').encode(),
+            "blanks around quotes": TABLE.replace("P1,S,3.5", '"P1" ,"S"\u00a0, "3.5" ').replace("P2,V", '\t"P2",  "V"').encode(),
+            "blanks around quotes between tabs": TABLE.replace(",", "\t").replace("P1\tS\t3.5", '"P1" \t "S"\t "3.5"').encode(),
             "cleared rows": (TABLE + ",,\n\n").encode(),
         }.items():
             with self.subTest(name):

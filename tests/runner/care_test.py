@@ -200,6 +200,9 @@ class Care(unittest.TestCase):
             refused = self.jnd("report", "s.sqlite", "--to", place, "--replace", code=5).stderr
             self.assertIn("was not written by jnd report", refused)
         self.jnd("report", "s.sqlite", "--to", "r.html", "--figures", "drawings", "--replace", code=5)
+        # What is at fault is named.
+        long_name = "f" * 300
+        self.assertIn(f"{long_name}: cannot be written: File name too long", self.jnd("report", "s.sqlite", "--to", "r.html", "--figures", long_name, code=5).stderr)
         with open(self.path("s.sqlite"), "rb") as file:
             self.assertEqual(file.read(), before)
         self.assertEqual(os.listdir(self.path("drawings")), ["mine.svg"])

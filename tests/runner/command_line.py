@@ -211,14 +211,29 @@ class CommandLine(unittest.TestCase):
         self.jnd("run", self.small, "--study", "gone.sqlite", "--participant", "P01", "--responder", "chinello2017", "--fast")
         self.jnd("verify", "gone.sqlite")
 
+    def test_a_session_ends_in_order_where_nobody_reads_what_it_prints(self):
+        def unread(*arguments):
+            reading, writing = os.pipe()
+            os.close(reading)
+            with open(writing, "w") as pipe:
+                return subprocess.run([JND, *arguments], stdin=subprocess.DEVNULL, stdout=pipe, stderr=subprocess.PIPE, text=True, cwd=self.path)
+        command = ("run", self.small, "--study", "unread.sqlite", "--participant", "P01", "--responder", "chinello2017", "--fast")
+        done = unread(*command, "--plain", "--seed", "1")
+        self.assertEqual(done.returncode, 130, done.stderr)
+        self.assertEqual(json.loads(self.jnd("status", "unread.sqlite", "--json").stdout)["sessions"][0]["state"], "open")
+        self.jnd(*command)
+        self.jnd("verify", "unread.sqlite")
+        self.assertEqual(unread("status", "unread.sqlite").returncode, -signal.SIGPIPE)
+
     def test_the_first_signal_ends_what_only_computes(self):
         for number in (signal.SIGINT, signal.SIGTERM):
-            # Minutes of arithmetic, and standard input that never ends.
+            # Seconds of arithmetic, and standard input that never ends.
             for arguments in (("plan", "chinello2017", "--precision", "--participants", "1000", "--trials", "2000", "--between-cv", "0.5"),
                               ("calc", "sdt", "-")):
                 program = subprocess.Popen([JND, *arguments], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
                 catches = lambda: int(re.search(r"SigCgt:\s*(\w+)", read(f"/proc/{program.pid}/status"))[1], 16) >> (number - 1) & 1
                 while not catches():
+                    self.assertIsNone(program.poll(), arguments)
                     time.sleep(0.01)
                 program.send_signal(number)
                 self.assertEqual(program.wait(60), 130, arguments)

@@ -59,6 +59,15 @@ Outcome outcome(const std::function<int()>& command) {
   return result;
 }
 
+// As if a signal had come, for as long as this lives.
+class StopRequested {
+ public:
+  StopRequested() { stop_requested() = true; }
+  ~StopRequested() { stop_requested() = false; }
+  StopRequested(const StopRequested&) = delete;
+  StopRequested& operator=(const StopRequested&) = delete;
+};
+
 template <typename Error>
 Outcome of(const Error& error) {
   return outcome([&]() -> int { throw error; });
@@ -82,11 +91,8 @@ TEST_CASE("what a command throws becomes its exit code, and words with what to d
 }
 
 TEST_CASE("a signal that came too late to stop a command is said") {
-  const Outcome late = outcome([] {
-    stop_requested() = true;
-    return 0;
-  });
-  stop_requested() = false;
+  const StopRequested requested;
+  const Outcome late = outcome([] { return 0; });
   CHECK(late.code == exit_code::kInterrupted);
   CHECK_THAT(late.said, Catch::Contains("already done"));
 }

@@ -70,6 +70,7 @@ class KeptDisplay final : public Display {
   void announce(const std::string&, bool) override {}
   void scene(const Scene& scene) override {
     told.push_back("scene " + scene.heading);
+    if (hints) hints(scene);
     if (on_scene) on_scene();
   }
   void keys_again() override {}
@@ -120,6 +121,7 @@ class KeptDisplay final : public Display {
   int to_scroll = 0;  // how often until all of a text was seen
   std::function<void()> on_scene, while_drawing, explained, typing, asking;
   std::function<void(const QuestionnairePage&)> shown;
+  std::function<void(const Scene&)> hints;
 };
 
 struct Bench {
@@ -223,12 +225,14 @@ TEST_CASE("A key that acts later is acknowledged while the presentation goes on"
   CHECK(bench.display.told == std::vector<std::string>{"explain the end comes after this trial"});
 }
 
-TEST_CASE("Messages about a trial carry its number") {
+TEST_CASE("Messages about a trial carry its number, and the plan's where two trials have the same one") {
   Bench bench("");
   TrialOutline trial;
   trial.number = 5;
+  trial.plan_number = 13;
   TrialOutline practice;
   practice.number = 2;
+  practice.plan_number = 2;
   practice.practice = true;
   bench.console.saved(trial, {Judgement::same, EnteredBy::operator_, 1.224});
   bench.console.took_back(true);
@@ -236,11 +240,12 @@ TEST_CASE("Messages about a trial carry its number") {
   bench.console.voided(practice, "no_answer", true);
   bench.console.voided(trial, "repeated", false);
   CHECK(bench.display.messages ==
-        std::vector<std::string>{"saved trial 5, same, 1.22 s",
-                                 "answer to trial 5 taken back; its trial comes again at the end of its block",
-                                 "last answer taken back; its trial comes again at the end of its block",
-                                 "practice 2 not counted (no answer in time); it comes again at the end of this block",
-                                 "trial 5 not counted (repeated at your wish); its attempts are used up"});
+        std::vector<std::string>{
+            "saved trial 5, same, 1.22 s",
+            "answer to trial 5 (plan no. 13) taken back; its trial comes again at the end of its block",
+            "last answer taken back; its trial comes again at the end of its block",
+            "practice 2 (plan no. 2) not counted (no answer in time); it comes again at the end of this block",
+            "trial 5 (plan no. 13) not counted (repeated at your wish); its attempts are used up"});
 }
 
 TEST_CASE("What a limit did to a trial is not told: it would say how stiff an object was") {
@@ -323,9 +328,57 @@ TEST_CASE("A text takes no answer before all of it was seen") {
   question.kind = Question::Kind::confirm;
   Bench confirms("yy\x1b[6~y");
   confirms.display.to_scroll = 1;
+  confirms.display.shown = [&](const QuestionnairePage&) { confirms.display.told.emplace_back("page"); };
   CHECK(confirms.console.responder().reply_all({{question, -1}}));
+  // What is told stays until something changes.
   CHECK(confirms.display.told ==
-        std::vector<std::string>{"explain there is more", "explain there is more", "scroll down"});
+        std::vector<std::string>{"page", "explain there is more", "explain there is more", "scroll down", "page"});
+}
+
+TEST_CASE("After a stop a full disk can still be tried again, and the session given up") {
+  for (const StopSource source : {StopSource::key, StopSource::button}) {
+    Bench tries("qn ");
+    tries.stop.latch(source);
+    CHECK(tries.console.storage_trouble("the disk is full"));
+    Bench gives_up("qy  ");
+    gives_up.stop.latch(source);
+    CHECK_FALSE(gives_up.console.storage_trouble("the disk is full"));
+    CHECK(gives_up.console.paused("key").wish == Wish::stopped);  // the stop is still to be seen to
+  }
+}
+
+TEST_CASE("The stop is among the keys of what is to be read first, and does not take it for read") {
+  Bench bench("x ");
+  std::string keys;
+  bench.display.hints = [&](const Scene& scene) {
+    for (const KeyHint& hint : scene.keys) keys += hint.key + " ";
+  };
+  bench.console.announce("The loop is not real-time.", true);
+  CHECK(keys == "space x ");
+  CHECK(bench.display.told == std::vector<std::string>{"scene Please note", "explain STOP: the devices give nothing"});
+}
+
+TEST_CASE("While the rest of the time between trials passes, its keys and a countdown are shown") {
+  Bench bench(" ");
+  CHECK(bench.console.ready(TrialOutline()).wish == Wish::go_on);
+  CHECK(bench.console.waiting(118, 118));
+  CHECK(bench.display.keys == "xpnq");
+  CHECK(bench.display.counting);
+}
+
+TEST_CASE("A countdown is over where another page comes") {
+  const std::vector<std::function<void(SessionConsole&)>> pages = {
+      [](SessionConsole& console) { (void)console.recover("key"); },
+      [](SessionConsole& console) { (void)console.instruct(Instruction()); },
+      [](SessionConsole& console) { (void)console.storage_trouble("the disk is full"); }};
+  for (const auto& page : pages) {
+    Bench bench;
+    CHECK(bench.console.exploring(10));
+    CHECK(bench.display.counting);
+    bench.interrupted.end = true;
+    page(bench.console);
+    CHECK_FALSE(bench.display.counting);
+  }
 }
 
 TEST_CASE("The countdown of free interaction is over where something else begins") {

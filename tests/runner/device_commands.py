@@ -8,6 +8,7 @@ import io
 import json
 import math
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -157,6 +158,16 @@ class DeviceCommands(unittest.TestCase):
         self.assertEqual(found["devices"]["found"], "not connected: FT-1 (thumb)")
         missing = subprocess.run([JND, "doctor", "--protocol", "nowhere.json"], cwd=self.path, capture_output=True, text=True)
         self.assertEqual(missing.returncode, 3)
+        # A protocol that no session takes, doctor does not take either.
+        with open(os.path.join(self.path, "with_ghost.json"), "w", encoding="utf-8") as file:
+            file.write(re.sub(r'"sphere_radius_m": [0-9.]+', '"object": "ghost"', text))
+        unfit = subprocess.run([JND, "doctor", "--seconds", "0.1", "--protocol", "with_ghost.json"], cwd=self.path, capture_output=True, text=True)
+        self.assertEqual(unfit.returncode, 3, unfit.stdout)
+        self.assertIn("no object called 'ghost' is shipped", unfit.stderr)
+
+    def test_a_name_that_cannot_be_is_said_before_anybody_presses_a_button(self):
+        name = "f" * 300
+        self.assertIn(f"{name}: cannot be written: File name too long", self.jnd("learn-buttons", "--to", name, code=5).stderr)
 
     def test_calibrate_refuses_before_it_looks_for_a_device(self):
         who = ("--operator", "A. Smith", "--reference-name", "scale 17")

@@ -17,13 +17,13 @@ using test::with_person;
 
 constexpr double kAtOnce_s = 0.11;  // two looks
 
-// Acts once, the second time that it is looked whether a wait goes on, or where else it is told to; keeps what it was
-// asked, and when.
+// Acts once for each act, the second time that it is looked whether a wait goes on, or where else it is told to; keeps
+// what it was asked, and when.
 class Acting final : public SessionView {
  public:
   explicit Acting(Bench& bench) : bench_(bench) {}
   bool waiting(double, double) override {
-    if (++looks_ == 2 && in_wait) act(in_wait);
+    if (++looks_ % 2 == 0 && in_wait) act(in_wait);
     return !wants_something;
   }
   OperatorWish meanwhile() override {
@@ -125,6 +125,27 @@ TEST_CASE("What the operator wants between trials is asked at once, and the wait
   CHECK(view.at_once("ready"));
   REQUIRE(starts_s.size() == 32);
   CHECK(starts_s[2] - starts_s[1] >= 1 + 1 + 120);
+}
+
+TEST_CASE("While the rest of the wait passes the operator is heard, and shown that it does") {
+  for (const bool stopped : {false, true}) {  // what came first
+    Bench bench(small_protocol(kLongWait));
+    Acting view(bench);
+    view.in_wait = [&] {
+      if (stopped)
+        view.stop();
+      else
+        view.wants_something = true;
+      view.in_wait = [&] { view.wants_something = true; };
+    };
+    const std::vector<double> starts_s = starts_of(bench, view);
+    REQUIRE(view.asked.size() == 2);
+    CHECK(view.asked[1] == "ready");
+    REQUIRE(starts_s.size() == 32);
+    CHECK(view.acted_s < starts_s[1] + 1 + 1 + 1);  // before the wait after the first trial had passed
+    CHECK(view.asked_s[1] - view.acted_s <= kAtOnce_s);
+    CHECK(starts_s[2] - starts_s[1] >= 1 + 1 + 120);
+  }
 }
 
 TEST_CASE("A stop between the two intervals voids the trial at once: the second one is not announced") {
