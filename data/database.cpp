@@ -75,17 +75,27 @@ void refuse_other_schema(const fs::path& path, SQLite::Database& database, bool 
   reading.commit();
 }
 
-void refuse_damage(const fs::path& path, SQLite::Database& database) {
-  SQLite::Statement check(database, "PRAGMA quick_check(1)");
-  if (check.executeStep() && check.getColumn(0).getString() != "ok")
-    throw StorageError(
-        fmt::format("{}: is damaged ({}); it was not changed. Go on with a copy or a backup; jnd verify says more",
-                    path.string(), check.getColumn(0).getString()));
-}
-
 // Extended codes carry the primary one in their lowest byte.
 int primary_code(const SQLite::Exception& error) noexcept {
   return error.getErrorCode() & 0xFF;
+}
+
+// What SQLite finds; "ok" where that is nothing.
+std::string damage_in(SQLite::Database& database) {
+  try {
+    SQLite::Statement check(database, "PRAGMA quick_check(1)");
+    return check.executeStep() ? check.getColumn(0).getString() : "ok";
+  } catch (const SQLite::Exception& error) {
+    if (primary_code(error) != SQLITE_ERROR) throw;
+    return "an event in it is not what was written";  // it looks into events for their columns: "malformed JSON"
+  }
+}
+
+void refuse_damage(const fs::path& path, SQLite::Database& database) {
+  if (const std::string damage = damage_in(database); damage != "ok")
+    throw StorageError(
+        fmt::format("{}: is damaged ({}); it was not changed. Go on with a copy or a backup; jnd verify says more",
+                    path.string(), damage));
 }
 
 void settle(SQLite::Database& database) {

@@ -75,7 +75,13 @@ class Verifier {
     try {
       // One view of the file from beginning to end, whatever a session adds meanwhile.
       SQLite::Transaction reading(study_.database());
-      check_file();
+      try {
+        check_file();
+      } catch (const SQLite::Exception& error) {
+        throw_if_stopped(error);
+        // It looks into events for their columns: which one it is comes out below.
+        problem("The file", " is damaged ({}).", error.what());
+      }
       facts_ = study_facts(study_.database(), study_.info, report_.problems);
       check_protocol();
       telemetry_.emplace(study_.database(), facts_.telemetry_lost);

@@ -272,6 +272,24 @@ TEST_CASE("a damaged study is refused for writing, and not changed", "[data]") {
   CHECK_THROWS_WITH(Study::open(path, Access::read_write), Catch::Contains("damaged"));
 }
 
+TEST_CASE("an event that is no JSON any more is told as damage, and verify names it", "[data]") {
+  const TemporaryFolder folder;
+  const auto path = folder / "study.jnd";
+  {
+    const auto study = new_study(path);
+    run_whole_session(*study, tutorial(), 1);
+  }
+  std::string bytes = bytes_of(path);
+  bytes.at(bytes.find("{\"index\":1,")) = 'x';
+  std::ofstream(path, std::ios::binary) << bytes;
+  CHECK_THROWS_WITH(Study::open(path, Access::read_write),
+                    Catch::Contains("is damaged (an event in it is not what was written); it was not changed"));
+  CHECK(bytes_of(path) == bytes);
+  std::string told;
+  for (const Problem& problem : verify(*Study::open(path, Access::read_only)).problems) told += problem.text + "\n";
+  CHECK_THAT(told, Catch::Contains("Session P01-simulated, event 2") && Catch::Contains("its hash does not match"));
+}
+
 TEST_CASE("a study is never made over a file that exists", "[data]") {
   const TemporaryFolder folder;
   std::ofstream(folder / "study.jnd") << "precious";
