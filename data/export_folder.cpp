@@ -112,8 +112,13 @@ void ExportFolder::write(const std::string& relative, const std::string& bytes) 
   sums_[relative] = sha256_hex(bytes);
 }
 
-std::vector<std::string> ExportFolder::publish() {
+void ExportFolder::finish() {
   draft_->write_within(kSums, text_of(sums_));
+  finished_ = true;
+}
+
+std::vector<std::string> ExportFolder::publish() {
+  if (!finished_) finish();
   try {
     if (replace_)
       draft_->replace(may_go);

@@ -20,8 +20,11 @@ class ExportFolder {
 
   // Throws StorageError, also where the name leads out of the folder or was written before, and Stopped.
   void write(const std::string& relative, const std::string& bytes);
-  // Adds SHA256SUMS, by which such a folder is known again, and puts the finished folder into its place. Returns the
-  // other files, relative, in alphabetical order. Throws StorageError.
+  // Adds SHA256SUMS, by which such a folder is known again: after it nothing more is written, and nothing of the disk
+  // is needed for its place. Throws StorageError.
+  void finish();
+  // Puts the folder, finished first where it is not, into its place. Returns the files but SHA256SUMS, relative, in
+  // alphabetical order. Throws StorageError.
   std::vector<std::string> publish();
 
  private:
@@ -29,6 +32,7 @@ class ExportFolder {
   bool replace_;
   std::unique_ptr<Draft> draft_;
   std::map<std::string, std::string> sums_;  // by file, relative
+  bool finished_ = false;
 };
 
 }  // namespace jnd

@@ -1,9 +1,11 @@
 // jnd calc fit: psychometric functions of counts, with intervals, goodness of fit and comparisons of groups.
 #include "runner/calc_psychometric.h"
 
-#include <algorithm>
 #include <charconv>
+#include <map>
+#include <optional>
 #include <stdexcept>
+#include <string>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -62,6 +64,7 @@ std::vector<Group> groups_of(const CsvTable& table, const PsychometricModel& mod
   // Trials a level are counted in an int; so are those of all rows of one level together.
   constexpr int kMostTrials = 100'000'000;
   std::vector<Group> groups;
+  std::map<std::optional<std::string>, std::size_t> places;
   for (std::size_t row = 0; row < table.rows(); ++row) {
     PsychometricLevel level;
     level.x = table.number(row, "x");
@@ -74,12 +77,9 @@ std::vector<Group> groups_of(const CsvTable& table, const PsychometricModel& mod
       table.fail(row, "k", fmt::format("{} answers in {} trials", level.k, level.n), "k is at most n");
     std::optional<std::string> name;
     if (table.has("group")) name = table.text(row, "group");
-    auto place = std::find_if(groups.begin(), groups.end(), [&name](const Group& group) { return group.name == name; });
-    if (place == groups.end()) {
-      groups.push_back({name, {}});
-      place = groups.end() - 1;
-    }
-    place->levels.push_back(level);
+    const auto [place, added] = places.try_emplace(name, groups.size());
+    if (added) groups.push_back({name, {}});
+    groups[place->second].levels.push_back(level);
   }
   return groups;
 }

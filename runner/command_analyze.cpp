@@ -101,6 +101,7 @@ int command_analyze(const AnalyzeOptions& options) {
   if (!options.csv.empty()) {
     csv.emplace(options.csv, options.replace);
     write_results(*csv, results, protocol, all_models ? &models : nullptr);
+    csv->finish();
   }
 
   if (options.json) {
