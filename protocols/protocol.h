@@ -1,5 +1,5 @@
 // What an experiment is. A Protocol is immutable once loaded; its identity is the SHA-256 of the file's bytes.
-// The JSON form is read by protocols/protocol_json.h and described for users in protocols/README.md.
+// The JSON form is read by protocols/reading/protocol_json.h and described for users in protocols/README.md.
 #pragma once
 
 #include <array>
@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "protocols/quest.h"
-#include "protocols/staircase.h"
+#include "analysis/procedures/quest.h"
+#include "analysis/procedures/staircase.h"
 #include "protocols/vocabulary.h"
 
 namespace jnd {

@@ -7,7 +7,7 @@
 
 namespace jnd {
 
-// Plain data of fixed size, so that it passes through a ring without allocation. data/telemetry.h stores it.
+// Plain data of fixed size, so that it passes through a ring without allocation. data/log/telemetry.h stores it.
 struct TickRecord {
   std::int64_t time_ns = 0;      // of the loop's monotonic clock
   std::int64_t lateness_ns = 0;  // of this tick's wake-up, >= 0; 0 on the simulated clock

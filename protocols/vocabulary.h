@@ -71,7 +71,7 @@ enum class Channel { cutaneous, kinaesthetic };
 
 // What one limit of the governor did in one interval: in how many ticks, and asked and given where it took most.
 struct Intervention {
-  std::string limit;  // "force_cap", "force_rise", ...: devices/governor.h
+  std::string limit;  // "force_cap", "force_rise", ...: devices/loop/governor.h
   std::int64_t ticks = 0;
   double asked = 0, given = 0;  // N; g or Hz for vibrations; rad or m for the workspace
   bool operator==(const Intervention&) const = default;
@@ -135,7 +135,7 @@ struct Trial {
   StiffnessUnit unit = StiffnessUnit::n_per_m;  // of the stimuli
   bool same = true;
   // Of an adaptive procedure: which of its condition's tracks, from 1; 0 with constant stimuli and in practice. In the
-  // plan a stimulus that the answers set is kSetByAnswers; protocols/adaptive_run.h knows it when its turn comes.
+  // plan a stimulus that the answers set is kSetByAnswers; protocols/planning/adaptive_run.h knows it when its turn comes.
   int track = 0;
   bool operator==(const Trial&) const = default;
 };

@@ -8,16 +8,16 @@
 #include <fmt/format.h>
 
 #include "protocols/version.h"
-#include "runner/calc.h"
-#include "runner/care_commands.h"
-#include "runner/command_outcome.h"
-#include "runner/commands.h"
-#include "runner/device_commands.h"
-#include "runner/interrupt.h"
-#include "runner/precision_options.h"
-#include "runner/report_command.h"
-#include "runner/standard_streams.h"
-#include "runner/terminal.h"
+#include "runner/calc/calc.h"
+#include "runner/commands/care_commands.h"
+#include "runner/terminal/command_outcome.h"
+#include "runner/commands/commands.h"
+#include "runner/device_commands/device_commands.h"
+#include "runner/keys/interrupt.h"
+#include "runner/commands/precision_options.h"
+#include "runner/commands/report_command.h"
+#include "runner/terminal/standard_streams.h"
+#include "runner/terminal/terminal.h"
 
 namespace jnd {
 

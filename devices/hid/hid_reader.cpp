@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "devices/device_error.h"
-#include "devices/hid/io_thread.h"
+#include "devices/machine/io_thread.h"
 
 namespace jnd {
 

@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <rapidcheck.h>
 
-#include "analysis/within_table.h"
+#include "analysis/group/within_table.h"
 
 namespace jnd {
 

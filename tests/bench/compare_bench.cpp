@@ -15,8 +15,8 @@
 #include <boost/math/special_functions/gamma.hpp>
 #include <fmt/format.h>
 
-#include "analysis/compare.h"
-#include "analysis/normal.h"
+#include "analysis/group/compare.h"
+#include "analysis/numerics/normal.h"
 
 namespace {
 

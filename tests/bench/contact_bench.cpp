@@ -8,8 +8,8 @@
 
 #include <benchmark/benchmark.h>
 
-#include "devices/god_object.h"
-#include "devices/object_json.h"
+#include "devices/contact/god_object.h"
+#include "devices/contact/object_json.h"
 
 namespace {
 

@@ -9,13 +9,13 @@
 #include <boost/math/tools/minima.hpp>
 #include <boost/math/tools/roots.hpp>
 
-#include "analysis/differencing.h"
-#include "analysis/differencing_model.h"
-#include "analysis/dprime_bootstrap.h"
-#include "analysis/independent_observation.h"
-#include "analysis/normal.h"
-#include "analysis/profile_interval.h"
-#include "analysis/yes_no_profile.h"
+#include "analysis/detection/differencing.h"
+#include "analysis/detection/differencing_model.h"
+#include "analysis/detection/dprime_bootstrap.h"
+#include "analysis/detection/independent_observation.h"
+#include "analysis/numerics/normal.h"
+#include "analysis/numerics/profile_interval.h"
+#include "analysis/detection/yes_no_profile.h"
 
 namespace {
 

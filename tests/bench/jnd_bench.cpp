@@ -14,8 +14,8 @@
 
 #include <benchmark/benchmark.h>
 
-#include "analysis/jnd.h"
-#include "analysis/normal.h"
+#include "analysis/thresholds/jnd.h"
+#include "analysis/numerics/normal.h"
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include <benchmark/benchmark.h>
 #include <boost/numeric/odeint/stepper/runge_kutta4.hpp>
 
-#include "devices/mckibben_device.h"
+#include "devices/mckibben/mckibben_device.h"
 
 namespace {
 

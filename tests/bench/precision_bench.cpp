@@ -9,9 +9,9 @@
 
 #include <benchmark/benchmark.h>
 
-#include "analysis/monte_carlo.h"
-#include "analysis/normal.h"
-#include "analysis/precision.h"
+#include "analysis/precision/monte_carlo.h"
+#include "analysis/numerics/normal.h"
+#include "analysis/precision/precision.h"
 
 namespace {
 

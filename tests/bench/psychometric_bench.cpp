@@ -12,7 +12,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "analysis/psychometric_interval.h"
+#include "analysis/psychometric/psychometric_interval.h"
 
 namespace {
 

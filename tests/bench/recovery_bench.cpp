@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "protocols/protocol_json.h"
-#include "protocols/read_file.h"
-#include "runner/simulate.h"
+#include "protocols/reading/protocol_json.h"
+#include "protocols/input/read_file.h"
+#include "runner/session/simulate.h"
 
 using namespace jnd;
 

@@ -20,7 +20,7 @@
 #include <unistd.h>
 
 #include "devices/clock.h"
-#include "runner/keyboard.h"
+#include "runner/keys/keyboard.h"
 
 namespace jnd {
 namespace {

@@ -3,7 +3,7 @@
 //   rig_bench [--benchmark_filter=...]     items_per_second is ticks; stimulus_s_per_s is the ratio that matters
 #include <benchmark/benchmark.h>
 
-#include "devices/rig_factory.h"
+#include "devices/rigs/rig_factory.h"
 
 namespace {
 

@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "devices/rrs3_statics.h"
+#include "devices/rrs3/rrs3_statics.h"
 
 namespace {
 

@@ -15,10 +15,10 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "data/event_body.h"
-#include "data/study_results.h"
-#include "protocols/plan.h"
-#include "protocols/protocol_json.h"
+#include "data/log/event_body.h"
+#include "data/results/study_results.h"
+#include "protocols/planning/plan.h"
+#include "protocols/reading/protocol_json.h"
 
 namespace {
 

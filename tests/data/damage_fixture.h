@@ -4,7 +4,7 @@
 #include <map>
 #include <vector>
 
-#include "data/recover.h"
+#include "data/copies/recover.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
 #include "tests/data/telemetry_fixture.h"

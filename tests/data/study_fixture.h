@@ -9,11 +9,11 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <stdlib.h>
 
-#include "analysis/stop_request.h"
-#include "data/event_body.h"
-#include "data/study.h"
-#include "protocols/plan.h"
-#include "protocols/protocol_json.h"
+#include "analysis/numerics/stop_request.h"
+#include "data/log/event_body.h"
+#include "data/study/study.h"
+#include "protocols/planning/plan.h"
+#include "protocols/reading/protocol_json.h"
 
 namespace jnd {
 

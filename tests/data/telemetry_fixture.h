@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 
-#include "data/telemetry.h"
+#include "data/log/telemetry.h"
 #include "tests/data/study_fixture.h"
 
 namespace jnd {

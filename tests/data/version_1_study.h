@@ -2,9 +2,9 @@
 // that came later. Never edited: files like it are in people's hands.
 #pragma once
 
-#include "data/chain.h"
-#include "data/utc_time.h"
-#include "protocols/sha256.h"
+#include "data/log/chain.h"
+#include "data/log/utc_time.h"
+#include "protocols/input/sha256.h"
 #include "tests/data/study_fixture.h"
 
 namespace jnd {

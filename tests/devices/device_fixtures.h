@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "devices/fingertip_rig.h"
-#include "devices/rig_factory.h"
-#include "devices/rrs3_device.h"
-#include "devices/simulated_hand.h"
-#include "protocols/device_spec.h"
-#include "protocols/rig_spec.h"
+#include "devices/rigs/fingertip_rig.h"
+#include "devices/rigs/rig_factory.h"
+#include "devices/rrs3/rrs3_device.h"
+#include "devices/participants/simulated_hand.h"
+#include "protocols/rigs/device_spec.h"
+#include "protocols/rigs/rig_spec.h"
 
 namespace jnd::testing {
 

@@ -13,9 +13,9 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "devices/control_loop.h"
-#include "devices/pose_line.h"
-#include "devices/rrs3_device.h"
+#include "devices/loop/control_loop.h"
+#include "devices/trackers/pose_line.h"
+#include "devices/rrs3/rrs3_device.h"
 #include "devices/tracker.h"
 #include "tests/devices/device_fixtures.h"
 

@@ -1,8 +1,8 @@
 // On FAT and exFAT a file has one name only: a study is created there all the same, whole or not at all.
 #include <fstream>
 
-#include "data/backup.h"
-#include "data/new_file.h"
+#include "data/copies/backup.h"
+#include "data/copies/new_file.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
 #include "tests/faults/faulty_vfs.h"

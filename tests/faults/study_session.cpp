@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "data/event_body.h"
+#include "data/log/event_body.h"
 
 namespace jnd::test {
 

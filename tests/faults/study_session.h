@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "data/study.h"
+#include "data/study/study.h"
 #include "tests/runner/engine_fixture.h"
 
 namespace jnd::test {

@@ -2,10 +2,10 @@
 #include <string>
 #include <vector>
 
-#include "data/csv_writer.h"
-#include "protocols/input_error.h"
-#include "runner/csv_table.h"
-#include "runner/terminal.h"
+#include "data/export/csv_writer.h"
+#include "protocols/input/input_error.h"
+#include "protocols/input/csv_table.h"
+#include "runner/terminal/terminal.h"
 #include "tests/fuzz/fuzz_target.h"
 
 namespace {

@@ -4,9 +4,9 @@
 #include <string>
 #include <string_view>
 
-#include "data/event_body.h"
-#include "data/storage_error.h"
-#include "data/trial_body.h"
+#include "data/log/event_body.h"
+#include "data/log/storage_error.h"
+#include "data/log/trial_body.h"
 #include "tests/fuzz/fuzz_target.h"
 
 namespace {

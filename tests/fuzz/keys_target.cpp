@@ -1,5 +1,5 @@
 // Bytes of a terminal: whatever comes, keys are characters that can be shown, and a pause ends any sequence.
-#include "runner/key_parser.h"
+#include "runner/keys/key_parser.h"
 #include "tests/fuzz/fuzz_target.h"
 
 namespace {

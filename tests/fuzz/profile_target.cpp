@@ -1,9 +1,9 @@
 // Profiles of simulated participants: accepted, or refused with messages that can be printed.
 #include <string>
 
-#include "devices/simulated_participant.h"
-#include "protocols/input_error.h"
-#include "runner/terminal.h"
+#include "devices/participants/simulated_participant.h"
+#include "protocols/input/input_error.h"
+#include "runner/terminal/terminal.h"
 #include "tests/fuzz/fuzz_target.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -2,10 +2,10 @@
 // printed, and its bytes are kept.
 #include <string>
 
-#include "protocols/input_error.h"
-#include "protocols/plan.h"
-#include "protocols/protocol_json.h"
-#include "runner/terminal.h"
+#include "protocols/input/input_error.h"
+#include "protocols/planning/plan.h"
+#include "protocols/reading/protocol_json.h"
+#include "runner/terminal/terminal.h"
 #include "tests/fuzz/fuzz_target.h"
 
 namespace {

@@ -8,8 +8,8 @@
 #include <cstring>
 
 #include "tests/fuzz/fuzz_target.h"
-#include "tests/hid/codec_members.h"
-#include "tests/hid/codec_ranges.h"
+#include "tests/devices/hid/firmware/codec_members.h"
+#include "tests/devices/hid/firmware/codec_ranges.h"
 
 namespace {
 

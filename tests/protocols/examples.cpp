@@ -1,4 +1,4 @@
-#include "examples.h"
+#include "tests/protocols/examples.h"
 
 #include <algorithm>
 #include <fstream>

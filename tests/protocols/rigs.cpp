@@ -1,4 +1,4 @@
-#include "rigs.h"
+#include "tests/protocols/rigs.h"
 
 #include <atomic>
 #include <fstream>

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "protocols/rig_spec.h"
+#include "protocols/rigs/rig_spec.h"
 
 namespace jnd::test {
 

@@ -10,12 +10,12 @@
 #include <pty.h>
 #include <unistd.h>
 
-#include "runner/button_box.h"
-#include "runner/fast_clock.h"
-#include "runner/keyboard.h"
-#include "runner/session_console.h"
+#include "devices/hid/buttons/button_box.h"
+#include "runner/session/fast_clock.h"
+#include "runner/keys/keyboard.h"
+#include "runner/console/session_console.h"
 #include "tests/catch.h"
-#include "tests/hid/made_up_box.h"
+#include "tests/devices/hid/buttons/made_up_box.h"
 
 namespace jnd::test {
 

@@ -10,14 +10,14 @@
 
 #include <nlohmann/json.hpp>
 
-#include "data/event_body.h"
-#include "data/session_log.h"
+#include "data/log/event_body.h"
+#include "data/log/session_log.h"
 #include "devices/clock.h"
 #include "devices/responder.h"
 #include "devices/rig.h"
-#include "protocols/plan.h"
-#include "protocols/protocol_json.h"
-#include "runner/session_engine.h"
+#include "protocols/planning/plan.h"
+#include "protocols/reading/protocol_json.h"
+#include "runner/session/session_engine.h"
 
 namespace jnd::test {
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "data/study_results.h"
-#include "protocols/protocol_json.h"
+#include "data/results/study_results.h"
+#include "protocols/reading/protocol_json.h"
 
 namespace jnd {
 

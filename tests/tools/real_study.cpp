@@ -11,10 +11,10 @@
 
 #include <fmt/format.h>
 
-#include "data/event_body.h"
-#include "data/study.h"
-#include "protocols/plan.h"
-#include "protocols/protocol_json.h"
+#include "data/log/event_body.h"
+#include "data/study/study.h"
+#include "protocols/planning/plan.h"
+#include "protocols/reading/protocol_json.h"
 #include "tests/data/study_fixture.h"
 
 namespace jnd {

@@ -11,7 +11,7 @@ extern "C" {
 #endif
 
 struct jnd_sensors {
-  float joint_rad[3];      /* of the three actuated joints, as in devices/rrs3_kinematics.h */
+  float joint_rad[3];      /* of the three actuated joints, as in devices/rrs3/rrs3_kinematics.h */
   float force_n;           /* on the finger, by the sensor's own figure, before calibration */
   float vibration_g;       /* amplitude that the motor runs at */
   float temperature_c;     /* of the warmest part; NAN: not measured */

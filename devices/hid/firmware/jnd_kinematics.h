@@ -1,5 +1,5 @@
 /* Kinematics of the 3RRS platform (Chinello et al. 2017, section 3) in single precision: the same equations, frames and
- * corrections of misprints as devices/rrs3_kinematics.h, which says where they come from.
+ * corrections of misprints as devices/rrs3/rrs3_kinematics.h, which says where they come from.
  *
  * Frame S0 (fixed on the finger): z dorsal, the platform below, so pz < 0, and pressing means pz increasing.
  * R = Rz(yaw) Ry(pitch) Rx(roll). Lengths m, angles rad. Pure functions. */

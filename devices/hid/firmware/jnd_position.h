@@ -1,4 +1,4 @@
-/* The position-controlled renderings (Chinello et al. 2017, section 4), as devices/rrs3_position_control.h: the
+/* The position-controlled renderings (Chinello et al. 2017, section 4), as devices/rrs3/rrs3_position_control.h: the
  * platform is sent to where the surface would be, with the gain of the rendered stiffness. Pure functions. */
 #ifndef JND_POSITION_H
 #define JND_POSITION_H

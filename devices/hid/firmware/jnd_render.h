@@ -1,4 +1,4 @@
-/* From a force to what the actuators get: the three modes of rendering, as devices/rrs3_device.cpp. */
+/* From a force to what the actuators get: the three modes of rendering, as devices/rrs3/rrs3_device.cpp. */
 #ifndef JND_RENDER_H
 #define JND_RENDER_H
 

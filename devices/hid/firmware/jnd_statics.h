@@ -1,4 +1,4 @@
-/* Statics of the platform by virtual work (Chinello et al. 2017, (23)..(26), (35)); see devices/rrs3_statics.h.
+/* Statics of the platform by virtual work (Chinello et al. 2017, (23)..(26), (35)); see devices/rrs3/rrs3_statics.h.
  * w = [f, m] is what the platform does to the finger: N and N m. Torques N m. Pure functions. */
 #ifndef JND_STATICS_H
 #define JND_STATICS_H

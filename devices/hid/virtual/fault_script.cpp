@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "protocols/input_error.h"
+#include "protocols/input/input_error.h"
 
 namespace jnd {
 

@@ -13,8 +13,8 @@
 #include "devices/hid/virtual/virtual_buttons.h"
 #include "devices/hid/virtual/virtual_fingertip.h"
 #include "devices/hid/virtual/virtual_tracker.h"
-#include "protocols/input_error.h"
-#include "protocols/read_file.h"
+#include "protocols/input/input_error.h"
+#include "protocols/input/read_file.h"
 #include "protocols/version.h"
 
 namespace jnd {

@@ -13,9 +13,9 @@
 
 #include "devices/hid/firmware/jnd_fingertip.h"
 #include "devices/hid/firmware/jnd_hardware.h"
-#include "devices/rrs3_platform.h"
-#include "devices/vibration_motor.h"
-#include "protocols/device_spec.h"
+#include "devices/rrs3/rrs3_platform.h"
+#include "devices/rrs3/vibration_motor.h"
+#include "protocols/rigs/device_spec.h"
 
 namespace jnd {
 

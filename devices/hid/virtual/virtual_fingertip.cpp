@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "devices/hid/virtual/descriptors.h"
-#include "protocols/input_error.h"
+#include "protocols/input/input_error.h"
 
 namespace jnd {
 

@@ -9,7 +9,7 @@
 
 #include "devices/hid/virtual/descriptors.h"
 #include "devices/hid/virtual/event_log.h"
-#include "protocols/input_error.h"
+#include "protocols/input/input_error.h"
 
 namespace jnd {
 

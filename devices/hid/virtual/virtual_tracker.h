@@ -9,7 +9,7 @@
 
 #include "devices/hid/virtual/report_outlet.h"
 #include "devices/hid/virtual/virtual_device.h"
-#include "devices/simulated_hand.h"
+#include "devices/participants/simulated_hand.h"
 
 namespace jnd {
 

@@ -1,0 +1,40 @@
+#include "analysis/behaviour/judged_trial.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace jnd {
+
+namespace {
+constexpr double kZ = 1.959963984540054;  // 97.5 % quantile of the standard normal distribution
+}
+
+Counts counts_of(std::span<const JudgedTrial> trials) noexcept {
+  Counts counts;
+  for (const JudgedTrial& trial : trials) {
+    ++(trial.same ? counts.n_same : counts.n_diff);
+    if (trial.said_different) ++(trial.same ? counts.false_alarms : counts.hits);
+  }
+  return counts;
+}
+
+Share share_of(int k, int n) noexcept {
+  Share share;
+  share.k = k;
+  share.n = n;
+  if (n == 0) {
+    share.value = share.ci_low = share.ci_high = std::numeric_limits<double>::quiet_NaN();
+    return share;
+  }
+  const double p = static_cast<double>(k) / n, z2 = kZ * kZ;
+  const double centre = (p + z2 / (2.0 * n)) / (1 + z2 / n);
+  const double half = kZ * std::sqrt(p * (1 - p) / n + z2 / (4.0 * n * n)) / (1 + z2 / n);
+  share.value = p;
+  // At k = 0 and k = n the bounds are 0 and 1, which rounding would miss by a hair.
+  share.ci_low = k == 0 ? 0 : std::max(0.0, centre - half);
+  share.ci_high = k == n ? 1 : std::min(1.0, centre + half);
+  return share;
+}
+
+}  // namespace jnd

@@ -1,0 +1,36 @@
+#include "analysis/behaviour/response_bias.h"
+
+#include <cmath>
+#include <limits>
+
+#include "analysis/numerics/exact_test.h"
+#include "analysis/thresholds/jnd_closed.h"
+
+namespace jnd {
+
+namespace {
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kZ = 1.959963984540054;  // 97.5 % quantile of the standard normal distribution
+}  // namespace
+
+ResponseBias response_bias(const Counts& counts, double planned_share) {
+  ResponseBias bias;
+  bias.counts = counts;
+  const YesNo rates = yes_no(counts, Correction::loglinear);
+  bias.status = rates.status;
+  bias.criterion = rates.criterion;
+  bias.se = rates.status == RateStatus::missing ? kNaN : 0.5 * std::sqrt(loglinear_variance(counts));
+  bias.ci_low = bias.criterion - kZ * bias.se;
+  bias.ci_high = bias.criterion + kZ * bias.se;
+  const int n = counts.n_diff + counts.n_same, said = counts.hits + counts.false_alarms;
+  bias.said_different = share_of(said, n);
+  bias.planned_share = planned_share;
+  bias.p = n == 0 ? kNaN : binomial_exact_p(said, n, planned_share);
+  return bias;
+}
+
+ResponseBias response_bias(std::span<const JudgedTrial> trials, double planned_share) {
+  return response_bias(counts_of(trials), planned_share);
+}
+
+}  // namespace jnd

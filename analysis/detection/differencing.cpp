@@ -1,0 +1,186 @@
+#include "analysis/detection/differencing.h"
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include <boost/math/constants/constants.hpp>
+
+#include "analysis/detection/binomial_likelihood.h"
+#include "analysis/detection/differencing_model.h"
+#include "analysis/numerics/normal.h"
+
+namespace jnd {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// What the model is solved for. excess: H - F, given apart because it can be smaller than the rounding of either.
+struct TargetRates {
+  double hit, miss, false_alarm, correct_rejection, excess;
+};
+
+TargetRates target_rates(const Counts& counts, Correction correction) noexcept {
+  TargetRates rates;
+  rates.hit = corrected_rate(counts.hits, counts.n_diff, correction);
+  rates.miss = corrected_rate(counts.n_diff - counts.hits, counts.n_diff, correction);
+  rates.false_alarm = corrected_rate(counts.false_alarms, counts.n_same, correction);
+  rates.correct_rejection = corrected_rate(counts.n_same - counts.false_alarms, counts.n_same, correction);
+  // Each rate is (2 k + a) / (2 n + 2 a), a = 1 for log-linear and 0 for raw ones: the cross product is an exact
+  // integer.
+  const std::int64_t a = correction == Correction::loglinear ? 1 : 0;
+  const std::int64_t n_diff = counts.n_diff + a, n_same = counts.n_same + a;
+  const std::int64_t cross =
+      (2 * std::int64_t{counts.hits} + a) * n_same - (2 * std::int64_t{counts.false_alarms} + a) * n_diff;
+  rates.excess = static_cast<double>(cross) / (2.0 * static_cast<double>(n_diff) * static_cast<double>(n_same));
+  if (correction == Correction::half)
+    rates.excess = rates.hit > 0.5 ? rates.correct_rejection - rates.miss : rates.hit - rates.false_alarm;
+  return rates;
+}
+
+// H - F = sum of 2 Phi^(2k)(-t) (d'^2/2)^k / (2k)!, t = tau / sqrt 2, in s = d'^2; for small d' (1 + t).
+double solve_small(double excess, double t, double first_guess) noexcept {
+  const double density = normal_density(t), t2 = t * t;
+  const double c1 = 0.5 * density * t, c2 = density * t * (t2 - 3) / 48;
+  const double c3 = density * t * (t2 * (t2 - 10) + 15) / 2880;
+  const double c4 = density * t * (t2 * (t2 * (t2 - 21) + 105) - 105) / 322560;
+  double s = first_guess * first_guess;
+  for (int i = 0; i < 4; ++i)
+    s -= (s * (c1 + s * (c2 + s * (c3 + s * c4))) - excess) / (c1 + s * (2 * c2 + s * (3 * c3 + s * 4 * c4)));
+  return std::sqrt(s);
+}
+
+// d' > 0 at which the model's hit rate is the target's; all rates strictly between 0 and 1, excess > 0.
+double solve_dprime(const TargetRates& target, double tau) noexcept {
+  const double t = tau * boost::math::constants::one_div_root_two<double>();
+  const double small = std::sqrt(2 * target.excess / (normal_density(t) * t));
+  if (small * (1 + t) < 0.1) return solve_small(target.excess, t, small);
+
+  // Without its second term the model would need the larger d' of `high`. Newton's method on the logarithm of the rarer
+  // answer, within low..high.
+  const bool rare_misses = target.hit > 0.5;
+  const double z = rare_misses ? -normal_quantile(target.miss) : normal_quantile(target.hit);
+  double low = 0, high = tau + boost::math::constants::root_two<double>() * z;
+  high += 1e-15 * (1 + tau);
+  double dprime = small < 1 ? std::fmin(small, high) : high;
+  const double wanted = std::log(rare_misses ? target.miss : target.hit);
+  for (int i = 0; i < 100; ++i) {
+    const double slope = differencing_slopes(dprime, tau).hit_on_dprime;
+    double rate, on_dprime;
+    if (rare_misses) {
+      rate = differencing_rates(dprime, tau).miss;
+      on_dprime = -slope / rate;
+    } else {
+      rate = differencing_hit_rate(dprime, tau);
+      on_dprime = slope / rate;
+    }
+    const double error = std::log(rate) - wanted;
+    ((error > 0) == rare_misses ? low : high) = dprime;
+    double next = dprime - error / on_dprime;
+    if (std::abs(next - dprime) <= 1e-9 * dprime) return next;  // the step after it would be its square
+    if (!(next > low && next < high)) next = 0.5 * (low + high);
+    dprime = next;
+  }
+  return dprime;
+}
+
+// Delta method: (H, F) -> (d', tau), with the binomial variances of the rates.
+void set_errors(DifferencingFit& fit, const TargetRates& rates, const Counts& counts) noexcept {
+  const DifferencingSlopes slopes = differencing_slopes(fit.dprime, fit.tau);
+  const double variance_hit = rates.hit * rates.miss / counts.n_diff;
+  const double variance_alarm = rates.false_alarm * rates.correct_rejection / counts.n_same;
+  const double variance_tau = variance_alarm / (slopes.false_alarm_on_tau * slopes.false_alarm_on_tau);
+  fit.se_tau = std::sqrt(variance_tau);
+  fit.se_dprime = std::sqrt(variance_hit + slopes.hit_on_tau * slopes.hit_on_tau * variance_tau) / slopes.hit_on_dprime;
+}
+
+// Of tau where it alone is estimated, from different of n answers.
+double error_of_tau(double tau, double rate, double complement, double n) noexcept {
+  return std::sqrt(rate * complement / n) / -differencing_slopes(0, tau).false_alarm_on_tau;
+}
+
+DifferencingFit undefined(DifferencingStatus status) noexcept {
+  DifferencingFit fit;
+  fit.status = status;
+  fit.dprime = fit.tau = fit.se_dprime = fit.se_tau = fit.log_likelihood = kNaN;
+  return fit;
+}
+
+}  // namespace
+
+std::string_view to_string(DifferencingStatus status) noexcept {
+  switch (status) {
+    case DifferencingStatus::ok:
+      return "ok";
+    case DifferencingStatus::no_sensitivity:
+      return "no_sensitivity";
+    case DifferencingStatus::no_information:
+      return "no_information";
+    case DifferencingStatus::missing:
+      return "missing";
+  }
+  return "";
+}
+
+DifferencingFit differencing_fit(const Counts& counts) noexcept {
+  if (counts.n_diff <= 0 || counts.n_same <= 0) return undefined(DifferencingStatus::missing);
+  const std::int64_t different = std::int64_t{counts.hits} + counts.false_alarms;
+  const std::int64_t trials = std::int64_t{counts.n_diff} + counts.n_same;
+  if (different == 0 || different == trials) return undefined(DifferencingStatus::no_information);
+
+  DifferencingFit fit = undefined(DifferencingStatus::ok);
+  const TargetRates rates = target_rates(counts, Correction::none);
+  if (rates.excess <= 0) {
+    const double n = static_cast<double>(trials);
+    const double rate = static_cast<double>(different) / n, complement = static_cast<double>(trials - different) / n;
+    fit.dprime = 0;
+    fit.tau = differencing_tau(rate, complement);
+    fit.se_tau = error_of_tau(fit.tau, rate, complement, n);
+    fit.log_likelihood = pooled_log_likelihood(counts);
+    return fit;
+  }
+  fit.log_likelihood = saturated_log_likelihood(counts);
+  fit.tau = differencing_tau(rates.false_alarm, rates.correct_rejection);
+  fit.dprime = kInfinity;
+  if (counts.false_alarms == 0) return fit;
+  if (counts.hits == counts.n_diff) {
+    fit.se_tau = error_of_tau(fit.tau, rates.false_alarm, rates.correct_rejection, counts.n_same);
+    return fit;
+  }
+  fit.dprime = solve_dprime(rates, fit.tau);
+  set_errors(fit, rates, counts);
+  return fit;
+}
+
+DifferencingFit differencing_of_rates(const Counts& counts, Correction correction) noexcept {
+  if (correction == Correction::none) return differencing_fit(counts);
+  if (counts.n_diff <= 0 || counts.n_same <= 0) return undefined(DifferencingStatus::missing);
+  const std::int64_t different = std::int64_t{counts.hits} + counts.false_alarms;
+  const bool one_answer = different == 0 || different == std::int64_t{counts.n_diff} + counts.n_same;
+  const TargetRates rates = target_rates(counts, correction);
+  DifferencingFit fit = undefined(DifferencingStatus::ok);
+  fit.tau = differencing_tau(rates.false_alarm, rates.correct_rejection);
+  if (rates.excess <= 0) {
+    fit.status = DifferencingStatus::no_sensitivity;
+    fit.dprime = 0;
+    fit.se_tau = error_of_tau(fit.tau, rates.false_alarm, rates.correct_rejection, counts.n_same);
+  } else {
+    fit.dprime = solve_dprime(rates, fit.tau);
+    set_errors(fit, rates, counts);
+  }
+  if (one_answer) fit.status = DifferencingStatus::no_information;
+  fit.log_likelihood = differencing_log_likelihood(counts, fit.dprime, fit.tau);
+  return fit;
+}
+
+double differencing_p_value(const Counts& counts) noexcept {
+  if (counts.n_diff <= 0 || counts.n_same <= 0) return kNaN;
+  const std::int64_t different = std::int64_t{counts.hits} + counts.false_alarms;
+  if (different == 0 || different == std::int64_t{counts.n_diff} + counts.n_same) return kNaN;
+  if (std::int64_t{counts.hits} * counts.n_same <= std::int64_t{counts.false_alarms} * counts.n_diff) return 0.5;
+  return 0.5 * std::erfc(std::sqrt(half_deviance_of_equal_rates(counts)));
+}
+
+}  // namespace jnd

@@ -1,0 +1,205 @@
+#include "analysis/precision/precision.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "analysis/precision/monte_carlo.h"
+#include "analysis/numerics/normal.h"
+#include "analysis/precision/precision_group.h"
+#include "analysis/numerics/sample_quantile.h"
+
+namespace jnd {
+
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kLeastSlope = 1e-9;  // as in jnd.cpp
+constexpr double kMostProposed = 1e6;
+constexpr double kOneSigmaBelow = 0.15865525393145705;   // Phi(-1)
+constexpr std::uint64_t kPurpose = 0x6a6e6420'70617274;  // keeps these numbers apart from other uses of a seed
+
+void require(bool fine, const char* what) {
+  if (!fine) throw std::invalid_argument(what);
+}
+
+void require_sound(const PrecisionQuestion& question) {
+  const CountsDesign& design = question.design;
+  require(!design.differences.empty() && !question.jnds.empty(), "precision: at least one series and one condition");
+  for (const double difference : design.differences)
+    require(difference > 0 && std::isfinite(difference), "precision: differences above 0");
+  for (const double jnd : question.jnds) require(jnd > 0 && std::isfinite(jnd), "precision: JNDs above 0");
+  require(design.trials >= 1 && question.participants >= 1, "precision: at least one trial and one participant");
+  require(question.wanted_cv > 0 && question.between_cv >= 0, "precision: a wanted CV above 0");
+  require(question.draws >= 100 && question.experiments >= 100, "precision: at least 100 draws and experiments");
+  const int conditions = static_cast<int>(question.jnds.size());
+  for (const auto& [a, b] : question.contrasts)
+    require(a >= 0 && b >= 0 && a < conditions && b < conditions, "precision: contrasts of conditions");
+}
+
+bool set_by_enumeration(ParticipantPrecision& result, const CountsDesign& design) {
+  if (counts_of_cell(design.trials, design.class_sizes) > CellSampler::kMostTabulated) return false;
+  std::vector<CellDistribution> cells;
+  for (const double difference : design.differences)
+    cells.push_back(cell_distribution(cell_model(design, difference, result.true_jnd)));
+  if (!SlopeDistribution::feasible(cells)) return false;
+  const SlopeDistribution slopes(cells, design.differences);
+  result.method = PrecisionMethod::enumeration;
+  result.status = slopes.status();
+  result.q025 = slopes.jnd_quantile(0.025);
+  result.q05 = slopes.jnd_quantile(0.05);
+  result.median = slopes.jnd_quantile(0.5);
+  result.q95 = slopes.jnd_quantile(0.95);
+  result.q975 = slopes.jnd_quantile(0.975);
+  result.spread = (slopes.jnd_quantile(1 - kOneSigmaBelow) - slopes.jnd_quantile(kOneSigmaBelow)) / (2 * result.median);
+  result.mean = slopes.mean_jnd();
+  const auto [low, high] = std::minmax_element(design.differences.begin(), design.differences.end());
+  result.outside_tested = std::clamp(1 - slopes.jnd_within(*low, *high), 0.0, 1.0);
+  return true;
+}
+
+// What a number of simulated participants estimated.
+struct Drawn {
+  std::vector<double> jnds;  // of those with information: ceiling 0, no_sensitivity +inf
+  int ok = 0, no_sensitivity = 0, ceiling = 0, no_information = 0;
+  int within = 0;              // ok, and within the tested differences
+  double sum = 0;              // over ok
+  std::vector<double> widths;  // of the 95 % interval, +inf without an upper bound
+  int unbounded = 0;
+};
+
+double interval_width(const SeriesDraw& sums) {
+  const double slope = sums.product / sums.square;
+  const double half_width = normal_quantile(0.975) * std::sqrt(sums.variance) / sums.square;
+  if (!(sums.informative > 0) || !(slope - half_width > kLeastSlope)) return kInfinity;
+  return 1 / (slope - half_width) - 1 / (slope + half_width);
+}
+
+void count(Drawn& drawn, const SeriesDraw& sums, double low, double high) {
+  const double slope = sums.informative > 0 ? sums.product / sums.square : kNaN;
+  switch (status_of_slope(slope)) {
+    case JndStatus::ok:
+      ++drawn.ok;
+      drawn.jnds.push_back(1 / slope);
+      drawn.sum += 1 / slope;
+      if (1 / slope >= low && 1 / slope <= high) ++drawn.within;
+      break;
+    case JndStatus::no_sensitivity:
+      ++drawn.no_sensitivity;
+      drawn.jnds.push_back(kInfinity);
+      break;
+    case JndStatus::ceiling:
+      ++drawn.ceiling;
+      drawn.jnds.push_back(0);
+      break;
+    case JndStatus::no_information:
+      ++drawn.no_information;
+      break;
+  }
+  drawn.widths.push_back(interval_width(sums));
+  if (std::isinf(drawn.widths.back())) ++drawn.unbounded;
+}
+
+Drawn draw_participants(const PrecisionQuestion& question, double jnd) {
+  StudyModel model;
+  model.design = question.design;
+  model.jnds = {jnd};
+  const StudySimulator simulator(model);
+  const auto [low, high] = std::minmax_element(question.design.differences.begin(), question.design.differences.end());
+  Drawn drawn;
+  for (int i = 0; i < question.draws; ++i) {
+    ExperimentStream stream(question.seed, kPurpose, static_cast<std::uint64_t>(i));
+    count(drawn, simulator.draw(0, 0, stream), *low, *high);
+  }
+  return drawn;
+}
+
+void set_by_simulation(ParticipantPrecision& result, Drawn& drawn, int draws) {
+  const double n = draws;
+  result.method = PrecisionMethod::simulation;
+  result.replicates = draws;
+  result.status = {drawn.ok / n, drawn.no_sensitivity / n, drawn.ceiling / n, drawn.no_information / n};
+  const SampleQuantiles jnds(std::move(drawn.jnds));
+  result.q025 = jnds.at(0.025);
+  result.q05 = jnds.at(0.05);
+  result.median = jnds.at(0.5);
+  result.q95 = jnds.at(0.95);
+  result.q975 = jnds.at(0.975);
+  result.median_se = jnds.standard_error(0.5);
+  result.share_se = 0.5 / std::sqrt(n);
+  result.spread = (jnds.at(1 - kOneSigmaBelow) - jnds.at(kOneSigmaBelow)) / (2 * result.median);
+  result.mean = drawn.ok > 0 ? drawn.sum / drawn.ok : kNaN;
+  result.outside_tested = 1 - drawn.within / n;
+}
+
+}  // namespace
+
+std::string_view to_string(PrecisionMethod method) noexcept {
+  return method == PrecisionMethod::enumeration ? "enumeration" : "simulation";
+}
+
+DesignRisks design_risks(const CountsDesign& design, double jnd) {
+  double no_extreme = 1, all_positive = 1, none_missing = 1;
+  for (const double difference : design.differences) {
+    const CellRisks risks = cell_risks(cell_model(design, difference, jnd));
+    no_extreme *= 1 - risks.extreme;
+    all_positive *= 1 - risks.not_positive;
+    none_missing *= 1 - risks.missing;
+  }
+  return {std::clamp(1 - no_extreme, 0.0, 1.0), std::clamp(1 - all_positive, 0.0, 1.0),
+          std::clamp(1 - none_missing, 0.0, 1.0)};
+}
+
+double asymptotic_cv(const CountsDesign& design, double jnd) {
+  double variances = 0, squares = 0;
+  for (const double difference : design.differences) {
+    variances += difference * difference * asymptotic_variance(cell_model(design, difference, jnd)) / design.trials;
+    squares += difference * difference;
+  }
+  return std::sqrt(variances) * jnd / squares;
+}
+
+std::optional<int> trials_for_cv(const CountsDesign& design, double jnd, double wanted_cv) {
+  const double ratio = asymptotic_cv(design, jnd) / wanted_cv;
+  const double exact = design.trials * ratio * ratio;
+  if (!(exact <= kMostProposed)) return std::nullopt;
+  const int step = design.class_sizes == ClassSizes::balanced ? 4 : 1;
+  const int trials = std::max(2, static_cast<int>(std::ceil(exact - 1e-9)));
+  return (trials + step - 1) / step * step;
+}
+
+ParticipantPrecision participant_precision(const PrecisionQuestion& question, double jnd) {
+  ParticipantPrecision result;
+  result.true_jnd = jnd;
+  result.risks = design_risks(question.design, jnd);
+  result.cv = asymptotic_cv(question.design, jnd);
+  result.proposed_trials = trials_for_cv(question.design, jnd, question.wanted_cv);
+  Drawn drawn = draw_participants(question, jnd);
+  const SampleQuantiles widths(std::move(drawn.widths));
+  result.interval_draws = question.draws;
+  result.interval_width = widths.at(0.5);
+  result.interval_width_se = widths.standard_error(0.5);
+  result.interval_unbounded = static_cast<double>(drawn.unbounded) / question.draws;
+  if (!set_by_enumeration(result, question.design)) set_by_simulation(result, drawn, question.draws);
+  result.bias_of_median = result.median - jnd;
+  result.bias_of_mean = result.mean - jnd;
+  return result;
+}
+
+Precision precision(const PrecisionQuestion& question, const std::function<void(int)>& progress) {
+  require_sound(question);
+  Precision result;
+  result.question = question;
+  for (const double jnd : question.jnds) {
+    const auto same = std::find_if(result.participant.begin(), result.participant.end(),
+                                   [&](const ParticipantPrecision& other) { return other.true_jnd == jnd; });
+    result.participant.push_back(same != result.participant.end() ? ParticipantPrecision(*same)
+                                                                  : participant_precision(question, jnd));
+  }
+  set_group_precision(result, progress);
+  return result;
+}
+
+}  // namespace jnd

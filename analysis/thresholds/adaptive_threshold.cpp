@@ -1,0 +1,109 @@
+#include "analysis/thresholds/adaptive_threshold.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace jnd {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+AdaptiveThreshold without_threshold(AdaptiveStatus status) {
+  return {status, kNone, kNone, 0};
+}
+
+// Without a track that is ok: pinned ones say more about the procedure than short ones, and those more than empty ones.
+AdaptiveThreshold worst_of(const std::vector<AdaptiveThreshold>& tracks) {
+  for (const AdaptiveStatus status : {AdaptiveStatus::pinned_at_clamp, AdaptiveStatus::too_few_reversals})
+    if (std::any_of(tracks.begin(), tracks.end(), [&](const auto& track) { return track.status == status; }))
+      return without_threshold(status);
+  return without_threshold(AdaptiveStatus::no_trials);
+}
+
+std::vector<AdaptiveThreshold> usable(const std::vector<AdaptiveThreshold>& tracks) {
+  std::vector<AdaptiveThreshold> good;
+  std::copy_if(tracks.begin(), tracks.end(), std::back_inserter(good),
+               [](const AdaptiveThreshold& track) { return track.status == AdaptiveStatus::ok; });
+  return good;
+}
+
+}  // namespace
+
+ReversalMean mean_of_reversals(const std::vector<double>& reversals, int at_most) {
+  const int n = std::min(static_cast<int>(reversals.size()), std::max(at_most, 0)) / 2 * 2;
+  if (n < 2) return {0, kNone, kNone};
+  double sum = 0, squares = 0;
+  for (auto at = reversals.end() - n; at != reversals.end(); ++at) sum += *at;
+  const double mean = sum / n;
+  for (auto at = reversals.end() - n; at != reversals.end(); ++at) squares += (*at - mean) * (*at - mean);
+  return {n, mean, std::sqrt(squares / (n - 1))};
+}
+
+AdaptiveThreshold staircase_threshold(const std::vector<double>& levels, const std::vector<double>& reversals,
+                                      int averaged, const std::array<double, 2>& clamp) {
+  if (levels.empty()) return without_threshold(AdaptiveStatus::no_trials);
+  const ReversalMean mean = mean_of_reversals(reversals, averaged);
+  const auto at_end = [&](double level) { return level <= clamp[0] || level >= clamp[1]; };
+  const auto stuck = std::count_if(reversals.end() - mean.n, reversals.end(), at_end);
+  const bool pinned = mean.n > 0 ? 2 * stuck > mean.n : at_end(levels.back());
+  const AdaptiveStatus status = pinned                      ? AdaptiveStatus::pinned_at_clamp
+                                : mean.n < averaged / 2 * 2 ? AdaptiveStatus::too_few_reversals
+                                                            : AdaptiveStatus::ok;
+  return {status, mean.mean, mean.sd, mean.n};
+}
+
+AdaptiveThreshold quest_threshold(double mean, double sd, int trials, const std::array<double, 2>& clamp) {
+  if (trials == 0) return without_threshold(AdaptiveStatus::no_trials);
+  const double threshold = std::pow(10, mean);
+  const bool inside = threshold > clamp[0] && threshold < clamp[1];
+  return {inside ? AdaptiveStatus::ok : AdaptiveStatus::pinned_at_clamp, threshold, sd, trials};
+}
+
+AdaptiveThreshold combined_staircases(const std::vector<AdaptiveThreshold>& tracks) {
+  const std::vector<AdaptiveThreshold> good = usable(tracks);
+  if (good.empty()) return worst_of(tracks);
+  AdaptiveThreshold all{AdaptiveStatus::ok, 0, 0, 0};
+  double squares = 0;
+  int freedom = 0;
+  for (const AdaptiveThreshold& track : good) {
+    all.threshold += track.threshold / static_cast<double>(good.size());
+    all.n += track.n;
+    squares += track.sd * track.sd * (track.n - 1);
+    freedom += track.n - 1;
+  }
+  all.sd = std::sqrt(squares / freedom);
+  return all;
+}
+
+AdaptiveThreshold combined_quests(const std::vector<AdaptiveThreshold>& tracks) {
+  const std::vector<AdaptiveThreshold> good = usable(tracks);
+  if (good.empty()) return worst_of(tracks);
+  const auto count = static_cast<double>(good.size());
+  double logarithm = 0, variance = 0;
+  AdaptiveThreshold all{AdaptiveStatus::ok, 0, 0, 0};
+  for (const AdaptiveThreshold& track : good) {
+    logarithm += std::log10(track.threshold) / count;
+    variance += track.sd * track.sd / (count * count);
+    all.n += track.n;
+  }
+  all.threshold = std::pow(10, logarithm);
+  all.sd = std::sqrt(variance);
+  return all;
+}
+
+std::string_view to_string(AdaptiveStatus status) noexcept {
+  switch (status) {
+    case AdaptiveStatus::ok:
+      return "ok";
+    case AdaptiveStatus::too_few_reversals:
+      return "too_few_reversals";
+    case AdaptiveStatus::no_trials:
+      return "no_trials";
+    case AdaptiveStatus::pinned_at_clamp:
+      return "pinned_at_clamp";
+  }
+  return "";
+}
+
+}  // namespace jnd

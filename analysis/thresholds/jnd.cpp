@@ -1,0 +1,179 @@
+#include "analysis/thresholds/jnd.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/thresholds/jnd_closed.h"
+#include "analysis/thresholds/jnd_ml.h"
+#include "analysis/thresholds/jnd_series.h"
+
+namespace jnd {
+
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInf = std::numeric_limits<double>::infinity();
+constexpr int kFewTrials = 10;
+
+// Bounds of 1/m from bounds of m; a JND is positive, so that slopes at or below zero count as infinite JNDs.
+double jnd_bound(double slope) noexcept {
+  if (std::isnan(slope)) return kNaN;
+  return slope > kLeastSlope ? 1.0 / slope : kInf;
+}
+
+JndStatus status_of(double slope) noexcept {
+  if (std::isnan(slope)) return JndStatus::no_information;
+  if (slope == kInf) return JndStatus::ceiling;
+  return slope <= kLeastSlope ? JndStatus::no_sensitivity : JndStatus::ok;
+}
+
+void add_cautions(JndEstimate& result, const UsableSeries& usable) {
+  const bool ok = result.status == JndStatus::ok;
+  if (ok && (result.jnd < usable.smallest || result.jnd > usable.largest))
+    result.cautions.push_back(Caution::extrapolated);
+  if (ok && usable.all_at_largest) result.cautions.push_back(Caution::floor);
+  if (usable.few_trials) result.cautions.push_back(Caution::few_trials);
+  if (usable.missing) result.cautions.push_back(Caution::series_missing);
+}
+
+}  // namespace
+
+std::string_view to_string(JndStatus status) noexcept {
+  switch (status) {
+    case JndStatus::ok:
+      return "ok";
+    case JndStatus::no_sensitivity:
+      return "no_sensitivity";
+    case JndStatus::ceiling:
+      return "ceiling";
+    case JndStatus::no_information:
+      return "no_information";
+  }
+  return "";
+}
+
+std::string_view to_string(Caution caution) noexcept {
+  switch (caution) {
+    case Caution::extrapolated:
+      return "extrapolated";
+    case Caution::floor:
+      return "floor";
+    case Caution::few_trials:
+      return "few_trials";
+    case Caution::series_missing:
+      return "series_missing";
+  }
+  return "";
+}
+
+std::string_view to_string(JndMethod method) noexcept {
+  switch (method) {
+    case JndMethod::least_squares:
+      return "least_squares";
+    case JndMethod::weighted:
+      return "weighted";
+    case JndMethod::inverse_mean_slope:
+      return "inverse_mean_slope";
+    case JndMethod::mean_of_ratios:
+      return "mean_of_ratios";
+    case JndMethod::ml_yes_no_common:
+      return "ml_yes_no_common";
+    case JndMethod::ml_yes_no_series:
+      return "ml_yes_no_series";
+    case JndMethod::ml_differencing_common:
+      return "ml_differencing_common";
+    case JndMethod::ml_differencing_series:
+      return "ml_differencing_series";
+    case JndMethod::least_squares_independent:
+      return "least_squares_independent";
+  }
+  return "";
+}
+
+std::optional<JndMethod> jnd_method_from(std::string_view name) noexcept {
+  for (const JndMethod method : kJndMethods)
+    if (name == to_string(method)) return method;
+  return std::nullopt;
+}
+
+bool is_maximum_likelihood(JndMethod method) noexcept {
+  switch (method) {
+    case JndMethod::ml_yes_no_common:
+    case JndMethod::ml_yes_no_series:
+    case JndMethod::ml_differencing_common:
+    case JndMethod::ml_differencing_series:
+      return true;
+    case JndMethod::least_squares:
+    case JndMethod::weighted:
+    case JndMethod::inverse_mean_slope:
+    case JndMethod::mean_of_ratios:
+    case JndMethod::least_squares_independent:
+      return false;
+  }
+  return false;
+}
+
+UsableSeries usable_series(std::span<const SeriesCounts> series) {
+  UsableSeries usable;
+  for (const SeriesCounts& one : series) {
+    const Counts& counts = one.counts;
+    if (counts.n_diff == 0 || counts.n_same == 0) {
+      usable.missing = true;
+      continue;
+    }
+    const bool first = usable.series.empty();
+    const bool at_largest = counts.hits == counts.n_diff && counts.false_alarms == 0;
+    const int answers = counts.hits + counts.false_alarms;
+    usable.series.push_back(one);
+    usable.few_trials = usable.few_trials || std::min(counts.n_diff, counts.n_same) < kFewTrials;
+    usable.any_information = usable.any_information ||
+                             !(answers == 0 || (counts.hits == counts.n_diff && counts.false_alarms == counts.n_same));
+    usable.all_at_largest = (first || usable.all_at_largest) && at_largest;
+    usable.smallest = first ? one.difference : std::min(usable.smallest, one.difference);
+    usable.largest = first ? one.difference : std::max(usable.largest, one.difference);
+  }
+  return usable;
+}
+
+JndEstimate estimate_jnd(std::span<const SeriesCounts> series, double reference_n_per_m, JndMethod method,
+                         Correction correction) {
+  const UsableSeries usable = usable_series(series);
+  JndEstimate result;
+  result.method = method;
+  result.series_used = static_cast<int>(usable.series.size());
+  if (is_maximum_likelihood(method)) {
+    const MlSlope fit = ml_slope(usable.series, method);
+    result.slope = fit.slope;
+    result.slope_ci_low = fit.ci_low;
+    result.slope_ci_high = fit.ci_high;
+    result.log_likelihood = fit.log_likelihood;
+    result.status = status_of(result.slope);
+    result.ci_low = jnd_bound(result.slope_ci_high);
+    result.ci_high = jnd_bound(result.slope_ci_low);
+  } else {
+    const ClosedSlope closed = closed_slope(usable, method, correction);
+    result.slope = closed.slope;
+    result.status = closed.refused ? JndStatus::no_sensitivity : status_of(result.slope);
+  }
+  switch (result.status) {
+    case JndStatus::ok:
+      result.jnd = 1.0 / result.slope;
+      break;
+    case JndStatus::ceiling:
+      result.jnd = 0;
+      break;
+    case JndStatus::no_sensitivity:
+    case JndStatus::no_information:
+      result.jnd = kNaN;
+      break;
+  }
+  result.weber = result.jnd / reference_n_per_m;
+  add_cautions(result, usable);
+  return result;
+}
+
+JndEstimate least_squares_jnd(std::span<const SeriesCounts> series, double reference_n_per_m, Correction correction) {
+  return estimate_jnd(series, reference_n_per_m, JndMethod::least_squares, correction);
+}
+
+}  // namespace jnd

@@ -1,0 +1,96 @@
+// The just-noticeable difference: the stiffness difference at d' = 1, from d' at several differences.
+#pragma once
+
+#include <array>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "analysis/detection/counts.h"
+
+namespace jnd {
+
+enum class JndStatus {
+  ok,
+  no_sensitivity,  // slope <= 1e-9: no difference is noticeable
+  ceiling,         // slope infinite: the JND is below anything that was tested
+  no_information   // every series was missing, or the answers say nothing about the slope (all the same)
+};
+std::string_view to_string(JndStatus status) noexcept;
+
+// Remarks that exclude nothing.
+enum class Caution {
+  extrapolated,   // JND outside the tested differences
+  floor,          // every d' at the largest value that the correction allows: the JND cannot come out lower
+  few_trials,     // fewer than 10 trials a class in some series
+  series_missing  // a series with an empty class was left out
+};
+std::string_view to_string(Caution caution) noexcept;
+
+// One series of one participant and condition.
+struct SeriesCounts {
+  double difference = 0;  // N/m, > 0
+  Counts counts;
+};
+
+// How the slope is estimated. The models differ by a factor of 1.5 to 2.8: every printed number names its method.
+enum class JndMethod {
+  least_squares,       // m = sum(dK d') / sum(dK^2) (Chinello 2017, section 5.1.3); the paper-compatible default
+  weighted,            // m = sum(w dK d') / sum(w dK^2), w = 1/se^2 of the log-linear d' (Gourevitch and Galanter 1967)
+  inverse_mean_slope,  // m = mean(d' / dK)
+  mean_of_ratios,      // JND = mean(dK / d'), slope = 1/JND; refused (no_sensitivity) where any d' / dK <= 1e-9
+  ml_yes_no_common,    // joint binomial likelihood, P("different") = Phi(l + m x); one criterion l for all series
+  ml_yes_no_series,    // the same, a criterion for each series
+  ml_differencing_common,    // joint likelihood of the differencing model with d' = m dK; one criterion tau
+  ml_differencing_series,    // the same, a criterion for each series
+  least_squares_independent  // least_squares of the d' of the independent-observation model, unit slope
+};
+// All of them, in the order in which they are printed.
+inline constexpr std::array kJndMethods = {JndMethod::least_squares,
+                                           JndMethod::weighted,
+                                           JndMethod::inverse_mean_slope,
+                                           JndMethod::mean_of_ratios,
+                                           JndMethod::ml_yes_no_common,
+                                           JndMethod::ml_yes_no_series,
+                                           JndMethod::ml_differencing_common,
+                                           JndMethod::ml_differencing_series,
+                                           JndMethod::least_squares_independent};
+std::string_view to_string(JndMethod method) noexcept;
+std::optional<JndMethod> jnd_method_from(std::string_view name) noexcept;
+bool is_maximum_likelihood(JndMethod method) noexcept;
+
+struct JndEstimate {
+  JndStatus status = JndStatus::no_information;
+  std::vector<Caution> cautions;
+  int series_used = 0;
+  double slope = 0;  // d' per N/m; NaN under no_information and where mean_of_ratios is refused
+  double jnd = 0;    // N/m, 1 / slope; NaN under no_sensitivity and no_information, 0 at the ceiling
+  double weber = 0;  // jnd / reference; NaN where jnd is
+
+  JndMethod method = JndMethod::least_squares;
+  // 95 % profile-likelihood bounds (drop of 1.920729) of the maximum-likelihood methods; NaN for the others. Where
+  // every answer was the same they say that anything is possible: -inf..inf (differencing: 0..inf), JND 0..inf.
+  double slope_ci_low = std::numeric_limits<double>::quiet_NaN();   // -inf..; differencing: 0 where not crossed
+  double slope_ci_high = std::numeric_limits<double>::quiet_NaN();  // inf at the ceiling
+  double ci_low = std::numeric_limits<double>::quiet_NaN();  // of the JND: 1 / slope_ci_high; inf where that is <= 1e-9
+  double ci_high = std::numeric_limits<double>::quiet_NaN();  // of the JND: 1 / slope_ci_low; inf where that is <= 1e-9
+  // At the estimate (at the ceiling: its limit), natural logarithm, without binomial constants; NaN for closed forms
+  // and where no series could be used.
+  double log_likelihood = std::numeric_limits<double>::quiet_NaN();
+};
+
+// All functions of this file: series in any order, difference > 0, counts with 0 <= hits <= n_diff and
+// 0 <= false_alarms <= n_same; reference > 0. A series with an empty class is left out and named by a caution.
+
+// correction: what the closed forms do about rates of 0 and 1; maximum likelihood works on the raw counts and ignores
+// it. `weighted` takes its weights from the log-linear rates under every correction.
+JndEstimate estimate_jnd(std::span<const SeriesCounts> series, double reference_n_per_m, JndMethod method,
+                         Correction correction);
+
+// estimate_jnd with JndMethod::least_squares. Series without information stay in with their corrected d' (0), the
+// paper's convention.
+JndEstimate least_squares_jnd(std::span<const SeriesCounts> series, double reference_n_per_m, Correction correction);
+
+}  // namespace jnd

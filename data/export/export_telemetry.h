@@ -1,0 +1,30 @@
+// The ticks of one interval as a CSV file.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "data/export/csv_writer.h"
+#include "data/log/telemetry.h"
+#include "protocols/protocol.h"
+
+namespace jnd {
+
+struct TelemetryRow {
+  const Telemetry* telemetry = nullptr;
+  const TickRecord* tick = nullptr;
+};
+
+// limit_names: of the bits of TickRecord::limits, lowest first; data does not know the governor.
+std::vector<CsvColumn<TelemetryRow>> telemetry_columns(const Protocol& protocol,
+                                                       const std::vector<std::string>& limit_names);
+
+// The rows in the order in which they were recorded. `telemetry` must outlive them.
+std::vector<TelemetryRow> telemetry_rows(const Telemetry& telemetry);
+
+// "telemetry/trial-007-attempt-1-interval-1.csv"; again: 2 and up where that name is taken. what: "trial", or
+// "exploration" of free interaction.
+std::string telemetry_file(std::string_view what, int index, int attempt, int interval, int again = 1);
+
+}  // namespace jnd

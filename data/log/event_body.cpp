@@ -1,0 +1,187 @@
+#include "data/log/event_body.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "data/log/body_numbers.h"
+#include "data/log/presentation_body.h"
+#include "data/log/storage_error.h"
+
+namespace jnd {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+void add_trial(Json& body, const Trial& trial, int attempt) {
+  body["index"] = trial.index;
+  body["attempt"] = attempt;
+  body["block"] = trial.block;
+  body["practice"] = trial.practice;
+  body["round"] = trial.round;
+  body["series_place"] = trial.series;
+  body["condition_place"] = trial.condition;
+  body[key_with("stimulus_1_", name_suffix(trial.unit))] = trial.stimuli[0];
+  body[key_with("stimulus_2_", name_suffix(trial.unit))] = trial.stimuli[1];
+  body["same"] = trial.same;
+  if (trial.track > 0) body["track"] = trial.track;
+}
+
+// Written only where it is false: bodies of voids that count are those of earlier programs.
+void add_counts(Json& body, bool counts) {
+  if (!counts) body["counts"] = false;
+}
+
+}  // namespace
+
+Json to_body(const TrialRecord& record) {
+  Json body;
+  add_trial(body, record.trial, record.attempt);
+  body["series"] = record.series_name;
+  body["condition"] = record.condition_name;
+  const bool said_same = record.answer.judgement == Judgement::same;
+  body["answer"] = to_string(record.answer.judgement);
+  body["correct"] = said_same == record.trial.same;
+  body["entered_by"] = to_string(record.answer.entered_by);
+  body["response_time_s"] = record.answer.response_time_s;
+  body["duration_s"] = record.duration_s;
+  body["saturated_share"] = largest_saturated_share(record);
+  const StiffnessUnit unit = record.trial.unit;
+  body["presentations"] = {presentation_body(record.presentations[0], unit),
+                           presentation_body(record.presentations[1], unit)};
+  return body;
+}
+
+double largest_saturated_share(const TrialRecord& record) noexcept {
+  double largest = 0;
+  for (const Presentation& presentation : record.presentations)
+    for (const FingerPresentation& finger : presentation.fingers) largest = std::max(largest, finger.saturated_share);
+  return largest;
+}
+
+TrialRecord trial_record_from(const Json& body) {
+  try {
+    TrialRecord record;
+    record.trial = trial_from(body);
+    record.attempt = whole_at(body, "attempt");
+    record.series_name = body.at("series").get<std::string>();
+    record.condition_name = body.at("condition").get<std::string>();
+    const auto answer = body.at("answer").get<std::string>();
+    const std::optional<Judgement> judgement = judgement_from(answer);
+    if (!judgement) throw StorageError(fmt::format("unknown answer \"{}\"", answer));
+    record.answer.judgement = *judgement;
+    const auto who = body.at("entered_by").get<std::string>();
+    if (who != to_string(EnteredBy::participant) && who != to_string(EnteredBy::operator_))
+      throw StorageError(fmt::format("answer entered by unknown \"{}\"", who));
+    record.answer.entered_by = who == to_string(EnteredBy::participant) ? EnteredBy::participant : EnteredBy::operator_;
+    record.answer.response_time_s = number_at(body, "response_time_s");
+    record.duration_s = number_at(body, "duration_s");
+    const Json& presentations = body.at("presentations");
+    if (presentations.size() != 2) throw StorageError("a trial has two presentations");
+    for (std::size_t i = 0; i < 2; ++i)
+      record.presentations[i] = presentation_from(presentations.at(i), record.trial.unit);
+    return record;
+  } catch (const Json::exception& error) {
+    throw StorageError(fmt::format("the body is not a completed trial: {}", error.what()));
+  }
+}
+
+Trial trial_from(const Json& body) {
+  try {
+    Trial trial;
+    trial.index = whole_at(body, "index");
+    trial.block = whole_at(body, "block");
+    trial.practice = body.at("practice").get<bool>();
+    trial.round = whole_at(body, "round");
+    trial.series = whole_at(body, "series_place");
+    trial.condition = whole_at(body, "condition_place");
+    trial.unit = body.contains("stimulus_1_n_per_rad") ? StiffnessUnit::n_per_rad : StiffnessUnit::n_per_m;
+    for (std::size_t i = 0; i < 2; ++i)
+      trial.stimuli[i] =
+          number_at(body, key_with(i == 0 ? "stimulus_1_" : "stimulus_2_", name_suffix(trial.unit)).c_str());
+    trial.same = body.at("same").get<bool>();
+    if (body.contains("track")) trial.track = whole_at(body, "track");
+    return trial;
+  } catch (const Json::exception& error) {
+    throw StorageError(fmt::format("the body is not a trial: {}", error.what()));
+  }
+}
+
+Json voided_body(const Trial& trial, int attempt, std::string_view reason, bool counts) {
+  Json body;
+  add_trial(body, trial, attempt);
+  body["reason"] = reason;
+  add_counts(body, counts);
+  return body;
+}
+
+Json voided_body(const Protocol& protocol, const Trial& trial, int attempt, std::string_view reason, bool counts) {
+  Json body;
+  add_trial(body, trial, attempt);
+  body["series"] = protocol.series.at(static_cast<std::size_t>(trial.series)).name;
+  body["condition"] = protocol.conditions.at(static_cast<std::size_t>(trial.condition)).name;
+  body["reason"] = reason;
+  add_counts(body, counts);
+  return body;
+}
+
+Json question_body(std::string_view id, std::string_view when, std::string_view condition,
+                   const std::optional<std::string>& answer, int after_trial) {
+  return Json{{"question", id},
+              {"when", when},
+              {"condition", condition.empty() ? Json(nullptr) : Json(condition)},
+              {"answer", answer ? Json(*answer) : Json(nullptr)},
+              {"after_trial", after_trial}};
+}
+
+Json question_body(const Question& question, std::string_view condition, const std::optional<std::string>& answer,
+                   int after_trial) {
+  Json body = question_body(question.id, to_string(question.when), condition, answer, after_trial);
+  body["kind"] = to_string(question.kind);
+  body["text"] = question.text;
+  return body;
+}
+
+std::string question_key(std::string_view id, std::string_view condition, int after_trial) {
+  std::string key(id);
+  if (!condition.empty()) key.append("/").append(condition);
+  if (after_trial > 0) key.append("@").append(std::to_string(after_trial));
+  return key;
+}
+
+std::string_view to_string(Question::When when) noexcept {
+  switch (when) {
+    case Question::When::before_session:
+      return "before_session";
+    case Question::When::after_condition:
+      return "after_condition";
+    case Question::When::after_series:
+      return "after_series";
+    case Question::When::after_session:
+      return "after_session";
+  }
+  return "";
+}
+
+std::string_view to_string(Question::Kind kind) noexcept {
+  switch (kind) {
+    case Question::Kind::rating:
+      return "rating";
+    case Question::Kind::number:
+      return "number";
+    case Question::Kind::choice:
+      return "choice";
+    case Question::Kind::text:
+      return "text";
+    case Question::Kind::confirm:
+      return "confirm";
+  }
+  return "";
+}
+
+std::string body_text(const Json& body) {
+  return body.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace jnd

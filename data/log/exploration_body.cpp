@@ -1,0 +1,116 @@
+#include "data/log/exploration_body.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "data/log/body_numbers.h"
+#include "data/log/event_body.h"
+#include "data/log/presentation_body.h"
+#include "data/log/storage_error.h"
+
+namespace jnd {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json head_of(const ExplorationRecord& record) {
+  return {{"index", record.slot.index},          {"attempt", record.attempt},      {"block", record.slot.block},
+          {"condition", record.condition},       {"object", record.object},        {"devices", record.devices},
+          {"planned_s", record.slot.duration_s}, {"duration_s", record.duration_s}};
+}
+
+void read(const Event& event, ExplorationHistory& history) {
+  const bool began = event.kind == event_kind::kExplorationBegan;
+  const bool voided = event.kind == event_kind::kExplorationVoided;
+  if (!began && !voided && event.kind != event_kind::kExploration) return;
+  const Json body = Json::parse(event.body);
+  const int index = whole_at(body, "index");
+  int& attempts = history.attempts[index];
+  attempts = std::max(attempts, whole_at(body, "attempt"));
+  if (began) {
+    history.pending = index;
+    return;
+  }
+  if (history.pending == index) history.pending.reset();
+  if (!voided) return;
+  if (body.value("counts", true)) ++history.used[index];
+  if (!body.value("will_repeat", true)) history.given_up.insert(index);
+}
+
+}  // namespace
+
+ExplorationRecord exploration_of(const Protocol& protocol, const ExplorationSlot& slot, int attempt) {
+  const Condition& condition = protocol.conditions[static_cast<std::size_t>(slot.condition)];
+  ExplorationRecord record;
+  record.slot = slot;
+  record.attempt = attempt;
+  record.condition = condition.name;
+  record.object = protocol.explore->objects[static_cast<std::size_t>(slot.object)];
+  record.devices = condition.devices;
+  return record;
+}
+
+Json to_body(const ExplorationRecord& record, StiffnessUnit unit) {
+  Json body = head_of(record);
+  body["condition_place"] = record.slot.condition;
+  body["object_place"] = record.slot.object;
+  if (record.ended_early) body["ended_early"] = true;
+  if (!record.words.empty()) body["words"] = record.words;
+  body["presentations"] = Json::array();
+  for (const Presentation& piece : record.presentations)
+    body["presentations"].push_back(presentation_body(piece, unit));
+  return body;
+}
+
+Json voided_body(const ExplorationRecord& record, StiffnessUnit unit, std::string_view reason, bool counts,
+                 bool will_repeat) {
+  Json body = head_of(record);
+  body["reason"] = reason;
+  body["counts"] = counts;
+  body["will_repeat"] = will_repeat;
+  if (!record.words.empty()) body["words"] = record.words;
+  if (record.presentations.empty() || record.presentations.back().fault == Fault::none) return body;
+  const Presentation& last = record.presentations.back();
+  body["last_presentation"] = presentation_body(last, unit);
+  if (!last.last_ticks.empty()) {
+    const Trial place{.index = record.slot.index, .condition = record.slot.condition, .unit = unit};
+    body["device_fault"] =
+        device_fault_body(place, record.attempt, static_cast<int>(record.presentations.size()) - 1, last);
+  }
+  return body;
+}
+
+ExplorationRecord exploration_from(const Json& body, StiffnessUnit unit) {
+  ExplorationRecord record;
+  record.slot.index = whole_at(body, "index");
+  record.slot.block = whole_at(body, "block");
+  record.slot.condition = whole_at(body, "condition_place");
+  record.slot.object = whole_at(body, "object_place");
+  record.slot.duration_s = number_at(body, "planned_s");
+  record.attempt = whole_at(body, "attempt");
+  record.condition = body.at("condition").get<std::string>();
+  record.object = body.at("object").get<std::string>();
+  record.devices = body.at("devices").get<bool>();
+  record.duration_s = number_at(body, "duration_s");
+  record.ended_early = body.value("ended_early", false);
+  record.words = body.value("words", std::string());
+  for (const Json& piece : body.at("presentations")) record.presentations.push_back(presentation_from(piece, unit));
+  return record;
+}
+
+ExplorationHistory exploration_history(const std::vector<Event>& events) {
+  ExplorationHistory history;
+  for (const Event& event : events) {
+    try {
+      read(event, history);
+    } catch (const nlohmann::json::exception& error) {
+      throw StorageError(fmt::format("session {}, event {} ({}): the body cannot be read: {}; run jnd verify",
+                                     event.session, event.seq, event.kind, error.what()));
+    }
+  }
+  return history;
+}
+
+}  // namespace jnd

@@ -1,0 +1,382 @@
+#include "data/results/methods_text.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "data/study/blinding.h"
+#include "data/results/markdown_text.h"
+#include "data/results/questionnaire_methods.h"
+#include "data/results/references.h"
+#include "protocols/planning/random_stream.h"
+#include "protocols/version.h"
+
+namespace jnd {
+
+namespace {
+
+std::string_view unit_of(const Protocol& protocol) {
+  return to_string(protocol.stimulus.unit);
+}
+
+std::string list_of(const std::vector<std::string>& items) {
+  std::string text;
+  for (std::size_t i = 0; i < items.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == items.size() ? " and " : ", ") + items[i];
+  return text;
+}
+
+const char* plural(std::size_t n) {
+  return n == 1 ? "" : "s";
+}
+
+std::string order_words(Order order) {
+  switch (order) {
+    case Order::fixed:
+      return "in the protocol's order";
+    case Order::random:
+      return "in an order drawn for each participant";
+    case Order::permuted:
+      return "in all their orders, dealt to the participants in turn";
+    case Order::williams:
+      return "in the orders of a Williams square, dealt to the participants in turn";
+  }
+  return "";
+}
+
+// Who judged what, under which conditions.
+std::string task_words(const Protocol& protocol, const StudyResults& results) {
+  std::vector<std::string> conditions;
+  for (const Condition& one : protocol.conditions)
+    conditions.push_back(fmt::format("{} ({})", markdown_text(one.name), markdown_text(one.label)));
+  const auto participants = static_cast<std::size_t>(results.analysis.participants);
+  return fmt::format(
+      "{} {} participant{} judged whether two stimuli were the same or different in stiffness (same-different, two "
+      "intervals) under {} feedback condition{}: {}. ",
+      participants, to_string(results.analysis.kind), plural(participants), conditions.size(),
+      plural(conditions.size()), list_of(conditions));
+}
+
+std::string session_words(const Design& design) {
+  return design.sessions == 1 ? "" : fmt::format(" in each of {} sessions", design.sessions);
+}
+
+// In which order it came, and what decided that.
+std::string order_sentences(const Protocol& protocol) {
+  const Design& design = protocol.design;
+  std::string text;
+  if (protocol.series.size() > 1) text += fmt::format("Series came {}. ", order_words(design.series_order));
+  const bool own_order = design.per_series && design.condition_order != Order::fixed && protocol.series.size() > 1;
+  if (protocol.conditions.size() > 1)
+    text += design.arrangement == Arrangement::mixed
+                ? "Conditions were mixed trial by trial. "
+                : fmt::format("Conditions came in blocks, {}{}. ", order_words(design.condition_order),
+                              own_order ? ", another one in each series" : "");
+  text += fmt::format(
+      "Whatever was drawn or dealt followed from the study's seed, by counter-based random streams ({}, Salmon et al. "
+      "2011).",
+      kGeneratorName);
+  if (protocol.practice) text += " Practice trials took no part in any number below.";
+  return text + "\n";
+}
+
+std::string procedure_words(const AdaptiveProcedure& procedure, std::string_view unit) {
+  if (procedure.kind == AdaptiveProcedure::Kind::quest)
+    return fmt::format(
+        "QUEST (Watson and Pelli 1983) presented ten to the mean of the posterior (King-Smith et al. 1994), with beta "
+        "= "
+        "{:g}, delta = {:g} and gamma = {:g}",
+        procedure.quest.beta, procedure.quest.delta, procedure.quest.gamma);
+  const StaircaseRule& rule = procedure.staircase;
+  std::string halved;
+  for (const int reversal : rule.halve_after)
+    halved += fmt::format("{}{}", halved.empty() ? ", halved at reversal " : ", ", reversal);
+  const std::string steps =
+      rule.multiplicative
+          ? fmt::format("factors of {:g} up and {:g} down", rule.step_up, rule.step_down)
+          : fmt::format("steps of {:g} {} up and {:g} {} down", rule.step_up, unit, rule.step_down, unit);
+  return fmt::format("staircases went {} up, {} down ({}) in {}{}", rule.up, rule.down,
+                     rule.step_up == rule.step_down ? "Levitt 1971" : "Levitt 1971; Kaernbach 1991", steps, halved);
+}
+
+std::string procedure_sentences(const Protocol& protocol) {
+  const AdaptiveProcedure& procedure = *protocol.design.procedure;
+  const std::string_view unit = unit_of(protocol);
+  std::string text = fmt::format(
+      "The answers set the difference from the reference of {:g} {}, within {:g} to {:g} {}: {}. Each condition had {} "
+      "track{}{}; a track ended after {}{} trial{} with a difference. ",
+      protocol.stimulus.reference, unit, procedure.clamp[0], procedure.clamp[1], unit, procedure_words(procedure, unit),
+      procedure.starts.size(), plural(procedure.starts.size()), session_words(protocol.design),
+      procedure.reversals > 0 ? fmt::format("{} reversal{}, or ", procedure.reversals,
+                                            plural(static_cast<std::size_t>(procedure.reversals)))
+                              : std::string(),
+      procedure.trials, plural(static_cast<std::size_t>(procedure.trials)));
+  if (procedure.catch_share > 0)
+    text += fmt::format(
+        "{:.0f} % of the trials were catch trials (equal pairs, which move nothing), kept in short blocks. ",
+        100 * procedure.catch_share);
+  return text;
+}
+
+std::string series_sentences(const Protocol& protocol) {
+  const Design& design = protocol.design;
+  std::vector<std::string> pairs;
+  for (const Series& one : protocol.series) pairs.push_back(fmt::format("{:g}/{:g}", one.pair[0], one.pair[1]));
+  return fmt::format(
+      "The pairs of stiffnesses were {} {}. Each cell of condition and series was planned with {} trial{}{}; the "
+      "classes (same, "
+      "different) were {}. ",
+      list_of(pairs), unit_of(protocol), design.trials_per_cell,
+      plural(static_cast<std::size_t>(design.trials_per_cell)), session_words(design),
+      design.sampling == Sampling::balanced ? "balanced within each cell"
+                                            : "drawn independently with a probability of one half");
+}
+
+std::string design_paragraph(const Protocol& protocol, const StudyResults& results) {
+  return task_words(protocol, results) +
+         (protocol.design.procedure ? procedure_sentences(protocol) : series_sentences(protocol)) +
+         order_sentences(protocol);
+}
+
+std::string correction_words(const StudyAnalysis& analysis) {
+  if (is_maximum_likelihood(analysis.method.method)) return "The fit is to the counts, without any correction. ";
+  switch (analysis.method.correction) {
+    case Correction::loglinear:
+      return "Rates were corrected log-linearly, (k + 0.5) / (n + 1), in every cell (Hautus 1995). ";
+    case Correction::half:
+      return "Rates of 0 and 1 were replaced by 1/(2n) and 1 - 1/(2n) (Macmillan and Kaplan 1985). ";
+    case Correction::none:
+      break;
+  }
+  return "Rates were not corrected. ";
+}
+
+std::string dprime_words(const std::string& model) {
+  if (model == "differencing")
+    return "d' is that of the differencing model of same-different (Macmillan and Creelman 2005, chapter 9). ";
+  if (model == "independent-observation")
+    return "d' is that of the independent-observation model of same-different, unit slope (Macmillan and Creelman "
+           "2005, "
+           "chapter 9). ";
+  return "d' = z(H) - z(F), with H the rate of \"different\" answers to different pairs and F to equal pairs. ";
+}
+
+std::string slope_words(const StudyAnalysis& analysis) {
+  switch (analysis.method.method) {
+    case JndMethod::least_squares:
+    case JndMethod::least_squares_independent:
+      return "The slope m of d' on the stiffness difference is the least-squares line through the origin over the "
+             "series, m "
+             "= sum(dK d') / sum(dK^2)";
+    case JndMethod::weighted:
+      return "The slope m of d' on the stiffness difference is a line through the origin, weighted by 1/se^2 of each "
+             "d' "
+             "(Gourevitch and Galanter 1967)";
+    case JndMethod::inverse_mean_slope:
+      return "The slope m is the mean of d'/dK over the series";
+    case JndMethod::mean_of_ratios:
+      return "The JND is the mean of dK/d' over the series, and m = 1/JND";
+    case JndMethod::ml_yes_no_common:
+      return "The slope m is the maximum-likelihood estimate over all series, P(\"different\") = Phi(l + m x), with "
+             "one "
+             "criterion";
+    case JndMethod::ml_yes_no_series:
+      return "The slope m is the maximum-likelihood estimate over all series, P(\"different\") = Phi(l + m x), with a "
+             "criterion for each series";
+    case JndMethod::ml_differencing_common:
+      return "The slope m is the maximum-likelihood estimate over all series with d' = m dK and one criterion";
+    case JndMethod::ml_differencing_series:
+      return "The slope m is the maximum-likelihood estimate over all series with d' = m dK and a criterion for each "
+             "series";
+  }
+  return "";
+}
+
+std::string interval_words(const StudyAnalysis& analysis) {
+  if (is_maximum_likelihood(analysis.method.method))
+    return " Intervals of single JNDs are profile-likelihood intervals.";
+  if (analysis.method.method == JndMethod::least_squares && analysis.intervals)
+    return " Intervals of single JNDs are percentile intervals of a parametric bootstrap (2000 replicates, log-linear "
+           "rates; Efron and Tibshirani 1993).";
+  return "";
+}
+
+std::string adaptive_paragraph(const AdaptiveProcedure& procedure) {
+  std::string text = fmt::format("The threshold is the difference of which \"different\" is said in {:.1f} %: ",
+                                 100 * adaptive_target(procedure));
+  if (procedure.kind == AdaptiveProcedure::Kind::quest)
+    text +=
+        "ten to the mean of the posterior of its logarithm after the last trial, averaged on the logarithm over the "
+        "tracks of a condition that have a threshold.";
+  else
+    text += fmt::format(
+        "the mean of the last {} reversals of each track (Levitt 1971), averaged over the tracks of a condition that "
+        "have so many.",
+        procedure.averaged_reversals / 2 * 2);
+  text += " It moves with the criterion";
+  text += procedure.catch_share > 0 ? ": the rate of false alarms on catch trials stands beside it.\n"
+                                    : ", of which nothing is known without catch trials.\n";
+  return text;
+}
+
+std::string estimate_paragraph(const Protocol& protocol, const StudyResults& results) {
+  if (protocol.design.procedure) return adaptive_paragraph(*protocol.design.procedure);
+  const StudyAnalysis& analysis = results.analysis;
+  return fmt::format(
+      "{}{}{}; JND = 1/m, the difference at d' = 1, and the Weber fraction is JND / {:g} {}. Differences are the {} "
+      "ones.{} Estimates with m <= 1e-9 have no JND (status no_sensitivity), nor have those whose m is infinite "
+      "(status ceiling): means of JNDs leave both out, medians count the former as infinite and the latter as smaller "
+      "than any JND. Every group number names how many of how many it rests on.\n",
+      dprime_words(analysis.method.model), correction_words(analysis), slope_words(analysis),
+      protocol.stimulus.reference, unit_of(protocol), to_string(analysis.by), interval_words(analysis));
+}
+
+std::string omnibus_words(Omnibus omnibus, std::size_t conditions) {
+  switch (omnibus) {
+    case Omnibus::anova:
+      return conditions > 2 ? "a one-way repeated-measures analysis of variance with the correction of Greenhouse and "
+                              "Geisser 1959"
+                            : "a one-way repeated-measures analysis of variance";
+    case Omnibus::friedman:
+      return "Friedman's test with the correction for ties (Friedman 1937)";
+    case Omnibus::none:
+      break;
+  }
+  return "";
+}
+
+std::string post_hoc_words(PostHoc post_hoc, std::size_t contrasts) {
+  switch (post_hoc) {
+    case PostHoc::holm_t:
+      if (contrasts == 1) return "a paired t test";
+      return "paired t tests with Holm's correction over them (Holm 1979)";
+    case PostHoc::games_howell:
+      return "Games-Howell tests over all conditions, which ignore the pairing (Games and Howell 1976)";
+    case PostHoc::tukey:
+      return "Tukey's studentised range test over all conditions, with the repeated-measures error term";
+    case PostHoc::wilcoxon:
+      if (contrasts == 1) return "a signed-rank test (Wilcoxon 1945)";
+      return "signed-rank tests (Wilcoxon 1945) with Holm's correction over them (Holm 1979)";
+  }
+  return "";
+}
+
+// What is registered: "... by A, and the 3 registered contrasts by B"; empty where nothing is.
+std::string registered_tests(const Protocol& protocol) {
+  const std::string omnibus = omnibus_words(protocol.analysis.tests.omnibus, protocol.conditions.size());
+  const std::size_t contrasts = protocol.analysis.contrasts.size();
+  std::string text = omnibus.empty() ? "" : "all conditions together by " + omnibus;
+  if (contrasts == 0) return text;
+  return text + fmt::format("{}the {}registered contrast{} by {}", text.empty() ? "" : ", and ",
+                            contrasts == 1 ? "" : fmt::format("{} ", contrasts), plural(contrasts),
+                            post_hoc_words(protocol.analysis.tests.post_hoc, contrasts));
+}
+
+// What was tested beside the registered outcome.
+std::string other_tests(const StudyResults& results, bool any_registered) {
+  std::vector<std::string> others;
+  for (const OutcomeComparison& outcome : results.comparisons)
+    if (!(outcome.registered && any_registered) && outcome.refused.empty())
+      others.push_back(outcome.question ? fmt::format("the answers to \"{}\"", markdown_text(outcome.title))
+                                        : outcome.title);
+  std::string text;
+  if (!others.empty())
+    text += fmt::format(" {}: {}. Nothing is corrected for the number of outcomes.",
+                        any_registered ? "The same tests were made beside the registered ones on"
+                                       : "The analysis of variance, Friedman's test (Friedman 1937) and pairwise tests "
+                                         "were computed for",
+                        list_of(others));
+  if (results.ratings.family > 0)
+    text += fmt::format(
+        " Pairs of conditions were also compared by the answers to questions, with signed-rank tests (Wilcoxon 1945) "
+        "and the corrections of Holm 1979 and of Benjamini and Hochberg 1995 over the {} test{}.",
+        results.ratings.family, plural(results.ratings.family));
+  return text;
+}
+
+std::string test_paragraph(const Protocol& protocol, const StudyResults& results) {
+  const OutcomeComparison& outcome = results.comparisons.front();
+  const std::size_t conditions = protocol.conditions.size();
+  if (conditions < 2) return "There was one condition, and nothing to compare it with.\n";
+  const std::string tests = registered_tests(protocol);
+  if (!outcome.refused.empty())
+    return fmt::format("The tests on the {} were refused: {}.{}\n", outcome.title, markdown_text(outcome.refused),
+                       other_tests(results, !tests.empty()));
+  std::string text =
+      tests.empty()
+          ? std::string("No test was registered.")
+          : fmt::format("The {} was compared over {} ({} of {} participants; alpha = {:g}).", outcome.title, tests,
+                        outcome.table.n, outcome.table.n + outcome.left_out.size(), protocol.analysis.tests.alpha);
+  text += " The normality of residuals was looked at with Shapiro and Wilk's test (Royston 1995)";
+  if (conditions > 2) text += ", sphericity with that of Mauchly 1940";
+  text +=
+      ". Intervals of a condition within participants are those of Cousineau 2005 with the correction of Morey 2008.";
+  return text + other_tests(results, !tests.empty()) + "\n";
+}
+
+std::string exclusion_paragraph(const Protocol& protocol, const StudyResults& results) {
+  if (protocol.design.procedure)
+    return "No answered trial was excluded: an excluded answer would have moved the levels all the same.\n";
+  const Exclusions& rules = protocol.analysis.exclude;
+  std::vector<std::string> words;
+  if (rules.response_time_below_s)
+    words.push_back(fmt::format("response times below {:g} s", *rules.response_time_below_s));
+  if (rules.response_time_above_s)
+    words.push_back(fmt::format("response times above {:g} s", *rules.response_time_above_s));
+  if (rules.saturated_share_above)
+    words.push_back(fmt::format("more than {:g} of the contact time at the force limit", *rules.saturated_share_above));
+  if (words.empty()) return "No trial was excluded by a registered rule.\n";
+  std::string counts;
+  for (const auto& [reason, trials] : results.analysis.exclusions)
+    counts += fmt::format("{}{} by {}", counts.empty() ? ": " : ", ", trials, reason);
+  return fmt::format("Trials were excluded by the registered rules ({}){}.\n", list_of(words),
+                     counts.empty() ? ": none" : counts);
+}
+
+void add_list(std::string& text, const char* heading, const std::vector<std::string>& sentences, const char* none) {
+  text += fmt::format("\n## {}\n\n", heading);
+  if (sentences.empty()) text += fmt::format("{}\n", none);
+  for (const std::string& sentence : sentences) text += fmt::format("- {}\n", markdown_text(sentence));
+}
+
+std::string reproduction(const Study& study, const Protocol& protocol, const StudyResults& results) {
+  std::string text = fmt::format(
+      "\n## To do it again\n\n"
+      "- Program: jnd {}\n- Protocol: {}, SHA-256 `{}`\n- Seed of the study: {}\n- Events: {}\n- Sessions: {}, heads "
+      "of their chains:\n",
+      kVersion, markdown_text(protocol.name), protocol.sha256,
+      seed_text(study, protocol, "sealed while the study is blinded"), chain_line(results.chains),
+      results.analysis.heads.size());
+  for (const SessionHead& head : results.analysis.heads)
+    text += fmt::format("  - {} `{}`{}\n", head.participant, head.hash, head.closed ? "" : " (not finished)");
+  return text;
+}
+
+}  // namespace
+
+std::string methods_text(const Study& study, const Protocol& protocol, const StudyResults& results) {
+  std::string text = fmt::format("# Methods: {}\n\n", markdown_text(protocol.title));
+  if (results.analysis.kind != SessionKind::real)
+    text += fmt::format("**These are {} data, not those of a study with participants.**\n\n",
+                        to_string(results.analysis.kind));
+  if (!protocol.source.citation.empty())
+    text += fmt::format("After: {}{}\n\n", markdown_text(protocol.source.citation),
+                        protocol.source.doi.empty() ? "" : " https://doi.org/" + markdown_text(protocol.source.doi));
+  if (results.questionnaire) {
+    text += "## Design\n\n" + exploration_design(protocol, results);
+    text += "\n## Tests\n\n" + questionnaire_tests(results);
+    add_list(text, "Deviations from the registered plan", results.deviations, "None.");
+    text += reproduction(study, protocol, results);
+    return text + references_of(text);
+  }
+  text += "## Design\n\n" + design_paragraph(protocol, results);
+  text += "\n## Estimates\n\n" + estimate_paragraph(protocol, results) + "\n" + exclusion_paragraph(protocol, results);
+  text += "\n## Tests\n\n" + test_paragraph(protocol, results);
+  add_list(text, "Deviations from the registered plan", results.deviations, "None.");
+  add_list(text, "Warnings", results.warnings, "None.");
+  text += reproduction(study, protocol, results);
+  return text + references_of(text);
+}
+
+}  // namespace jnd

@@ -1,0 +1,87 @@
+// The questionnaires of a study of free interaction: ratings by condition with their tests, ratings given once,
+// choices, and how long everybody really explored.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/numerics/exact_proportion.h"
+#include "analysis/group/group.h"
+#include "analysis/group/questionnaire.h"
+#include "data/study/study.h"
+#include "protocols/protocol.h"
+
+namespace jnd {
+
+// The answers to one question of kind rating or number in one condition, over the participants who answered.
+struct ItemScore {
+  int condition = -1;  // place in Protocol::conditions; -1: asked once
+  MeanEstimate mean;
+  MedianInterval median;
+  // Ratings below, on and above the middle of the scale; none of numbers, whose range is only what may be typed.
+  struct Sides {
+    int below = 0, at = 0, above = 0;
+  };
+  std::optional<Sides> sides;
+};
+
+struct QuestionnaireItem {
+  int question = 0;  // place in Protocol::questions
+  bool paired = false;
+  std::vector<ItemScore> scores;  // a condition each, or one
+};
+
+// One question with options, asked after a condition or the session.
+struct ChoiceResult {
+  int question = 0;
+  int condition = -1;                      // -1: asked once
+  int n = 0;                               // who chose
+  std::vector<ExactProportion> options{};  // as in Question::options; exact binomial intervals, one by one
+};
+
+// One object in one condition, over the participants who explored it.
+struct Exposure {
+  int condition = 0, object = 0;  // places in the protocol
+  int n = 0;
+  double planned_s = 0, mean_s = 0, shortest_s = 0;
+  int ended_early = 0;
+  int given_up = 0;  // participants in whom it was given up
+};
+
+// How many of a family of tests fall below a level.
+struct TestCount {
+  std::size_t as_r = 0, exact = 0, holm = 0, bh = 0;
+};
+
+struct QuestionnaireResults {
+  int participants = 0;
+  std::vector<QuestionnaireItem> items;  // in the protocol's order
+  PairedQuestionnaire tests;             // of the paired items, in the same order; their family is all of them
+  std::vector<ChoiceResult> choices;
+  std::vector<Exposure> exposure;  // by condition, object
+  double alpha = 0.05;
+  TestCount below_alpha;
+};
+
+// Ratings, or numbers, of one item: participants x conditions (paired), or participants x 1; NaN where an answer is
+// missing.
+struct RatedItem {
+  int question = 0;
+  bool paired = false;
+  std::vector<double> ratings;
+};
+// What follows from the ratings alone: scores, tests and their count. participants: the rows.
+QuestionnaireResults questionnaire_of(const std::vector<RatedItem>& items, std::size_t participants,
+                                      const Protocol& protocol);
+
+// One sentence for each object of a condition that some participants explored for less than planned, or not at all.
+std::vector<std::string> exposure_deviations(const QuestionnaireResults& results, const Protocol& protocol);
+
+// Of these sessions. A participant with several has the mean of their ratings, and the choice of the last. Throws
+// StorageError.
+QuestionnaireResults questionnaire_results(const Study& study, const Protocol& protocol,
+                                           const std::vector<SessionInfo>& sessions);
+
+}  // namespace jnd

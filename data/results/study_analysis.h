@@ -1,0 +1,133 @@
+// The registered analysis of a study: counts by participant, condition and series, and what its protocol's analysis
+// plan makes of them. Practice never counts; exclusions are the registered ones, each counted with its reason.
+#pragma once
+
+#include <array>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "analysis/detection/counts.h"
+#include "analysis/group/group.h"
+#include "analysis/thresholds/jnd.h"
+#include "analysis/detection/yes_no.h"
+#include "data/study/study.h"
+#include "data/study/study_care.h"
+#include "data/results/threshold_method.h"
+#include "data/study/trial_rows.h"
+#include "protocols/protocol.h"
+
+namespace jnd {
+
+// Which stiffness difference stands on the x axis of the fit: the one asked, or the one that the devices delivered.
+// mixed: some of several cells had nothing delivered to measure and fell back on the nominal difference.
+enum class DifferenceSource { nominal, delivered, mixed };
+std::string_view to_string(DifferenceSource source) noexcept;
+// What the protocol's analysis plan registers: nominal or delivered.
+DifferenceSource registered_source(const Protocol& protocol) noexcept;
+
+// A mean of what was delivered and how much it rests on; stiffnesses in the study's unit. NaN for n = 0.
+struct DeliveredMean {
+  double mean = std::numeric_limits<double>::quiet_NaN();
+  int n = 0;
+};
+
+// One participant, condition and series.
+struct CellResult {
+  std::string participant;
+  SessionKind kind = SessionKind::simulated;
+  int condition = 0, series = 0;  // places in the protocol
+  Counts counts;
+  int excluded = 0;  // trials left out by the registered rules
+  int missing = 0;   // planned trials without an answer
+  YesNo yes_no;      // under the registered correction
+  // The x of the fit. By delivered stiffness it is delivered_difference where n > 0, else the nominal one.
+  double difference = 0;
+  DifferenceSource difference_source = DifferenceSource::nominal;  // nominal or delivered
+  // Mean of |k2 - k1| over the counted trials with different stimuli in which both intervals have a fitted stiffness;
+  // k is the mean over the interval's devices.
+  DeliveredMean delivered_difference{};
+  int without_fit = 0;  // the others of those trials
+  // By nominal stiffness of the series' pair, the softer and the stiffer: mean k over the intervals that asked it.
+  std::array<DeliveredMean, 2> delivered{};
+};
+
+// One participant and condition.
+struct ThresholdResult {
+  std::string participant;
+  SessionKind kind = SessionKind::simulated;
+  int condition = 0;
+  JndEstimate jnd;
+  double median_response_time_s = 0;                               // participant's own entries; NaN without one
+  double mean_trial_s = 0;                                         // time per trial; NaN without one
+  DifferenceSource difference_source = DifferenceSource::nominal;  // of the series in the fit
+};
+
+struct GroupResult {
+  int condition = 0;
+  JndGroup jnd;                                                    // mean, CI, median, ... with n used of N
+  DifferenceSource difference_source = DifferenceSource::nominal;  // over all participants
+};
+
+struct ContrastResult {
+  int a = 0, b = 0;
+  MeanEstimate difference;  // paired JND difference a - b, in the study's unit, over participants with both
+  DifferenceSource difference_source = DifferenceSource::nominal;  // of both conditions
+};
+
+struct SessionHead {
+  std::string participant, session, hash;
+  SessionKind kind = SessionKind::simulated;
+  bool closed = false;
+};
+
+// Beyond this many participants nobody reads a table of everybody: what takes a fit or a bootstrap for each of them is
+// left to studies of an ordinary size.
+inline constexpr std::size_t kMostInDetail = 200;
+
+struct StudyAnalysis {
+  SessionKind kind = SessionKind::simulated;
+  DifferenceSource by = DifferenceSource::nominal;  // what was asked for: nominal or delivered
+  ThresholdMethod method;                           // the registered one, behind every slope and JND here
+  // Whether thresholds carry intervals: of the fit itself (maximum likelihood), or a bootstrap of least squares, which
+  // is left out above 500 participants.
+  bool intervals = true;
+  int participants = 0;
+  std::vector<CellResult> cells;            // by participant, condition, series
+  std::vector<ThresholdResult> thresholds;  // by participant, condition
+  std::vector<GroupResult> group;           // by condition
+  std::vector<ContrastResult> contrasts;
+  std::vector<SessionHead> heads;             // by participant
+  std::map<std::string, int> exclusions;      // reason -> trials
+  std::vector<ExcludedParticipant> excluded;  // nothing of theirs is in here
+};
+
+// Sessions of one kind only: the three kinds are never pooled. by: nominal or delivered; without it, the registered
+// one.
+StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind kind);
+StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by);
+// The same of trials that were read before, for callers who want them for more than this.
+StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by,
+                      const std::vector<SessionInfo>& sessions, const std::vector<CountedTrial>& trials);
+// What counts: without the sessions of excluded participants. By participant number, then the participant's session.
+std::vector<SessionInfo> sessions_of(const Study& study, SessionKind kind);
+// Each once, in the order of the sessions.
+std::vector<std::string> participants_of(const std::vector<SessionInfo>& sessions);
+// Those of one kind, in the order in which they were excluded.
+std::vector<ExcludedParticipant> excluded_of(const Study& study, SessionKind kind);
+// The kinds of which something counts, real first.
+std::vector<SessionKind> kinds_in(const Study& study);
+
+// The same from counts alone (no study), over nominal differences: counts do not say what was delivered. Cells of one
+// participant and condition.
+struct CellCounts {
+  std::string participant;
+  int condition = 0, series = 0;
+  Counts counts;
+};
+StudyAnalysis analyze_counts(const std::vector<CellCounts>& cells, const Protocol& protocol, SessionKind kind);
+
+}  // namespace jnd

@@ -1,0 +1,55 @@
+#include "data/results/study_contrasts.h"
+
+#include <cstddef>
+
+namespace jnd {
+
+namespace {
+
+MeanEstimate difference_of(const WithinTable& table, const Contrast& contrast) {
+  std::vector<double> differences;
+  for (std::size_t row = 0; row < table.n; ++row)
+    differences.push_back(table.at(row, static_cast<std::size_t>(contrast.a)) -
+                          table.at(row, static_cast<std::size_t>(contrast.b)));
+  return mean_with_ci(differences);
+}
+
+}  // namespace
+
+std::vector<ContrastRow> contrast_rows(const StudyAnalysis& analysis, const OutcomeComparison& registered,
+                                       const Protocol& protocol) {
+  const std::vector<Contrast>& contrasts = protocol.analysis.contrasts;
+  const std::string jnd(to_string(Outcome::jnd));
+  std::vector<double> p;
+  if (registered.refused.empty()) p = contrast_p(registered.comparison, protocol.analysis);
+  std::vector<ContrastRow> rows;
+  for (std::size_t i = 0; i < contrasts.size(); ++i) {
+    ContrastRow row;
+    row.a = contrasts[i].a;
+    row.b = contrasts[i].b;
+    row.participants = static_cast<int>(registered.table.n + registered.left_out.size());
+    // Of an adaptive study there is no other scale than its thresholds'.
+    const bool has_jnds = i < analysis.contrasts.size();
+    if (has_jnds) row.difference_source = analysis.contrasts[i].difference_source;
+
+    ContrastRow tested = row;
+    tested.outcome = registered.outcome;
+    tested.unit = registered.unit;
+    tested.registered = true;
+    tested.refused = registered.refused;
+    // Where tests on the JND are refused the differences of those who have both are there all the same.
+    tested.difference = registered.outcome == jnd && has_jnds ? analysis.contrasts[i].difference
+                                                              : difference_of(registered.table, contrasts[i]);
+    if (i < p.size()) tested.p = p[i];
+    rows.push_back(std::move(tested));
+    if (registered.outcome == jnd || !has_jnds) continue;
+
+    row.outcome = jnd;
+    row.unit = to_string(protocol.stimulus.unit);
+    row.difference = analysis.contrasts[i].difference;
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+}  // namespace jnd

@@ -1,0 +1,39 @@
+// Every model beside the registered one, participant by participant: the long form of the sensitivity table.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/detection/detection_row.h"
+#include "analysis/thresholds/fit_quality.h"
+#include "data/results/study_analysis.h"
+#include "data/results/threshold_method.h"
+#include "protocols/protocol.h"
+
+namespace jnd {
+
+struct ThresholdModel {
+  std::string participant;
+  int condition = 0;
+  ThresholdMethod method;
+  JndEstimate jnd;
+  std::optional<FitQuality> quality;  // of the maximum-likelihood methods; asymptotic p only
+};
+
+struct CellModel {
+  std::string participant;
+  int condition = 0, series = 0;
+  DetectionRow row;
+};
+
+struct StudyModels {
+  std::vector<ThresholdModel> thresholds;  // by participant, condition, method
+  std::vector<CellModel> cells;            // by participant, condition, series
+};
+StudyModels study_models(const StudyAnalysis& analysis, const Protocol& protocol);
+
+// The series of thresholds[row], as every estimate takes them.
+std::vector<SeriesCounts> series_of_threshold(const StudyAnalysis& analysis, const Protocol& protocol, std::size_t row);
+
+}  // namespace jnd

@@ -1,0 +1,168 @@
+#include "data/results/study_remarks.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace jnd {
+
+namespace {
+
+const char* plural(int n) {
+  return n == 1 ? "" : "s";
+}
+
+std::string share(int part, int whole) {
+  return fmt::format("{} of {} ({:.0f} %)", part, whole, 100.0 * part / std::max(whole, 1));
+}
+
+bool has(const JndEstimate& estimate, Caution caution) {
+  return std::find(estimate.cautions.begin(), estimate.cautions.end(), caution) != estimate.cautions.end();
+}
+
+const OutcomeComparison* registered(const std::vector<OutcomeComparison>& comparisons) {
+  for (const OutcomeComparison& one : comparisons)
+    if (one.registered) return &one;
+  return nullptr;
+}
+
+std::string names(const std::vector<LeftOut>& left_out) {
+  std::string text;
+  for (std::size_t i = 0; i < left_out.size() && i < 5; ++i)
+    text += fmt::format("{}{} ({})", i == 0 ? "" : ", ", left_out[i].participant, left_out[i].reason);
+  if (left_out.size() > 5) text += fmt::format(" and {} more", left_out.size() - 5);
+  return text;
+}
+
+void add_cell_deviations(const StudyAnalysis& analysis, std::vector<std::string>& out) {
+  int short_cells = 0, missing = 0;
+  for (const CellResult& cell : analysis.cells) {
+    short_cells += cell.missing > 0 ? 1 : 0;
+    missing += cell.missing;
+  }
+  if (missing > 0)
+    out.push_back(fmt::format("{} planned trial{} of {} cell{} {} not answered.", missing, plural(missing), short_cells,
+                              plural(short_cells), missing == 1 ? "was" : "were"));
+  for (const auto& [reason, trials] : analysis.exclusions)
+    out.push_back(
+        fmt::format("{} trial{} excluded by the registered rule {}.", trials, trials == 1 ? " was" : "s were", reason));
+}
+
+void add_rate_warnings(const StudyAnalysis& analysis, std::vector<std::string>& out) {
+  int cells = 0, extreme = 0, negative = 0, few = 0;
+  for (const CellResult& cell : analysis.cells) {
+    if (cell.yes_no.status == RateStatus::missing) continue;
+    const Counts& c = cell.counts;
+    ++cells;
+    extreme += c.hits == 0 || c.hits == c.n_diff || c.false_alarms == 0 || c.false_alarms == c.n_same ? 1 : 0;
+    negative += cell.yes_no.dprime <= 0 ? 1 : 0;
+    few += std::min(c.n_diff, c.n_same) < 10 ? 1 : 0;
+  }
+  if (cells == 0) return;
+  if (few > 0)
+    out.push_back(fmt::format("{} cells have fewer than 10 trials of a class: single d' and JNDs scatter widely.",
+                              share(few, cells)));
+  if (10 * extreme > cells)
+    out.push_back(fmt::format("{} cells have a rate of 0 or 1: their d' rests on the correction, not on the answers.",
+                              share(extreme, cells)));
+  if (20 * negative > cells) out.push_back(fmt::format("{} cells have a d' of 0 or below.", share(negative, cells)));
+}
+
+void add_threshold_warnings(const StudyAnalysis& analysis, const Protocol& protocol, std::vector<std::string>& out) {
+  if (analysis.thresholds.empty()) return;
+  int thresholds = 0, extrapolated = 0, ok = 0;
+  for (const ThresholdResult& row : analysis.thresholds) {
+    ++thresholds;
+    ok += row.jnd.status == JndStatus::ok ? 1 : 0;
+    extrapolated += has(row.jnd, Caution::extrapolated) ? 1 : 0;
+  }
+  if (ok < thresholds)
+    out.push_back(fmt::format("{} thresholds have no JND; the mean JND leaves them out, the median does not.",
+                              share(thresholds - ok, thresholds)));
+  if (5 * extrapolated > thresholds)
+    out.push_back(fmt::format("{} JNDs lie outside the tested differences: they are extrapolated along the line.",
+                              share(extrapolated, thresholds)));
+  if (!analysis.intervals)
+    out.push_back(fmt::format("Above {} participants single JNDs carry no bootstrap interval.", kMostInDetail));
+  int not_measured = 0;
+  for (const GroupResult& row : analysis.group) not_measured += row.difference_source != analysis.by ? 1 : 0;
+  if (not_measured > 0)
+    out.push_back(
+        fmt::format("{} of {} conditions rest on nominal differences at least in part: nothing was delivered "
+                    "there that has a stiffness to fit.",
+                    not_measured, protocol.conditions.size()));
+}
+
+void add_test_warnings(const OutcomeComparison& outcome, const Protocol& protocol, std::vector<std::string>& out) {
+  if (!outcome.refused.empty()) return;
+  const Comparison& comparison = outcome.comparison;
+  const bool anova = protocol.analysis.tests.omnibus == Omnibus::anova;
+  if (anova && comparison.residuals.status == TestStatus::ok && comparison.residuals.p < 0.05)
+    out.push_back(
+        fmt::format("The residuals of the analysis of variance are not normal (Shapiro-Wilk W = {:.3f}, p = "
+                    "{:.2g}): look at Friedman's test and the Wilcoxon tests beside it.",
+                    comparison.residuals.w, comparison.residuals.p));
+  const Mauchly& mauchly = comparison.anova.effect.mauchly;
+  if (anova && mauchly.status == TestStatus::ok && mauchly.p < 0.05)
+    out.push_back(
+        fmt::format("Sphericity is violated (Mauchly W = {:.3f}, p = {:.2g}): read the p with the "
+                    "Greenhouse-Geisser correction.",
+                    mauchly.w, mauchly.p));
+  if (protocol.analysis.tests.post_hoc == PostHoc::games_howell || protocol.analysis.tests.post_hoc == PostHoc::tukey)
+    out.emplace_back(
+        "The registered post-hoc test ignores that every participant had every condition; the paired t tests "
+        "stand beside it.");
+  if (outcome.table.n < 6) out.push_back(fmt::format("The tests rest on {} participants.", outcome.table.n));
+}
+
+}  // namespace
+
+std::vector<std::string> deviations_of(const StudyAnalysis& analysis, const std::vector<OutcomeComparison>& comparisons,
+                                       const Protocol& protocol) {
+  std::vector<std::string> out;
+  if (!protocol.design.procedure && analysis.by != registered_source(protocol))
+    out.push_back(fmt::format("The protocol registers slopes over {} stiffness differences; these are over {} ones.",
+                              to_string(registered_source(protocol)), to_string(analysis.by)));
+  const Exclusions& rules = protocol.analysis.exclude;
+  if (protocol.design.procedure &&
+      (rules.response_time_below_s || rules.response_time_above_s || rules.saturated_share_above))
+    out.emplace_back(
+        "The registered exclusions are not applied: an excluded answer has moved the levels all the same.");
+  if (!analysis.excluded.empty()) {
+    std::string who;
+    for (const ExcludedParticipant& one : analysis.excluded)
+      who += fmt::format("{}{} ({})", who.empty() ? "" : ", ", one.participant, one.reason);
+    out.push_back(fmt::format("Participants excluded: {}.", who));
+  }
+  int open = 0;
+  for (const SessionHead& head : analysis.heads) open += head.closed ? 0 : 1;
+  if (open > 0)
+    out.push_back(fmt::format("{} of {} sessions {} not finished: these numbers are not final.", open,
+                              analysis.heads.size(), open == 1 ? "is" : "are"));
+  if (analysis.kind == SessionKind::real && analysis.participants != protocol.design.participants)
+    out.push_back(fmt::format("{} participant{} took part; {} {} planned.", analysis.participants,
+                              plural(analysis.participants), protocol.design.participants,
+                              protocol.design.participants == 1 ? "was" : "were"));
+  add_cell_deviations(analysis, out);
+  if (const OutcomeComparison* outcome = registered(comparisons)) {
+    if (!outcome->refused.empty())
+      out.push_back(
+          fmt::format("The registered tests on the {} were refused: {}.", outcome->outcome, outcome->refused));
+    else if (!outcome->left_out.empty())
+      out.push_back(fmt::format("The registered tests leave out {} of {} participants: {}.", outcome->left_out.size(),
+                                analysis.participants, names(outcome->left_out)));
+  }
+  return out;
+}
+
+std::vector<std::string> warnings_of(const StudyAnalysis& analysis, const std::vector<OutcomeComparison>& comparisons,
+                                     const Protocol& protocol) {
+  std::vector<std::string> out;
+  add_rate_warnings(analysis, out);
+  add_threshold_warnings(analysis, protocol, out);
+  if (const OutcomeComparison* outcome = registered(comparisons)) add_test_warnings(*outcome, protocol, out);
+  return out;
+}
+
+}  // namespace jnd

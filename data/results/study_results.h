@@ -1,0 +1,50 @@
+// Everything that a study says, by its registered plan and beside it: what `analyze` prints, `export` writes and
+// `report` draws. Computed once, from the log alone.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/group/questionnaire.h"
+#include "data/results/adaptive_results.h"
+#include "data/verify/chain_check.h"
+#include "data/results/questionnaire_results.h"
+#include "data/results/study_analysis.h"
+#include "data/results/study_behaviour.h"
+#include "data/results/study_comparisons.h"
+#include "data/results/study_contrasts.h"
+#include "data/results/study_remarks.h"
+#include "data/results/study_sensitivity.h"
+#include "protocols/protocol.h"
+
+namespace jnd {
+
+struct StudyResults {
+  ChainReport chains;      // of the whole study, read before anything was computed; empty where counts alone were given
+  StudyAnalysis analysis;  // cells, thresholds, group, contrasts
+  // Where the answers set the levels, thresholds are the procedure's: cells, thresholds, group and what rests on them
+  // are then empty, and the registered tests are on these.
+  std::optional<AdaptiveResults> adaptive;
+  // Of the paradigm explore, which has no trials: then this, items, ratings and the remarks are all there is.
+  std::optional<QuestionnaireResults> questionnaire;
+  std::vector<OutcomeComparison> comparisons;  // the registered one first, then times, then ratings
+  SeriesComparison by_series;                  // condition x series
+  bool detailed = true;                        // what follows was computed; not above kMostInDetail participants
+  std::vector<SensitivityRow> sensitivity;     // the registered method first
+  StudyBehaviour behaviour;                    // order effect, bias, drift, cue strategy
+  std::vector<QuestionnaireItem> items;        // means and medians of ratings and numbers, in the protocol's order
+  PairedQuestionnaire ratings;                 // tests of those that were answered for each condition
+  std::vector<std::string> deviations;         // from what was registered
+  std::vector<std::string> warnings;           // where the design cannot carry the number
+};
+
+// Checks the chains of the study first: throws BrokenChain where it is not what was recorded.
+StudyResults results_of(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by);
+StudyResults results_of(const Study& study, const Protocol& protocol, SessionKind kind);  // by what is registered
+// The rows of contrasts.csv and its like; empty where none is registered, or there are no trials.
+std::vector<ContrastRow> contrasts_of(const StudyResults& results, const Protocol& protocol);
+// Of counts alone: without behaviour and ratings, and no times.
+StudyResults results_of(StudyAnalysis analysis, const Protocol& protocol);
+
+}  // namespace jnd

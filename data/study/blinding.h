@@ -1,0 +1,38 @@
+// Whether a study's results of people may be seen. While it is blinded, outputs show coded or pooled values, and nobody
+// learns the plan from them: neither stimuli, nor which condition a letter stands for, nor the seed that both follow
+// from. It guards against accidents and hints, not against somebody who opens the file with other tools.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "data/study/study.h"
+#include "protocols/protocol.h"
+
+namespace jnd {
+
+struct BlindingState {
+  bool blinded = false;  // results of the kind asked for are shown in code
+  int planned = 0;       // participants, by the protocol
+  // Real participants with all their sessions closed; without excluded ones. A session that was ended early for good
+  // finishes nobody: it is neither finished nor open.
+  int finished = 0;
+  int unfinished = 0;  // real sessions that are still open; without those of excluded participants
+};
+
+// Of pilot and simulated data: never blinded. Of real data: where the protocol says coded, the study was not unblinded,
+// and a session is unfinished or fewer participants have finished than are planned.
+BlindingState blinding_of(const Study& study, const Protocol& protocol, SessionKind kind);
+
+// Whether stimuli, orders and seed are secret for everybody: the study is blinded for real data, and it has a real or
+// pilot session, or none of any kind yet. Then outputs about its pilot and simulated sessions leave the plan out too,
+// because participant n of every kind has the same plan. A study of simulations alone is nobody's.
+bool plan_sealed(const Study& study, const Protocol& protocol);
+
+// The study's seed in decimal, or `sealed` where it would give the plan away.
+std::string seed_text(const Study& study, const Protocol& protocol, std::string_view sealed);
+
+// Why results are in code, and what ends it, in one line. study: how the command line names it.
+std::string blinding_line(const BlindingState& state, const std::string& study);
+
+}  // namespace jnd

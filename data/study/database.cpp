@@ -1,0 +1,285 @@
+#include "data/study/database.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <sqlite3.h>
+#include <sys/stat.h>
+#include <sys/vfs.h>
+#include <unistd.h>
+
+#include "analysis/numerics/stop_request.h"
+#include "data/study/schema.h"
+#include "data/study/schema_check.h"
+
+namespace jnd {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kBusyTimeout_ms = 5000;
+constexpr int kStepsBetweenLooks = 10'000;  // of SQLite's virtual machine: well below a millisecond
+
+void refuse_other_files(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status))
+    throw StorageError(fmt::format("{}: there is no such study; jnd run and jnd simulate create one", path.string()));
+  if (!fs::is_regular_file(status)) throw StorageError(fmt::format("{}: is not a file", path.string()));
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw StorageError(fmt::format("{}: cannot be read: {}", path.string(), std::strerror(errno)));
+  std::array<char, 16> start{};
+  file.read(start.data(), start.size());
+  if (std::string_view(start.data(), static_cast<std::size_t>(file.gcount())) !=
+      std::string_view("SQLite format 3\0", 16))
+    throw StorageError(
+        fmt::format("{}: is not a study (not an SQLite file); it was not changed. Check the name", path.string()));
+}
+
+int pragma(SQLite::Database& database, const char* name) {
+  SQLite::Statement query(database, fmt::format("PRAGMA {}", name));
+  return query.executeStep() ? query.getColumn(0).getInt() : 0;
+}
+
+void refuse_other_databases(const fs::path& path, SQLite::Database& database) {
+  if (pragma(database, "application_id") != kApplicationId)
+    throw StorageError(fmt::format("{}: is an SQLite database but not a jnd study; it was not changed", path.string()));
+  const int version = pragma(database, "user_version");
+  if (version > kSchemaVersion)
+    throw StorageError(fmt::format(
+        "{}: was written by a newer jnd (file version {}, this program knows up to {}); it was not changed. "
+        "Install the newer program to go on",
+        path.string(), version, kSchemaVersion));
+  if (version < 1)
+    throw StorageError(
+        fmt::format("{}: is an unfinished study (file version {}); it was not changed", path.string(), version));
+}
+
+// A view in a table's place, a foreign trigger or a rewritten column could hang the program, swallow what it writes, or
+// show other answers than were given. Reading does without triggers, indexes and views that somebody dropped: verify
+// tells of them.
+void refuse_other_schema(const fs::path& path, SQLite::Database& database, bool writable) {
+  SQLite::Transaction reading(database);  // a writer may bring the file up to date meanwhile
+  for (const SchemaDifference& one : schema_differences(database))
+    if (writable || !one.readable())
+      throw StorageError(
+          fmt::format("{}: is not a study of this program: {}; it was not changed. jnd recover makes a "
+                      "new study of the events that are in it",
+                      path.string(), to_string(one)));
+  reading.commit();
+}
+
+// Extended codes carry the primary one in their lowest byte.
+int primary_code(const SQLite::Exception& error) noexcept {
+  return error.getErrorCode() & 0xFF;
+}
+
+// What SQLite finds; "ok" where that is nothing.
+std::string damage_in(SQLite::Database& database) {
+  try {
+    SQLite::Statement check(database, "PRAGMA quick_check(1)");
+    return check.executeStep() ? check.getColumn(0).getString() : "ok";
+  } catch (const SQLite::Exception& error) {
+    if (primary_code(error) != SQLITE_ERROR) throw;
+    return "an event in it is not what was written";  // it looks into events for their columns: "malformed JSON"
+  }
+}
+
+void refuse_damage(const fs::path& path, SQLite::Database& database) {
+  if (const std::string damage = damage_in(database); damage != "ok")
+    throw StorageError(
+        fmt::format("{}: is damaged ({}); it was not changed. Go on with a copy or a backup; jnd verify says more",
+                    path.string(), damage));
+}
+
+void settle(SQLite::Database& database) {
+  database.setBusyTimeout(kBusyTimeout_ms);
+  // Files come from anywhere: nothing in one may write to the schema. What its schema may call is settled by comparing
+  // it with ours; an untrusted one could not, because SQLite of 2022 and before takes json_extract for unsafe there.
+  sqlite3_db_config(database.getHandle(), SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+  database.exec("PRAGMA foreign_keys = ON");
+}
+
+// One statement can take minutes on a large file. Not for a writer: it ends between events, never within one.
+void end_reading_when_asked(SQLite::Database& database) {
+  sqlite3_progress_handler(
+      database.getHandle(), kStepsBetweenLooks, [](void*) { return stop_requested() ? 1 : 0; }, nullptr);
+}
+
+}  // namespace
+
+std::unique_ptr<SQLite::Database> create_database(const fs::path& path) {
+  // Before anything is in it: -wal and -shm take over its mode.
+  if (::chmod(path.c_str(), 0600) != 0)
+    throw StorageError(fmt::format("{}: cannot be made private: {}", path.string(), std::strerror(errno)));
+  return with_storage_errors(path, [&] {
+    auto database = std::make_unique<SQLite::Database>(fs::absolute(path).string(), SQLite::OPEN_READWRITE);
+    settle(*database);
+    database->exec("PRAGMA synchronous = FULL");
+    SQLite::Transaction transaction(*database);
+    migrate(*database, 0);
+    transaction.commit();
+    return database;
+  });
+}
+
+std::unique_ptr<SQLite::Database> open_database(const fs::path& path, bool writable) {
+  refuse_other_files(path);
+  // A reader opens for writing too where it may: after a crash SQLite must replay the write-ahead log, which needs its
+  // index file. query_only then keeps it from changing any row.
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  const bool may_write = ::access(path.c_str(), W_OK) == 0 && ::access(folder.c_str(), W_OK) == 0;
+  if (writable && !may_write)
+    throw StorageError(
+        fmt::format("{}: may not be written: check the permissions of the file and its folder", path.string()));
+  return with_storage_errors(path, [&] {
+    // An absolute name: SQLite gives names such as ":memory:" a meaning of their own.
+    auto database = std::make_unique<SQLite::Database>(fs::absolute(path).string(),
+                                                       may_write ? SQLite::OPEN_READWRITE : SQLite::OPEN_READONLY);
+    settle(*database);
+    database->exec("PRAGMA query_only = ON");
+    refuse_other_databases(path, *database);
+    refuse_other_schema(path, *database, writable);
+    if (!writable) {
+      end_reading_when_asked(*database);
+      return database;
+    }
+    refuse_damage(path, *database);
+    database->exec("PRAGMA query_only = OFF");
+    const int version = pragma(*database, "user_version");
+    if (version < kSchemaVersion) {
+      SQLite::Transaction transaction(*database, SQLite::TransactionBehavior::IMMEDIATE);
+      migrate(*database, version);
+      transaction.commit();
+    }
+    return database;
+  });
+}
+
+bool has_telemetry(SQLite::Database& database) {
+  return database.tableExists("telemetry");
+}
+
+void begin_writing(SQLite::Database& database) {
+  database.exec("PRAGMA synchronous = FULL");
+  SQLite::Statement mode(database, "PRAGMA journal_mode = WAL");
+  if (!mode.executeStep() || mode.getColumn(0).getString() != "wal")
+    throw StorageError(
+        fmt::format("{}: this file system does not support SQLite's write-ahead log; keep the study on a local disk",
+                    database.getFilename()));
+}
+
+void end_writing(SQLite::Database& database) {
+  // Busy or locked (a reader that stays, or nothing read yet on this connection) is no error: what matters is
+  // committed, and the next opening or closing puts the rest in its place.
+  const auto unless_busy = [&](const char* pragma_text) {
+    SQLite::Statement statement(database, pragma_text);
+    const int result = statement.tryExecuteStep();
+    if (result != SQLITE_ROW && result != SQLITE_BUSY && result != SQLITE_LOCKED)
+      throw SQLite::Exception(database.getHandle(), result);
+  };
+  unless_busy("PRAGMA wal_checkpoint(TRUNCATE)");
+  database.setBusyTimeout(0);
+  unless_busy("PRAGMA journal_mode = DELETE");
+}
+
+void insert_row(SQLite::Statement& insert, const fs::path& path) {
+  if (insert.exec() != 1)
+    throw StorageError(fmt::format(
+        "{}: a row was not stored although nothing failed: something in the file swallows it; run jnd verify",
+        path.string()));
+}
+
+bool is_network_file_system(long f_type) noexcept {
+  // statfs(2); SMB2 and Ceph from the kernel's own headers; Lustre, GPFS and the shared folders of VirtualBox and
+  // VMware from their sources. As unsigned: some have the top bit of 32 set.
+  constexpr std::array<unsigned, 13> kNetwork = {0x6969,     0x517B,     0xFF534D42, 0xFE534D42, 0x5346414F,
+                                                 0x73757245, 0x01021997, 0x00C36400, 0x6B414653, 0x0BD00BD0,
+                                                 0x47504653, 0x786F4256, 0xBACBACBC};
+  return std::find(kNetwork.begin(), kNetwork.end(), static_cast<unsigned>(f_type)) != kNetwork.end();
+}
+
+void refuse_network_file_system(const fs::path& path) {
+  struct statfs status {};
+  if (::statfs(path.c_str(), &status) == 0 && is_network_file_system(static_cast<long>(status.f_type)))
+    throw StorageError(
+        fmt::format("{}: is on a network file system, which cannot promise that an answer is saved; run real sessions "
+                    "with the study on a local disk",
+                    path.string()));
+}
+
+void throw_if_stopped(const SQLite::Exception& error) {
+  if (primary_code(error) == SQLITE_INTERRUPT && stop_requested()) throw Stopped();
+}
+
+StorageError storage_error(const fs::path& path, const SQLite::Exception& error) {
+  throw_if_stopped(error);
+  const std::string where = path.string();
+  switch (primary_code(error)) {
+    case SQLITE_CORRUPT:
+    case SQLITE_NOTADB:
+      return StorageError(
+          fmt::format("{}: is damaged ({}); it was not changed. Go on with a copy or a backup; jnd verify says more",
+                      where, error.what()));
+    case SQLITE_FULL:
+      return StorageError(
+          fmt::format("{}: the disk is full; everything said to be saved is. Free some space and try again", where));
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+      return StorageError(
+          fmt::format("{}: another program holds the file ({}); close it and try again", where, error.what()));
+    case SQLITE_READONLY:
+    case SQLITE_CANTOPEN:
+    case SQLITE_PERM:
+      return StorageError(
+          fmt::format("{}: cannot be opened or written ({}); check the permissions of the file and its folder", where,
+                      error.what()));
+    case SQLITE_IOERR:
+      return StorageError(
+          fmt::format("{}: the disk reported an error ({}); all events said to be saved are. Check the disk and resume",
+                      where, error.what()));
+    default:
+      return StorageError(fmt::format("{}: {}", where, error.what()));
+  }
+}
+
+bool is_disk_error(const SQLite::Exception& error) noexcept {
+  return primary_code(error) == SQLITE_IOERR;
+}
+
+void throw_write_error(const fs::path& path, const SQLite::Exception& error) {
+  const std::string where = path.string();
+  switch (primary_code(error)) {
+    case SQLITE_FULL:
+      throw StorageTrouble(fmt::format(
+          "{}: the disk is full: this event is not saved, all earlier ones are. Free some space on it and try again",
+          where));
+    case SQLITE_IOERR:
+      throw StorageTrouble(
+          fmt::format("{}: the disk reported an error ({}): this event is not saved, all earlier ones are. Look after "
+                      "the disk (space, cable, mount) and try again",
+                      where, error.what()));
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+      throw StorageTrouble(
+          fmt::format("{}: another program holds the file ({}): this event is not saved, all earlier ones are. Close "
+                      "that program and try again",
+                      where, error.what()));
+    case SQLITE_CONSTRAINT:
+      throw StorageError(fmt::format(
+          "{}: the study refuses this event ({}), as if another program had written to it meanwhile: the "
+          "event is not saved, all earlier ones are. Close that program, look at the study with jnd verify, "
+          "and take the session up again",
+          where, error.what()));
+    default:
+      throw storage_error(path, error);
+  }
+}
+
+}  // namespace jnd

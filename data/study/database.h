@@ -1,0 +1,65 @@
+// Opening the SQLite file of a study: what is refused, and with which words.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include <SQLiteCpp/SQLiteCpp.h>
+
+#include "data/log/storage_error.h"
+
+namespace jnd {
+
+// The schema in an empty file that exists (data/files/draft.h makes it), readable by its owner only. Throws StorageError.
+std::unique_ptr<SQLite::Database> create_database(const std::filesystem::path& path);
+
+// An existing study. Nothing is written before the file was found to be a whole study of this version or an older one,
+// with the tables, triggers and views of that version and no others.
+// Opened for writing, an older file becomes one of this version; opened for reading it stays as it is, and what later
+// versions added is absent (has_telemetry). Throws StorageError.
+std::unique_ptr<SQLite::Database> open_database(const std::filesystem::path& path, bool writable);
+
+// Whether the file has telemetry: it is of version 2 or later. Asked where it matters and not kept, because a writer
+// may bring the file up to date while a reader has it open.
+bool has_telemetry(SQLite::Database& database);
+
+// Write-ahead log on, for as long as the file is open for writing.
+void begin_writing(SQLite::Database& database);
+// Everything into the one file, and no -wal or -shm beside it (unless a reader has the file open: then the last one to
+// close it does that).
+void end_writing(SQLite::Database& database);
+
+// Whether statfs(2)'s f_type is a network file system (NFS, SMB, CIFS, AFS, Coda, 9P, Ceph): their locks and flushes
+// cannot be trusted with people's answers.
+bool is_network_file_system(long f_type) noexcept;
+// Throws StorageError where the study is on one.
+void refuse_network_file_system(const std::filesystem::path& path);
+
+// Runs an INSERT of one row into the study at `path`. Throws StorageError where no row was stored although nothing
+// failed (a trigger may swallow one), and SQLite::Exception.
+void insert_row(SQLite::Statement& insert, const std::filesystem::path& path);
+
+// Throws Stopped (analysis/numerics/stop_request.h) where reading ended because that was asked for: a file opened for reading
+// ends its statements then.
+void throw_if_stopped(const SQLite::Exception& error);
+
+// What went wrong, where, and what to do, from SQLite's error. Throws Stopped as throw_if_stopped() does.
+StorageError storage_error(const std::filesystem::path& path, const SQLite::Exception& error);
+
+// The same for events that could not be added: StorageTrouble where the same event may be added later.
+[[noreturn]] void throw_write_error(const std::filesystem::path& path, const SQLite::Exception& error);
+// SQLITE_IOERR and its kin.
+bool is_disk_error(const SQLite::Exception& error) noexcept;
+
+// Runs `action` and gives SQLite's errors as StorageError.
+template <typename Action>
+decltype(auto) with_storage_errors(const std::filesystem::path& path, Action&& action) {
+  try {
+    return action();
+  } catch (const SQLite::Exception& error) {
+    throw storage_error(path, error);
+  }
+}
+
+}  // namespace jnd

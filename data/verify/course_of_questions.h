@@ -1,0 +1,46 @@
+// Which questions and breaks a protocol wants at which place of a session, and which of them the log has. Internal to
+// verify_deep.
+#pragma once
+
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "protocols/planning/plan.h"
+#include "protocols/protocol.h"
+
+namespace jnd {
+
+class CourseOfQuestions {
+ public:
+  CourseOfQuestions(const Protocol& protocol, const Plan& plan);
+
+  // Why the body of a questionnaire.answered cannot be; empty where it can.
+  std::string answered(const nlohmann::ordered_json& body);
+  void took_break(int after_trial) { breaks_.insert(after_trial); }
+
+  // What is missing before the first trial of a block of the main part, and at the end of a session, in words.
+  std::vector<std::string> missing_before(int block) const;
+  std::vector<std::string> missing_at_end() const;
+  // After how many trials a break is due that was not taken.
+  std::optional<int> missing_break_within(int main_done) const;
+
+ private:
+  struct Block {
+    int block = 0, condition = 0;
+    int planned = 0;  // main trials up to its end; of an exploration, its objects
+    bool series_over = false;
+  };
+  void add_missing(Question::When when, int condition, int after_trial, std::vector<std::string>& missing) const;
+  void add_missing_after(const Block& block, std::vector<std::string>& missing) const;
+
+  const Protocol& protocol_;
+  std::vector<Block> blocks_;       // in order
+  std::set<std::string> answered_;  // question_key of each
+  std::set<int> breaks_;
+};
+
+}  // namespace jnd

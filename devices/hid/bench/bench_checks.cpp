@@ -1,0 +1,247 @@
+// The checks that give no force: what a device says, how its reports come, and that it stops by itself.
+#include "devices/hid/bench/bench_checks.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "devices/hid/device_fit.h"
+#include "devices/hid/report_words.h"
+
+namespace jnd {
+
+namespace {
+
+using Report = std::array<std::uint8_t, JND_REPORT_SIZE>;
+
+constexpr double kMicro = 1e-6;
+// A step of the device's loop and one of the host's, on top of a time that is counted in steps.
+constexpr int kSlack_ms = 3;
+
+std::string none_or(const std::string& words) {
+  return words.empty() ? "none" : words;
+}
+
+// The device's clock against the host's: the slope of a straight line through (arrival, time).
+struct ClockLine {
+  double n = 0, x = 0, y = 0, xx = 0, xy = 0;
+  void add(double host_s, double device_s) noexcept {
+    n += 1;
+    x += host_s;
+    y += device_s;
+    xx += host_s * host_s;
+    xy += host_s * device_s;
+  }
+  double slope() const noexcept {
+    const double spread = n * xx - x * x;
+    return spread > 0 ? (n * xy - x * y) / spread : 0;
+  }
+};
+
+// How long the device needed to stop, by its own clock, from the last accepted command; the watch of a BenchLink.
+struct StopWatch {
+  bool stopped = false;
+  double after_ms = 0;
+  unsigned faults = 0;
+  std::uint64_t accepted_us = 0;
+  void look(const jnd_telemetry& telemetry) noexcept {
+    if (telemetry.state == JND_STATE_ACTIVE && telemetry.command_age_us != JND_COMMAND_AGE_NONE)
+      accepted_us = telemetry.time_us - telemetry.command_age_us;
+    if (telemetry.state != JND_STATE_STOPPED || stopped) return;
+    stopped = true;
+    after_ms = 1e-3 * static_cast<double>(telemetry.time_us - accepted_us);
+    faults = telemetry.faults;
+  }
+};
+
+// Ready, then `disturb` each tick until the device has stopped or has had ten times its time.
+template <typename Disturb>
+void check_stop(BenchLink& link, const jnd_identity& identity, const std::string& what, const Disturb& disturb,
+                BenchChecks& checks) {
+  BenchCheck check{.what = what, .measured = "", .expected = "", .ok = false};
+  check.expected = fmt::format("stopped by its watchdog within {} ms", identity.watchdog_ms + kSlack_ms);
+  if (!link.make_ready()) {
+    check.measured = fmt::format("did not become active: {}, faults: {}", state_word(link.telemetry().state),
+                                 none_or(fault_words(link.telemetry().faults)));
+    checks.push_back(check);
+    (void)link.rest();
+    return;
+  }
+  StopWatch watch;
+  link.watch([&watch](const BenchSample& sample) { watch.look(sample.telemetry); });
+  for (int i = 0; i < 10 * identity.watchdog_ms && !watch.stopped; ++i) disturb(i);
+  link.watch({});
+  check.measured = watch.stopped
+                       ? fmt::format("stopped after {:.1f} ms ({})", watch.after_ms, fault_words(watch.faults))
+                       : std::string("did not stop");
+  check.ok =
+      watch.stopped && watch.after_ms <= identity.watchdog_ms + kSlack_ms && (watch.faults & JND_FAULT_WATCHDOG) != 0;
+  checks.push_back(check);
+  const bool rests = link.rest();
+  checks.push_back({.what = what + ": then rest",
+                    .measured = fmt::format("{}, faults: {}", state_word(link.telemetry().state),
+                                            none_or(fault_words(link.telemetry().faults))),
+                    .expected = "at rest, faults: none",
+                    .ok = rests && link.telemetry().faults == 0});
+}
+
+}  // namespace
+
+void check_description(const HidInfo& info, const jnd_identity& identity, const jnd_limits& limits,
+                       BenchChecks& checks) {
+  checks.push_back(
+      {.what = "report protocol",
+       .measured = fmt::format("versions {} to {}", identity.lowest_version, identity.highest_version),
+       .expected = fmt::format("version {}", JND_PROTOCOL_VERSION),
+       .ok = identity.lowest_version <= JND_PROTOCOL_VERSION && identity.highest_version >= JND_PROTOCOL_VERSION});
+  const std::string serial = serial_of(identity);
+  checks.push_back({.what = "serial number",
+                    .measured = serial,
+                    .expected = info.serial.empty() ? "any (USB names none)" : info.serial + ", as USB says",
+                    .ok = info.serial.empty() || serial == info.serial});
+  checks.push_back({.what = "watchdog",
+                    .measured = fmt::format("{} ms", identity.watchdog_ms),
+                    .expected = fmt::format("1 to {} ms", kLongestWatchdog_ms),
+                    .ok = identity.watchdog_ms >= 1 && identity.watchdog_ms <= kLongestWatchdog_ms});
+  constexpr int kLeastRate_hz = 200;
+  checks.push_back({.what = "rate that it names",
+                    .measured = fmt::format("{} Hz", identity.loop_rate_hz),
+                    .expected = fmt::format("at least {} Hz", kLeastRate_hz),
+                    .ok = identity.loop_rate_hz >= kLeastRate_hz});
+  checks.push_back({.what = "force that it gives at most",
+                    .measured = fmt::format("{:g} N", kMicro * limits.most_force_un),
+                    .expected = fmt::format("at least the {:g} N of this test", kTestForce_n),
+                    .ok = kMicro * limits.most_force_un >= kTestForce_n});
+}
+
+void check_stream(BenchLink& link, const jnd_identity& identity, double seconds, BenchChecks& checks) {
+  const bool rests = link.rest();
+  checks.push_back({.what = "state at first",
+                    .measured = link.heard() ? std::string(state_word(link.telemetry().state)) : "no telemetry",
+                    .expected = "at rest",
+                    .ok = rests});
+  const std::int64_t taken = link.counter().taken(), missing = link.counter().missing(), damaged = link.damaged();
+  ClockLine line;
+  bool backwards = false;
+  std::uint64_t first_us = 0, last_us = 0;
+  std::int64_t first_ns = 0, last_ns = 0;
+  link.watch([&](const BenchSample& sample) {
+    const std::uint64_t time_us = sample.telemetry.time_us;
+    if (line.n == 0) {
+      first_ns = sample.arrival_ns;
+      first_us = time_us;
+    } else {
+      backwards = backwards || time_us <= last_us;
+    }
+    last_us = time_us;
+    last_ns = sample.arrival_ns;
+    line.add(1e-9 * static_cast<double>(last_ns - first_ns), 1e-6 * static_cast<double>(last_us - first_us));
+  });
+  const auto ticks = static_cast<std::int64_t>(seconds * 1e9) / BenchLink::kTick_ns;
+  for (std::int64_t i = 0; i < ticks; ++i) link.silence();
+  link.watch({});
+  const double took_s = 1e-9 * static_cast<double>(last_ns - first_ns);
+  const double rate_hz = took_s > 0 ? static_cast<double>(link.counter().taken() - taken - 1) / took_s : 0;
+  constexpr double kMostRateError = 0.05;
+  checks.push_back({.what = "rate of telemetry",
+                    .measured = fmt::format("{:.1f} Hz over {:.1f} s", rate_hz, took_s),
+                    .expected = fmt::format("{} Hz -+ {:g} %", identity.loop_rate_hz, 100 * kMostRateError),
+                    .ok = std::abs(rate_hz / identity.loop_rate_hz - 1) <= kMostRateError});
+  checks.push_back({.what = "reports missing, damaged",
+                    .measured = fmt::format("{}, {} of {}", link.counter().missing() - missing,
+                                            link.damaged() - damaged, link.counter().taken() - taken),
+                    .expected = "0, 0",
+                    .ok = link.counter().missing() == missing && link.damaged() == damaged});
+  // The protocol asks for 100 ppm; over seconds the arrivals' own spread is more than that.
+  constexpr double kMostDrift_ppm = 2000;
+  const double drift_ppm = 1e6 * (line.slope() - 1);
+  checks.push_back(
+      {.what = "its clock",
+       .measured = fmt::format("{}, {:+.0f} ppm", backwards ? "went backwards" : "rises", std::round(drift_ppm) + 0.0),
+       .expected = fmt::format("rises, within {:g} ppm over {:g} s", kMostDrift_ppm, seconds),
+       .ok = line.n > 1 && !backwards && std::abs(drift_ppm) <= kMostDrift_ppm});
+  const jnd_telemetry& now = link.telemetry();
+  std::string care;
+  if (now.temperature_cdeg != JND_TEMPERATURE_NONE) care += fmt::format(", {:.1f} C", 0.01 * now.temperature_cdeg);
+  if (now.battery_percent != JND_BATTERY_NONE) care += fmt::format(", battery {} %", now.battery_percent);
+  checks.push_back({.what = "faults",
+                    .measured = none_or(fault_words(now.faults)) + care,
+                    .expected = "none",
+                    .ok = now.faults == 0});
+}
+
+void check_round_trip(BenchLink& link, BenchChecks& checks) {
+  constexpr int kCommands = 200, kPatience_ticks = 100;
+  std::vector<double> trips_ms;
+  int lost = 0;
+  for (int i = 0; i < kCommands; ++i) {
+    Report report{};
+    const jnd_command command = link.rest_command();
+    jnd_encode_command(&command, report.data());
+    link.send_raw(report);
+    const std::int64_t sent_ns = link.now_ns();
+    std::int64_t heard_ns = 0;
+    link.watch([&](const BenchSample& sample) {
+      if (heard_ns == 0 && sample.telemetry.command_sequence == command.sequence) heard_ns = sample.arrival_ns;
+    });
+    for (int tick = 0; tick < kPatience_ticks && heard_ns == 0; ++tick) link.silence();
+    link.watch({});
+    if (heard_ns == 0)
+      ++lost;
+    else
+      trips_ms.push_back(1e-6 * static_cast<double>(heard_ns - sent_ns));
+  }
+  std::sort(trips_ms.begin(), trips_ms.end());
+  constexpr double kMostTrip_ms = 10;  // half of what poses and readings may be old
+  const double median_ms = trips_ms.empty() ? 0 : trips_ms[trips_ms.size() / 2];
+  checks.push_back({.what = "command to its echo",
+                    .measured = trips_ms.empty() ? std::string("no echo")
+                                                 : fmt::format("median {:.1f} ms, longest {:.1f} ms; {} of {} lost",
+                                                               median_ms, trips_ms.back(), lost, kCommands),
+                    .expected = fmt::format("median at most {:g} ms, in steps of 1 ms; 0 lost", kMostTrip_ms),
+                    .ok = lost == 0 && median_ms <= kMostTrip_ms});
+}
+
+void check_watchdog(BenchLink& link, const jnd_identity& identity, BenchChecks& checks) {
+  check_stop(
+      link, identity, "no more commands", [&link](int) { link.silence(); }, checks);
+}
+
+void check_refusals(BenchLink& link, const jnd_identity& identity, BenchChecks& checks) {
+  // Damaged ones, each with one bit of its CRC wrong: none of them may keep the device going.
+  int sent = 0;
+  unsigned before = 0;
+  check_stop(
+      link, identity, "damaged commands only",
+      [&](int i) {
+        if (i == 0) before = link.telemetry().rejected;
+        Report report{};
+        const jnd_command command = link.next_command(BenchLink::push(0));
+        jnd_encode_command(&command, report.data());
+        report[JND_REPORT_SIZE - 1] ^= static_cast<std::uint8_t>(1U << static_cast<unsigned>(i % 8));
+        link.send_raw(report);
+        ++sent;
+      },
+      checks);
+  const unsigned refused = (link.telemetry().rejected - before) & 0xFFFFU;
+  checks.push_back({.what = "damaged commands refused",
+                    .measured = fmt::format("{} of {}", refused, sent),
+                    .expected = sent > 0 ? fmt::format("{} of {}", sent, sent) : std::string("all of some"),
+                    .ok = sent > 0 && refused == static_cast<unsigned>(sent)});
+  // And one good command again and again: its number is not newer than itself.
+  Report again{};
+  check_stop(
+      link, identity, "one command repeated",
+      [&](int i) {
+        if (i == 0) {
+          const jnd_command command = link.next_command(BenchLink::push(0));
+          jnd_encode_command(&command, again.data());
+        }
+        link.send_raw(again);
+      },
+      checks);
+}
+
+}  // namespace jnd

@@ -1,0 +1,29 @@
+// Builds a rig of fingertip devices over USB HID.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "devices/clock.h"
+#include "devices/rigs/fingertip_rig.h"
+#include "devices/hid/hid_bus.h"
+#include "devices/rigs/rig_factory.h"
+#include "devices/rigs/rig_file.h"
+#include "devices/participants/simulated_participant.h"
+#include "protocols/protocol.h"
+
+namespace jnd {
+
+// What the rig below says of itself; the log keeps it. With a simulated hand, or poses from a file, it is simulated:
+// nobody's finger is where the devices think.
+RigInfo hid_rig_info(const Protocol& protocol, const RigSpec& spec);
+
+// Devices and tracker by the rig file, an empty one for whatever is connected. Waits at most 5 s for all of them.
+// Clock: the machine's monotonic one, on which the bus's reports are stamped. Bus and clock must outlive the rig.
+// Throws InputError where protocol and rig file do not fit, DeviceError where a device is missing, cannot do what the
+// protocol was checked against, or may not be used by this login.
+std::unique_ptr<Rig> make_hid_rig(const Protocol& protocol, const RigDescription& rig, const RigFile& file,
+                                  const ParticipantProfile& profile, int participant, std::uint64_t seed, Clock& clock,
+                                  HidBus& bus, const RigOptions& options = {});
+
+}  // namespace jnd

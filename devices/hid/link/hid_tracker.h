@@ -1,0 +1,51 @@
+// A tracker over USB HID: reports JND_REPORT_TRACKER of the protocol in firmware/jnd_report.h.
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "devices/clock.h"
+#include "devices/hid/hid_bus.h"
+#include "devices/hid/hid_reader.h"
+#include "devices/trackers/pose_feed.h"
+#include "devices/tracker.h"
+
+namespace jnd {
+
+class HidTracker final : public Tracker, private HidListener {
+ public:
+  // serial: of the tracker; empty: any. It need not be there yet: until it is, it is missing(), and so is one that is
+  // another by its identity page, or speaks another version of the protocol. clock: the loop's, which must be the
+  // machine's monotonic one. Bus and clock must outlive the tracker.
+  HidTracker(HidBus& bus, std::string serial, const std::vector<std::string>& fingers,
+             const Eigen::Isometry3d& to_world, const Clock& clock);
+
+  void begin(const PresentRequest& /*request*/, std::int64_t /*start_ns*/) override {}
+  bool read(int finger, std::int64_t now_ns, FingerPose& pose) noexcept override;
+  std::optional<TrackerReport> report() const override;
+  std::string missing() const override;
+
+ private:
+  void connected(const HidInfo& info, HidHandle& handle) override;
+  void report(std::span<const std::uint8_t> bytes, std::int64_t time_ns) noexcept override;
+  void lost(const std::string& why) override;
+
+  std::string wanted_serial_;
+  const Clock& clock_;
+  PoseFeed feed_;
+
+  mutable std::mutex mutex_;
+  std::string serial_, firmware_;  // of the one that is or was connected
+  bool is_model_ = false;
+  std::string trouble_;  // why it is not connected
+  bool connected_ = false;
+
+  HidReader reader_;  // last: it calls this object until it is destroyed
+};
+
+}  // namespace jnd

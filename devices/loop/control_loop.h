@@ -1,0 +1,107 @@
+// The loop that renders one interval: all devices of a rig, 1 kHz, on absolute deadlines of the clock.
+//
+// One tick, always in this order: read -> contact -> render -> governor -> write -> telemetry. Within a tick nothing
+// allocates, locks, throws or waits. A late tick skips whole periods, which are counted, never caught up in a burst:
+// deadlines are start + n periods for ever.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "devices/clock.h"
+#include "devices/emergency_stop.h"
+#include "devices/fingertip_device.h"
+#include "devices/contact/god_object.h"
+#include "devices/loop/governor.h"
+#include "devices/loop/interval_summary.h"
+#include "devices/contact/joint_contact.h"
+#include "devices/loop/lateness.h"
+#include "devices/loop/latest_glimpse.h"
+#include "devices/rig.h"
+#include "devices/loop/sensor_watch.h"
+#include "devices/loop/telemetry_ring.h"
+#include "devices/loop/tick_ring.h"
+#include "devices/tracker.h"
+#include "protocols/rigs/device_spec.h"
+
+namespace jnd {
+
+inline constexpr std::int64_t kPeriod_ns = 1'000'000;
+
+// One device of the loop and what it acts on. The device must outlive the loop.
+struct LoopDevice {
+  FingertipDevice* device = nullptr;
+  DeviceSpec spec;
+  int finger = 0;  // from 0, without gaps
+  Channel channel = Channel::cutaneous;
+  double force_gain = 1;  // force asked of the device per contact force: of a joint, the ratio of the two lever arms
+};
+
+// What the fingers meet: an object in space, or, for joints, an angle.
+struct LoopScene {
+  VirtualObject object{};
+  std::map<std::string, VirtualObject> named{};  // for free interaction, by PresentRequest::object
+  std::optional<JointObject> joint{};
+};
+
+// Thread rule: one thread calls run; the stop latch may be set from any. Tracker, clock, telemetry and glimpse must
+// outlive the loop.
+class ControlLoop {
+ public:
+  // telemetry: where every tick goes as well; glimpse: where the loop can be watched; null for none.
+  ControlLoop(const std::vector<LoopDevice>& devices, Tracker& tracker, Clock& clock, const LoopScene& scene,
+              TelemetryRing* telemetry = nullptr, LatestGlimpse* glimpse = nullptr);
+
+  // Renders until explore_s after the first contact of any finger, the no-contact time-out, a fault or the latch; ends
+  // with zero force and the devices neutral. Free interaction and taps last explore_s from their start. Throws
+  // std::invalid_argument where the request names an object that the scene has not.
+  Presentation run(const PresentRequest& request, const EmergencyStop& stop);
+
+ private:
+  struct Finger {
+    GodObject object;
+    JointContact joint;
+    FingerPose pose;
+    double penetration = 0;       // of the last tick
+    double penetration_rate = 0;  // per second
+    std::int64_t burst_until_ns = 0;
+  };
+  struct Channeled {  // a device at work
+    LoopDevice setup;
+    Governor governor;
+    IntervalSummary summary;
+    SensorWatch watch;
+    DeviceReading reading;
+    GovernorInput input;
+  };
+
+  const VirtualObject& object_of(const PresentRequest& request) const;
+  Fault engage(const PresentRequest& request, std::int64_t start_ns);
+  Fault tick(const PresentRequest& request, std::int64_t now_ns, double duration_s, bool stop) noexcept;
+  Fault read(std::int64_t now_ns) noexcept;
+  void feel(const PresentRequest& request, std::int64_t now_ns, double duration_s) noexcept;
+  const Contact& contact_of(const Finger& finger) const noexcept;
+  Fault act(int place, const PresentRequest& request, std::int64_t now_ns, double duration_s) noexcept;
+  void render(Channeled& one, const PresentRequest& request, std::int64_t now_ns) const noexcept;
+  void record(int place, const GovernorOutput& out, std::int64_t now_ns, double duration_s) noexcept;
+  void stop_all(std::int64_t now_ns) noexcept;
+  void show(std::int64_t ticks, double elapsed_s) noexcept;
+  void summarise(Presentation& result) const;
+
+  std::vector<Finger> fingers_;
+  std::vector<Channeled> devices_;
+  Tracker& tracker_;
+  Clock& clock_;
+  LoopScene scene_;
+  TelemetryRing* telemetry_;
+  LatestGlimpse* glimpse_;
+  TickRing ring_;
+  LatenessHistogram lateness_;
+  std::int64_t late_ns_ = 0;  // of this tick
+  bool touched_ = false;      // any finger, in this tick
+};
+
+}  // namespace jnd

@@ -1,0 +1,68 @@
+// Is this machine fit to run a session: one finding each about its kernel, processors, clock, devices, disk and
+// punctuality, with numbers and with what to do. What `jnd doctor` prints.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "devices/machine/jitter_probe.h"
+#include "devices/realtime.h"
+
+namespace jnd {
+
+enum class Verdict { ok, warn, bad };  // bad: a real session would be refused or endangered
+std::string_view to_string(Verdict verdict) noexcept;
+
+struct MachineCheck {
+  std::string name;  // "processor frequency"
+  Verdict verdict = Verdict::ok;
+  std::string found;
+  std::string what_to_do;  // empty where there is nothing to do
+};
+
+// Each reads what it needs below `root` ("/", or a made-up tree in tests): sys, proc and dev. What a kernel does not
+// show is said and is no failure.
+MachineCheck check_kernel(const std::filesystem::path& root);        // release, preemption
+MachineCheck check_processors(const std::filesystem::path& root);    // how many, isolated ones, load of the last minute
+MachineCheck check_frequency(const std::filesystem::path& root);     // frequency governors
+MachineCheck check_clock_source(const std::filesystem::path& root);  // what the monotonic clock reads
+MachineCheck check_hid(const std::filesystem::path& root);           // dev/hidraw*: which, and may they be used
+
+// What the kernel gave a thread that asked: scheduling, memory, processor, timer slack; none for a report of `off`.
+std::vector<MachineCheck> check_realtime(const RealtimeReport& report);
+
+// The folder where studies go, or a study in it (which need not exist yet): file system, free space, time of an fsync
+// of 4 kB (a temporary file that is removed). `is_network` judges statfs(2)'s f_type; mounts are looked up in
+// root/proc/self/mountinfo.
+struct StorageProbe {
+  std::filesystem::path root = "/";
+  std::function<bool(long)> is_network;
+  int syncs = 20;
+  bool real = true;         // for real sessions; a rehearsal may be kept where it can be lost, and is warned
+  double needed_bytes = 0;  // of a session, beside what should be free anyway
+};
+MachineCheck check_storage(const std::filesystem::path& folder_or_file, const StorageProbe& probe);
+// The same judgement on given figures.
+struct StorageFigures {
+  std::string folder, type;  // type: "ext4"; empty where unknown
+  bool network = false;
+  double free_bytes = 0;
+  double sync_median_s = 0, sync_max_s = 0;
+  bool real = true;
+  double needed_bytes = 0;
+};
+MachineCheck judge_storage(const StorageFigures& figures);
+
+// The measured lateness of a 1 kHz loop, judged by devices/loop/loop_limits.h.
+MachineCheck judge_jitter(const JitterReport& report);
+// Its figures: "p50 8 us, p99 20 us, largest 90 us over 3000 ticks of 1 ms, 0 skipped (0 %)".
+std::string jitter_text(const JitterReport& report);
+
+// Limits of the judgements of disks.
+inline constexpr double kFewBytes = 1e9, kTooFewBytes = 1e8;
+inline constexpr double kSlowSync_s = 0.05, kTooSlowSync_s = 1;  // one sync a trial, before the participant goes on
+
+}  // namespace jnd

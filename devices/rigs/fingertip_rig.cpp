@@ -1,0 +1,68 @@
+#include "devices/rigs/fingertip_rig.h"
+
+#include <chrono>
+#include <utility>
+
+namespace jnd {
+
+namespace {
+constexpr std::chrono::milliseconds kLookEvery{50};
+}
+
+FingertipRig::FingertipRig(RigInfo info, RigParts parts, Clock& clock, const RigOptions& options)
+    : info_(std::move(info)),
+      parts_(std::move(parts)),
+      telemetry_(options.telemetry_ticks > 0 ? std::make_unique<TelemetryRing>(options.telemetry_ticks) : nullptr),
+      glimpse_(options.realtime ? std::make_unique<LatestGlimpse>() : nullptr),
+      loop_(parts_.channels, *parts_.tracker, clock, parts_.scene, telemetry_.get(), glimpse_.get()),
+      thread_(std::move(parts_.thread)) {
+  if (!thread_ && options.realtime) thread_ = std::make_unique<RenderThread>(*options.realtime);
+  for (const auto& link : parts_.links) link->stop_with(&stop);
+}
+
+FingertipRig::~FingertipRig() {
+  for (const auto& link : parts_.links) link->stop_with(nullptr);
+}
+
+Presentation FingertipRig::present(const PresentRequest& request) {
+  if (!thread_) return loop_.run(request, stop);
+  Presentation presentation;
+  const auto job = [&] { presentation = loop_.run(request, stop); };
+  if (!look_) {
+    thread_->run(job);
+    return presentation;
+  }
+  glimpse_->put({});  // not what the last presentation left
+  thread_->run(job, kLookEvery, [&] {
+    const LoopGlimpse glimpse = glimpse_->look();
+    if (glimpse.ticks > 0) look_(glimpse);
+  });
+  return presentation;
+}
+
+void FingertipRig::neutral() noexcept {
+  for (const auto& device : parts_.devices) device->neutral();
+}
+
+std::string FingertipRig::missing() {
+  std::string all;
+  const auto add = [&all](const std::string& one) {
+    if (!one.empty()) all += (all.empty() ? "" : "; ") + one;
+  };
+  for (const auto& link : parts_.links) add(link->missing());
+  add(parts_.tracker->missing());
+  return all;
+}
+
+RigConnections FingertipRig::connections() const {
+  RigConnections all;
+  for (const auto& link : parts_.links) all.devices.push_back(link->report());
+  all.tracker = parts_.tracker->report();
+  return all;
+}
+
+RealtimeReport FingertipRig::realtime() const {
+  return thread_ ? thread_->report() : RealtimeReport{};
+}
+
+}  // namespace jnd

@@ -1,0 +1,124 @@
+#include "devices/rigs/rig_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "devices/trackers/pose_line.h"
+#include "protocols/input/json_reader.h"
+#include "protocols/input/read_file.h"
+#include "protocols/input/sha256.h"
+
+namespace jnd {
+
+namespace {
+
+constexpr TextLimits kSerial{.max_length = 64};
+constexpr TextLimits kWord{.max_length = 1000};
+constexpr TextLimits kPath{.max_length = 1000};
+constexpr std::size_t kMostWords = 100;
+
+class RigFileReading {
+ public:
+  RigFileReading(const std::filesystem::path& path, RigFile& rig)
+      : file_(path.string()), folder_(std::filesystem::absolute(path).parent_path()), rig_(rig) {}
+
+  void read(const JsonNode& root) {
+    JsonReader reader(root, diagnostics_, file_);
+    reader.ignore("$schema");
+    reader.ignore("notes");
+    reader.integer("format", {.min = 1, .max = 1});
+    rig_.title = reader.text("title", {.max_length = 200});
+    if (const JsonNode* devices = reader.array_or_null("devices", 0, 2)) read_devices(*devices);
+    if (const JsonNode* tracker = reader.object_or_null("tracker")) read_tracker(*tracker);
+    rig_.buttons = beside(reader.optional_text("buttons", kPath));
+    reader.finish();
+  }
+  std::vector<Diagnostic>& diagnostics() noexcept { return diagnostics_; }
+
+ private:
+  std::filesystem::path beside(const std::optional<std::string>& name) const {
+    return name ? folder_ / *name : std::filesystem::path();  // an absolute name stays what it is
+  }
+
+  void read_devices(const JsonNode& list) {
+    for (const JsonNode& node : list.items) {
+      JsonReader reader(node, diagnostics_, file_);
+      const auto finger = reader.word("finger", {kFingerNames.begin(), kFingerNames.end()}, {}, true);
+      WornDevice device;
+      if (finger) device.finger = kFingerNames[*finger];
+      device.serial = reader.text_or("serial", "", kSerial);
+      reader.finish();
+      for (const WornDevice& other : rig_.devices) {
+        if (finger && other.finger == device.finger)
+          reader.error("finger", in_quotes(device.finger) + " is named twice", "each finger wears one device");
+        if (!device.serial.empty() && other.serial == device.serial)
+          reader.error("serial", in_quotes(device.serial) + " is named twice", "a device is worn on one finger");
+      }
+      rig_.devices.push_back(std::move(device));
+    }
+  }
+
+  void read_tracker(const JsonNode& node) {
+    JsonReader reader(node, diagnostics_, file_);
+    TrackerSource& tracker = rig_.tracker;
+    tracker.serial = reader.text_or("serial", "", kSerial);
+    if (const JsonNode* command = reader.array_or_null("command", 1, kMostWords)) {
+      for (const JsonNode& word : command->items)
+        if (auto text = text_of(word, kWord, diagnostics_, file_)) tracker.command.push_back(std::move(*text));
+    }
+    tracker.folder = folder_;
+    tracker.replay = beside(reader.optional_text("replay", kPath));
+    if (const JsonNode* position = reader.array_or_null("position_m", 3, 3)) {
+      const auto numbers = read_numbers<3>(*position, {.min = -kFarthestPose_m, .max = kFarthestPose_m, .unit = "m"});
+      tracker.to_world.translation() = Eigen::Vector3d(numbers[0], numbers[1], numbers[2]);
+    }
+    if (const JsonNode* rotation = reader.array_or_null("rotation", 4, 4)) read_rotation(*rotation);
+    reader.finish();
+  }
+
+  void read_rotation(const JsonNode& node) {
+    const auto numbers = read_numbers<4>(node, {.min = -1 - kQuaternionSlack, .max = 1 + kQuaternionSlack});
+    if (!is_sound(diagnostics_, node.path)) return;
+    const Eigen::Quaterniond rotation(numbers[0], numbers[1], numbers[2], numbers[3]);
+    if (std::abs(rotation.norm() - 1) > kQuaternionSlack) {
+      diagnostics_.push_back(diagnostic_at(node, file_,
+                                           fmt::format("is a quaternion of length {:.4g}", rotation.norm()),
+                                           "[w, x, y, z] of length 1: [1, 0, 0, 0] turns nothing"));
+      return;
+    }
+    rig_.tracker.to_world.linear() = rotation.normalized().toRotationMatrix();
+  }
+
+  template <std::size_t count>
+  std::array<double, count> read_numbers(const JsonNode& list, const NumberLimits& limits) {
+    std::array<double, count> numbers{};
+    for (std::size_t i = 0; i < std::min(count, list.items.size()); ++i)
+      numbers[i] = number_of(list.items[i], limits, diagnostics_, file_).value_or(0);
+    return numbers;
+  }
+
+  std::string file_;
+  std::filesystem::path folder_;
+  RigFile& rig_;
+  std::vector<Diagnostic> diagnostics_;
+};
+
+}  // namespace
+
+RigFile load_rig_file(const std::filesystem::path& path) {
+  const std::string bytes = read_input_file(path);
+  RigFile rig;
+  RigFileReading reading(path, rig);
+  reading.read(parse_json(bytes, path.string()));
+  if (!reading.diagnostics().empty()) throw InputError(std::move(reading.diagnostics()));
+  rig.sha256 = sha256_hex(bytes);
+  return rig;
+}
+
+}  // namespace jnd

@@ -1,0 +1,300 @@
+#include "protocols/input/json_reader.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "protocols/input/json_syntax.h"
+
+namespace jnd {
+namespace {
+
+std::string_view name_of(JsonNode::Kind kind) noexcept {
+  switch (kind) {
+    case JsonNode::Kind::null:
+      return "null";
+    case JsonNode::Kind::boolean:
+      return "true or false";
+    case JsonNode::Kind::number:
+      return "a number";
+    case JsonNode::Kind::string:
+      return "a text";
+    case JsonNode::Kind::array:
+      return "a list";
+    case JsonNode::Kind::object:
+      return "an object";
+  }
+  return "";
+}
+
+// "the number 5", "the text "5"", "a list": what stands in the file.
+std::string found(const JsonNode& node) {
+  if (node.kind == JsonNode::Kind::number) return "the number " + node.text;
+  if (node.kind == JsonNode::Kind::string) return "the text " + in_quotes(node.text);
+  if (node.kind == JsonNode::Kind::boolean) return node.boolean ? "true" : "false";
+  return std::string(name_of(node.kind));
+}
+
+std::string range_text(double min, double max, bool above, std::string_view unit) {
+  const std::string of_unit = unit.empty() ? "" : " " + std::string(unit);
+  if (min == max) return plain(min) + of_unit;
+  if (std::isfinite(min) && std::isfinite(max)) {
+    return above ? fmt::format("above {} and at most {}{}", plain(min), plain(max), of_unit)
+                 : fmt::format("from {} to {}{}", plain(min), plain(max), of_unit);
+  }
+  if (std::isfinite(min)) return fmt::format("{} {}{}", above ? "above" : "at least", plain(min), of_unit);
+  return fmt::format("at most {}{}", plain(max), of_unit);
+}
+
+// The character at `at` if it is one that may not stand in a text: its code point, else 0.
+std::uint32_t forbidden_character(std::string_view text, std::size_t at) noexcept {
+  const auto byte = [text](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U; };
+  if (byte(at) < 0x20 || byte(at) == 0x7F) return byte(at) == 0 ? 0xFFFFFFFFU : byte(at);
+  if (byte(at) == 0xC2 && byte(at + 1) < 0xA0) return byte(at + 1);  // C1 controls
+  if (byte(at) == 0xE2) {
+    const std::uint32_t code = 0x2000U | ((byte(at + 1) & 0x3FU) << 6U) | (byte(at + 2) & 0x3FU);
+    if ((code >= 0x2028 && code <= 0x202E) || (code >= 0x2066 && code <= 0x2069)) return code;
+  }
+  return 0;
+}
+
+}  // namespace
+
+std::optional<double> number_of(const JsonNode& node, const NumberLimits& limits, std::vector<Diagnostic>& diagnostics,
+                                const std::string& file) {
+  const std::string unit = limits.unit.empty() ? "" : fmt::format(" in {}", limits.unit);
+  if (node.kind != JsonNode::Kind::number) {
+    diagnostics.push_back(diagnostic_at(node, file, fmt::format("must be a number{}, not {}", unit, found(node)),
+                                        node.kind == JsonNode::Kind::string ? "write it without quotes" : ""));
+    return std::nullopt;
+  }
+  const bool too_low = limits.above ? node.number <= limits.min : node.number < limits.min;
+  if (too_low || node.number > limits.max) {
+    diagnostics.push_back(diagnostic_at(node, file, fmt::format("{} is out of range", node.text),
+                                        "must be " + range_text(limits.min, limits.max, limits.above, limits.unit)));
+    return std::nullopt;
+  }
+  return node.number;
+}
+
+std::optional<std::string> text_of(const JsonNode& node, const TextLimits& limits, std::vector<Diagnostic>& diagnostics,
+                                   const std::string& file) {
+  const auto fail = [&](std::string message, std::string suggestion) {
+    diagnostics.push_back(diagnostic_at(node, file, std::move(message), std::move(suggestion)));
+    return std::nullopt;
+  };
+  if (node.kind != JsonNode::Kind::string)
+    return fail("must be a text, not " + found(node), "texts stand in double quotes");
+  if (node.text.empty() && !limits.may_be_empty) return fail("is empty", "write something, or leave the member out");
+  const std::size_t length = count_characters(node.text);
+  if (length > limits.max_length)
+    return fail(fmt::format("has {} characters", length), fmt::format("at most {} are allowed", limits.max_length));
+  for (std::size_t at = 0; at < node.text.size(); ++at) {
+    if (limits.page && node.text[at] == '\n') continue;
+    if (const std::uint32_t code = forbidden_character(node.text, at); code != 0) {
+      return fail(fmt::format("holds the control character U+{:04X}", code == 0xFFFFFFFFU ? 0 : code),
+                  limits.page ? "\\n begins a new line; there are no other control characters in a text"
+                              : "texts are single lines without control characters");
+    }
+  }
+  if (node.text.find_first_not_of(" \n") == std::string::npos && !node.text.empty())
+    return fail("is blank", "write something, or leave the member out");
+  return node.text;
+}
+
+std::optional<int> integer_of(const JsonNode& node, const IntegerLimits& limits, std::vector<Diagnostic>& diagnostics,
+                              const std::string& file) {
+  if (node.kind == JsonNode::Kind::number && !node.integer) {
+    diagnostics.push_back(diagnostic_at(node, file, fmt::format("must be a whole number, not {}", node.text),
+                                        "write it without fraction or exponent"));
+    return std::nullopt;
+  }
+  const NumberLimits range{static_cast<double>(limits.min), static_cast<double>(limits.max), false, limits.unit};
+  const std::optional<double> value = number_of(node, range, diagnostics, file);
+  return value ? std::optional<int>(static_cast<int>(*value)) : std::nullopt;
+}
+
+std::optional<std::size_t> word_of(const JsonNode& node, const std::vector<std::string_view>& words,
+                                   const std::vector<std::string_view>& later, std::vector<Diagnostic>& diagnostics,
+                                   const std::string& file) {
+  const auto fail = [&](std::string message, std::string suggestion) {
+    diagnostics.push_back(diagnostic_at(node, file, std::move(message), std::move(suggestion)));
+    return std::nullopt;
+  };
+  if (node.kind != JsonNode::Kind::string)
+    return fail("must be a text, not " + found(node), "must be " + listed(words));
+  const auto at = std::find(words.begin(), words.end(), node.text);
+  if (at != words.end()) return static_cast<std::size_t>(at - words.begin());
+  if (std::find(later.begin(), later.end(), node.text) != later.end())
+    return fail(in_quotes(node.text) + " is not available in this version", "available: " + listed(words));
+  const std::string near = nearest_word(node.text, words);
+  return fail(in_quotes(node.text) + " is not known",
+              near.empty() ? "must be " + listed(words)
+                           : fmt::format("did you mean {}? known: {}", in_quotes(near), listed(words)));
+}
+
+JsonReader::JsonReader(const JsonNode& node, std::vector<Diagnostic>& diagnostics, std::string file)
+    : node_(node), diagnostics_(diagnostics), file_(std::move(file)), usable_(node.kind == JsonNode::Kind::object) {
+  if (!usable_) error(node, fmt::format("must be an object {{...}}, not {}", found(node)));
+}
+
+const JsonNode* JsonReader::find(std::string_view key, bool required, std::string_view what) {
+  if (std::find(known_.begin(), known_.end(), key) == known_.end()) known_.emplace_back(key);
+  if (!usable_) return nullptr;
+  const JsonNode* node = node_.find(key);
+  if (node == nullptr && required) {
+    Diagnostic missing =
+        diagnostic_at(node_, file_, fmt::format("{} is missing", in_quotes(key)), fmt::format("add {}", what));
+    missing.path = member_path(node_.path, key);
+    diagnostics_.push_back(std::move(missing));
+  }
+  return node;
+}
+
+const JsonNode* JsonReader::member(std::string_view key) {
+  return find(key, false, "");
+}
+
+std::optional<double> JsonReader::read_number(std::string_view key, const NumberLimits& limits, bool required) {
+  const bool bounded = std::isfinite(limits.min) || std::isfinite(limits.max);
+  const JsonNode* node = find(
+      key, required,
+      "a number" + (bounded ? " " + range_text(limits.min, limits.max, limits.above, limits.unit) : std::string()));
+  return node == nullptr ? std::nullopt : number_of(*node, limits, diagnostics_, file_);
+}
+
+std::optional<int> JsonReader::read_integer(std::string_view key, const IntegerLimits& limits, bool required) {
+  const NumberLimits range{static_cast<double>(limits.min), static_cast<double>(limits.max), false, limits.unit};
+  const JsonNode* node = find(key, required, "a whole number, " + range_text(range.min, range.max, false, limits.unit));
+  return node == nullptr ? std::nullopt : integer_of(*node, limits, diagnostics_, file_);
+}
+
+std::optional<bool> JsonReader::read_boolean(std::string_view key, bool required) {
+  const JsonNode* node = find(key, required, "true or false");
+  if (node == nullptr) return std::nullopt;
+  if (node->kind != JsonNode::Kind::boolean) {
+    error(*node, "must be true or false, not " + found(*node));
+    return std::nullopt;
+  }
+  return node->boolean;
+}
+
+std::optional<std::string> JsonReader::read_text(std::string_view key, const TextLimits& limits, bool required) {
+  const JsonNode* node = find(key, required, "a text");
+  return node == nullptr ? std::nullopt : text_of(*node, limits, diagnostics_, file_);
+}
+
+double JsonReader::number(std::string_view key, const NumberLimits& limits) {
+  return read_number(key, limits, true).value_or(0);
+}
+int JsonReader::integer(std::string_view key, const IntegerLimits& limits) {
+  return read_integer(key, limits, true).value_or(0);
+}
+bool JsonReader::boolean(std::string_view key) {
+  return read_boolean(key, true).value_or(false);
+}
+std::string JsonReader::text(std::string_view key, const TextLimits& limits) {
+  return read_text(key, limits, true).value_or("");
+}
+double JsonReader::number_or(std::string_view key, double fallback, const NumberLimits& limits) {
+  return read_number(key, limits, false).value_or(fallback);
+}
+int JsonReader::integer_or(std::string_view key, int fallback, const IntegerLimits& limits) {
+  return read_integer(key, limits, false).value_or(fallback);
+}
+bool JsonReader::boolean_or(std::string_view key, bool fallback) {
+  return read_boolean(key, false).value_or(fallback);
+}
+std::string JsonReader::text_or(std::string_view key, std::string fallback, const TextLimits& limits) {
+  return read_text(key, limits, false).value_or(std::move(fallback));
+}
+std::optional<double> JsonReader::optional_number(std::string_view key, const NumberLimits& limits) {
+  return read_number(key, limits, false);
+}
+std::optional<int> JsonReader::optional_integer(std::string_view key, const IntegerLimits& limits) {
+  return read_integer(key, limits, false);
+}
+std::optional<std::string> JsonReader::optional_text(std::string_view key, const TextLimits& limits) {
+  return read_text(key, limits, false);
+}
+
+std::optional<std::size_t> JsonReader::word(std::string_view key, const std::vector<std::string_view>& words,
+                                            const std::vector<std::string_view>& later, bool required) {
+  const JsonNode* node = find(key, required, listed(words));
+  return node == nullptr ? std::nullopt : word_of(*node, words, later, diagnostics_, file_);
+}
+
+const JsonNode* JsonReader::read_object(std::string_view key, bool required) {
+  const JsonNode* node = find(key, required, "an object {...}");
+  if (node == nullptr) return nullptr;
+  if (node->kind == JsonNode::Kind::object) return node;
+  error(*node, fmt::format("must be an object {{...}}, not {}", found(*node)));
+  return nullptr;
+}
+
+const JsonNode* JsonReader::read_array(std::string_view key, std::size_t min_items, std::size_t max_items,
+                                       bool required) {
+  const JsonNode* node = find(key, required, "a list [...]");
+  if (node == nullptr) return nullptr;
+  if (node->kind != JsonNode::Kind::array) {
+    error(*node, fmt::format("must be a list [...], not {}", found(*node)));
+    return nullptr;
+  }
+  if (node->items.size() < min_items || node->items.size() > max_items) {
+    error(*node, fmt::format("has {} element{}", node->items.size(), node->items.size() == 1 ? "" : "s"),
+          min_items == max_items ? fmt::format("must have {}", min_items)
+                                 : fmt::format("must have {} to {}", min_items, max_items));
+    return nullptr;
+  }
+  return node;
+}
+
+const JsonNode* JsonReader::object(std::string_view key) {
+  return read_object(key, true);
+}
+const JsonNode* JsonReader::object_or_null(std::string_view key) {
+  return read_object(key, false);
+}
+const JsonNode* JsonReader::array(std::string_view key, std::size_t min_items, std::size_t max_items) {
+  return read_array(key, min_items, max_items, true);
+}
+const JsonNode* JsonReader::array_or_null(std::string_view key, std::size_t min_items, std::size_t max_items) {
+  return read_array(key, min_items, max_items, false);
+}
+
+void JsonReader::error(const JsonNode& at, std::string message, std::string suggestion) {
+  diagnostics_.push_back(diagnostic_at(at, file_, std::move(message), std::move(suggestion)));
+}
+
+void JsonReader::error(std::string_view key, std::string message, std::string suggestion) {
+  const JsonNode* node = node_.find(key);
+  Diagnostic diagnostic =
+      diagnostic_at(node == nullptr ? node_ : *node, file_, std::move(message), std::move(suggestion));
+  diagnostic.path = member_path(node_.path, key);
+  diagnostics_.push_back(std::move(diagnostic));
+}
+
+void JsonReader::finish() {
+  if (!usable_) return;
+  const std::vector<std::string_view> known(known_.begin(), known_.end());
+  for (std::size_t i = 0; i < node_.keys.size(); ++i) {
+    const std::string& key = node_.keys[i];
+    const std::pair<int, int>& place = node_.key_places[i];
+    const auto report = [&](std::string message, std::string suggestion) {
+      diagnostics_.push_back(
+          {file_, place.first, place.second, member_path(node_.path, key), std::move(message), std::move(suggestion)});
+    };
+    const auto first = std::find(node_.keys.begin(), node_.keys.end(), key) - node_.keys.begin();
+    if (first != static_cast<std::ptrdiff_t>(i)) {
+      report(fmt::format("the key {} is given twice", in_quotes(key)),
+             fmt::format("it stands on line {} already", node_.key_places[static_cast<std::size_t>(first)].first));
+    } else if (std::find(known_.begin(), known_.end(), key) == known_.end()) {
+      const std::string near = nearest_word(key, known);
+      report(fmt::format("the key {} is not known", in_quotes(key)),
+             near.empty() ? "known here: " + listed(known) : fmt::format("did you mean {}?", in_quotes(near)));
+    }
+  }
+}
+
+}  // namespace jnd

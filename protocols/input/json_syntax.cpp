@@ -1,0 +1,191 @@
+#include "protocols/input/json_syntax.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include <fmt/format.h>
+
+#include "protocols/input/json_reader.h"
+
+namespace jnd {
+namespace {
+
+constexpr std::string_view kBlanks = " \t\r\n";
+constexpr std::string_view kNumberCharacters = "0123456789+-.eE";
+
+bool is_continuation(char byte) noexcept {
+  return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U;
+}
+
+std::size_t skip(std::string_view bytes, std::size_t at, std::string_view what) noexcept {
+  return std::min(bytes.find_first_not_of(what, at), bytes.size());
+}
+
+// A run of characters that a person would take for one word.
+std::string_view word_at(std::string_view bytes, std::size_t at) noexcept {
+  const bool is_text = at < bytes.size() && bytes[at] == '"';
+  if (is_text) return bytes.substr(at + 1, std::min(bytes.find('"', at + 1), bytes.size()) - at - 1);
+  const std::size_t end = std::min(bytes.find_first_of(" \t\r\n,:{}[]\"", at), bytes.size());
+  return bytes.substr(at, std::max<std::size_t>(end - at, 1));
+}
+
+SyntaxError explain_string(std::string_view bytes, std::size_t begin, std::size_t position, std::string_view what) {
+  const auto has = [what](std::string_view part) { return what.find(part) != std::string_view::npos; };
+  const std::size_t last_read = position > 0 ? std::min(position - 1, bytes.size()) : 0;
+  if (has("missing closing quote") || has("U+000A") || has("U+000D"))
+    return {begin, "the text that begins here has no closing quote on its line", "add the missing \""};
+  if (has("control character"))
+    return {last_read, "a control character inside a text", "write \\t for a tab, or leave it out"};
+  if (has("\\u") || has("surrogate"))
+    return {last_read, "an incomplete \\u escape", "write \\u and four hexadecimal digits, or the character itself"};
+  if (has("backslash")) return {last_read, "a backslash that begins no known escape", "write \\\\ for a backslash"};
+  return {begin, "this text cannot be read", "look at its quotes and backslashes"};
+}
+
+SyntaxError explain_word(std::string_view bytes, std::size_t begin) {
+  const std::string_view word = word_at(bytes, begin);
+  std::string lower;
+  for (const char c : word) lower += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string bare =
+      lower.substr(lower.find_first_not_of("+-") == std::string::npos ? 0 : lower.find_first_not_of("+-"));
+  SyntaxError error{begin, in_quotes(word) + " is not a JSON value", ""};
+  if (bare == "nan" || bare == "inf" || bare == "infinity") {
+    error.message = in_quotes(word) + " is not a number that JSON knows";
+    error.suggestion = "numbers must be finite; leave the member out where there is none";
+  } else if (lower == "true" || lower == "false" || lower == "null") {
+    error.suggestion = "write " + lower;
+  } else if (lower == "none") {
+    error.suggestion = "leave the member out where there is no value";
+  } else if (word.front() == '\'') {
+    error.suggestion = "texts stand in double quotes";
+  } else if (word.front() == '/' || word.front() == '#') {
+    error.message = "JSON has no comments";
+    error.suggestion = "say it in \"notes\"";
+  } else if (kNumberCharacters.find(word.front()) != std::string_view::npos) {
+    error.message = in_quotes(word) + " is not a number that JSON knows";
+    error.suggestion = "write it as in 0.5, -3 or 1e-3";
+  } else {
+    error.suggestion = "keys and texts stand in double quotes";
+  }
+  return error;
+}
+
+}  // namespace
+
+Token TokenCursor::next() noexcept {
+  Token token;
+  token.begin = skip(bytes_, at_, " \t\r\n,:");
+  token.end = token.begin;
+  if (token.begin < bytes_.size()) {
+    const char first = bytes_[token.begin];
+    if (first == '"') {
+      std::size_t at = token.begin + 1;
+      while (at < bytes_.size() && bytes_[at] != '"') at += bytes_[at] == '\\' ? 2 : 1;
+      token.end = std::min(at + 1, bytes_.size());
+    } else if (kNumberCharacters.find(first) != std::string_view::npos && first != 'e' && first != 'E') {
+      token.end = skip(bytes_, token.begin, kNumberCharacters);
+    } else if (first >= 'a' && first <= 'z') {  // true, false, null
+      token.end = token.begin + 1;
+      while (token.end < bytes_.size() && bytes_[token.end] >= 'a' && bytes_[token.end] <= 'z') ++token.end;
+    } else {
+      token.end = token.begin + 1;
+    }
+  }
+  at_ = token.end;
+  return token;
+}
+
+std::pair<int, int> TokenCursor::place(std::size_t offset) noexcept {
+  if (offset < placed_) {
+    placed_ = 0;
+    line_ = column_ = 1;
+  }
+  for (; placed_ < std::min(offset, bytes_.size()); ++placed_) {
+    if (bytes_[placed_] == '\n') {
+      ++line_;
+      column_ = 1;
+    } else if (!is_continuation(bytes_[placed_])) {
+      ++column_;
+    }
+  }
+  return {line_, column_};
+}
+
+std::size_t first_invalid_utf8(std::string_view bytes) noexcept {
+  std::size_t at = 0;
+  while (at < bytes.size()) {
+    const auto lead = static_cast<unsigned char>(bytes[at]);
+    std::size_t length = 0;
+    std::uint32_t value = 0;
+    if (lead < 0x80) {
+      ++at;
+      continue;
+    }
+    if (lead >= 0xC2 && lead <= 0xDF) {
+      length = 2;
+      value = lead & 0x1FU;
+    } else if (lead >= 0xE0 && lead <= 0xEF) {
+      length = 3;
+      value = lead & 0x0FU;
+    } else if (lead >= 0xF0 && lead <= 0xF4) {
+      length = 4;
+      value = lead & 0x07U;
+    } else {
+      return at;
+    }
+    if (at + length > bytes.size()) return at;
+    for (std::size_t i = 1; i < length; ++i) {
+      if (!is_continuation(bytes[at + i])) return at;
+      value = (value << 6U) | (static_cast<unsigned char>(bytes[at + i]) & 0x3FU);
+    }
+    const bool overlong = (length == 3 && value < 0x800) || (length == 4 && value < 0x10000);
+    if (overlong || (value >= 0xD800 && value <= 0xDFFF) || value > 0x10FFFF) return at;
+    at += length;
+  }
+  return std::string_view::npos;
+}
+
+std::size_t count_characters(std::string_view text) noexcept {
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return !is_continuation(c); }));
+}
+
+SyntaxError explain_syntax_error(std::string_view bytes, std::size_t end_of_last, std::size_t position,
+                                 std::string_view what, const std::vector<std::size_t>& open_brackets) {
+  const auto has = [what](std::string_view part) { return what.find(part) != std::string_view::npos; };
+  const std::size_t begin = skip(bytes, end_of_last, " \t\r\n,:");
+  const std::size_t previous = bytes.substr(0, std::min(begin, bytes.size())).find_last_not_of(kBlanks);
+  const bool after_comma = previous != std::string_view::npos && bytes[previous] == ',';
+
+  if (skip(bytes, 0, kBlanks) == bytes.size()) return {0, "the file is empty", "start from a shipped protocol"};
+  if (has("out_of_range") || has("number overflow"))
+    return {begin, in_quotes(word_at(bytes, begin)) + " is too large a number", ""};
+  if (has("invalid string")) return explain_string(bytes, begin, position, what);
+  if (has("unexpected end of input")) {
+    if (open_brackets.empty()) return {bytes.size(), "the file ends before its value is complete", ""};
+    const std::size_t bracket = open_brackets.back();
+    return {bracket, fmt::format("the '{}' that opens here is never closed", bytes[bracket]),
+            fmt::format("add the missing '{}'", bytes[bracket] == '{' ? '}' : ']')};
+  }
+  if (has("expected end of input")) {
+    const std::size_t extra = skip(bytes, end_of_last, kBlanks);
+    return {extra, "something follows the end of the document: " + in_quotes(word_at(bytes, extra)), "remove it"};
+  }
+  if (has("invalid literal") || has("invalid number")) return explain_word(bytes, begin);
+
+  // From here on single tokens are fine and their order is not; one-character tokens end where the parser stands.
+  const std::size_t last_read = position > 0 ? std::min(position - 1, bytes.size() - 1) : 0;
+  if (has("unexpected ','")) return {last_read, "a comma without a value before it", "remove it"};
+  if (has("unexpected ':'")) return {last_read, "a ':' that does not follow a key", "keys stand in double quotes"};
+  if (has("unexpected '}'") || has("unexpected ']'")) {
+    if (after_comma)
+      return {previous, fmt::format("a comma before the closing '{}'", bytes[last_read]), "remove the comma"};
+    if (has("object separator")) return {last_read, "a key without a value", "write \"key\": value"};
+    return {last_read, fmt::format("'{}' closes nothing that is open here", bytes[last_read]),
+            "are the brackets in order?"};
+  }
+  if (has("object separator")) return {begin, "a ':' is missing between the key and this value", "add it"};
+  if (has("object key")) return {begin, "a key in double quotes should stand here", "keys stand in double quotes"};
+  return {begin, "a comma is missing before " + in_quotes(word_at(bytes, begin)), "separate members with commas"};
+}
+
+}  // namespace jnd

@@ -1,0 +1,31 @@
+// Which trials of an adaptive track have equal stimuli, and in which order the two stimuli of the others come.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "protocols/planning/random_stream.h"
+#include "protocols/vocabulary.h"
+
+namespace jnd {
+
+// A share of catch trials is kept in blocks of so many trials: short, so that it holds everywhere in a session, but
+// long enough that the last trial of a block is hard to foresee.
+struct CatchBlock {
+  int trials = 0;   // the least multiple, 8 or more, of the share's denominator
+  int catches = 0;  // of these
+};
+// None where the share is not a fraction with a denominator of at most 20.
+std::optional<CatchBlock> catch_block(double share);
+
+// How many trials a track has with `different` trials that have a difference.
+int slots_of_track(const CatchBlock& block, int different);
+
+// The slots of one track. In every block the reference comes first in half of the trials with a difference, and half of
+// the catch trials present the reference twice, the others the comparison; where a half is not whole, a coin decides. A
+// comparison is kSetByAnswers. The last block may be a part with the same share, rounded.
+std::vector<std::array<double, 2>> draw_slots(const CatchBlock& block, int different, double reference,
+                                              RandomStream& stream);
+
+}  // namespace jnd

@@ -1,0 +1,208 @@
+// Reads what is registered about results and sources: the members "source", "published", "assumed" and "analysis".
+#include <algorithm>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "protocols/reading/protocol_reading.h"
+
+namespace jnd {
+namespace {
+
+void collect_paths(const JsonNode& node, std::vector<std::string_view>& paths) {
+  paths.push_back(node.path);
+  for (const JsonNode& item : node.items) collect_paths(item, paths);
+}
+
+void read_exclusions(const JsonNode& node, ProtocolReading& reading) {
+  Exclusions& exclude = reading.protocol.analysis.exclude;
+  JsonReader reader(node, reading.errors, reading.file);
+  exclude.response_time_below_s = reader.optional_number("response_time_below_s", {.min = 0, .max = 60, .unit = "s"});
+  exclude.response_time_above_s =
+      reader.optional_number("response_time_above_s", {.min = 0, .max = 600, .above = true, .unit = "s"});
+  exclude.saturated_share_above = reader.optional_number("saturated_share_above", {.min = 0, .max = 1});
+  reader.finish();
+  if (exclude.response_time_below_s && exclude.response_time_above_s &&
+      *exclude.response_time_below_s >= *exclude.response_time_above_s) {
+    reader.error("response_time_above_s",
+                 fmt::format("{} s is not above response_time_below_s, {} s: every trial would be excluded",
+                             plain(*exclude.response_time_above_s), plain(*exclude.response_time_below_s)));
+  }
+}
+
+void read_contrasts(const JsonNode& list, ProtocolReading& reading) {
+  std::set<std::pair<int, int>> seen;
+  for (const JsonNode& item : list.items) {
+    if (item.kind != JsonNode::Kind::array || item.items.size() != 2) {
+      reading.error(item, "a contrast is a list of two conditions", "such as [\"S\", \"V\"]: S minus V");
+      continue;
+    }
+    const auto a = condition_place(item.items[0], reading);
+    const auto b = condition_place(item.items[1], reading);
+    if (!a || !b) continue;
+    if (*a == *b) {
+      reading.error(item, fmt::format("compares {} with itself", in_quotes(item.items[0].text)), "name two conditions");
+      continue;
+    }
+    if (!seen.insert(std::minmax(*a, *b)).second) reading.error(item, "this contrast is given twice", "remove one");
+    reading.protocol.analysis.contrasts.push_back({*a, *b});
+  }
+}
+
+void read_tests(const JsonNode& node, ProtocolReading& reading) {
+  GroupTestPlan& tests = reading.protocol.analysis.tests;
+  JsonReader reader(node, reading.errors, reading.file);
+  tests.outcome = reader.one_of_or<Outcome>(
+      "on", {{"slope", Outcome::slope}, {"jnd", Outcome::jnd}, {"log-jnd", Outcome::log_jnd}}, tests.outcome);
+  tests.omnibus = reader.one_of_or<Omnibus>(
+      "omnibus", {{"anova", Omnibus::anova}, {"friedman", Omnibus::friedman}, {"none", Omnibus::none}}, tests.omnibus);
+  tests.post_hoc = reader.one_of_or<PostHoc>("post_hoc",
+                                             {{"holm-t", PostHoc::holm_t},
+                                              {"games-howell", PostHoc::games_howell},
+                                              {"tukey", PostHoc::tukey},
+                                              {"wilcoxon", PostHoc::wilcoxon}},
+                                             tests.post_hoc);
+  tests.alpha = reader.optional_number("alpha", {.min = 0, .max = 0.5, .above = true}).value_or(tests.alpha);
+  reader.finish();
+}
+
+// Which estimates there are: a JND by a line through d' needs a d' of each series, which the differencing model has
+// only by maximum likelihood over all series.
+void check_model_and_method(const JsonNode& node, JsonReader& reader, ProtocolReading& reading) {
+  const AnalysisPlan& analysis = reading.protocol.analysis;
+  if (const JsonNode* model = node.find("model"); model == nullptr || !reading.sound(model->path)) return;
+  if (const JsonNode* method = node.find("jnd"); method == nullptr || !reading.sound(method->path)) return;
+  if (analysis.model == "differencing" && analysis.jnd_method != "ml")
+    reader.error("jnd", fmt::format("{} does not go with the differencing model", in_quotes(analysis.jnd_method)),
+                 "write \"ml\": the joint fit of all series");
+  if (analysis.model == "independent-observation" && analysis.jnd_method != "least_squares")
+    reader.error("jnd",
+                 fmt::format("{} does not go with the independent-observation model", in_quotes(analysis.jnd_method)),
+                 "write \"least_squares\"");
+  if (analysis.model == "independent-observation" && analysis.correction == "none")
+    reader.error("correction", "rates of 0 and 1 have no d' in the independent-observation model",
+                 "write \"loglinear\" or \"half\"");
+  if (analysis.common_criterion && analysis.jnd_method != "ml")
+    reader.error("criterion", "a common criterion is part of the joint fit only",
+                 "write \"jnd\": \"ml\", or remove it");
+}
+
+// The question of a published rating.
+void look_at_question(JsonReader& reader, const PublishedValue& value, ProtocolReading& reading) {
+  if (value.question.empty()) return;
+  const auto& questions = reading.protocol.questions;
+  const auto asked = std::find_if(questions.begin(), questions.end(),
+                                  [&](const Question& question) { return question.id == value.question; });
+  if (value.quantity != "rating")
+    reader.error("question", "belongs to a rating", "remove it, or write \"quantity\": \"rating\"");
+  else if (asked == questions.end())
+    reader.error("question", fmt::format("there is no question {}", in_quotes(value.question)),
+                 "write the id of one of $.questions");
+}
+
+// Of free interaction: there are ratings alone, so what belongs to d' has no meaning.
+void read_analysis_of_ratings(JsonReader& reader, ProtocolReading& reading) {
+  for (const std::string_view key : {"model", "correction", "jnd", "criterion", "stiffness", "exclude"})
+    if (reader.member(key) != nullptr)
+      reader.error(key, "has no meaning with the paradigm \"explore\"", "remove it: there are no trials");
+  if (const JsonNode* contrasts = reader.array_or_null("contrasts", 0, 190)) read_contrasts(*contrasts, reading);
+  if (const JsonNode* tests = reader.object_or_null("tests")) {
+    JsonReader part(*tests, reading.errors, reading.file);
+    for (const std::string_view key : {"on", "omnibus", "post_hoc"})
+      if (part.member(key) != nullptr)
+        part.error(key, "has no meaning with the paradigm \"explore\"",
+                   "remove it: ratings are compared by Wilcoxon's signed-rank test");
+    double& alpha = reading.protocol.analysis.tests.alpha;
+    alpha = part.optional_number("alpha", {.min = 0, .max = 0.5, .above = true}).value_or(alpha);
+    part.finish();
+  }
+  reader.finish();
+}
+
+}  // namespace
+
+void read_source(const JsonNode& node, ProtocolReading& reading) {
+  Source& source = reading.protocol.source;
+  JsonReader reader(node, reading.errors, reading.file);
+  source.citation = reader.text("citation", {.max_length = 1000});
+  source.doi = reader.text_or("doi", "", {.max_length = 200});
+  if (!source.doi.empty() && (source.doi.substr(0, 3) != "10." || source.doi.find('/') == std::string::npos ||
+                              source.doi.find(' ') != std::string::npos)) {
+    reader.error("doi", in_quotes(source.doi) + " is not a DOI",
+                 "write it as 10.1109/TOH.2017.2755015, without https://");
+  }
+  reader.finish();
+}
+
+void read_published(const JsonNode& list, ProtocolReading& reading) {
+  std::set<std::tuple<std::string, std::string, std::string>> seen;
+  for (const JsonNode& item : list.items) {
+    PublishedValue value;
+    JsonReader reader(item, reading.errors, reading.file);
+    value.condition = reader.text("condition", {.max_length = 100});
+    if (const JsonNode* condition = item.find("condition"); condition != nullptr && reading.sound(condition->path))
+      (void)condition_place(*condition, reading);
+    value.quantity = reader.one_of<std::string>("quantity", {{"jnd", "jnd"}, {"weber", "weber"}, {"rating", "rating"}});
+    const StiffnessUnit unit = reading.protocol.stimulus.unit;
+    NumberLimits limits{.min = 0, .max = stiffness_limits(unit).max, .above = true, .unit = to_string(unit)};
+    if (value.quantity == "weber") limits = {.min = 0, .max = 100, .above = true};
+    if (value.quantity == "rating") limits = {.min = -100, .max = 100};
+    value.value = reader.number("value", limits);
+    value.ci95_half_width = reader.optional_number("ci95_half_width", {.min = 0, .max = 20000});
+    value.sd = reader.optional_number("sd", {.min = 0, .max = 20000});
+    value.question = reader.text_or("question", "", {.max_length = 100});
+    look_at_question(reader, value, reading);
+    value.note = reader.text_or("note", "", {.max_length = 500});
+    reader.finish();
+    if (reading.sound(item.path) && !seen.insert({value.condition, value.quantity, value.question}).second)
+      reading.error(item, fmt::format("the {} of {} is given twice", value.quantity, in_quotes(value.condition)),
+                    "remove one");
+    reading.protocol.published.push_back(std::move(value));
+  }
+}
+
+void read_assumed(const JsonNode& list, ProtocolReading& reading) {
+  std::vector<std::string_view> paths;
+  collect_paths(reading.root, paths);
+  for (const JsonNode& item : list.items) {
+    Assumption assumption;
+    JsonReader reader(item, reading.errors, reading.file);
+    assumption.path = reader.text("path", {.max_length = 200});
+    assumption.why = reader.text("why", {.max_length = 1000});
+    reader.finish();
+    if (!assumption.path.empty() && std::find(paths.begin(), paths.end(), assumption.path) == paths.end()) {
+      const std::string near = nearest_word(assumption.path, paths);
+      reader.error("path", fmt::format("there is no {} in this file", in_quotes(assumption.path)),
+                   near.empty() ? "a path looks like \"$.trial.gap_s\" or \"$.series[0].pair\""
+                                : fmt::format("did you mean {}?", in_quotes(near)));
+    }
+    reading.protocol.assumed.push_back(std::move(assumption));
+  }
+}
+
+void read_analysis(const JsonNode& node, ProtocolReading& reading) {
+  AnalysisPlan& analysis = reading.protocol.analysis;
+  JsonReader reader(node, reading.errors, reading.file);
+  if (reading.explores()) return read_analysis_of_ratings(reader, reading);
+  analysis.model = reader.one_of<std::string>(
+      "model",
+      {{"yes-no", "yes-no"}, {"differencing", "differencing"}, {"independent-observation", "independent-observation"}});
+  analysis.correction =
+      reader.one_of<std::string>("correction", {{"none", "none"}, {"loglinear", "loglinear"}, {"half", "half"}});
+  analysis.jnd_method = reader.one_of<std::string>("jnd", {{"least_squares", "least_squares"},
+                                                           {"ml", "ml"},
+                                                           {"weighted", "weighted"},
+                                                           {"inverse_mean_slope", "inverse_mean_slope"},
+                                                           {"mean_of_ratios", "mean_of_ratios"}});
+  analysis.common_criterion = reader.one_of_or<bool>("criterion", {{"per-series", false}, {"common", true}}, false);
+  check_model_and_method(node, reader, reading);
+  analysis.by_delivered = reader.one_of_or<bool>("stiffness", {{"nominal", false}, {"delivered", true}}, false);
+  if (const JsonNode* exclude = reader.object_or_null("exclude")) read_exclusions(*exclude, reading);
+  if (const JsonNode* contrasts = reader.array_or_null("contrasts", 0, 190)) read_contrasts(*contrasts, reading);
+  if (const JsonNode* tests = reader.object_or_null("tests")) read_tests(*tests, reading);
+  reader.finish();
+}
+
+}  // namespace jnd

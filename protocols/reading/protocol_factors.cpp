@@ -1,0 +1,174 @@
+// Reads the factors of the design: the members "conditions", "series" and "design".
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "protocols/reading/protocol_reading.h"
+
+namespace jnd {
+namespace {
+
+Order read_order(JsonReader& reader, std::string_view key) {
+  return reader.one_of<Order>(key, {{"fixed", Order::fixed},
+                                    {"random", Order::random},
+                                    {"permuted", Order::permuted},
+                                    {"williams", Order::williams}});
+}
+
+// A cue that no device of the rig renders.
+void look_at_cue(const JsonNode& item, bool of_joint, ProtocolReading& reading) {
+  const RigRequest& rig = reading.protocol.rig;
+  if (!reading.knows_rig() || (of_joint ? acts_on_joint(rig) : acts_on_pulp(rig))) return;
+  reading.error(item, fmt::format("{} cannot be rendered by {}", in_quotes(item.text), in_quotes(rig.device)),
+                of_joint ? "it needs a McKibben finger: the rig \"mckibben\" or \"rrs3+mckibben\""
+                         : "it needs a 3RRS device: the rig \"rrs3\" or \"rrs3+mckibben\"");
+}
+
+Cues read_cues(const JsonNode& list, ProtocolReading& reading) {
+  static const std::vector<std::string_view> kCues = {"force", "vibration", "kinaesthetic"};
+  Cues cues;
+  if (list.items.empty())
+    reading.error(list, "a condition without a cue renders nothing", "name one or more of " + listed(kCues));
+  for (const JsonNode& item : list.items) {
+    const auto place = word_of(item, kCues, {}, reading.errors, reading.file);
+    if (!place) continue;
+    bool& cue = *place == 0 ? cues.force : *place == 1 ? cues.vibration : cues.kinaesthetic;
+    if (cue)
+      reading.error(item, in_quotes(item.text) + " is named twice", "remove one");
+    else
+      look_at_cue(item, *place == 2, reading);
+    cue = true;
+  }
+  return cues;
+}
+
+// Whether the condition has devices, and what these render.
+void read_devices(JsonReader& reader, Condition& condition, ProtocolReading& reading) {
+  if (reading.explores()) {
+    condition.devices = reader.boolean_or("devices", true);
+  } else if (reader.member("devices") != nullptr) {
+    reader.error("devices", "belongs to the paradigm \"explore\"", "remove it: every trial is rendered by devices");
+  }
+  if (condition.devices) {
+    if (const JsonNode* cues = reader.array("cues", 0, 3)) condition.cues = read_cues(*cues, reading);
+  } else if (reader.member("cues") != nullptr) {
+    reader.error("cues", "nothing renders them without devices", "remove it, or \"devices\": false");
+  }
+}
+
+template <typename Named>
+std::optional<int> place_of(const JsonNode& name, const std::vector<Named>& all, std::string_view what,
+                            ProtocolReading& reading) {
+  const auto text = text_of(name, {.max_length = 100}, reading.errors, reading.file);
+  if (!text) return std::nullopt;
+  std::vector<std::string_view> names;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all[i].name == *text) return static_cast<int>(i);
+    if (!all[i].name.empty()) names.push_back(all[i].name);
+  }
+  reading.error(name, fmt::format("there is no {} {}", what, in_quotes(*text)),
+                names.empty() ? "" : "known: " + listed(names));
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<std::string> read_name(JsonReader& reader, std::string_view key, ProtocolReading& reading) {
+  const std::string text = reader.text(key, {.max_length = 200});
+  const JsonNode* node = reader.node().find(key);
+  if (text.empty() || node == nullptr) return std::nullopt;
+  const bool good = text.size() <= 16 && std::all_of(text.begin(), text.end(), [](char c) {
+                      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+                             c == '+' || c == '-';
+                    });
+  if (good) return text;
+  reading.error(*node, in_quotes(text) + " cannot be a name",
+                "1 to 16 letters, digits, _, + or -; a label may say the rest");
+  return std::nullopt;
+}
+
+std::optional<int> condition_place(const JsonNode& name, ProtocolReading& reading) {
+  return place_of(name, reading.protocol.conditions, "condition", reading);
+}
+
+std::optional<int> series_place(const JsonNode& name, ProtocolReading& reading) {
+  return place_of(name, reading.protocol.series, "series", reading);
+}
+
+void read_conditions(const JsonNode& list, ProtocolReading& reading) {
+  for (const JsonNode& item : list.items) {
+    Condition condition;
+    JsonReader reader(item, reading.errors, reading.file);
+    condition.name = read_name(reader, "name", reading).value_or("");
+    condition.label = reader.text("label", {.max_length = 100});
+    read_devices(reader, condition, reading);
+    reader.finish();
+    reading.protocol.conditions.push_back(std::move(condition));
+  }
+}
+
+void read_series(const JsonNode& list, ProtocolReading& reading) {
+  const StiffnessUnit unit = reading.protocol.stimulus.unit;
+  for (const JsonNode& item : list.items) {
+    Series series;
+    JsonReader reader(item, reading.errors, reading.file);
+    series.name = read_name(reader, "name", reading).value_or("");
+    if (const JsonNode* pair = reader.array("pair", 2, 2)) {
+      for (std::size_t i = 0; i < 2; ++i) {
+        series.pair[i] = number_of(pair->items[i], stiffness_limits(unit), reading.errors, reading.file).value_or(0);
+      }
+      if (reading.sound(pair->path) && series.pair[0] == series.pair[1]) {
+        reading.error(*pair, fmt::format("both stiffnesses are {} {}", plain(series.pair[0]), to_string(unit)),
+                      "a series compares two different stiffnesses");
+      }
+    }
+    reader.finish();
+    reading.protocol.series.push_back(std::move(series));
+  }
+}
+
+void read_design(const JsonNode& node, ProtocolReading& reading) {
+  Design& design = reading.protocol.design;
+  JsonReader reader(node, reading.errors, reading.file);
+  design.participants = reader.integer("participants", {.min = 1, .max = 1000});
+  design.sessions = reader.integer_or("sessions", 1, {.min = 1, .max = 20});
+  if (reading.explores()) {
+    for (const std::string_view key :
+         {"trials_per_cell", "sampling", "run_limit", "procedure", "conditions", "per_series"})
+      if (reader.member(key) != nullptr)
+        reader.error(key, "has no meaning with the paradigm \"explore\"", "remove it: there are no trials");
+    if (const JsonNode* order = reader.object("order")) {
+      JsonReader part(*order, reading.errors, reading.file);
+      design.condition_order = read_order(part, "conditions");
+      if (part.member("series") != nullptr)
+        part.error("series", "there are no series to order", "remove it; objects are always dealt");
+      part.finish();
+    }
+    return reader.finish();
+  }
+  const JsonNode* procedure = reader.object_or_null("procedure");
+  if (reading.adaptive()) {
+    for (const std::string_view key : {"trials_per_cell", "sampling", "run_limit"})
+      if (reader.member(key) != nullptr)
+        reader.error(key, "has no meaning beside \"procedure\"",
+                     "remove it: the procedure's \"stop\" and \"catch_share\" say how many trials there are");
+    if (procedure != nullptr) read_procedure(*procedure, reading);
+  } else {
+    design.trials_per_cell = reader.integer("trials_per_cell", {.min = 2, .max = 2000});
+    design.sampling =
+        reader.one_of<Sampling>("sampling", {{"random", Sampling::random}, {"balanced", Sampling::balanced}});
+    design.run_limit = reader.optional_integer("run_limit", {.min = 1, .max = 1000});
+  }
+  design.arrangement =
+      reader.one_of<Arrangement>("conditions", {{"blocked", Arrangement::blocked}, {"mixed", Arrangement::mixed}});
+  if (const JsonNode* order = reader.object("order")) {
+    JsonReader part(*order, reading.errors, reading.file);
+    design.series_order = read_order(part, "series");
+    design.condition_order = read_order(part, "conditions");
+    part.finish();
+  }
+  design.per_series = reader.boolean_or("per_series", false);
+  reader.finish();
+}
+
+}  // namespace jnd

@@ -1,0 +1,200 @@
+// Reads how the answers set the levels: the member "procedure" of the design.
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+#include "protocols/planning/catch_trials.h"
+#include "protocols/reading/protocol_reading.h"
+
+namespace jnd {
+namespace {
+
+using Kind = AdaptiveProcedure::Kind;
+
+constexpr std::string_view kPath = "$.design.procedure";
+
+std::string at(std::string_view member) {
+  return fmt::format("{}.{}", kPath, member);
+}
+
+std::string_view unit_of(const ProtocolReading& reading) {
+  return to_string(reading.protocol.stimulus.unit);
+}
+
+void read_staircase(JsonReader& reader, AdaptiveProcedure& procedure, ProtocolReading& reading) {
+  StaircaseRule& rule = procedure.staircase;
+  rule.up = reader.integer("up", {.min = 1, .max = 10});
+  rule.down = reader.integer("down", {.min = 1, .max = 10});
+  rule.multiplicative = reader.boolean_or("multiplicative", false);
+  const NumberLimits limits = rule.multiplicative
+                                  ? NumberLimits{.min = 1, .max = 1000, .above = true}
+                                  : NumberLimits{.min = 0, .max = 20000, .above = true, .unit = unit_of(reading)};
+  rule.step_up = reader.number("step_up", limits);
+  rule.step_down = reader.number("step_down", limits);
+  if (const JsonNode* list = reader.array_or_null("halve_after", 0, 20)) {
+    for (const JsonNode& item : list->items) {
+      const auto reversal = integer_of(item, {.min = 1, .max = 100}, reading.errors, reading.file);
+      if (!reversal) continue;
+      if (std::find(rule.halve_after.begin(), rule.halve_after.end(), *reversal) != rule.halve_after.end())
+        reading.error(item, fmt::format("reversal {} is named twice", *reversal), "one reversal halves once");
+      rule.halve_after.push_back(*reversal);
+    }
+  }
+  procedure.averaged_reversals = reader.integer_or("averaged_reversals", 6, {.min = 2, .max = 100});
+  if (procedure.averaged_reversals % 2 != 0)
+    reader.error("averaged_reversals",
+                 fmt::format("{} reversals cannot be half peaks, half valleys", procedure.averaged_reversals),
+                 "take an even number");
+}
+
+void read_quest(JsonReader& reader, AdaptiveProcedure& procedure) {
+  QuestParameters& quest = procedure.quest;
+  quest.t_guess_sd = reader.number("guess_sd", {.min = 0, .max = 5, .above = true, .unit = "log10"});
+  quest.p_threshold = reader.number("p_threshold", {.min = 0.01, .max = 0.99});
+  quest.gamma = reader.number("gamma", {.min = 0, .max = 0.9});
+  quest.beta = reader.number_or("beta", 3.5, {.min = 0.1, .max = 50});
+  quest.delta = reader.number_or("delta", 0.01, {.min = 0, .max = 0.5});
+  quest.grain = reader.number_or("grain", 0.01, {.min = 0.0001, .max = 1, .unit = "log10"});
+  quest.range = reader.number_or("range", 2, {.min = 0.001, .max = 10, .unit = "log10"});
+}
+
+constexpr std::array<std::string_view, 7> kStaircaseKeys = {"up",        "down",        "multiplicative",    "step_up",
+                                                            "step_down", "halve_after", "averaged_reversals"};
+constexpr std::array<std::string_view, 7> kQuestKeys = {"guess_sd", "p_threshold", "gamma", "beta",
+                                                        "delta",    "grain",       "range"};
+
+void refuse(JsonReader& reader, std::string_view kind, const std::array<std::string_view, 7>& keys) {
+  for (const std::string_view key : keys)
+    if (reader.member(key) != nullptr)
+      reader.error(key, fmt::format("has no meaning in a {} procedure", kind), "remove it, or change the kind");
+}
+
+void read_stop(JsonReader& outer, AdaptiveProcedure& procedure, ProtocolReading& reading) {
+  const JsonNode* node = outer.object("stop");
+  if (node == nullptr) return;
+  JsonReader reader(*node, reading.errors, reading.file);
+  const auto trials = reader.optional_integer("trials", {.min = 2, .max = 2000});
+  const auto reversals = reader.optional_integer("reversals", {.min = 2, .max = 100});
+  const auto at_most = reader.optional_integer("at_most", {.min = 2, .max = 2000});
+  const bool names_trials = node->find("trials") != nullptr, names_reversals = node->find("reversals") != nullptr;
+  const bool names_bound = node->find("at_most") != nullptr;
+  reader.finish();
+  if (names_trials == names_reversals) {
+    reading.error(*node, names_trials ? "names both \"trials\" and \"reversals\"" : "does not say when a track ends",
+                  R"(write {"trials": N}, or {"reversals": N, "at_most": N})");
+  } else if (names_reversals && procedure.kind == Kind::quest && reading.sound(at("kind"))) {
+    reading.error(*node->find("reversals"), "QUEST has no reversals", R"(write {"trials": N})");
+  } else if (names_reversals && !names_bound) {
+    reading.error(*node, "does not say how many trials a track has at most",
+                  "reversals may never come: add \"at_most\"");
+  } else if (names_trials && names_bound) {
+    reading.error(*node->find("at_most"), "has no meaning beside \"trials\"", "remove it");
+  }
+  procedure.trials = trials ? *trials : at_most.value_or(0);
+  procedure.reversals = reversals.value_or(0);
+}
+
+void look_at_clamp(const JsonNode& clamp, const AdaptiveProcedure& procedure, ProtocolReading& reading) {
+  if (!reading.sound(clamp.path)) return;
+  const auto [lowest, highest] = procedure.clamp;
+  if (lowest >= highest) {
+    reading.error(clamp, fmt::format("{} is not below {}: the level cannot move", plain(lowest), plain(highest)),
+                  "write the lowest level, then the highest");
+    return;
+  }
+  const double reference = reading.protocol.stimulus.reference;
+  const double softest = stiffness_limits(reading.protocol.stimulus.unit).min;
+  if (reading.sound("$.stimulus.reference") && reference - highest < softest)
+    reading.error(
+        clamp.items[1],
+        fmt::format("a comparison {} {} softer than the reference, {} {}, would have {} {}", plain(highest),
+                    unit_of(reading), plain(reference), unit_of(reading), plain(reference - highest), unit_of(reading)),
+        fmt::format("levels are differences from the reference: at most {}", plain(reference - softest)));
+}
+
+void look_at_starts(const JsonNode& starts, const AdaptiveProcedure& procedure, ProtocolReading& reading) {
+  if (!reading.sound(starts.path) || !reading.sound(at("clamp"))) return;
+  for (std::size_t i = 0; i < starts.items.size(); ++i)
+    if (procedure.starts[i] < procedure.clamp[0] || procedure.starts[i] > procedure.clamp[1])
+      reading.error(starts.items[i],
+                    fmt::format("{} {} lies outside the clamp, {} to {}", plain(procedure.starts[i]), unit_of(reading),
+                                plain(procedure.clamp[0]), plain(procedure.clamp[1])),
+                    "levels are differences from the reference; move the start, or widen the clamp");
+}
+
+void look_at_quest(const JsonNode& node, const AdaptiveProcedure& procedure, ProtocolReading& reading) {
+  const QuestParameters& quest = procedure.quest;
+  if (!reading.sound(node.path)) return;
+  const double highest = quest.delta * quest.gamma + 1 - quest.delta;
+  if (!(quest.p_threshold > quest.gamma && quest.p_threshold < highest))
+    reading.error_at(at("p_threshold"),
+                     fmt::format("{} is never reached: the probability of \"different\" goes from {} to {:.4g}",
+                                 plain(quest.p_threshold), plain(quest.gamma), highest),
+                     "take a value between gamma and 1 - delta (1 - gamma)");
+  if (quest.range < 2 * quest.grain)
+    reading.error_at(at("range"),
+                     fmt::format("a grid of {} in steps of {} holds no other threshold than the guess",
+                                 plain(quest.range), plain(quest.grain)),
+                     "take a larger range, or a smaller grain");
+  else if (const std::string problem = problem_of(quest); !problem.empty() && reading.sound(at("p_threshold")))
+    reading.error(node, problem, "");
+}
+
+// Trials of a condition at most: those with a difference and the catch trials of all its tracks.
+int slots_of_condition(const AdaptiveProcedure& procedure) {
+  const auto block = catch_block(procedure.catch_share);
+  if (!block || procedure.trials < 1) return 0;
+  return slots_of_track(*block, procedure.trials) * static_cast<int>(procedure.starts.size());
+}
+
+}  // namespace
+
+bool ProtocolReading::adaptive() const {
+  return node_at(root, kPath) != nullptr;
+}
+
+void read_procedure(const JsonNode& node, ProtocolReading& reading) {
+  AdaptiveProcedure procedure;
+  JsonReader reader(node, reading.errors, reading.file);
+  const std::vector<std::string_view> kinds = {"staircase", "quest"};
+  const auto kind = reader.word("kind", kinds, {}, true);
+  if (kind) procedure.kind = *kind == 0 ? Kind::staircase : Kind::quest;
+  const NumberLimits level{.min = 0, .max = 20000, .above = true, .unit = unit_of(reading)};
+  const JsonNode* starts = reader.array("starts", 1, 8);
+  if (starts != nullptr)
+    for (const JsonNode& item : starts->items)
+      procedure.starts.push_back(number_of(item, level, reading.errors, reading.file).value_or(0));
+  const JsonNode* clamp = reader.array("clamp", 2, 2);
+  if (clamp != nullptr && clamp->items.size() == 2)
+    for (std::size_t i = 0; i < 2; ++i)
+      procedure.clamp[i] = number_of(clamp->items[i], level, reading.errors, reading.file).value_or(0);
+  if (!kind) {
+    for (const std::string_view key : kStaircaseKeys) reader.ignore(key);
+    for (const std::string_view key : kQuestKeys) reader.ignore(key);
+  } else if (procedure.kind == Kind::staircase) {
+    read_staircase(reader, procedure, reading);
+    refuse(reader, "staircase", kQuestKeys);
+  } else {
+    read_quest(reader, procedure);
+    refuse(reader, "quest", kStaircaseKeys);
+  }
+  read_stop(reader, procedure, reading);
+  procedure.catch_share = reader.number("catch_share", {.min = 0, .max = 0.75});
+  if (reading.sound(at("catch_share")) && !catch_block(procedure.catch_share))
+    reader.error("catch_share",
+                 fmt::format("{} of the trials cannot be kept in short blocks", plain(procedure.catch_share)),
+                 "take a fraction with a denominator of at most 20, such as 0.5, 0.25 or 0.2");
+  reader.finish();
+  if (clamp != nullptr) look_at_clamp(*clamp, procedure, reading);
+  if (starts != nullptr) look_at_starts(*starts, procedure, reading);
+  if (kind && procedure.kind == Kind::quest) look_at_quest(node, procedure, reading);
+
+  Protocol& protocol = reading.protocol;
+  protocol.design.trials_per_cell = slots_of_condition(procedure);
+  if (reading.sound(at("clamp")) && reading.sound("$.stimulus.reference"))
+    protocol.series = {{"adaptive", {protocol.stimulus.reference - procedure.clamp[1], protocol.stimulus.reference}}};
+  protocol.design.procedure = std::move(procedure);
+}
+
+}  // namespace jnd

@@ -1,0 +1,163 @@
+// jnd calc staircase, jnd calc quest: the levels of an adaptive procedure from the answers given.
+#include <array>
+#include <optional>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "analysis/thresholds/adaptive_threshold.h"
+#include "analysis/procedures/quest.h"
+#include "analysis/procedures/staircase.h"
+#include "runner/calc/calc.h"
+#include "runner/commands/commands.h"
+#include "protocols/input/csv_table.h"
+#include "runner/terminal/json_output.h"
+#include "runner/terminal/text_table.h"
+
+namespace jnd {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Align = TextTable::Align;
+
+struct StaircaseOptions {
+  CalcInput input;
+  StaircaseRule rule;
+  std::vector<double> clamp;
+};
+
+Json json_list(const std::vector<double>& values) {
+  Json list = Json::array();
+  for (const double value : values) list.push_back(json_number(value));
+  return list;
+}
+
+int staircase(const StaircaseOptions& options) {
+  StaircaseRule rule = options.rule;
+  if (!options.clamp.empty()) rule.clamp = std::array<double, 2>{options.clamp[0], options.clamp[1]};
+  if (const std::string problem = problem_of(rule); !problem.empty()) throw InputError(problem);
+  const CsvTable csv = CsvTable::read(options.input.file, {"response"});
+  Staircase run(rule);
+  std::vector<double> levels;
+  TextTable table({"trial", "level", "answer", ""}, {Align::right, Align::right, Align::left, Align::left});
+  for (std::size_t row = 0; row < csv.rows(); ++row) {
+    const bool correct = csv.integer(row, "response", 0, 1) == 1;
+    levels.push_back(run.level());
+    const std::size_t before = run.reversals().size();
+    run.answer(correct);
+    table.add({std::to_string(row + 1), fmt::format("{:g}", levels.back()), correct ? "correct" : "wrong",
+               run.reversals().size() > before ? "reversal" : ""});
+  }
+  if (options.input.json) {
+    const Json out = {{"levels", json_list(levels)},
+                      {"next", json_number(run.level())},
+                      {"reversals", json_list(run.reversals())},
+                      {"target", json_number(staircase_target(rule))}};
+    fmt::print("{}\n", json_line(out));
+    return exit_code::kDone;
+  }
+  fmt::print("{}next level {:g}; the rule settles where {:.1f} % of the answers are correct\n", table.text(),
+             run.level(), 100 * staircase_target(rule));
+  const ReversalMean mean = mean_of_reversals(run.reversals(), static_cast<int>(run.reversals().size()));
+  if (mean.n > 0)
+    fmt::print("mean of the last {} reversals {:g}, standard deviation {:g}\n", mean.n, mean.mean, mean.sd);
+  return exit_code::kDone;
+}
+
+enum class Placement { mean, mode, median };
+
+struct QuestOptions {
+  CalcInput input;
+  QuestParameters parameters;
+  Placement place = Placement::mean;
+};
+
+double recommended(const QuestEstimate& estimate, Placement place) {
+  return place == Placement::mean ? estimate.mean : place == Placement::mode ? estimate.mode : estimate.median;
+}
+
+int quest(const QuestOptions& options) {
+  if (const std::string problem = problem_of(options.parameters); !problem.empty()) throw InputError(problem);
+  const CsvTable csv = CsvTable::read(options.input.file, {"response"}, {"x"});
+  Quest run(options.parameters);
+  Json out = {{"levels", Json::array()},
+              {"mean", Json::array()},
+              {"mode", Json::array()},
+              {"median", Json::array()},
+              {"sd", Json::array()}};
+  TextTable table({"trial", "level", "answer", "mean", "mode", "median", "sd"},
+                  {Align::right, Align::right, Align::left, Align::right, Align::right, Align::right, Align::right});
+  QuestEstimate estimate = run.estimate();
+  for (std::size_t row = 0; row < csv.rows(); ++row) {
+    const bool correct = csv.integer(row, "response", 0, 1) == 1;
+    const bool shown = csv.has("x") && !csv.text(row, "x").empty();
+    const double level = shown ? csv.number(row, "x") : recommended(estimate, options.place);
+    run.answer(level, correct);
+    estimate = run.estimate();
+    out["levels"].push_back(json_number(level));
+    out["mean"].push_back(json_number(estimate.mean));
+    out["mode"].push_back(json_number(estimate.mode));
+    out["median"].push_back(json_number(estimate.median));
+    out["sd"].push_back(json_number(estimate.sd));
+    table.add({std::to_string(row + 1), fmt::format("{:.4f}", level), correct ? "correct" : "wrong",
+               fmt::format("{:.4f}", estimate.mean), fmt::format("{:.4f}", estimate.mode),
+               fmt::format("{:.4f}", estimate.median), fmt::format("{:.4f}", estimate.sd)});
+  }
+  if (options.input.json)
+    fmt::print("{}\n", json_line(out));
+  else
+    fmt::print("{}next level {:.4f}\n", table.text(), recommended(estimate, options.place));
+  return exit_code::kDone;
+}
+
+}  // namespace
+
+void add_calc_adaptive(CalcTree& tree) {
+  {
+    const auto options = std::make_shared<StaircaseOptions>();
+    CLI::App* command =
+        tree.add("staircase", "The levels of an up-down staircase (Levitt 1971, Kaernbach 1991)",
+                 "staircase answers.csv --start 400 --up 1 --down 2 --step-up 50 --step-down 50", options, staircase);
+    CalcTree::add_input(*command, options->input, "response (1 = correct, 0 = wrong)");
+    StaircaseRule& rule = options->rule;
+    command->add_option("--start", rule.start, "first level")->required();
+    command->add_option("--up", rule.up, "so many wrong answers in a row raise the level")->required();
+    command->add_option("--down", rule.down, "so many correct answers in a row lower it")->required();
+    command->add_option("--step-up", rule.step_up, "added to the level; with --multiplicative it is multiplied by it")
+        ->required();
+    command
+        ->add_option("--step-down", rule.step_down,
+                     "subtracted from the level; with --multiplicative it is divided by it")
+        ->required();
+    command->add_flag("--multiplicative", rule.multiplicative, "steps multiply and divide; above 1");
+    command
+        ->add_option("--halve-after", rule.halve_after,
+                     "reversals, counted from 1, that halve the steps (those that multiply: on the logarithm)")
+        ->delimiter(',');
+    command->add_option("--clamp", options->clamp, "lowest and highest level: LO,HI")->delimiter(',')->expected(2);
+  }
+  const auto options = std::make_shared<QuestOptions>();
+  CLI::App* command = tree.add("quest", "A threshold by QUEST (Watson & Pelli 1983); levels are log10 of the stimulus",
+                               "quest answers.csv --t-guess 2.4 --t-guess-sd 0.5 --gamma 0.1", options, quest);
+  CalcTree::add_input(*command, options->input,
+                      "response (1 = correct, 0 = wrong) and, optionally, x: the level really shown (else the "
+                      "recommended one)");
+  QuestParameters& p = options->parameters;
+  command->add_option("--t-guess", p.t_guess, "expected threshold")->required();
+  command->add_option("--t-guess-sd", p.t_guess_sd, "standard deviation of that guess")->required();
+  command->add_option("--p-threshold", p.p_threshold, "share correct at threshold")->capture_default_str();
+  command->add_option("--beta", p.beta, "slope of the psychometric function")->capture_default_str();
+  command->add_option("--delta", p.delta, "share of answers given blindly")->capture_default_str();
+  command->add_option("--gamma", p.gamma, "share correct without a stimulus")->capture_default_str();
+  command->add_option("--grain", p.grain, "step of the grid of thresholds")->capture_default_str();
+  command->add_option("--range", p.range, "of the grid, about the guess")->capture_default_str();
+  const std::map<std::string, Placement> places = {
+      {"mean", Placement::mean}, {"mode", Placement::mode}, {"median", Placement::median}};
+  command
+      ->add_option("--place", options->place,
+                   "recommended level: mean (King-Smith et al. 1994; default), mode (Watson & Pelli), median")
+      ->transform(CLI::CheckedTransformer(places));
+}
+
+}  // namespace jnd

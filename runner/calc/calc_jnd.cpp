@@ -1,0 +1,244 @@
+// jnd calc jnd: thresholds of every participant and condition in a CSV of counts, by every method side by side.
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "analysis/thresholds/fit_quality.h"
+#include "analysis/thresholds/jnd.h"
+#include "analysis/thresholds/jnd_bootstrap.h"
+#include "runner/calc/calc.h"
+#include "runner/commands/commands.h"
+#include "runner/calc/csv_counts.h"
+#include "protocols/input/csv_table.h"
+#include "runner/terminal/json_output.h"
+#include "runner/terminal/terminal.h"
+#include "runner/terminal/text_table.h"
+
+namespace jnd {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct JndOptions {
+  CalcInput input;
+  double reference = 0;
+  std::string correction = "loglinear";
+  int bootstrap = 0;
+  std::uint64_t seed = 1;
+};
+
+// The series of one participant and condition, in the order of the file.
+struct Group {
+  std::string participant, condition;
+  std::vector<SeriesCounts> series;
+};
+
+struct GroupResult {
+  std::vector<JndEstimate> estimates;                // in the order of kJndMethods
+  std::vector<std::optional<FitQuality>> qualities;  // of the maximum-likelihood methods
+  std::optional<JndBootstrap> bootstrap;             // of least_squares
+};
+
+SeriesCounts series_of(const CsvTable& table, std::size_t row) {
+  SeriesCounts series;
+  series.difference = table.number(row, "delta", {-1e300, 1e12});
+  if (!(series.difference > 0))
+    table.fail(row, "delta", fmt::format("{} is not a difference between two stimuli", series.difference),
+               "delta is above 0, in the unit of the reference; equal pairs are counted in n_same");
+  series.counts = counts_of(table, row);
+  return series;
+}
+
+// In order of first appearance. A difference may occur twice in a group: two series, each with its own criterion.
+std::vector<Group> groups_of(const CsvTable& table) {
+  std::vector<Group> groups;
+  std::map<std::pair<std::string, std::string>, std::size_t> places;
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    const SeriesCounts series = series_of(table, row);
+    const std::pair<std::string, std::string> key(table.text(row, "participant"), table.text(row, "condition"));
+    const auto [place, added] = places.try_emplace(key, groups.size());
+    if (added) groups.push_back({key.first, key.second, {}});
+    groups[place->second].series.push_back(series);
+  }
+  return groups;
+}
+
+GroupResult result_of(const Group& group, const JndOptions& options) {
+  const Correction correction = *correction_from(options.correction);
+  GroupResult result;
+  for (const JndMethod method : kJndMethods) {
+    JndEstimate estimate = estimate_jnd(group.series, options.reference, method, correction);
+    if (method == JndMethod::least_squares && options.bootstrap > 0) {
+      result.bootstrap = least_squares_bootstrap(group.series, correction, options.bootstrap, options.seed);
+      estimate.slope_ci_low = result.bootstrap->slope_ci_low;
+      estimate.slope_ci_high = result.bootstrap->slope_ci_high;
+      estimate.ci_low = result.bootstrap->ci_low;
+      estimate.ci_high = result.bootstrap->ci_high;
+    }
+    std::optional<FitQuality> quality;
+    if (is_maximum_likelihood(method)) quality = fit_quality(group.series, method, options.bootstrap, options.seed);
+    result.estimates.push_back(std::move(estimate));
+    result.qualities.push_back(quality);
+  }
+  return result;
+}
+
+Json json_of(const JndBootstrap& bootstrap) {
+  return {{"replicates", bootstrap.replicates},
+          {"ok", bootstrap.ok},
+          {"no_sensitivity", bootstrap.no_sensitivity},
+          {"ceiling", bootstrap.ceiling},
+          {"no_information", bootstrap.no_information}};
+}
+
+Json json_of(const FitQuality& quality) {
+  return {{"status", to_string(quality.status)},
+          {"df", quality.degrees_of_freedom},
+          {"deviance", json_number(quality.deviance)},
+          {"deviance_p", json_number(quality.deviance_p)},
+          {"pearson", json_number(quality.pearson)},
+          {"pearson_p", json_number(quality.pearson_p)},
+          {"deviance_p_bootstrap", json_number(quality.deviance_p_bootstrap)},
+          {"pearson_p_bootstrap", json_number(quality.pearson_p_bootstrap)},
+          {"replicates", quality.replicates}};
+}
+
+Json json_of(const JndEstimate& estimate) {
+  Json json = {{"slope", json_number(estimate.slope)},
+               {"jnd", json_number(estimate.jnd)},
+               {"weber", json_number(estimate.weber)},
+               {"ci_low", json_number(estimate.ci_low)},
+               {"ci_high", json_number(estimate.ci_high)},
+               {"log_likelihood", json_number(estimate.log_likelihood)},
+               {"status", to_string(estimate.status)},
+               {"cautions", Json::array()},
+               {"slope_ci_low", json_number(estimate.slope_ci_low)},
+               {"slope_ci_high", json_number(estimate.slope_ci_high)},
+               {"series_used", estimate.series_used}};
+  for (const Caution caution : estimate.cautions) json["cautions"].push_back(to_string(caution));
+  return json;
+}
+
+void print_json(const Group& group, const GroupResult& result, double reference) {
+  Json line = {{"participant", group.participant},
+               {"condition", group.condition},
+               {"reference", reference},
+               {"series", group.series.size()}};
+  for (std::size_t i = 0; i < kJndMethods.size(); ++i) {
+    Json method = json_of(result.estimates[i]);
+    if (kJndMethods[i] == JndMethod::least_squares && result.bootstrap)
+      method["bootstrap"] = json_of(*result.bootstrap);
+    if (result.qualities[i]) method["fit"] = json_of(*result.qualities[i]);
+    line[std::string(to_string(kJndMethods[i]))] = std::move(method);
+  }
+  fmt::print("{}\n", json_line(line));
+}
+
+std::string number(double value) {
+  if (std::isnan(value)) return "-";
+  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
+  return fmt::format("{:.4g}", value);
+}
+
+std::string percent(double fraction) {
+  return std::isnan(fraction) ? "-" : fmt::format("{:.1f} %", 100 * fraction);
+}
+
+std::string interval(const JndEstimate& estimate) {
+  return std::isnan(estimate.ci_low) ? "-" : number(estimate.ci_low) + " .. " + number(estimate.ci_high);
+}
+
+// The p value to look at: of the replicates where there are any.
+std::string fit_p(const std::optional<FitQuality>& quality) {
+  if (!quality) return "-";
+  return number(std::isnan(quality->deviance_p_bootstrap) ? quality->deviance_p : quality->deviance_p_bootstrap);
+}
+
+std::string remarks(const JndEstimate& estimate) {
+  std::string text;
+  if (estimate.status != JndStatus::ok) text = to_string(estimate.status);
+  for (const Caution caution : estimate.cautions) text += (text.empty() ? "" : ", ") + std::string(to_string(caution));
+  return text;
+}
+
+void add_rows(TextTable& table, const Group& group, const GroupResult& result) {
+  for (std::size_t i = 0; i < kJndMethods.size(); ++i) {
+    const JndEstimate& estimate = result.estimates[i];
+    table.add({i == 0 ? printable(group.participant) : "", i == 0 ? printable(group.condition) : "",
+               std::string(to_string(kJndMethods[i])), number(estimate.jnd), interval(estimate),
+               percent(estimate.weber), number(estimate.slope), fit_p(result.qualities[i]), remarks(estimate)});
+  }
+}
+
+int run_jnd(const JndOptions& options) {
+  // The whole file is read before anything is printed: a mistake in the last row leaves no half an answer.
+  const CsvTable csv = CsvTable::read(
+      options.input.file, {"participant", "condition", "delta", "n_diff", "hits", "n_same", "false_alarms"});
+  const std::vector<Group> groups = groups_of(csv);
+  using Align = TextTable::Align;
+  TextTable table({"participant", "condition", "method", "JND", "95 % CI", "Weber", "slope", "fit p", "remarks"},
+                  {Align::left, Align::left, Align::left, Align::right, Align::right, Align::right, Align::right,
+                   Align::right, Align::left});
+  for (const Group& group : groups) {
+    const GroupResult result = result_of(group, options);
+    if (options.input.json) {
+      print_json(group, result, options.reference);
+      continue;
+    }
+    if (&group != &groups.front()) table.rule();
+    add_rows(table, group, result);
+  }
+  if (options.input.json) return exit_code::kDone;
+  fmt::print(
+      "{}\n{}\n{}\n", bold("Thresholds"),
+      dim(fmt::format("JND: difference at d' = 1, in the unit of delta; Weber fraction = JND / {:g}; slope: d' per "
+                      "unit; closed forms on {} rates, maximum likelihood (ml_*) on raw counts",
+                      options.reference, options.correction)),
+      table.text());
+  fmt::print("{}\n", dim(options.bootstrap > 0
+                             ? fmt::format("Intervals: profile likelihood (ml_*), {} bootstrap replicates "
+                                           "(least_squares); fit p: deviance, by the same number of replicates.",
+                                           options.bootstrap)
+                             : std::string("Intervals: profile likelihood (ml_*); --bootstrap gives least_squares one. "
+                                           "fit p: deviance against chi-square.")));
+  return exit_code::kDone;
+}
+
+}  // namespace
+
+void add_calc_jnd(CalcTree& tree) {
+  const auto options = std::make_shared<JndOptions>();
+  CLI::App* command = tree.add("jnd", "JND and Weber fraction from the counts of several series, method by method",
+                               "jnd counts.csv --reference 900", options, run_jnd);
+  CalcTree::add_input(
+      *command, options->input,
+      "participant, condition, delta, n_diff, hits, n_same, false_alarms: a line a series (the same delta "
+      "twice in a condition is two series)");
+  command->add_option("--reference", options->reference, "base of the Weber fraction, in the unit of delta, above 0")
+      ->required()
+      ->check([](const std::string& text) {
+        double value = 0;
+        const bool good =
+            std::from_chars(text.data(), text.data() + text.size(), value).ptr == text.data() + text.size() &&
+            value > 0 && std::isfinite(value);
+        return good ? std::string() : text + " is not a number above 0";
+      });
+  command->add_option("--correction", options->correction, "of rates of 0 and 1 in the closed forms")
+      ->check(CLI::IsMember({"none", "loglinear", "half"}))
+      ->capture_default_str();
+  command
+      ->add_option("--bootstrap", options->bootstrap,
+                   "replicates for an interval of least_squares and for the p values of the fits; 0: none")
+      ->check(CLI::Range(0, 1'000'000))
+      ->capture_default_str();
+  command->add_option("--seed", options->seed, "of the replicates")->capture_default_str();
+}
+
+}  // namespace jnd

@@ -1,0 +1,61 @@
+// jnd calc selftest.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "runner/calc/calc.h"
+#include "runner/commands/commands.h"
+#include "runner/terminal/json_output.h"
+#include "analysis/selftest/selftest.h"
+#include "runner/terminal/terminal.h"
+#include "runner/terminal/text_table.h"
+
+namespace jnd {
+
+namespace {
+
+struct SelftestOptions {
+  bool json = false;
+};
+
+int selftest(const SelftestOptions& options) {
+  std::vector<SelftestQuantity> quantities;
+  for (const auto part : {selftest_detection, selftest_jnd, selftest_group, selftest_psychometric, selftest_adaptive}) {
+    const std::vector<SelftestQuantity> some = part();
+    quantities.insert(quantities.end(), some.begin(), some.end());
+  }
+  bool ok = true;
+  nlohmann::ordered_json out = {{"quantities", nlohmann::ordered_json::array()}};
+  using Align = TextTable::Align;
+  TextTable table({"quantity", "cases", "largest difference", "tolerance", ""},
+                  {Align::left, Align::right, Align::right, Align::right, Align::left});
+  for (const SelftestQuantity& quantity : quantities) {
+    ok = ok && quantity.ok();
+    out["quantities"].push_back({{"name", quantity.name},
+                                 {"cases", quantity.cases},
+                                 {"largest_difference", json_number(quantity.largest_difference)},
+                                 {"tolerance", quantity.tolerance},
+                                 {"ok", quantity.ok()}});
+    table.add({quantity.name, std::to_string(quantity.cases), fmt::format("{:.1e}", quantity.largest_difference),
+               fmt::format("{:.0e}", quantity.tolerance), quantity.ok() ? "ok" : "FAILED"});
+  }
+  out["ok"] = ok;
+  if (options.json) {
+    fmt::print("{}\n", json_line(out));
+  } else {
+    fmt::print("{}{}\n", table.text(),
+               ok ? "every quantity agrees with its reference on this machine"
+                  : warn("This build of jnd disagrees with its references: do not publish its numbers."));
+  }
+  return ok ? exit_code::kDone : exit_code::kProblemFound;
+}
+
+}  // namespace
+
+void add_calc_selftest(CalcTree& tree) {
+  const auto options = std::make_shared<SelftestOptions>();
+  CLI::App* command =
+      tree.add("selftest", "Recompute independent reference numbers on this machine", "selftest", options, selftest);
+  command->add_flag("--json", options->json, "machine-readable");
+}
+
+}  // namespace jnd

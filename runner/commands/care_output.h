@@ -1,0 +1,12 @@
+// What the commands that look after a study have in common.
+#pragma once
+
+#include "data/log/session_log.h"
+#include "runner/device_commands/device_output.h"  // print_json
+
+namespace jnd {
+
+// This machine's clocks.
+Stamp stamp_now();
+
+}  // namespace jnd

@@ -1,0 +1,133 @@
+// jnd analyze: the registered analysis of a study, what stands beside it, and the methods in words.
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "data/study/blinding.h"
+#include "data/files/draft.h"
+#include "data/export/export_folder.h"
+#include "data/results/methods_text.h"
+#include "data/export/result_columns.h"
+#include "data/files/seal.h"
+#include "data/results/study_results.h"
+#include "runner/results/analysis_text.h"
+#include "runner/report/blinded_files.h"
+#include "runner/commands/commands.h"
+#include "runner/keys/interrupt.h"
+#include "runner/terminal/json_output.h"
+#include "runner/terminal/standard_streams.h"
+#include "runner/opening/study_access.h"
+#include "runner/terminal/terminal.h"
+
+namespace jnd {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kCommand = "analyze";
+
+// The numbers come first: a file that cannot be written, or that is not to be written over, is said and does not take
+// the analysis with it.
+void write_methods(const AnalyzeOptions& options, const std::string& text) {
+  const bool named = !options.methods.empty();
+  const fs::path path = named ? fs::path(options.methods) : fs::path(options.study).parent_path() / "methods.md";
+  try {
+    Draft draft(path, Draft::What::file);
+    draft.write(sealed(text, kCommand));
+    draft.replace([](const fs::path& earlier) { require_sealed(earlier, kCommand); });
+  } catch (const StorageError& error) {
+    if (named) throw;
+    write_marked_message(fmt::format("{} (--methods FILE names another place)", error.what()));
+    return;
+  }
+  if (!options.json) fmt::print("The methods in words: {}\n", printable(path.string()));
+}
+
+void print_results(const StudyResults& results, const Protocol& protocol, const AnalyzeOptions& options) {
+  // A terminal shows the end: what the study found comes last, after everything that it rests on.
+  const auto conclusion = [](const ResultTable& table) { return table.id == "group" || table.id == "contrasts"; };
+  std::vector<ResultTable> tables = result_tables(results, protocol);
+  std::stable_partition(tables.begin(), tables.end(), [&](const ResultTable& table) { return !conclusion(table); });
+  for (const ResultTable& table : tables)
+    if (table.id != "cells" || options.cells) print_table(table);
+  if (!results.detailed)
+    fmt::print("{}\n", dim(fmt::format("Above {} participants other methods and the manner of answering are left out.",
+                                       kMostInDetail)));
+  print_remarks(results);
+}
+
+int analyze_blinded(const Study& study, const Protocol& protocol, const AnalyzeOptions& options) {
+  const BlindedResults results =
+      blinded_results(study, protocol, source_to_analyse(protocol, options.by), options.study);
+  if (options.cells || options.models == "all" || !options.methods.empty())
+    throw UsageError(results.line + "\n--cells, --models all and --methods name conditions: leave them out until then");
+  if (!options.csv.empty()) {
+    const HoldInterrupts hold;
+    ExportFolder files(options.csv, options.replace);
+    write_blinded_results(files, results, protocol);
+    files.publish();
+  }
+  if (options.json) {
+    fmt::print("{}\n", json_line(to_json(results, protocol)));
+    return exit_code::kDone;
+  }
+  fmt::print("{}\n{}\n{}\n{}\n\n", bold(printable(protocol.title)),
+             dim(fmt::format("protocol {}", protocol.sha256.substr(0, 12))), dim(chain_line(results.chains)),
+             warn(printable(results.line)));
+  if (results.participants.empty()) fmt::print("  no real session yet\n");
+  for (const ResultTable& table : blinded_tables(results, protocol)) print_table(table);
+  say_other_kinds(study, SessionKind::real);
+  if (!options.csv.empty()) fmt::print("CSV files of these results are in {}\n", printable(options.csv));
+  return exit_code::kDone;
+}
+
+}  // namespace
+
+int command_analyze(const AnalyzeOptions& options) {
+  const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_only);
+  const Protocol protocol = protocol_of(*study);
+  const SessionKind kind = kind_to_analyse(*study, options.kind);
+  if (blinding_of(*study, protocol, kind).blinded) return analyze_blinded(*study, protocol, options);
+  const StudyResults results = results_of(*study, protocol, kind, source_to_analyse(protocol, options.by));
+  // Nothing but the procedure's own threshold exists where the answers set the levels.
+  const bool all_models = options.models == "all" && !results.adaptive;
+  const StudyModels models = all_models ? study_models(results.analysis, protocol) : StudyModels{};
+  const HoldInterrupts hold;
+  // Its place is taken last: where something else that was asked for cannot be written, nothing stays behind.
+  std::optional<ExportFolder> csv;
+  if (!options.csv.empty()) {
+    csv.emplace(options.csv, options.replace);
+    write_results(*csv, results, protocol, all_models ? &models : nullptr);
+    csv->finish();
+  }
+
+  if (options.json) {
+    nlohmann::ordered_json out = to_json(results, protocol);
+    if (all_models) out["models"] = to_json(models, protocol);
+    fmt::print("{}\n", json_line(out));
+  } else {
+    fmt::print("{}\n{}\n{}\n\n", bold(printable(protocol.title)),
+               dim(fmt::format("protocol {}, seed {}", protocol.sha256.substr(0, 12),
+                               seed_text(*study, protocol, "sealed while real sessions are blinded"))),
+               dim(chain_line(results.chains)));
+    if (results.analysis.participants == 0) {
+      fmt::print("  no {} session yet\n", to_string(kind));
+    } else {
+      if (all_models) print_table(models_table(models, protocol));
+      print_results(results, protocol, options);
+      say_other_kinds(*study, kind);
+    }
+  }
+  if (results.analysis.participants > 0 && !options.no_methods)
+    write_methods(options, methods_text(*study, protocol, results));
+  if (csv) {
+    csv->publish();
+    if (!options.json) fmt::print("CSV files of these results are in {}\n", printable(options.csv));
+  }
+  return exit_code::kDone;
+}
+
+}  // namespace jnd

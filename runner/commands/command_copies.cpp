@@ -1,0 +1,182 @@
+// jnd backup, merge and recover: new files out of studies.
+#include <fmt/format.h>
+
+#include "analysis/numerics/stop_request.h"
+#include "data/copies/backup.h"
+#include "data/copies/merge.h"
+#include "data/copies/recover.h"
+#include "runner/commands/blinded_problem.h"
+#include "runner/commands/care_commands.h"
+#include "runner/commands/care_output.h"
+#include "runner/commands/commands.h"
+#include "runner/keys/interrupt.h"
+#include "runner/terminal/number_text.h"
+#include "runner/terminal/standard_streams.h"
+#include "runner/terminal/terminal.h"
+#include "runner/terminal/text_table.h"
+
+namespace jnd {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Align = TextTable::Align;
+
+Json backup_json(const BackupOptions& options, const BackupReport& report) {
+  Json out = {{"to", options.to},
+              {"written", report.written},
+              {"sessions", report.verified.sessions},
+              {"events", report.verified.events},
+              {"bytes", report.bytes},
+              {"problems", report.verified.problems.size()},
+              {"study_head", report.study_head},
+              {"heads", Json::array()}};
+  for (const SessionInfo& session : report.sessions)
+    out["heads"].push_back({{"session", session.id},
+                            {"participant", session.participant},
+                            {"kind", to_string(session.kind)},
+                            {"state", session.state},
+                            {"head", session.head}});
+  return out;
+}
+
+std::string chain_remarks(const RecoveredChain& chain) {
+  std::string text = chain.events == 0 ? "lost" : chain.cut ? "its end is lost" : chain.closed ? "whole" : "open";
+  if (chain.unchained > 0) text += fmt::format("; {} behind the gap left out", counted(chain.unchained, "event"));
+  if (chain.telemetry_lost > 0) text += fmt::format("; ticks of {} lost", counted(chain.telemetry_lost, "interval"));
+  return text;
+}
+
+Json chain_json(const RecoveredChain& chain) {
+  return {{"session", chain.session},
+          {"participant", chain.participant},
+          {"kind", chain.kind},
+          {"events", chain.events},
+          {"unchained", chain.unchained},
+          {"telemetry", chain.telemetry},
+          {"telemetry_lost", chain.telemetry_lost},
+          {"closed", chain.closed},
+          {"cut", chain.cut}};
+}
+
+void print_recovery(const RecoverOptions& options, const RecoveryReport& report,
+                    const std::vector<std::string>& problems) {
+  fmt::print("{}: {}\n", bold(printable(options.to)),
+             report.whole() ? "everything that is known of was recovered" : "what could be read was recovered");
+  TextTable table({"session", "participant", "kind", "events", "what became of it"},
+                  {Align::left, Align::left, Align::left, Align::right, Align::left});
+  for (const RecoveredChain& chain : report.sessions)
+    table.add({printable(chain.session), printable(chain.participant), printable(chain.kind),
+               std::to_string(chain.events), chain_remarks(chain)});
+  fmt::print("{}", table.text());
+  if (report.own.unchained > 0)
+    fmt::print("{}\n", warn(fmt::format("{} of the study itself could be read but not proved: exclusions, notes or an "
+                                        "unblinding may be among them; study.recovered keeps their text.",
+                                        counted(report.own.unchained, "event"))));
+  if (report.unreadable > 0)
+    fmt::print("{}\n", warn(fmt::format("The disk did not give {}.", counted(report.unreadable, "byte"))));
+  for (const std::string& doubt : report.doubts) fmt::print("{}\n", warn(printable("Note: " + doubt + ".")));
+  for (const std::string& problem : problems) fmt::print("problem: {}\n", printable(problem));
+  fmt::print(
+      "Sessions that are not whole are open in the new study. What happened in them after the last event above is "
+      "lost;\n"
+      "a backup may have more of it. Keep the damaged file.\n");
+}
+
+// In words, where a signal leaves the time to look whether the new study is sealed.
+std::vector<std::string> problems_of(const RecoveryReport& report, const std::string& to) {
+  try {
+    return unsealed_problems(report.verified.problems, *Study::open(to, Study::Access::read_only));
+  } catch (const Stopped&) {
+    write_marked_message(fmt::format(
+        "interrupted when {} was already written: it stays, and this is its report; jnd verify {} says all of its "
+        "problems",
+        to, to));
+    return sealed_problems(report.verified.problems);
+  }
+}
+
+}  // namespace
+
+int command_backup(const BackupOptions& options) {
+  BackupReport report;
+  {
+    const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_only);
+    report = back_up(*study, options.to, options.replace, [] { return interrupt_requested().load(); });
+  }
+  if (report.interrupted) {
+    write_message("jnd: interrupted; nothing was written\n");
+    return exit_code::kInterrupted;
+  }
+  if (options.json) {
+    print_json(backup_json(options, report));
+  } else if (report.written) {
+    fmt::print("{}: {} and {}, verified, {} bytes\n", bold(printable(options.to)),
+               counted(report.verified.sessions, "session"), counted(report.verified.events, "event"), report.bytes);
+    TextTable table({"participant", "kind", "state", "head"}, {Align::left, Align::left, Align::left, Align::left});
+    for (const SessionInfo& session : report.sessions)
+      table.add({printable(session.participant), std::string(to_string(session.kind)), session.state, session.head});
+    table.add({"(the study)", "", "", report.study_head});
+    fmt::print("{}", table.text());
+  } else {
+    fmt::print("{}: was not written: verification finds {} in the study; jnd verify lists {}, jnd recover may help\n",
+               printable(options.to), counted(static_cast<std::int64_t>(report.verified.problems.size()), "problem"),
+               report.verified.problems.size() == 1 ? "it" : "them");
+  }
+  return report.written ? exit_code::kDone : exit_code::kProblemFound;
+}
+
+int command_merge(const MergeOptions& options) {
+  const MergeReport report = merge({options.studies.begin(), options.studies.end()}, options.to, stamp_now());
+  if (options.json) {
+    Json out = {{"to", options.to},
+                {"sessions", report.verified.sessions},
+                {"events", report.verified.events},
+                {"sources", Json::array()}};
+    for (const MergedSource& source : report.sources)
+      out["sources"].push_back({{"file", source.file},
+                                {"sessions", source.sessions},
+                                {"events", source.events},
+                                {"carried", source.carried},
+                                {"unblinded", source.unblinded},
+                                {"same_meaning", source.reworded}});
+    print_json(out);
+    return exit_code::kDone;
+  }
+  fmt::print("{}: {} and {}, verified\n", bold(printable(options.to)), counted(report.verified.sessions, "session"),
+             counted(report.verified.events, "event"));
+  for (const MergedSource& source : report.sources) {
+    fmt::print("  {}: {}, {}; {} of the study itself go on to hold\n", printable(source.file),
+               counted(source.sessions, "session"), counted(source.events, "event"), counted(source.carried, "event"));
+    if (source.reworded)
+      fmt::print("    its protocol is written differently and means the same; both files are kept\n");
+    if (source.unblinded)
+      fmt::print("{}\n", warn("    it was unblinded, and so the new study is unblinded as a whole"));
+  }
+  return exit_code::kDone;
+}
+
+int command_recover(const RecoverOptions& options) {
+  std::optional<std::filesystem::path> protocol;
+  if (options.protocol) protocol = *options.protocol;
+  const RecoveryReport report = recover(options.damaged, options.to, protocol, stamp_now());
+  const std::vector<std::string> problems = problems_of(report, options.to);
+  const bool whole = report.whole();
+  if (!options.json) {
+    print_recovery(options, report, problems);
+    return whole ? exit_code::kDone : exit_code::kProblemFound;
+  }
+  Json out = {{"to", options.to},
+              {"whole", whole},
+              {"unreadable_bytes", report.unreadable},
+              {"study_events", report.own.events},
+              {"study_events_unchained", report.own.unchained},
+              {"sessions", Json::array()},
+              {"doubts", report.doubts},
+              {"problems", problems}};
+  for (const RecoveredChain& chain : report.sessions) out["sessions"].push_back(chain_json(chain));
+  print_json(out);
+  return whole ? exit_code::kDone : exit_code::kProblemFound;
+}
+
+}  // namespace jnd

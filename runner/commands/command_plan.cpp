@@ -1,0 +1,198 @@
+// jnd plan: every trial of a participant in order, or the balance of a whole cohort.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "data/study/blinding.h"
+#include "protocols/planning/cohort.h"
+#include "protocols/planning/condition_codes.h"
+#include "protocols/planning/plan.h"
+#include "runner/results/blinded_results.h"
+#include "runner/commands/commands.h"
+#include "runner/terminal/json_output.h"
+#include "runner/commands/plan_explorations.h"
+#include "runner/opening/study_access.h"
+#include "runner/terminal/terminal.h"
+#include "runner/terminal/text_table.h"
+
+namespace jnd {
+
+namespace {
+
+std::vector<std::string> names_in_order(const std::vector<int>& order, const auto& things) {
+  std::vector<std::string> names;
+  for (const int place : order) names.push_back(things[static_cast<std::size_t>(place)].name);
+  return names;
+}
+
+constexpr std::string_view kSetLater = "set by answers";
+
+std::string stimulus_text(const Trial& trial, std::size_t interval) {
+  if (trial.stimuli[interval] == kSetByAnswers) return std::string(kSetLater);
+  return fmt::format("{:g}", trial.stimuli[interval]);
+}
+
+nlohmann::ordered_json stimulus_json(const Trial& trial, std::size_t interval) {
+  if (trial.stimuli[interval] == kSetByAnswers) return nullptr;
+  return trial.stimuli[interval];
+}
+
+void print_plan(const Protocol& protocol, const Plan& plan) {
+  fmt::print("{}\n{}\n", bold(printable(protocol.title)),
+             dim(fmt::format("participant {}{}, seed {}, protocol {}", plan.participant,
+                             plan.session == 1 ? "" : fmt::format(", session {}", plan.session), plan.seed,
+                             protocol.sha256.substr(0, 12))));
+  if (protocol.paradigm == Paradigm::explore) return print_explorations(protocol, plan);
+  fmt::print("series: {}\n", fmt::join(names_in_order(plan.series_order, protocol.series), ", "));
+  for (std::size_t i = 0; i < plan.condition_orders.size(); ++i)
+    fmt::print("conditions in series {}: {}\n", protocol.series[static_cast<std::size_t>(plan.series_order[i])].name,
+               fmt::join(names_in_order(plan.condition_orders[i], protocol.conditions), ", "));
+  fmt::print("\n");
+  using Align = TextTable::Align;
+  const std::string_view unit = to_string(protocol.stimulus.unit);
+  TextTable table(
+      {"trial", "block", "series", "condition", fmt::format("first {}", unit), fmt::format("second {}", unit), "", ""},
+      {Align::right, Align::right, Align::left, Align::left, Align::right, Align::right, Align::left, Align::left});
+  int block = plan.trials.empty() ? 0 : plan.trials.front().block;
+  for (const Trial& trial : plan.trials) {
+    if (trial.block != block) table.rule();
+    block = trial.block;
+    table.add({std::to_string(trial.index), trial.practice ? "-" : std::to_string(trial.block),
+               protocol.series[static_cast<std::size_t>(trial.series)].name,
+               protocol.conditions[static_cast<std::size_t>(trial.condition)].name, stimulus_text(trial, 0),
+               stimulus_text(trial, 1), trial.same ? "same" : "different",
+               trial.practice    ? fmt::format("practice round {}", trial.round)
+               : trial.track > 0 ? fmt::format("track {}{}", trial.track, trial.same ? ", catch" : "")
+                                 : ""});
+  }
+  fmt::print("{}", table.text());
+  if (protocol.design.procedure && protocol.design.procedure->reversals > 0)
+    fmt::print("A track that has its {} reversals leaves the trials that are planned for it after them.\n",
+               protocol.design.procedure->reversals);
+}
+
+void print_plan_json(const Protocol& protocol, const Plan& plan) {
+  nlohmann::ordered_json out = {
+      {"participant", plan.participant}, {"protocol_sha256", protocol.sha256}, {"seed", plan.seed}};
+  if (plan.session > 1) out["session"] = plan.session;
+  if (protocol.paradigm == Paradigm::explore) out["explorations"] = explorations_json(protocol, plan);
+  out["trials"] = nlohmann::ordered_json::array();
+  for (const Trial& trial : plan.trials) {
+    nlohmann::ordered_json row = {{"index", trial.index},
+                                  {"block", trial.block},
+                                  {"series", protocol.series[static_cast<std::size_t>(trial.series)].name},
+                                  {"condition", protocol.conditions[static_cast<std::size_t>(trial.condition)].name},
+                                  {"practice", trial.practice},
+                                  {"stimuli", {stimulus_json(trial, 0), stimulus_json(trial, 1)}},
+                                  {"same", trial.same}};
+    if (trial.practice) row["round"] = trial.round;
+    if (trial.track > 0) row["track"] = trial.track;
+    out["trials"].push_back(row);
+  }
+  fmt::print("{}\n", json_line(out));
+}
+
+nlohmann::ordered_json to_json(const CohortBalance& balance, const Protocol& protocol) {
+  nlohmann::ordered_json out = {{"participants", balance.participants},
+                                {"seed", balance.seed},
+                                {"protocol_sha256", protocol.sha256},
+                                {"group_size", balance.group_size},
+                                {"pair_count", balance.pair_count},
+                                {"different_pairs_of_orders", balance.different_pairs_of_orders},
+                                {"most_used_pair", balance.most_used_pair},
+                                {"same", balance.same},
+                                {"different", balance.different},
+                                {"condition_positions", balance.condition_positions},
+                                {"series_positions", balance.series_positions},
+                                {"condition_transitions", balance.condition_transitions},
+                                {"cells", nlohmann::ordered_json::array()}};
+  if (balance.session > 1) out["session"] = balance.session;
+  if (protocol.paradigm == Paradigm::explore) out["object_positions"] = balance.object_positions;
+  for (const CellBalance& cell : balance.cells)
+    out["cells"].push_back({{"series", protocol.series[static_cast<std::size_t>(cell.series)].name},
+                            {"condition", protocol.conditions[static_cast<std::size_t>(cell.condition)].name},
+                            {"pairs", cell.pairs},
+                            {"same", cell.same},
+                            {"different", cell.different},
+                            {"least_same", cell.least_same},
+                            {"most_same", cell.most_same}});
+  return out;
+}
+
+std::string round_text(const Trial& trial) {
+  return trial.practice ? fmt::format("practice round {}", trial.round) : "";
+}
+
+// What the operator's console may show: place, block and coded condition. Practice has no code: it takes the conditions
+// in the protocol's own order, which would name the letters.
+int plan_in_code(const Study& study, const Protocol& protocol, const PlanOptions& options) {
+  const BlindingState state = blinding_of(study, protocol, SessionKind::real);
+  const std::string line = blinding_line(state, *options.study);
+  if (options.cohort)
+    throw UsageError(line + "\nThe balance of the cohort names conditions: leave --cohort out until then");
+  const Plan plan = make_plan(protocol, options.participant, study.info().seed, options.session);
+  const std::vector<std::string> codes = condition_codes(protocol, study.info().seed);
+  const auto code = [&](int condition) { return codes[static_cast<std::size_t>(condition)]; };
+  if (options.json) {
+    nlohmann::ordered_json out = {{"participant", plan.participant},
+                                  {"protocol_sha256", protocol.sha256},
+                                  {"seed", nullptr},
+                                  {"blinding", to_json(state)}};
+    out["trials"] = nlohmann::ordered_json::array();
+    for (const Trial& trial : plan.trials)
+      out["trials"].push_back({{"index", trial.index},
+                               {"block", trial.block},
+                               {"condition_code", trial.practice ? nlohmann::ordered_json(nullptr)
+                                                                 : nlohmann::ordered_json(code(trial.condition))},
+                               {"practice", trial.practice}});
+    if (!plan.explorations.empty()) out["explorations"] = nlohmann::ordered_json::array();
+    for (const ExplorationSlot& slot : plan.explorations)
+      out["explorations"].push_back(
+          {{"index", slot.index}, {"block", slot.block}, {"condition_code", code(slot.condition)}});
+    fmt::print("{}\n", json_line(out));
+    return exit_code::kDone;
+  }
+  fmt::print("{}\n{}\n{}\n\n", bold(printable(protocol.title)),
+             dim(fmt::format("participant {}, protocol {}", plan.participant, protocol.sha256.substr(0, 12))),
+             warn(printable(line)));
+  using Align = TextTable::Align;
+  TextTable table({"trial", "block", "condition", ""}, {Align::right, Align::right, Align::left, Align::left});
+  for (const Trial& trial : plan.trials)
+    table.add({std::to_string(trial.index), trial.practice ? "-" : std::to_string(trial.block),
+               trial.practice ? "-" : code(trial.condition), round_text(trial)});
+  for (const ExplorationSlot& slot : plan.explorations)
+    table.add({std::to_string(slot.index), std::to_string(slot.block), code(slot.condition), "exploration"});
+  fmt::print("{}", table.text());
+  return exit_code::kDone;
+}
+
+int plan_of_protocol(const Protocol& protocol, std::uint64_t seed, const PlanOptions& options) {
+  if (options.cohort) {
+    const CohortBalance balance = balance_of_cohort(protocol, *options.cohort, seed, options.session);
+    if (options.json)
+      fmt::print("{}\n", json_line(to_json(balance, protocol)));
+    else
+      fmt::print("{}", to_text(balance, protocol));
+    return exit_code::kDone;
+  }
+  const Plan plan = make_plan(protocol, options.participant, seed, options.session);
+  if (options.json)
+    print_plan_json(protocol, plan);
+  else
+    print_plan(protocol, plan);
+  return exit_code::kDone;
+}
+
+}  // namespace
+
+int command_plan(const PlanOptions& options) {
+  if (!options.study)
+    return plan_of_protocol(load_checked_protocol(options.protocol), options.seed.value_or(1), options);
+  if (!options.protocol.empty() || options.seed)
+    throw UsageError("a study has its own protocol and seed: leave PROTOCOL and --seed out, or --study");
+  const std::unique_ptr<Study> study = Study::open(*options.study, Study::Access::read_only);
+  const Protocol protocol = protocol_of(*study);
+  if (plan_sealed(*study, protocol)) return plan_in_code(*study, protocol, options);
+  return plan_of_protocol(protocol, study->info().seed, options);
+}
+
+}  // namespace jnd

@@ -1,0 +1,124 @@
+// jnd plan --precision: how well a planned design will measure JNDs.
+#include <charconv>
+#include <cmath>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "protocols/planning/planned_precision.h"
+#include "runner/terminal/json_output.h"
+#include "runner/results/precision_json.h"
+#include "runner/commands/precision_options.h"
+#include "runner/results/precision_text.h"
+#include "runner/terminal/progress_bar.h"
+#include "runner/opening/study_access.h"
+#include "runner/terminal/terminal.h"
+
+namespace jnd {
+
+namespace {
+
+constexpr int kMostTrials = 2000;  // of a cell, as in a protocol
+constexpr double kLargestJnd = 1e6;
+
+double jnd_from(const std::string& text, const std::string& argument) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !(value > 0 && value <= kLargestJnd))
+    throw UsageError(fmt::format("--jnd {}: a JND is a number above 0, such as 208.5, or SV=208.5 for one condition",
+                                 printable(argument)));
+  return value;
+}
+
+void set_jnds(const std::vector<std::string>& arguments, const Protocol& protocol, PlannedPrecision& planned,
+              std::vector<double>& jnds) {
+  // The value for all first, so that it never overrides one of a condition.
+  for (const std::string& argument : arguments) {
+    if (argument.find('=') != std::string::npos) continue;
+    jnds.assign(jnds.size(), jnd_from(argument, argument));
+    planned.sources.assign(jnds.size(), JndSource::asked);
+  }
+  for (const std::string& argument : arguments) {
+    const std::string::size_type equals = argument.find('=');
+    if (equals == std::string::npos) continue;
+    std::string known;
+    bool found = false;
+    for (std::size_t i = 0; i < jnds.size(); ++i) {
+      known += (known.empty() ? "" : ", ") + protocol.conditions[i].name;
+      if (protocol.conditions[i].name != argument.substr(0, equals)) continue;
+      jnds[i] = jnd_from(argument.substr(equals + 1), argument);
+      planned.sources[i] = JndSource::asked;
+      found = true;
+    }
+    if (!found)
+      throw UsageError(
+          fmt::format("--jnd {}: the protocol has no such condition; it has {}", printable(argument), known));
+  }
+}
+
+// Says how far it is where that takes more than about a second.
+Precision precision_with_progress(const PrecisionQuestion& question) {
+  constexpr double kMostCellsWithoutWord = 1e6;
+  const double cells = static_cast<double>(question.jnds.size() * question.design.differences.size()) *
+                       question.participants * question.experiments;
+  if (cells <= kMostCellsWithoutWord) return precision(question);
+  ProgressBar bar("simulating studies", question.experiments);
+  return precision(question, [&bar](int done) { bar.update(done); });
+}
+
+}  // namespace
+
+void add_precision_options(CLI::App& plan, PrecisionOptions& options) {
+  CLI::Option* precision =
+      plan.add_flag("--precision", options.asked, "how well this design will measure JNDs, instead of the order");
+  plan.add_option("--jnd", options.jnds,
+                  "true JND to plan for: a number for all conditions, or NAME=NUMBER for one (default: the published "
+                  "values, else the Weber fractions of the simulated participants)")
+      ->needs(precision)
+      ->allow_extra_args(false);
+  plan.add_option("--trials", options.trials, "trials a cell (default: the protocol's)")
+      ->needs(precision)
+      ->check(CLI::Range(1, kMostTrials));
+  plan.add_option("--participants", options.participants, "participants (default: the protocol's)")
+      ->needs(precision)
+      ->check(CLI::Range(1, 1000));
+  plan.add_option("--between-cv", options.between_cv,
+                  "spread of the participants' true JNDs, as a coefficient of variation (default: 0)")
+      ->needs(precision)
+      ->check(CLI::Range(0.0, 2.0));
+  plan.add_option("--cv", options.cv, "wanted coefficient of variation of one participant's JND (default: 0.1)")
+      ->needs(precision)
+      ->check(CLI::Range(0.001, 10.0));
+  plan.add_flag("--markdown", options.markdown, "tables in Markdown")->needs(precision);
+}
+
+int command_plan_precision(const PlanOptions& plan, const PrecisionOptions& options) {
+  Protocol protocol = load_checked_protocol(plan.protocol);
+  if (!has_precision(protocol))
+    throw UsageError(fmt::format("{}: precision can be foretold for same-different protocols with fixed series only",
+                                 printable(plan.protocol)));
+  if (options.trials) protocol.design.trials_per_cell = *options.trials;
+  if (protocol.design.sampling == Sampling::balanced && protocol.design.trials_per_cell % 4 != 0)
+    throw UsageError(fmt::format("--trials {}: balanced cells need a multiple of 4", protocol.design.trials_per_cell));
+  if (options.participants) protocol.design.participants = *options.participants;
+  PrecisionQuestion question = precision_question(protocol);
+  question.between_cv = options.between_cv;
+  question.wanted_cv = options.cv;
+  question.seed = plan.seed.value_or(1);
+  PlannedPrecision planned;
+  for (const Condition& condition : protocol.conditions)
+    planned.sources.push_back(planned_jnd(protocol, condition.name).source);
+  set_jnds(options.jnds, protocol, planned, question.jnds);
+  planned.precision = precision_with_progress(question);
+  if (plan.json) {
+    nlohmann::ordered_json out = {{"protocol_sha256", protocol.sha256}};
+    out["precision"] = precision_json(planned, protocol);
+    fmt::print("{}\n", json_line(out));
+    return exit_code::kDone;
+  }
+  if (!options.markdown) fmt::print("{}\n", bold(printable(protocol.title)));
+  fmt::print("{}", precision_text(planned, protocol, options.markdown ? TableStyle::markdown : TableStyle::terminal));
+  return exit_code::kDone;
+}
+
+}  // namespace jnd

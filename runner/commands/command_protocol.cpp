@@ -1,0 +1,171 @@
+// jnd new and jnd check: protocols before anyone takes part.
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "data/files/draft.h"
+#include "devices/hid/link/streamed_tracker.h"
+#include "protocols/planning/duration.h"
+#include "protocols/planning/plan.h"
+#include "protocols/reading/protocol_json.h"
+#include "protocols/input/read_file.h"
+#include "runner/commands/commands.h"
+#include "runner/terminal/json_output.h"
+#include "runner/results/precision_json.h"
+#include "runner/results/precision_text.h"
+#include "runner/opening/protocol_fitness.h"
+#include "protocols/input/resources.h"
+#include "runner/terminal/terminal.h"
+
+namespace jnd {
+
+namespace {
+
+// False where the file exists.
+bool write_new_file(const std::filesystem::path& path, const std::string& bytes) {
+  Draft draft(path, Draft::What::file, Draft::Access::everyone);
+  draft.write(bytes);
+  return draft.publish();
+}
+
+}  // namespace
+
+int command_new(const NewOptions& options) {
+  const std::filesystem::path from = find_resource(Resource::protocol, options.from);
+  const std::filesystem::path file = options.file.ends_with(".json") ? options.file : options.file + ".json";
+  if (!write_new_file(file, read_input_file(from)))
+    throw UsageError(fmt::format("{} exists already; choose another name", file.string()));
+  fmt::print("{} written, a copy of {}.\n", printable(file.string()), printable(options.from));
+  // The protocol names its schema by a relative path, so that editors help with it.
+  const std::filesystem::path schema = from.parent_path() / "protocol.schema.json";
+  if (std::filesystem::exists(schema) &&
+      write_new_file(file.parent_path() / schema.filename(), read_input_file(schema)))
+    fmt::print("  protocol.schema.json is beside it: editors that know JSON Schema help while you type\n");
+  fmt::print("  edit it, then:  jnd check {}\n", printable(file.string()));
+  return exit_code::kDone;
+}
+
+namespace {
+
+// Few enough for an answer at once; `jnd plan --precision` draws more.
+constexpr int kDraws = 10'000;
+constexpr int kExperiments = 1'000;
+
+struct CheckedFile {
+  ProtocolCheck check;
+  std::optional<PlannedPrecision> precision;  // of a protocol without errors that has one
+  int trials = 0;
+  double duration_s = 0;
+};
+
+PlannedPrecision planned_precision(const Protocol& protocol) {
+  PrecisionQuestion question = precision_question(protocol);
+  question.draws = kDraws;
+  question.experiments = kExperiments;
+  PlannedPrecision planned{precision(question), {}};
+  for (const Condition& condition : protocol.conditions)
+    planned.sources.push_back(planned_jnd(protocol, condition.name).source);
+  return planned;
+}
+
+CheckedFile check_file(const std::string& name_or_path) {
+  CheckedFile result;
+  result.check = check_fitness(find_resource(Resource::protocol, name_or_path));
+  if (!result.check.errors.empty()) return result;
+  const Protocol& protocol = *result.check.protocol;
+  result.trials = main_trial_count(make_plan(protocol, 1, 1));
+  result.duration_s = expected_duration_s(protocol);
+  if (has_precision(protocol)) result.precision = planned_precision(protocol);
+  return result;
+}
+
+// What the rig file has to name, where the fingers' poses come from outside this program.
+void print_tracker(const Protocol& protocol) {
+  const std::string& tracker = protocol.rig.tracker;
+  if (!is_streamed(tracker)) return;
+  const char* const is = tracker == "hid"
+                             ? "a tracker over USB; where there are several, the rig file gives its serial number"
+                         : tracker == "process" ? "a program that writes poses; the rig file names it"
+                                                : "a file of poses; the rig file names it";
+  fmt::print("  tracker: {}, {} (jnd run --rig FILE)\n", tracker, is);
+}
+
+void print_check(const std::string& name, const CheckedFile& result) {
+  for (const Diagnostic& error : result.check.errors) fmt::print("error: {}\n", printable(to_text(error)));
+  for (const Diagnostic& warning : result.check.warnings)
+    fmt::print("{}: {}\n", warn("warning"), printable(to_text(warning)));
+  if (!result.check.errors.empty()) {
+    fmt::print("{}: {} error{}, {} warning{}\n", printable(name), result.check.errors.size(),
+               result.check.errors.size() == 1 ? "" : "s", result.check.warnings.size(),
+               result.check.warnings.size() == 1 ? "" : "s");
+    return;
+  }
+  const Protocol& protocol = *result.check.protocol;
+  if (protocol.explore) {
+    fmt::print(
+        "{}: {}\n  {}\n  {} conditions x {:g} s with {} object{}, {} question{}, about {} a session\n  SHA-256 {}\n",
+        printable(name), bold("ok"), printable(protocol.title), protocol.conditions.size(),
+        protocol.explore->duration_s, protocol.explore->objects.size(),
+        protocol.explore->objects.size() == 1 ? "" : "s", protocol.questions.size(),
+        protocol.questions.size() == 1 ? "" : "s", duration_text(result.duration_s), protocol.sha256);
+    print_tracker(protocol);
+    return;
+  }
+  if (protocol.design.procedure) {
+    const AdaptiveProcedure& procedure = *protocol.design.procedure;
+    const bool at_most = procedure.reversals > 0;
+    fmt::print(
+        "{}: {}\n  {}\n  {} conditions x {} track{} = {}{} trials a participant, {:.0f} % of them catch trials, "
+        "{}about "
+        "{} a "
+        "session\n  SHA-256 {}\n",
+        printable(name), bold("ok"), printable(protocol.title), protocol.conditions.size(), procedure.starts.size(),
+        procedure.starts.size() == 1 ? "" : "s", at_most ? "at most " : "", result.trials, 100 * procedure.catch_share,
+        at_most ? "at most " : "", duration_text(result.duration_s), protocol.sha256);
+    print_tracker(protocol);
+    return;
+  }
+  fmt::print(
+      "{}: {}\n  {}\n  {} conditions x {} series x {} trials a cell = {} trials a participant, about {} a session\n  "
+      "SHA-256 {}\n",
+      printable(name), bold("ok"), printable(protocol.title), protocol.conditions.size(), protocol.series.size(),
+      protocol.design.trials_per_cell, result.trials, duration_text(result.duration_s), protocol.sha256);
+  print_tracker(protocol);
+  if (result.precision) fmt::print("\n{}", precision_summary(*result.precision, protocol, name));
+}
+
+void print_check_json(const CheckedFile& result) {
+  nlohmann::ordered_json out;
+  const bool ok = result.check.errors.empty();
+  out["ok"] = ok;
+  out["errors"] = nlohmann::ordered_json::array();
+  for (const Diagnostic& error : result.check.errors) out["errors"].push_back(to_json(error));
+  out["warnings"] = nlohmann::ordered_json::array();
+  for (const Diagnostic& warning : result.check.warnings) out["warnings"].push_back(to_json(warning));
+  out["trials"] = ok ? nlohmann::ordered_json(result.trials) : nlohmann::ordered_json(nullptr);
+  out["duration_s"] = ok ? nlohmann::ordered_json(result.duration_s) : nlohmann::ordered_json(nullptr);
+  out["precision"] =
+      result.precision ? precision_json(*result.precision, *result.check.protocol) : nlohmann::ordered_json(nullptr);
+  if (ok && result.check.protocol->design.procedure)
+    out["trials_at_most"] = result.check.protocol->design.procedure->reversals > 0;
+  if (ok) out["tracker"] = result.check.protocol->rig.tracker;
+  if (ok) out["sha256"] = result.check.protocol->sha256;
+  fmt::print("{}\n", json_line(out));
+}
+
+}  // namespace
+
+int command_check(const CheckOptions& options) {
+  bool all_ok = true;
+  for (const std::string& name : options.protocols) {
+    const CheckedFile result = check_file(name);
+    all_ok = all_ok && result.check.errors.empty();
+    if (options.json)
+      print_check_json(result);
+    else
+      print_check(name, result);
+  }
+  return all_ok ? exit_code::kDone : exit_code::kInvalidInput;
+}
+
+}  // namespace jnd

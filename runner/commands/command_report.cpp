@@ -1,0 +1,76 @@
+// jnd report: a study as a page for people.
+#include <filesystem>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "data/study/blinding.h"
+#include "data/results/methods_text.h"
+#include "data/results/study_results.h"
+#include "protocols/version.h"
+#include "runner/report/blinded_files.h"
+#include "runner/commands/commands.h"
+#include "runner/commands/report_command.h"
+#include "runner/report/report_files.h"
+#include "runner/report/report_page.h"
+#include "runner/opening/study_access.h"
+#include "runner/terminal/terminal.h"
+
+namespace jnd {
+
+namespace {
+
+ReportFacts facts_of(const Study& study, const Protocol& protocol, const std::filesystem::path& path,
+                     SessionKind kind) {
+  ReportFacts facts;
+  facts.program_version = kVersion;
+  facts.study_file = path.filename().string();
+  if (!plan_sealed(study, protocol)) facts.study_seed = study.info().seed;
+  for (const SessionKind other : kinds_in(study))
+    if (other != kind) facts.other_kinds.emplace_back(to_string(other));
+  return facts;
+}
+
+int report_blinded(const Study& study, const Protocol& protocol, const ReportOptions& options, ReportFiles files) {
+  const BlindedResults results =
+      blinded_results(study, protocol, source_to_analyse(protocol, options.by), options.study);
+  files.page_bytes = blinded_page(results, protocol, std::filesystem::path(options.study).filename().string());
+  write_report(files, options.replace);
+  fmt::print("{}: {} real participant{}; one page that needs nothing else\n", bold(printable(files.page.string())),
+             results.participants.size(), results.participants.size() == 1 ? "" : "s");
+  fmt::print("{}\n", warn(printable(results.line)));
+  say_other_kinds(study, SessionKind::real);
+  return exit_code::kDone;
+}
+
+}  // namespace
+
+int command_report(const ReportOptions& options) {
+  const std::filesystem::path study_path = options.study;
+  ReportFiles files;
+  files.page = options.file.empty() ? study_path.parent_path() / (study_path.stem().string() + "-report.html")
+                                    : std::filesystem::path(options.file);
+  files.folder = options.figures_folder.empty() ? files.page.parent_path() / (files.page.stem().string() + "-figures")
+                                                : std::filesystem::path(options.figures_folder);
+  const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_only);
+  check_report_place(files.page, files.folder, options.replace);  // before the work, not after it
+  const Protocol protocol = protocol_of(*study);
+  const SessionKind kind = kind_to_analyse(*study, options.kind);
+  if (blinding_of(*study, protocol, kind).blinded) return report_blinded(*study, protocol, options, std::move(files));
+  const StudyResults results = results_of(*study, protocol, kind, source_to_analyse(protocol, options.by));
+  const std::vector<Figure> figures = study_figures(results, protocol);
+  files.page_bytes = report_page(results, protocol, result_tables(results, protocol), figures,
+                                 methods_text(*study, protocol, results), facts_of(*study, protocol, study_path, kind));
+  for (const Figure& figure : figures) files.figures.emplace_back(figure.id + ".svg", figure.svg.file());
+  write_report(files, options.replace);
+  fmt::print("{}: {} {} participant{}; one page that needs nothing else\n", bold(printable(files.page.string())),
+             results.analysis.participants, to_string(kind), results.analysis.participants == 1 ? "" : "s");
+  if (!figures.empty())
+    fmt::print("{}: its {} figures, each an SVG file\n", printable(files.folder.string()), figures.size());
+  for (const std::string& text : results.deviations) fmt::print("{}\n", warn("deviation: " + printable(text)));
+  for (const std::string& text : results.warnings) fmt::print("{}\n", warn("warning: " + printable(text)));
+  say_other_kinds(*study, kind);
+  return exit_code::kDone;
+}
+
+}  // namespace jnd

@@ -1,0 +1,230 @@
+// jnd run: a session from this terminal. On simulated devices it is a rehearsal: kind pilot with a person at the keys,
+// kind simulated where a profile answers.
+#include <fmt/format.h>
+
+#include "data/log/event_body.h"
+#include "data/log/storage_error.h"
+#include "devices/rigs/rig_factory.h"
+#include "protocols/planning/plan.h"
+#include "protocols/reading/translation.h"
+#include "devices/hid/buttons/button_box.h"
+#include "runner/opening/chosen_rig.h"
+#include "runner/commands/commands.h"
+#include "runner/console/console.h"
+#include "runner/session/fast_clock.h"
+#include "runner/keys/interrupt.h"
+#include "runner/keys/keyboard.h"
+#include "runner/opening/readiness.h"
+#include "protocols/input/resources.h"
+#include "runner/session/rig_connections.h"
+#include "runner/opening/rig_source.h"
+#include "runner/session/session_engine.h"
+#include "runner/opening/session_opening.h"
+#include "runner/session/simulate.h"
+#include "runner/opening/study_access.h"
+#include "runner/terminal/terminal.h"
+
+namespace jnd {
+
+namespace {
+
+// What the user may choose, or what the rig is for.
+SessionKind kind_of(const RunOptions& options, bool rig_simulated) {
+  if (options.responder) {
+    if (options.kind) throw UsageError("--responder answers for nobody: its data are simulated; leave --kind out");
+    return SessionKind::simulated;
+  }
+  if (options.fast && !rig_simulated && options.kind != "pilot")
+    throw UsageError(
+        "--fast skips what the participant should feel: leave it out, or add --kind pilot for a rehearsal");
+  if (!options.kind) return rig_simulated ? SessionKind::pilot : SessionKind::real;
+  const std::optional<SessionKind> kind = session_kind_from(*options.kind);
+  if (!kind || *kind == SessionKind::simulated)
+    throw UsageError(fmt::format("'{}': --kind takes real or pilot", printable(*options.kind)));
+  if (*kind == SessionKind::real && rig_simulated)
+    throw UsageError(
+        "this rig is simulated: nothing that is felt with it is real data. Leave --kind real out; the session is then "
+        "a rehearsal, of kind pilot");
+  return *kind;
+}
+
+void note_realtime(SessionLog& log, const RealtimeReport& report, const Clock& clock, Console& console) {
+  nlohmann::ordered_json items = nlohmann::ordered_json::array();
+  for (const RealtimeItem& item : report.items)
+    items.push_back({{"what", item.what}, {"ok", item.ok}, {"detail", item.detail}, {"why_not", item.why_not}});
+  log.append(event_kind::kRealtime, {{"policy", to_string(report.policy)}, {"items", std::move(items)}},
+             {clock.utc_ns(), clock.now_ns()});
+  const std::string problems = report.problems();
+  if (!problems.empty()) console.announce("The loop is not real-time:\n" + problems, true);
+}
+
+// What was found, said to the operator. False: the session must not be begun.
+bool is_ready(const Readiness& readiness, const RunOptions& options, Console& console) {
+  const std::string text = readiness_text(readiness);
+  const bool fine = std::all_of(readiness.items.begin(), readiness.items.end(),
+                                [](const MachineCheck& item) { return item.verdict == Verdict::ok; });
+  console.announce(text, !fine);
+  if (!readiness.blocked) return true;
+  return readiness.overridable && options.override_readiness && !options.override_readiness->empty();
+}
+
+// As every event of a session: where it cannot be written just now, it is tried again when the operator says so.
+void close_session(Study& study, const std::string& id, Stamp stamp, Console& console) {
+  for (;;) {
+    try {
+      study.close_session(id, stamp);
+      return;
+    } catch (const StorageTrouble& trouble) {
+      if (!console.storage_trouble(trouble.what())) throw;
+    }
+  }
+}
+
+SessionCard card_of(const Protocol& protocol, const RunOptions& options, const SessionRequest& request,
+                    const SessionTarget& target, const Plan& plan) {
+  SessionCard card;
+  card.title = protocol.title;
+  card.participant = request.participant;
+  card.session = target.number;
+  card.sessions = protocol.design.sessions;
+  card.kind = request.kind;
+  card.resumed = target.resumed.has_value();
+  card.trials_done = target.resumed ? target.resumed->trials_done : 0;
+  card.trials_total = std::max(main_trial_count(plan), static_cast<int>(plan.explorations.size()));
+  card.fast = options.fast;
+  return card;
+}
+
+}  // namespace
+
+int command_run(const RunOptions& options) {
+  const Protocol protocol = load_checked_protocol(options.protocol);
+  const RigDescription description = rig_of(protocol);
+  const bool person = !options.responder;
+  const ParticipantProfile profile =
+      load_profile(find_resource(Resource::profile, options.responder.value_or(default_profile(protocol))));
+  const RecordPolicy record = record_policy_of(options.record);
+
+  SessionRequest request;
+  const ChosenRig chosen = choose_rig(options);
+  request.kind = kind_of(options, chosen.source().info(protocol, description.spec).simulated);
+  request.responder = person ? "keyboard" : "profile " + profile.name;
+  request.profile_sha256 = person ? "" : profile.sha256;
+  request.beside = options.beside;
+  request.accept_gap = options.accept_gap;
+  request.language = options.language;
+  request.now = resume_moment(options.fast);
+  request.participant = !options.participant.empty() || person ? options.participant : participant_code(1);
+  if (options.language) in_language(protocol, *options.language);  // refused before anything is made
+
+  if (!options.buttons.empty() && !person) throw UsageError("--responder answers for nobody: leave --buttons out");
+  // They come before the study: where they are not there, nothing is made.
+  const ChosenButtons chosen_buttons = person ? choose_buttons(options, chosen.file) : ChosenButtons{};
+  ButtonBox* const buttons = chosen_buttons.box.get();
+
+  std::unique_ptr<Keyboard> keyboard;
+  if (person) keyboard = std::make_unique<Keyboard>();
+  std::unique_ptr<Clock> clock;
+  if (options.fast)
+    clock = std::make_unique<FastClock>();
+  else
+    clock = std::make_unique<SteadyClock>();
+  const Interrupts& interrupted = interrupts();
+  ConsoleOptions console_options;
+  console_options.plain = options.plain;
+  console_options.entered_by = options.participant_presses ? EnteredBy::participant : EnteredBy::operator_;
+  console_options.buttons = buttons;
+  if (request.participant.empty())
+    request.participant = make_console(console_options, protocol, keyboard.get(), *clock, interrupted)
+                              ->ask_text("Participant code (letters and digits)");
+  check_participant_code(request.participant);
+
+  // Without them no study is made, and where one of them is a model nothing counts as real.
+  if (chosen.source().look_for_devices(protocol, description, profile, *clock)) request.kind = kind_of(options, true);
+  const auto now = [&] { return Stamp{clock->utc_ns(), clock->now_ns()}; };
+  const std::unique_ptr<Study> study = open_or_create_study(options.study, protocol, options.seed, now());
+  const std::uint64_t seed = study->info().seed;
+  const SessionTarget target = choose_session(*study, protocol, request);
+  const Protocol shown = target.language.empty() ? protocol : in_language(protocol, target.language);
+  const Plan plan = make_plan(protocol, target.participant_number, seed, target.number);
+
+  SimulatedClock device_clock(clock->utc_ns());
+  RigOptions how = rig_options(record, protocol, description);
+  // On the real clock the loop has a thread of its own; in a quick rehearsal it runs inside the session's.
+  if (!options.fast) how.realtime = realtime_policy_of(options.realtime);
+  std::unique_ptr<Rig> rig = chosen.source().make(protocol, description, profile, plan.participant, seed,
+                                                  options.fast ? static_cast<Clock&>(device_clock) : *clock, how);
+  if (options.fast) rig = std::make_unique<FastRig>(std::move(rig), device_clock, *clock);
+  check_same_rig(target, rig->info());
+  const StopOnInterrupt stop_rig(rig->stop);
+  const StopOnKey stop_key(keyboard.get(), rig->stop);
+  const StopOnButton stop_button(buttons, rig->stop);
+
+  console_options.stop = &rig->stop;
+  const std::unique_ptr<Console> console = make_console(console_options, shown, keyboard.get(), *clock, interrupted);
+  Readiness readiness;
+  if (person) {
+    readiness = check_readiness({protocol, description.spec, plan, *study, options.study, request.participant,
+                                 request.kind, *rig, is_terminal(0), options.fast, buttons});
+    if (!is_ready(readiness, options, *console)) {
+      study->close();
+      console->end(std::string("Not begun: see to what is marked BAD and try again.") +
+                   (readiness.overridable ? " Where there is a good reason to go on all the same: "
+                                            "--override-readiness \"REASON\" (it is kept)."
+                                          : ""));
+      return exit_code::kProblemFound;
+    }
+  }
+
+  OpenedSession opened = open_session(*study, request, target, plan, rig->info(), now());
+  if (person)
+    opened.log->append(event_kind::kReadiness, readiness_body(readiness, options.override_readiness.value_or("")),
+                       now());
+  if (how.realtime) note_realtime(*opened.log, rig->realtime(), *clock, *console);
+  if (const std::string missing = left_out_text(protocol, target.language); person && !missing.empty())
+    console->announce(fmt::format("The translation \"{}\" {}. They are shown in {}.", printable(target.language),
+                                  printable(missing), printable(protocol.language)),
+                      true);
+  if (target.resumed && person)
+    console->announce(resume_text(target.check, protocol.resume), !target.check.warning.empty());
+  console->begin(card_of(shown, options, request, target, plan));
+
+  std::unique_ptr<Responder> simulated;
+  if (!person) simulated = make_simulated_participant(profile, protocol, plan.participant, seed, *clock);
+  std::optional<PauseOnInterrupt> pausing;
+  if (person) pausing.emplace();
+  const SessionParts parts{shown,       plan,   *rig,     person ? console->responder() : *simulated,
+                           *opened.log, *clock, *console, interrupted,
+                           record,      person};
+  const SessionRecorder recorder(parts);
+  note_connections(parts, recorder, "opened");
+  note_calibrations(parts, recorder, certificate_folders(chosen.file, options.study));
+  SessionEnd end = SessionEnd::interrupted;
+  std::string missing;  // of the rig, where that ended it
+  try {
+    end = SessionEngine(parts).run(replay(opened.log->events()),
+                                   {person && target.check.redo_block, person && target.check.practice_again});
+    missing = person ? "" : rig->missing();
+    note_connections(parts, recorder, "closed");
+    if (end != SessionEnd::interrupted) close_session(*study, opened.id, now(), *console);
+  } catch (...) {
+    console->end("");
+    throw;
+  }
+  if (end == SessionEnd::interrupted) {
+    study->close();
+    console->end(fmt::format(
+        "{}Stopped. Every answer so far is saved in {}; the same command goes on at the next trial.",
+        missing.empty() ? "" : printable("Missing: " + missing) + ".\n", printable(study->path().string())));
+    return exit_code::kInterrupted;
+  }
+  study->close();
+  console->end(end == SessionEnd::completed
+                   ? fmt::format("{} The session of {} is complete and saved in {}.", bold("Done."),
+                                 request.participant, printable(study->path().string()))
+                   : fmt::format("Ended. The session of {} is closed as it is; everything so far is saved in {}.",
+                                 request.participant, printable(study->path().string())));
+  return exit_code::kDone;
+}
+
+}  // namespace jnd

@@ -1,0 +1,113 @@
+// jnd simulate: a whole study of simulated participants.
+#include <algorithm>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "data/study/blinding.h"
+#include "runner/results/adaptive_text.h"
+#include "runner/results/analysis_text.h"
+#include "runner/commands/commands.h"
+#include "runner/keys/interrupt.h"
+#include "runner/terminal/json_output.h"
+#include "runner/terminal/number_text.h"
+#include "protocols/input/resources.h"
+#include "runner/opening/rig_limits.h"
+#include "runner/session/simulate.h"
+#include "runner/terminal/standard_streams.h"
+#include "runner/opening/study_access.h"
+#include "runner/terminal/terminal.h"
+
+namespace jnd {
+
+namespace {
+
+int interrupted() {
+  write_message("jnd: interrupted; nothing was kept\n");
+  return exit_code::kInterrupted;
+}
+
+int simulate_without_study(const Simulation& simulation, bool json) {
+  if (simulation.protocol.design.procedure) {
+    const AdaptiveResults results = simulate_thresholds(simulation);
+    if (interrupt_requested()) return interrupted();
+    if (json)
+      fmt::print("{}\n", json_line(to_json(results, simulation.protocol)));
+    else
+      fmt::print("{}", to_text(results, simulation.protocol));
+    return exit_code::kDone;
+  }
+  const std::vector<CellCounts> cells = simulate_counts(simulation);
+  if (interrupt_requested()) return interrupted();
+  const StudyResults results =
+      results_of(analyze_counts(cells, simulation.protocol, SessionKind::simulated), simulation.protocol);
+  if (json) {
+    fmt::print("{}\n", json_line(to_json(results, simulation.protocol)));
+    return exit_code::kDone;
+  }
+  for (const ResultTable& table : result_tables(results, simulation.protocol))
+    if (table.id == "group" || table.id == "contrasts") print_table(table);
+  return exit_code::kDone;
+}
+
+}  // namespace
+
+int command_simulate(const SimulateOptions& options) {
+  if (options.no_study == options.study.has_value())
+    throw UsageError("say where the data go: --study FILE, or --no-study to keep nothing");
+  const Protocol protocol = load_checked_protocol(options.protocol);
+  const bool explores = protocol.paradigm == Paradigm::explore;
+  if (explores && options.no_study)
+    throw UsageError("free interaction has answers, not counts: give --study FILE, and jnd analyze shows them");
+  const RigDescription rig = rig_of(protocol);
+  const ParticipantProfile profile = load_profile(
+      find_resource(Resource::profile, options.profile.empty() ? default_profile(protocol) : options.profile));
+  if (const std::string other = not_shipped_text(rig.spec); !other.empty() && !options.json)
+    fmt::print("{}\n", warn(printable(fmt::format("The rig is {}: {}.", other, limits_text(rig.spec)))));
+  const int processors = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  Simulation simulation{protocol, rig, profile};
+  simulation.record = record_policy_of(options.record);
+  simulation.participants = options.participants;
+  simulation.threads = options.threads > 0 ? options.threads : processors;
+  simulation.progress = true;
+  if (options.no_study) {
+    simulation.seed = options.seed.value_or(1);
+    return simulate_without_study(simulation, options.json);
+  }
+
+  const std::unique_ptr<Study> study =
+      open_or_create_study(*options.study, protocol, options.seed, {simulated_epoch_ns(1), 0});
+  if (!study->sessions().empty() && plan_sealed(*study, protocol))
+    throw UsageError(
+        fmt::format("{} holds sessions of people and is blinded: simulated participants would go through the same "
+                    "plans and show them. "
+                    "Simulate into another file, or with --no-study",
+                    *options.study));
+  simulation.seed = study->info().seed;
+  const SimulationResult result = simulate_study(simulation, *study);
+  study->close();
+  if (result.interrupted) {
+    fmt::print("Interrupted. Every answer so far is in {}; the same command goes on from here.\n",
+               printable(*options.study));
+    return exit_code::kInterrupted;
+  }
+  std::int64_t trials = 0;
+  std::int64_t voided = 0;
+  for (const SessionInfo& session : Study::open(*options.study, Study::Access::read_only)->sessions()) {
+    if (session.kind != SessionKind::simulated) continue;
+    trials += session.trials_done;
+    voided += session.trials_voided;
+  }
+  const int sessions = protocol.design.sessions;
+  if (result.already_complete > 0)
+    fmt::print("{} had finished before.\n",
+               counted(result.already_complete, sessions == 1 ? "participant" : "session"));
+  fmt::print("{}: {}{}, profile {}, seed {}: {} {}, {} voided\n", printable(*options.study),
+             counted(options.participants, "participant"),
+             sessions == 1 ? "" : fmt::format(", {} sessions each", sessions), printable(profile.name), simulation.seed,
+             trials, explores ? "explorations" : "trials", voided);
+  fmt::print("  next:  jnd analyze {}\n", printable(*options.study));
+  return exit_code::kDone;
+}
+
+}  // namespace jnd

@@ -1,0 +1,162 @@
+// jnd status, verify and export: what a study holds.
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "data/study/blinding.h"
+#include "data/export/export.h"
+#include "data/results/study_results.h"
+#include "data/verify/verify_deep.h"
+#include "devices/loop/governor.h"
+#include "runner/report/blinded_files.h"
+#include "runner/commands/blinded_problem.h"
+#include "runner/commands/commands.h"
+#include "runner/keys/interrupt.h"
+#include "runner/terminal/json_output.h"
+#include "runner/opening/study_access.h"
+#include "runner/terminal/terminal.h"
+#include "runner/terminal/text_table.h"
+
+namespace jnd {
+
+int command_status(const StudyOptions& options) {
+  const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_only);
+  const StudyInfo& info = study->info();
+  const std::vector<SessionInfo> sessions = study->sessions();
+  const Protocol protocol = protocol_of(*study);
+  const BlindingState blinding = blinding_of(*study, protocol, SessionKind::real);
+  const bool sealed = plan_sealed(*study, protocol);
+  if (options.json) {
+    nlohmann::ordered_json out = {
+        {"protocol", info.protocol_name},
+        {"protocol_sha256", info.protocol_sha256},
+        {"seed", sealed ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(info.seed)},
+        {"blinding", to_json(blinding)},
+        {"study_head", study->head()}};
+    out["sessions"] = nlohmann::ordered_json::array();
+    for (const SessionInfo& session : sessions)
+      out["sessions"].push_back(
+          {{"id", session.id},
+           {"participant", session.participant},
+           {"kind", to_string(session.kind)},
+           {"state", session.state},
+           {"trials_done", session.trials_done},
+           {"trials_total", session.trials_total},
+           {"trials_voided", session.trials_voided},
+           {"responder", session.responder},
+           {"started", session.started},
+           {"ended", session.ended.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(session.ended)},
+           {"head", session.head}});
+    fmt::print("{}\n", json_line(out));
+    return exit_code::kDone;
+  }
+  fmt::print("{}: protocol {} ({}...), seed {}\n", bold(printable(options.study)), printable(info.protocol_name),
+             info.protocol_sha256.substr(0, 12), seed_text(*study, protocol, "sealed"));
+  if (sealed) fmt::print("{}\n", warn(printable(blinding_line(blinding, options.study))));
+  if (sessions.empty()) {
+    fmt::print("  no session yet\n");
+    return exit_code::kDone;
+  }
+  using Align = TextTable::Align;
+  TextTable table(
+      {"participant", "kind", "state", "trials", "voided", "started", "ended", "answers by"},
+      {Align::left, Align::left, Align::left, Align::right, Align::right, Align::left, Align::left, Align::left});
+  for (const SessionInfo& session : sessions)
+    table.add({printable(session.participant), std::string(to_string(session.kind)), session.state,
+               fmt::format("{} of {}", session.trials_done, session.trials_total),
+               std::to_string(session.trials_voided), session.started.substr(0, 19),
+               session.ended.substr(0, std::min<std::size_t>(19, session.ended.size())), printable(session.responder)});
+  fmt::print("{}  {}\n", table.text(), dim("head of the study's own chain: " + study->head()));
+  return exit_code::kDone;
+}
+
+int command_verify(const StudyOptions& options) {
+  const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_only);
+  VerifyReport report = verify(*study);
+  DeepReport deep;
+  if (options.deep) deep = verify_deep(*study);
+  report.problems.insert(report.problems.end(), deep.problems.begin(), deep.problems.end());
+  const std::vector<std::string> problems = unsealed_problems(report.problems, *study);
+  const bool ok = problems.empty();
+  if (options.json) {
+    nlohmann::ordered_json out = {{"ok", ok},
+                                  {"sessions", report.sessions},
+                                  {"events", report.events},
+                                  {"trials", report.trials},
+                                  {"voided", report.voided},
+                                  {"telemetry", report.telemetry},
+                                  {"telemetry_lost", report.telemetry_lost},
+                                  {"study_head", report.study_head},
+                                  {"problems", problems}};
+    if (options.deep)
+      out["deep"] = {{"sessions", deep.sessions},
+                     {"intervals", deep.intervals},
+                     {"numbers", deep.numbers},
+                     {"bytes", deep.bytes},
+                     {"remarks", deep.remarks}};
+    fmt::print("{}\n", json_line(out));
+  } else {
+    for (const std::string& problem : problems) fmt::print("problem: {}\n", printable(problem));
+    fmt::print("{}: {} ({} sessions, {} events, {} trials, {} voided{})\n", printable(options.study),
+               ok ? bold("every hash and every planned stimulus agrees")
+                  : fmt::format("{} problem{}", problems.size(), problems.size() == 1 ? "" : "s"),
+               report.sessions, report.events, report.trials, report.voided,
+               report.telemetry > 0 ? fmt::format(", telemetry of {} intervals", report.telemetry) : std::string());
+    if (report.telemetry_lost > 0)
+      fmt::print("{}\n", warn(fmt::format("  ticks of {} interval{} are said to be lost (study.recovered)",
+                                          report.telemetry_lost, report.telemetry_lost == 1 ? "" : "s")));
+    if (!report.study_head.empty())
+      fmt::print("  {}\n", dim("head of the study's own chain: " + printable(report.study_head)));
+    if (options.deep)
+      fmt::print("  the course of {} sessions was followed, {} numbers of {} intervals computed again, {} bytes read\n",
+                 deep.sessions, deep.numbers, deep.intervals, deep.bytes);
+    for (const std::string& remark : deep.remarks) fmt::print("  {}\n", printable(remark));
+  }
+  return ok ? exit_code::kDone : exit_code::kProblemFound;
+}
+
+namespace {
+
+int export_in_code(const Study& study, const Protocol& protocol, const ExportOptions& options) {
+  const BlindedResults results =
+      blinded_results(study, protocol, source_to_analyse(protocol, options.by), options.study);
+  const HoldInterrupts hold;
+  const std::vector<std::string> files = export_blinded(study, protocol, results, options.folder, options.replace);
+  fmt::print("{}\n{} files (real data, in code) in {}; dictionary.csv says what every column is\n",
+             warn(printable(results.line)), files.size(), printable(options.folder));
+  say_other_kinds(study, SessionKind::real);
+  return exit_code::kDone;
+}
+
+}  // namespace
+
+int command_export(const ExportOptions& options) {
+  const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_only);
+  const Protocol protocol = protocol_of(*study);
+  const SessionKind kind = kind_to_analyse(*study, options.kind);
+  if (options.telemetry && plan_sealed(*study, protocol))
+    throw UsageError(blinding_line(blinding_of(*study, protocol, SessionKind::real), options.study) +
+                     "\nThe recorded forces give the stimuli away: export without --telemetry until then");
+  if (blinding_of(*study, protocol, kind).blinded) return export_in_code(*study, protocol, options);
+  const StudyResults results = results_of(*study, protocol, kind, source_to_analyse(protocol, options.by));
+  std::optional<TelemetryExport> telemetry;
+  if (options.telemetry) telemetry = {{limit::kNames.begin(), limit::kNames.end()}};
+  const HoldInterrupts hold;
+  const std::vector<std::string> files =
+      export_csv(*study, protocol, results, options.folder, options.replace, telemetry);
+  fmt::print("{} files ({} data) in {}; dictionary.csv says what every column is\n", files.size(), to_string(kind),
+             printable(options.folder));
+  if (plan_sealed(*study, protocol))
+    fmt::print("{}\n",
+               warn("Real sessions of this study are blinded, and every kind has their plan: the files of single "
+                    "trials and answers and the seed are left out."));
+  if (options.telemetry && std::none_of(files.begin(), files.end(), [](const std::string& file) {
+        return file.find("/telemetry/") != std::string::npos;
+      }))
+    fmt::print("this study holds no telemetry of {} sessions\n", to_string(kind));
+  say_other_kinds(*study, kind);
+  return exit_code::kDone;
+}
+
+}  // namespace jnd

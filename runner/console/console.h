@@ -1,0 +1,72 @@
+// The operator's console: what to do and to say now, trial k of n, the coded condition, the time left, the devices'
+// health; and what the operator asks for. It never shows a stimulus, an answer's correctness (unless the protocol gives
+// the participant that feedback) or a condition's name.
+//
+// Two faces, one behaviour: a calm full screen, or lines (--plain, and where input or output is no terminal).
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "devices/clock.h"
+#include "devices/emergency_stop.h"
+#include "devices/responder.h"
+#include "protocols/protocol.h"
+#include "protocols/vocabulary.h"
+#include "runner/keys/interrupt.h"
+#include "runner/session/session_view.h"
+
+namespace jnd {
+
+class ButtonBox;
+class Keyboard;
+
+// What is said of a session once, at its beginning.
+struct SessionCard {
+  std::string title;        // of the protocol
+  std::string participant;  // code
+  int session = 1, sessions = 1;
+  SessionKind kind = SessionKind::pilot;
+  bool resumed = false;
+  int trials_done = 0, trials_total = 0;  // of the main part
+  bool fast = false;                      // waiting takes no time
+};
+
+struct ConsoleOptions {
+  bool plain = false;                           // lines, also on a terminal
+  EnteredBy entered_by = EnteredBy::operator_;  // of answers by keys
+  ButtonBox* buttons = nullptr;                 // the participant's own, where there are some; outlives the console
+  const EmergencyStop* stop = nullptr;          // the rig's, which waits look at; outlives the console
+};
+
+// Thread rule: the session's thread only.
+//
+// Interrupts: every wait looks at them. Where `pause` is set, ready(), instruct(), break_over() and ready_to_explore()
+// return Wish::pause, a trial or a page of questions is left without an answer, and what was typed on the page is there
+// when it is asked again; the latch itself is left to the engine. Where `end` is set, or the keys have ended, a wait
+// returns Wish::end_for_now, nothing, or false.
+// Stops: where a key or a button has latched the rig's stop, every wait returns at once with Wish::stopped or without
+// an answer, but for recover()'s and those in it, and storage_trouble()'s, which comes before the stop. A text to be
+// read (consent, instructions, a page of questions, a finding) takes no answer before all of it was seen. judge()
+// returns nothing where the operator asks for something instead of the answer: meanwhile() then says what. What was
+// typed during a presentation and does not break it off (pause, note, end) is the next ready()'s.
+class Console : public SessionView {
+ public:
+  virtual Responder& responder() = 0;
+  virtual void begin(const SessionCard& card) = 0;
+  // A message of its own, of one line or several: what readiness found, a clock that was set back.
+  virtual void announce(const std::string& text, bool warning) = 0;
+  // [y] or [n]; false also where nobody can answer.
+  virtual bool confirm(const std::string& question) = 0;
+  // A line of text, such as the reason for going on in spite of a finding; may be empty.
+  virtual std::string ask_text(const std::string& question) = 0;
+  // Puts the terminal back and prints the last words there. Later calls print lines.
+  virtual void end(const std::string& last_words) = 0;
+};
+
+// keyboard: null for a live demonstration, in which nobody presses keys; then lines are printed. What is passed by
+// reference or pointer must outlive the console. A terminal that cannot show a screen gets lines.
+std::unique_ptr<Console> make_console(const ConsoleOptions& options, const Protocol& protocol, Keyboard* keyboard,
+                                      Clock& clock, const Interrupts& interrupts);
+
+}  // namespace jnd

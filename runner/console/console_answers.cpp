@@ -1,0 +1,192 @@
+// The participant's side of the console: answers to trials, with their response times, and pages of questions.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "devices/hid/buttons/button_box.h"
+#include "runner/console/session_console.h"
+#include "runner/terminal/terminal.h"
+
+namespace jnd {
+
+Answer SessionConsole::answer_of(Judgement judgement, EnteredBy who, std::int64_t pressed_ns) const {
+  // The time of the press, not of its being noticed here; the session's clock may have skipped what was waiting.
+  const std::int64_t age_ns = SteadyClock().now_ns() - pressed_ns;
+  const std::int64_t response_ns = std::max<std::int64_t>(0, clock_.now_ns() - cue_shown_ns_ - age_ns);
+  return Answer{judgement, who, static_cast<double>(response_ns) * 1e-9};
+}
+
+std::optional<Answer> SessionConsole::answer_of(Action action, std::int64_t key_ns) const {
+  if (action != Action::answer_same && action != Action::answer_different) return std::nullopt;
+  return answer_of(action == Action::answer_same ? Judgement::same : Judgement::different, options_.entered_by, key_ns);
+}
+
+// What is heard from now on is for the next ready(). An answer counts only in time; the look at the clock was before
+// the wait for it.
+std::optional<Answer> SessionConsole::question_over(const std::optional<Answer>& answer, double time_out_s) {
+  display_->working_keys(between_trials_keys(protocol_.timeline).hints());
+  return answer && answer->response_time_s <= time_out_s ? answer : std::nullopt;
+}
+
+SessionConsole::ButtonReply SessionConsole::hear_buttons() {
+  ButtonReply reply;
+  if (options_.buttons == nullptr) return reply;
+  tell_news();
+  const ButtonsHeard heard = options_.buttons->hear();
+  reply.pending = heard.pending;
+  reply.stopped = heard.stopped;
+  if (heard.trouble == AnswerTrouble::two_at_once)
+    display_->explain(Tone::warning, "both buttons at once: no answer. Let go of both, then press one");
+  if (heard.trouble == AnswerTrouble::held)
+    display_->explain(Tone::warning, "a button was down already: let go of it, then press it again");
+  if (heard.answer) reply.answer = answer_of(heard.answer->judgement, EnteredBy::participant, heard.answer->time_ns);
+  return reply;
+}
+
+void SessionConsole::tell_news() {
+  if (options_.buttons == nullptr) return;
+  for (const BoxNews& news : options_.buttons->take_news())
+    display_->tell(news.warning ? Tone::warning : Tone::quiet, news.text);
+}
+
+std::optional<Answer> SessionConsole::judge(const TrialQuestion& question) {
+  const KeyMap& keys = question_keys_;
+  Scene scene;
+  scene.keys = keys.hints();
+  display_->scene(scene);
+  while (!keys_.pause_asked()) {
+    if (keys_.ended()) {
+      decided_ = OperatorWish{Wish::end_for_now, {}};
+      return std::nullopt;
+    }
+    const ButtonReply buttons = hear_buttons();
+    if (buttons.answer) return question_over(buttons.answer, question.time_out_s);
+    if (buttons.stopped || keys_.stopped()) return std::nullopt;  // the latch is set: no answer counts
+    if (!buttons.pending && static_cast<double>(clock_.now_ns() - cue_shown_ns_) * 1e-9 > question.time_out_s)
+      return question_over(std::nullopt, question.time_out_s);
+    const std::optional<Key> key = keys_.next();
+    if (!key) continue;
+    const std::optional<Action> action = keys.action_of(*key);
+    if (!action) {
+      explain(keys, *key);
+      continue;
+    }
+    if (const std::optional<Answer> answer = answer_of(*action, key->time_ns))
+      return question_over(answer, question.time_out_s);
+    switch (*action) {
+      case Action::stop:
+        return std::nullopt;  // the latch is set: no answer counts
+      case Action::pause:
+      case Action::note:
+        note_wishes({*key}, keys);
+        display_->explain(Tone::quiet, *action == Action::pause ? "the pause comes after this trial"
+                                                                : "the note can be typed after this trial");
+        break;
+      case Action::help:
+        help_with_question();
+        display_->scene(scene);
+        break;
+      default:
+        decided_ = wish_of(*action, keys);
+        if (decided_) return std::nullopt;
+        if (!keys_.ended()) display_->keys_again();
+        break;
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> SessionConsole::reply(const Question& question, int condition) {
+  const std::optional<Replies> replies = reply_all({{question, condition}});
+  return replies ? replies->front() : std::nullopt;
+}
+
+std::optional<Replies> SessionConsole::reply_all(const std::vector<AskedQuestion>& page) {
+  if (page.empty()) return Replies{};
+  if (!keys_.anybody()) return std::nullopt;
+  std::vector<QuestionnairePage::Item> items;
+  std::vector<std::string> ids;
+  for (const AskedQuestion& asked : page) {
+    QuestionnairePage::Item item;
+    item.question = &asked.question;
+    // Right after a condition its name would tell which letter it has.
+    const bool gives_away = protocol_.blinded && asked.question.when == Question::When::after_condition;
+    if (asked.condition >= 0 && !gives_away)
+      item.about = protocol_.conditions[static_cast<std::size_t>(asked.condition)].label;
+    items.push_back(item);
+    ids.push_back(fmt::format("{} {}", asked.question.id, asked.condition));
+  }
+  if (ids == unfinished_ids_)
+    for (std::size_t i = 0; i < items.size(); ++i) items[i].typed = unfinished_[i];
+  // Whoever writes to a pipe cannot look at a page once more.
+  QuestionnairePage questions(std::move(items), keyboard_->is_terminal());
+  const bool done = display_->by_lines() ? ask_by_lines(questions) : ask_by_keys(questions);
+  unfinished_.clear();
+  unfinished_ids_.clear();
+  if (done) return questions.replies();
+  for (const QuestionnairePage::Item& item : questions.items()) unfinished_.push_back(item.typed);
+  unfinished_ids_ = ids;
+  return std::nullopt;
+}
+
+// Escape asks whether the session is to end.
+bool SessionConsole::leaves_page() {
+  decided_ = ask_end();
+  return decided_.has_value();
+}
+
+bool SessionConsole::ask_by_keys(QuestionnairePage& page) {
+  const TypingText typing(*keyboard_);
+  keys_.prompt();
+  bool left = false, changed = true;
+  while (!left) {
+    if (changed) display_->page(page);
+    changed = true;
+    std::optional<Key> key;
+    // A y that is held down confirms one question, not the whole page; in a text a character may be typed twice.
+    const bool text = page.reviewing() || page.items()[page.at()].question->kind != Question::Kind::confirm;
+    while (!key && !interrupted()) key = keys_.next(text);
+    if (!key) break;
+    if ((key->is(KeyName::page_down) || key->is(KeyName::page_up)) && display_->scroll(key->name)) continue;
+    if (page.answers(*key) && still_to_read()) {
+      changed = false;  // so that what is told stays
+      continue;
+    }
+    const std::size_t before = page.at();
+    const QuestionnairePage::State state = page.press(*key);
+    if (state == QuestionnairePage::State::committed) {
+      display_->page_done();
+      return true;
+    }
+    if (state == QuestionnairePage::State::leaving) {
+      left = leaves_page();
+    }
+    if (page.at() != before) keys_.prompt();  // Enter held down does not run through the page
+  }
+  if (keys_.ended()) decided_ = OperatorWish{Wish::end_for_now, {}};
+  display_->page_done();
+  return false;
+}
+
+bool SessionConsole::ask_by_lines(QuestionnairePage& page) {
+  bool shown = false;
+  std::size_t at = 0;
+  while (!interrupted()) {
+    if (!shown || page.at() != at) display_->page(page);
+    shown = true;
+    at = page.at();
+    const std::optional<std::string> line = keys_.line("");
+    if (!line) {
+      if (interrupted()) break;
+      if (leaves_page()) return false;
+      shown = false;
+      continue;
+    }
+    if (page.enter(*line) == QuestionnairePage::State::committed) return true;
+    if (!page.mistake().empty()) display_->explain(Tone::quiet, page.mistake());
+  }
+  if (keys_.ended()) decided_ = OperatorWish{Wish::end_for_now, {}};
+  return false;
+}
+
+}  // namespace jnd

@@ -1,0 +1,170 @@
+// Dialogs of the console: what is asked before something is done, and what keys meant that came while nothing was
+// asked.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "runner/console/session_console.h"
+#include "runner/terminal/terminal.h"
+
+namespace jnd {
+
+char32_t SessionConsole::choose(const std::string& question, const std::vector<KeyHint>& keys) {
+  const TypingText no_text(*keyboard_, false);  // a page may ask
+  keys_.prompt();
+  std::vector<KeyHint> shown = keys;
+  shown.push_back(stop_hint());
+  display_->ask(question, shown);
+  char32_t chosen = 0;
+  const bool pausing = keys_.pause_asked();  // already: a dialog of the pause
+  while (chosen == 0 && !keys_.ended() && !keys_.stopped() && keys_.pause_asked() == pausing) {
+    const std::optional<Key> key = keys_.next();
+    if (!key) continue;
+    if (key->is(KeyName::escape)) break;
+    if (key->name != KeyName::character) continue;
+    const std::string pressed = to_utf8(std::u32string(1, key->character));
+    if (std::none_of(keys.begin(), keys.end(), [&](const KeyHint& hint) { return hint.key == pressed; })) continue;
+    if (!still_to_read()) chosen = key->character;
+  }
+  keys_.prompt();  // before the scene is seen again
+  display_->asked();
+  return chosen;
+}
+
+bool SessionConsole::confirm(const std::string& question) {
+  if (keyboard_ == nullptr) return false;
+  return choose(printable(question), {{"y", "yes", true}, {"n", "no", true}}) == 'y';
+}
+
+std::string SessionConsole::ask_text(const std::string& question) {
+  return keys_.line(printable(question)).value_or("");
+}
+
+std::optional<OperatorWish> SessionConsole::with_reason(Wish wish, const std::string& label) {
+  std::optional<std::string> reason = keys_.line(label);
+  // At the end of the keys what was asked for is still done, without a reason.
+  if (!reason && !keys_.ended()) return std::nullopt;
+  return OperatorWish{wish, reason.value_or("")};
+}
+
+// q twice ends for now.
+std::optional<OperatorWish> SessionConsole::ask_end() {
+  const char32_t chosen = choose("End this session?", {{"q", "for now: the same command goes on with it", true},
+                                                       {"g", "for good: it is closed as it is", true},
+                                                       {"n", "no, go on", true}});
+  if (keys_.ended()) return OperatorWish{Wish::end_for_now, {}};
+  if (chosen == 'q') return with_reason(Wish::end_for_now, "Ends for now. Reason, or Enter");
+  if (chosen == 'g') return with_reason(Wish::end_for_good, "Ends for good. Reason, or Enter (Esc: do not end)");
+  return std::nullopt;
+}
+
+std::optional<OperatorWish> SessionConsole::wish_of(Action action, const KeyMap& keys) {
+  switch (action) {
+    case Action::go_on:
+      return OperatorWish{};
+    case Action::pause:
+      return with_reason(Wish::pause, "Pause. Reason, or Enter");
+    case Action::repeat_trial:
+      return with_reason(Wish::repeat_trial, "It comes again later. Reason, or Enter (Esc: no)");
+    case Action::clear_stop:
+      return with_reason(Wish::go_on, "Clears the stop. What was the matter? Or Enter (Esc: no)");
+    case Action::take_break:
+      return with_reason(Wish::take_break, "Break. Reason, or Enter (Esc: no break)");
+    case Action::note: {
+      const std::optional<std::string> text = keys_.line("Note");
+      if (!text || text->empty()) return std::nullopt;
+      display_->tell(Tone::quiet, fmt::format("note: {}", printable(*text)));
+      return OperatorWish{Wish::note, *text};
+    }
+    case Action::void_last:
+      if (!confirm("Take back the last answer? Its trial comes again.")) return std::nullopt;
+      return with_reason(Wish::void_last, "Takes it back. Reason, or Enter (Esc: no)");
+    case Action::end_block:
+      if (!confirm("Give up the rest of this block? Its trials are left out.")) return std::nullopt;
+      return with_reason(Wish::end_block, "Ends the block. Reason, or Enter (Esc: no)");
+    case Action::enough:
+      return with_reason(Wish::end_block, "Ends it early. Reason, or Enter (Esc: no)");
+    case Action::end_session:
+      return ask_end();
+    case Action::stop:
+      return OperatorWish{Wish::stopped, {}};
+    case Action::help:
+      help(keys);
+      return std::nullopt;
+    default:
+      return std::nullopt;
+  }
+}
+
+void SessionConsole::help(const KeyMap& keys) {
+  std::vector<KeyHint> all = keys.hints();
+  for (KeyHint& hint : all) hint.brief = true;
+  all.push_back({"Ctrl-C", "pauses; twice: ends the session safely", true});
+  std::string text;
+  for (const KeyHint& hint : all) text += fmt::format("{:>8}  {}\n", "[" + hint.key + "]", hint.what);
+  if (!display_->by_lines()) text += "\nKeys pressed before a prompt, or held down since, do not count.\n";
+  keys_.prompt();
+  display_->scene({Tone::strong, "Keys", "", text, {{"space", "back", true}, stop_hint()}});
+  if (display_->by_lines()) return;
+  while (!interrupted()) {
+    const std::optional<Key> key = keys_.next();
+    if (key && !display_->scroll(key->name)) break;
+  }
+}
+
+void SessionConsole::help_with_question() {
+  help(question_keys_);
+  keys_.prompt();  // the key that ended it is no answer, however long it is held
+  if (!display_->by_lines()) {
+    display_->working_keys({});
+    display_->say(CuePlace::question, question_words_, question_aloud_, false);
+  }
+}
+
+void SessionConsole::hear_in_trial() {
+  const std::size_t before = noted_.size();
+  note_wishes(keys_.drain(), question_keys_);
+  if (noted_.size() == before) return;
+  switch (noted_.back()) {
+    case Action::pause:
+      return display_->explain(Tone::quiet, "the pause comes after this trial");
+    case Action::note:
+      return display_->explain(Tone::quiet, "the note can be typed after this trial");
+    case Action::end_session:
+      return display_->explain(Tone::quiet, "the end comes after this trial");
+    case Action::repeat_trial:
+      return display_->explain(Tone::quiet, "it is repeated, after this interval");
+    default:
+      return;
+  }
+}
+
+void SessionConsole::note_wishes(const std::vector<Key>& keys, const KeyMap& map) {
+  for (const Key& key : keys) {
+    const std::optional<Action> action = map.action_of(key);
+    if (!action) continue;
+    switch (*action) {
+      case Action::pause:
+      case Action::note:
+      case Action::end_session:
+      case Action::repeat_trial:
+      case Action::end_block:
+        if (std::find(noted_.begin(), noted_.end(), *action) == noted_.end()) noted_.push_back(*action);
+        break;
+      default:
+        break;
+    }
+  }
+}
+
+std::optional<OperatorWish> SessionConsole::noted_wish(const KeyMap& keys) {
+  while (!noted_.empty() && !keys_.ended()) {
+    const Action action = noted_.front();
+    noted_.erase(noted_.begin());
+    if (action == Action::repeat_trial) continue;  // its trial is over
+    if (std::optional<OperatorWish> wish = wish_of(action, keys)) return wish;
+  }
+  return std::nullopt;
+}
+
+}  // namespace jnd

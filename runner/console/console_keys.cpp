@@ -1,0 +1,213 @@
+#include "runner/console/console_keys.h"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+#include "runner/keys/keyboard.h"
+#include "runner/keys/line_editor.h"
+
+namespace jnd {
+
+namespace {
+
+const KeyBinding kStop{kStopKey, Action::stop, "STOP the devices", true};
+
+char32_t capital(char32_t letter) {
+  return letter >= 'a' && letter <= 'z' ? letter - 'a' + 'A' : letter;
+}
+
+// The operator's letter, or where it is an answer key the one that takes its place.
+char32_t spared(char32_t letter, const Timeline& timeline) {
+  const auto same = static_cast<char32_t>(timeline.key_same), different = static_cast<char32_t>(timeline.key_different);
+  for (const char32_t candidate : {letter, capital(letter), U'0', U'8', U'9'})
+    if (candidate != same && candidate != different) return candidate;
+  return letter;
+}
+
+}  // namespace
+
+std::string key_name(char32_t character) {
+  return character == ' ' ? "space" : to_utf8(std::u32string(1, character));
+}
+
+std::string key_name(const Key& key) {
+  switch (key.name) {
+    case KeyName::character:
+      return key_name(key.character);
+    case KeyName::enter:
+      return "Enter";
+    case KeyName::escape:
+      return "Esc";
+    case KeyName::control:
+      return "Ctrl-" + to_utf8(std::u32string(1, capital(key.character)));
+    default:
+      return "that key";
+  }
+}
+
+std::optional<Action> KeyMap::action_of(const Key& key) const noexcept {
+  const char32_t wanted = key.is(KeyName::enter) ? U' ' : key.name == KeyName::character ? key.character : 0;
+  if (wanted == 0) return std::nullopt;
+  for (const KeyBinding& binding : bindings_)
+    if (binding.key == wanted) return binding.action;
+  // As a capital it has stopped the devices too.
+  for (const KeyBinding& binding : bindings_)
+    if (binding.action == Action::stop && capital(binding.key) == wanted) return binding.action;
+  return std::nullopt;
+}
+
+std::vector<KeyHint> KeyMap::hints() const {
+  std::vector<KeyHint> hints;
+  for (const KeyBinding& binding : bindings_)
+    hints.push_back({key_name(binding.key), binding.what, binding.brief, binding.action == Action::stop});
+  return hints;
+}
+
+KeyHint stop_hint() {
+  return {key_name(kStop.key), kStop.what, true, true};
+}
+
+KeyHint stop_hint_of_text() {
+  return {"Ctrl-C", "STOP, pause", true, true};
+}
+
+KeyMap KeyMap::without(std::initializer_list<Action> actions) const {
+  std::vector<KeyBinding> rest = bindings_;
+  std::erase_if(rest, [&](const KeyBinding& binding) {
+    return std::find(actions.begin(), actions.end(), binding.action) != actions.end();
+  });
+  return KeyMap(std::move(rest));
+}
+
+bool stops(const Key& key) noexcept {
+  return key.is(static_cast<char32_t>(kStopKey)) || key.is(capital(kStopKey));
+}
+
+std::string KeyMap::explanation(const Key& pressed) const {
+  if (stops(pressed)) return "STOP: the devices give nothing";
+  if (pressed.is(KeyName::control) && pressed.character == 'z')
+    return "a session is not put into the background: the devices may be on a finger. p pauses, q ends";
+  const std::string name = key_name(pressed);
+  // The commonest mistake: Caps Lock, or the other case.
+  for (const KeyBinding& binding : bindings_)
+    if (pressed.name == KeyName::character && binding.key != pressed.character &&
+        capital(binding.key) == capital(pressed.character))
+      return fmt::format("[{}] does nothing, [{}] {}: is Caps Lock on?", name, key_name(binding.key), binding.what);
+  std::string text = fmt::format("[{}] does nothing here:", name);
+  for (const KeyBinding& binding : bindings_)
+    if (binding.brief) text += fmt::format(" [{}] {},", key_name(binding.key), binding.what);
+  text.pop_back();
+  return text;
+}
+
+KeyMap ready_keys(bool can_void_last) {
+  const KeyMap keys({{' ', Action::go_on, "when the participant is ready", true},
+                     kStop,
+                     {'p', Action::pause, "pause", false},
+                     {'u', Action::void_last, "take back the last answer", false},
+                     {'n', Action::note, "note", false},
+                     {'b', Action::take_break, "break", false},
+                     {'k', Action::end_block, "end this block", false},
+                     {'q', Action::end_session, "end", true},
+                     {'?', Action::help, "all keys", true}});
+  return can_void_last ? keys : keys.without({Action::void_last});
+}
+
+KeyMap question_keys(const Timeline& timeline) {
+  const auto key = [&](char32_t letter) { return spared(letter, timeline); };
+  return KeyMap({{static_cast<char32_t>(timeline.key_same), Action::answer_same, "same", true},
+                 {static_cast<char32_t>(timeline.key_different), Action::answer_different, "different", true},
+                 kStop,
+                 {key('r'), Action::repeat_trial, "repeat this trial", true},
+                 {key('p'), Action::pause, "pause after this trial", false},
+                 {key('n'), Action::note, "note after this trial", false},
+                 {key('q'), Action::end_session, "end", true},
+                 {'?', Action::help, "all keys", false}});
+}
+
+KeyMap presentation_keys(const Timeline& timeline) {
+  const auto key = [&](char32_t letter) { return spared(letter, timeline); };
+  return KeyMap({kStop,
+                 {key('r'), Action::repeat_trial, "repeat it, after this interval", true},
+                 {key('p'), Action::pause, "pause after this trial", false},
+                 {key('n'), Action::note, "note after this trial", false},
+                 {key('q'), Action::end_session, "end after this trial", true}});
+}
+
+KeyMap between_trials_keys(const Timeline& timeline) {
+  const auto key = [&](char32_t letter) { return spared(letter, timeline); };
+  return KeyMap({kStop,
+                 {key('p'), Action::pause, "pause", true},
+                 {key('n'), Action::note, "note", true},
+                 {key('q'), Action::end_session, "end", true}});
+}
+
+KeyMap pause_keys() {
+  return KeyMap({{' ', Action::go_on, "goes on", true},
+                 kStop,
+                 {'n', Action::note, "note", true},
+                 {'q', Action::end_session, "ends the session", true}});
+}
+
+KeyMap stopped_keys() {
+  return KeyMap({{'c', Action::clear_stop, "clears the stop and goes on", true},
+                 {'n', Action::note, "note", true},
+                 {'q', Action::end_session, "ends the session", true}});
+}
+
+KeyMap missing_keys() {
+  return pause_keys().without({Action::go_on});
+}
+
+KeyMap break_keys(bool over) {
+  const KeyMap keys = pause_keys();
+  return over ? keys : keys.without({Action::go_on});
+}
+
+KeyMap instruction_keys() {
+  return KeyMap({{' ', Action::go_on, "goes on", true},
+                 kStop,
+                 {'p', Action::pause, "pause", false},
+                 {'n', Action::note, "note", true},
+                 {'q', Action::end_session, "ends the session", true}});
+}
+
+KeyMap finding_keys() {
+  return KeyMap({{' ', Action::go_on, "goes on", true}, kStop});
+}
+
+KeyMap consent_keys() {
+  return KeyMap({{'y', Action::consent, "the participant agrees", true},
+                 {'n', Action::refuse, "the participant does not agree", true},
+                 kStop});
+}
+
+KeyMap ready_to_explore_keys() {
+  return KeyMap({{' ', Action::go_on, "when the participant is ready", true},
+                 kStop,
+                 {'p', Action::pause, "pause", false},
+                 {'n', Action::note, "note", false},
+                 {'b', Action::take_break, "break", false},
+                 {'k', Action::end_block, "end this block", false},
+                 {'q', Action::end_session, "end", true},
+                 {'?', Action::help, "all keys", true}});
+}
+
+KeyMap exploring_keys() {
+  return KeyMap({kStop,
+                 {'r', Action::repeat_trial, "break off, again later", true},
+                 {'k', Action::enough, "enough of it", true},
+                 {'p', Action::pause, "pause", true},
+                 {'n', Action::note, "note", true},
+                 {'q', Action::end_session, "end", true}});
+}
+
+KeyMap storage_keys() {
+  return KeyMap({{' ', Action::try_again, "tries again", true},
+                 kStop,
+                 {'q', Action::give_up, "ends the session; what was not saved is lost", true}});
+}
+
+}  // namespace jnd

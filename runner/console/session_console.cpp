@@ -1,0 +1,464 @@
+#include "runner/console/session_console.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "devices/hid/buttons/button_box.h"
+#include "runner/terminal/terminal.h"
+
+namespace jnd {
+
+namespace {
+
+constexpr double kLook_s = 0.05;    // how often a countdown looks at the keys
+constexpr double kCounted_s = 3.0;  // a wait between trials of so long is counted down
+
+// As messages name it, which outlive its heading.
+std::string name_of(const TrialOutline& outline) {
+  return fmt::format("{} {}", outline.practice ? "practice" : "trial", outline.number);
+}
+
+// Where it could be mistaken: a trial that did not count and the one after it have the same number.
+std::string full_name_of(const TrialOutline& outline) {
+  return fmt::format("{} (plan no. {})", name_of(outline), outline.plan_number);
+}
+
+// A stop is seen to for as long as it lives, or what is asked comes before that.
+class SeeingToStop {
+ public:
+  explicit SeeingToStop(PromptKeys& keys) noexcept : keys_(keys), before_(keys.see_to_stop(true)) {}
+  ~SeeingToStop() { keys_.see_to_stop(before_); }
+  SeeingToStop(const SeeingToStop&) = delete;
+  SeeingToStop& operator=(const SeeingToStop&) = delete;
+
+ private:
+  PromptKeys& keys_;
+  bool before_;
+};
+
+// Why a trial did not count, in words.
+std::string reason_text(const std::string& reason) {
+  static constexpr std::array<std::pair<const char*, const char*>, 15> kWords = {
+      {{"no_answer", "no answer in time"},
+       {"no_contact", "the sphere was not touched"},
+       {"emergency_stop", "stopped"},
+       {"saturated", "by a rule of the protocol"},  // which one would tell how stiff the object was
+       {"repeated", "repeated at your wish"},
+       {"paused", "paused"},
+       {"interrupted", "interrupted"},
+       {"taken_back", "taken back"},
+       {"stale_pose", "no fresh pose from the tracker"},
+       {"stale_reading", "no fresh reading from a device"},
+       {"command_gap", "the program was held up"},
+       {"non_finite", "a value that is no number"},
+       {"sensor_stuck", "a force sensor does not follow"},
+       {"device_lost", "a device has gone"},
+       {"device_fault", "a device stopped itself"}}};
+  for (const auto& [code, words] : kWords)
+    if (reason == code) return words;
+  return printable(reason);
+}
+
+}  // namespace
+
+SessionConsole::SessionConsole(const ConsoleOptions& options, const Protocol& protocol, Keyboard* keyboard,
+                               Clock& clock, const Interrupts& interrupts, std::unique_ptr<Display> display)
+    : options_(options),
+      protocol_(protocol),
+      keyboard_(keyboard),
+      clock_(clock),
+      display_(std::move(display)),
+      keys_(keyboard, interrupts, *display_, options.stop),
+      question_keys_(question_keys(protocol.timeline)) {}
+
+void SessionConsole::begin(const SessionCard& card) {
+  SessionCard safe = card;
+  for (std::string* text : {&safe.title, &safe.participant}) *text = printable(*text);
+  display_->begin(safe);
+  if (display_->by_lines() || !warned_) return;
+  // What was said before the screen came has gone with it: once more, until it is read.
+  warned_ = false;
+  acknowledge("Before the session", announced_);
+}
+
+void SessionConsole::announce(const std::string& text, bool warning) {
+  display_->announce(text, warning);
+  if (display_->by_lines()) {
+    announced_ += text + "\n";
+    warned_ = warned_ || warning;
+  } else if (warning) {
+    acknowledge("Please note", text);
+  }
+}
+
+void SessionConsole::acknowledge(const std::string& heading, const std::string& text) {
+  const KeyMap keys = finding_keys();
+  keys_.prompt();
+  show({.tone = Tone::warning, .heading = heading, .text = text, .keys = keys.hints(), .to_read = true});
+  while (!interrupted()) {
+    const std::optional<Key> key = keys_.next();
+    if (!key || display_->scroll(key->name)) continue;
+    if (keys.action_of(*key) != Action::go_on)
+      explain(keys, *key);
+    else if (!still_to_read(true))
+      return;
+  }
+}
+
+bool SessionConsole::still_to_read(bool turns_page) {
+  const std::string why = display_->unread();
+  if (why.empty()) return false;
+  if (!turns_page || !display_->scroll(KeyName::page_down)) display_->explain(Tone::warning, why);
+  return true;
+}
+
+void SessionConsole::end(const std::string& last_words) {
+  display_->end(last_words);
+}
+
+void SessionConsole::show(const Scene& scene) {
+  display_->countdown_over();  // of what this takes the place of
+  scene_ = scene;
+  if (!keys_.anybody()) scene_.keys.clear();
+  display_->scene(scene_);
+}
+
+void SessionConsole::explain(const KeyMap& keys, const Key& pressed) {
+  display_->explain(stops(pressed) ? Tone::warning : Tone::quiet, keys.explanation(pressed));
+}
+
+OperatorWish SessionConsole::wish_at(const Scene& scene, const KeyMap& keys, bool pausable,
+                                     const std::function<bool()>& over) {
+  if (!keys_.anybody()) {
+    show(scene);
+    return {keys_.ended() ? Wish::end_for_now : Wish::go_on, {}};
+  }
+  note_wishes(keys_.prompt(), question_keys_);
+  Scene with_keys = scene;
+  with_keys.keys = keys.hints();
+  show(with_keys);
+  if (pausable) {
+    if (const std::optional<OperatorWish> wish = noted_wish(keys)) return *wish;
+  }
+  for (;;) {
+    tell_news();
+    if (keys_.ended()) return {Wish::end_for_now, {}};
+    if (keys_.stopped()) return {Wish::stopped, {}};
+    if (pausable && keys_.pause_asked()) return {Wish::pause, {}};
+    if (over && over()) return {};
+    const std::optional<Key> key = keys_.next();
+    if (!key || display_->scroll(key->name)) continue;
+    const std::optional<Action> action = keys.action_of(*key);
+    if (!action) {
+      explain(keys, *key);
+      continue;
+    }
+    if (scene.to_read && *action == Action::go_on && still_to_read(true)) continue;
+    if (const std::optional<OperatorWish> wish = wish_of(*action, keys)) return *wish;
+    if (keys_.ended()) continue;
+    if (*action == Action::help && !display_->by_lines()) {
+      keys_.prompt();
+      show(with_keys);
+    }
+    display_->keys_again();
+  }
+}
+
+void SessionConsole::outline_scene(const TrialOutline& outline, Scene& scene) const {
+  scene.heading = trial_heading(outline);
+  std::vector<std::string> parts;
+  if (!outline.condition_code.empty()) parts.push_back(fmt::format("condition {}", printable(outline.condition_code)));
+  if (!outline.practice)
+    parts.push_back(fmt::format("block {} of {}  about {} left", outline.block, outline.blocks,
+                                duration_text(outline.time_left_s)));
+  if (outline.attempt > 1) parts.push_back(fmt::format("(attempt {})", outline.attempt));
+  parts.push_back(fmt::format("plan no. {}", outline.plan_number));
+  scene.beside = fmt::format("{}", fmt::join(parts, "  "));
+}
+
+OperatorWish SessionConsole::ready(const TrialOutline& outline) {
+  // An end that was asked for at the question, where a stop came in between, is still meant; a wish about that trial
+  // has nothing left to be about.
+  if (const auto decided = std::exchange(decided_, std::nullopt);
+      decided && (decided->wish == Wish::end_for_now || decided->wish == Wish::end_for_good))
+    return *decided;
+  TrialOutline shown = outline;
+  // Where a limit voids a trial, an attempt of its own would say that one of the two objects is stiff.
+  if (protocol_.stimulus.on_saturation == OnSaturation::repeat) shown.attempt = 1;
+  display_->outline(shown);
+  Scene scene;
+  outline_scene(shown, scene);
+  scene.task = "Wait until the participant is ready";
+  OperatorWish wish = wish_at(scene, ready_keys(outline.can_void_last), true);
+  if (wish.wish == Wish::go_on) {
+    noted_.clear();
+  }
+  return wish;
+}
+
+// After an interval, after free interaction that exploring() has broken off, or where judge() returned nothing.
+OperatorWish SessionConsole::meanwhile() {
+  if (decided_) return *std::exchange(decided_, std::nullopt);
+  if (broken_off_by_) {
+    OperatorWish wish = wish_of(*broken_off_by_, exploring_keys()).value_or(OperatorWish{});
+    broken_off_by_.reset();
+    if (wish.wish == Wish::go_on) show(scene_);
+    return wish;
+  }
+  hear_in_trial();
+  const auto repeat = std::find(noted_.begin(), noted_.end(), Action::repeat_trial);
+  if (repeat == noted_.end()) return {};
+  noted_.erase(repeat);
+  return wish_of(Action::repeat_trial, question_keys_).value_or(OperatorWish{});
+}
+
+OperatorWish SessionConsole::paused(const std::string& cause) {
+  Scene scene;
+  scene.tone = Tone::warning;
+  scene.heading = "Paused";
+  if (cause == "ctrl-c") scene.beside = "by Ctrl-C; once more ends the session safely";
+  return wish_at(scene, pause_keys(), false);
+}
+
+void SessionConsole::progress(const std::vector<ConditionProgress>& by_condition) {
+  display_->progress(by_condition);
+}
+
+void SessionConsole::health(const DeviceHealth& health) {
+  DeviceHealth shown = health;
+  if (!shown.fault.empty()) shown.fault = reason_text(shown.fault);
+  display_->health(shown);
+  if (health.presenting && protocol_.paradigm != Paradigm::explore) hear_in_trial();
+}
+
+void SessionConsole::cue(CuePlace place, const CueSignal& cue) {
+  static constexpr std::array kDefault = {"first sphere", "second sphere", "same or different?"};
+  const bool aloud = !cue.say.empty(), beep = cue.kind == "sound";
+  const std::string words = aloud ? printable(cue.say) : kDefault[static_cast<std::size_t>(place)];
+  if (place == CuePlace::question) {
+    question_words_ = words;
+    question_aloud_ = aloud;
+    display_->say(place, words, aloud, beep);
+    // Only now can it be answered: a key or a button that came while it was drawn is early.
+    note_wishes(keys_.prompt(), question_keys_);
+    if (options_.buttons != nullptr) options_.buttons->ask();
+    cue_shown_ns_ = clock_.now_ns();
+    return;
+  }
+  if (keys_.anybody()) display_->working_keys(presentation_keys(protocol_.timeline).hints());
+  display_->say(place, words, aloud, beep);
+}
+
+void SessionConsole::saved(const TrialOutline& outline, const Answer& answer) {
+  last_answered_ = full_name_of(outline);
+  display_->answer(name_of(outline), fmt::format("{}, {:.2f} s", to_string(answer.judgement), answer.response_time_s),
+                   std::string(to_string(answer.entered_by)));
+}
+
+void SessionConsole::voided(const TrialOutline& outline, const std::string& reason, bool will_repeat) {
+  if (keys_.anybody()) display_->working_keys(between_trials_keys(protocol_.timeline).hints());
+  display_->tell(Tone::warning,
+                 fmt::format("{} not counted ({}); {}", full_name_of(outline), reason_text(reason),
+                             will_repeat ? "it comes again at the end of this block" : "its attempts are used up"));
+}
+
+void SessionConsole::took_back(bool will_repeat) {
+  display_->answer_taken_back();
+  display_->tell(Tone::warning, fmt::format("{} taken back; {}",
+                                            last_answered_.empty() ? "last answer" : "answer to " + last_answered_,
+                                            will_repeat ? "its trial comes again at the end of its block"
+                                                        : "the attempts of its trial are used up"));
+  last_answered_.clear();
+}
+
+bool SessionConsole::waiting(double left_s, double total_s) {
+  if (!keys_.anybody()) return true;
+  tell_news();
+  // In a quick rehearsal the session's clock runs ahead of keys and eyes.
+  const std::int64_t now_ns = SteadyClock().now_ns();
+  if (static_cast<double>(now_ns - looked_ns_) * 1e-9 < kLook_s / 2) return true;
+  looked_ns_ = now_ns;
+  note_wishes(keys_.drain(), question_keys_);
+  // A page that came between, such as a note's or a pause's, is over.
+  if (!scene_.heading.empty()) {
+    scene_ = {};
+    display_->working_keys(between_trials_keys(protocol_.timeline).hints());
+  }
+  if (total_s >= kCounted_s) display_->countdown("next trial", left_s, total_s);
+  display_->refresh();
+  std::erase(noted_, Action::repeat_trial);  // its trial is over
+  return noted_.empty();
+}
+
+OperatorWish SessionConsole::recover(const std::string& stopped_by) {
+  Scene scene{Tone::warning,
+              fmt::format("STOPPED ({}). The devices are at rest.", printable(stopped_by)),
+              "",
+              "See to the participant and the devices. A trial that was under way comes again later.",
+              {}};
+  if (!keys_.anybody()) {
+    show(scene);
+    return {Wish::end_for_now, {}};
+  }
+  keys_.see_to_stop(true);
+  OperatorWish wish = wish_at(scene, stopped_keys(), true);
+  // A pause in it is still in it.
+  if (wish.wish == Wish::go_on) keys_.see_to_stop(false);
+  return wish;
+}
+
+OperatorWish SessionConsole::missing(const std::string& what, const std::function<bool()>& back) {
+  OperatorWish wish =
+      wish_at({Tone::warning,
+               "Something is missing.",
+               "",
+               printable(what) + "\nThe devices are at rest. It goes on by itself as soon as all is there again.",
+               {}},
+              missing_keys(), true, back);
+  if (wish.wish == Wish::go_on && keys_.anybody()) display_->tell(Tone::quiet, "all is there again");
+  return wish;
+}
+
+bool SessionConsole::storage_trouble(const std::string& message) {
+  if (!keys_.anybody()) return false;
+  // A stop has to wait here: what comes of it could not be written, and the devices give nothing anyway.
+  const SeeingToStop first(keys_);
+  const KeyMap keys = storage_keys();
+  keys_.prompt();
+  show({Tone::warning, "The study cannot be written just now.", "",
+        printable(message) + "\nThe devices are at rest. Nothing is lost yet: make room, then try again.",
+        keys.hints()});
+  while (!keys_.ended()) {
+    const std::optional<Key> key = keys_.next();
+    if (!key) continue;
+    const std::optional<Action> action = keys.action_of(*key);
+    if (action == Action::try_again) return true;
+    if (action == Action::give_up) {
+      if (confirm("End the session? What was not saved is lost.")) return false;
+      display_->keys_again();
+    } else {
+      explain(keys, *key);
+    }
+  }
+  return false;
+}
+
+void SessionConsole::feedback(bool correct) {
+  display_->feedback(correct ? "that was right" : "that was not right");
+}
+
+void SessionConsole::practice_over(int rounds, double share_correct, bool passed) {
+  display_->announce(
+      fmt::format("Practice is over after {} round{}: {:.0f} % right{}.", rounds, rounds == 1 ? "" : "s",
+                  100 * share_correct, passed ? "" : ", below the protocol's criterion; this is in the log"),
+      false);
+}
+
+void SessionConsole::break_begins(const Break& pause, bool asked_by_operator) {
+  break_ends_ns_ = clock_.now_ns() + static_cast<std::int64_t>(pause.duration_s * 1e9);
+  Scene scene;
+  scene.heading = "Break";
+  scene.beside = asked_by_operator ? "at your wish" : fmt::format("of at least {}", duration_text(pause.duration_s));
+  if (!pause.say.empty()) scene.text = "Say: " + printable(pause.say);
+  if (keys_.anybody() && pause.duration_s > 0) scene.keys = break_keys(false).hints();
+  note_wishes(keys_.prompt(), question_keys_);
+  show(scene);
+  break_scene_ = scene;
+}
+
+// Asked again after a note or a pause: the countdown goes on.
+OperatorWish SessionConsole::break_over(const Break& pause) {
+  const KeyMap keys = break_keys(false);
+  if (!display_->by_lines() && clock_.now_ns() < break_ends_ns_) show(break_scene_);  // a pause had the screen
+  for (std::int64_t now = clock_.now_ns(); now < break_ends_ns_; now = clock_.now_ns()) {
+    if (keys_.ended()) return {Wish::end_for_now, {}};
+    if (keys_.stopped()) return {Wish::stopped, {}};
+    if (keys_.pause_asked()) return {Wish::pause, {}};
+    tell_news();
+    display_->countdown("break", static_cast<double>(break_ends_ns_ - now) * 1e-9, pause.duration_s);
+    display_->refresh();
+    for (const Key& key : keys_.drain()) {
+      const std::optional<Action> action = keys.action_of(key);
+      if (!action) {
+        display_->explain(Tone::quiet, fmt::format("the break is not over: {} left",
+                                                   duration_text(static_cast<double>(break_ends_ns_ - now) * 1e-9)));
+        continue;
+      }
+      if (const std::optional<OperatorWish> wish = wish_of(*action, keys)) return *wish;
+    }
+    clock_.sleep_until_ns(std::min(break_ends_ns_, clock_.now_ns() + static_cast<std::int64_t>(kLook_s * 1e9)));
+  }
+  display_->countdown_over();
+  if (!keys_.anybody()) return {keys_.ended() ? Wish::end_for_now : Wish::go_on, {}};
+  return wish_at({Tone::strong, "The break may end", "", "", {}}, break_keys(true), true);
+}
+
+OperatorWish SessionConsole::instruct(const Instruction& instruction) {
+  return wish_at({.heading = "Instructions",
+                  .beside = "read them out, or let the participant read them",
+                  .text = instruction.text,
+                  .to_read = true},
+                 instruction_keys(), true);
+}
+
+std::optional<bool> SessionConsole::consent(const std::string& text) {
+  if (!keys_.anybody()) return !keys_.ended();
+  const KeyMap keys = consent_keys();
+  keys_.prompt();
+  show({.heading = "Consent",
+        .beside = "read it out, or let the participant read it",
+        .text = text,
+        .keys = keys.hints(),
+        .to_read = true});
+  while (!interrupted()) {
+    const std::optional<Key> key = keys_.next();
+    if (!key || display_->scroll(key->name)) continue;
+    const std::optional<Action> action = keys.action_of(*key);
+    if (action == Action::consent || action == Action::refuse) {
+      if (still_to_read()) continue;
+      if (action == Action::consent) return true;
+      if (confirm("No consent: the session ends for good. Is that right?")) return false;
+      if (!keys_.ended()) display_->keys_again();
+    } else {
+      explain(keys, *key);
+    }
+  }
+  if (keys_.ended()) request_interrupt();  // no answer is no refusal
+  return std::nullopt;
+}
+
+OperatorWish SessionConsole::ready_to_explore(const ExplorationOutline& outline) {
+  Scene scene;
+  scene.heading = fmt::format("Free interaction {} of {}", outline.number, outline.total);
+  scene.beside = fmt::format("condition {}  {}", printable(outline.condition_code), duration_text(outline.duration_s));
+  if (outline.attempt > 1) scene.beside += fmt::format("  (attempt {})", outline.attempt);
+  scene.text =
+      fmt::format("Object: {}. {}", printable(outline.object),
+                  outline.devices ? "The participant wears the devices." : "Bare hands: take the devices off.");
+  exploring_s_ = outline.duration_s;
+  OperatorWish wish = wish_at(scene, ready_to_explore_keys(), true);
+  if (wish.wish == Wish::go_on && keys_.anybody()) {
+    scene.keys = exploring_keys().hints();
+    scene.text.clear();
+    show(scene);
+  }
+  return wish;
+}
+
+// What the operator presses lets the object go; meanwhile() then asks what it is about, and it goes on.
+bool SessionConsole::exploring(double left_s) {
+  tell_news();
+  display_->countdown("left", left_s, exploring_s_);
+  display_->refresh();
+  if (broken_off_by_) return false;
+  const KeyMap keys = exploring_keys();
+  for (const Key& key : keys_.drain())
+    if (const std::optional<Action> action = keys.action_of(key); action && action != Action::stop && !broken_off_by_)
+      broken_off_by_ = action;
+  return !broken_off_by_;
+}
+
+}  // namespace jnd

@@ -1,0 +1,124 @@
+// jnd device learn-buttons: which bits of a button box's reports mean what, asked of a person who presses them.
+#include <cerrno>
+#include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "data/files/draft.h"
+#include "devices/device_error.h"
+#include "devices/hid/hidapi_bus.h"
+#include "runner/device_commands/button_dialogue.h"
+#include "runner/commands/commands.h"
+#include "runner/device_commands/device_commands.h"
+#include "runner/keys/interrupt.h"
+#include "runner/terminal/terminal.h"
+
+namespace jnd {
+
+namespace {
+
+void say(const std::string& line) {
+  fmt::print("{}\n", printable(line));
+  std::fflush(stdout);  // also into a pipe: somebody waits for it
+}
+
+// A line of standard input; none at its end, and after a signal.
+std::optional<std::string> read_line() {
+  std::string line;
+  for (char character = 0; !interrupts().end;) {
+    const ssize_t got = ::read(STDIN_FILENO, &character, 1);
+    if (got < 0 && errno == EINTR) continue;
+    if (got != 1) return std::nullopt;
+    if (character == '\n') return line;
+    line += character;
+  }
+  return std::nullopt;
+}
+
+std::string listed(const std::vector<HidInfo>& devices, bool numbered) {
+  std::string text;
+  for (std::size_t i = 0; i < devices.size(); ++i)
+    text += fmt::format("{}{}{}", i == 0 ? "" : "\n", numbered ? fmt::format("{:>3}  ", i + 1) : "  ",
+                        described(devices[i]));
+  return text;
+}
+
+// None where nobody says which.
+std::optional<HidInfo> chosen_device(HidBus& bus, const std::string& path) {
+  const std::vector<HidInfo> devices = devices_with_buttons(bus);
+  if (devices.empty())
+    throw DeviceError(
+        "no HID device is connected, or none can be seen by this login: plug the button box in (jnd doctor says what "
+        "the login may use)");
+  if (!path.empty()) {
+    for (const HidInfo& info : devices)
+      if (info.path == path) return info;
+    throw DeviceError(fmt::format("{} is no HID device; connected:\n{}", path, listed(devices, false)));
+  }
+  if (devices.size() == 1) return devices.front();
+  if (!is_terminal(STDIN_FILENO))
+    throw UsageError(
+        fmt::format("several HID devices are connected; name one with --device PATH:\n{}", listed(devices, false)));
+  fmt::print("{}\n", printable_lines(listed(devices, true)));
+  for (;;) {
+    fmt::print("Which one? 1 to {}: ", devices.size());
+    std::fflush(stdout);
+    const std::optional<std::string> line = read_line();
+    if (!line) return std::nullopt;
+    std::size_t number = 0;
+    const auto [stop, failed] = std::from_chars(line->data(), line->data() + line->size(), number);
+    if (failed == std::errc() && stop == line->data() + line->size() && number >= 1 && number <= devices.size())
+      return devices[number - 1];
+  }
+}
+
+// As the kernel shows it; false where it does not: then bytes are counted all the same, as they come.
+bool reports_numbered(const std::string& path) {
+  const std::filesystem::path device = std::filesystem::path(path).filename();
+  std::ifstream file(std::filesystem::path("/sys/class/hidraw") / device / "device" / "report_descriptor",
+                     std::ios::binary);
+  const std::vector<char> text{std::istreambuf_iterator<char>(file), {}};
+  const std::vector<std::uint8_t> descriptor(text.begin(), text.end());
+  return numbers_reports(descriptor);
+}
+
+UsageError taken(const std::string& file) {
+  return UsageError(fmt::format("{} exists already; choose another name", file));
+}
+
+}  // namespace
+
+int command_device_learn_buttons(const LearnButtonsOptions& options) {
+  HidapiBus bus;
+  // Before anybody presses anything.
+  std::error_code error;
+  const std::filesystem::file_status there = std::filesystem::symlink_status(options.file, error);
+  if (!std::filesystem::status_known(there)) throw cannot_write(options.file, error.value());
+  if (std::filesystem::exists(there)) throw taken(options.file);
+  Draft file(options.file, Draft::What::file, Draft::Access::everyone);
+  const std::optional<HidInfo> info = chosen_device(bus, options.device);
+  if (!info) return exit_code::kInterrupted;
+  say(fmt::format("Learning the buttons of {}. Ctrl-C gives up.", described(*info)));
+  const LearnerSetup setup{*info, reports_numbered(info->path), options.with_stop, options.debounce_ms};
+  const std::optional<ButtonMapping> mapping = learn_buttons(bus, setup, say, [] { return interrupts().end.load(); });
+  if (!mapping) {
+    say("Given up; nothing was written.");
+    return exit_code::kInterrupted;
+  }
+  file.write(to_json(*mapping));
+  if (!file.publish()) throw taken(options.file);
+  fmt::print("{} written. Use it:  jnd run PROTOCOL --study STUDY --buttons {}\n", printable(options.file),
+             printable(options.file));
+  if (info->usage_page == 0x01 && (info->usage == 0x06 || info->usage == 0x07))
+    fmt::print(
+        "This is a keyboard: its keys also type into the operator's console. Take keys that mean nothing there, such "
+        "as digits.\n");
+  return exit_code::kDone;
+}
+
+}  // namespace jnd

@@ -1,0 +1,203 @@
+// jnd device list and info: which rigs there are, what each can do, and which real devices are connected.
+#include <fmt/format.h>
+
+#include "devices/hid/hidapi_bus.h"
+#include "runner/device_commands/command_device_hid.h"
+#include "runner/commands/commands.h"
+#include "runner/device_commands/device_output.h"
+#include "runner/device_commands/hid_devices.h"
+#include "runner/device_commands/hid_list.h"
+#include "protocols/input/resources.h"
+#include "runner/opening/rig_limits.h"
+#include "runner/terminal/terminal.h"
+
+namespace jnd {
+
+namespace {
+
+std::string what_it_is(const DeviceSpec& device) {
+  return device.model == DeviceModel::rrs3 ? "presses and tilts on the pulp, vibrates" : "resists the finger's flexion";
+}
+
+std::string what_it_is(const RigSpec& rig) {
+  std::string text;
+  for (const DeviceSpec& device : rig.devices) text += (text.empty() ? "" : "; ") + what_it_is(device);
+  return text + ", simulated";
+}
+
+nlohmann::ordered_json limits_json(const DeviceSpec& device) {
+  const bool joint = device.model == DeviceModel::mckibben;
+  nlohmann::ordered_json limits = {
+      {"max_force_n", device.max_force_n},
+      {std::string("max_stiffness_") + std::string(name_suffix(device.unit)), device.max_stiffness},
+      {joint ? "min_angle_rad" : "lowest_m", device.lowest_travel},
+      {joint ? "max_angle_rad" : "highest_m", device.highest_travel}};
+  if (joint) return limits;
+  limits["stroke_m"] = device.stroke_m;
+  limits["max_roll_rad"] = device.max_roll_rad;
+  limits["max_pitch_rad"] = device.max_pitch_rad;
+  limits["max_joint_speed_rad_per_s"] = device.max_joint_speed_rad_per_s;
+  limits["vibration_g"] = {device.min_vibration_g, device.max_vibration_g};
+  limits["vibration_hz"] = {device.min_vibration_hz, device.max_vibration_hz};
+  return limits;
+}
+
+nlohmann::ordered_json finger_json(const MckibbenParameters& finger) {
+  return {{"l1_m", finger.l1_m},
+          {"l2_m", finger.l2_m},
+          {"d2_m", finger.d2_m},
+          {"g2_m", finger.g2_m},
+          {"h2_m", finger.h2_m},
+          {"l4_m", finger.l4_m},
+          {"l5max_m", finger.l5max_m},
+          {"h0_m", finger.h0_m},
+          {"hx_m", finger.hx_m},
+          {"hx1_m", finger.hx1_m},
+          {"mc_kg", finger.mc_kg},
+          {"km_n_per_m", finger.km_n_per_m},
+          {"fm0_n", finger.fm0_n},
+          {"catt1_m", finger.catt1_m},
+          {"l0_m", finger.l0_m},
+          {"li_m", finger.li_m},
+          {"ri_m", finger.ri_m},
+          {"si_m", finger.si_m},
+          {"nt", finger.nt},
+          {"h_fibre_m", finger.h_fibre_m},
+          {"e_pa", finger.e_pa},
+          {"kv_pa_per_v", finger.kv_pa_per_v},
+          {"zeta", finger.zeta},
+          {"sigma_n_rad_per_s", finger.sigma_n_rad_per_s},
+          {"valve_min_v", finger.valve_min_v},
+          {"valve_max_v", finger.valve_max_v},
+          {"c_m3_per_s_pa", finger.c_m3_per_s_pa},
+          {"b", finger.b},
+          {"rho0_kg_per_m3", finger.rho0_kg_per_m3},
+          {"r_j_per_kg_k", finger.r_j_per_kg_k},
+          {"temperature_k", finger.temperature_k},
+          {"p_atm_pa", finger.p_atm_pa},
+          {"g_m_per_s2", finger.g_m_per_s2}};
+}
+
+nlohmann::ordered_json geometry_json(const DeviceSpec& device) {
+  return {{"a_m", device.a_m},   {"b_m", device.b_m},   {"bh_m", device.bh_m},        {"bd_m", device.bd_m},
+          {"l1_m", device.l1_m}, {"l2_m", device.l2_m}, {"rest_z_m", device.rest_z_m}};
+}
+
+nlohmann::ordered_json device_json(const DeviceSpec& device) {
+  nlohmann::ordered_json out = {{"name", device.name},
+                                {"title", device.title},
+                                {"acts_on", device.model == DeviceModel::rrs3 ? "pulp" : "joint"},
+                                {"limits", limits_json(device)}};
+  if (device.model == DeviceModel::rrs3) {
+    out["geometry"] = geometry_json(device);
+  } else {
+    out["finger"] = finger_json(device.finger);
+    out["control"] = {{"kp", device.gains.kp}, {"ki", device.gains.ki}, {"kd", device.gains.kd}};
+    out["tendon"] = to_string(device.tendon);
+    out["lever_arm_m"] = device.lever_arm_m;
+  }
+  return out;
+}
+
+nlohmann::ordered_json rig_json(const RigSpec& rig, const std::string& file) {
+  nlohmann::ordered_json out = {{"name", rig.name},           {"title", rig.title},
+                                {"what", what_it_is(rig)},    {"simulated", true},
+                                {"shipped", is_shipped(rig)}, {"file", file},
+                                {"sha256", rig.sha256},       {"devices", nlohmann::ordered_json::array()}};
+  for (const DeviceSpec& device : rig.devices) out["devices"].push_back(device_json(device));
+  if (rig.devices.size() > 1) out["lever_arm_m"] = rig.lever_arm_m;
+  return out;
+}
+
+void say(const char* what, const std::string& value) {
+  fmt::print("  {:<22}{}\n", what, value);
+}
+
+// Numbers of a JSON object as "name value" pairs, a few a line.
+void say_all(const char* what, const nlohmann::ordered_json& values) {
+  std::string line;
+  int count = 0;
+  for (const auto& [key, value] : values.items()) {
+    line += fmt::format("{}{} {:g}", line.empty() ? "" : ", ", key, value.get<double>());
+    if (++count % 4 != 0) continue;
+    say(count == 4 ? what : "", line);
+    line.clear();
+  }
+  if (!line.empty()) say(count < 4 ? what : "", line);
+}
+
+void print_device(const DeviceSpec& device) {
+  fmt::print("\n{}\n", bold(printable(device.name)));
+  say("force", fmt::format("at most {:g} N on the finger", device.max_force_n));
+  say("stiffness", fmt::format("at most {:g} {}", device.max_stiffness, to_string(device.unit)));
+  if (device.model == DeviceModel::rrs3) {
+    say("stroke", fmt::format("{:g} mm: platform at {:g} to {:g} mm, at rest {:g} mm", 1e3 * device.stroke_m,
+                              1e3 * device.lowest_travel, 1e3 * device.highest_travel, 1e3 * device.rest_z_m));
+    say("roll", fmt::format("-+ {}", angle_text(device.max_roll_rad)));
+    say("pitch", fmt::format("-+ {}", angle_text(device.max_pitch_rad)));
+    say("joints", fmt::format("at most {:.3f} rad/s ({:.0f} deg/s)", device.max_joint_speed_rad_per_s,
+                              device.max_joint_speed_rad_per_s * kDegreesPerRadian));
+    say("vibration", fmt::format("{:g} to {:g} g, {:g} to {:g} Hz", device.min_vibration_g, device.max_vibration_g,
+                                 device.min_vibration_hz, device.max_vibration_hz));
+    say_all("geometry", geometry_json(device));
+    return;
+  }
+  say("joint", fmt::format("{} to {}", angle_text(device.lowest_travel), angle_text(device.highest_travel)));
+  say("control",
+      fmt::format("kp {:g} V/N, ki {:g} V/(N s), kd {:g} V s/N", device.gains.kp, device.gains.ki, device.gains.kd));
+  say("tendon", std::string(to_string(device.tendon)));
+  say("lever arm", fmt::format("{:g} m: travel of the fingertip per angle", device.lever_arm_m));
+  say_all("finger", finger_json(device.finger));
+}
+
+}  // namespace
+
+int command_device_list(bool json) {
+  nlohmann::ordered_json rigs = nlohmann::ordered_json::array();
+  std::string text;
+  for (const std::string& name : shipped_names(Resource::device_spec)) {
+    const std::filesystem::path file = find_resource(Resource::device_spec, name);
+    const RigSpec rig = load_rig_spec(file);
+    rigs.push_back(rig_json(rig, file.string()));
+    const std::string other = not_shipped_text(rig);
+    text += fmt::format("  {}: {}{}\n", bold(printable(rig.name)), printable(rig.title),
+                        other.empty() ? "" : warn(printable(" (" + other + ")")));
+    for (const DeviceSpec& device : rig.devices)
+      text += fmt::format("      {}; at most {}\n", what_it_is(device), limits_text(device));
+  }
+  HidapiBus bus;
+  const nlohmann::ordered_json devices = hid_json(bus);
+  if (json) {
+    print_json({{"rigs", rigs}, {"hid", devices}});
+    return exit_code::kDone;
+  }
+  fmt::print("{}\n  All of them are simulated: models of the papers' devices. A study names one in $.rig.device.\n\n",
+             text);
+  fmt::print("{}\n{}", bold("Connected"), hid_text(devices));
+  return exit_code::kDone;
+}
+
+int command_device_info(const std::string& name, bool json) {
+  if (!names_a_rig(name)) {
+    HidapiBus bus;
+    return hid_device_info(bus, name, json);
+  }
+  const std::filesystem::path file = find_resource(Resource::device_spec, name);
+  const RigSpec rig = load_rig_spec(file);
+  if (json) {
+    print_json(rig_json(rig, file.string()));
+    return exit_code::kDone;
+  }
+  fmt::print("{}: {}\n", bold(printable(rig.name)), printable(rig.title));
+  say("what", what_it_is(rig));
+  say("file", printable(file.string()));
+  say("description", is_shipped(rig) ? "as shipped" : warn(printable(not_shipped_text(rig))));
+  say("SHA-256", rig.sha256);
+  if (rig.devices.size() > 1)
+    say("lever arm", fmt::format("{:g} m from the joint to the contact: 500 N/m there are {:g} N/rad of the joint",
+                                 rig.lever_arm_m, 500 * rig.lever_arm_m));
+  for (const DeviceSpec& device : rig.devices) print_device(device);
+  return exit_code::kDone;
+}
+
+}  // namespace jnd

@@ -1,0 +1,62 @@
+// jnd device test: a self-test that a technician reads, every line of it measured on the rig.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "devices/hid/hidapi_bus.h"
+#include "runner/device_commands/command_device_hid.h"
+#include "runner/commands/commands.h"
+#include "devices/self_test/device_bench.h"
+#include "runner/device_commands/device_output.h"
+#include "runner/device_commands/hid_devices.h"
+#include "runner/terminal/terminal.h"
+#include "runner/terminal/text_table.h"
+
+namespace jnd {
+
+int command_device_test(const std::string& name, bool json, bool yes) {
+  if (!names_a_rig(name)) {
+    HidapiBus bus;
+    return hid_device_test(bus, name, json, yes);
+  }
+  const RigSpec rig = rig_named(name);
+  DeviceChecks checks;
+  for (const DeviceSpec& spec : rig.devices) {
+    check_limits(spec, checks);
+    if (spec.model == DeviceModel::rrs3)
+      check_platform(spec, checks);
+    else
+      check_joint(spec, checks);
+  }
+  check_loop(rig, checks);
+  const auto failed = std::count_if(checks.begin(), checks.end(), [](const DeviceCheck& check) { return !check.ok; });
+  const int code = failed == 0 ? exit_code::kDone : exit_code::kDevice;
+  if (json) {
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    for (const DeviceCheck& check : checks)
+      list.push_back({{"device", check.device},
+                      {"what", check.what},
+                      {"measured", check.measured},
+                      {"expected", check.expected},
+                      {"ok", check.ok}});
+    print_json({{"rig", rig.name}, {"simulated", true}, {"sha256", rig.sha256}, {"ok", failed == 0}, {"checks", list}});
+    return code;
+  }
+  fmt::print("{}: {}\n  simulated, SHA-256 {}\n", bold(printable(rig.name)), printable(rig.title), rig.sha256);
+  using Align = TextTable::Align;
+  for (std::size_t i = 0; i < checks.size();) {
+    TextTable table({checks[i].device, "measured", "expected", ""},
+                    {Align::left, Align::left, Align::left, Align::left});
+    const std::string device = checks[i].device;
+    bool first = true;
+    for (; i < checks.size() && (first || checks[i].device == device); ++i, first = false)
+      table.add({checks[i].what, checks[i].measured, checks[i].expected, checks[i].ok ? "ok" : bold(warn("FAILED"))});
+    fmt::print("\n{}", table.text());
+  }
+  fmt::print("\n{}\n",
+             bold(failed == 0 ? fmt::format("all {} checks ok", checks.size())
+                              : fmt::format("{} of {} checks FAILED: do not use this rig", failed, checks.size())));
+  return code;
+}
+
+}  // namespace jnd

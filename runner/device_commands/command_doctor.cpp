@@ -1,0 +1,142 @@
+// jnd doctor: is this machine fit to run a session.
+#include <algorithm>
+#include <optional>
+#include <sstream>
+#include <utility>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "analysis/numerics/stop_request.h"
+#include "data/study/database.h"
+#include "devices/hid/hidapi_bus.h"
+#include "devices/hid/link/rig_check.h"
+#include "devices/machine/machine_checks.h"
+#include "protocols/reading/protocol_json.h"
+#include "runner/commands/commands.h"
+#include "runner/device_commands/hid_devices.h"
+#include "runner/keys/interrupt.h"
+#include "runner/terminal/json_output.h"
+#include "runner/terminal/standard_streams.h"
+#include "runner/opening/study_access.h"
+#include "runner/terminal/terminal.h"
+#include "runner/terminal/text_table.h"
+
+namespace jnd {
+
+namespace {
+
+JitterReport measure(RealtimePolicy policy, double seconds) {
+  return probe_jitter_on_thread(policy, seconds, interrupt_requested());
+}
+
+nlohmann::ordered_json jitter_json(const JitterReport& report) {
+  return {{"scheduling", report.realtime.fifo() ? fmt::format("SCHED_FIFO {}", kRealtimePriority) : "ordinary"},
+          {"p50_us", json_number(report.lateness.percentile_us(0.50))},
+          {"p99_us", json_number(report.lateness.percentile_us(0.99))},
+          {"max_us", json_number(report.lateness.largest_us())},
+          {"ticks", report.ticks},
+          {"overruns", report.overruns}};
+}
+
+// Broken between words to the terminal's width, further lines indented. Whole where there is no terminal.
+std::string wrapped(const std::string& text, std::size_t indent) {
+  if (!is_terminal(STDOUT_FILENO)) return text;
+  const auto width = static_cast<std::size_t>(std::max(terminal_width() - 1, 40)) - std::min<std::size_t>(indent, 30);
+  std::istringstream words(text);
+  std::string out, line;
+  for (std::string word; words >> word;) {
+    if (!line.empty() && display_width(line) + 1 + display_width(word) > width) {
+      out += line + "\n" + std::string(indent, ' ');
+      line.clear();
+    }
+    line += (line.empty() ? "" : " ") + word;
+  }
+  return out + line;
+}
+
+std::string mark(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::ok:
+      return "ok  ";
+    case Verdict::warn:
+      return warn("warn");
+    case Verdict::bad:
+      return bold(warn("BAD "));
+  }
+  return "BAD ";
+}
+
+void print_check(const MachineCheck& check, std::size_t name_width) {
+  constexpr std::size_t kMarkWidth = 8;  // two spaces, the mark, two spaces
+  const std::size_t indent = kMarkWidth + name_width + 2;
+  fmt::print("  {}  {}{}  {}\n", mark(check.verdict), check.name,
+             std::string(name_width - display_width(check.name), ' '), wrapped(printable(check.found), indent));
+  if (!check.what_to_do.empty())
+    fmt::print("{}{} {}\n", std::string(indent, ' '), dim("->"), wrapped(printable(check.what_to_do), indent + 3));
+}
+
+// What the protocol and the rig file need of this machine.
+std::vector<MachineCheck> check_rig_of(const DoctorOptions& options) {
+  std::optional<Protocol> protocol;
+  std::optional<RigFile> file;
+  if (!options.protocol.empty()) protocol = load_checked_protocol(options.protocol);
+  if (!options.rig.empty()) file = load_rig_file(options.rig);
+  if (!protocol && !file) return {};
+  std::vector<SeenHid> seen;
+  for (const HidInfo& info : HidapiBus().list()) seen.push_back({.info = info, .usable = is_usable(info)});
+  return check_rig(protocol ? &protocol->rig : nullptr, file ? &*file : nullptr, seen);
+}
+
+}  // namespace
+
+int command_doctor(const DoctorOptions& options) {
+  std::vector<MachineCheck> checks = {check_kernel("/"), check_processors("/"), check_frequency("/"),
+                                      check_clock_source("/"), check_hid("/")};
+  for (MachineCheck& check : check_rig_of(options)) checks.push_back(std::move(check));
+  checks.push_back(
+      check_storage(options.study.value_or("."), {.root = "/", .is_network = is_network_file_system, .syncs = 20}));
+  if (!options.json && is_terminal(STDERR_FILENO))
+    print_message("measuring how late a loop of 1 ms wakes, with and without SCHED_FIFO, {:g} s each ...\n",
+                  options.seconds);
+  const JitterReport session = measure(RealtimePolicy::prefer, options.seconds);
+  const bool compare = session.realtime.fifo();
+  const JitterReport ordinary = compare ? measure(RealtimePolicy::off, options.seconds) : JitterReport{};
+  if (interrupt_requested()) throw Stopped();
+  for (MachineCheck& check : check_realtime(session.realtime)) checks.push_back(std::move(check));
+  checks.push_back(judge_jitter(session));
+  // For comparison, and no finding of its own: a session does not run so.
+  if (compare) checks.back().found += "; without SCHED_FIFO: " + jitter_text(ordinary);
+
+  int bad = 0, warnings = 0;
+  std::size_t name_width = 0;
+  for (const MachineCheck& check : checks) {
+    bad += check.verdict == Verdict::bad ? 1 : 0;
+    warnings += check.verdict == Verdict::warn ? 1 : 0;
+    name_width = std::max(name_width, display_width(check.name));
+  }
+  const int code = bad > 0 ? exit_code::kProblemFound : exit_code::kDone;
+  if (options.json) {
+    nlohmann::ordered_json out = {{"ok", bad == 0}, {"checks", nlohmann::ordered_json::array()}};
+    for (const MachineCheck& check : checks)
+      out["checks"].push_back({{"name", check.name},
+                               {"verdict", to_string(check.verdict)},
+                               {"found", check.found},
+                               {"what_to_do", check.what_to_do}});
+    out["jitter"] = jitter_json(session);
+    out["jitter"]["without_fifo"] = compare ? jitter_json(ordinary) : nlohmann::ordered_json(nullptr);
+    fmt::print("{}\n", out.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+    return code;
+  }
+  for (const MachineCheck& check : checks) print_check(check, name_width);
+  if (bad > 0)
+    fmt::print("\n{}\n", bold(fmt::format("not fit for a real session: {} problem{} (BAD)", bad, bad == 1 ? "" : "s")));
+  else if (warnings > 0)
+    fmt::print("\n{}\n",
+               bold(fmt::format("fit to run a session, with {} warning{}", warnings, warnings == 1 ? "" : "s")));
+  else
+    fmt::print("\n{}\n", bold("fit to run a session"));
+  return code;
+}
+
+}  // namespace jnd

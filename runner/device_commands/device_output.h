@@ -1,0 +1,47 @@
+// What the device commands share: their numbers as arguments and as text, and where their answers go.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "protocols/rigs/rig_spec.h"
+#include "runner/device_commands/device_commands.h"
+#include "runner/terminal/json_output.h"
+
+namespace jnd {
+
+// "0.1,0.2,0.3" as exactly `count` finite numbers. Throws UsageError that names the option and what it wants: `wants`
+// is "PZ,ROLL,PITCH (m, rad, rad), such as -0.02,0.1,-0.05".
+std::vector<double> numbers_of(const std::string& text, std::size_t count, std::string_view option,
+                               std::string_view wants);
+
+// Writes what --csv asks. Returns whether standard output belongs to the CSV, so that nothing else is to be printed.
+// Throws UsageError beside --json and where the file exists, and StorageError where it cannot be written.
+bool write_csv(const DeviceOutput& output, const std::string& csv);
+
+// Prints one JSON document on a line.
+void print_json(const nlohmann::ordered_json& document);
+
+template <typename Numbers>
+nlohmann::ordered_json json_array(const Numbers& numbers) {
+  nlohmann::ordered_json array = nlohmann::ordered_json::array();
+  for (const double number : numbers) array.push_back(json_number(number));
+  return array;
+}
+// A row an array.
+nlohmann::ordered_json json_rows(const Eigen::MatrixXd& matrix);
+nlohmann::ordered_json json_vector(const Eigen::VectorXd& vector);
+
+// "0.351181 rad (20.121 deg)".
+std::string angle_text(double angle_rad);
+inline constexpr double kDegreesPerRadian = 57.295779513082320877;
+
+// The rig's description from a shipped name or a file; the device of one model. Throws InputError, and UsageError where
+// the rig has no device of that model.
+RigSpec rig_named(const std::string& name_or_path);
+DeviceSpec device_named(const std::string& name_or_path, DeviceModel model);
+
+}  // namespace jnd

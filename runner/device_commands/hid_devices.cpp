@@ -1,0 +1,138 @@
+#include "runner/device_commands/hid_devices.h"
+
+#include <algorithm>
+#include <array>
+#include <exception>
+#include <filesystem>
+#include <thread>
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include "devices/device_error.h"
+#include "devices/machine/io_thread.h"
+#include "devices/realtime.h"
+#include "protocols/input/input_error.h"
+#include "runner/commands/commands.h"
+#include "runner/keys/interrupt.h"
+#include "protocols/input/resources.h"
+#include "runner/terminal/standard_streams.h"
+#include "runner/terminal/terminal.h"
+
+namespace jnd {
+
+bool is_usable(const HidInfo& info) noexcept {
+  return access(info.path.c_str(), R_OK | W_OK) == 0;
+}
+
+std::string usb_id(const HidInfo& info) {
+  return fmt::format("{:04X}:{:04X}", info.vendor, info.product);
+}
+
+std::string shipped_udev_rules() {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  std::vector<fs::path> places;
+  const fs::path binary = fs::read_symlink("/proc/self/exe", error);
+  if (!error) places.push_back(binary.parent_path().parent_path() / "share/jnd/udev/70-jnd.rules");
+  places.push_back(fs::path(JND_DATA_DIR) / "udev/70-jnd.rules");
+  places.push_back(fs::path(JND_SOURCE_DIR) / "devices/hid/70-jnd.rules");
+  for (const fs::path& place : places)
+    if (fs::is_regular_file(place, error)) return place.string();
+  return {};
+}
+
+bool names_a_rig(const std::string& name) {
+  if (names_a_file(name)) return !name.starts_with("/dev/");  // such as /dev/hidraw0
+  const std::vector<std::string> shipped = shipped_names(Resource::device_spec);
+  return std::find(shipped.begin(), shipped.end(), name) != shipped.end();
+}
+
+HidInfo find_device(HidBus& bus, const std::string& name) {
+  std::vector<HidInfo> found;
+  std::string ours;
+  for (const HidInfo& info : bus.list()) {
+    if (!is_ours(info)) continue;
+    ours += fmt::format("{}{} at {}", ours.empty() ? "" : ", ", info.serial, info.path);
+    if (info.path == name || info.serial == name) found.push_back(info);
+  }
+  if (found.size() == 1) return found.front();
+  if (found.size() > 1)
+    throw InputError(fmt::format("{} connected devices have the serial number {}: give a path instead ({})",
+                                 found.size(), name, ours));
+  std::string rigs;
+  for (const std::string& rig : shipped_names(Resource::device_spec)) rigs += (rigs.empty() ? "" : ", ") + rig;
+  throw InputError(
+      fmt::format("there is no rig '{}' (shipped: {}), no file of that name, and no connected device of that serial "
+                  "number or path (connected: {}); jnd device list shows them all",
+                  name, rigs, ours.empty() ? "none" : ours));
+}
+
+DeviceDescription describe(HidHandle& handle, const std::string& name) {
+  DeviceDescription out;
+  const auto look = [&out](std::span<const std::uint8_t> report) {
+    jnd_telemetry telemetry{};
+    if (jnd_decode_telemetry(report.data(), report.size(), &telemetry) != JND_DECODE_OK) return;
+    out.telemetry = telemetry;
+    ++out.reports;
+  };
+  PageTalk pages(handle, name, look);
+  out.identity = pages.identity();
+  if (out.identity.model != JND_MODEL_RRS3)
+    throw DeviceError(fmt::format("{}: is a fingertip device of model {}, which this program does not know; update it",
+                                  name, out.identity.model));
+  out.limits = pages.limits();
+  out.geometry = pages.geometry();
+  out.table = pages.force_table();
+  out.certificate = pages.certificate();
+  // The answers may all have come between two reports of telemetry.
+  constexpr int kReads = 20, kWait_ms = 10;
+  std::array<std::uint8_t, JND_REPORT_SIZE> report{};
+  for (int i = 0; i < kReads && out.reports == 0; ++i) {
+    const int count = handle.read(report, kWait_ms);
+    if (count == kHidGone) throw DeviceError(fmt::format("{}: is gone; look at its cable and try again", name));
+    look(std::span(report).first(static_cast<std::size_t>(count)));
+  }
+  return out;
+}
+
+void refuse_if_driven(const DeviceDescription& device, const std::string& name) {
+  if (device.reports > 0 && device.telemetry.state == JND_STATE_ACTIVE)
+    throw DeviceError(fmt::format("{}: is driven by another program just now; end that first", name));
+}
+
+void with_device(HidBus& bus, const HidInfo& info, const std::function<void(HidHandle&)>& job) {
+  std::exception_ptr thrown;
+  std::thread thread = start_io_thread(
+      [&] {
+        try {
+          const std::unique_ptr<HidHandle> handle = bus.open(info.path);
+          job(*handle);
+        } catch (...) {
+          thrown = std::current_exception();
+        }
+      },
+      kRealtimePriority);
+  thread.join();
+  if (thrown) std::rethrow_exception(thrown);
+}
+
+bool may_press(const std::string& what, bool yes, bool needed) {
+  if (yes) return true;
+  if (!is_terminal(STDIN_FILENO) || !is_terminal(STDERR_FILENO)) {
+    if (needed) throw UsageError("the device would press, and there is no terminal to ask on: give --yes");
+    return false;
+  }
+  print_message("{}\nLet it press? [y/N] ", what);
+  std::string line;
+  for (char character = 0; !interrupts().end;) {
+    pollfd ready{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
+    if (poll(&ready, 1, 200) <= 0) continue;
+    if (::read(STDIN_FILENO, &character, 1) != 1 || character == '\n') break;
+    line += character;
+  }
+  return line == "y" || line == "Y" || line == "yes";
+}
+
+}  // namespace jnd

@@ -1,0 +1,41 @@
+// The figures of a study's report, each one SVG picture with the words around it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "data/results/study_results.h"
+#include "protocols/protocol.h"
+#include "runner/figures/svg.h"
+
+namespace jnd {
+
+struct Figure {
+  std::string id;       // of a-z, 0-9 and '-': "jnd", "slopes-2"; the name of its file too
+  std::string title;    // "JND by condition"
+  std::string caption;  // plain sentences: what the marks are, who is not among them
+  Svg svg;
+};
+
+// Each function returns no figure where there is nothing to draw. protocol: the study's.
+
+// Figure 5 of the paper: mean and 95 % interval by condition, with every participant, the within-subject interval and
+// the published values. Who has no JND stands at the edges, counted.
+std::vector<Figure> jnd_figures(const StudyResults& results, const Protocol& protocol);
+// Where the answers set the levels: their thresholds by condition, in the same form.
+std::vector<Figure> threshold_figures(const StudyResults& results, const Protocol& protocol);
+
+// d' against the stiffness difference with the fitted line, a panel for every participant, 24 a figure; for more than
+// 96 participants a panel for every condition instead, with everyone in it.
+std::vector<Figure> slope_figures(const StudyResults& results, const Protocol& protocol);
+
+std::vector<Figure> time_figures(const StudyResults& results, const Protocol& protocol);
+// One for each rating question that was compared over the conditions.
+std::vector<Figure> rating_figures(const StudyResults& results, const Protocol& protocol);
+// The median JND under every model, method and correction.
+std::vector<Figure> sensitivity_figures(const StudyResults& results, const Protocol& protocol);
+
+// All of them, in the order in which they are read.
+std::vector<Figure> study_figures(const StudyResults& results, const Protocol& protocol);
+
+}  // namespace jnd

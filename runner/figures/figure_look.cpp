@@ -1,0 +1,174 @@
+#include "runner/figures/figure_look.h"
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace jnd {
+
+namespace {
+
+struct ConditionColour {
+  std::string_view colour, fill_class, line_class, hollow_class;
+};
+constexpr std::array<ConditionColour, 7> kColours = {{{"#0072b2", "f0", "s0", "h0"},
+                                                      {"#d55e00", "f1", "s1", "h1"},
+                                                      {"#009e73", "f2", "s2", "h2"},
+                                                      {"#cc79a7", "f3", "s3", "h3"},
+                                                      {"#e69f00", "f4", "s4", "h4"},
+                                                      {"#56b4e9", "f5", "s5", "h5"},
+                                                      {"#5c5c5c", "f6", "s6", "h6"}}};
+constexpr int kShapes = 8;
+
+const ConditionColour& colour_of(int condition) {
+  return kColours[static_cast<std::size_t>(condition) % kColours.size()];
+}
+
+std::vector<SvgPoint> regular(double x, double y, double radius, int corners, double first_angle) {
+  std::vector<SvgPoint> points;
+  for (int corner = 0; corner < corners; ++corner) {
+    const double angle = first_angle + 2 * 3.14159265358979 * corner / corners;
+    points.emplace_back(x + radius * std::cos(angle), y + radius * std::sin(angle));
+  }
+  return points;
+}
+
+std::vector<SvgPoint> star(double x, double y, double radius, int rays, double inner) {
+  std::vector<SvgPoint> points;
+  for (int corner = 0; corner < 2 * rays; ++corner) {
+    const double angle = 3.14159265358979 * (corner / static_cast<double>(rays) - 0.5);
+    const double here = corner % 2 == 0 ? radius : inner * radius;
+    points.emplace_back(x + here * std::cos(angle), y + here * std::sin(angle));
+  }
+  return points;
+}
+
+// Where the character that begins at `at` ends.
+std::size_t next_character(std::string_view text, std::size_t at) {
+  ++at;
+  while (at < text.size() && (static_cast<unsigned char>(text[at]) & 0xc0U) == 0x80) ++at;
+  return at;
+}
+
+// In units of the font's size. Characters of three and more bytes (Chinese, Japanese, Korean, ...) are square.
+double character_width(std::string_view character) {
+  if (character.size() >= 3) return 1.0;
+  const char letter = character.front();
+  if (std::string_view("iljtfrI.,:;'|!()[] ").find(letter) != std::string_view::npos) return 0.34;
+  if (std::string_view("mwMW%@").find(letter) != std::string_view::npos) return 0.88;
+  return letter >= 'A' && letter <= 'Z' ? 0.7 : 0.585;
+}
+
+}  // namespace
+
+TextLook anchored(TextLook look, std::string_view anchor) {
+  look.anchor = anchor;
+  return look;
+}
+
+TextLook strong(TextLook look) {
+  look.bold = true;
+  return look;
+}
+
+Look condition_line(int condition) {
+  const ConditionColour& colour = colour_of(condition);
+  return {.css_class = colour.line_class, .fill = {}, .stroke = colour.colour, .stroke_width = 1.5, .dash = {}};
+}
+
+Look condition_fill(int condition) {
+  const ConditionColour& colour = colour_of(condition);
+  return {.css_class = colour.fill_class, .fill = colour.colour, .stroke = {}, .stroke_width = 0, .dash = {}};
+}
+
+Look condition_hollow(int condition) {
+  const ConditionColour& colour = colour_of(condition);
+  return {
+      .css_class = colour.hollow_class, .fill = "#ffffff", .stroke = colour.colour, .stroke_width = 1.5, .dash = {}};
+}
+
+void draw_marker(Svg& svg, int condition, double x, double y, double radius, const Look& look) {
+  constexpr double kQuarter = 3.14159265358979 / 2;
+  switch (condition % kShapes) {
+    case 0:
+      return svg.circle(x, y, 0.9 * radius, look);
+    case 1:
+      return svg.rectangle(x - 0.8 * radius, y - 0.8 * radius, 1.6 * radius, 1.6 * radius, look);
+    case 2:
+      return svg.polygon(regular(x, y + 0.15 * radius, 1.2 * radius, 3, -kQuarter), look);
+    case 3:
+      return svg.polygon(regular(x, y, 1.15 * radius, 4, -kQuarter), look);
+    case 4:
+      return svg.polygon(regular(x, y - 0.15 * radius, 1.2 * radius, 3, kQuarter), look);
+    case 5:
+      return svg.polygon(star(x, y, 1.3 * radius, 5, 0.45), look);
+    case 6:
+      return svg.polygon(regular(x, y, 1.05 * radius, 6, 0), look);
+    default:
+      return svg.polygon(star(x, y, 1.3 * radius, 4, 0.4), look);
+  }
+}
+
+void draw_arrow(Svg& svg, double x, double y, double radius, bool up, const Look& look) {
+  const double sign = up ? -1 : 1;
+  svg.polygon({{x, y + sign * 1.2 * radius},
+               {x + radius, y},
+               {x + 0.35 * radius, y},
+               {x + 0.35 * radius, y - sign * 1.1 * radius},
+               {x - 0.35 * radius, y - sign * 1.1 * radius},
+               {x - 0.35 * radius, y},
+               {x - radius, y}},
+              look);
+}
+
+void draw_cross(Svg& svg, double x, double y, double radius, const Look& look) {
+  const double arm = 0.8 * radius;
+  svg.line(x - arm, y - arm, x + arm, y + arm, look);
+  svg.line(x - arm, y + arm, x + arm, y - arm, look);
+}
+
+double text_width(std::string_view text, double size) {
+  double width = 0;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t next = next_character(text, at);
+    width += character_width(text.substr(at, next - at));
+    at = next;
+  }
+  return width * size;
+}
+
+std::string fitted(std::string_view text, double size, double width) {
+  if (text_width(text, size) <= width) return std::string(text);
+  double used = size;  // of the ellipsis
+  std::size_t end = 0;
+  while (end < text.size()) {
+    const std::size_t next = next_character(text, end);
+    used += character_width(text.substr(end, next - end)) * size;
+    if (used > width) break;
+    end = next;
+  }
+  return std::string(text.substr(0, end)) + "…";
+}
+
+std::vector<std::string> wrapped(std::string_view text, double size, double width, std::size_t most) {
+  std::vector<std::string> lines;
+  while (!text.empty() && lines.size() + 1 < most && text_width(text, size) > width) {
+    std::size_t cut = std::string_view::npos;
+    for (std::size_t space = text.find(' '); space != std::string_view::npos; space = text.find(' ', space + 1)) {
+      if (text_width(text.substr(0, space), size) > width) break;
+      cut = space;
+    }
+    if (cut == std::string_view::npos) break;
+    lines.emplace_back(text.substr(0, cut));
+    text.remove_prefix(cut + 1);
+  }
+  lines.push_back(fitted(text, size, width));
+  return lines;
+}
+
+std::string condition_title(const Condition& condition) {
+  return condition.label.empty() || condition.label == condition.name ? condition.name
+                                                                      : condition.name + ": " + condition.label;
+}
+
+}  // namespace jnd

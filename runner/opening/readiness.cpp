@@ -1,0 +1,89 @@
+#include "runner/opening/readiness.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "devices/clock.h"
+#include "runner/opening/readiness_buttons.h"
+#include "runner/opening/readiness_items.h"
+#include "runner/terminal/terminal.h"
+
+namespace jnd {
+
+namespace {
+
+MachineCheck left_out(const char* name) {
+  return {.name = name, .verdict = Verdict::ok, .found = "not tested in a quick rehearsal", .what_to_do = ""};
+}
+
+// What no reason sets aside.
+bool final_item(const MachineCheck& item) {
+  return item.name == kStorageItem || item.name == kParticipantItem;
+}
+
+}  // namespace
+
+Readiness check_readiness(const ReadinessInput& input) {
+  const std::int64_t utc_ns = SteadyClock().utc_ns();
+  const std::vector<SessionInfo> sessions = input.study.sessions();
+  const double needed = input.rig.telemetry() == nullptr ? 0 : telemetry_bytes(input.protocol, input.plan, input.spec);
+  Readiness readiness;
+  auto& items = readiness.items;
+  items.push_back(check_session_storage(input.study_path, needed, input.kind));
+  if (input.rig.connections().tracker)  // before the devices: without poses these can only stop
+    items.push_back(input.fast ? left_out("tracker") : check_tracker(input.rig));
+  items.push_back(input.fast ? left_out("devices") : check_devices(input.spec, input.rig));
+  items.push_back(check_description(input.spec));
+  items.push_back(check_calibration(input.spec, utc_ns));
+  items.push_back(input.fast ? left_out("loop") : check_loop_jitter(input.rig.realtime().policy));
+  items.push_back(check_keyboard(input.keyboard_is_terminal));
+  if (input.buttons != nullptr) items.push_back(check_buttons(*input.buttons));
+  items.push_back(check_study(input.study));
+  items.push_back(check_plan_balance(input.protocol, input.plan));
+  items.push_back(
+      check_participant(sessions, input.participant, input.kind, input.plan, input.protocol.design.sessions));
+  items.push_back(input.fast ? left_out("clock") : check_clock(sessions, utc_ns));
+  for (const MachineCheck& item : items) {
+    if (item.verdict != Verdict::bad) continue;
+    if (input.kind != SessionKind::real && !final_item(item)) continue;
+    readiness.blocked = true;
+    readiness.overridable = readiness.overridable && !final_item(item);
+  }
+  return readiness;
+}
+
+nlohmann::ordered_json readiness_body(const Readiness& readiness, const std::string& overridden_because) {
+  nlohmann::ordered_json items = nlohmann::ordered_json::array();
+  for (const MachineCheck& item : readiness.items)
+    items.push_back({{"what", item.name},
+                     {"verdict", to_string(item.verdict)},
+                     {"found", item.found},
+                     {"what_to_do", item.what_to_do}});
+  nlohmann::ordered_json body = {{"items", std::move(items)}, {"blocked", readiness.blocked}, {"overridden", nullptr}};
+  if (readiness.blocked && !overridden_because.empty()) body["overridden"] = overridden_because;
+  return body;
+}
+
+std::string readiness_text(const Readiness& readiness) {
+  std::string text, limits;
+  for (const MachineCheck& item : readiness.items) {
+    if (item.verdict == Verdict::ok) {
+      if (item.name == kLimitsItem) limits = fmt::format("Limits: {}.\n", printable(item.found));
+      continue;
+    }
+    text +=
+        fmt::format("{} {}: {}\n", item.verdict == Verdict::bad ? "BAD" : "warning", item.name, printable(item.found));
+    if (!item.what_to_do.empty()) text += fmt::format("  -> {}\n", printable(item.what_to_do));
+  }
+  if (text.empty()) {
+    for (const MachineCheck& item : readiness.items) text += (text.empty() ? "Ready: " : ", ") + item.name;
+    return text + ".\n" + limits;
+  }
+  text += limits;
+  if (readiness.blocked && !readiness.overridable)
+    text += "No reason sets this aside: answers could be lost, or the participant is not to take part.\n";
+  return text;
+}
+
+}  // namespace jnd

@@ -1,0 +1,23 @@
+// The results of a study as tables a person likes to read, and as JSON.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "data/results/study_models.h"
+#include "data/results/study_results.h"
+#include "protocols/protocol.h"
+#include "runner/results/result_tables.h"
+
+namespace jnd {
+
+std::string text_of(const ResultTable& table);  // ends with an empty line
+void print_table(const ResultTable& table);
+// Deviations from the plan, then warnings; nothing where there are none.
+void print_remarks(const StudyResults& results);
+
+nlohmann::ordered_json to_json(const MeanEstimate& estimate);
+nlohmann::ordered_json to_json(const StudyAnalysis& analysis, const Protocol& protocol);
+nlohmann::ordered_json to_json(const StudyResults& results, const Protocol& protocol);
+nlohmann::ordered_json to_json(const StudyModels& models, const Protocol& protocol);
+
+}  // namespace jnd

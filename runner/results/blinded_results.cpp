@@ -1,0 +1,120 @@
+#include "runner/results/blinded_results.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+
+#include "data/results/adaptive_results.h"
+#include "data/log/event_body.h"
+#include "protocols/planning/condition_codes.h"
+
+namespace jnd {
+
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+double median(std::vector<double> values) {
+  if (values.empty()) return kNaN;
+  std::sort(values.begin(), values.end());
+  const std::size_t middle = values.size() / 2;
+  return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
+}
+
+// What is added up over the sessions of one participant.
+struct Tally {
+  BlindedParticipant row;
+  int closed = 0, answers = 0, different = 0;
+  bool excluded = false, ended_early = false;
+  double seconds = 0;
+  std::vector<double> response_times;
+};
+
+int faults_of(const Study& study, const std::string& session) {
+  const std::vector<Event> events = study.events(session);
+  return static_cast<int>(std::count_if(events.begin(), events.end(),
+                                        [](const Event& event) { return event.kind == event_kind::kDeviceFault; }));
+}
+
+void add_session(Tally& tally, const Study& study, const SessionInfo& session) {
+  tally.row.participant = session.participant;
+  ++tally.row.sessions;
+  tally.closed += session.state == "closed" && !session.ended_early ? 1 : 0;
+  tally.ended_early = tally.ended_early || session.ended_early;
+  tally.excluded = tally.excluded || session.excluded;
+  tally.row.trials_done += session.trials_done;
+  tally.row.trials_total += session.trials_total;
+  tally.row.trials_voided += session.trials_voided;
+  tally.row.device_faults += faults_of(study, session.id);
+}
+
+void add_trial(Tally& tally, const CountedTrial& trial) {
+  ++tally.answers;
+  tally.different += trial.said_different ? 1 : 0;
+  tally.seconds += trial.duration_s;
+  if (trial.by_participant) tally.response_times.push_back(trial.response_time_s);
+}
+
+BlindedParticipant summed(Tally tally, const Protocol& protocol) {
+  BlindedParticipant row = std::move(tally.row);
+  const double answers = tally.answers > 0 ? tally.answers : kNaN;
+  row.state = tally.excluded                             ? "excluded"
+              : tally.closed >= protocol.design.sessions ? "finished"
+              : tally.ended_early                        ? "ended early"
+                                                         : "not finished";
+  row.said_different = tally.different / answers;
+  row.mean_trial_s = tally.seconds / answers;
+  row.median_response_time_s = median(std::move(tally.response_times));
+  return row;
+}
+
+BlindedGroup together(BlindedGroup row) {
+  if (row.n < kFewestTogether) row.mean = row.ci_low = row.ci_high = kNaN;
+  return row;
+}
+
+std::vector<BlindedGroup> groups_of(const Study& study, const Protocol& protocol, DifferenceSource by) {
+  const std::vector<std::string> codes = condition_codes(protocol, study.info().seed);
+  const auto code = [&](int condition) { return codes.at(static_cast<std::size_t>(condition)); };
+  std::vector<BlindedGroup> rows;
+  if (protocol.design.procedure) {
+    for (const AdaptiveGroup& group : adaptive_results(study, protocol, SessionKind::real).group)
+      rows.push_back(together({code(group.condition), group.n, group.of, group.mean, kNaN, kNaN}));
+  } else if (protocol.paradigm == Paradigm::same_different) {
+    for (const GroupResult& group : analyze(study, protocol, SessionKind::real, by).group) {
+      const MeanEstimate& jnd = group.jnd.mean_jnd;
+      rows.push_back(together({code(group.condition), jnd.n, group.jnd.n, jnd.mean, jnd.ci_low, jnd.ci_high}));
+    }
+  }
+  // In the order of the letters, which says nothing about the order in the protocol.
+  std::sort(rows.begin(), rows.end(), [](const BlindedGroup& a, const BlindedGroup& b) { return a.code < b.code; });
+  return rows;
+}
+
+}  // namespace
+
+BlindedResults blinded_results(const Study& study, const Protocol& protocol, DifferenceSource by,
+                               const std::string& study_name) {
+  BlindedResults results;
+  results.chains = require_whole_chains(study);
+  results.state = blinding_of(study, protocol, SessionKind::real);
+  results.line = blinding_line(results.state, study_name);
+  std::vector<SessionInfo> sessions = study.sessions();
+  std::erase_if(sessions, [](const SessionInfo& session) { return session.kind != SessionKind::real; });
+  if (sessions.empty()) return results;
+
+  std::map<std::string, Tally> tallies;
+  std::vector<std::string> order;  // of the participants' numbers, as the sessions are
+  for (const SessionInfo& session : sessions) {
+    if (!tallies.contains(session.participant)) order.push_back(session.participant);
+    add_session(tallies[session.participant], study, session);
+  }
+  for (const CountedTrial& trial : read_counted_trials(study, protocol, sessions))
+    add_trial(tallies[sessions[static_cast<std::size_t>(trial.session)].participant], trial);
+  for (const std::string& participant : order)
+    results.participants.push_back(summed(std::move(tallies[participant]), protocol));
+  results.groups = groups_of(study, protocol, by);
+  return results;
+}
+
+}  // namespace jnd

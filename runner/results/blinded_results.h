@@ -1,0 +1,62 @@
+// What may be seen of a study while it is blinded: is the data sound, and how do the coded conditions stand as a group.
+// Nothing here names a condition, a stimulus or the seed, and nothing says how well a single participant does.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "data/study/blinding.h"
+#include "data/verify/chain_check.h"
+#include "data/export/csv_writer.h"
+#include "data/results/study_analysis.h"
+#include "protocols/protocol.h"
+#include "runner/results/result_tables.h"
+
+namespace jnd {
+
+// One participant, everything pooled over conditions and stimuli. Shares are 0..1, NaN without a trial to judge by.
+struct BlindedParticipant {
+  std::string participant;
+  std::string state;  // "finished", "not finished", "ended early", "excluded"
+  int sessions = 0;
+  int trials_done = 0, trials_total = 0, trials_voided = 0;
+  int device_faults = 0;
+  double said_different = 0;          // of the answers
+  double median_response_time_s = 0;  // of answers that the participant entered; NaN without one
+  double mean_trial_s = 0;            // NaN without one
+};
+
+// One condition, of everybody together.
+struct BlindedGroup {
+  std::string code;
+  int n = 0, of = 0;  // participants with a threshold, and with any data
+  double mean = 0;    // JND or adaptive threshold, in the study's unit; NaN where fewer than kFewestTogether have one
+  double ci_low = 0, ci_high = 0;  // 95 %; NaN where there is none
+};
+
+// A mean of fewer would be somebody's own result.
+inline constexpr int kFewestTogether = 3;
+
+struct BlindedResults {
+  ChainReport chains;  // of the whole study, read before anything was computed
+  BlindingState state;
+  std::string line;  // blinding_line
+  std::vector<BlindedParticipant> participants;
+  std::vector<BlindedGroup> groups;  // by code
+};
+
+// Of the study's real sessions. Throws BrokenChain where the study is not what was recorded. study_name: how the
+// command line names the study.
+BlindedResults blinded_results(const Study& study, const Protocol& protocol, DifferenceSource by,
+                               const std::string& study_name);
+
+std::vector<ResultTable> blinded_tables(const BlindedResults& results, const Protocol& protocol);
+nlohmann::ordered_json to_json(const BlindedResults& results, const Protocol& protocol);
+nlohmann::ordered_json to_json(const BlindingState& state);
+
+std::vector<CsvColumn<BlindedParticipant>> blinded_participant_columns();
+std::vector<CsvColumn<BlindedGroup>> blinded_group_columns(const Protocol& protocol);
+
+}  // namespace jnd

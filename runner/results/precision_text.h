@@ -1,0 +1,26 @@
+// The planner's figures for people: tables of a terminal, or Markdown.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "analysis/precision/precision.h"
+#include "protocols/planning/planned_precision.h"
+#include "protocols/protocol.h"
+
+namespace jnd {
+
+// A design's precision with where its JNDs come from, a source a condition.
+struct PlannedPrecision {
+  Precision precision;
+  std::vector<JndSource> sources;
+};
+
+enum class TableStyle { terminal, markdown };
+
+// All of it. Lines ended by a newline.
+std::string precision_text(const PlannedPrecision& planned, const Protocol& protocol, TableStyle style);
+// One participant's part in a few lines, for `jnd check`. name: by which the user calls the protocol.
+std::string precision_summary(const PlannedPrecision& planned, const Protocol& protocol, const std::string& name);
+
+}  // namespace jnd

@@ -1,0 +1,39 @@
+#include "runner/results/result_format.h"
+
+namespace jnd {
+
+int stiffness_decimals(const Protocol& protocol) noexcept {
+  return protocol.stimulus.unit == StiffnessUnit::n_per_m ? 1 : 2;
+}
+
+std::string stiffness_text(double value, const Protocol& protocol) {
+  return number_text(value, stiffness_decimals(protocol));
+}
+
+std::string median_text(JndStatus status, double median, const Protocol& protocol) {
+  if (status == JndStatus::ceiling || status == JndStatus::no_information) return std::string(to_string(status));
+  return stiffness_text(median, protocol);
+}
+
+std::string_view unit_of(const Protocol& protocol) noexcept {
+  return to_string(protocol.stimulus.unit);
+}
+
+int slope_step(const Protocol& protocol) noexcept {
+  return protocol.stimulus.unit == StiffnessUnit::n_per_m ? 100 : 10;
+}
+
+const std::string& condition_text(const Protocol& protocol, int place) {
+  return protocol.conditions[static_cast<std::size_t>(place)].name;
+}
+
+std::string joined(const std::string& a, const std::string& b) {
+  return a.empty() || b.empty() ? a + b : a + ", " + b;
+}
+
+std::string source_remark(DifferenceSource source, const StudyAnalysis& analysis) {
+  if (source == analysis.by) return {};
+  return source == DifferenceSource::mixed ? "nominal differences in part" : "nominal difference";
+}
+
+}  // namespace jnd

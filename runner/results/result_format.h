@@ -1,0 +1,28 @@
+// Numbers of a study as people read them in tables.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "data/results/study_analysis.h"
+#include "protocols/protocol.h"
+#include "runner/terminal/number_text.h"
+
+namespace jnd {
+
+// In the study's unit, with the digits that it deserves: stiffnesses of a contact are hundreds of N/m, those of a joint
+// tens of N/rad.
+int stiffness_decimals(const Protocol& protocol) noexcept;
+std::string stiffness_text(double value, const Protocol& protocol);
+// Of a median of JNDs: the number, "inf" where no sensitivity stands in the middle, else the status in words.
+std::string median_text(JndStatus status, double median, const Protocol& protocol);
+std::string_view unit_of(const Protocol& protocol) noexcept;
+// Of slopes, so that they have digits to read: d' per 100 N/m, d' per 10 N/rad.
+int slope_step(const Protocol& protocol) noexcept;
+
+const std::string& condition_text(const Protocol& protocol, int place);  // its name
+std::string joined(const std::string& a, const std::string& b);          // "a, b", or the one that is not empty
+// Where the fit rests on another difference than the one asked for; empty where it does not.
+std::string source_remark(DifferenceSource source, const StudyAnalysis& analysis);
+
+}  // namespace jnd

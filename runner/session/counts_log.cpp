@@ -1,0 +1,32 @@
+#include "runner/session/counts_log.h"
+
+#include "data/log/event_body.h"
+
+namespace jnd {
+
+void CountsLog::append(std::string_view kind, const nlohmann::ordered_json& body, Stamp /*stamp*/) {
+  if (kind != event_kind::kTrialCompleted || body.at("practice").get<bool>()) return;
+  Counts& counts = counts_[{body.at("condition").get<std::string>(), body.at("series").get<std::string>()}];
+  const int different = body.at("answer").get_ref<const std::string&>() == to_string(Judgement::different) ? 1 : 0;
+  if (body.at("same").get<bool>()) {
+    ++counts.n_same;
+    counts.false_alarms += different;
+  } else {
+    ++counts.n_diff;
+    counts.hits += different;
+  }
+}
+
+std::vector<CellCounts> CountsLog::cells(const Protocol& protocol, const std::string& participant) const {
+  std::vector<CellCounts> cells;
+  for (std::size_t condition = 0; condition < protocol.conditions.size(); ++condition) {
+    for (std::size_t series = 0; series < protocol.series.size(); ++series) {
+      const auto found = counts_.find({protocol.conditions[condition].name, protocol.series[series].name});
+      cells.push_back({participant, static_cast<int>(condition), static_cast<int>(series),
+                       found == counts_.end() ? Counts{} : found->second});
+    }
+  }
+  return cells;
+}
+
+}  // namespace jnd

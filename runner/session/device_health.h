@@ -1,0 +1,12 @@
+// How the devices do, in the operator's words.
+#pragma once
+
+#include "devices/rig.h"
+#include "runner/session/session_view.h"
+
+namespace jnd {
+
+DeviceHealth health_of(const LoopGlimpse& glimpse);        // while it goes on
+DeviceHealth health_of(const Presentation& presentation);  // when it is over, with the devices at rest
+
+}  // namespace jnd

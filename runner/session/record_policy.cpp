@@ -1,0 +1,43 @@
+#include "runner/session/record_policy.h"
+
+#include <fmt/format.h>
+
+#include "runner/commands/commands.h"
+
+namespace jnd {
+
+std::string_view to_string(RecordPolicy policy) noexcept {
+  switch (policy) {
+    case RecordPolicy::off:
+      return "off";
+    case RecordPolicy::events:
+      return "events";
+    case RecordPolicy::full:
+      return "full";
+  }
+  return "";
+}
+
+std::optional<RecordPolicy> record_policy_from(std::string_view text) noexcept {
+  for (const RecordPolicy policy : {RecordPolicy::off, RecordPolicy::events, RecordPolicy::full})
+    if (text == to_string(policy)) return policy;
+  return std::nullopt;
+}
+
+RecordPolicy record_policy_of(const std::string& text) {
+  if (const std::optional<RecordPolicy> policy = record_policy_from(text)) return *policy;
+  throw UsageError(fmt::format("--record {} is not known: off, events or full", text));
+}
+
+RealtimePolicy realtime_policy_of(const std::string& text) {
+  if (const std::optional<RealtimePolicy> policy = parse_realtime_policy(text)) return *policy;
+  throw UsageError(fmt::format("--realtime {} is not known: off, prefer or require", text));
+}
+
+RigOptions rig_options(RecordPolicy policy, const Protocol& protocol, const RigDescription& rig) noexcept {
+  RigOptions options;
+  if (policy == RecordPolicy::full) options.telemetry_ticks = telemetry_ticks(protocol, rig.spec);
+  return options;
+}
+
+}  // namespace jnd

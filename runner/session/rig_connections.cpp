@@ -1,0 +1,75 @@
+#include "runner/session/rig_connections.h"
+
+#include <string>
+#include <utility>
+
+#include "data/log/event_body.h"
+#include "devices/hid/calibration/calibration_certificate.h"
+#include "runner/session/connections_body.h"
+
+namespace jnd {
+
+namespace {
+
+constexpr std::int64_t kLook_ns = 50'000'000;
+// What is back by then was not missing: a device's last word before it came to rest, say.
+constexpr std::int64_t kGrace_ns = 300'000'000;
+
+}  // namespace
+
+void note_connections(const SessionParts& parts, const SessionRecorder& recorder, std::string_view when) {
+  const RigConnections connections = parts.rig.connections();
+  if (connections.devices.empty() && !connections.tracker) return;
+  recorder.append(event_kind::kConnections, connections_body(connections, when));
+}
+
+void note_calibrations(const SessionParts& parts, const SessionRecorder& recorder,
+                       const std::vector<std::filesystem::path>& folders) {
+  for (const DeviceLinkReport& device : parts.rig.connections().devices) {
+    if (device.calibration_id.empty()) continue;
+    nlohmann::ordered_json certificate = nullptr;
+    for (const std::filesystem::path& folder : folders) {
+      const auto found = find_certificate(folder, device.calibration_id);
+      if (!found) continue;
+      certificate = load_certificate(*found);
+      break;
+    }
+    recorder.append(event_kind::kCalibration, {{"serial", device.serial},
+                                               {"calibration_id", device.calibration_id},
+                                               {"certificate", std::move(certificate)}});
+  }
+}
+
+bool counts_as_attempt(const SessionParts& parts, Fault fault) {
+  const bool gone = fault == Fault::device_lost || fault == Fault::stale_reading || fault == Fault::stale_pose;
+  return !gone || parts.rig.missing().empty();
+}
+
+void await_rig(const SessionParts& parts, const SessionRecorder& recorder, int after_trial) {
+  const std::int64_t began_ns = parts.clock.now_ns();
+  const auto look_again = [&] {
+    parts.clock.sleep_until_ns(parts.clock.now_ns() + kLook_ns);
+    parts.rig.neutral();  // a device forgets a fault that is over when it is told to rest, and not before
+  };
+  while (!parts.rig.missing().empty() && parts.clock.now_ns() - began_ns < kGrace_ns) look_again();
+  std::string missing = parts.rig.missing();
+  if (missing.empty()) return;
+  parts.rig.neutral();
+  note_connections(parts, recorder, "missing");
+  const auto back = [&] {
+    parts.rig.neutral();
+    return parts.rig.missing().empty();
+  };
+  while (!missing.empty()) {
+    heed_interrupts(parts, recorder, after_trial);
+    if (parts.person)
+      settle(parts, recorder, after_trial, [&] { return parts.view.missing(missing, back); });
+    else if (parts.clock.now_ns() - began_ns > static_cast<std::int64_t>(1e9 * kLongestWait_s))
+      throw SessionEnds{false, "missing", missing};
+    look_again();
+    missing = parts.rig.missing();
+  }
+  note_connections(parts, recorder, "back");
+}
+
+}  // namespace jnd

@@ -1,0 +1,30 @@
+// What a session does about the connections of its rig: it keeps them in the log, and waits where something is missing.
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+#include <vector>
+
+#include "runner/session/session_parts.h"
+
+namespace jnd {
+
+// rig.connections; nothing for a rig of models. when: as in runner/session/connections_body.h.
+void note_connections(const SessionParts& parts, const SessionRecorder& recorder, std::string_view when);
+
+// rig.calibration for each device that carries a calibration: its certificate, from the first of the folders that has
+// it, so that whoever has the study can recompute it.
+void note_calibrations(const SessionParts& parts, const SessionRecorder& recorder,
+                       const std::vector<std::filesystem::path>& folders);
+
+// Whether an attempt that this fault ended uses up one of the trial's attempts. Not where a device is unplugged, or the
+// tracker gone, just now: nobody is to blame, and it is waited for. A device that comes and goes within the attempt, or
+// that stops itself, does use it up: otherwise it could go on for ever.
+bool counts_as_attempt(const SessionParts& parts, Fault fault);
+
+// Before anything is presented: returns when nothing is missing. A person is told what is, and may end the session; the
+// devices are at rest. Without a person it waits kLongestWait_s. Throws SessionEnds: the session can be resumed.
+inline constexpr double kLongestWait_s = 30;
+void await_rig(const SessionParts& parts, const SessionRecorder& recorder, int after_trial);
+
+}  // namespace jnd

@@ -1,0 +1,112 @@
+// What the engine tells the person at the terminal, and what it asks of them. It never tells a stimulus, nor a
+// condition's real name.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "protocols/protocol.h"
+#include "protocols/vocabulary.h"
+#include "runner/session/operator_wish.h"
+
+namespace jnd {
+
+// Where the session stands, as the operator may see it.
+struct TrialOutline {
+  int number = 0;  // k of n in the main part, or in the practice round: how far the session is
+  int total = 0;
+  int plan_number = 0;   // Trial::index: its place in the plan, as exports count
+  bool at_most = false;  // the answers may end the session before `total`
+  bool practice = false;
+  int round = 0;  // of practice
+  int attempt = 1;
+  int block = 0, blocks = 0;  // of the main part
+  // "A", "B", ...: the same letter for a condition throughout the study. Empty in practice, whose conditions come in
+  // the protocol's own order, which would say what the letters stand for.
+  std::string condition_code;
+  double time_left_s = 0;      // at the participant's own pace
+  bool can_void_last = false;  // there is a last answer, of the same part of the session, to take back
+};
+
+// Progress of one coded condition in the main part.
+struct ConditionProgress {
+  std::string code;
+  int done = 0, total = 0;
+};
+
+// How the devices do while a presentation goes on, and how they did in the last one. Nothing here follows from a force
+// or a limit: those tell the stimulus, and whether the condition has force at all. Whether fingers are in the object is
+// known from where they are, in every condition alike.
+struct DeviceHealth {
+  bool presenting = false;  // otherwise the devices are at rest
+  bool contact = false;     // while presenting
+  double rate_hz = 0;       // of the control loop; 0: unknown
+  double lateness_max_us = 0;
+  std::string fault;  // what a device or the loop could not do; empty: nothing. A stop is none.
+};
+
+// Free interaction: what the operator may see of it.
+struct ExplorationOutline {
+  int number = 0, total = 0;
+  std::string condition_code;
+  std::string object;  // its name in the protocol
+  bool devices = true;
+  double duration_s = 0;
+  int attempt = 1;
+};
+
+enum class CuePlace { first, second, question };
+
+// Thread rule: called by the session's thread only. Defaults suit a session without a person.
+class SessionView {
+ public:
+  virtual ~SessionView() = default;
+  // Before a trial: go_on presents it; anything else is done, and this is asked again where a trial is still to come.
+  // Whatever asks for a wish may return stopped; it is asked again once the stop is cleared.
+  virtual OperatorWish ready(const TrialOutline&) { return {}; }
+  // What the operator asked for during a presentation, or instead of an answer: repeat_trial, or an end.
+  virtual OperatorWish meanwhile() { return {}; }
+  // The session stands still, with the devices neutral. go_on ends the pause; note, end_for_now and end_for_good do
+  // what they say.
+  virtual OperatorWish paused(const std::string& /*cause*/) { return {Wish::end_for_now, {}}; }
+  virtual void progress(const std::vector<ConditionProgress>&) {}
+  virtual void health(const DeviceHealth&) {}
+  virtual void cue(CuePlace, const CueSignal&) {}
+  // Until the next trial may begin; called some times a second. False: the operator wants something, which is ready()'s
+  // to say.
+  virtual bool waiting(double /*left_s*/, double /*total_s*/) { return true; }
+  // After the answer's transaction is committed, and not before.
+  virtual void saved(const TrialOutline&, const Answer&) {}
+  virtual void voided(const TrialOutline&, const std::string& /*reason*/, bool /*will_repeat*/) {}
+  // The last answer was taken back.
+  virtual void took_back(bool /*will_repeat*/) {}
+  // After an emergency stop, with the devices at rest: go_on clears it, its text is the operator's reason; an end ends
+  // the session here.
+  virtual OperatorWish recover(const std::string& /*stopped_by*/) { return {Wish::end_for_now, {}}; }
+  // Something of the rig is missing, such as a device that was unplugged; `what` is in the operator's words. Returns
+  // go_on as soon as back() is true, which it asks some times a second, or what the operator wishes meanwhile; at once
+  // for views without a person.
+  virtual OperatorWish missing(const std::string& /*what*/, const std::function<bool()>& /*back*/) { return {}; }
+  // The log cannot be written just now: true tries again, false ends the session, and what was not saved is lost.
+  virtual bool storage_trouble(const std::string& /*message*/) { return false; }
+  virtual void feedback(bool /*correct*/) {}
+  virtual void practice_over(int /*rounds*/, double /*share_correct*/, bool /*passed*/) {}
+  virtual void break_begins(const Break&, bool /*asked_by_operator*/) {}
+  // Returns when the break is over: at once for views without a person.
+  virtual OperatorWish break_over(const Break&) { return {}; }
+  // A page to read out or to show; in the participant's language.
+  virtual OperatorWish instruct(const Instruction&) { return {}; }
+  // Whether the participant consents; nothing where a signal or a stop came first.
+  virtual std::optional<bool> consent(const std::string& /*text*/) { return true; }
+  // Before free interaction with an object.
+  virtual OperatorWish ready_to_explore(const ExplorationOutline&) { return {}; }
+  // It goes on; called some times a second. False ends it (see meanwhile()).
+  virtual bool exploring(double /*left_s*/) { return true; }
+  // After its transaction is committed, and not before.
+  virtual void explored() {}
+};
+
+}  // namespace jnd

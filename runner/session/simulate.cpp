@@ -1,0 +1,288 @@
+#include "runner/session/simulate.h"
+
+#include <algorithm>
+#include <atomic>
+#include <condition_variable>
+#include <exception>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "data/log/event_body.h"
+#include "devices/rigs/rig_factory.h"
+#include "protocols/input/input_error.h"
+#include "protocols/planning/plan.h"
+#include "protocols/input/sha256.h"
+#include "runner/session/counts_log.h"
+#include "runner/keys/interrupt.h"
+#include "runner/terminal/progress_bar.h"
+#include "runner/session/session_engine.h"
+
+namespace jnd {
+
+namespace {
+
+constexpr std::int64_t kDay_ns = 86'400'000'000'000;
+constexpr std::int64_t kHour_ns = 3'600'000'000'000;
+constexpr std::int64_t kFirstDay_ns = 946'713'600'000'000'000;  // 2000-01-01T08:00:00Z
+
+// Counts trials, or explorations, for the progress bar; a simulated participant needs no words.
+class CountingView final : public SessionView {
+ public:
+  explicit CountingView(std::atomic<std::int64_t>& trials) : trials_(trials) {}
+  void saved(const TrialOutline& outline, const Answer&) override {
+    if (outline.practice) return;
+    ++trials_;
+    ++saved_;
+  }
+  void explored() override { ++trials_; }
+  std::int64_t saved_trials() const noexcept { return saved_; }
+
+ private:
+  std::int64_t saved_ = 0;
+  std::atomic<std::int64_t>& trials_;
+};
+
+// What a session goes through: main trials, or explorations.
+int steps_of(const Plan& plan) {
+  return std::max(main_trial_count(plan), static_cast<int>(plan.explorations.size()));
+}
+
+std::int64_t main_trials(const SessionState& state) {
+  return std::count_if(state.completed.begin(), state.completed.end(),
+                       [](const TrialRecord& record) { return !record.trial.practice; });
+}
+
+// Each session's noise is drawn anew.
+std::uint64_t seed_of_session(std::uint64_t seed, int session) {
+  return session == 1 ? seed : seed ^ (0x9e3779b97f4a7c15U * static_cast<std::uint64_t>(session));
+}
+
+SessionEnd run_participant(const Simulation& simulation, const RigFilter& rig_filter, const Plan& plan, SessionLog& log,
+                           std::atomic<std::int64_t>& trials) {
+  const std::uint64_t seed = seed_of_session(simulation.seed, plan.session);
+  SimulatedClock clock(simulated_epoch_ns(plan.participant, plan.session));
+  const SessionState state = replay(log.events());
+  clock.sleep_until_ns(state.last_monotonic_ns);
+  std::unique_ptr<Rig> rig =
+      make_simulated_rig(simulation.protocol, simulation.rig, simulation.profile, plan.participant, seed, clock,
+                         rig_options(simulation.record, simulation.protocol, simulation.rig));
+  if (rig_filter) rig = rig_filter(std::move(rig));
+  const std::unique_ptr<Responder> responder =
+      make_simulated_participant(simulation.profile, simulation.protocol, plan.participant, seed, clock);
+  CountingView view(trials);
+  const SessionParts parts{simulation.protocol, plan, *rig, *responder, log, clock, view, interrupts(),
+                           simulation.record,   false};
+  const SessionEnd end = SessionEngine(parts).run(state);
+  // Trials that ended tracks did not need count as done, for the bar.
+  if (simulation.protocol.design.procedure && end == SessionEnd::completed)
+    trials += main_trial_count(plan) - view.saved_trials() - main_trials(state);
+  return end;
+}
+
+// A participant's sessions, one after the other.
+struct Turn {
+  int participant = 1, session = 1;
+};
+Turn turn_of(int place, const Protocol& protocol) {
+  const int sessions = protocol.design.sessions;
+  return {(place - 1) / sessions + 1, (place - 1) % sessions + 1};
+}
+
+enum class Work { finished, nothing_to_do, interrupted };
+
+// Calls work(place) for 1..places on several threads, and done(place) on the calling thread for those whose work
+// finished: in order, up to the first that was interrupted. The first exception stops the rest and is thrown here.
+void for_each_place(const Simulation& simulation, int places, const std::atomic<std::int64_t>& trials,
+                    std::int64_t trials_total, const std::function<Work(int)>& work,
+                    const std::function<void(int)>& done) {
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::vector<std::optional<Work>> results(static_cast<std::size_t>(places) + 1);
+  std::exception_ptr failure;
+  std::atomic<int> next{1};
+
+  const auto worker = [&] {
+    for (int place = next++; place <= places; place = next++) {
+      Work result = Work::interrupted;
+      std::exception_ptr problem;
+      try {
+        result = work(place);
+      } catch (...) {
+        problem = std::current_exception();
+        next = places + 1;
+      }
+      const std::lock_guard lock(mutex);
+      results[static_cast<std::size_t>(place)] = result;
+      if (problem && !failure) failure = problem;
+      changed.notify_all();
+    }
+  };
+  std::vector<std::jthread> threads;
+  for (int i = 0; i < std::clamp(simulation.threads, 1, places); ++i) threads.emplace_back(worker);
+
+  std::unique_ptr<ProgressBar> bar;
+  if (simulation.progress)
+    bar = std::make_unique<ProgressBar>(simulation.protocol.explore ? "simulating explorations" : "simulating trials",
+                                        trials_total);
+  for (int place = 1; place <= places; ++place) {
+    std::unique_lock lock(mutex);
+    const std::optional<Work>& result = results[static_cast<std::size_t>(place)];
+    while (!result && !failure) {
+      changed.wait_for(lock, std::chrono::milliseconds(100));
+      if (bar) bar->update(trials);
+    }
+    if (failure || result == Work::interrupted) break;
+    const bool finished = result == Work::finished;
+    lock.unlock();
+    if (finished) done(place);
+  }
+  threads.clear();
+  if (bar) bar->update(trials);
+  if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace
+
+std::string participant_code(int number) {
+  return fmt::format("P{:02}", number);
+}
+
+std::int64_t simulated_epoch_ns(int participant, int session) {
+  return kFirstDay_ns + (participant - 1) * kDay_ns + (session - 1) * kHour_ns;
+}
+
+std::string simulated_session_id(const StudyInfo& study, int participant, int session) {
+  return sha256_hex(fmt::format("simulated/{}/{}/{}/{}", study.protocol_sha256, study.seed, participant, session))
+      .substr(0, 32);
+}
+
+SimulationResult simulate_study(const Simulation& simulation, Study& study) {
+  SimulationResult result;
+  std::map<std::string, SessionInfo> known;
+  std::map<std::pair<int, int>, std::string> ids;  // by number of participant and session: earlier programs had others
+  for (const SessionInfo& session : study.sessions()) {
+    known.emplace(session.id, session);
+    if (session.kind == SessionKind::simulated) ids[{session.participant_number, session.number}] = session.id;
+  }
+  const std::string responder = "profile " + simulation.profile.name;
+  std::atomic<std::int64_t> trials{0};
+  std::int64_t total = 0;
+  std::vector<int> already;
+  const int places = simulation.participants * simulation.protocol.design.sessions;
+  const auto id_of = [&](int place) {
+    const Turn turn = turn_of(place, simulation.protocol);
+    const auto found = ids.find({turn.participant, turn.session});
+    return found != ids.end() ? found->second : simulated_session_id(study.info(), turn.participant, turn.session);
+  };
+  for (int place = 1; place <= places; ++place) {
+    const Turn turn = turn_of(place, simulation.protocol);
+    total += steps_of(make_plan(simulation.protocol, turn.participant, simulation.seed, turn.session));
+    const auto found = known.find(id_of(place));
+    if (found == known.end()) continue;
+    if (found->second.responder != responder)
+      throw InputError(fmt::format(
+          "participant {} of this study was simulated with {}, not {}; use that profile or another study file",
+          participant_code(turn.participant), found->second.responder, responder));
+    trials += found->second.trials_done;
+    if (found->second.state == "closed") already.push_back(place);
+  }
+
+  const auto is_done = [&](int place) { return std::binary_search(already.begin(), already.end(), place); };
+  std::vector<Stamp> ends(static_cast<std::size_t>(places) + 1);
+  const auto work = [&](int place) {
+    if (is_done(place)) return Work::nothing_to_do;
+    if (interrupt_requested()) return Work::interrupted;
+    const Turn turn = turn_of(place, simulation.protocol);
+    const Plan plan = make_plan(simulation.protocol, turn.participant, simulation.seed, turn.session);
+    const std::string id = id_of(place);
+    std::unique_ptr<SessionLog> log;
+    if (known.contains(id)) {
+      log = study.resume_session(id);
+    } else {
+      NewSession session;
+      session.id = id;
+      session.participant = participant_code(turn.participant);
+      session.participant_number = turn.participant;
+      session.number = turn.session;
+      session.kind = SessionKind::simulated;
+      session.responder = responder;
+      session.profile_sha256 = simulation.profile.sha256;
+      const RigInfo rig = simulated_rig_info(simulation.protocol, simulation.rig.spec);
+      session.rig = rig.name;
+      session.rig_mode = rig.mode;
+      session.tracker = rig.tracker;
+      session.rig_sha256 = rig.sha256;
+      session.trials_total = steps_of(plan);
+      session.stamp = {simulated_epoch_ns(turn.participant, turn.session), 0};
+      log = study.open_session(session);
+    }
+    if (run_participant(simulation, {}, plan, *log, trials) != SessionEnd::completed) return Work::interrupted;
+    const SessionState state = replay(log->events());
+    ends[static_cast<std::size_t>(place)] = {state.last_utc_ns, state.last_monotonic_ns};
+    return Work::finished;
+  };
+  const auto close = [&](int place) {
+    study.close_session(id_of(place), ends[static_cast<std::size_t>(place)]);
+    ++result.completed;
+  };
+  for_each_place(simulation, places, trials, total, work, close);
+  result.already_complete = static_cast<int>(already.size());
+  result.interrupted = interrupt_requested();
+  return result;
+}
+
+std::vector<CellCounts> simulate_counts(const Simulation& simulation, const RigFilter& rig_filter) {
+  std::vector<std::vector<CellCounts>> cells(static_cast<std::size_t>(simulation.participants) + 1);
+  std::atomic<std::int64_t> trials{0};
+  const std::int64_t total = std::int64_t{simulation.participants} * simulation.protocol.design.sessions *
+                             main_trial_count(make_plan(simulation.protocol, 1, simulation.seed));
+  const auto work = [&](int participant) {
+    if (interrupt_requested()) return Work::interrupted;
+    CountsLog log;  // over all of the participant's sessions
+    for (int session = 1; session <= simulation.protocol.design.sessions; ++session) {
+      const Plan plan = make_plan(simulation.protocol, participant, simulation.seed, session);
+      if (run_participant(simulation, rig_filter, plan, log, trials) != SessionEnd::completed) return Work::interrupted;
+    }
+    cells[static_cast<std::size_t>(participant)] = log.cells(simulation.protocol, participant_code(participant));
+    return Work::finished;
+  };
+  for_each_place(simulation, simulation.participants, trials, total, work, [](int) {});
+  std::vector<CellCounts> all;
+  if (interrupt_requested()) return all;
+  for (const auto& one : cells) all.insert(all.end(), one.begin(), one.end());
+  return all;
+}
+
+AdaptiveResults simulate_thresholds(const Simulation& simulation) {
+  std::vector<std::vector<AdaptiveRow>> rows(static_cast<std::size_t>(simulation.participants) + 1);
+  std::atomic<std::int64_t> trials{0};
+  const std::int64_t total = std::int64_t{simulation.participants} * simulation.protocol.design.sessions *
+                             main_trial_count(make_plan(simulation.protocol, 1, simulation.seed));
+  const auto work = [&](int participant) {
+    if (interrupt_requested()) return Work::interrupted;
+    std::vector<std::vector<Event>> sessions;
+    for (int session = 1; session <= simulation.protocol.design.sessions; ++session) {
+      MemoryLog log;
+      const Plan plan = make_plan(simulation.protocol, participant, simulation.seed, session);
+      if (run_participant(simulation, {}, plan, log, trials) != SessionEnd::completed) return Work::interrupted;
+      sessions.push_back(log.events());
+    }
+    rows[static_cast<std::size_t>(participant)] =
+        adaptive_rows(sessions, simulation.protocol, participant_code(participant), SessionKind::simulated);
+    return Work::finished;
+  };
+  for_each_place(simulation, simulation.participants, trials, total, work, [](int) {});
+  AdaptiveResults results;
+  results.kind = SessionKind::simulated;
+  if (interrupt_requested()) return results;
+  for (const auto& one : rows) results.rows.insert(results.rows.end(), one.begin(), one.end());
+  results.group = adaptive_group(results.rows, simulation.protocol);
+  return results;
+}
+
+}  // namespace jnd

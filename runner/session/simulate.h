@@ -1,0 +1,60 @@
+// Runs simulated participants through the session engine, several at a time.
+//
+// What a participant does depends on the seed, the protocol, the profile and its own number only, and sessions are
+// closed in participant order: a study is the same whatever the number of threads, and whether or not it was
+// interrupted and taken up again.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "data/results/adaptive_results.h"
+#include "data/study/study.h"
+#include "data/results/study_analysis.h"
+#include "devices/rig.h"
+#include "devices/rigs/rig_factory.h"
+#include "devices/participants/simulated_participant.h"
+#include "protocols/protocol.h"
+#include "runner/session/record_policy.h"
+
+namespace jnd {
+
+struct Simulation {
+  const Protocol& protocol;
+  const RigDescription& rig;
+  const ParticipantProfile& profile;
+  std::uint64_t seed = 0;
+  int participants = 1;
+  int threads = 1;
+  bool progress = false;
+  RecordPolicy record = RecordPolicy::events;
+};
+
+struct SimulationResult {
+  int completed = 0;         // sessions finished in this run
+  int already_complete = 0;  // sessions that were finished before
+  bool interrupted = false;
+};
+
+// Into a study; goes on with sessions that are open. Throws StorageError, and InputError where an open session belongs
+// to another profile.
+SimulationResult simulate_study(const Simulation& simulation, Study& study);
+
+// Counts only, nothing on disk. Empty where interrupted.
+// rig_filter: for experiments on the rig itself, such as one that renders every stimulus alike; may be empty.
+using RigFilter = std::function<std::unique_ptr<Rig>(std::unique_ptr<Rig>)>;
+std::vector<CellCounts> simulate_counts(const Simulation& simulation, const RigFilter& rig_filter = {});
+
+// The same for a protocol whose answers set the levels: its thresholds. Empty where interrupted.
+AdaptiveResults simulate_thresholds(const Simulation& simulation);
+
+// "P07"; at least two digits.
+std::string participant_code(int number);
+// The simulated time of a session: 2000-01-01T08:00:00Z, a day a participant, an hour a session.
+std::int64_t simulated_epoch_ns(int participant, int session = 1);
+// Another one for every protocol and seed, so that studies which have nothing in common can lie side by side.
+std::string simulated_session_id(const StudyInfo& study, int participant, int session = 1);
+
+}  // namespace jnd

@@ -1,0 +1,31 @@
+// Numbers for --json: no bare NaN or infinity ever appears.
+#pragma once
+
+#include <cmath>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "protocols/input/input_error.h"
+#include "runner/terminal/terminal.h"
+
+namespace jnd {
+
+// NaN becomes null, infinities the strings "inf" and "-inf".
+inline nlohmann::ordered_json json_number(double value) {
+  if (std::isnan(value)) return nullptr;
+  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
+  return value;
+}
+
+// One line for standard output, which may be a terminal; text that is not UTF-8 keeps its readable part.
+inline std::string json_line(const nlohmann::ordered_json& value) {
+  return printable_json(value.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+}
+
+inline nlohmann::ordered_json to_json(const Diagnostic& diagnostic) {
+  return {{"file", diagnostic.file}, {"line", diagnostic.line},       {"column", diagnostic.column},
+          {"path", diagnostic.path}, {"message", diagnostic.message}, {"suggestion", diagnostic.suggestion}};
+}
+
+}  // namespace jnd

@@ -1,0 +1,213 @@
+#include "runner/terminal/plot.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "runner/terminal/plot_axis.h"
+
+namespace jnd {
+
+namespace {
+
+// Characters of series after the first; they start again after the last.
+constexpr std::array<const char*, 4> kMarks = {"·", "+", "x", "o"};
+constexpr std::array<const char*, 4> kAsciiMarks = {".", "+", "x", "o"};
+
+std::string utf8(unsigned code_point) {  // of U+0800 to U+FFFF
+  return {static_cast<char>(0xE0U | (code_point >> 12U)), static_cast<char>(0x80U | ((code_point >> 6U) & 0x3FU)),
+          static_cast<char>(0x80U | (code_point & 0x3FU))};
+}
+
+bool drawable(const PlotSeries& series, std::size_t i, bool log_x) {
+  return std::isfinite(series.x[i]) && std::isfinite(series.y[i]) && (!log_x || series.x[i] > 0);
+}
+
+struct Frame {
+  Axis x, y;
+  bool empty = true;
+};
+
+// A little space above and below the curves, so that they do not run along the frame.
+Frame frame_of(const std::vector<PlotSeries>& series, const PlotOptions& options) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Frame frame;
+  frame.x = {.low = kInfinity, .high = -kInfinity, .logarithmic = options.log_x};
+  frame.y = {.low = kInfinity, .high = -kInfinity};
+  for (const PlotSeries& one : series) {
+    for (std::size_t i = 0; i < std::min(one.x.size(), one.y.size()); ++i) {
+      if (!drawable(one, i, options.log_x)) continue;
+      frame.empty = false;
+      frame.x.low = std::min(frame.x.low, one.x[i]);
+      frame.x.high = std::max(frame.x.high, one.x[i]);
+      frame.y.low = std::min(frame.y.low, one.y[i]);
+      frame.y.high = std::max(frame.y.high, one.y[i]);
+    }
+  }
+  if (frame.empty) return frame;
+  if (options.from_zero) {
+    frame.y.low = std::min(frame.y.low, 0.0);
+    frame.y.high = std::max(frame.y.high, 0.0);
+  }
+  const double spread = frame.y.high - frame.y.low;
+  const double margin = spread > 0 ? 0.04 * spread : std::max(1e-9, 0.1 * std::abs(frame.y.high));
+  if (!options.from_zero || frame.y.low < 0) frame.y.low -= margin;
+  frame.y.high += margin;
+  if (!(frame.x.high > frame.x.low)) {
+    const double half = frame.x.high != 0 ? 0.1 * std::abs(frame.x.high) : 1;
+    frame.x.low -= half;
+    frame.x.high += half;
+  }
+  return frame;
+}
+
+// The plotting area, character by character.
+class Area {
+ public:
+  Area(int columns, int rows, bool unicode)
+      : columns_(columns),
+        rows_(rows),
+        unicode_(unicode),
+        cells_(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), " "),
+        dots_(cells_.size(), 0U) {}
+
+  // Dots of the finest grid: 2 x 4 a character in braille, 1 x 1 in ASCII.
+  int dot_columns() const { return unicode_ ? 2 * columns_ : columns_; }
+  int dot_rows() const { return unicode_ ? 4 * rows_ : rows_; }
+
+  // row 0 is the lowest.
+  void dot(int column, int row) {
+    if (column < 0 || column >= dot_columns() || row < 0 || row >= dot_rows()) return;
+    const int from_top = dot_rows() - 1 - row;
+    if (!unicode_) {
+      cell(column, from_top) = "*";
+      return;
+    }
+    // Bits of U+2800: 1 2 3 7 down the left column, 4 5 6 8 down the right one.
+    constexpr std::array<std::array<unsigned, 4>, 2> kBits = {{{0x01, 0x02, 0x04, 0x40}, {0x08, 0x10, 0x20, 0x80}}};
+    dots_[index(column / 2, from_top / 4)] |=
+        kBits[static_cast<std::size_t>(column % 2)][static_cast<std::size_t>(from_top % 4)];
+  }
+
+  void mark(int column, int row, const char* character) {
+    if (column >= 0 && column < columns_ && row >= 0 && row < rows_) cell(column, rows_ - 1 - row) = character;
+  }
+
+  std::string line(int from_top) const {
+    std::string text;
+    for (int column = 0; column < columns_; ++column) {
+      const std::size_t at = index(column, from_top);
+      text += dots_[at] != 0 ? utf8(0x2800U + dots_[at]) : cells_[at];
+    }
+    return text;
+  }
+
+ private:
+  std::size_t index(int column, int from_top) const {
+    return static_cast<std::size_t>(from_top) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
+  }
+  std::string& cell(int column, int from_top) { return cells_[index(column, from_top)]; }
+
+  int columns_, rows_;
+  bool unicode_;
+  std::vector<std::string> cells_;
+  std::vector<unsigned> dots_;
+};
+
+void draw_line(const PlotSeries& series, const Frame& frame, Area& area) {
+  int last_column = -1, last_row = 0;
+  for (std::size_t i = 0; i < std::min(series.x.size(), series.y.size()); ++i) {
+    if (!drawable(series, i, frame.x.logarithmic)) {
+      last_column = -1;
+      continue;
+    }
+    const int column = place(frame.x.share(series.x[i]), area.dot_columns());
+    const int row = place(frame.y.share(series.y[i]), area.dot_rows());
+    if (last_column < 0) area.dot(column, row);
+    const int steps = last_column < 0 ? 0 : std::max(std::abs(column - last_column), std::abs(row - last_row));
+    for (int step = 1; step <= steps; ++step)
+      area.dot(last_column + (column - last_column) * step / steps, last_row + (row - last_row) * step / steps);
+    last_column = column;
+    last_row = row;
+  }
+}
+
+// One mark a character column, so that a straight line is a row of marks.
+void draw_marks(const PlotSeries& series, const Frame& frame, const char* character, int columns, int rows,
+                Area& area) {
+  int last_column = -1;
+  double last_y = 0;
+  for (std::size_t i = 0; i < std::min(series.x.size(), series.y.size()); ++i) {
+    if (!drawable(series, i, frame.x.logarithmic)) {
+      last_column = -1;
+      continue;
+    }
+    const int column = place(frame.x.share(series.x[i]), columns);
+    const int from = last_column < 0 ? column : last_column + 1;
+    for (int at = from; at <= column; ++at) {
+      const double part = column == last_column ? 1 : static_cast<double>(at - last_column) / (column - last_column);
+      const double y = last_column < 0 ? series.y[i] : last_y + (series.y[i] - last_y) * part;
+      area.mark(at, place(frame.y.share(y), rows), character);
+    }
+    last_column = column;
+    last_y = series.y[i];
+  }
+}
+
+std::string legend(const std::vector<PlotSeries>& series, bool unicode) {
+  std::string text;
+  for (std::size_t i = 0; i < series.size(); ++i) {
+    const std::string mark = i == 0    ? (unicode ? utf8(0x2812) + utf8(0x2812) : "**")
+                             : unicode ? std::string(kMarks[(i - 1) % kMarks.size()]) + kMarks[(i - 1) % kMarks.size()]
+                                       : std::string(kAsciiMarks[(i - 1) % 4]) + kAsciiMarks[(i - 1) % 4];
+    text += (i == 0 ? "" : "   ") + mark + " " + series[i].name;
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string line_plot(const std::vector<PlotSeries>& series, const PlotOptions& options, const Canvas& canvas) {
+  const Frame frame = frame_of(series, options);
+  if (frame.empty) return "  nothing to plot\n";
+  const int rows = std::max(4, options.rows);
+  const std::vector<double> y_ticks = ticks_of(frame.y, std::max(2, rows / 3));
+  const double y_step = y_ticks.size() > 1 ? y_ticks[1] - y_ticks[0] : 1;
+  std::size_t gutter = 1;
+  for (const double tick : y_ticks) gutter = std::max(gutter, tick_text(tick, y_step).size());
+  const int used = std::clamp(canvas.columns, kNarrowestPlot, kWidestPlot);
+  const int columns = used - static_cast<int>(gutter) - 4;  // the indent, a space and the axis
+
+  Area area(columns, rows, canvas.unicode);
+  for (std::size_t i = series.size(); i-- > 1;)
+    draw_marks(series[i], frame, (canvas.unicode ? kMarks : kAsciiMarks)[(i - 1) % kMarks.size()], columns, rows, area);
+  if (!series.empty()) draw_line(series[0], frame, area);
+
+  std::vector<std::string> labels(static_cast<std::size_t>(rows));
+  for (const double tick : y_ticks)
+    labels[static_cast<std::size_t>(rows - 1 - place(frame.y.share(tick), rows))] = tick_text(tick, y_step);
+
+  std::string text = "  " + options.y_label;
+  if (series.size() > 1) text += (options.y_label.empty() ? "" : "      ") + legend(series, canvas.unicode);
+  text += "\n";
+  for (int row = 0; row < rows; ++row) {
+    const std::string& label = labels[static_cast<std::size_t>(row)];
+    std::string line = "  " + padded_left(label, gutter) + " ";
+    if (canvas.unicode)
+      line += label.empty() ? "│" : "┤";
+    else
+      line += label.empty() ? "|" : "+";
+    line += area.line(row);
+    line.erase(line.find_last_not_of(' ') + 1);
+    text += line + "\n";
+  }
+  const XAxisText axis = x_axis(frame.x, columns, canvas.unicode);
+  text += "  " + std::string(gutter + 1, ' ') + (canvas.unicode ? "└" : "+") + axis.rule + "\n";
+  text += "  " + std::string(gutter + 2, ' ') + axis.labels + "\n";
+  return text + centred_under(options.x_label, gutter + 4, columns);
+}
+
+}  // namespace jnd

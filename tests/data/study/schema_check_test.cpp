@@ -1,0 +1,122 @@
+// A file is opened only where its tables, triggers and views are those of its own version of a study.
+#include "data/study/schema_check.h"
+
+#include "data/study/schema.h"
+#include "data/study/study_care.h"
+#include "data/study/study_impl.h"
+#include "tests/catch.h"
+#include "tests/data/study_fixture.h"
+#include "tests/data/version_2_study.h"
+
+namespace jnd {
+namespace {
+
+using Access = Study::Access;
+
+constexpr Stamp kNow = {1'700'001'000'000'000'000, 7};
+
+std::filesystem::path small_study(const TemporaryFolder& folder) {
+  const auto path = folder / "study.jnd";
+  std::filesystem::remove(path);
+  run_whole_session(*new_study(path), tutorial(), 1);
+  return path;
+}
+
+// Rewrites the text of a definition behind SQLite's back.
+std::string rewritten(const std::string& name, const std::string& from, const std::string& to) {
+  return "PRAGMA writable_schema = ON; UPDATE sqlite_schema SET sql = replace(sql, '" + from + "', '" + to +
+         "') WHERE name = '" + name + "'; PRAGMA writable_schema = OFF";
+}
+
+void check_refused(const std::filesystem::path& path, Access access, const std::string& words) {
+  const std::string before = bytes_of(path);
+  CHECK_THROWS_WITH(Study::open(path, access), Catch::Contains("is not a study of this program: " + words) &&
+                                                   Catch::Contains("it was not changed"));
+  CHECK(bytes_of(path) == before);
+}
+
+TEST_CASE("a file with another schema is refused by name, and not changed", "[data]") {
+  const TemporaryFolder folder;
+  const std::pair<std::string, std::string> cases[] = {
+      {"CREATE TRIGGER z BEFORE INSERT ON event WHEN NEW.kind = 'note' BEGIN SELECT RAISE(IGNORE); END",
+       "it has a trigger z that no study has"},
+      {"CREATE TABLE extra (x)", "it has a table extra that no study has"},
+      {"CREATE VIEW mine AS SELECT * FROM trials", "it has a view mine that no study has"},
+      {"DROP VIEW counts; CREATE VIEW counts AS SELECT 1 AS n_diff", "its view counts is another"},
+      {"PRAGMA foreign_keys = OFF; DROP TABLE telemetry", "its table telemetry is missing"},
+      {"PRAGMA foreign_keys = OFF; DROP TABLE telemetry; CREATE VIEW telemetry AS WITH RECURSIVE r(n) AS (SELECT 1 "
+       "UNION ALL SELECT n + 1 FROM r) SELECT n AS session FROM r",
+       "its table telemetry is another"},
+      {rewritten("event", "(json_extract(body, ''$.answer''))", "(''different'')"), "its table event is another"},
+      {rewritten("trials", "e.answer", "''different'' AS answer"), "its view trials is another"},
+      {"DROP VIEW counts; CREATE VIEW counts AS SELECT 1 AS n_diff; PRAGMA user_version = 2", ""},
+      {"PRAGMA user_version = 3", ""}};
+  for (const auto& [sql, words] : cases) {
+    CAPTURE(sql);
+    const auto path = small_study(folder);
+    raw_sql(path, sql);
+    for (const Access access : {Access::read_only, Access::read_write}) check_refused(path, access, words);
+  }
+}
+
+TEST_CASE("tables of nothing are no study", "[data]") {
+  const TemporaryFolder folder;
+  const auto path = folder / "crafted.jnd";
+  for (int version = 1; version <= kSchemaVersion; ++version) {
+    CAPTURE(version);
+    std::filesystem::remove(path);
+    SQLite::Database(path.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE)
+        .exec(
+            "CREATE TABLE event (session, seq, kind, utc, monotonic_ns, version, body, hash); CREATE TABLE study (id, "
+            "seed, protocol); PRAGMA application_id = " +
+            std::to_string(kApplicationId) + "; PRAGMA user_version = " + std::to_string(version));
+    for (const Access access : {Access::read_only, Access::read_write})
+      check_refused(path, access, "its table event is another");
+  }
+}
+
+TEST_CASE("what somebody dropped is told by verify, and such a file takes no more events", "[data]") {
+  const TemporaryFolder folder;
+  for (const char* what : {"TRIGGER event_no_delete", "INDEX event_note", "VIEW counts"}) {
+    CAPTURE(what);
+    const auto path = small_study(folder);
+    raw_sql(path, std::string("DROP ") + what);
+    check_refused(path, Access::read_write, "its ");
+    const std::vector<std::string> problems = texts(verify(*Study::open(path, Access::read_only)).problems);
+    REQUIRE(problems.size() == 1);
+    CHECK_THAT(problems[0], Catch::Contains("is not as this program makes a study") && Catch::Contains("is missing"));
+  }
+}
+
+TEST_CASE("what SQLite itself keeps, and what VACUUM moves, is no change", "[data]") {
+  const TemporaryFolder folder;
+  const auto path = small_study(folder);
+  raw_sql(path, "ANALYZE; VACUUM");
+  const auto study = Study::open(path, Access::read_write);
+  CHECK(verify(*study).problems == std::vector<Problem>{});
+}
+
+TEST_CASE("every version has the schema that its own steps make", "[data]") {
+  const TemporaryFolder folder;
+  write_version_1_study(folder / "1.jnd");
+  write_version_2_study(folder / "2.jnd");
+  for (const char* name : {"1.jnd", "2.jnd"}) {
+    SQLite::Database database((folder / name).string(), SQLite::OPEN_READONLY);
+    CHECK(schema_differences(database).empty());
+  }
+}
+
+TEST_CASE("an event that something swallows is not said to be stored", "[data]") {
+  const TemporaryFolder folder;
+  const auto study = new_study(folder / "study.jnd");
+  const auto log = study->open_session(new_session(1));
+  study->impl().database().exec(
+      "CREATE TEMP TRIGGER z BEFORE INSERT ON main.event WHEN NEW.kind = 'note' BEGIN SELECT RAISE(IGNORE); END");
+  CHECK_THROWS_WITH(add_note(*study, "hello", kNow), Catch::Contains("study.jnd: a row was not stored"));
+  CHECK_THROWS_WITH(log->append(event_kind::kNote, {{"text", "hello"}}, kNow), Catch::Contains("was not stored"));
+  log->append(event_kind::kBreakTaken, {{"after_trial", 0}, {"duration_s", 1.0}}, kNow);
+  CHECK(verify(*study).problems == std::vector<Problem>{});
+}
+
+}  // namespace
+}  // namespace jnd

@@ -1,0 +1,181 @@
+// JSON places and the reader's checks.
+#include <nlohmann/json.hpp>
+#include <rapidcheck.h>
+
+#include "protocols/input/json_document.h"
+#include "protocols/input/json_reader.h"
+#include "protocols/input/json_syntax.h"
+#include "protocols/input/sha256.h"
+#include "tests/catch.h"
+
+using namespace jnd;
+
+TEST_CASE("every value and key knows its place") {
+  const JsonNode root =
+      parse_json("{\n  \"a\": [1, -2.5e3 ,\ttrue],\n  \"ü\" : {\"b c\": null, \"b c\": \"x\\\"y\"}}", "f");
+  CHECK(root.path == "$");
+  CHECK(root.line == 1);
+  CHECK(root.column == 1);
+  const JsonNode& list = *root.find("a");
+  CHECK(std::pair(list.line, list.column) == std::pair(2, 8));
+  REQUIRE(list.items.size() == 3);
+  CHECK(list.items[0].integer);
+  CHECK(list.items[0].path == "$.a[0]");
+  CHECK(list.items[1].number == -2500);
+  CHECK(list.items[1].text == "-2.5e3");
+  CHECK_FALSE(list.items[1].integer);
+  CHECK(std::pair(list.items[1].line, list.items[1].column) == std::pair(2, 12));
+  CHECK(std::pair(list.items[2].line, list.items[2].column) == std::pair(2, 21));
+  CHECK(root.key_places[1] == std::pair(3, 3));
+  const JsonNode& inner = *root.find("ü");
+  CHECK(std::pair(inner.line, inner.column) == std::pair(3, 9));  // characters, not bytes
+  REQUIRE(inner.keys.size() == 2);                                // the duplicate is kept
+  CHECK(inner.items[0].kind == JsonNode::Kind::null);
+  CHECK(inner.items[1].text == "x\"y");
+  CHECK(inner.items[1].path == "$[\"ü\"][\"b c\"]");
+  CHECK(inner.find("b c") == &inner.items[0]);
+  CHECK(root.find("zzz") == nullptr);
+}
+
+TEST_CASE("depth 64 and a mebibyte are read; more is refused") {
+  CHECK_NOTHROW(parse_json(std::string(64, '[') + std::string(64, ']'), "f"));
+  CHECK_THROWS_AS(parse_json(std::string(65, '[') + std::string(65, ']'), "f"), InputError);
+  const std::string large = "\"" + std::string((1U << 20U) - 2, 'x') + "\"";
+  CHECK(parse_json(large, "f").text.size() == large.size() - 2);
+  CHECK_THROWS_WITH(parse_json(large + " ", "f"), Catch::Contains("at most 1 MiB"));
+}
+
+TEST_CASE("any JSON document is read as nlohmann's own parser reads it") {
+  // Random texts of JSON characters: most are wrong, and both must agree which.
+  REQUIRE(rc::check("agreement", [] {
+    static const std::vector<std::string> kPieces = {"{",        "}",  "[",    "]",   ",",    ":",    "\"a\"",
+                                                     "\"b\\n\"", "1",  "-0.5", "1e3", "true", "null", " ",
+                                                     "\n",       "\"", "01",   "x",   "é",    "\\"};
+    std::string text;
+    for (const std::size_t piece : *rc::gen::container<std::vector<std::size_t>>(rc::gen::inRange<std::size_t>(0, 20)))
+      text += kPieces[piece];
+    const bool good = nlohmann::json::accept(text);
+    bool read = true;
+    try {
+      (void)parse_json(text, "f");
+    } catch (const InputError& error) {
+      read = false;
+      RC_ASSERT(error.diagnostics().size() == 1U);
+      RC_ASSERT(error.diagnostics()[0].line >= 1);
+      RC_ASSERT(error.diagnostics()[0].column >= 1);
+      RC_ASSERT(!error.diagnostics()[0].message.empty());
+    }
+    RC_ASSERT(read == good);
+  }));
+}
+
+TEST_CASE("a document with any one character lost, doubled or replaced is judged as nlohmann's parser does") {
+  const std::string good = R"({"a": [1, -2.5e3, true, null], "b": {"c": "x\"\u00e9"}, "d": 0.5, "e": []})";
+  REQUIRE_NOTHROW(parse_json(good, "f"));
+  const auto judge = [](const std::string& text) {
+    CAPTURE(text);
+    bool read = true;
+    try {
+      (void)parse_json(text, "f");
+    } catch (const InputError& error) {
+      read = false;
+      CHECK(error.diagnostics().at(0).line == 1);
+      CHECK(error.diagnostics().at(0).column <= static_cast<int>(text.size()) + 1);
+    }
+    CHECK(read == nlohmann::json::accept(text));
+  };
+  for (std::size_t i = 0; i < good.size(); ++i) {
+    judge(good.substr(0, i));
+    judge(good.substr(0, i) + good.substr(i + 1));
+    judge(good.substr(0, i) + good[i] + good.substr(i));
+    for (const char other : std::string("\"\\{}[],: 0-.eEtn\t\n"))
+      judge(std::string(good).replace(i, 1, 1, other == '\n' ? ' ' : other));
+  }
+}
+
+TEST_CASE("the reader collects mistakes and goes on") {
+  const std::string text =
+      R"({"sigma": "3", "count": 2.5, "mode": "slwo", "extra": 1, "low": 5, "low": 6, "list": [1]})";
+  const JsonNode root = parse_json(text, "f.json");
+  std::vector<Diagnostic> diagnostics;
+  JsonReader reader(root, diagnostics, "f.json");
+  CHECK(reader.number("sigma", {.min = 0, .unit = "N/m"}) == 0);
+  CHECK(reader.integer_or("count", 7) == 7);
+  CHECK(reader.one_of_or<int>("mode", {{"slow", 1}, {"fast", 2}}, 2) == 2);
+  CHECK(reader.number("low", {.min = 0, .max = 9}) == 5);
+  CHECK(reader.number_or("absent", 1.5) == 1.5);
+  CHECK_FALSE(reader.optional_text("absent_too"));
+  CHECK(reader.array("list", 2, 3) == nullptr);
+  CHECK(reader.object("nothing") == nullptr);
+  reader.finish();
+  std::vector<std::string> messages;
+  for (const Diagnostic& diagnostic : diagnostics) messages.push_back(to_text(diagnostic));
+  REQUIRE(messages.size() == 7);
+  CHECK(messages[0] == "f.json:1:11: $.sigma: must be a number in N/m, not the text \"3\" (write it without quotes)");
+  CHECK(messages[1] == "f.json:1:25: $.count: must be a whole number, not 2.5 (write it without fraction or exponent)");
+  CHECK(messages[2] ==
+        "f.json:1:38: $.mode: \"slwo\" is not known (did you mean \"slow\"? known: \"slow\" or \"fast\")");
+  CHECK(messages[3] == "f.json:1:86: $.list: has 1 element (must have 2 to 3)");
+  CHECK(messages[4] == "f.json:1:1: $.nothing: \"nothing\" is missing (add an object {...})");
+  CHECK(messages[5].find("$.extra: the key \"extra\" is not known (known here: \"sigma\"") != std::string::npos);
+  CHECK(messages[6] == "f.json:1:68: $.low: the key \"low\" is given twice (it stands on line 1 already)");
+}
+
+TEST_CASE("ranges: ends belong to them, unless `above`") {
+  const JsonNode root = parse_json(R"({"a": 0, "b": 1})", "f");
+  std::vector<Diagnostic> diagnostics;
+  JsonReader reader(root, diagnostics, "f");
+  CHECK(reader.number("b", {.min = 0, .max = 1}) == 1);
+  CHECK(reader.optional_number("a", {.min = 0, .max = 1}) == 0.0);
+  CHECK(diagnostics.empty());
+  CHECK_FALSE(reader.optional_number("a", {.min = 0, .max = 1, .above = true, .unit = "m"}));
+  REQUIRE(diagnostics.size() == 1);
+  CHECK(diagnostics[0].suggestion == "must be above 0 and at most 1 m");
+}
+
+TEST_CASE("nearest words") {
+  const std::vector<std::string_view> words = {"explore_s", "gap_s", "keys", "conditions", "condition"};
+  CHECK(nearest_word("explor_s", words) == "explore_s");
+  CHECK(nearest_word("gap", words) == "gap_s");
+  CHECK(nearest_word("kyes", words) == "keys");
+  CHECK(nearest_word("Conditions", words) == "conditions");
+  CHECK(nearest_word("colour", words).empty());
+  CHECK(nearest_word("", words).empty());
+}
+
+TEST_CASE("soundness knows what contains what") {
+  const std::vector<Diagnostic> diagnostics = {{"f", 1, 1, "$.a.b", "wrong", ""},
+                                               {"f", 1, 1, "$.list[1]", "wrong", ""}};
+  CHECK_FALSE(is_sound(diagnostics, "$.a.b"));
+  CHECK_FALSE(is_sound(diagnostics, "$.a"));
+  CHECK_FALSE(is_sound(diagnostics, "$.a.b.c"));
+  CHECK(is_sound(diagnostics, "$.a.bb"));
+  CHECK(is_sound(diagnostics, "$.ab"));
+  CHECK_FALSE(is_sound(diagnostics, "$.list"));
+  CHECK(is_sound(diagnostics, "$.list[10]"));
+}
+
+TEST_CASE("messages never pass control characters on") {
+  CHECK(in_quotes("a\x1b[31m\n") == "\"a\\u001b[31m\\u000a\"");
+  CHECK(in_quotes("\xc2\x9b") == "\"\\u009b\"");
+  CHECK(in_quotes(std::string(100, 'x')) == "\"" + std::string(60, 'x') + "...\"");
+  CHECK(plain(0.005) == "0.005");
+  CHECK(plain(900) == "900");
+  CHECK(plain(1e300) == "1e+300");
+}
+
+TEST_CASE("UTF-8") {
+  CHECK(first_invalid_utf8("a\xc3\xbc\xe2\x82\xac\xf0\x9f\x98\x80") == std::string_view::npos);
+  CHECK(first_invalid_utf8("ab\x80") == 2);
+  CHECK(first_invalid_utf8("\xf5\x80\x80\x80") == 0);
+  CHECK(first_invalid_utf8("\xf4\x90\x80\x80") == 0);
+  CHECK(count_characters("a\xc3\xbc\xe2\x82\xac") == 3);
+}
+
+TEST_CASE("SHA-256 gives the published answers") {
+  // FIPS 180-4 examples.
+  CHECK(sha256_hex("") == "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  CHECK(sha256_hex("abc") == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  CHECK(sha256_hex("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq") ==
+        "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
+}

@@ -1,0 +1,324 @@
+// Plans of adaptive protocols: which slots there are is fixed, which levels they get follows from the answers.
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include <nlohmann/json.hpp>
+#include <rapidcheck.h>
+
+#include "tests/protocols/examples.h"
+#include "protocols/planning/adaptive_run.h"
+#include "protocols/planning/catch_trials.h"
+#include "protocols/planning/cohort.h"
+#include "protocols/rigs/device_lint.h"
+#include "protocols/planning/duration.h"
+#include "protocols/planning/plan.h"
+#include "protocols/reading/protocol_json.h"
+#include "tests/protocols/rigs.h"
+#include "tests/catch.h"
+
+using namespace jnd;
+using namespace jnd::test;
+using nlohmann::json;
+
+namespace {
+
+json good(const std::string& name) {
+  return json::parse(read_text(corpus_folder() / "good" / (name + ".json")));
+}
+Protocol parsed(const json& document) {
+  return parse_protocol(document.dump(1), "p.json");
+}
+Protocol staircase(const json& procedure = {}) {
+  json document = good("staircase");
+  if (!procedure.is_null()) document["design"]["procedure"].merge_patch(procedure);
+  return parsed(document);
+}
+
+std::vector<Trial> slots_of(const Plan& plan, int condition, int track) {
+  std::vector<Trial> slots;
+  std::copy_if(plan.trials.begin(), plan.trials.end(), std::back_inserter(slots), [&](const Trial& trial) {
+    return !trial.practice && trial.condition == condition && trial.track == track;
+  });
+  return slots;
+}
+
+}  // namespace
+
+TEST_CASE("catch trials are kept in blocks of eight or more") {
+  CHECK(catch_block(0.5)->trials == 8);
+  CHECK(catch_block(0.5)->catches == 4);
+  CHECK(catch_block(0.25)->catches == 2);
+  CHECK(catch_block(0.2)->trials == 10);
+  CHECK(catch_block(0.2)->catches == 2);
+  CHECK(catch_block(0.333)->trials == 9);
+  CHECK(catch_block(0.333)->catches == 3);
+  CHECK(catch_block(0.05)->trials == 20);
+  CHECK(catch_block(0)->catches == 0);
+  CHECK_FALSE(catch_block(0.37));
+  CHECK_FALSE(catch_block(1));
+  CHECK_FALSE(catch_block(NAN));
+  CHECK(slots_of_track(*catch_block(0.5), 8) == 16);
+  CHECK(slots_of_track(*catch_block(0.5), 9) == 18);
+  CHECK(slots_of_track(*catch_block(0.25), 7) == 9);  // a block of 6 + 2, then 1 with a third of a catch trial
+  CHECK(slots_of_track(*catch_block(0), 11) == 11);
+}
+
+TEST_CASE("every block of a track holds its share, both orders and both kinds of catch trial") {
+  CHECK(rc::check("slots", [] {
+    const double share = *rc::gen::element(0.0, 0.1, 0.2, 0.25, 1.0 / 3, 0.4, 0.5, 0.75);
+    const int different = *rc::gen::inRange(1, 80);
+    RandomStream stream(*rc::gen::arbitrary<std::uint64_t>(), 1, "slots");
+    const CatchBlock block = *catch_block(share);
+    const auto slots = draw_slots(block, different, 900, stream);
+    RC_ASSERT(static_cast<int>(slots.size()) == slots_of_track(block, different));
+    int found = 0;
+    for (std::size_t first = 0; first < slots.size(); first += static_cast<std::size_t>(block.trials)) {
+      const std::size_t end = std::min(slots.size(), first + static_cast<std::size_t>(block.trials));
+      int reference_first = 0, reference_second = 0, references = 0, comparisons = 0;
+      for (std::size_t i = first; i < end; ++i) {
+        const auto& [one, two] = slots[i];
+        RC_ASSERT((one == 900 || one == kSetByAnswers) && (two == 900 || two == kSetByAnswers));
+        ++(one == two ? (one == 900 ? references : comparisons) : (one == 900 ? reference_first : reference_second));
+      }
+      found += reference_first + reference_second;
+      RC_ASSERT(std::abs(reference_first - reference_second) <= 1);
+      RC_ASSERT(std::abs(references - comparisons) <= 1);
+      if (end - first == static_cast<std::size_t>(block.trials))
+        RC_ASSERT(references + comparisons == block.catches);
+      else
+        RC_ASSERT(std::abs((references + comparisons) - share / (1 - share) * (reference_first + reference_second)) <=
+                  0.51);
+    }
+    RC_ASSERT(found == different);
+  }));
+}
+
+TEST_CASE("the plan fixes conditions, tracks and catch trials, and leaves the levels open") {
+  const Protocol protocol = staircase();
+  REQUIRE(protocol.design.procedure);
+  CHECK(protocol.series.size() == 1);
+  CHECK(protocol.series[0].name == "adaptive");
+  CHECK(protocol.series[0].pair == std::array<double, 2>{100, 900});
+  const Plan plan = make_plan(protocol, 3, 7);
+  // 40 with a difference and a third of all: 6 whole blocks of 6 + 3, then 4 + 2.
+  CHECK(main_trial_count(plan) == 3 * 2 * 60);
+  CHECK(protocol.design.trials_per_cell == 120);
+  for (int condition = 0; condition < 3; ++condition) {
+    for (int track = 1; track <= 2; ++track) {
+      const std::vector<Trial> slots = slots_of(plan, condition, track);
+      REQUIRE(slots.size() == 60);
+      CHECK(std::count_if(slots.begin(), slots.end(), [](const Trial& t) { return t.same; }) == 20);
+      const std::set<int> blocks = [&] {
+        std::set<int> all;
+        for (const Trial& slot : slots) all.insert(slot.block);
+        return all;
+      }();
+      CHECK(blocks.size() == 1);
+    }
+  }
+  for (const Trial& trial : plan.trials) {
+    CHECK(trial.same == (trial.stimuli[0] == trial.stimuli[1]));
+    if (trial.practice) {
+      CHECK(trial.track == 0);
+      CHECK((trial.stimuli[0] == 500 || trial.stimuli[0] == 900));
+      CHECK((trial.stimuli[1] == 500 || trial.stimuli[1] == 900));
+    }
+  }
+  CHECK(make_plan(protocol, 3, 7).trials == plan.trials);
+  CHECK(make_plan(protocol, 4, 7).trials != plan.trials);
+  CHECK(make_plan(protocol, 3, 8).trials != plan.trials);
+}
+
+TEST_CASE("tracks take turns: each round has every one of them, in changing order") {
+  const Plan blocked = make_plan(staircase(), 1, 1);
+  const Plan mixed = make_plan(parsed(good("quest")), 1, 1);
+  for (const auto& [plan, size] : {std::pair(&blocked, std::size_t{2}), std::pair(&mixed, std::size_t{3})}) {
+    std::vector<Trial> trials;
+    std::copy_if(plan->trials.begin(), plan->trials.end(), std::back_inserter(trials),
+                 [](const Trial& t) { return !t.practice; });
+    std::set<std::vector<std::pair<int, int>>> orders;
+    for (std::size_t first = 0; first < trials.size(); first += size) {
+      std::vector<std::pair<int, int>> round;
+      for (std::size_t i = 0; i < size; ++i) round.emplace_back(trials[first + i].condition, trials[first + i].track);
+      orders.insert(round);
+      CHECK(std::set<std::pair<int, int>>(round.begin(), round.end()).size() == size);
+    }
+    CHECK(orders.size() == 6);  // 3 conditions x 2 orders of two tracks; 3! orders of three conditions
+  }
+}
+
+TEST_CASE("a condition's slots do not depend on the others, nor on the procedure's numbers") {
+  const Protocol protocol = staircase();
+  json fewer = good("staircase");
+  fewer["conditions"].erase(1);
+  fewer["design"]["order"]["conditions"] = "fixed";
+  fewer["design"]["procedure"]["up"] = 2;
+  fewer["design"]["procedure"]["step_up"] = 33;
+  const Plan all = make_plan(protocol, 2, 5), two = make_plan(parsed(fewer), 2, 5);
+  const auto stimuli = [](const std::vector<Trial>& slots) {
+    std::vector<std::array<double, 2>> pairs;
+    for (const Trial& slot : slots) pairs.push_back(slot.stimuli);
+    return pairs;
+  };
+  CHECK(stimuli(slots_of(all, 2, 1)) == stimuli(slots_of(two, 1, 1)));
+  CHECK(stimuli(slots_of(all, 0, 2)) == stimuli(slots_of(two, 0, 2)));
+  CHECK(stimuli(slots_of(all, 0, 1)) != stimuli(slots_of(all, 0, 2)));
+}
+
+TEST_CASE("levels follow the answers of their own track; catch trials move nothing") {
+  const Protocol protocol = staircase({{"halve_after", json::array()}, {"step_down", 80}});
+  const Plan plan = make_plan(protocol, 1, 1);
+  AdaptiveRun run(protocol);
+  Staircase first(staircase_of_track(*protocol.design.procedure, 1));
+  Staircase second(staircase_of_track(*protocol.design.procedure, 2));
+  int catches = 0;
+  for (const Trial& slot : plan.trials) {
+    if (slot.practice || slot.condition != 0) continue;
+    if (run.over(slot)) continue;
+    Staircase& mine = slot.track == 1 ? first : second;
+    const Trial trial = run.resolved(slot);
+    for (std::size_t i = 0; i < 2; ++i)
+      CHECK(trial.stimuli[i] == (slot.stimuli[i] == kSetByAnswers ? 900 - mine.level() : 900));
+    CHECK(trial.same == (trial.stimuli[0] == trial.stimuli[1]));
+    const Judgement judgement = slot.index % 3 == 0 ? Judgement::same : Judgement::different;
+    run.answered(trial, judgement);
+    if (slot.same)
+      ++catches;
+    else
+      mine.answer(judgement == Judgement::different);
+  }
+  const std::vector<AdaptiveTrack> tracks = run.tracks();
+  REQUIRE(tracks.size() == 6);
+  CHECK(tracks[0].reversals == first.reversals());
+  CHECK(tracks[1].reversals == second.reversals());
+  CHECK(tracks[0].catch_trials + tracks[1].catch_trials == catches);
+  CHECK(tracks[2].levels.empty());
+  CHECK(tracks[2].level == 500);
+  CHECK(tracks[3].level == 100);
+}
+
+TEST_CASE("a track ends with its reversals, or with its trials") {
+  const Protocol protocol = staircase();
+  AdaptiveRun run(protocol);
+  Trial slot;
+  slot.track = 1;
+  slot.same = false;
+  int answers = 0;
+  while (!run.over(slot)) {  // wrong and right in pairs: a reversal at every turn
+    run.answered(slot, answers % 4 < 2 ? Judgement::same : Judgement::different);
+    ++answers;
+  }
+  CHECK(run.tracks()[0].reversals.size() == 8);
+  CHECK(answers < 40);
+  slot.track = 2;
+  answers = 0;
+  while (!run.tracks()[1].finished) {
+    run.answered(slot, Judgement::different);
+    ++answers;
+  }
+  CHECK(answers == 40);
+  CHECK_FALSE(run.over(slot));  // the catch trials that are left keep their share
+  CHECK(run.tracks()[1].reversals.empty());
+  CHECK(run.tracks()[1].level == 20);
+}
+
+TEST_CASE("QUEST presents the mean of its posterior, within the clamp") {
+  const Protocol protocol = parsed(good("quest"));
+  AdaptiveRun run(protocol);
+  Quest quest(quest_of_track(*protocol.design.procedure, 1));
+  Trial slot;
+  slot.track = 1;
+  slot.same = false;
+  slot.stimuli = {900, kSetByAnswers};
+  CHECK(run.resolved(slot).stimuli[1] == Approx(600));
+  for (int i = 0; i < 24; ++i) {
+    const double level = 900 - run.resolved(slot).stimuli[1];
+    CHECK(level == Approx(std::clamp(std::pow(10, quest.estimate().mean), 20.0, 800.0)).margin(0.001));
+    const bool different = i % 5 != 0;
+    run.answered(slot, different ? Judgement::different : Judgement::same);
+    quest.answer(std::log10(level), different);
+  }
+  CHECK(run.tracks()[0].finished);
+  CHECK(run.tracks()[0].quest->mean == Approx(quest.estimate().mean).margin(1e-9));
+  CHECK(quest_level(9, {20, 800}) == 800);
+  CHECK(quest_level(-9, {20, 800}) == 20);
+  CHECK(quest_level(2, {20, 800}) == 100);
+}
+
+TEST_CASE("a session's length is the most that it can be") {
+  const Protocol protocol = staircase();
+  CHECK(expected_duration_s(protocol) == Approx((360 + 6) * expected_trial_s(protocol.timeline)));
+  const CohortBalance balance = balance_of_cohort(protocol, 6, 1);
+  CHECK(balance.same == 6 * 3 * 2 * 20);
+  CHECK(balance.different == 6 * 3 * 2 * 40);
+  for (const CellBalance& cell : balance.cells) {
+    CHECK(std::abs(cell.pairs[0] - cell.pairs[1]) <= 2 * 6 * 7);  // one coin a block
+    CHECK(cell.pairs[2] == cell.pairs[3]);
+  }
+}
+
+namespace {
+std::vector<Diagnostic> warnings(const std::string& name, const json& procedure) {
+  json document = good(name);
+  if (!procedure.is_null()) document["design"]["procedure"].merge_patch(procedure);
+  const ProtocolCheck check = check_protocol(document.dump(1), "p.json");
+  INFO((check.errors.empty() ? std::string() : to_text(check.errors.front())));
+  REQUIRE(check.errors.empty());
+  return check.warnings;
+}
+int found(const std::vector<Diagnostic>& warnings, const std::string& path, const std::string& part) {
+  return static_cast<int>(std::count_if(warnings.begin(), warnings.end(), [&](const Diagnostic& warning) {
+    return warning.path == "$.design.procedure." + path && warning.message.find(part) != std::string::npos &&
+           warning.line > 1 && !warning.suggestion.empty();
+  }));
+}
+}  // namespace
+
+TEST_CASE("what can hardly move is told at load") {
+  const std::vector<Diagnostic> quiet = warnings("staircase", {});
+  CHECK(std::none_of(quiet.begin(), quiet.end(),
+                     [](const Diagnostic& warning) { return warning.path.find("procedure") != std::string::npos; }));
+  CHECK(found(warnings("staircase", {{"step_up", 900}}), "step_up", "larger than the clamp") == 1);
+  CHECK(found(warnings("staircase", {{"step_down", 900}}), "step_down", "larger than the clamp") == 1);
+  CHECK(found(warnings("staircase", {{"multiplicative", true}, {"step_up", 50}, {"step_down", 2}}), "step_up",
+              "larger than the clamp") == 1);
+  CHECK(found(warnings("staircase", {{"starts", {800, 100}}}), "starts[0]", "cannot raise it") == 1);
+  CHECK(found(warnings("staircase", {{"starts", {500, 20}}}), "starts[1]", "cannot lower it") == 1);
+  CHECK(found(warnings("staircase", {{"averaged_reversals", 10}}), "stop.reversals", "10 are to be averaged") == 1);
+  CHECK(found(warnings("staircase", {{"halve_after", {6}}}), "halve_after", "still halves") == 1);
+  CHECK(found(warnings("staircase", {{"stop", {{"at_most", 12}}}}), "stop.at_most", "are few") == 1);
+  CHECK(found(warnings("staircase", {{"catch_share", 0}}), "catch_share", "no false-alarm rate") == 1);
+  CHECK(found(warnings("quest", {{"grain", 0.4}, {"range", 0.8}}), "grain", "can hardly move") == 1);
+  CHECK(found(warnings("quest", {{"range", 0.5}}), "range", "only; the clamp allows") == 1);
+  CHECK(found(warnings("quest", {{"stop", {{"trials", 10}}}}), "stop.trials", "are few") == 1);
+}
+
+TEST_CASE("levels that a device renders alike, or not at all, are told with the place of the clamp") {
+  const auto lint_with = [](double reference, const json& clamp, const json& starts) {
+    json document = good("staircase");
+    document["stimulus"]["reference"] = reference;
+    document["design"]["procedure"]["clamp"] = clamp;
+    document["design"]["procedure"]["starts"] = starts;
+    return lint_against_device(parsed(document), rig_named("rrs3"), "p.json");
+  };
+  const auto told = [](const std::vector<Diagnostic>& all, const std::string& path, const std::string& part) {
+    return std::count_if(all.begin(), all.end(), [&](const Diagnostic& one) {
+      return one.path == path && one.line > 1 && one.message.find(part) != std::string::npos;
+    });
+  };
+  const DeviceLint usual = lint_with(900, {20, 800}, {500, 100});
+  CHECK(usual.errors.empty());
+  CHECK(told(usual.warnings, "$.design.procedure.clamp[0]", "") == 0);
+  // Vibrations clamp at 900 N/m, so that in V the levels below 300 feel like none.
+  const DeviceLint stiffer = lint_with(1200, {20, 800}, {500, 100});
+  CHECK(stiffer.errors.empty());
+  CHECK(told(stiffer.warnings, "$.design.procedure.clamp[0]", "a difference of 20 N/m cannot be felt") == 1);
+  CHECK(told(stiffer.warnings, "$.design.procedure.starts[1]", "a difference of 100 N/m cannot be felt") == 1);
+  CHECK(told(stiffer.warnings, "$.design.procedure.starts[0]", "") == 0);
+  const DeviceLint never = lint_with(1200, {20, 200}, {100});
+  CHECK(told(never.errors, "$.design.procedure.clamp", "in condition V both spheres vibrate") == 1);
+  const DeviceLint beyond = lint_with(2500, {20, 800}, {500});
+  CHECK(told(beyond.errors, "$.stimulus.reference", "2500 N/m is more than") == 1);
+}

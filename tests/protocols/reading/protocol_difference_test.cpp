@@ -1,0 +1,64 @@
+#include "protocols/reading/protocol_difference.h"
+
+#include "tests/protocols/examples.h"
+#include "protocols/input/input_error.h"
+#include "tests/catch.h"
+
+using namespace jnd;
+using namespace jnd::test;
+
+TEST_CASE("other bytes of the same meaning: blanks, order of members, spelling of numbers, the schema's place") {
+  const std::string one = R"({"a": 1, "b": [0.5, true, null], "c": "x"})";
+  CHECK(difference_of(one, one).same_meaning);
+  const ProtocolDifference same =
+      difference_of(one, "{\"$schema\": \"s.json\",\n  \"c\": \"\\u0078\",\n  \"b\": [5e-1, true, null], \"a\": 1.0}");
+  CHECK(same.same_meaning);
+  CHECK(same.lines.empty());
+}
+
+TEST_CASE("each difference has its path, the old value and the new one") {
+  const ProtocolDifference found =
+      difference_of(R"({"a": {"n": 18, "t": "old"}, "list": [1, 2, 3], "gone": {"x": [1]}, "kind": 1, "on": true})",
+                    R"({"a": {"n": 24, "t": "new"}, "list": [1, 5], "kind": "1", "on": false, "new key": null})");
+  CHECK_FALSE(found.same_meaning);
+  CHECK(found.lines == std::vector<std::string>{"$.a.n: 18 -> 24", "$.a.t: \"old\" -> \"new\"", "$.list[1]: 2 -> 5",
+                                                "$.list[2]: removed 3", "$.gone: removed {\"x\": [1]}",
+                                                "$.kind: 1 -> \"1\"", "$.on: true -> false",
+                                                "$[\"new key\"]: added null"});
+}
+
+TEST_CASE("lines are bounded in number and length, and hold no control characters") {
+  std::string before = "{", after = "{";
+  for (int i = 0; i < 50; ++i) {
+    before += (i == 0 ? "" : ", ") + ("\"k" + std::to_string(i)) + "\": 1";
+    after += (i == 0 ? "" : ", ") + ("\"k" + std::to_string(i)) + "\": 2";
+  }
+  const ProtocolDifference many = difference_of(before + "}", after + "}", 5);
+  REQUIRE(many.lines.size() == 6);
+  CHECK(many.lines[4] == "$.k4: 1 -> 2");
+  CHECK(many.lines[5] == "and 45 more");
+  CHECK(difference_of(before + "}", after + "}", 50).lines.size() == 50);
+
+  const std::string start(300, 'a');
+  const ProtocolDifference longer = difference_of(
+      "{\"t\": \"" + start + "b\"}", "{\"t\": \"" + start + "c\", \"l\": [" + start.substr(0, 0) +
+                                         "1111111111, 2222222222, 3333333333, 4444444444, 5555555555, 6]}");
+  REQUIRE(longer.lines.size() == 2);
+  CHECK(longer.lines[0].size() < 120);
+  CHECK(longer.lines[0].find("ab\" -> ") != std::string::npos);  // from where they part
+  CHECK(longer.lines[1].size() < 90);
+  CHECK(longer.lines[1].find("...") != std::string::npos);
+
+  const ProtocolDifference hostile = difference_of(R"({"\u001b[2J": "\u001b]0;x\u0007"})", R"({"a": "\u009b1m"})");
+  for (const std::string& line : hostile.lines)
+    for (const char c : line) CHECK(static_cast<unsigned char>(c) >= 0x20);
+  CHECK_THROWS_AS(difference_of("{", "{}"), InputError);
+  CHECK_THROWS_AS(difference_of("{}", "nonsense"), InputError);
+}
+
+TEST_CASE("a shipped protocol and a changed copy") {
+  const std::string bytes = read_text(protocols_folder() / "tutorial.json");
+  const ProtocolDifference found =
+      difference_of(bytes, replaced(bytes, "\"trials_per_cell\": 8", "\"trials_per_cell\": 12"));
+  CHECK(found.lines == std::vector<std::string>{"$.design.trials_per_cell: 8 -> 12"});
+}

@@ -1,0 +1,235 @@
+// The screen as a pure function: it fits every window, tells the kinds of session apart without colour, and shows
+// nothing that a terminal would obey.
+#include <set>
+#include <string>
+
+#include "runner/console/screen_layout.h"
+#include "runner/console/screen_text.h"
+#include "tests/catch.h"
+
+namespace jnd {
+namespace {
+
+ScreenModel model_of(SessionKind kind) {
+  ScreenModel model;
+  model.card.kind = kind;
+  model.card.participant = "P01";
+  model.card.title = "A study with a title that is rather longer than the room that there is for it on a screen";
+  TrialOutline outline;
+  outline.number = 3;
+  outline.total = 108;
+  outline.block = 1;
+  outline.blocks = 9;
+  outline.condition_code = "B";
+  model.outline = outline;
+  model.progress = {{"A", 1, 36}, {"B", 36, 36}, {"C", 0, 36}};
+  model.health = {.presenting = true, .contact = true, .rate_hz = 1000, .lateness_max_us = 80, .fault = "stale_pose"};
+  model.scene.heading = "Trial 3 of 108";
+  model.scene.task = "Wait until the participant is ready";
+  model.scene.keys = ready_keys(true).hints();
+  model.say = "First sphere.";
+  model.aloud = true;
+  for (int i = 0; i < 12; ++i) model.past.push_back({Tone::warning, "not counted (no answer in time); it comes again"});
+  return model;
+}
+
+std::string text_of(const Frame& frame) {
+  std::string text;
+  for (const Row& row : frame.rows) {
+    for (const Span& span : row) text += span.text + " ";
+    text += "\n";
+  }
+  return text;
+}
+
+TEST_CASE("A frame fits its window, whatever the size") {
+  for (const bool unicode : {true, false})
+    for (int rows = 1; rows <= 50; ++rows)
+      for (int columns = 1; columns <= 140; columns += 3) {
+        ScreenModel model = model_of(SessionKind::pilot);
+        model.scene.text = std::string(3000, 'a') + "\n\nZoë 日本語";
+        model.field = {"Reason, or Enter", std::string(300, 'n'), std::string(300, 'n')};
+        const Frame frame = lay_out(model, rows, columns, unicode);
+        REQUIRE(static_cast<int>(frame.rows.size()) == rows);
+        for (const Row& row : frame.rows)
+          for (const Span& span : row)
+            REQUIRE(std::max(span.column, 0) + columns_of(span.text) <= std::max(columns, span.column));
+        if (frame.cursor) {
+          REQUIRE(frame.cursor->first < rows);
+          REQUIRE(frame.cursor->second < columns);
+        }
+      }
+}
+
+TEST_CASE("What matters is on the smallest screen, and below it one line says why there is none") {
+  const std::string small = text_of(lay_out(model_of(SessionKind::pilot), kLeastRows, kLeastColumns, true));
+  for (const char* const needed : {"REHEARSAL", "P01", "Trial 3 of 108", "block 1 of 9", "condition B", "SAY",
+                                   "First sphere.", "36/36", "FAULT: stale_pose", "contact", "[space]", "[x]", "[q]"})
+    CHECK(small.find(needed) != std::string::npos);
+  const std::string smaller = text_of(lay_out(model_of(SessionKind::pilot), kLeastRows - 1, kLeastColumns, true));
+  CHECK(smaller.find("too small") != std::string::npos);
+  CHECK(smaller.find("Trial 3 of 108") != std::string::npos);
+}
+
+// What asks for something, each in its own way.
+std::vector<ScreenModel> models_that_wait(const QuestionnairePage& page) {
+  std::vector<ScreenModel> models(7, model_of(SessionKind::real));
+  models[1].scene.keys = question_keys(Timeline()).hints();
+  models[2].scene.keys = presentation_keys(Timeline()).hints();
+  models[3].scene = {
+      .heading = "Consent", .text = std::string(2000, 'a'), .keys = consent_keys().hints(), .to_read = true};
+  models[4].dialog = {"Give up the rest of this block? Its trials are left out.",
+                      {{"y", "yes"}, {"n", "no"}, stop_hint()}};
+  models[5].field = {"Pause. Reason, or Enter", "tired", "tired"};
+  models[6].page = &page;
+  return models;
+}
+
+TEST_CASE("The stop is among the keys shown at every size") {
+  Question question;
+  question.kind = Question::Kind::confirm;
+  question.text = "Masking noise is on.";
+  const QuestionnairePage page({{&question, "", ""}});
+  for (const ScreenModel& model : models_that_wait(page))
+    for (int rows = 1; rows <= 50; ++rows)
+      for (int columns = 10; columns <= 140; columns += 5) {
+        const std::string text = text_of(lay_out(model, rows, columns, true));
+        INFO(rows << " x " << columns << "\n" << text);
+        CHECK((text.find("[x]") != std::string::npos || text.find("[Ctrl-C]") != std::string::npos));
+      }
+}
+
+TEST_CASE("What is to be answered says whether all of it can be seen") {
+  Question question;
+  question.kind = Question::Kind::confirm;
+  question.text = "Masking noise is on.";
+  const QuestionnairePage page({{&question, "", ""}});
+  const std::vector<ScreenModel> models = models_that_wait(page);
+  for (const std::size_t place : {std::size_t{3}, std::size_t{6}}) {
+    const Frame frame = lay_out(models[place], 10, 40, true);
+    CHECK(frame.unseen == Unseen::too_small);
+    CHECK(text_of(frame).find("Make the window larger") != std::string::npos);
+  }
+  // A dialog is asked where its question fits.
+  CHECK(lay_out(models[4], 10, 40, true).unseen == Unseen::nothing);
+  CHECK(text_of(lay_out(models[4], 10, 40, true)).find("left out.") != std::string::npos);
+  CHECK(lay_out(models[4], 2, 40, true).unseen == Unseen::too_small);
+  CHECK(lay_out(models[3], 24, 80, true).unseen == Unseen::below);
+  CHECK(lay_out(models[6], kLeastRows, kLeastColumns, true).unseen == Unseen::nothing);
+  for (const std::size_t place : {std::size_t{0}, std::size_t{1}, std::size_t{2}})  // nothing to be read
+    CHECK(lay_out(models[place], 10, 40, true).unseen == Unseen::nothing);
+}
+
+TEST_CASE("A long option of a question is broken into lines, not cut") {
+  Question question;
+  question.kind = Question::Kind::choice;
+  question.text = "Which?";
+  question.options = {std::string(30, 'a') + " " + std::string(30, 'b') + " end", "no"};
+  const QuestionnairePage page({{&question, "", ""}});
+  ScreenModel model = model_of(SessionKind::pilot);
+  model.page = &page;
+  const std::string text = text_of(lay_out(model, 24, 60, true));
+  CHECK(text.find("end") != std::string::npos);
+  CHECK(text.find("1 " + std::string(30, 'a')) != std::string::npos);
+}
+
+TEST_CASE("The three kinds differ in words and in lettering, not in colour alone") {
+  std::set<std::string> words;
+  std::set<std::string> lettering;
+  for (const SessionKind kind : {SessionKind::real, SessionKind::pilot, SessionKind::simulated}) {
+    const Frame frame = lay_out(model_of(kind), 24, 80, true);
+    const Span& banner = frame.rows.at(0).at(0);
+    words.insert(banner.text);
+    lettering.insert(std::string(banner.style.bold ? "b" : "") + (banner.style.reverse ? "r" : "") +
+                     (banner.style.underline ? "u" : "") + (banner.style.dim ? "d" : ""));
+  }
+  CHECK(words.size() == 3);
+  CHECK(lettering.size() == 3);
+}
+
+TEST_CASE("Without UTF-8 the screen is ASCII") {
+  ScreenModel model = model_of(SessionKind::real);
+  model.scene.text = "Drücken Sie…";
+  for (const char c : text_of(lay_out(model, 24, 80, false))) CHECK(static_cast<unsigned char>(c) < 0x80);
+}
+
+TEST_CASE("Nothing that a terminal would obey or turn around is shown") {
+  ScreenModel model = model_of(SessionKind::real);
+  model.scene.text = "a\x1b[2Jb\u202ec\u009bd\tc\rd";
+  model.card.participant = "\x1b]0;x\a";
+  model.past.push_back({Tone::plain, "note: \x1b[31m"});
+  const std::string text = text_of(lay_out(model, 24, 80, true));
+  for (const char* const bad : {"\x1b", "\u202e", "\u009b", "\t", "\r", "\a"})
+    CHECK(text.find(bad) == std::string::npos);
+}
+
+TEST_CASE("A long text is scrolled, and says that there is more") {
+  ScreenModel model = model_of(SessionKind::pilot);
+  model.scene.task.clear();
+  for (int i = 1; i <= 60; ++i) model.scene.text += "Line " + std::to_string(i) + "\n";
+  Frame frame = lay_out(model, 24, 80, true);
+  CHECK(frame.hidden_lines > 0);
+  CHECK(text_of(frame).find("more lines") != std::string::npos);
+  CHECK(text_of(frame).find("Line 60") == std::string::npos);
+  model.scrolled = 1000;
+  frame = lay_out(model, 24, 80, true);
+  CHECK(frame.hidden_lines == 0);
+  CHECK(text_of(frame).find("Line 60") != std::string::npos);
+}
+
+TEST_CASE("A question's field and its mistake are seen on the smallest screen, and the rest is scrolled") {
+  Question question;
+  question.kind = Question::Kind::choice;
+  question.text = "Which of these?";
+  for (int i = 1; i <= 20; ++i) question.options.push_back("option " + std::to_string(i));
+  QuestionnairePage page({{&question, "", ""}});
+  page.press({KeyName::character, 'z', 0});
+  ScreenModel model = model_of(SessionKind::pilot);
+  model.page = &page;
+  std::set<int> seen;
+  for (model.scrolled = 0;; ++model.scrolled) {
+    const Frame frame = lay_out(model, kLeastRows, kLeastColumns, true);
+    const std::string text = text_of(frame);
+    CHECK(text.find("Number:") != std::string::npos);
+    CHECK(text.find("please type the number") != std::string::npos);
+    REQUIRE(frame.cursor);
+    CHECK(frame.rows.at(static_cast<std::size_t>(frame.cursor->first)).at(0).text.find("Number:") == 0);
+    for (int i = 1; i <= 20; ++i)
+      if (text.find("option " + std::to_string(i) + " ") != std::string::npos) seen.insert(i);
+    if (frame.hidden_lines == 0) break;
+    CHECK(text.find("more lines: Page Down") != std::string::npos);
+  }
+  CHECK(seen.size() == 20);
+}
+
+TEST_CASE("A long review is scrolled below its field") {
+  Question question;
+  question.kind = Question::Kind::rating;
+  question.min = 1;
+  question.max = 9;
+  std::vector<QuestionnairePage::Item> items;
+  for (int i = 1; i <= 17; ++i) items.push_back({&question, "condition " + std::to_string(i), "5"});
+  QuestionnairePage page(items);
+  for (int i = 1; i <= 17; ++i) page.press({KeyName::enter, 0, 0});
+  REQUIRE(page.reviewing());
+  ScreenModel model = model_of(SessionKind::pilot);
+  model.page = &page;
+  CHECK(text_of(lay_out(model, 24, 80, true)).find("more lines: Page Down") != std::string::npos);
+  model.scrolled = 1000;
+  const std::string text = text_of(lay_out(model, 24, 80, true));
+  CHECK(text.find("17. ") != std::string::npos);
+  CHECK(text.find("Enter saves them") != std::string::npos);
+}
+
+TEST_CASE("Text is measured in columns, cut and broken at spaces") {
+  CHECK(columns_of("né日e\u0301") == 5);
+  CHECK(clipped("abcdef", 4, true) == "abc…");
+  CHECK(clipped("abcdef", 5, false) == "ab...");
+  CHECK(clipped("日本語", 4, true) == "日…");
+  CHECK(wrapped("one two three", 7) == std::vector<std::string>{"one two", "three"});
+  CHECK(wrapped("abcdefgh", 3) == std::vector<std::string>{"abc", "def", "gh"});
+  CHECK(wrapped("a\n\nb\n", 10) == std::vector<std::string>{"a", "", "b"});
+}
+
+}  // namespace
+}  // namespace jnd

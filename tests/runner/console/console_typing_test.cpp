@@ -1,0 +1,206 @@
+// Lines and pages as they are typed, and the keys that do something.
+#include <string>
+#include <vector>
+
+#include "runner/console/console_keys.h"
+#include "runner/keys/line_editor.h"
+#include "runner/console/questionnaire_page.h"
+#include "tests/catch.h"
+
+namespace jnd {
+namespace {
+
+using State = QuestionnairePage::State;
+
+Key named(KeyName name) {
+  return {name, 0, 0};
+}
+
+void type(LineEditor& editor, const std::string& text) {
+  for (const char32_t c : code_points(text)) editor.press({KeyName::character, c, 0});
+}
+
+State type(QuestionnairePage& page, const std::string& text, KeyName then = KeyName::enter) {
+  for (const char32_t c : code_points(text)) page.press({KeyName::character, c, 0});
+  return page.press(named(then));
+}
+
+TEST_CASE("A line is edited by characters, not by bytes") {
+  LineEditor editor;
+  type(editor, "né€");
+  CHECK(editor.press(named(KeyName::backspace)) == LineEditor::Outcome::edited);
+  CHECK(editor.text() == "né");
+  editor.press(named(KeyName::left));
+  CHECK(editor.before_cursor() == "n");
+  type(editor, "o");
+  editor.press(named(KeyName::delete_));
+  CHECK(editor.text() == "no");
+  editor.press(named(KeyName::home));
+  CHECK(editor.press(named(KeyName::backspace)) == LineEditor::Outcome::ignored);
+  CHECK(editor.press(named(KeyName::up)) == LineEditor::Outcome::ignored);
+  CHECK(editor.press(named(KeyName::escape)) == LineEditor::Outcome::cancelled);
+  CHECK(editor.press(named(KeyName::enter)) == LineEditor::Outcome::done);
+  CHECK(editor.press({KeyName::control, 'u', 0}) == LineEditor::Outcome::edited);
+  CHECK(editor.empty());
+}
+
+TEST_CASE("A line has an end, and broken UTF-8 does not break it") {
+  LineEditor editor;
+  for (std::size_t i = 0; i < LineEditor::kLongest + 5; ++i) type(editor, "ä");
+  CHECK(code_points(editor.text()).size() == LineEditor::kLongest);
+  CHECK(to_utf8(code_points("a\xff\xc3")) == "a\xef\xbf\xbd\xef\xbf\xbd");
+}
+
+struct Page {
+  Page() {
+    choice.id = "hand";
+    choice.kind = Question::Kind::choice;
+    choice.options = {"right", "left"};
+    choice.shown = {"rechts", "links"};
+    rating.id = "liking";
+    rating.kind = Question::Kind::rating;
+    rating.min = 1;
+    rating.max = 9;
+    text.id = "remarks";
+    text.kind = Question::Kind::text;
+    text.required = false;
+  }
+  QuestionnairePage make() { return QuestionnairePage({{&choice, "", ""}, {&rating, "A", ""}, {&text, "", ""}}); }
+  Question choice, rating, text;
+};
+
+TEST_CASE("A page is answered, looked through, changed and only then committed") {
+  Page questions;
+  QuestionnairePage page = questions.make();
+  CHECK(type(page, "2") == State::open);
+  CHECK(type(page, "7") == State::open);
+  CHECK(page.at() == 2);
+  page.press(named(KeyName::up));
+  CHECK(page.editor().text() == "7");
+  page.press(named(KeyName::backspace));
+  CHECK(type(page, "8") == State::open);
+  CHECK(type(page, "") == State::open);
+  REQUIRE(page.reviewing());
+  CHECK(page.shown_reply(0) == "links");
+  CHECK(type(page, "2") == State::open);  // change the second
+  CHECK(page.at() == 1);
+  page.press(named(KeyName::backspace));
+  CHECK(type(page, "3") == State::open);
+  REQUIRE(page.reviewing());
+  CHECK(page.press(named(KeyName::enter)) == State::committed);
+  const Replies replies = page.replies();
+  CHECK(replies[0] == "left");
+  CHECK(replies[1] == "3");
+  CHECK_FALSE(replies[2]);
+}
+
+TEST_CASE("A page says what is wrong, and saves nothing that is") {
+  Page questions;
+  QuestionnairePage page = questions.make();
+  CHECK(type(page, "") == State::open);
+  CHECK(page.mistake() == "please type an answer");
+  page.press({KeyName::character, 'x', 0});
+  CHECK(page.mistake() == "please type the number of an answer");
+  CHECK(page.editor().empty());
+  CHECK(type(page, "3") == State::open);
+  CHECK(page.mistake() == "please type the number of an answer");
+  page.press(named(KeyName::backspace));
+  type(page, "1");
+  CHECK(type(page, "10") == State::open);
+  CHECK(page.mistake() == "please stay within 1 to 9");
+  CHECK(page.press(named(KeyName::escape)) == State::leaving);
+  // Back to the first, which is emptied: the review does not let it through.
+  page.press(named(KeyName::up));
+  page.press(named(KeyName::backspace));
+  page.press(named(KeyName::up));
+  CHECK(page.enter("") == State::open);
+  CHECK(page.at() == 0);
+}
+
+TEST_CASE("A page by lines: back with <, and a page of one question is not looked through") {
+  Page questions;
+  QuestionnairePage page = questions.make();
+  page.enter("rechts");
+  page.enter("<");
+  CHECK(page.at() == 0);
+  page.enter("links");
+  page.enter(" 4 ");
+  page.enter("fine");
+  REQUIRE(page.reviewing());
+  page.enter("9");
+  CHECK(page.mistake().find("1 to 3") != std::string::npos);
+  CHECK(page.enter("") == State::committed);
+  CHECK(page.replies()[0] == "left");
+  CHECK(page.replies()[1] == "4");
+
+  QuestionnairePage single({{&questions.rating, "", ""}});
+  CHECK(single.enter("5") == State::committed);
+  QuestionnairePage unreviewed({{&questions.choice, "", ""}, {&questions.rating, "", ""}}, false);
+  unreviewed.enter("1");
+  CHECK(unreviewed.enter("5") == State::committed);
+}
+
+TEST_CASE("Numbers are kept as plain decimals") {
+  Question number;
+  number.kind = Question::Kind::number;
+  number.min = -10;
+  number.max = 120;
+  CHECK(normalised(number, "3,50") == "3.5");
+  CHECK(normalised(number, "030") == "30");
+  for (const char* const bad : {"1e2", "0x10", "inf", "nan", "3.5.1", "12 a", "--1"})
+    CHECK(mistake_in(number, bad) == "please type a number");
+  CHECK(mistake_in(number, "121") == "please stay within -10 to 120");
+  Question confirm;
+  confirm.kind = Question::Kind::confirm;
+  CHECK(mistake_in(confirm, "n") != "");
+  CHECK(normalised(confirm, "y") == "yes");
+}
+
+TEST_CASE("The protocol's answer keys win, and the operator's move to another key") {
+  const auto action = [](const KeyMap& keys, char32_t c) { return keys.action_of({KeyName::character, c, 0}); };
+  Timeline timeline;
+  KeyMap keys = question_keys(timeline);
+  CHECK(action(keys, 's') == Action::answer_same);
+  CHECK(action(keys, 'r') == Action::repeat_trial);
+  CHECK(action(keys, 'x') == Action::stop);
+  CHECK(action(keys, 'X') == Action::stop);
+  timeline.key_same = 'r';
+  timeline.key_different = 'n';
+  keys = question_keys(timeline);
+  CHECK(action(keys, 'r') == Action::answer_same);
+  CHECK(action(keys, 'n') == Action::answer_different);
+  CHECK(action(keys, 'R') == Action::repeat_trial);
+  CHECK(action(keys, 'N') == Action::note);
+  timeline.key_different = 'R';
+  keys = question_keys(timeline);
+  CHECK(action(keys, 'R') == Action::answer_different);
+  CHECK(action(keys, '0') == Action::repeat_trial);
+}
+
+TEST_CASE("The stop key is explained as what it is, also where it is no key of the scene") {
+  for (const KeyMap& keys : {pause_keys(), break_keys(false), break_keys(true), instruction_keys(), consent_keys(),
+                             storage_keys(), stopped_keys()})
+    for (const char32_t key : {U'x', U'X'})
+      CHECK(keys.explanation({KeyName::character, key, 0}) == "STOP: the devices give nothing");
+}
+
+TEST_CASE("Keys can be left out of those that are shown") {
+  const KeyMap keys = question_keys(Timeline());
+  const std::vector<KeyHint> hints = keys.without({Action::answer_same, Action::help}).hints();
+  CHECK(hints.size() == keys.hints().size() - 2);
+  for (const KeyHint& hint : hints) CHECK((hint.key != "s" && hint.key != "?"));
+}
+
+TEST_CASE("Wrong keys are explained") {
+  const KeyMap keys = question_keys(Timeline());
+  CHECK(keys.explanation({KeyName::character, 'S', 0}).find("Caps Lock") != std::string::npos);
+  CHECK(keys.explanation({KeyName::character, 'z', 0}).find("[s] same, [d] different") != std::string::npos);
+  CHECK(keys.explanation({KeyName::control, 'z', 0}).find("background") != std::string::npos);
+  CHECK(keys.action_of(named(KeyName::up)) == std::nullopt);
+  CHECK(ready_keys(false).action_of({KeyName::character, 'u', 0}) == std::nullopt);
+  CHECK(ready_keys(true).action_of({KeyName::character, 'u', 0}) == Action::void_last);
+  CHECK(ready_keys(true).action_of(named(KeyName::enter)) == Action::go_on);
+}
+
+}  // namespace
+}  // namespace jnd

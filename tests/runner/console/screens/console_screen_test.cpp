@@ -1,0 +1,270 @@
+// The tutorial, played on a pseudo-terminal with pause, repeat, an answer taken back, a note, resizes, an emergency
+// stop, a break and a questionnaire. What is on the screen is compared with the approved screens beside this file, text
+// and attributes; response times and the time left are masked.
+//
+// Usage: console_screen_test JND FOLDER_OF_SCREENS [--approve]   --approve: writes them anew; look at the difference
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <sstream>
+
+#include "tests/runner/console/screens/scripted_terminal.h"
+
+namespace jnd::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kEnter = "\r", kEscape = "\x1b", kUp = "\x1b[A";
+
+class Screens {
+ public:
+  Screens(fs::path folder, bool approve) : folder_(std::move(folder)), approve_(approve) {}
+
+  void check(const std::string& name, ScriptedTerminal& terminal) {
+    const fs::path file = folder_ / (name + ".txt");
+    if (approve_) {
+      terminal.comes_to([] { return false; }, kDrawn);
+      std::ofstream(file) << masked(terminal.styled());
+      return;
+    }
+    std::stringstream approved;
+    approved << std::ifstream(file).rdbuf();
+    if (terminal.comes_to([&] { return masked(terminal.styled()) == approved.str(); }, kDeadline)) return;
+    ++failed_;
+    std::cout << "The screen '" << name << "' is not as approved in " << file.filename() << ". It is\n"
+              << masked(terminal.styled()) << "\n";
+  }
+  void require(bool holds, const std::string& what) {
+    if (holds) return;
+    ++failed_;
+    std::cout << "FAILED: " << what << "\n";
+  }
+  int failed() const { return failed_; }
+
+ private:
+  static std::string masked(std::string text) {
+    text = std::regex_replace(text, std::regex("[0-9]+\\.[0-9]+ s\\b"), "#.## s");
+    text = std::regex_replace(text, std::regex("about [0-9]+ (s|min) left"), "about # left");
+    return text;
+  }
+
+  static constexpr std::chrono::milliseconds kDrawn{500}, kDeadline{20'000};
+  fs::path folder_;
+  bool approve_;
+  int failed_ = 0;
+};
+
+// Through a trial to the question, from its announcement.
+void to_question(ScriptedTerminal& terminal) {
+  terminal.press_for(" ", "\\[s\\] same");
+}
+const std::string kReady = "\\[space\\] when the participant is ready";
+
+// The next trial's announcement is told from the last one's by the answer being gone from the question.
+void answer(ScriptedTerminal& terminal, const std::string& key) {
+  terminal.press_for(key, kReady);
+}
+
+void begin(ScriptedTerminal& terminal, Screens& screens) {
+  terminal.wait_for("y once it is so");
+  screens.require(terminal.full_screen(), "the session has a screen of its own");
+  screens.check("checklist", terminal);
+  terminal.press("y");
+  terminal.wait_for("Question 2 of 2");
+  terminal.press_for("y", "was down already");  // as a key that is held down: it confirms one question only
+  terminal.wait_until_gone("was down already");
+  terminal.press_for("y", "Please look through");
+  screens.check("checklist-review", terminal);
+  terminal.press_for(kEnter, "Instructions");
+  screens.check("instructions", terminal);
+  terminal.press_for(" ", "Consent");
+  screens.check("consent", terminal);
+  terminal.resize(10, 40);
+  terminal.wait_for("Make the window larger");
+  terminal.press_for("y", "too small to read this");  // no consent to what nobody can see
+  screens.check("consent-too-small", terminal);
+  terminal.resize(24, 80);
+  terminal.wait_for("giving a");
+  terminal.press_for("y", "Handedness");
+  terminal.press("z");
+  terminal.wait_for("please type the number of an answer");
+  terminal.press("1");
+  terminal.wait_for("Number:  *1");
+  screens.check("questionnaire-choice", terminal);
+  terminal.press_for(kEnter, "Instructions");
+  terminal.press_for(" ", kReady);
+  screens.check("ready", terminal);
+}
+
+void practise(ScriptedTerminal& terminal, Screens& screens) {
+  to_question(terminal);
+  terminal.press("z");
+  terminal.wait_for("\\[z\\] does nothing here");
+  screens.check("question-wrong-key", terminal);
+  answer(terminal, "s");
+  terminal.wait_for("Practice 2 of 4");
+  screens.check("answered", terminal);
+
+  terminal.press_for("u", "Take back the last answer\\?");
+  screens.check("take-back-asked", terminal);
+  terminal.press_for("y", "Reason, or Enter");
+  terminal.press("mispressed, sagt er: größer");
+  terminal.wait_for("größer");
+  screens.check("take-back-reason", terminal);
+  terminal.press_for(kEnter, "taken back; its trial");
+  screens.check("taken-back", terminal);
+
+  terminal.press_for("n", "Note:");
+  terminal.press("\x1b[31m");  // neither a colour nor a word: a sequence is no text
+  terminal.press("the door opened");
+  terminal.wait_for("the door opened");
+  terminal.press_for(kEnter, "note: the door opened");
+  terminal.press_for("p", "Pause. Reason");
+  terminal.press_for(kEnter, "Paused");
+  screens.check("paused", terminal);
+  terminal.press_for(" ", kReady);
+  terminal.press_for("?", "all keys(.|\\n)*Ctrl-C");
+  screens.check("help", terminal);
+  terminal.press_for(" ", kReady);
+
+  to_question(terminal);
+  terminal.press_for("r", "comes again later. Reason");
+  terminal.press_for(kEnter, "not counted \\(repeated");
+  terminal.wait_for(kReady);
+  screens.check("repeated", terminal);
+
+  to_question(terminal);
+  terminal.press_for("x", "STOPPED");
+  screens.check("stopped", terminal);
+  terminal.press_for("z", "\\[z\\] does nothing here");
+  terminal.press_for("c", "What was the matter");
+  terminal.press("the sleeve was caught");
+  terminal.press_for(kEnter, kReady);
+  screens.check("stop-cleared", terminal);
+}
+
+void resize(ScriptedTerminal& terminal, Screens& screens) {
+  terminal.resize(16, 60);
+  terminal.wait_for("\n[^\n]*\\[\\?\\] all keys[^\n]*\n$");
+  screens.check("ready-60x16", terminal);
+  to_question(terminal);
+  screens.check("question-60x16", terminal);
+  answer(terminal, "d");
+  terminal.resize(10, 50);
+  terminal.wait_for("too small");
+  screens.check("too-small", terminal);
+  terminal.resize(40, 120);
+  terminal.wait_for("\n[^\n]*\\[\\?\\] all keys[^\n]*\n$");
+  screens.check("ready-120x40", terminal);
+  terminal.resize(24, 80);
+  terminal.wait_for("\n[^\n]*\\[\\?\\] all keys[^\n]*\n$");
+}
+
+// To the break and to the end, whatever comes: each prompt is answered.
+void go_on_to(ScriptedTerminal& terminal, const std::string& place) {
+  const std::string prompts = "Instructions|may end|" + kReady + "|" + place;
+  while (!terminal.shows(place)) {
+    if (terminal.shows("Instructions") || terminal.shows("may end")) {
+      terminal.press_for(" ", kReady + "|" + place);
+      continue;
+    }
+    to_question(terminal);
+    terminal.press_for("s", prompts);
+  }
+}
+
+// However many questions the tutorial has: ratings, and choices whose first answer will do.
+void rate_the_rest(ScriptedTerminal& terminal) {
+  for (int question = 2; !terminal.shows("Please look through"); ++question) {
+    const std::string next = "Question " + std::to_string(question + 1) + " of |Please look through";
+    if (terminal.shows("Number:")) {
+      terminal.press_for("1", "Number:  *1");
+    } else if (terminal.shows("Answer:")) {
+      terminal.press_for("5", "Answer:  *5");
+    }
+    terminal.press_for(kEnter, next);
+  }
+}
+
+void play(const std::string& jnd, const std::string& folder, Screens& screens) {
+  ScriptedTerminal terminal(
+      {jnd, "run", "tutorial", "--study", "tutorial.sqlite", "--participant", "P01", "--seed", "1", "--fast"}, folder,
+      24, 80);
+  begin(terminal, screens);
+  practise(terminal, screens);
+  resize(terminal, screens);
+  go_on_to(terminal, "The break may end");
+  screens.check("break", terminal);
+  terminal.press_for(" ", kReady);
+  terminal.press_for("q", "End this session\\?");
+  screens.check("end-asked", terminal);
+  terminal.press_for("n", kReady);
+  go_on_to(terminal, "How effective");
+  terminal.press("7");
+  terminal.wait_for("Answer:  *7");
+  screens.check("questionnaire-rating", terminal);
+  terminal.press_for(kEnter, "Question 2 of ");
+  terminal.press(kUp);
+  terminal.wait_for("Question 1 of ");
+  terminal.press_for("\x7f", "Answer:  *\n");
+  terminal.press("8");
+  terminal.press_for(kEnter, "Question 2 of ");
+  rate_the_rest(terminal);
+  screens.check("questionnaire-review", terminal);
+  terminal.press_for(kEnter, "Done\\.");
+  const int status = terminal.wait_for_end();
+  screens.require(WIFEXITED(status) && WEXITSTATUS(status) == 0, "the session ends with 0");
+  screens.require(terminal.shows("Done\\. The session of P01 is complete"),
+                  "the last words stand on the shell's screen");
+  screens.require(!terminal.full_screen() && terminal.cursor_visible() && terminal.settings_of_shell(),
+                  "the terminal is put back");
+}
+
+// A crash and a signal leave the terminal as it was.
+void end_by(const std::string& jnd, const std::string& folder, int signal_number, Screens& screens) {
+  const std::string study = "signal" + std::to_string(signal_number) + ".sqlite";
+  ScriptedTerminal terminal({jnd, "run", "tutorial", "--study", study, "--participant", "P01", "--seed", "1", "--fast"},
+                            folder, 24, 80);
+  terminal.wait_for("y once it is so");
+  terminal.signal(signal_number);
+  const int status = terminal.wait_for_end();
+  const std::string name = "after signal " + std::to_string(signal_number);
+  screens.require(WIFSIGNALED(status) || WEXITSTATUS(status) != 0, name + " the program says that it was ended");
+  screens.require(!terminal.full_screen() && terminal.cursor_visible() && terminal.settings_of_shell(),
+                  name + " the terminal is put back");
+}
+
+int run(int argc, char** argv) {
+  if (argc < 3) {
+    std::cerr << "usage: console_screen_test JND FOLDER_OF_SCREENS [--approve]\n";
+    return 2;
+  }
+  Screens screens(argv[2], argc > 3 && std::string(argv[3]) == "--approve");
+  std::string folder = (fs::temp_directory_path() / "jnd-screens-XXXXXX").string();
+  if (mkdtemp(folder.data()) == nullptr) return 2;
+  try {
+    const std::string jnd = fs::absolute(argv[1]).string();
+    play(jnd, folder, screens);
+    // What was paused, repeated, taken back and stopped is in the study, and follows from the rules.
+    const std::string verify = "'" + jnd + "' verify --deep '" + folder + "/tutorial.sqlite'";
+    screens.require(std::system(verify.c_str()) == 0, "the study agrees with itself");
+    for (const int crash : {SIGSEGV, SIGABRT, SIGTERM, SIGPIPE, SIGUSR1, SIGALRM}) end_by(jnd, folder, crash, screens);
+  } catch (const std::exception& error) {
+    screens.require(false, error.what());
+  }
+  std::error_code ignored;
+  fs::remove_all(folder, ignored);
+  if (screens.failed() > 0) return 1;
+  std::cout << "Every screen is as approved, and the terminal was put back each time.\n";
+  return 0;
+}
+
+}  // namespace
+}  // namespace jnd::test
+
+int main(int argc, char** argv) {
+  return jnd::test::run(argc, argv);
+}

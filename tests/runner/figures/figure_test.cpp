@@ -1,0 +1,290 @@
+// The SVG writer, axes and figures: well formed, nobody dropped, nothing that is not a number.
+#include "runner/figures/figure.h"
+
+#include <cmath>
+#include <limits>
+#include <set>
+#include <stdexcept>
+
+#include <rapidcheck.h>
+
+#include "runner/figures/figure_axis.h"
+#include "runner/figures/figure_conditions.h"
+#include "runner/figures/figure_look.h"
+#include "tests/catch.h"
+#include "tests/runner/markup_check.h"
+#include "tests/runner/report_fixture.h"
+
+using namespace jnd;
+
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+const Figure& figure_named(const std::vector<Figure>& figures, const std::string& id) {
+  for (const Figure& figure : figures)
+    if (figure.id == id) return figure;
+  throw std::runtime_error("no figure " + id);
+}
+
+// Attribute values that a reader of SVG would take for numbers but are none.
+bool has_odd_numbers(const std::string& svg) {
+  for (const char* odd : {"\"nan", "\"inf", "\"-inf", "\"-nan", ",nan", ",inf", "(nan", "(inf"})
+    if (svg.find(odd) != std::string::npos) return true;
+  return false;
+}
+
+void check_figures(const std::vector<Figure>& figures) {
+  std::set<std::string> ids;
+  for (const Figure& figure : figures) {
+    INFO(figure.id);
+    CHECK(ids.insert(figure.id).second);
+    CHECK(figure.id.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") == std::string::npos);
+    CHECK(markup_problem(figure.svg.file()).empty());
+    CHECK(markup_problem(figure.svg.element()).empty());
+    CHECK_FALSE(has_odd_numbers(figure.svg.file()));
+    CHECK(figure.svg.file().find("<desc") != std::string::npos);
+    CHECK_FALSE(figure.caption.empty());
+  }
+}
+
+// Everyone's answers under every condition, the same in every series.
+std::vector<CellCounts> same_answers(const Protocol& protocol, int participants, Counts counts) {
+  std::vector<CellCounts> cells = invented_counts(protocol, participants, 1);
+  for (CellCounts& cell : cells) cell.counts = counts;
+  return cells;
+}
+
+}  // namespace
+
+TEST_CASE("markup is escaped, and what could reorder or break it replaced") {
+  CHECK(escape_markup("a<b>&\"'") == "a&lt;b&gt;&amp;&quot;&#39;");
+  CHECK(escape_markup("Größe 刺激") == "Größe 刺激");
+  CHECK(escape_markup("x\xe2\x80\xaey") == "x\xef\xbf\xbdy");  // U+202E, right-to-left override
+  CHECK(escape_markup("x\xe2\x81\xa6y") == "x\xef\xbf\xbdy");  // U+2066, isolate
+  CHECK(escape_markup(std::string("a\0b", 3)) ==
+        "a\xef\xbf\xbd"
+        "b");  // a control character
+  CHECK(escape_markup("a\x1b[2Jb") == "a\xef\xbf\xbd[2Jb");
+  CHECK(escape_markup("\xff\xc0\x80") == "\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd");  // not UTF-8, overlong
+  CHECK(escape_markup("\xed\xa0\x80").find('\xed') == std::string::npos);          // a surrogate
+  CHECK(escape_markup("\xf0\x9f\x98") == "\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd");  // cut off
+  REQUIRE(rc::check("never a bare mark, whatever the bytes", [](const std::string& bytes) {
+    RC_ASSERT(markup_problem("<p a=\"" + escape_markup(bytes) + "\">" + escape_markup(bytes) + "</p>").empty());
+  }));
+}
+
+TEST_CASE("coordinates are short decimals, and never anything but numbers") {
+  CHECK(svg_number(12.5) == "12.5");
+  CHECK(svg_number(-3) == "-3");
+  CHECK(svg_number(-0.001) == "0");
+  CHECK(svg_number(100) == "100");
+  CHECK(svg_number(1.005e6) == "1005000");
+  CHECK_THROWS_AS(svg_number(kNan), std::logic_error);
+  CHECK_THROWS_AS(svg_number(kInfinity), std::logic_error);
+  Svg svg("a", 10, 10, "t<", "d&");
+  CHECK_THROWS_AS(svg.circle(kNan, 1, 1, kFrame), std::logic_error);
+  svg.text(1, 2, "</text><script>", kLabel);
+  CHECK(markup_problem(svg.file()).empty());
+  CHECK(svg.file().find("<script") == std::string::npos);
+}
+
+TEST_CASE("axes have round ends and labels of one length") {
+  const Range range = round_range(3, 97, 5);
+  CHECK(range.low == 0);
+  CHECK(range.high == 100);
+  CHECK(round_range(5, 5, 5).low < 5);
+  CHECK_THROWS_AS(round_range(0, kInfinity, 5), std::logic_error);
+  CHECK(tick_labels({0, 0.5, 1}) == std::vector<std::string>{"0.0", "0.5", "1.0"});
+  CHECK(tick_labels({-100, 0}) == std::vector<std::string>{"−100", "0"});
+  const Scale scale{0, 10, 100, 0};
+  CHECK(scale.at(5) == 50);
+  CHECK(scale.clipped(kInfinity) == 0);
+  CHECK_THROWS_AS(scale.clipped(kNan), std::logic_error);
+  REQUIRE(rc::check("a rounded range holds what it was made for", [] {
+    const double low = *rc::gen::inRange(-100'000, 100'000) / 100.0, width = *rc::gen::inRange(0, 100'000) / 1000.0;
+    const Range wide = round_range(low, low + width, 6);
+    RC_ASSERT(wide.low <= low + 1e-9 && wide.high >= low + width - 1e-9 && wide.low < wide.high);
+  }));
+}
+
+TEST_CASE("points of a swarm do not cover each other where there is room") {
+  const std::vector<double> heights(9, 50.0);
+  const std::vector<double> offsets = swarm_offsets(heights, 3, 40);
+  for (std::size_t i = 0; i < offsets.size(); ++i) {
+    CHECK(std::abs(offsets[i]) <= 40);
+    for (std::size_t j = 0; j < i; ++j) CHECK(std::abs(offsets[i] - offsets[j]) >= 6);
+  }
+  for (const double offset : swarm_offsets(std::vector<double>(500, 1.0), 3, 20)) CHECK(std::abs(offset) <= 20);
+  CHECK(swarm_offsets({}, 3, 20).empty());
+}
+
+TEST_CASE("long labels are cut between characters") {
+  CHECK(fitted("short", 12, 100) == "short");
+  const std::string cut = fitted("刺激の強さを比べる実験", 12, 60);
+  CHECK(cut.ends_with("…"));
+  CHECK(escape_markup(cut) == cut);
+  CHECK(text_width(cut, 12) <= 61);
+}
+
+TEST_CASE("a usual study has every figure, with every participant in it") {
+  const Protocol protocol = published_protocol();
+  const StudyResults results = invented_study(protocol, 18);
+  const std::vector<Figure> figures = study_figures(results, protocol);
+  check_figures(figures);
+  REQUIRE(figures.size() == 5);
+  const std::string slopes = figure_named(figures, "slopes").svg.file();
+  CHECK(count_of(slopes, "class=\"panel\"") == 18);
+  CHECK(count_of(slopes, "class=\"point\"") == 18 * 9);
+  const std::string jnds = figure_named(figures, "jnd").svg.file();
+  CHECK(count_of(jnds, "class=\"published-value\"") == 3);
+  CHECK(jnds.find("Weber fraction") != std::string::npos);
+  CHECK(jnds.find("within-subject") != std::string::npos);
+  CHECK(count_of(figure_named(figures, "time").svg.file(), "class=\"point\"") == 18 * 3);
+  CHECK(count_of(figure_named(figures, "rating-1").svg.file(), "class=\"point\"") == 18 * 3);
+  const std::string models = figure_named(figures, "sensitivity").svg.file();
+  for (const SensitivityRow& row : results.sensitivity)
+    CHECK(models.find(escape_markup(describe(row.method).substr(0, 20))) != std::string::npos);
+}
+
+TEST_CASE("who has no JND stands at the edge, counted") {
+  const Protocol protocol = published_protocol();
+  std::vector<CellCounts> cells = invented_counts(protocol, 12, 5);
+  for (CellCounts& cell : cells) {
+    if (cell.participant == "P01") cell.counts = {6, 1, 6, 5};  // the wrong way round
+    if (cell.participant == "P02") cell.counts = {6, 0, 6, 0};  // always "same"
+  }
+  const StudyResults results = invented_results(protocol, cells);
+  const std::string svg = figure_named(jnd_figures(results, protocol), "jnd").svg.file();
+  for (const GroupResult& row : results.analysis.group) {
+    const std::string name = protocol.conditions[static_cast<std::size_t>(row.condition)].name;
+    CHECK(svg.find(name + ": " + std::to_string(row.jnd.no_sensitivity) + " no sensitivity") != std::string::npos);
+    CHECK(svg.find(name + ": " + std::to_string(row.jnd.no_information) + " no information") != std::string::npos);
+    CHECK(svg.find("n = " + std::to_string(row.jnd.mean_jnd.n) + " of 12") != std::string::npos);
+    CHECK(row.jnd.mean_jnd.n + row.jnd.no_sensitivity + row.jnd.ceiling + row.jnd.no_information == 12);
+  }
+  // Nobody is drawn twice or not at all: points, arrows of values off the scale, and the counted edges.
+  std::size_t drawn = count_of(svg, "class=\"point\"");
+  for (const ThresholdResult& row : results.analysis.thresholds)
+    if (row.jnd.status == JndStatus::ok)
+      drawn -= svg.find("<title>" + row.participant + ", " +
+                        protocol.conditions[static_cast<std::size_t>(row.condition)].name + ": ") != std::string::npos;
+  CHECK(drawn == 0);
+}
+
+TEST_CASE("a value far beyond the others goes to the edge and leaves the scale alone") {
+  const Protocol protocol = published_protocol();
+  ConditionFigure figure;
+  figure.id = "far";
+  figure.title = figure.y_title = "far";
+  ConditionColumn column;
+  for (int i = 0; i < 10; ++i) column.points.push_back({200.0 + i, "P" + std::to_string(i)});
+  column.points.push_back({50'000, "far"});
+  column.participants = 11;
+  column.mean = 4728;
+  column.interval = PlottedInterval{4728, -5000, 14'000};
+  figure.columns = {column};
+  const std::string svg = draw_condition_figure(figure, protocol).file();
+  CHECK(markup_problem(svg).empty());
+  CHECK(svg.find("1 off the scale") != std::string::npos);
+  CHECK(count_of(svg, "class=\"point\"") == 10);
+  CHECK(svg.find(">20000<") == std::string::npos);  // no tick out there
+}
+
+TEST_CASE("studies at the limits still have figures") {
+  const Protocol published = published_protocol();
+  SECTION("nobody") {
+    CHECK(study_figures(StudyResults{}, published).empty());
+  }
+  SECTION("one participant") {
+    check_figures(study_figures(invented_study(published, 1), published));
+  }
+  SECTION("one condition") {
+    Protocol protocol = published;
+    protocol.conditions.resize(1);
+    protocol.analysis.contrasts.clear();
+    const std::vector<Figure> figures = study_figures(invented_study(protocol, 6), protocol);
+    check_figures(figures);
+    CHECK(figures.size() >= 4);
+  }
+  SECTION("twelve conditions") {
+    Protocol protocol = published;
+    for (int i = 3; i < 12; ++i) {
+      protocol.conditions.push_back(protocol.conditions[0]);
+      protocol.conditions.back().name = "condition number " + std::to_string(i);
+      protocol.conditions.back().label = std::string(80, 'x');
+    }
+    check_figures(study_figures(invented_study(protocol, 5), protocol));
+  }
+  SECTION("everyone left out: always the same answer") {
+    const StudyResults results = invented_results(published, same_answers(published, 6, {6, 6, 6, 6}));
+    check_figures(study_figures(results, published));
+    CHECK(jnd_figures(results, published)[0].svg.file().find("6 no information") != std::string::npos);
+  }
+  SECTION("everyone left out: the wrong way round") {
+    const StudyResults results = invented_results(published, same_answers(published, 6, {6, 1, 6, 5}));
+    check_figures(study_figures(results, published));
+    CHECK(jnd_figures(results, published)[0].svg.file().find("6 no sensitivity") != std::string::npos);
+  }
+  SECTION("a class without trials") {
+    const StudyResults results = invented_results(published, same_answers(published, 4, {6, 3, 0, 0}));
+    check_figures(study_figures(results, published));
+    CHECK(slope_figures(results, published)[0].svg.file().find("no d&#39;") != std::string::npos);
+  }
+  SECTION("raw rates of 0 and 1: infinite d' are arrows") {
+    Protocol protocol = published;
+    protocol.analysis.correction = "none";
+    const StudyResults results = invented_results(protocol, same_answers(protocol, 4, {6, 6, 6, 0}));
+    check_figures(study_figures(results, protocol));
+    CHECK(slope_figures(results, protocol)[0].svg.file().find("infinite d&#39;") != std::string::npos);
+    CHECK(jnd_figures(results, protocol)[0].svg.file().find("4 ceiling") != std::string::npos);
+  }
+  SECTION("the other models") {
+    Protocol protocol = published;
+    protocol.analysis.model = "differencing";
+    protocol.analysis.jnd_method = "ml";
+    check_figures(study_figures(invented_study(protocol, 3), protocol));
+    protocol.analysis.model = "independent-observation";
+    protocol.analysis.jnd_method = "least_squares";
+    check_figures(study_figures(invented_study(protocol, 3), protocol));
+  }
+}
+
+TEST_CASE("large studies: panels on pages, then one panel a condition, everyone drawn") {
+  const Protocol protocol = published_protocol();
+  StudyResults results;
+  results.analysis = analyze_counts(invented_counts(protocol, 50, 9), protocol, SessionKind::simulated);
+  std::vector<Figure> figures = slope_figures(results, protocol);
+  check_figures(figures);
+  REQUIRE(figures.size() == 3);
+  std::size_t panels = 0;
+  for (const Figure& figure : figures) panels += count_of(figure.svg.file(), "class=\"panel\"");
+  CHECK(panels == 50);
+  results.analysis = analyze_counts(invented_counts(protocol, 200, 9), protocol, SessionKind::simulated);
+  figures = study_figures(results, protocol);
+  check_figures(figures);
+  const std::string slopes = figure_named(figures, "slopes").svg.file();
+  CHECK(count_of(slopes, "class=\"panel\"") == 3);
+  CHECK(count_of(slopes, "<circle") >= 200 * 3);  // condition S: every series of everyone
+  std::size_t points = count_of(figure_named(figures, "jnd").svg.file(), "class=\"point\""), have = 0;
+  for (const GroupResult& row : results.analysis.group) have += static_cast<std::size_t>(row.jnd.mean_jnd.n);
+  CHECK(points <= have);
+  CHECK(points + 30 > have);  // a few stand off the scale
+}
+
+TEST_CASE("names of users cannot leave their place in a figure") {
+  Protocol protocol = published_protocol();
+  protocol.conditions[0].name = "</text><script>alert(1)</script>";
+  protocol.conditions[1].label = "\" onload=\"x";
+  protocol.conditions[2].name = "\xe2\x80\xae evil";
+  std::vector<CellCounts> cells = invented_counts(protocol, 3, 5);
+  for (CellCounts& cell : cells) cell.participant = "<svg/onload=x>" + cell.participant;
+  const std::vector<Figure> figures = study_figures(invented_results(protocol, cells), protocol);
+  check_figures(figures);
+  for (const Figure& figure : figures) {
+    CHECK(figure.svg.file().find("<script") == std::string::npos);
+    CHECK(figure.svg.file().find("\" onload=\"") == std::string::npos);
+    CHECK(figure.svg.file().find("\xe2\x80\xae") == std::string::npos);
+  }
+}
