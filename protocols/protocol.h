@@ -245,4 +245,12 @@ struct Protocol {
   std::vector<std::string> notes;  // for people: why the design is as it is
 };
 
+// The names of what results and plans number. 0 <= place < how many there are.
+inline const std::string& condition_name(const Protocol& protocol, int place) {
+  return protocol.conditions[static_cast<std::size_t>(place)].name;
+}
+inline const Question& question_of(int place, const Protocol& protocol) {
+  return protocol.questions[static_cast<std::size_t>(place)];
+}
+
 }  // namespace jnd

@@ -135,7 +135,8 @@ struct Trial {
   StiffnessUnit unit = StiffnessUnit::n_per_m;  // of the stimuli
   bool same = true;
   // Of an adaptive procedure: which of its condition's tracks, from 1; 0 with constant stimuli and in practice. In the
-  // plan a stimulus that the answers set is kSetByAnswers; protocols/planning/adaptive_run.h knows it when its turn comes.
+  // plan a stimulus that the answers set is kSetByAnswers; protocols/planning/adaptive_run.h knows it when its turn
+  // comes.
   int track = 0;
   bool operator==(const Trial&) const = default;
 };

@@ -2,17 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <boost/math/special_functions/gamma.hpp>
+
+#include "analysis/numerics/normal.h"
+#include "analysis/numerics/special_values.h"
 
 namespace jnd {
 
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr double kZ = 1.959963984540054;  // 97.5 % quantile of the standard normal distribution
 
 double saturated(int k, int n) noexcept {
   double sum = 0;
@@ -138,8 +136,8 @@ CorrectnessTrend correctness_trend(std::span<const JudgedTrial> trials) {
   trend.slope = b;
   trend.intercept = a - b * times.mean;
   trend.se = std::sqrt(at.i_aa / at.determinant());
-  trend.ci_low = b - kZ * trend.se;
-  trend.ci_high = b + kZ * trend.se;
+  trend.ci_low = b - kNormal975 * trend.se;
+  trend.ci_high = b + kNormal975 * trend.se;
   trend.p = p_of(at.value);
   return trend;
 }

@@ -8,12 +8,11 @@
 
 #include "analysis/numerics/box_newton.h"
 #include "analysis/numerics/normal.h"
+#include "analysis/numerics/special_values.h"
 
 namespace jnd {
 
 namespace {
-
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
 struct Predictor {
   std::vector<double> z;

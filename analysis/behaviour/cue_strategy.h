@@ -8,10 +8,11 @@
 
 #include <array>
 #include <cstddef>
-#include <limits>
 #include <optional>
 #include <span>
 #include <string_view>
+
+#include "analysis/numerics/special_values.h"
 
 namespace jnd {
 
@@ -40,8 +41,8 @@ inline constexpr int kFewestCueTrials = 20;
 struct CuePartialTest {
   CueStatus status = CueStatus::too_few_trials;
   int n = 0;
-  double chi_square = std::numeric_limits<double>::quiet_NaN();  // likelihood ratio, df 1; NaN unless ok
-  double p = std::numeric_limits<double>::quiet_NaN();
+  double chi_square = kNaN;  // likelihood ratio, df 1; NaN unless ok
+  double p = kNaN;
 };
 
 struct CueFit {
@@ -50,14 +51,14 @@ struct CueFit {
   int n = 0;        // trials used
   int missing = 0;  // trials without a value of this cue
   // NaN unless ok; under separated the log-likelihood is its supremum 0 or that of the tied trials, and b is +-inf.
-  double intercept = std::numeric_limits<double>::quiet_NaN();  // l
-  double slope = std::numeric_limits<double>::quiet_NaN();      // b, per standard deviation of the difference
-  double slope_se = std::numeric_limits<double>::quiet_NaN();   // from the observed information
-  double sd = std::numeric_limits<double>::quiet_NaN();         // of the difference, in its unit
-  double log_likelihood = std::numeric_limits<double>::quiet_NaN();
-  double deviance_explained = std::numeric_limits<double>::quiet_NaN();  // 1 - deviance / deviance of a constant rate
-  double aic = std::numeric_limits<double>::quiet_NaN();                 // 4 - 2 log-likelihood; same trials only
-  CuePartialTest beside_stiffness;                                       // no_variation for stiffness itself
+  double intercept = kNaN;  // l
+  double slope = kNaN;      // b, per standard deviation of the difference
+  double slope_se = kNaN;   // from the observed information
+  double sd = kNaN;         // of the difference, in its unit
+  double log_likelihood = kNaN;
+  double deviance_explained = kNaN;  // 1 - deviance / deviance of a constant rate
+  double aic = kNaN;                 // 4 - 2 log-likelihood; same trials only
+  CuePartialTest beside_stiffness;   // no_variation for stiffness itself
 };
 
 struct CueStrategy {

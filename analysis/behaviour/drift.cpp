@@ -2,21 +2,18 @@
 
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include <boost/math/special_functions/gamma.hpp>
 
+#include "analysis/numerics/normal.h"
+#include "analysis/numerics/special_values.h"
 #include "analysis/thresholds/jnd_closed.h"
 #include "analysis/thresholds/jnd_ml.h"
 #include "analysis/thresholds/ml_cells.h"
-#include "analysis/numerics/normal.h"
 
 namespace jnd {
 
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kZ = 1.959963984540054;  // 97.5 % quantile of the standard normal distribution
 
 // Upper tail of chi-square with 1 degree of freedom at twice a difference of log-likelihoods; rounding may make it
 // negative.
@@ -52,8 +49,8 @@ HalfDifference compare(double first, double second, double variance) {
   result.second = second;
   result.difference = second - first;
   result.se = std::sqrt(variance);
-  result.ci_low = result.difference - kZ * result.se;
-  result.ci_high = result.difference + kZ * result.se;
+  result.ci_low = result.difference - kNormal975 * result.se;
+  result.ci_high = result.difference + kNormal975 * result.se;
   return result;
 }
 
@@ -98,8 +95,8 @@ StratifiedDrift stratified_drift(std::span<const Drift> strata) {
   }
   result.difference = result.strata > 0 ? sum / weights : kNaN;
   result.se = result.strata > 0 ? 1 / std::sqrt(weights) : kNaN;
-  result.ci_low = result.difference - kZ * result.se;
-  result.ci_high = result.difference + kZ * result.se;
+  result.ci_low = result.difference - kNormal975 * result.se;
+  result.ci_high = result.difference + kNormal975 * result.se;
   result.p = result.strata > 0 ? 2 * normal_cdf(-std::abs(result.difference / result.se)) : kNaN;
   return result;
 }

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "analysis/numerics/normal.h"
+#include "analysis/numerics/special_values.h"
 
 namespace jnd {
 
-namespace {
-constexpr double kZ = 1.959963984540054;  // 97.5 % quantile of the standard normal distribution
-}
+namespace {}
 
 Counts counts_of(std::span<const JudgedTrial> trials) noexcept {
   Counts counts;
@@ -24,12 +24,12 @@ Share share_of(int k, int n) noexcept {
   share.k = k;
   share.n = n;
   if (n == 0) {
-    share.value = share.ci_low = share.ci_high = std::numeric_limits<double>::quiet_NaN();
+    share.value = share.ci_low = share.ci_high = kNaN;
     return share;
   }
-  const double p = static_cast<double>(k) / n, z2 = kZ * kZ;
+  const double p = static_cast<double>(k) / n, z2 = kNormal975 * kNormal975;
   const double centre = (p + z2 / (2.0 * n)) / (1 + z2 / n);
-  const double half = kZ * std::sqrt(p * (1 - p) / n + z2 / (4.0 * n * n)) / (1 + z2 / n);
+  const double half = kNormal975 * std::sqrt(p * (1 - p) / n + z2 / (4.0 * n * n)) / (1 + z2 / n);
   share.value = p;
   // At k = 0 and k = n the bounds are 0 and 1, which rounding would miss by a hair.
   share.ci_low = k == 0 ? 0 : std::max(0.0, centre - half);

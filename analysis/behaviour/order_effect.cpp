@@ -1,9 +1,9 @@
 #include "analysis/behaviour/order_effect.h"
 
 #include <cmath>
-#include <limits>
 
-#include "analysis/numerics/exact_test.h"
+#include "analysis/numerics/exact_proportion.h"
+#include "analysis/numerics/special_values.h"
 
 namespace jnd {
 
@@ -31,7 +31,7 @@ OrderEffect order_effect(int first_said, int first_n, int second_said, int secon
     effect.status = first_n + second_n == 0 ? OrderStatus::no_different_trials
                     : first_n == 0          ? OrderStatus::no_stiffer_first
                                             : OrderStatus::no_stiffer_second;
-    effect.difference = effect.ci_low = effect.ci_high = effect.p = std::numeric_limits<double>::quiet_NaN();
+    effect.difference = effect.ci_low = effect.ci_high = effect.p = kNaN;
     return effect;
   }
   effect.status = OrderStatus::ok;

@@ -1,17 +1,13 @@
 #include "analysis/behaviour/response_bias.h"
 
 #include <cmath>
-#include <limits>
 
-#include "analysis/numerics/exact_test.h"
+#include "analysis/numerics/exact_proportion.h"
+#include "analysis/numerics/normal.h"
+#include "analysis/numerics/special_values.h"
 #include "analysis/thresholds/jnd_closed.h"
 
 namespace jnd {
-
-namespace {
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kZ = 1.959963984540054;  // 97.5 % quantile of the standard normal distribution
-}  // namespace
 
 ResponseBias response_bias(const Counts& counts, double planned_share) {
   ResponseBias bias;
@@ -20,8 +16,8 @@ ResponseBias response_bias(const Counts& counts, double planned_share) {
   bias.status = rates.status;
   bias.criterion = rates.criterion;
   bias.se = rates.status == RateStatus::missing ? kNaN : 0.5 * std::sqrt(loglinear_variance(counts));
-  bias.ci_low = bias.criterion - kZ * bias.se;
-  bias.ci_high = bias.criterion + kZ * bias.se;
+  bias.ci_low = bias.criterion - kNormal975 * bias.se;
+  bias.ci_high = bias.criterion + kNormal975 * bias.se;
   const int n = counts.n_diff + counts.n_same, said = counts.hits + counts.false_alarms;
   bias.said_different = share_of(said, n);
   bias.planned_share = planned_share;

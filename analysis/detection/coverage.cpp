@@ -1,9 +1,9 @@
 #include "analysis/detection/coverage.h"
 
-#include "analysis/numerics/binomial.h"
 #include "analysis/detection/differencing.h"
-#include "analysis/numerics/normal.h"
 #include "analysis/detection/yes_no_profile.h"
+#include "analysis/numerics/binomial.h"
+#include "analysis/numerics/normal.h"
 
 namespace jnd {
 

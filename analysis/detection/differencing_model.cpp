@@ -1,33 +1,28 @@
 #include "analysis/detection/differencing_model.h"
 
 #include <cmath>
-#include <limits>
 
 #include <boost/math/constants/constants.hpp>
 #include <boost/math/quadrature/gauss.hpp>
 #include <boost/math/special_functions/erf.hpp>
 
 #include "analysis/detection/binomial_likelihood.h"
+#include "analysis/numerics/boost_policy.h"
+#include "analysis/numerics/special_values.h"
 
 namespace jnd {
 
 namespace {
 
-using Policy =
-    boost::math::policies::policy<boost::math::policies::promote_double<false>,
-                                  boost::math::policies::domain_error<boost::math::policies::ignore_error>,
-                                  boost::math::policies::overflow_error<boost::math::policies::ignore_error>,
-                                  boost::math::policies::evaluation_error<boost::math::policies::ignore_error>>;
-
 constexpr double kOneOverRootPi = boost::math::constants::one_div_root_pi<double>();
 
 double erfc(double x) noexcept {
   if (std::isinf(x)) return x > 0 ? 0.0 : 2.0;
-  return boost::math::erfc(x, Policy());
+  return boost::math::erfc(x, QuietPolicy());
 }
 double erf(double x) noexcept {
   if (std::isinf(x)) return x > 0 ? 1.0 : -1.0;
-  return boost::math::erf(x, Policy());
+  return boost::math::erf(x, QuietPolicy());
 }
 
 // P(|x1 - x2| <= tau): the mass of a normal density of mean d' and variance 2 between -tau and tau.
@@ -58,7 +53,7 @@ double ratio(int count, double rate) noexcept {
 }  // namespace
 
 double differencing_hit_rate(double dprime, double tau) noexcept {
-  if (std::isinf(dprime) && std::isinf(tau)) return std::numeric_limits<double>::quiet_NaN();
+  if (std::isinf(dprime) && std::isinf(tau)) return kNaN;
   return 0.5 * (erfc(0.5 * (tau - dprime)) + erfc(0.5 * (tau + dprime)));
 }
 
@@ -67,10 +62,10 @@ double differencing_false_alarm_rate(double tau) noexcept {
 }
 
 double differencing_tau(double false_alarm_rate, double correct_rejection_rate) noexcept {
-  if (!(false_alarm_rate > 0)) return std::numeric_limits<double>::infinity();
+  if (!(false_alarm_rate > 0)) return kInf;
   if (!(correct_rejection_rate > 0)) return 0;
-  return false_alarm_rate < 0.5 ? 2 * boost::math::erfc_inv(false_alarm_rate, Policy())
-                                : 2 * boost::math::erf_inv(correct_rejection_rate, Policy());
+  return false_alarm_rate < 0.5 ? 2 * boost::math::erfc_inv(false_alarm_rate, QuietPolicy())
+                                : 2 * boost::math::erf_inv(correct_rejection_rate, QuietPolicy());
 }
 
 DifferencingRates differencing_rates(double dprime, double tau) noexcept {

@@ -1,11 +1,11 @@
 #include "analysis/detection/dprime_bootstrap.h"
 
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "analysis/numerics/binomial.h"
 #include "analysis/numerics/normal.h"
+#include "analysis/numerics/special_values.h"
 
 namespace jnd {
 
@@ -52,7 +52,7 @@ double probability_up_to(double limit, const ScoreDistribution& hit, const Score
 
 // The smallest difference above the limit.
 double next_above(double limit, const ScoreDistribution& hit, const ScoreDistribution& alarm) {
-  double best = std::numeric_limits<double>::infinity();
+  double best = kInf;
   std::size_t j = 0;
   for (const double z : hit.z) {
     while (j < alarm.z.size() && z - alarm.z[j] > limit) ++j;
@@ -80,7 +80,6 @@ Quantile quantile(double p, const ScoreDistribution& hit, const ScoreDistributio
 
 DprimeBootstrap dprime_bootstrap(const Counts& counts) {
   if (counts.n_diff <= 0 || counts.n_same <= 0) {
-    constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
     return {kNaN, kNaN, kNaN, kNaN, kNaN, kNaN};
   }
   const ScoreDistribution hit = scores(counts.n_diff, counts.hits);

@@ -3,21 +3,20 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <utility>
 
 #include <boost/math/constants/constants.hpp>
 #include <boost/math/special_functions/erf.hpp>
 #include <boost/math/tools/roots.hpp>
 
-#include "analysis/numerics/normal.h"
 #include "analysis/detection/yes_no.h"
+#include "analysis/numerics/normal.h"
+#include "analysis/numerics/special_values.h"
 
 namespace jnd {
 
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kRootTwo = boost::math::constants::root_two<double>();
 
 // In units of noise, D = (x1 - x2)/sqrt 2 and S = (x1 + x2)/sqrt 2 are independent normals. With delta = d'/sqrt 2,

@@ -1,9 +1,9 @@
 #include "analysis/detection/yes_no.h"
 
 #include <cmath>
-#include <limits>
 
 #include "analysis/numerics/normal.h"
+#include "analysis/numerics/special_values.h"
 
 namespace jnd {
 
@@ -44,11 +44,11 @@ YesNo yes_no(const Counts& counts, Correction correction) noexcept {
   if (counts.n_diff <= 0 || counts.n_same <= 0) {
     // Never a pseudo-value: the log-linear rate of 0 out of 0 would be 0.5, which looks like an observation.
     result.status = RateStatus::missing;
-    result.raw_hit_rate = result.raw_false_alarm_rate = std::numeric_limits<double>::quiet_NaN();
-    result.hit_rate = result.false_alarm_rate = std::numeric_limits<double>::quiet_NaN();
-    result.z_hit = result.z_false_alarm = std::numeric_limits<double>::quiet_NaN();
-    result.dprime = result.criterion = result.ln_beta = std::numeric_limits<double>::quiet_NaN();
-    result.se = result.ci_low = result.ci_high = std::numeric_limits<double>::quiet_NaN();
+    result.raw_hit_rate = result.raw_false_alarm_rate = kNaN;
+    result.hit_rate = result.false_alarm_rate = kNaN;
+    result.z_hit = result.z_false_alarm = kNaN;
+    result.dprime = result.criterion = result.ln_beta = kNaN;
+    result.se = result.ci_low = result.ci_high = kNaN;
     return result;
   }
   const int said_different = counts.hits + counts.false_alarms;

@@ -1,17 +1,15 @@
 #include "analysis/detection/yes_no_profile.h"
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "analysis/detection/binomial_likelihood.h"
 #include "analysis/numerics/profile_interval.h"
+#include "analysis/numerics/special_values.h"
 
 namespace jnd {
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // The likelihood maximised over l = z(F), seen from its maximum over everything.
 class Profile {
@@ -21,7 +19,7 @@ class Profile {
   ProfilePoint operator()(double dprime) noexcept {
     l_ -= 0.5 * (dprime - dprime_);  // a change of d' moves the two z scores apart about evenly
     dprime_ = dprime;
-    double below = -kInfinity, above = kInfinity;  // where the slope on l is positive, and where it is negative
+    double below = -kInf, above = kInf;  // where the slope on l is positive, and where it is negative
     for (int i = 0;; ++i) {
       const ProbitLikelihood hits = probit_log_likelihood(counts_.hits, counts_.n_diff, l_ + dprime);
       const ProbitLikelihood alarms = probit_log_likelihood(counts_.false_alarms, counts_.n_same, l_);
@@ -51,7 +49,7 @@ class Profile {
 }  // namespace
 
 double yes_no_p_value(const Counts& counts) noexcept {
-  if (counts.n_diff <= 0 || counts.n_same <= 0) return std::numeric_limits<double>::quiet_NaN();
+  if (counts.n_diff <= 0 || counts.n_same <= 0) return kNaN;
   return std::erfc(std::sqrt(half_deviance_of_equal_rates(counts)));
 }
 
@@ -66,20 +64,20 @@ DprimeProfile yes_no_profile(const Counts& counts) noexcept {
   }
   result.log_likelihood = saturated_log_likelihood(counts);
   result.p_value = yes_no_p_value(counts);
-  result.ci_low = -kInfinity;
-  result.ci_high = kInfinity;
+  result.ci_low = -kInf;
+  result.ci_high = kInf;
   if (raw.status == RateStatus::no_information) return result;
 
   // First guesses: a Wald interval, of corrected rates where the raw ones have none.
   const YesNo guess = std::isfinite(raw.dprime) ? raw : yes_no(counts, Correction::loglinear);
   Profile profile(counts, result.log_likelihood, guess.z_false_alarm);
-  if (raw.dprime != -kInfinity) {
+  if (raw.dprime != -kInf) {
     profile.start(guess.dprime, guess.z_false_alarm);
-    result.ci_low = profile_bound(profile, raw.dprime, -kInfinity, guess.ci_low);
+    result.ci_low = profile_bound(profile, raw.dprime, -kInf, guess.ci_low);
   }
-  if (raw.dprime != kInfinity) {
+  if (raw.dprime != kInf) {
     profile.start(guess.dprime, guess.z_false_alarm);
-    result.ci_high = profile_bound(profile, raw.dprime, kInfinity, guess.ci_high);
+    result.ci_high = profile_bound(profile, raw.dprime, kInf, guess.ci_high);
   }
   return result;
 }

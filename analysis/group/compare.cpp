@@ -1,17 +1,15 @@
 #include "analysis/group/compare.h"
 
 #include <cmath>
-#include <limits>
 
-#include "analysis/numerics/moments.h"
 #include "analysis/group/p_adjust.h"
+#include "analysis/numerics/moments.h"
+#include "analysis/numerics/special_values.h"
 #include "analysis/numerics/test_tails.h"
 
 namespace jnd {
 
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // Morey 2008: each participant's mean is taken off, and the variance left is too small by (k - 1)/k.
 std::vector<std::vector<double>> without_participants(const std::vector<std::vector<double>>& columns, std::size_t n) {

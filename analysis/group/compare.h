@@ -13,8 +13,8 @@
 #include "analysis/group/repeated_measures.h"
 #include "analysis/group/shapiro_wilk.h"
 #include "analysis/group/signed_rank.h"
-#include "analysis/numerics/test_status.h"
 #include "analysis/group/within_table.h"
+#include "analysis/numerics/test_status.h"
 
 namespace jnd {
 

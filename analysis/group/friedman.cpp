@@ -2,16 +2,15 @@
 
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <vector>
 
 #include "analysis/numerics/ranks.h"
+#include "analysis/numerics/special_values.h"
 #include "analysis/numerics/test_tails.h"
 
 namespace jnd {
 
 Friedman friedman(const WithinTable& table) {
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   Friedman result;
   result.n = static_cast<int>(table.n);
   result.chi2 = result.p = result.kendall_w = result.f_iman_davenport = result.p_iman_davenport = kNaN;
@@ -41,8 +40,7 @@ Friedman friedman(const WithinTable& table) {
   result.kendall_w = result.chi2 / (n * (k - 1));
   const double rest = n * (k - 1) - result.chi2;
   // All rank alike: nothing is left but rounding.
-  result.f_iman_davenport =
-      rest > 1e-12 * n * k ? (n - 1) * result.chi2 / rest : std::numeric_limits<double>::infinity();
+  result.f_iman_davenport = rest > 1e-12 * n * k ? (n - 1) * result.chi2 / rest : kInf;
   result.p_iman_davenport = f_upper(result.f_iman_davenport, k - 1, (k - 1) * (n - 1));
   return result;
 }

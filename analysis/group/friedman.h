@@ -6,8 +6,8 @@
 // Accuracy: closed forms, 1e-12. Tests: R 4.2.2.
 #pragma once
 
-#include "analysis/numerics/test_status.h"
 #include "analysis/group/within_table.h"
+#include "analysis/numerics/test_status.h"
 
 namespace jnd {
 

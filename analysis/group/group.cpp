@@ -2,17 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include <boost/math/distributions/students_t.hpp>
 
+#include "analysis/numerics/special_values.h"
+#include "analysis/thresholds/jnd_series.h"
+
 namespace jnd {
 
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kLeastSlope = 1e-9;  // as in jnd.cpp: smaller means are rounding zeros
 
 // Of JNDs with 0 for those at the ceiling and +inf for those without sensitivity. Of two values in the middle that are
 // not both JNDs the one that is none decides: half of its way to the other would be a number that nobody has.
@@ -69,7 +68,7 @@ JndGroup jnd_group(std::span<const JndEstimate> estimates) {
         break;
       case JndStatus::no_sensitivity:
         ++group.no_sensitivity;
-        for_median.push_back(std::numeric_limits<double>::infinity());
+        for_median.push_back(kInf);
         break;
       case JndStatus::ceiling:
         ++group.ceiling;

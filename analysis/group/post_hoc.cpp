@@ -3,18 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <vector>
 
 #include "analysis/numerics/moments.h"
+#include "analysis/numerics/special_values.h"
 #include "analysis/numerics/studentised_range.h"
 #include "analysis/numerics/test_tails.h"
 
 namespace jnd {
-
-namespace {
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-}  // namespace
 
 PairedT paired_t(std::span<const double> x, std::span<const double> y) {
   const double df = static_cast<double>(std::min(x.size(), y.size())) - 1;

@@ -2,18 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <boost/math/special_functions/beta.hpp>
 
-#include "analysis/numerics/moments.h"
 #include "analysis/group/p_adjust.h"
+#include "analysis/numerics/moments.h"
+#include "analysis/numerics/special_values.h"
 
 namespace jnd {
 
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<double> answered(std::span<const double> values) {
   std::vector<double> result;

@@ -12,8 +12,8 @@
 
 #include "analysis/group/friedman.h"
 #include "analysis/group/signed_rank.h"
-#include "analysis/numerics/test_status.h"
 #include "analysis/group/within_table.h"
+#include "analysis/numerics/test_status.h"
 
 namespace jnd {
 

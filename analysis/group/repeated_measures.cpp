@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 
 #include "analysis/numerics/moments.h"
+#include "analysis/numerics/special_values.h"
 
 namespace jnd {
 
 RepeatedMeasures repeated_measures(const WithinTable& table) {
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   RepeatedMeasures result;
   result.ss_subjects = result.eta2_generalised = result.omega2_partial = result.cohen_f = kNaN;
   if (table.n < 2 || table.k < 2) {

@@ -4,19 +4,17 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <vector>
 
 #include <boost/math/constants/constants.hpp>
 
 #include "analysis/numerics/moments.h"
 #include "analysis/numerics/normal.h"
+#include "analysis/numerics/special_values.h"
 
 namespace jnd {
 
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // c[0] + c[1] x + c[2] x^2 + ...
 template <std::size_t N>

@@ -4,17 +4,15 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdlib>
-#include <limits>
 
 #include "analysis/numerics/decimal_order.h"
 #include "analysis/numerics/normal.h"
 #include "analysis/numerics/ranks.h"
+#include "analysis/numerics/special_values.h"
 
 namespace jnd {
 
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // P(S = s), s = 0..last, of the sum S of those of the whole numbers that independent fair coins choose. Each coin
 // halves all probabilities and adds them shifted: nothing is subtracted, and up to 52 coins every value is exact.

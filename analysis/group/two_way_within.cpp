@@ -1,9 +1,9 @@
 #include "analysis/group/two_way_within.h"
 
 #include <cmath>
-#include <limits>
 
 #include "analysis/numerics/moments.h"
+#include "analysis/numerics/special_values.h"
 
 namespace jnd {
 
@@ -36,7 +36,6 @@ std::vector<double> scores_on(const std::vector<double>& contrasts, const std::v
 }  // namespace
 
 TwoWayWithin two_way_within(const TwoWayTable& table) {
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   TwoWayWithin result;
   result.ss_subjects = kNaN;
   result.a.eta2_generalised = result.b.eta2_generalised = result.ab.eta2_generalised = kNaN;

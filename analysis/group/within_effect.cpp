@@ -5,13 +5,13 @@
 #include <limits>
 
 #include "analysis/numerics/moments.h"
+#include "analysis/numerics/special_values.h"
 #include "analysis/numerics/test_tails.h"
 
 namespace jnd {
 
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 // The symmetric matrix A = L D L', with unit lower L in place of the lower triangle and D on the diagonal.
@@ -92,7 +92,7 @@ void set_epsilons(WithinEffect& effect, std::span<const double> cross, double tr
   else if (n <= 2)
     effect.epsilon_hf = kNaN;
   else
-    effect.epsilon_hf = below > 8 * kEpsilon * p * n ? above / below : std::numeric_limits<double>::infinity();
+    effect.epsilon_hf = below > 8 * kEpsilon * p * n ? above / below : kInf;
 }
 
 }  // namespace

@@ -5,9 +5,10 @@
 
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <utility>
 #include <vector>
+
+#include "analysis/numerics/special_values.h"
 
 namespace jnd {
 
@@ -46,7 +47,7 @@ bool newton_direction(const NewtonDerivatives& at, const NewtonBox& box, const s
 // given up.
 template <typename Function>
 NewtonResult maximise_in_box(const Function& function, std::vector<double> start, const NewtonBox& box,
-                             double wanted = -std::numeric_limits<double>::infinity()) {
+                             double wanted = -kInf) {
   constexpr int kMostSteps = 200, kMostHalvings = 50;
   constexpr double kMostGain = 4;
   constexpr double kNegligible = 1e-18, kQuadratic = 1e-9, kRounding = 1e-13;

@@ -5,12 +5,14 @@
 #include <limits>
 #include <vector>
 
+#include "analysis/numerics/special_values.h"
+
 namespace jnd {
 
 Moments moments(std::span<const double> values) noexcept {
   Moments result;
   result.n = static_cast<int>(values.size());
-  result.mean = result.sd = std::numeric_limits<double>::quiet_NaN();
+  result.mean = result.sd = kNaN;
   if (values.empty()) return result;
   const auto n = static_cast<double>(values.size());
   const double origin = values.front();
@@ -34,7 +36,7 @@ Moments moments(std::span<const double> values) noexcept {
 }
 
 double median_of(std::span<const double> values) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  if (values.empty()) return kNaN;
   std::vector<double> sorted(values.begin(), values.end());
   std::sort(sorted.begin(), sorted.end());
   const std::size_t upper = sorted.size() / 2;

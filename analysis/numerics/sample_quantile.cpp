@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
+
+#include "analysis/numerics/special_values.h"
 
 namespace jnd {
 
-namespace {
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-}
+namespace {}
 
 SampleQuantiles::SampleQuantiles(std::vector<double> values) : values_(std::move(values)) {
   std::sort(values_.begin(), values_.end());

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <mutex>
 #include <tuple>
@@ -18,18 +17,17 @@
 #include <boost/math/tools/toms748_solve.hpp>
 
 #include "analysis/numerics/normal.h"
+#include "analysis/numerics/special_values.h"
 #include "analysis/numerics/test_tails.h"
 
 namespace jnd {
 
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr int kLargestGroups = 1000;
 
-// As in normal.cpp: no long double, so that every machine gets the same bits.
-using Policy = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
+// No long double, so that every machine gets the same bits; errors are thrown, as by default.
+using NoPromotion = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
 
 bool valid(int groups, double df) noexcept {
   return groups >= 2 && groups <= kLargestGroups && df >= 1;
@@ -197,7 +195,7 @@ double upper_of_many(RangeTable& table, double q, double df) {
   // Beyond this the spread of s is below the rounding of q.
   if (df > 1e15) return table(q);
   const double half = df / 2;
-  const double factor = 2 * half * boost::math::gamma_p_derivative(half, half, Policy());
+  const double factor = 2 * half * boost::math::gamma_p_derivative(half, half, NoPromotion());
   const auto density = [&](double u) {
     // (e^(2u) - 1)/2 - u without cancellation near 0, where it matters for many degrees of freedom.
     const double drop = std::abs(u) < 0.01

@@ -1,31 +1,17 @@
 #include "analysis/numerics/test_tails.h"
 
 #include <cmath>
-#include <limits>
 
 #include <boost/math/constants/constants.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <boost/math/special_functions/beta.hpp>
 #include <boost/math/special_functions/gamma.hpp>
 
+#include "analysis/numerics/boost_policy.h"
 #include "analysis/numerics/normal.h"
+#include "analysis/numerics/special_values.h"
 
 namespace jnd {
-
-namespace {
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
-
-// As in normal.cpp: no exception, no errno, no long double.
-using boost::math::policies::domain_error;
-using boost::math::policies::evaluation_error;
-using boost::math::policies::ignore_error;
-using boost::math::policies::overflow_error;
-using boost::math::policies::underflow_error;
-using Policy = boost::math::policies::policy<boost::math::policies::promote_double<false>, domain_error<ignore_error>,
-                                             overflow_error<ignore_error>, underflow_error<ignore_error>,
-                                             evaluation_error<ignore_error>>;
-}  // namespace
 
 double student_t_two_sided(double t, double df) noexcept {
   if (std::isnan(t) || !(df > 0)) return kNaN;
@@ -37,10 +23,10 @@ double student_t_two_sided(double t, double df) noexcept {
   // P = I_x(df/2, 1/2) with x = df / (df + t^2); the complement where x would round to 1.
   const double ratio = t / std::sqrt(df);
   // Where t^2 would leave the range of double, the first term of the series is all there is.
-  if (ratio > 1e100) return 2 / (df * boost::math::beta(df / 2, 0.5, Policy())) * std::exp(-df * std::log(ratio));
+  if (ratio > 1e100) return 2 / (df * boost::math::beta(df / 2, 0.5, QuietPolicy())) * std::exp(-df * std::log(ratio));
   const double squared = ratio * ratio;
-  if (squared < 1) return boost::math::ibetac(0.5, df / 2, squared / (1 + squared), Policy());
-  return boost::math::ibeta(df / 2, 0.5, 1 / (1 + squared), Policy());
+  if (squared < 1) return boost::math::ibetac(0.5, df / 2, squared / (1 + squared), QuietPolicy());
+  return boost::math::ibeta(df / 2, 0.5, 1 / (1 + squared), QuietPolicy());
 }
 
 double student_t_quantile_two_sided(double p, double df) noexcept {
@@ -48,7 +34,7 @@ double student_t_quantile_two_sided(double p, double df) noexcept {
   if (p == 0) return kInf;
   if (p == 1) return 0;
   if (std::isinf(df)) return -normal_quantile(p / 2);
-  const boost::math::students_t_distribution<double, Policy> student(df);
+  const boost::math::students_t_distribution<double, QuietPolicy> student(df);
   return std::abs(boost::math::quantile(student, p / 2));
 }
 
@@ -59,15 +45,15 @@ double f_upper(double f, double df1, double df2) noexcept {
   if (df1 == 1) return student_t_two_sided(std::sqrt(f), df2);
   const double ratio = f * (df1 / df2);
   if (std::isinf(ratio)) return 0;
-  if (ratio > 1) return boost::math::ibeta(df2 / 2, df1 / 2, 1 / (1 + ratio), Policy());
-  return boost::math::ibetac(df1 / 2, df2 / 2, ratio / (1 + ratio), Policy());
+  if (ratio > 1) return boost::math::ibeta(df2 / 2, df1 / 2, 1 / (1 + ratio), QuietPolicy());
+  return boost::math::ibetac(df1 / 2, df2 / 2, ratio / (1 + ratio), QuietPolicy());
 }
 
 double chi2_upper(double chi2, double df) noexcept {
   if (std::isnan(chi2) || !(df > 0)) return kNaN;
   if (chi2 <= 0) return 1;
   if (std::isinf(chi2)) return 0;
-  return boost::math::gamma_q(df / 2, chi2 / 2, Policy());
+  return boost::math::gamma_q(df / 2, chi2 / 2, QuietPolicy());
 }
 
 }  // namespace jnd

@@ -3,19 +3,19 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 
 #include "analysis/numerics/binomial.h"
 #include "analysis/numerics/normal.h"
+#include "analysis/numerics/special_values.h"
 
 namespace jnd {
 
 namespace {
 
-constexpr double kSame = 1e-12;  // values this close differ by rounding only
+constexpr double kSameRate = 1e-12;  // values this close differ by rounding only
 
 // Calls with n_diff, n_same and the probability of these class sizes.
-void for_class_sizes(const CellModel& cell, const std::function<void(int, int, double)>& call) {
+void for_class_sizes(const CellProbabilities& cell, const std::function<void(int, int, double)>& call) {
   if (cell.class_sizes == ClassSizes::balanced) {
     call(cell.trials - cell.trials / 2, cell.trials / 2, 1);
     return;
@@ -58,7 +58,7 @@ double extreme_share(int n, double p) {
 
 // P(corrected H <= corrected F), both given by their numbers of answers. Without correction, equal rates of 0 or of 1
 // have no d'.
-double not_positive_share(int n_diff, int n_same, const CellModel& cell) {
+double not_positive_share(int n_diff, int n_same, const CellProbabilities& cell) {
   const BinomialTable hits = binomial_table(n_diff, cell.hit);
   const BinomialTable false_alarms = binomial_table(n_same, cell.false_alarm);
   // Both rates grow with the number of answers: the first false alarm that reaches H moves upwards with H.
@@ -67,7 +67,7 @@ double not_positive_share(int n_diff, int n_same, const CellModel& cell) {
   for (std::size_t i = 0; i < hits.probability.size(); ++i) {
     const double hit = corrected_rate(hits.first + static_cast<int>(i), n_diff, cell.correction);
     while (at < false_alarms.probability.size() &&
-           corrected_rate(false_alarms.first + static_cast<int>(at), n_same, cell.correction) < hit - kSame)
+           corrected_rate(false_alarms.first + static_cast<int>(at), n_same, cell.correction) < hit - kSameRate)
       above -= false_alarms.probability[at++];
     if (at == false_alarms.probability.size()) break;
     sum += hits.probability[i] * above;
@@ -78,7 +78,7 @@ double not_positive_share(int n_diff, int n_same, const CellModel& cell) {
 }
 
 bool equal_but_for_rounding(const CellState& a, const CellState& b) {
-  return a.informative == b.informative && std::abs(a.dprime - b.dprime) < kSame &&
+  return a.informative == b.informative && std::abs(a.dprime - b.dprime) < kSameRate &&
          std::abs(a.variance - b.variance) <= 1e-9 * b.variance;
 }
 
@@ -88,7 +88,7 @@ std::vector<CellState> merged(std::vector<CellState> states) {
   std::vector<CellState> result;
   std::size_t group = 0;  // where the states of about this d' begin
   for (const CellState& state : states) {
-    while (group < result.size() && result[group].dprime < state.dprime - kSame) ++group;
+    while (group < result.size() && result[group].dprime < state.dprime - kSameRate) ++group;
     const auto same = std::find_if(result.begin() + static_cast<std::ptrdiff_t>(group), result.end(),
                                    [&](const CellState& other) { return equal_but_for_rounding(state, other); });
     if (same == result.end())
@@ -101,10 +101,10 @@ std::vector<CellState> merged(std::vector<CellState> states) {
 
 }  // namespace
 
-CellModel cell_model(const CountsDesign& design, double difference, double jnd) {
+CellProbabilities cell_probabilities(const CountsDesign& design, double difference, double jnd) {
   const double criterion =
       design.criterion.kind == CriterionRule::Kind::common ? design.criterion.common : difference / 2;
-  CellModel cell;
+  CellProbabilities cell;
   cell.hit = normal_cdf((difference - criterion) / jnd);
   cell.false_alarm = normal_cdf(-criterion / jnd);
   cell.trials = design.trials;
@@ -113,7 +113,7 @@ CellModel cell_model(const CountsDesign& design, double difference, double jnd) 
   return cell;
 }
 
-CellRisks cell_risks(const CellModel& cell) {
+CellRisks cell_risks(const CellProbabilities& cell) {
   CellRisks risks;
   for_class_sizes(cell, [&](int n_diff, int n_same, double probability) {
     if (n_diff == 0 || n_same == 0) {
@@ -128,7 +128,7 @@ CellRisks cell_risks(const CellModel& cell) {
   return risks;
 }
 
-CellDistribution cell_distribution(const CellModel& cell) {
+CellDistribution cell_distribution(const CellProbabilities& cell) {
   CellDistribution result;
   std::vector<CellState> states;
   for_class_sizes(cell, [&](int n_diff, int n_same, double probability) {
@@ -165,11 +165,11 @@ std::int64_t counts_of_cell(int trials, ClassSizes class_sizes) noexcept {
   return (n + 1) * (n + 2) * (n + 3) / 6;
 }
 
-double asymptotic_variance(const CellModel& cell) noexcept {
+double asymptotic_variance(const CellProbabilities& cell) noexcept {
   double sum = 0;
   for (const double rate : {cell.hit, cell.false_alarm}) {
     const double density = normal_density(normal_quantile(rate));
-    if (!(density * density > 0)) return std::numeric_limits<double>::infinity();
+    if (!(density * density > 0)) return kInf;
     sum += 2 * rate * (1 - rate) / (density * density);
   }
   return sum;

@@ -34,14 +34,14 @@ struct CountsDesign {
 };
 
 // One cell: what its answers are drawn from.
-struct CellModel {
+struct CellProbabilities {
   double hit = 0.5, false_alarm = 0.5;  // probabilities of "different", 0..1
   int trials = 12;
   ClassSizes class_sizes = ClassSizes::random;
   Correction correction = Correction::loglinear;
 };
 // H = Phi((difference - criterion) / JND), F = Phi(-criterion / JND). jnd > 0.
-CellModel cell_model(const CountsDesign& design, double difference, double jnd);
+CellProbabilities cell_probabilities(const CountsDesign& design, double difference, double jnd);
 
 // Probabilities of what makes a cell's d' doubtful: exact sums for any number of trials up to some thousands.
 struct CellRisks {
@@ -49,7 +49,7 @@ struct CellRisks {
   double extreme = 0;       // a raw rate of 0 or 1 in one class at least; `missing` counts as such
   double not_positive = 0;  // d' <= 0 after the correction, also where all answers were the same
 };
-CellRisks cell_risks(const CellModel& cell);
+CellRisks cell_risks(const CellProbabilities& cell);
 
 // One value of the corrected d'. variance: its estimate from the same counts, Gourevitch and Galanter 1967
 // (Psychometrika 32:25): H(1-H)/(n_diff phi(zH)^2) + F(1-F)/(n_same phi(zF)^2), corrected rates, raw n.
@@ -67,12 +67,12 @@ struct CellDistribution {
   double plus_infinity = 0, minus_infinity = 0;
   double undefined = 0;  // inf - inf
 };
-CellDistribution cell_distribution(const CellModel& cell);
+CellDistribution cell_distribution(const CellProbabilities& cell);
 // How many different counts a cell can give: (n/2 + 1)^2 for balanced classes, (n+1)(n+2)(n+3)/6 for random ones (455
 // for 12 trials). The distribution takes time and memory in proportion.
 std::int64_t counts_of_cell(int trials, ClassSizes class_sizes) noexcept;
 
 // n Var(d') for large n and classes of n/2: 2 (H(1-H)/phi(zH)^2 + F(1-F)/phi(zF)^2); inf where a rate is 0 or 1.
-double asymptotic_variance(const CellModel& cell) noexcept;
+double asymptotic_variance(const CellProbabilities& cell) noexcept;
 
 }  // namespace jnd

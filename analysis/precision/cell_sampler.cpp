@@ -1,16 +1,13 @@
 #include "analysis/precision/cell_sampler.h"
 
 #include <cmath>
-#include <limits>
 
 #include "analysis/numerics/normal.h"
+#include "analysis/numerics/special_values.h"
 
 namespace jnd {
 
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // The estimated variance of z of k answers out of n.
 double z_variance(double rate, double z, int n) noexcept {
@@ -20,7 +17,7 @@ double z_variance(double rate, double z, int n) noexcept {
 
 }  // namespace
 
-CellSampler::CellSampler(const CellModel& cell, double difference) {
+CellSampler::CellSampler(const CellProbabilities& cell, double difference) {
   const double square = difference * difference;
   if (counts_of_cell(cell.trials, cell.class_sizes) > kMostTabulated) {
     Counts counts{cell,
@@ -43,14 +40,14 @@ CellSampler::CellSampler(const CellModel& cell, double difference) {
   for (const CellState& state : distribution.states)
     add(state.probability, {difference * state.dprime, square, square * state.variance, state.informative ? 1.0 : 0.0});
   add(distribution.missing, {});
-  add(distribution.plus_infinity, {kInfinity, square, kNaN, 1});
-  add(distribution.minus_infinity, {-kInfinity, square, kNaN, 1});
+  add(distribution.plus_infinity, {kInf, square, kNaN, 1});
+  add(distribution.minus_infinity, {-kInf, square, kNaN, 1});
   add(distribution.undefined, {kNaN, square, kNaN, 0});
   table_ = AliasTable(probability);
 }
 
 SeriesDraw CellSampler::from_counts(ExperimentStream& stream) const noexcept {
-  const CellModel& cell = counts_->cell;
+  const CellProbabilities& cell = counts_->cell;
   const int n_same = cell.class_sizes == ClassSizes::balanced
                          ? cell.trials / 2
                          : counts_->same.first + static_cast<int>(counts_->same_table.draw(stream.next()));

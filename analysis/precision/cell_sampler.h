@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "analysis/numerics/binomial.h"
-#include "analysis/precision/cell_distribution.h"
 #include "analysis/numerics/experiment_stream.h"
+#include "analysis/precision/cell_distribution.h"
 
 namespace jnd {
 
@@ -29,7 +29,7 @@ struct SeriesDraw {
 // all of them, one random number a draw; larger ones draw their class sizes, hits and false alarms, exactly as well.
 class CellSampler {
  public:
-  CellSampler(const CellModel& cell, double difference);  // difference > 0
+  CellSampler(const CellProbabilities& cell, double difference);  // difference > 0
 
   SeriesDraw draw(ExperimentStream& stream) const noexcept {
     return counts_ ? from_counts(stream) : draws_[table_.draw(stream.next())];
@@ -52,7 +52,7 @@ class CellSampler {
     std::vector<Power> powers_;
   };
   struct Counts {
-    CellModel cell;
+    CellProbabilities cell;
     double difference = 0;
     BinomialTable same;  // of random class sizes
     AliasTable same_table;

@@ -1,19 +1,18 @@
 #include "analysis/precision/monte_carlo.h"
 
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "analysis/numerics/normal.h"
+#include "analysis/numerics/special_values.h"
+#include "analysis/thresholds/jnd_series.h"
 
 namespace jnd {
 
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kLeastSlope = 1e-9;  // as in jnd.cpp: smaller slopes are rounding zeros
 constexpr std::size_t kStrata = 32;
-constexpr std::uint64_t kPurpose = 0x6a6e6420'73747564;  // keeps these numbers apart from other uses of a seed
+constexpr std::uint64_t kStudyPurpose = 0x6a6e6420'73747564;  // keeps these numbers apart from other uses of a seed
 
 // Factors of the participants' JNDs: a log-normal distribution in equally likely steps, with its standard deviation.
 std::vector<double> factors(double cv) {
@@ -33,7 +32,7 @@ std::vector<double> factors(double cv) {
 
 JndStatus status_of_slope(double slope) noexcept {
   if (std::isnan(slope)) return JndStatus::no_information;
-  if (slope == std::numeric_limits<double>::infinity()) return JndStatus::ceiling;
+  if (slope == kInf) return JndStatus::ceiling;
   return slope <= kLeastSlope ? JndStatus::no_sensitivity : JndStatus::ok;
 }
 
@@ -44,14 +43,14 @@ StudySimulator::StudySimulator(StudyModel model) : model_(std::move(model)) {
   for (const double one : factor)
     for (const double jnd : model_.jnds)
       for (const double difference : model_.design.differences)
-        cells_.emplace_back(cell_model(model_.design, difference, jnd * one), difference);
+        cells_.emplace_back(cell_probabilities(model_.design, difference, jnd * one), difference);
 }
 
 // Calls with condition, participant and slope, condition by condition.
 template <typename Call>
 void StudySimulator::for_slopes(std::uint64_t seed, std::uint64_t experiment, Call call) const noexcept {
   for (std::size_t participant = 0; participant < participants(); ++participant) {
-    ExperimentStream stream(seed, kPurpose, experiment, participant);
+    ExperimentStream stream(seed, kStudyPurpose, experiment, participant);
     const std::size_t stratum = strata_ == 1 ? 0 : static_cast<std::size_t>(stream.next() % kStrata);
     for (std::size_t condition = 0; condition < conditions(); ++condition) {
       const SeriesDraw sums = draw(stratum, condition, stream);
@@ -70,8 +69,7 @@ void StudySimulator::means(std::uint64_t seed, std::uint64_t experiment, std::sp
   for (MeanJnd& mean : means) mean = {};
   for_slopes(seed, experiment, [&](std::size_t condition, std::size_t, const SeriesDraw& sums) {
     MeanJnd& mean = means[condition];
-    if (sums.informative > 0 && sums.product > kLeastSlope * sums.square &&
-        sums.product < std::numeric_limits<double>::infinity()) {
+    if (sums.informative > 0 && sums.product > kLeastSlope * sums.square && sums.product < kInf) {
       ++mean.n;
       mean.mean += sums.square / sums.product;
       return;

@@ -2,24 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
-#include "analysis/precision/monte_carlo.h"
 #include "analysis/numerics/normal.h"
-#include "analysis/precision/precision_group.h"
 #include "analysis/numerics/sample_quantile.h"
+#include "analysis/numerics/special_values.h"
+#include "analysis/precision/monte_carlo.h"
+#include "analysis/precision/precision_group.h"
+#include "analysis/thresholds/jnd_series.h"
 
 namespace jnd {
 
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kLeastSlope = 1e-9;  // as in jnd.cpp
 constexpr double kMostProposed = 1e6;
-constexpr double kOneSigmaBelow = 0.15865525393145705;   // Phi(-1)
-constexpr std::uint64_t kPurpose = 0x6a6e6420'70617274;  // keeps these numbers apart from other uses of a seed
+constexpr double kOneSigmaBelow = 0.15865525393145705;            // Phi(-1)
+constexpr std::uint64_t kPrecisionPurpose = 0x6a6e6420'70617274;  // keeps these numbers apart from other uses of a seed
 
 void require(bool fine, const char* what) {
   if (!fine) throw std::invalid_argument(what);
@@ -43,7 +41,7 @@ bool set_by_enumeration(ParticipantPrecision& result, const CountsDesign& design
   if (counts_of_cell(design.trials, design.class_sizes) > CellSampler::kMostTabulated) return false;
   std::vector<CellDistribution> cells;
   for (const double difference : design.differences)
-    cells.push_back(cell_distribution(cell_model(design, difference, result.true_jnd)));
+    cells.push_back(cell_distribution(cell_probabilities(design, difference, result.true_jnd)));
   if (!SlopeDistribution::feasible(cells)) return false;
   const SlopeDistribution slopes(cells, design.differences);
   result.method = PrecisionMethod::enumeration;
@@ -73,7 +71,7 @@ struct Drawn {
 double interval_width(const SeriesDraw& sums) {
   const double slope = sums.product / sums.square;
   const double half_width = normal_quantile(0.975) * std::sqrt(sums.variance) / sums.square;
-  if (!(sums.informative > 0) || !(slope - half_width > kLeastSlope)) return kInfinity;
+  if (!(sums.informative > 0) || !(slope - half_width > kLeastSlope)) return kInf;
   return 1 / (slope - half_width) - 1 / (slope + half_width);
 }
 
@@ -88,7 +86,7 @@ void count(Drawn& drawn, const SeriesDraw& sums, double low, double high) {
       break;
     case JndStatus::no_sensitivity:
       ++drawn.no_sensitivity;
-      drawn.jnds.push_back(kInfinity);
+      drawn.jnds.push_back(kInf);
       break;
     case JndStatus::ceiling:
       ++drawn.ceiling;
@@ -110,7 +108,7 @@ Drawn draw_participants(const PrecisionQuestion& question, double jnd) {
   const auto [low, high] = std::minmax_element(question.design.differences.begin(), question.design.differences.end());
   Drawn drawn;
   for (int i = 0; i < question.draws; ++i) {
-    ExperimentStream stream(question.seed, kPurpose, static_cast<std::uint64_t>(i));
+    ExperimentStream stream(question.seed, kPrecisionPurpose, static_cast<std::uint64_t>(i));
     count(drawn, simulator.draw(0, 0, stream), *low, *high);
   }
   return drawn;
@@ -143,7 +141,7 @@ std::string_view to_string(PrecisionMethod method) noexcept {
 DesignRisks design_risks(const CountsDesign& design, double jnd) {
   double no_extreme = 1, all_positive = 1, none_missing = 1;
   for (const double difference : design.differences) {
-    const CellRisks risks = cell_risks(cell_model(design, difference, jnd));
+    const CellRisks risks = cell_risks(cell_probabilities(design, difference, jnd));
     no_extreme *= 1 - risks.extreme;
     all_positive *= 1 - risks.not_positive;
     none_missing *= 1 - risks.missing;
@@ -155,7 +153,8 @@ DesignRisks design_risks(const CountsDesign& design, double jnd) {
 double asymptotic_cv(const CountsDesign& design, double jnd) {
   double variances = 0, squares = 0;
   for (const double difference : design.differences) {
-    variances += difference * difference * asymptotic_variance(cell_model(design, difference, jnd)) / design.trials;
+    variances +=
+        difference * difference * asymptotic_variance(cell_probabilities(design, difference, jnd)) / design.trials;
     squares += difference * difference;
   }
   return std::sqrt(variances) * jnd / squares;

@@ -23,7 +23,8 @@ struct PrecisionQuestion {
   std::vector<double> jnds;                   // the true one of each condition, > 0, in the differences' unit
   std::vector<std::array<int, 2>> contrasts;  // places in jnds: the first minus the second
   int participants = 1;
-  double between_cv = 0;    // spread of the true JNDs of the participants, as in analysis/precision/monte_carlo.h; for the group
+  double between_cv =
+      0;  // spread of the true JNDs of the participants, as in analysis/precision/monte_carlo.h; for the group
   double wanted_cv = 0.10;  // of one participant's JND, > 0
   std::uint64_t seed = 1;
   int draws = 100'000;       // participants drawn, for intervals and where enumeration is not feasible; >= 100

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <span>
 
 #include <boost/math/distributions/students_t.hpp>
 
-#include "analysis/precision/monte_carlo.h"
 #include "analysis/numerics/sample_quantile.h"
+#include "analysis/numerics/special_values.h"
+#include "analysis/precision/monte_carlo.h"
 
 namespace jnd {
 
@@ -29,7 +29,7 @@ class Intervals {
     double sum = 0, squares = 0;
     for (const double value : values) sum += value;
     const double mean = sum / n;
-    if (values.size() < 2) return {mean, std::numeric_limits<double>::quiet_NaN()};
+    if (values.size() < 2) return {mean, kNaN};
     for (const double value : values) squares += (value - mean) * (value - mean);
     return {mean, factors_[values.size() - 2] * std::sqrt(squares / (n - 1))};
   }

@@ -2,17 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "analysis/numerics/special_values.h"
+#include "analysis/thresholds/jnd_series.h"
 
 namespace jnd {
 
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kLeastSlope = 1e-9;  // as in jnd.cpp: smaller slopes are rounding zeros
 constexpr double kMostSums = 3e7, kMostWrittenSums = 5e5;
-constexpr double kSame = 1e-12;  // relative; sums this close differ by rounding only
+constexpr double kSameSlope = 1e-12;  // relative; sums this close differ by rounding only
 
 double mass(const CellDistribution& cell, bool informative) {
   double sum = 0;
@@ -83,7 +82,7 @@ void SlopeDistribution::add_part(std::span<const CellDistribution> cells, std::s
     for (const CellState& state : cells[i].states) {
       if (!informative && state.informative) continue;
       const double value = differences[i] * state.dprime;
-      if (!atoms.empty() && value - atoms.back().value <= kSame * differences[i])
+      if (!atoms.empty() && value - atoms.back().value <= kSameSlope * differences[i])
         atoms.back().probability += state.probability;
       else
         atoms.push_back({value, state.probability});
@@ -100,7 +99,7 @@ void SlopeDistribution::add_part(std::span<const CellDistribution> cells, std::s
   part.last = std::move(series.back());
   series.pop_back();
   part.head = {{0, others_missing}};
-  const double tolerance = kSame * std::sqrt(squares);
+  const double tolerance = kSameSlope * std::sqrt(squares);
   for (const std::vector<Atom>& atoms : series) {
     std::vector<Atom> sums;
     sums.reserve(part.head.size() * atoms.size());
@@ -129,7 +128,7 @@ double SlopeDistribution::slope_at_least(double slope) const {
   double sum = 0;
   for (const Part& part : parts_) {
     const double least = slope / part.scale;
-    const double tolerance = 4 * kSame / std::sqrt(part.scale);
+    const double tolerance = 4 * kSameSlope / std::sqrt(part.scale);
     double of_part = 0;
     for (const Atom& last : part.last) {
       const double wanted = least - last.value - (slope > kLeastSlope ? tolerance : 0);
@@ -154,7 +153,7 @@ double SlopeDistribution::jnd_quantile(double share) const {
   if (!(with_information > 0)) return kNaN;
   const double wanted = share * with_information - status_.ceiling;
   if (wanted <= 0) return 0;
-  if (status_.ok < wanted) return kInfinity;
+  if (status_.ok < wanted) return kInf;
   // The largest slope that this share reaches; the estimates are steps, and the bisection ends at one of them.
   double low = kLeastSlope, high = 1.01 * steepest() + kLeastSlope;
   while (high - low > 1e-13 * high) {

@@ -1,5 +1,6 @@
 // The exact distribution of the least-squares JND of one participant and condition: every combination of what its
-// series can give (analysis/precision/cell_distribution.h), nothing drawn. Undefined outcomes are counted by their status.
+// series can give (analysis/precision/cell_distribution.h), nothing drawn. Undefined outcomes are counted by their
+// status.
 #pragma once
 
 #include <cstdint>

@@ -6,6 +6,7 @@
 
 #include <boost/math/special_functions/gamma.hpp>
 
+#include "analysis/numerics/special_values.h"
 #include "analysis/psychometric/psychometric_edges.h"
 #include "analysis/psychometric/psychometric_quantity.h"
 #include "analysis/psychometric/psychometric_solution.h"
@@ -15,8 +16,6 @@ namespace jnd {
 namespace {
 
 using Place = PsychometricLikelihood::Place;
-constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 constexpr std::array<std::pair<PsychometricFunction, std::string_view>, 4> kFunctions = {
     {{PsychometricFunction::logistic, "logistic"},

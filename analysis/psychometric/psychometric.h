@@ -13,11 +13,12 @@
 // the lapse).
 #pragma once
 
-#include <limits>
 #include <optional>
 #include <span>
 #include <string_view>
 #include <utility>
+
+#include "analysis/numerics/special_values.h"
 
 namespace jnd {
 
@@ -73,8 +74,8 @@ bool is_estimate(PsychometricStatus status) noexcept;
 
 // An estimate and its standard error from the observed information (delta method). NaN where undefined.
 struct PsychometricEstimate {
-  double value = std::numeric_limits<double>::quiet_NaN();
-  double se = std::numeric_limits<double>::quiet_NaN();
+  double value = kNaN;
+  double se = kNaN;
 };
 
 struct PsychometricFit {
@@ -85,12 +86,11 @@ struct PsychometricFit {
   PsychometricEstimate pse, jnd, slope;   // separated: jnd 0, slope inf, without errors
   // Largest log-likelihood, without binomial constants and without the prior. Under not_increasing and separated the
   // supremum, which no function of the family reaches; NaN under no_information, and where levels are too few.
-  double log_likelihood = std::numeric_limits<double>::quiet_NaN();
-  double deviance = std::numeric_limits<double>::quiet_NaN();  // 2 (log-likelihood of the rates themselves - this one)
-  double deviance_p =
-      std::numeric_limits<double>::quiet_NaN();  // chi-square with degrees_of_freedom; NaN where that is < 1
-  int degrees_of_freedom = 0;                    // different levels - free parameters
-  int levels = 0;                                // different ones, with trials
+  double log_likelihood = kNaN;
+  double deviance = kNaN;      // 2 (log-likelihood of the rates themselves - this one)
+  double deviance_p = kNaN;    // chi-square with degrees_of_freedom; NaN where that is < 1
+  int degrees_of_freedom = 0;  // different levels - free parameters
+  int levels = 0;              // different ones, with trials
   long long trials = 0;
 };
 

@@ -6,6 +6,7 @@
 
 #include <boost/math/special_functions/gamma.hpp>
 
+#include "analysis/numerics/special_values.h"
 #include "analysis/psychometric/psychometric_edges.h"
 #include "analysis/psychometric/psychometric_joint_search.h"
 #include "analysis/psychometric/psychometric_shape.h"
@@ -113,7 +114,7 @@ Shared fit_shared(Groups groups, const PsychometricModel& model, PsychometricSha
   start_from(std::vector<std::vector<double>>(groups.size(), pooled.place));
   for (const Shared* one : simpler) start_from(one->functions);
   NewtonResult best;
-  best.value = -std::numeric_limits<double>::infinity();
+  best.value = -kInf;
   for (const std::vector<double>& start : starts) {
     if (!std::isfinite(likelihood.value(start))) continue;
     NewtonResult found = maximise_in_box(likelihood, start, likelihood.box());

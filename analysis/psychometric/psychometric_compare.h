@@ -5,11 +5,11 @@
 #pragma once
 
 #include <array>
-#include <limits>
 #include <span>
 #include <string_view>
 #include <vector>
 
+#include "analysis/numerics/special_values.h"
 #include "analysis/psychometric/psychometric.h"
 
 namespace jnd {
@@ -28,18 +28,17 @@ struct SharingFit {
   // As of a single fit; of the first group in trouble where slopes or locations are their own.
   PsychometricStatus status = PsychometricStatus::not_identified;
   int parameters = 0;
-  double log_likelihood =
-      std::numeric_limits<double>::quiet_NaN();             // without binomial constants; NaN unless an estimate
-  double lapse = std::numeric_limits<double>::quiet_NaN();  // one and the same for all groups
-  double guess = std::numeric_limits<double>::quiet_NaN();
+  double log_likelihood = kNaN;  // without binomial constants; NaN unless an estimate
+  double lapse = kNaN;           // one and the same for all groups
+  double guess = kNaN;
 };
 
 struct SharingTest {
   PsychometricSharing simpler = PsychometricSharing::same_function, general = PsychometricSharing::own_function;
-  double chi_square = std::numeric_limits<double>::quiet_NaN();  // 2 (log-likelihood of general - of simpler)
+  double chi_square = kNaN;  // 2 (log-likelihood of general - of simpler)
   int df = 0;
-  double p = std::numeric_limits<double>::quiet_NaN();  // upper tail of chi-square
-  PsychometricStatus status = PsychometricStatus::ok;   // of the fit that is no estimate; then chi_square and p are NaN
+  double p = kNaN;                                     // upper tail of chi-square
+  PsychometricStatus status = PsychometricStatus::ok;  // of the fit that is no estimate; then chi_square and p are NaN
 };
 
 struct PsychometricComparison {

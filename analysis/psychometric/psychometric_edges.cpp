@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "analysis/numerics/special_values.h"
 #include "analysis/psychometric/psychometric_shape.h"
 
 namespace jnd {
@@ -11,8 +11,6 @@ namespace jnd {
 namespace {
 
 using Place = PsychometricLikelihood::Place;
-constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 constexpr double kSteep = 40;  // of u between neighbouring levels: exp(-40) is left of the rate
 
@@ -25,10 +23,6 @@ double best_lapse(const PsychometricLikelihood& likelihood, double n, double wro
 
 double best_guess(const PsychometricLikelihood& likelihood, double n, double k) noexcept {
   return std::clamp(n > 0 ? k / n : 0, likelihood.box().lower[Place::guess], likelihood.box().upper[Place::guess]);
-}
-
-double rates_log(double n, double k, double p) noexcept {
-  return count_log(k, p) + count_log(n - k, 1 - p);
 }
 
 // True where it is the new best.

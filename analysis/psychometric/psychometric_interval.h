@@ -8,17 +8,17 @@
 
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <span>
 
+#include "analysis/numerics/special_values.h"
 #include "analysis/psychometric/psychometric.h"
 
 namespace jnd {
 
 // NaN where undefined, infinite or 0 where nothing bounds the quantity on that side.
 struct ConfidenceBounds {
-  double low = std::numeric_limits<double>::quiet_NaN();
-  double high = std::numeric_limits<double>::quiet_NaN();
+  double low = kNaN;
+  double high = kNaN;
 };
 
 struct PsychometricIntervals {
@@ -45,7 +45,7 @@ struct PsychometricBootstrap {
   int estimates = 0, separated = 0, not_increasing = 0, others = 0;
   int with_pse = 0;
   // (1 + replicates with a deviance at least as large) / (1 + replicates); NaN without a fit.
-  double deviance_p = std::numeric_limits<double>::quiet_NaN();
+  double deviance_p = kNaN;
 };
 
 // Counts drawn from the fitted function, fitted again by the same model; percentile intervals. The same seed gives the

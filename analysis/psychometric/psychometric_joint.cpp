@@ -2,15 +2,14 @@
 
 #include <array>
 #include <cmath>
-#include <limits>
 
+#include "analysis/numerics/special_values.h"
 #include "analysis/psychometric/psychometric_shape.h"
 
 namespace jnd {
 
 namespace {
 using Place = PsychometricLikelihood::Place;
-constexpr double kInf = std::numeric_limits<double>::infinity();
 }  // namespace
 
 JointLikelihood::JointLikelihood(std::span<const std::vector<PsychometricLevel>> groups, const PsychometricModel& model,

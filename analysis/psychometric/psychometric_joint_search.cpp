@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "analysis/numerics/special_values.h"
 #include "analysis/psychometric/psychometric_shape.h"
 #include "analysis/psychometric/psychometric_survey.h"
 
@@ -12,7 +12,6 @@ namespace jnd {
 namespace {
 
 using Place = PsychometricLikelihood::Place;
-constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr std::size_t kMostStarts = 12;
 
 struct Start {

@@ -6,17 +6,16 @@
 #include <limits>
 #include <stdexcept>
 
+#include "analysis/numerics/special_values.h"
 #include "analysis/psychometric/psychometric_shape.h"
 
 namespace jnd {
 
 namespace {
 
-constexpr double kInf = std::numeric_limits<double>::infinity();
 // A prior that excludes a lapse of 0 keeps the search this far from it.
 constexpr double kLeastLapse = 1e-12;
 // Below, 1 / rate would overflow; such a rate belongs to a count of 0, or the place is hopeless anyway.
-constexpr double kLeastRate = 1e-300;
 
 void check_model(const PsychometricModel& model) {
   const double guess = model.guess.value_or(0), lapse = model.lapse.value_or(0);

@@ -36,6 +36,12 @@ void move_axis(PsychometricData& data, double shift, double scale) noexcept;
 
 // k ln p, 0 where k = 0.
 double count_log(double k, double p) noexcept;
+// The log-likelihood of k of n at rate p.
+inline double rates_log(double n, double k, double p) noexcept {
+  return count_log(k, p) + count_log(n - k, 1 - p);
+}
+// Rates below this are taken for 0 where something is divided by them.
+inline constexpr double kLeastRate = 1e-300;
 
 class PsychometricLikelihood {
  public:

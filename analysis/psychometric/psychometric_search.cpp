@@ -1,8 +1,8 @@
 // The search for the largest likelihood of a psychometric function.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "analysis/numerics/special_values.h"
 #include "analysis/psychometric/psychometric_shape.h"
 #include "analysis/psychometric/psychometric_solution.h"
 #include "analysis/psychometric/psychometric_survey.h"
@@ -12,7 +12,6 @@ namespace jnd {
 namespace {
 
 using Place = PsychometricLikelihood::Place;
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
 // Regression of G^-1 of the empirical rates on t, weighted by trials; guess and lapse 0.
 std::vector<double> by_regression(const PsychometricLikelihood& likelihood) {

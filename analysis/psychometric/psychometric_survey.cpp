@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "analysis/numerics/special_values.h"
 #include "analysis/psychometric/psychometric_shape.h"
 
 namespace jnd {
@@ -11,7 +11,6 @@ namespace jnd {
 namespace {
 
 using Place = PsychometricLikelihood::Place;
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
 constexpr double kTail = 1e-6;          // of F: nearer to 0 or 1 it counts as there
 constexpr double kSteeper = 1.5;        // from row to row
@@ -22,12 +21,7 @@ constexpr double kNear = 3;             // rises from a level, beyond which a ga
 constexpr double kMerged = 0.1;         // widest cell, in rises
 constexpr double kMergedError = 1e-3;   // of log-likelihood a trial, at most, by merging
 constexpr double kSteepestAlong = 1e4;  // rises of the last function of a curve in the range of the levels
-constexpr double kLeastRate = 1e-300;
-constexpr std::size_t kParts = 1000;  // of many levels: the narrowest of them sets the steepest row
-
-double rates_log(double n, double k, double p) noexcept {
-  return count_log(k, p) + count_log(n - k, 1 - p);
-}
+constexpr std::size_t kParts = 1000;    // of many levels: the narrowest of them sets the steepest row
 
 }  // namespace
 

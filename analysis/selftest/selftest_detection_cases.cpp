@@ -2,14 +2,11 @@
 // cross-checked by a second implementation.
 #include "analysis/selftest/selftest_detection_cases.h"
 
-#include <limits>
+#include "analysis/numerics/special_values.h"
 
 namespace jnd {
 
 namespace {
-
-constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 constexpr DetectionCase kCases[] = {
     {{6, 5, 6, 1},

@@ -1,16 +1,14 @@
 // Self-test of thresholds: the estimates that a study's numbers rest on, against independent ones.
 #include <array>
-#include <limits>
 
-#include "analysis/thresholds/jnd.h"
+#include "analysis/numerics/special_values.h"
 #include "analysis/selftest/selftest.h"
+#include "analysis/thresholds/jnd.h"
 
 namespace jnd {
 
 namespace {
 
-constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kReference_n_per_m = 900;
 
 // Slope and its 95 % profile bounds.

@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "analysis/numerics/special_values.h"
 
 namespace jnd {
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-
 AdaptiveThreshold without_threshold(AdaptiveStatus status) {
-  return {status, kNone, kNone, 0};
+  return {status, kNaN, kNaN, 0};
 }
 
 // Without a track that is ok: pinned ones say more about the procedure than short ones, and those more than empty ones.
@@ -32,7 +31,7 @@ std::vector<AdaptiveThreshold> usable(const std::vector<AdaptiveThreshold>& trac
 
 ReversalMean mean_of_reversals(const std::vector<double>& reversals, int at_most) {
   const int n = std::min(static_cast<int>(reversals.size()), std::max(at_most, 0)) / 2 * 2;
-  if (n < 2) return {0, kNone, kNone};
+  if (n < 2) return {0, kNaN, kNaN};
   double sum = 0, squares = 0;
   for (auto at = reversals.end() - n; at != reversals.end(); ++at) sum += *at;
   const double mean = sum / n;

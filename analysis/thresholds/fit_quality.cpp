@@ -1,12 +1,12 @@
 #include "analysis/thresholds/fit_quality.h"
 
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <vector>
 
 #include <boost/math/special_functions/gamma.hpp>
 
+#include "analysis/numerics/special_values.h"
 #include "analysis/thresholds/counts_sampler.h"
 #include "analysis/thresholds/jnd_ml.h"
 #include "analysis/thresholds/jnd_series.h"
@@ -15,9 +15,8 @@ namespace jnd {
 
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // Keeps this use of a seed apart from others: "jndfit" in ASCII.
-constexpr std::uint64_t kPurpose = 0x6a6e64666974;
+constexpr std::uint64_t kFitPurpose = 0x6a6e64666974;
 
 struct Misfit {
   double deviance = 0, pearson = 0;
@@ -66,7 +65,7 @@ void bootstrap(FitQuality& quality, std::span<const SeriesCounts> series, const 
   int worse_deviance = 0, worse_pearson = 0;
   std::vector<SeriesCounts> drawn;
   for (int i = 0; i < quality.replicates; ++i) {
-    ExperimentStream stream(seed, kPurpose, static_cast<std::uint64_t>(i));
+    ExperimentStream stream(seed, kFitPurpose, static_cast<std::uint64_t>(i));
     sampler.draw(stream, drawn);
     const Misfit found = misfit(drawn, ml_point(drawn, method));
     if (found.deviance >= quality.deviance - kTie) ++worse_deviance;

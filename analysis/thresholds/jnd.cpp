@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/numerics/special_values.h"
 #include "analysis/thresholds/jnd_closed.h"
 #include "analysis/thresholds/jnd_ml.h"
 #include "analysis/thresholds/jnd_series.h"
@@ -11,8 +12,6 @@ namespace jnd {
 
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr int kFewTrials = 10;
 
 // Bounds of 1/m from bounds of m; a JND is positive, so that slopes at or below zero count as infinite JNDs.

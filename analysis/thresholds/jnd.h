@@ -2,13 +2,13 @@
 #pragma once
 
 #include <array>
-#include <limits>
 #include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
 
 #include "analysis/detection/counts.h"
+#include "analysis/numerics/special_values.h"
 
 namespace jnd {
 
@@ -72,13 +72,13 @@ struct JndEstimate {
   JndMethod method = JndMethod::least_squares;
   // 95 % profile-likelihood bounds (drop of 1.920729) of the maximum-likelihood methods; NaN for the others. Where
   // every answer was the same they say that anything is possible: -inf..inf (differencing: 0..inf), JND 0..inf.
-  double slope_ci_low = std::numeric_limits<double>::quiet_NaN();   // -inf..; differencing: 0 where not crossed
-  double slope_ci_high = std::numeric_limits<double>::quiet_NaN();  // inf at the ceiling
-  double ci_low = std::numeric_limits<double>::quiet_NaN();  // of the JND: 1 / slope_ci_high; inf where that is <= 1e-9
-  double ci_high = std::numeric_limits<double>::quiet_NaN();  // of the JND: 1 / slope_ci_low; inf where that is <= 1e-9
+  double slope_ci_low = kNaN;   // -inf..; differencing: 0 where not crossed
+  double slope_ci_high = kNaN;  // inf at the ceiling
+  double ci_low = kNaN;         // of the JND: 1 / slope_ci_high; inf where that is <= 1e-9
+  double ci_high = kNaN;        // of the JND: 1 / slope_ci_low; inf where that is <= 1e-9
   // At the estimate (at the ceiling: its limit), natural logarithm, without binomial constants; NaN for closed forms
   // and where no series could be used.
-  double log_likelihood = std::numeric_limits<double>::quiet_NaN();
+  double log_likelihood = kNaN;
 };
 
 // All functions of this file: series in any order, difference > 0, counts with 0 <= hits <= n_diff and

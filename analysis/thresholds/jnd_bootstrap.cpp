@@ -1,9 +1,9 @@
 #include "analysis/thresholds/jnd_bootstrap.h"
 
 #include <algorithm>
-#include <limits>
 #include <vector>
 
+#include "analysis/numerics/special_values.h"
 #include "analysis/thresholds/counts_sampler.h"
 #include "analysis/thresholds/jnd_series.h"
 
@@ -11,12 +11,11 @@ namespace jnd {
 
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // Keeps this use of a seed apart from others: "jndboot" in ASCII.
-constexpr std::uint64_t kPurpose = 0x6a6e64626f6f74;
+constexpr std::uint64_t kBootstrapPurpose = 0x6a6e64626f6f74;
 
 double jnd_of(double slope) noexcept {
-  return slope > kLeastSlope ? 1 / slope : std::numeric_limits<double>::infinity();
+  return slope > kLeastSlope ? 1 / slope : kInf;
 }
 
 }  // namespace
@@ -36,7 +35,7 @@ JndBootstrap least_squares_bootstrap(std::span<const SeriesCounts> series, Corre
   std::vector<double> slopes;
   std::vector<SeriesCounts> drawn;
   for (int i = 0; i < replicates; ++i) {
-    ExperimentStream stream(seed, kPurpose, static_cast<std::uint64_t>(i));
+    ExperimentStream stream(seed, kBootstrapPurpose, static_cast<std::uint64_t>(i));
     sampler.draw(stream, drawn);
     const JndEstimate estimate = least_squares_jnd(drawn, 1, correction);
     switch (estimate.status) {

@@ -1,17 +1,15 @@
 #include "analysis/thresholds/jnd_closed.h"
 
 #include <cmath>
-#include <limits>
 
 #include "analysis/detection/independent_observation.h"
-#include "analysis/numerics/normal.h"
 #include "analysis/detection/yes_no.h"
+#include "analysis/numerics/normal.h"
+#include "analysis/numerics/special_values.h"
 
 namespace jnd {
 
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 double variance_of_z(int k, int n) {
   const double rate = corrected_rate(k, n, Correction::loglinear);

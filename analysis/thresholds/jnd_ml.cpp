@@ -1,19 +1,15 @@
 #include "analysis/thresholds/jnd_ml.h"
 
-#include <limits>
-
+#include "analysis/numerics/normal.h"
+#include "analysis/numerics/profile_interval.h"
+#include "analysis/numerics/special_values.h"
 #include "analysis/thresholds/jnd_ml_differencing.h"
 #include "analysis/thresholds/jnd_ml_yes_no.h"
 #include "analysis/thresholds/ml_cells.h"
-#include "analysis/numerics/normal.h"
-#include "analysis/numerics/profile_interval.h"
 
 namespace jnd {
 
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
 bool is_common(JndMethod method) noexcept {
   return method == JndMethod::ml_yes_no_common || method == JndMethod::ml_differencing_common;

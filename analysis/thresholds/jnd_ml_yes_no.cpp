@@ -2,16 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
-#include "analysis/numerics/log_normal_cdf.h"
+#include "analysis/numerics/normal.h"
+#include "analysis/numerics/special_values.h"
 
 namespace jnd {
 
 namespace {
 
-constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr int kMostSteps = 200;
+constexpr int kMostYesNoSteps = 200;
 
 // Value and derivatives of a cell's log-likelihood with respect to z = l + m x.
 struct CellTerms {
@@ -35,12 +34,12 @@ CellTerms cell_terms(const MlCell& cell, double z) noexcept {
   return terms;
 }
 
-struct GroupTerms {
+struct YesNoTerms {
   double value = 0, d_l = 0, d_m = 0, d_ll = 0, d_lm = 0, d_mm = 0;
 };
 
-GroupTerms group_terms(const MlGroup& group, double l, double m) noexcept {
-  GroupTerms sum;
+YesNoTerms yes_no_terms(const MlGroup& group, double l, double m) noexcept {
+  YesNoTerms sum;
   for (const MlCell& cell : group.cells) {
     const CellTerms terms = cell_terms(cell, l + m * cell.x);
     sum.value += terms.value;
@@ -79,14 +78,14 @@ class FallingZero {
 };
 
 // The best criterion of a group that has both answers, and the terms there.
-GroupTerms best_criterion(const MlGroup& group, double m, double& l) noexcept {
+YesNoTerms best_yes_no_criterion(const MlGroup& group, double m, double& l) noexcept {
   FallingZero zero(l, 4, 1e-15);
-  GroupTerms terms = group_terms(group, l, m);
-  for (int i = 0; i < kMostSteps; ++i) {
+  YesNoTerms terms = yes_no_terms(group, l, m);
+  for (int i = 0; i < kMostYesNoSteps; ++i) {
     const bool matters = zero.step(terms.d_l, terms.d_ll);
     l = zero.at();
     if (!matters) break;
-    terms = group_terms(group, l, m);
+    terms = yes_no_terms(group, l, m);
   }
   return terms;
 }
@@ -103,7 +102,7 @@ YesNoProfile::Point YesNoProfile::at(double m) {
   Point point;
   for (std::size_t i = 0; i < groups_.size(); ++i) {
     if (groups_[i].all_alike) continue;
-    const GroupTerms terms = best_criterion(groups_[i], m, criteria_[i]);
+    const YesNoTerms terms = best_yes_no_criterion(groups_[i], m, criteria_[i]);
     point.value += terms.value;
     point.slope += terms.d_m;
     if (terms.d_ll < 0) point.curvature += terms.d_mm - terms.d_lm * terms.d_lm / terms.d_ll;
@@ -114,7 +113,7 @@ YesNoProfile::Point YesNoProfile::at(double m) {
 
 double YesNoProfile::maximum() {
   FallingZero zero(0, 4 * scale_, 1e-16 * scale_);
-  for (int i = 0; i < kMostSteps; ++i) {
+  for (int i = 0; i < kMostYesNoSteps; ++i) {
     const Point point = at(zero.at());
     if (!zero.step(point.slope, point.curvature)) break;
   }
@@ -126,7 +125,7 @@ double YesNoProfile::crossing(double inside, double direction, double target) {
   const Point start = at(inside);
   double near = 0, far = kInf, longest = 4 * scale_, t = scale_;
   if (start.curvature < 0) t = std::min(std::sqrt(2 * (start.value - target) / -start.curvature), longest);
-  for (int i = 0; i < kMostSteps; ++i) {
+  for (int i = 0; i < kMostYesNoSteps; ++i) {
     const Point point = at(inside + direction * t);
     const double h = point.value - target, slope = direction * point.slope;
     (h >= 0 ? near : far) = t;

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "analysis/numerics/special_values.h"
 
 namespace jnd {
 
@@ -32,7 +33,6 @@ void add_cell(std::vector<MlCell>& cells, double x, int n, int said) {
 }
 
 void classify(MlGroup& group) {
-  constexpr double kInf = std::numeric_limits<double>::infinity();
   double least_said = kInf, most_said = -kInf, least_unsaid = kInf, most_unsaid = -kInf;
   for (const MlCell& cell : group.cells) {
     if (cell.said > 0) {

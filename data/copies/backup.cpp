@@ -10,6 +10,7 @@
 #include "data/copies/new_file.h"
 #include "data/study/schema.h"
 #include "data/study/study_impl.h"
+#include "data/verify/verify.h"
 
 namespace jnd {
 

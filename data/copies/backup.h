@@ -11,6 +11,7 @@
 
 #include "data/copies/new_file.h"
 #include "data/study/study.h"
+#include "data/verify/verify.h"
 
 namespace jnd {
 

@@ -1,7 +1,6 @@
 // Events of a study's own chain when its sessions come into a new study.
 #pragma once
 
-#include <filesystem>
 #include <string_view>
 
 namespace jnd {
@@ -9,10 +8,5 @@ namespace jnd {
 // Whether such an event goes on to hold and is appended to the new chain too: exclusions, notes, unblindings and what
 // later programs add. Only a study's creation and the closings of its sessions are written anew.
 bool is_carried(std::string_view kind) noexcept;
-
-// Whether a process writes to this study just now. Leaves nothing behind and needs no right to write.
-bool in_use(const std::filesystem::path& study);
-// Throws StorageError where one does.
-void refuse_in_use(const std::filesystem::path& study);
 
 }  // namespace jnd

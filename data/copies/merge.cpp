@@ -9,13 +9,13 @@
 
 #include "analysis/numerics/stop_request.h"
 #include "data/copies/carried_events.h"
-#include "data/log/event_body.h"
 #include "data/copies/merge_source.h"
 #include "data/copies/new_file.h"
+#include "data/copies/study_writer.h"
+#include "data/log/event_body.h"
+#include "data/log/utc_time.h"
 #include "data/study/schema.h"
 #include "data/study/study_lock.h"
-#include "data/copies/study_writer.h"
-#include "data/log/utc_time.h"
 
 namespace jnd {
 

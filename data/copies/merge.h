@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "data/study/study.h"
+#include "data/verify/verify.h"
 
 namespace jnd {
 

@@ -10,6 +10,7 @@
 #include "data/log/event_body.h"
 #include "data/study/schema.h"
 #include "data/study/study_impl.h"
+#include "data/verify/verify.h"
 #include "protocols/input/input_error.h"
 
 namespace jnd {

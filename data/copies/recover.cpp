@@ -9,17 +9,17 @@
 
 #include "analysis/numerics/stop_request.h"
 #include "data/copies/carried_events.h"
-#include "data/log/event_body.h"
 #include "data/copies/new_file.h"
 #include "data/copies/salvage.h"
-#include "data/study/schema.h"
 #include "data/copies/signs_of_loss.h"
+#include "data/log/event_body.h"
+#include "data/log/telemetry.h"
+#include "data/study/schema.h"
 #include "data/study/study_facts.h"
 #include "data/study/study_lock.h"
-#include "data/log/telemetry.h"
-#include "protocols/reading/protocol_json.h"
 #include "protocols/input/read_file.h"
 #include "protocols/input/sha256.h"
+#include "protocols/reading/protocol_json.h"
 
 namespace jnd {
 

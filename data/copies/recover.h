@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "data/study/study.h"
+#include "data/verify/verify.h"
 
 namespace jnd {
 

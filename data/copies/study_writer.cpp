@@ -5,10 +5,11 @@
 #include <fmt/format.h>
 
 #include "data/log/chain.h"
-#include "data/study/database.h"
 #include "data/log/event_body.h"
-#include "data/study/schema.h"
 #include "data/log/utc_time.h"
+#include "data/study/database.h"
+#include "data/study/schema.h"
+#include "data/verify/verify.h"
 #include "protocols/version.h"
 
 namespace jnd {

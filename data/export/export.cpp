@@ -6,20 +6,20 @@
 
 #include <fmt/format.h>
 
-#include "data/study/blinding.h"
-#include "data/log/body_numbers.h"
 #include "data/export/device_places.h"
-#include "data/log/event_body.h"
 #include "data/export/export_folder.h"
 #include "data/export/export_log.h"
 #include "data/export/export_tables.h"
 #include "data/export/export_telemetry.h"
-#include "data/results/methods_text.h"
 #include "data/export/result_columns.h"
+#include "data/log/body_numbers.h"
+#include "data/log/event_body.h"
+#include "data/log/utc_time.h"
+#include "data/results/methods_text.h"
+#include "data/study/blinding.h"
 #include "data/study/study_facts.h"
 #include "data/study/study_impl.h"
 #include "data/study/trial_rows.h"
-#include "data/log/utc_time.h"
 #include "protocols/input/sha256.h"
 
 namespace jnd {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "data/study/study.h"
 #include "data/results/study_results.h"
+#include "data/study/study.h"
 #include "protocols/protocol.h"
 
 namespace jnd {

@@ -9,8 +9,8 @@
 
 #include "data/log/body_numbers.h"
 #include "data/log/event_body.h"
-#include "data/study/study_impl.h"
 #include "data/log/utc_time.h"
+#include "data/study/study_impl.h"
 
 namespace jnd {
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "data/results/questionnaire_results.h"
 #include "data/export/result_columns.h"
+#include "data/results/questionnaire_results.h"
 #include "protocols/protocol.h"
 
 namespace jnd {

@@ -17,6 +17,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "protocols/input/utf8.h"
+
 namespace jnd {
 
 namespace {
@@ -35,11 +37,7 @@ fs::path folder_of(const fs::path& place) {
 // "NAME.jnd-draft-", cut between characters.
 std::string beginning(const fs::path& place, std::string_view mark) {
   std::string name = place.filename().string();
-  if (name.size() > kMostName) {
-    std::size_t end = kMostName;
-    while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xC0U) == 0x80) --end;
-    name.resize(end);
-  }
+  name.resize(character_boundary(name, kMostName));
   return name + std::string(mark);
 }
 

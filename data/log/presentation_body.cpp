@@ -1,9 +1,8 @@
 #include "data/log/presentation_body.h"
 
-#include <limits>
-
 #include <fmt/format.h>
 
+#include "analysis/numerics/special_values.h"
 #include "data/log/body_numbers.h"
 #include "data/log/storage_error.h"
 
@@ -90,7 +89,7 @@ FingerPresentation finger_from(const Json& body, StiffnessUnit unit, int place) 
 
 double number_at(const Json& body, const char* key) {
   const Json& value = body.at(key);
-  return value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
+  return value.is_null() ? kNaN : value.get<double>();
 }
 
 Json number_or_null(const std::optional<double>& value) {

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,6 +18,7 @@
 #include <simdjson.h>
 #pragma GCC diagnostic pop
 
+#include "analysis/numerics/special_values.h"
 #include "data/log/storage_error.h"
 
 namespace jnd {
@@ -28,12 +28,11 @@ namespace {
 namespace od = simdjson::ondemand;
 
 constexpr std::array<std::string_view, 4> kNeeded = {"series_place", "condition_place", "same", "answer"};
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 // null is a number that could not be computed.
 double number(od::value value) {
-  double result = kNone;
-  return value.get(result) == simdjson::SUCCESS ? result : kNone;
+  double result = kNaN;
+  return value.get(result) == simdjson::SUCCESS ? result : kNaN;
 }
 
 // The key as it is written: ours hold no escapes, and one that does matches none of them.
@@ -50,7 +49,7 @@ struct Mean {
     sum += value;
     ++n;
   }
-  double value() const noexcept { return n > 0 ? sum / n : kNone; }
+  double value() const noexcept { return n > 0 ? sum / n : kNaN; }
 };
 
 }  // namespace
@@ -67,7 +66,7 @@ struct TrialBodyReader::Impl {
 
 IntervalCues TrialBodyReader::Impl::interval(od::value presentation) const {
   Mean fitted, work, dwell;
-  double peak = kNone;
+  double peak = kNaN;
   for (od::field entry : presentation.get_object()) {
     if (raw_key(entry) != "fingers") continue;
     for (auto finger : entry.value().get_array()) {
@@ -140,7 +139,7 @@ CountedTrial TrialBodyReader::read(std::string_view body) {
     padded.resize(2 * body.size() + simdjson::SIMDJSON_PADDING);
   std::memcpy(padded.data(), body.data(), body.size());
   CountedTrial trial;
-  trial.cues.fill({kNone, kNone, kNone, kNone});
+  trial.cues.fill({kNaN, kNaN, kNaN, kNaN});
   try {
     od::document document =
         impl_->parser.iterate(simdjson::padded_string_view(padded.data(), body.size(), padded.size()));

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "analysis/numerics/special_values.h"
 #include "data/log/event_body.h"
 #include "data/log/storage_error.h"
 #include "data/results/study_analysis.h"
@@ -15,14 +15,8 @@
 namespace jnd {
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-
-bool by_staircase(const Protocol& protocol) {
-  return protocol.design.procedure->kind == AdaptiveProcedure::Kind::staircase;
-}
-
 void set_rates(AdaptiveRow& row, double reference) {
-  row.false_alarm_rate = row.catch_trials > 0 ? static_cast<double>(row.false_alarms) / row.catch_trials : kNone;
+  row.false_alarm_rate = row.catch_trials > 0 ? static_cast<double>(row.false_alarms) / row.catch_trials : kNaN;
   row.weber = row.threshold.threshold / reference;
 }
 
@@ -137,10 +131,10 @@ std::vector<AdaptiveGroup> adaptive_group(const std::vector<AdaptiveRow>& rows, 
     group.n = static_cast<int>(thresholds.size());
     double sum = 0, squares = 0;
     for (const double threshold : thresholds) sum += threshold;
-    group.mean = group.n > 0 ? sum / group.n : kNone;
+    group.mean = group.n > 0 ? sum / group.n : kNaN;
     for (const double threshold : thresholds) squares += (threshold - group.mean) * (threshold - group.mean);
-    group.sd = group.n > 1 ? std::sqrt(squares / (group.n - 1)) : kNone;
-    group.false_alarms = group.n > 0 ? rates / group.n : kNone;
+    group.sd = group.n > 1 ? std::sqrt(squares / (group.n - 1)) : kNaN;
+    group.false_alarms = group.n > 0 ? rates / group.n : kNaN;
     groups.push_back(group);
   }
   return groups;
@@ -164,6 +158,10 @@ AdaptiveResults adaptive_results(const Study& study, const Protocol& protocol, S
 double adaptive_target(const AdaptiveProcedure& procedure) {
   return procedure.kind == AdaptiveProcedure::Kind::staircase ? staircase_target(procedure.staircase)
                                                               : procedure.quest.p_threshold;
+}
+
+bool by_staircase(const Protocol& protocol) noexcept {
+  return protocol.design.procedure->kind == AdaptiveProcedure::Kind::staircase;
 }
 
 }  // namespace jnd

@@ -58,4 +58,7 @@ std::vector<AdaptiveGroup> adaptive_group(const std::vector<AdaptiveRow>& rows, 
 // Probability of "different" at which the procedure settles: of a staircase its target, of QUEST p_threshold.
 double adaptive_target(const AdaptiveProcedure& procedure);
 
+// Whether the protocol's levels come from a staircase, else from QUEST. Of protocols with a procedure.
+bool by_staircase(const Protocol& protocol) noexcept;
+
 }  // namespace jnd

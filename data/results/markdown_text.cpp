@@ -48,4 +48,15 @@ std::string markdown_text(std::string_view text) {
   return out;
 }
 
+std::string list_of(const std::vector<std::string>& items) {
+  std::string text;
+  for (std::size_t i = 0; i < items.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == items.size() ? " and " : ", ") + items[i];
+  return text;
+}
+
+const char* plural(std::size_t n) noexcept {
+  return n == 1 ? "" : "s";
+}
+
 }  // namespace jnd

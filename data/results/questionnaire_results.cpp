@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <optional>
 #include <utility>
@@ -10,18 +9,17 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "analysis/numerics/special_values.h"
 #include "data/log/event_body.h"
 #include "data/log/exploration_body.h"
-#include "data/results/rating_answers.h"
 #include "data/log/storage_error.h"
+#include "data/results/rating_answers.h"
 
 namespace jnd {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 ItemScore score_of(const std::vector<double>& column, int condition, const Question& question) {
   std::vector<double> answered;

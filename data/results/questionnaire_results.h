@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "analysis/numerics/exact_proportion.h"
 #include "analysis/group/group.h"
 #include "analysis/group/questionnaire.h"
+#include "analysis/numerics/exact_proportion.h"
 #include "data/study/study.h"
 #include "protocols/protocol.h"
 

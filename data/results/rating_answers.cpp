@@ -2,10 +2,10 @@
 
 #include <charconv>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <unordered_map>
 
+#include "analysis/numerics/special_values.h"
 #include "data/study/study_impl.h"
 
 namespace jnd {
@@ -68,8 +68,7 @@ std::vector<RatedQuestion> read_ratings(const Study& study, const Protocol& prot
     return 0;
   });
   for (std::size_t i = 0; i < questions.size(); ++i)
-    for (const Tally& tally : tallies[i])
-      questions[i].ratings.push_back(tally.n > 0 ? tally.sum / tally.n : std::numeric_limits<double>::quiet_NaN());
+    for (const Tally& tally : tallies[i]) questions[i].ratings.push_back(tally.n > 0 ? tally.sum / tally.n : kNaN);
   return questions;
 }
 
@@ -91,8 +90,7 @@ std::vector<RatedQuestion> read_pooled_ratings(const Study& study, const Protoco
       }
     }
     question.ratings.clear();
-    for (const Tally& tally : tallies)
-      question.ratings.push_back(tally.n > 0 ? tally.sum / tally.n : std::numeric_limits<double>::quiet_NaN());
+    for (const Tally& tally : tallies) question.ratings.push_back(tally.n > 0 ? tally.sum / tally.n : kNaN);
   }
   return questions;
 }

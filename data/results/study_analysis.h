@@ -3,7 +3,6 @@
 #pragma once
 
 #include <array>
-#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -11,12 +10,13 @@
 #include <vector>
 
 #include "analysis/detection/counts.h"
-#include "analysis/group/group.h"
-#include "analysis/thresholds/jnd.h"
 #include "analysis/detection/yes_no.h"
+#include "analysis/group/group.h"
+#include "analysis/numerics/special_values.h"
+#include "analysis/thresholds/jnd.h"
+#include "data/results/threshold_method.h"
 #include "data/study/study.h"
 #include "data/study/study_care.h"
-#include "data/results/threshold_method.h"
 #include "data/study/trial_rows.h"
 #include "protocols/protocol.h"
 
@@ -31,7 +31,7 @@ DifferenceSource registered_source(const Protocol& protocol) noexcept;
 
 // A mean of what was delivered and how much it rests on; stiffnesses in the study's unit. NaN for n = 0.
 struct DeliveredMean {
-  double mean = std::numeric_limits<double>::quiet_NaN();
+  double mean = kNaN;
   int n = 0;
 };
 

@@ -7,7 +7,7 @@ namespace jnd {
 
 namespace {
 
-std::size_t place(int index) {
+std::size_t index_of(int index) {
   return static_cast<std::size_t>(index);
 }
 
@@ -41,7 +41,7 @@ double fraction(std::size_t position, std::size_t of) noexcept {
 std::vector<JudgedTrial> judged_in_cells(const std::vector<const CountedTrial*>& trials, std::size_t series,
                                          std::size_t cells) {
   const auto cell_of = [series](const CountedTrial& trial) {
-    return place(trial.condition) * series + place(trial.series);
+    return index_of(trial.condition) * series + index_of(trial.series);
   };
   std::vector<std::size_t> sizes(cells), seen(cells);
   for (const CountedTrial* trial : trials) ++sizes[cell_of(*trial)];
@@ -80,7 +80,8 @@ StudyBehaviour study_behaviour(const Protocol& protocol, const std::vector<Sessi
   // Trials of one session are in order, but sessions that ran side by side are interleaved in the file.
   std::vector<std::vector<const CountedTrial*>> by_session(sessions.size());
   for (const CountedTrial& trial : trials)
-    if (exclusion_reason(protocol.analysis.exclude, trial).empty()) by_session[place(trial.session)].push_back(&trial);
+    if (exclusion_reason(protocol.analysis.exclude, trial).empty())
+      by_session[index_of(trial.session)].push_back(&trial);
 
   const std::size_t conditions = protocol.conditions.size(), series = protocol.series.size();
   std::vector<JudgedTrial> own_trials;                                 // of the present participant
@@ -100,11 +101,11 @@ StudyBehaviour study_behaviour(const Protocol& protocol, const std::vector<Sessi
     own_trials.insert(own_trials.end(), judged.begin(), judged.end());
     for (std::size_t i = 0; i < judged.size(); ++i) {
       const CountedTrial& trial = *trials_of[i];
-      of_condition[place(trial.condition)].push_back(judged[i]);
-      cues[place(trial.condition)].back().push_back(cue_trial(trial));
+      of_condition[index_of(trial.condition)].push_back(judged[i]);
+      cues[index_of(trial.condition)].back().push_back(cue_trial(trial));
       JudgedTrial in_session = judged[i];
       in_session.time_fraction = fraction(i, judged.size());
-      of_cell[place(trial.condition) * series + place(trial.series)].push_back(in_session);
+      of_cell[index_of(trial.condition) * series + index_of(trial.series)].push_back(in_session);
     }
   }
   if (!sessions.empty()) behaviour.participants.push_back(row_of(sessions.back().participant, -1, own_trials));

@@ -3,17 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 
 #include <fmt/format.h>
 
 #include "analysis/group/p_adjust.h"
+#include "analysis/numerics/special_values.h"
 
 namespace jnd {
 
 namespace {
-
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 const std::string& condition_name(const Protocol& protocol, std::size_t place) {
   return protocol.conditions[place].name;
@@ -55,7 +53,7 @@ void test(OutcomeComparison& outcome) {
 
 double outcome_of(const JndEstimate& estimate, Outcome outcome) {
   if (outcome == Outcome::slope) return estimate.slope;
-  if (estimate.status != JndStatus::ok) return kNone;
+  if (estimate.status != JndStatus::ok) return kNaN;
   return outcome == Outcome::jnd ? estimate.jnd : std::log(estimate.jnd);
 }
 
@@ -127,7 +125,7 @@ OutcomeComparison compare_adaptive(const std::vector<AdaptiveRow>& rows, const P
       [&](std::size_t row) -> const std::string& { return whole[row * conditions]->participant; },
       [&](std::size_t row, std::size_t condition) {
         const AdaptiveThreshold& threshold = whole[row * conditions + condition]->threshold;
-        return threshold.status == AdaptiveStatus::ok ? threshold.threshold : kNone;
+        return threshold.status == AdaptiveStatus::ok ? threshold.threshold : kNaN;
       },
       [&](std::size_t row, std::size_t condition) {
         return std::string(to_string(whole[row * conditions + condition]->threshold.status));
@@ -214,7 +212,7 @@ std::vector<double> contrast_p(const Comparison& comparison, const AnalysisPlan&
   for (const Contrast& contrast : plan.contrasts) {
     const PairPlace place = pair_of(contrast, comparison.k);
     if (place.pair >= comparison.pairs.size()) {
-      p.push_back(kNone);
+      p.push_back(kNaN);
       continue;
     }
     const PairComparison& pair = comparison.pairs[place.pair];
@@ -246,7 +244,7 @@ double omnibus_p(const Comparison& comparison, const AnalysisPlan& plan) noexcep
     case Omnibus::none:
       break;
   }
-  return kNone;
+  return kNaN;
 }
 
 }  // namespace jnd

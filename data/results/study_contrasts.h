@@ -1,11 +1,11 @@
 // The registered contrasts, each on the scale on which it is tested, and in JNDs beside it.
 #pragma once
 
-#include <limits>
 #include <string>
 #include <vector>
 
 #include "analysis/group/group.h"
+#include "analysis/numerics/special_values.h"
 #include "data/results/study_analysis.h"
 #include "data/results/study_comparisons.h"
 #include "protocols/protocol.h"
@@ -20,8 +20,8 @@ struct ContrastRow {
   bool registered = false;  // the scale of the registered tests: the row has their p
   int participants = 0;     // of all; difference.n says how many have both values
   MeanEstimate difference;  // of a - b within participants; its interval is Student's, without correction
-  double p = std::numeric_limits<double>::quiet_NaN();  // the registered one; NaN where there is none
-  std::string refused;                                  // why a registered row has no p; empty where it has
+  double p = kNaN;          // the registered one; NaN where there is none
+  std::string refused;      // why a registered row has no p; empty where it has
   DifferenceSource difference_source = DifferenceSource::nominal;
 };
 

@@ -8,7 +8,6 @@
 
 #include "analysis/group/questionnaire.h"
 #include "data/results/adaptive_results.h"
-#include "data/verify/chain_check.h"
 #include "data/results/questionnaire_results.h"
 #include "data/results/study_analysis.h"
 #include "data/results/study_behaviour.h"
@@ -16,6 +15,7 @@
 #include "data/results/study_contrasts.h"
 #include "data/results/study_remarks.h"
 #include "data/results/study_sensitivity.h"
+#include "data/verify/chain_check.h"
 #include "protocols/protocol.h"
 
 namespace jnd {

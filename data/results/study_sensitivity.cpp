@@ -1,16 +1,14 @@
 #include "data/results/study_sensitivity.h"
 
 #include <cmath>
-#include <limits>
 
+#include "analysis/numerics/special_values.h"
 #include "data/results/study_comparisons.h"
 #include "data/results/study_models.h"
 
 namespace jnd {
 
 namespace {
-
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 // The same cells under another method.
 std::vector<ThresholdResult> thresholds_under(const StudyAnalysis& analysis, const Protocol& protocol,
@@ -46,12 +44,12 @@ SensitivityRow row_of(const std::vector<ThresholdResult>& thresholds, const Prot
   row.n = static_cast<int>(outcome.table.n);
   row.refused = outcome.refused;
   const bool tested = outcome.refused.empty();
-  row.omnibus_p = tested ? omnibus_p(outcome.comparison, protocol.analysis) : kNone;
+  row.omnibus_p = tested ? omnibus_p(outcome.comparison, protocol.analysis) : kNaN;
   row.contrast_p = tested ? contrast_p(outcome.comparison, protocol.analysis)
-                          : std::vector<double>(protocol.analysis.contrasts.size(), kNone);
+                          : std::vector<double>(protocol.analysis.contrasts.size(), kNaN);
   for (const Contrast& contrast : protocol.analysis.contrasts) {
     if (!tested) {
-      row.contrast_slope.push_back(kNone);
+      row.contrast_slope.push_back(kNaN);
       continue;
     }
     const PairPlace place = pair_of(contrast, conditions);

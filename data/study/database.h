@@ -11,7 +11,8 @@
 
 namespace jnd {
 
-// The schema in an empty file that exists (data/files/draft.h makes it), readable by its owner only. Throws StorageError.
+// The schema in an empty file that exists (data/files/draft.h makes it), readable by its owner only. Throws
+// StorageError.
 std::unique_ptr<SQLite::Database> create_database(const std::filesystem::path& path);
 
 // An existing study. Nothing is written before the file was found to be a whole study of this version or an older one,
@@ -40,8 +41,8 @@ void refuse_network_file_system(const std::filesystem::path& path);
 // failed (a trigger may swallow one), and SQLite::Exception.
 void insert_row(SQLite::Statement& insert, const std::filesystem::path& path);
 
-// Throws Stopped (analysis/numerics/stop_request.h) where reading ended because that was asked for: a file opened for reading
-// ends its statements then.
+// Throws Stopped (analysis/numerics/stop_request.h) where reading ended because that was asked for: a file opened for
+// reading ends its statements then.
 void throw_if_stopped(const SQLite::Exception& error);
 
 // What went wrong, where, and what to do, from SQLite's error. Throws Stopped as throw_if_stopped() does.

@@ -28,7 +28,7 @@ CREATE TRIGGER event_trial_once BEFORE INSERT ON event
 
 // Taken-back answers are in taken_back and nowhere else. The rows of participants that were left out stay, with a flag,
 // except in counts, which analyses read.
-constexpr const char* kViews = R"sql(
+constexpr const char* kViewsOfVersion3 = R"sql(
 DROP VIEW answers;
 DROP VIEW counts;
 DROP VIEW participants;
@@ -144,7 +144,7 @@ CREATE VIEW resumes AS
 
 void to_version_3(SQLite::Database& database) {
   database.exec(kTakenBack);
-  database.exec(kViews);
+  database.exec(kViewsOfVersion3);
 }
 
 }  // namespace jnd

@@ -7,7 +7,7 @@ namespace jnd {
 namespace {
 
 // Row numbers are in no hash: whatever has an order has it by seq.
-constexpr const char* kViews = R"sql(
+constexpr const char* kViewsOfVersion4 = R"sql(
 DROP VIEW taken_back;
 DROP VIEW sessions;
 
@@ -72,7 +72,7 @@ CREATE TRIGGER tally_once BEFORE INSERT ON tally WHEN EXISTS (SELECT 1 FROM tall
 }  // namespace
 
 void to_version_4(SQLite::Database& database) {
-  database.exec(kViews);
+  database.exec(kViewsOfVersion4);
   database.exec(kTally);
 }
 

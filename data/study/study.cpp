@@ -1,16 +1,25 @@
 #include "data/study/study.h"
 
+#include <algorithm>
 #include <charconv>
+#include <climits>
 #include <cstdio>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
+#include <sqlite3.h>
 
 #include "data/files/draft.h"
+#include "data/log/chain.h"
 #include "data/log/event_body.h"
+#include "data/log/plain_name.h"
+#include "data/log/utc_time.h"
 #include "data/study/schema.h"
+#include "data/study/study_facts.h"
 #include "data/study/study_impl.h"
 #include "protocols/input/sha256.h"
+#include "protocols/version.h"
 
 namespace jnd {
 
@@ -179,6 +188,425 @@ void Study::Impl::close() {
   former.reset();
   lock.reset();
   if (!trouble.empty()) throw StorageError(trouble);
+}
+
+// Sessions of a study: opening, appending to their chains, closing. And the study's own chain.
+
+namespace {
+
+class StudyLog final : public SessionLog {
+ public:
+  StudyLog(Study::Impl& study, std::string session) : study_(study), session_(std::move(session)) {}
+
+  void append(std::string_view kind, const nlohmann::ordered_json& body, Stamp stamp) override {
+    append(kind, body, stamp, {});
+  }
+
+  void append(std::string_view kind, const nlohmann::ordered_json& body, Stamp stamp,
+              const std::vector<TelemetryBlob>& telemetry) override {
+    require_named(body, telemetry);
+    const std::string text = body_text(body);  // outside the mutex: other sessions go on meanwhile
+    const std::scoped_lock lock(study_.mutex);
+    require_open();
+    study_.write([&] { study_.append(session_, kind, text, stamp, telemetry); });
+  }
+
+  void mark(std::string_view kind, const nlohmann::ordered_json& body, Stamp stamp) override {
+    const std::string text = body_text(body);
+    const std::scoped_lock lock(study_.mutex);
+    require_open();
+    study_.write([&] { study_.append_mark(session_, kind, text, stamp); });
+  }
+
+  std::vector<Event> events() const override {
+    const std::scoped_lock lock(study_.mutex);
+    return study_.events(session_);
+  }
+
+ private:
+  void require_open() const {
+    study_.require_writable();
+    if (study_.ends.at(session_).closed)
+      throw StorageError(
+          fmt::format("{}: session {} is closed; nothing can be added to it", study_.path.string(), session_));
+  }
+
+  Study::Impl& study_;
+  std::string session_;
+};
+
+// Earlier programs allowed more in a code; who took part then may come again.
+bool known_participant(const NewSession& session, const Study::Impl& study) {
+  return std::any_of(study.ends.begin(), study.ends.end(), [&](const auto& one) {
+    return one.first != kStudyChain && one.second.participant == session.participant;
+  });
+}
+
+void refuse_names(const NewSession& session, const Study::Impl& study) {
+  if (!plain_code(session.participant) && !(plain_name(session.participant) && known_participant(session, study)))
+    throw StorageError(
+        fmt::format("the participant code \"{}\" cannot be used: take letters and digits, at most 32, such as P01",
+                    session.participant));
+  if (!plain_name(session.id))
+    throw StorageError(fmt::format(
+        "the session name \"{}\" cannot be used: take letters, digits, '-', '_' and '.', at most 64", session.id));
+  if (study.ends.contains(session.id))
+    throw StorageError(fmt::format("{}: session {} exists already", study.path.string(), session.id));
+}
+
+// A participant has one number, and a number is of one participant; of an excluded one it may be free again.
+void refuse_numbers(const NewSession& session, const Study::Impl& study) {
+  const std::string where = study.path.string();
+  if (session.number < 1)
+    throw StorageError(fmt::format("{}: sessions of a participant are numbered from 1, not {}", where, session.number));
+  if (study.excluded.contains({session.kind, session.participant}))
+    throw StorageError(fmt::format("{}: participant {} was excluded from this study ({} sessions); take another code",
+                                   where, session.participant, to_string(session.kind)));
+  for (const auto& [id, end] : study.ends) {
+    if (id == kStudyChain || end.kind != session.kind) continue;
+    const bool same_code = end.participant == session.participant;
+    if (same_code && end.participant_number == session.participant_number && end.number == session.number)
+      throw StorageError(fmt::format("{}: session {} of participant {} exists already ({}); jnd status lists them",
+                                     where, session.number, session.participant, id));
+    if (same_code == (end.participant_number == session.participant_number)) continue;
+    const auto excluded = study.excluded.find({end.kind, end.participant});
+    if (!same_code && excluded != study.excluded.end() && excluded->second) continue;
+    throw StorageError(fmt::format("{}: participant {} has number {} in session {}, so that {} cannot be number {}",
+                                   where, end.participant, end.participant_number, id, session.participant,
+                                   session.participant_number));
+  }
+}
+
+// study_head: of the study's own chain just now.
+nlohmann::ordered_json opened_body(const NewSession& session, const StudyInfo& study, const std::string& study_head) {
+  nlohmann::ordered_json body = {
+      {"participant", session.participant},
+      {"participant_number", session.participant_number},
+      {"session_number", session.number},
+      {"kind", to_string(session.kind)},
+      {"responder", session.responder},
+      {"profile_sha256", session.profile_sha256.empty() ? nlohmann::ordered_json(nullptr)
+                                                        : nlohmann::ordered_json(session.profile_sha256)},
+      {"rig", session.rig},
+      {"rig_mode", session.rig_mode},
+      {"rig_sha256",
+       session.rig_sha256.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(session.rig_sha256)},
+      {"tracker", session.tracker},
+      {"trials_total", session.trials_total},
+      {"protocol_sha256", study.protocol_sha256},
+      {"seed", std::to_string(study.seed)}};
+  if (!session.language.empty()) body["language"] = session.language;
+  if (!session.boot_id.empty()) body["boot_id"] = session.boot_id;
+  // Simulated sessions begin side by side, in an order of their threads; their events must not depend on it.
+  if (session.kind != SessionKind::simulated) body[kStudyHeadKey] = study_head;
+  return body;
+}
+
+}  // namespace
+
+std::unique_ptr<SessionLog> Study::open_session(const NewSession& session) {
+  const std::scoped_lock lock(impl_->mutex);
+  impl_->require_writable();
+  refuse_names(session, *impl_);
+  refuse_numbers(session, *impl_);
+  if (session.kind == SessionKind::real) refuse_network_file_system(impl_->path);
+  const std::string body = body_text(opened_body(session, impl_->info, impl_->ends.at(kStudyChain).hash));
+  impl_->write([&] {
+    impl_->set_durability(session.kind);
+    impl_->append(session.id, event_kind::kSessionOpened, body, session.stamp);
+  });
+  ChainEnd& end = impl_->ends.at(session.id);
+  end.participant = session.participant;
+  end.participant_number = session.participant_number;
+  end.number = session.number;
+  end.kind = session.kind;
+  return std::make_unique<StudyLog>(*impl_, session.id);
+}
+
+std::unique_ptr<SessionLog> Study::resume_session(const std::string& id) {
+  const std::scoped_lock lock(impl_->mutex);
+  impl_->require_writable();
+  const auto found = impl_->ends.find(id);
+  if (found == impl_->ends.end() || id == kStudyChain)
+    throw StorageError(fmt::format("{}: there is no session {}; jnd status lists them", impl_->path.string(), id));
+  if (found->second.closed)
+    throw StorageError(fmt::format("{}: session {} is closed: it cannot be resumed", impl_->path.string(), id));
+  if (impl_->excluded.contains({found->second.kind, found->second.participant}))
+    throw StorageError(fmt::format("{}: participant {} was excluded from this study: session {} does not go on",
+                                   impl_->path.string(), found->second.participant, id));
+  if (found->second.kind == SessionKind::real) refuse_network_file_system(impl_->path);
+  with_storage_errors(impl_->path, [&] { impl_->set_durability(found->second.kind); });
+  return std::make_unique<StudyLog>(*impl_, id);
+}
+
+void Study::close_session(const std::string& id, Stamp stamp) {
+  const std::scoped_lock lock(impl_->mutex);
+  impl_->require_writable();
+  const auto found = impl_->ends.find(id);
+  if (found == impl_->ends.end() || id == kStudyChain || found->second.closed)
+    throw StorageError(fmt::format("{}: session {} is not open", impl_->path.string(), id));
+  const ChainEnd before = found->second;
+  const ChainEnd study_before = impl_->ends.at(kStudyChain);
+  bool committed = false;
+  try {
+    impl_->write([&] {
+      SQLite::Database& database = impl_->database();
+      SQLite::Statement totals(database, "SELECT trials_done, trials_voided FROM sessions WHERE session = ?");
+      totals.bind(1, id);
+      totals.executeStep();
+      const int completed = totals.getColumn(0).getInt(), voided = totals.getColumn(1).getInt();
+      totals.reset();
+      SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
+      impl_->append(id, event_kind::kSessionClosed,
+                    body_text({{"trials_completed", completed},
+                               {"trials_voided", voided},
+                               {kStudyHeadKey, impl_->ends.at(kStudyChain).hash}}),
+                    stamp);
+      impl_->append(kStudyChain, event_kind::kSessionClosed,
+                    body_text({{"session", id},
+                               {"participant", before.participant},
+                               {"kind", to_string(before.kind)},
+                               {"head", impl_->ends.at(id).hash}}),
+                    stamp);
+      transaction.commit();
+      committed = true;
+      impl_->ends.at(id).closed = true;
+    });
+  } catch (...) {
+    if (committed) throw;  // what follows the writing failed
+    impl_->ends.at(id) = before;
+    impl_->ends.at(kStudyChain) = study_before;
+    throw;
+  }
+}
+
+void Study::add_study_event(std::string_view kind, const nlohmann::ordered_json& body, Stamp stamp) {
+  const std::scoped_lock lock(impl_->mutex);
+  impl_->require_writable();
+  const std::string text = body_text(body);
+  impl_->write([&] { impl_->add_study_event(kind, text, stamp); });
+  if (kind == event_kind::kExcluded) impl_->excluded = excluded_participants(impl_->database());
+}
+
+std::vector<Event> Study::study_events() const {
+  return events(kStudyChain);
+}
+
+void Study::Impl::append(const std::string& session, std::string_view kind, const std::string& body, Stamp stamp) {
+  if (!insert)
+    insert = std::make_unique<SQLite::Statement>(database(),
+                                                 "INSERT INTO event (session, seq, kind, utc, monotonic_ns, version, "
+                                                 "body, hash) VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
+  const auto found = ends.find(session);
+  Event event;
+  event.session = session;
+  event.seq = (found == ends.end() ? 0 : found->second.seq) + 1;
+  event.kind = kind;
+  event.stamp = stamp;
+  event.version = kVersion;
+  event.body = body;
+  const std::string utc = to_iso8601(stamp.utc_ns);
+  event.hash = event_hash(found == ends.end() ? std::string_view() : std::string_view(found->second.hash), event, utc);
+  insert->bindNoCopy(1, event.session);
+  insert->bind(2, event.seq);
+  insert->bindNoCopy(3, event.kind);
+  insert->bindNoCopy(4, utc);
+  insert->bind(5, event.stamp.monotonic_ns);
+  insert->bindNoCopy(6, event.version);
+  insert->bindNoCopy(7, event.body);
+  insert->bindNoCopy(8, event.hash);
+  try {
+    insert_row(*insert, path);  // commits, unless the caller has a transaction open
+  } catch (...) {
+    insert->tryReset();
+    insert->clearBindings();
+    throw;
+  }
+  insert->reset();
+  insert->clearBindings();
+  ChainEnd& end = ends[session];
+  end.seq = event.seq;
+  end.hash = std::move(event.hash);
+}
+
+std::vector<Event> Study::Impl::events(const std::string& session) const {
+  return with_storage_errors(path, [&] {
+    SQLite::Statement query(
+        database(),
+        "SELECT seq, kind, utc, monotonic_ns, version, body, hash FROM event WHERE session = ? ORDER "
+        "BY seq");
+    query.bind(1, session);
+    std::vector<Event> events;
+    while (query.executeStep()) {
+      Event event;
+      event.session = session;
+      event.seq = query.getColumn(0).getInt64();
+      event.kind = query.getColumn(1).getString();
+      event.stamp = {utc_ns_from(query.getColumn(2).getString()), query.getColumn(3).getInt64()};
+      event.version = query.getColumn(4).getString();
+      event.body = query.getColumn(5).getString();
+      event.hash = query.getColumn(6).getString();
+      events.push_back(std::move(event));
+    }
+    return events;
+  });
+}
+
+void Study::Impl::read_ends() {
+  SQLite::Statement last(database(), "SELECT session, max(seq) FROM event GROUP BY session");
+  while (last.executeStep()) ends[last.getColumn(0).getString()].seq = last.getColumn(1).getInt64();
+  SQLite::Statement hash(database(), "SELECT hash FROM event WHERE session = ? AND seq = ?");
+  for (auto& [session, end] : ends) {
+    hash.bind(1, session);
+    hash.bind(2, end.seq);
+    if (hash.executeStep()) end.hash = hash.getColumn(0).getString();
+    hash.reset();
+  }
+  for (const SessionInfo& info : sessions()) {
+    ChainEnd& end = ends[info.id];
+    end.closed = info.state == "closed";
+    end.participant = info.participant;
+    end.participant_number = info.participant_number;
+    end.number = info.number;
+    end.kind = info.kind;
+  }
+  if (!ends.contains(kStudyChain))
+    throw StorageError(
+        fmt::format("{}: the study's own events are missing: it is damaged; it was not changed. jnd "
+                    "recover makes a new study of what is in it",
+                    path.string()));
+  excluded = excluded_participants(database());
+}
+
+// How events reach the disk: what is flushed when, and what happens when the disk fails.
+
+namespace {
+
+// Checkpoints cost two flushes each; without people waiting they may come every 32 MB instead of every 4.
+constexpr int kCheckpointPagesSimulated = 8000;
+constexpr int kCheckpointPages = 1000;
+
+int checkpoint_pages(bool people) noexcept {
+  return people ? kCheckpointPages : kCheckpointPagesSimulated;
+}
+
+}  // namespace
+
+void Study::Impl::synchronize(bool full) {
+  if (relaxed == !full) return;
+  database().exec(full ? "PRAGMA synchronous = FULL" : "PRAGMA synchronous = NORMAL");
+  relaxed = !full;
+}
+
+void Study::Impl::set_durability(SessionKind kind) {
+  people = people || kind != SessionKind::simulated;
+  synchronize(people);
+  sqlite3_wal_autocheckpoint(database().getHandle(), checkpoint_pages(people));
+}
+
+// A mark may go with a power cut. No checkpoint comes with it: that would flush, and a flush that fails unseen would
+// leave a hole in the write-ahead log before the answers that follow.
+void Study::Impl::append_mark(const std::string& session, std::string_view kind, const std::string& body, Stamp stamp) {
+  sqlite3* handle = database().getHandle();
+  const auto restore = [&] {
+    sqlite3_wal_autocheckpoint(handle, checkpoint_pages(people));
+    synchronize(people);
+  };
+  synchronize(false);
+  sqlite3_wal_autocheckpoint(handle, 0);
+  try {
+    append(session, kind, body, stamp);
+  } catch (...) {
+    restore();
+    throw;
+  }
+  restore();
+}
+
+void Study::Impl::add_study_event(std::string_view kind, const std::string& body, Stamp stamp) {
+  const bool was_relaxed = relaxed;
+  synchronize(true);
+  try {
+    append(kStudyChain, kind, body, stamp);
+  } catch (...) {
+    synchronize(!was_relaxed);
+    throw;
+  }
+  synchronize(!was_relaxed);
+}
+
+// A flush that failed is not made good by one that succeeds: the kernel has called the lost pages clean. So before
+// anything is added after an error, all that is committed goes into the study itself, flushed there, and the
+// write-ahead log begins anew.
+void Study::Impl::steady() {
+  if (!shaken) return;
+  SQLite::Statement checkpoint(database(), "PRAGMA wal_checkpoint(TRUNCATE)");
+  if (checkpoint.executeStep() && checkpoint.getColumn(0).getInt() != 0)
+    throw StorageTrouble(
+        fmt::format("{}: after the disk's error another program that reads the study is in the way: this event is not "
+                    "saved, all earlier ones are. Close that program and try again",
+                    path.string()));
+  shaken = false;
+}
+
+// SQLite rolls back by itself in most cases, but does not promise it.
+void Study::Impl::tidy_after_failure() const {
+  if (!connection) return;
+  if (insert) insert->tryReset();
+  if (sqlite3_get_autocommit(connection->getHandle()) == 0)
+    sqlite3_exec(connection->getHandle(), "ROLLBACK", nullptr, nullptr, nullptr);
+}
+
+// Telemetry of a study: stored in one transaction with the event it belongs to, and read back.
+
+void Study::Impl::append(const std::string& session, std::string_view kind, const std::string& body, Stamp stamp,
+                         const std::vector<TelemetryBlob>& telemetry) {
+  if (telemetry.empty()) return append(session, kind, body, stamp);
+  if (!insert_telemetry)
+    insert_telemetry = std::make_unique<SQLite::Statement>(
+        database(),
+        "INSERT INTO telemetry (session, seq, interval, sha256, ticks, dropped, bytes) VALUES (?, ?, ?, ?, "
+        "?, ?, ?)");
+  const ChainEnd before = ends.at(session);
+  try {
+    SQLite::Transaction transaction(database(), SQLite::TransactionBehavior::IMMEDIATE);
+    append(session, kind, body, stamp);
+    for (const TelemetryBlob& blob : telemetry) {
+      if (blob.bytes.size() > INT_MAX) throw StorageError(fmt::format("{}: telemetry is too large", path.string()));
+      insert_telemetry->bindNoCopy(1, session);
+      insert_telemetry->bind(2, ends.at(session).seq);
+      insert_telemetry->bind(3, blob.interval);
+      insert_telemetry->bindNoCopy(4, blob.sha256);
+      insert_telemetry->bind(5, blob.ticks);
+      insert_telemetry->bind(6, blob.dropped);
+      insert_telemetry->bindNoCopy(7, blob.bytes.data(), static_cast<int>(blob.bytes.size()));
+      insert_row(*insert_telemetry, path);
+      insert_telemetry->reset();
+    }
+    insert_telemetry->clearBindings();
+    transaction.commit();
+  } catch (...) {
+    insert_telemetry->tryReset();
+    insert_telemetry->clearBindings();
+    ends.at(session) = before;
+    throw;
+  }
+}
+
+std::vector<TelemetryBlob> Study::Impl::telemetry(const std::string& session, std::int64_t seq) const {
+  return with_storage_errors(path, [&] {
+    std::vector<TelemetryBlob> blobs;
+    if (!has_telemetry(database())) return blobs;
+    SQLite::Statement query(database(),
+                            "SELECT interval, sha256, ticks, dropped, bytes FROM telemetry WHERE session = ? AND seq = "
+                            "? ORDER BY interval");
+    query.bind(1, session);
+    query.bind(2, seq);
+    while (query.executeStep())
+      blobs.push_back({query.getColumn(0).getInt(), query.getColumn(1).getString(), query.getColumn(2).getInt64(),
+                       query.getColumn(3).getInt64(), query.getColumn(4).getString()});
+    return blobs;
+  });
 }
 
 }  // namespace jnd

@@ -14,7 +14,6 @@
 #include <string_view>
 #include <vector>
 
-#include "data/study/problem.h"
 #include "data/log/session_log.h"
 #include "data/log/storage_error.h"
 #include "protocols/vocabulary.h"
@@ -108,19 +107,5 @@ class Study {
   explicit Study(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
-
-// What verify found. problems is empty for a whole study.
-struct VerifyReport {
-  int sessions = 0;
-  std::int64_t events = 0;
-  std::int64_t trials = 0;  // completed, main part
-  std::int64_t voided = 0;
-  std::int64_t telemetry = 0;       // blobs
-  std::int64_t telemetry_lost = 0;  // that a recovery says it could not save
-  std::string study_head;           // hash of the last event of the study's own chain
-  std::vector<Problem> problems;
-};
-// Recomputes every hash, telemetry's among them, and every trial's stimuli from the protocol, seed and participant.
-VerifyReport verify(const Study& study);
 
 }  // namespace jnd

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "data/log/event_body.h"
-#include "data/study/study_impl.h"
 #include "data/log/utc_time.h"
+#include "data/study/study_impl.h"
 
 namespace jnd {
 

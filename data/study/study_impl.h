@@ -12,9 +12,9 @@
 
 #include <SQLiteCpp/SQLiteCpp.h>
 
+#include "data/files/study_files.h"
 #include "data/study/database.h"
 #include "data/study/study.h"
-#include "data/files/study_files.h"
 #include "data/study/study_lock.h"
 
 namespace jnd {

@@ -62,7 +62,7 @@ bool still_there(int descriptor, const fs::path& path) {
   return ::fstat(descriptor, &ours) == 0 && ::lstat(path.c_str(), &named) == 0 && same_file(ours, named);
 }
 
-StorageError in_use(const fs::path& study, const std::string& who) {
+StorageError lock_taken(const fs::path& study, const std::string& who) {
   return StorageError(
       fmt::format("{}: {} is writing to this study; wait until it ends, or end it, and try again. Reading (status, "
                   "verify, backup, analyze) works meanwhile",
@@ -103,6 +103,20 @@ std::string open_elsewhere(int descriptor) {
   return fmt::format("{}", fmt::join(found, ", "));
 }
 
+bool in_use(const std::filesystem::path& study) {
+  const int descriptor = ::open((real_place(study).string() + ".lock").c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+  if (descriptor < 0) return false;
+  const bool free = ::flock(descriptor, LOCK_SH | LOCK_NB) == 0;
+  ::close(descriptor);
+  return !free;
+}
+
+void refuse_in_use(const std::filesystem::path& study) {
+  if (in_use(study))
+    throw StorageError(fmt::format(
+        "{}: another process is writing to this study; wait until it ends, or end it, and try again", study.string()));
+}
+
 StudyLock::StudyLock(const fs::path& study)
     : study_(study), place_(real_place(study)), path_(place_.string() + ".lock") {
   for (;;) {
@@ -114,7 +128,7 @@ StudyLock::StudyLock(const fs::path& study)
       const int error = errno;
       const std::string who = holder(descriptor_);
       ::close(descriptor_);
-      throw error == EWOULDBLOCK ? in_use(study, who) : cannot_lock(study, error);
+      throw error == EWOULDBLOCK ? lock_taken(study, who) : cannot_lock(study, error);
     }
     if (!is_number(content_of(descriptor_)) || content_of(descriptor_).size() > kMostDigits) {
       ::close(descriptor_);
@@ -172,10 +186,10 @@ void StudyLock::hold_file() {
   file_ = -1;
   if (error != EAGAIN && error != EACCES) throw cannot_lock(study_, error);
   // Readers are among those that have it open: which one writes is not known.
-  throw in_use(study_,
-               elsewhere.empty()
-                   ? "another program, perhaps under another name of the study,"
-                   : fmt::format("another program, perhaps under another name of the study (open in: {}),", elsewhere));
+  throw lock_taken(
+      study_, elsewhere.empty()
+                  ? "another program, perhaps under another name of the study,"
+                  : fmt::format("another program, perhaps under another name of the study (open in: {}),", elsewhere));
 }
 
 void StudyLock::refuse_other_names() const {

@@ -13,6 +13,11 @@ std::filesystem::path real_place(const std::filesystem::path& path);
 // them; empty where there are none.
 std::string open_elsewhere(int descriptor);
 
+// Whether a process writes to this study just now. Leaves nothing behind and needs no right to write.
+bool in_use(const std::filesystem::path& study);
+// Throws StorageError where one does.
+void refuse_in_use(const std::filesystem::path& study);
+
 // Holds two locks. flock(2) on "<study>.lock" keeps a name, also of a study that is still to be made, and names the
 // process. A lock of the open file (F_OFD_SETLK) on a byte of the study itself, far behind all that SQLite locks, holds
 // whatever the study's name is: under another link, moved, or with its .lock file removed.

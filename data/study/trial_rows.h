@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "data/study/study.h"
 #include "data/log/trial_body.h"
+#include "data/study/study.h"
 #include "protocols/protocol.h"
 
 namespace jnd {

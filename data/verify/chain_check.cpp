@@ -11,10 +11,10 @@
 
 #include "data/log/chain.h"
 #include "data/log/event_body.h"
+#include "data/log/utc_time.h"
 #include "data/study/schema.h"
 #include "data/study/schema_check.h"
 #include "data/study/study_impl.h"
-#include "data/log/utc_time.h"
 #include "protocols/input/sha256.h"
 
 namespace jnd {

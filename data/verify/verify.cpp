@@ -1,3 +1,5 @@
+#include "data/verify/verify.h"
+
 // jnd verify: recomputes every hash, and every trial's stimuli from the protocol, the seed and the participant.
 // data/README.md says what this can and cannot find.
 #include <algorithm>
@@ -10,18 +12,18 @@
 
 #include <fmt/format.h>
 
-#include "data/verify/chain_check.h"
 #include "data/log/event_body.h"
 #include "data/study/schema.h"
 #include "data/study/schema_check.h"
 #include "data/study/study_facts.h"
 #include "data/study/study_impl.h"
+#include "data/verify/chain_check.h"
 #include "data/verify/verify_fields.h"
 #include "data/verify/verify_session.h"
 #include "data/verify/verify_telemetry.h"
 #include "protocols/input/input_error.h"
-#include "protocols/reading/protocol_json.h"
 #include "protocols/input/sha256.h"
+#include "protocols/reading/protocol_json.h"
 
 namespace jnd {
 

@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 
 #include "data/log/body_numbers.h"
-#include "data/verify/course_of_questions.h"
 #include "data/log/event_body.h"
+#include "data/verify/course_of_questions.h"
 #include "protocols/planning/adaptive_run.h"
 
 namespace jnd {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "data/study/problem.h"
 #include "data/log/session_log.h"
+#include "data/study/problem.h"
 #include "protocols/planning/plan.h"
 #include "protocols/protocol.h"
 

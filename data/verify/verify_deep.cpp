@@ -8,12 +8,12 @@
 #include <sqlite3.h>
 #include <sys/stat.h>
 
-#include "data/copies/carried_events.h"
 #include "data/files/draft.h"
 #include "data/log/event_body.h"
 #include "data/log/exploration_body.h"
-#include "data/study/study_impl.h"
 #include "data/log/telemetry.h"
+#include "data/study/study_impl.h"
+#include "data/study/study_lock.h"
 #include "data/verify/verify_course.h"
 #include "data/verify/verify_delivery.h"
 #include "protocols/input/input_error.h"

@@ -11,8 +11,8 @@ namespace jnd {
 
 namespace {
 
-// Of every device (devices/loop/control_loop.h, devices/loop/governor.h). A tick lasts one period, and one more for each that was
-// skipped because the loop woke too late.
+// Of every device (devices/loop/control_loop.h, devices/loop/governor.h). A tick lasts one period, and one more for
+// each that was skipped because the loop woke too late.
 constexpr std::int64_t kPeriod_ns = 1'000'000;
 constexpr std::int64_t kSoftStart_ns = 200'000'000;
 constexpr double kRounding_n = 1e-12;

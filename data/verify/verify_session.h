@@ -14,6 +14,7 @@
 #include "data/log/event_body.h"
 #include "data/study/study.h"
 #include "data/study/study_facts.h"
+#include "data/verify/verify.h"
 #include "protocols/planning/adaptive_run.h"
 #include "protocols/planning/plan.h"
 

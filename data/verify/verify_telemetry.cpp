@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
+#include "data/log/telemetry.h"
 #include "data/study/database.h"
 #include "data/study/study_facts.h"
-#include "data/log/telemetry.h"
 #include "protocols/input/sha256.h"
 
 namespace jnd {

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <Eigen/Geometry>
+
+#include "analysis/numerics/special_values.h"
 
 namespace jnd {
 
@@ -84,7 +85,7 @@ void SurfaceSlide::assign(const VirtualObject& object) {
   near_.clear();
   touched_count_ = 0;
   bound_m_ = 0;
-  least_radius_m_ = std::numeric_limits<double>::infinity();
+  least_radius_m_ = kInf;
   for (const Round& round : rounds_) {
     const double ends = std::max(round.a_m.norm(), (round.a_m + round.length_m * round.axis).norm());
     bound_m_ = std::max(bound_m_, ends + round.radius_m);
@@ -95,7 +96,7 @@ void SurfaceSlide::assign(const VirtualObject& object) {
 int SurfaceSlide::look(const Eigen::Vector3d& point_m, double reach_m) noexcept {
   near_.clear();
   int nearest = -1;
-  double least = std::numeric_limits<double>::infinity();
+  double least = kInf;
   for (std::size_t i = 0; i < rounds_.size(); ++i) {
     const double distance = rounds_[i].distance_m(point_m);
     if (distance <= reach_m + kTouch_m) near_.push_back({.primitive = static_cast<int>(i)});

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "analysis/numerics/special_values.h"
 #include "protocols/input/input_error.h"
 
 namespace jnd {
@@ -25,7 +25,7 @@ SurfaceDistance from_core(const Eigen::Vector3d& core_m, double radius_m, const 
           .normal = distance > 0 ? Eigen::Vector3d(outward / distance) : Eigen::Vector3d(Eigen::Vector3d::UnitX())};
 }
 
-constexpr double kNowhere = -std::numeric_limits<double>::infinity();
+constexpr double kNowhere = -kInf;
 
 // How far along a unit direction the line through the origin leaves a sphere for good.
 double exit_of(const Sphere& sphere, const Eigen::Vector3d& direction) noexcept {
@@ -102,7 +102,7 @@ SurfaceDistance surface_from(const Plane& plane, const Eigen::Vector3d& point_m)
 }
 
 SurfaceDistance VirtualObject::surface_from(const Eigen::Vector3d& point_m) const noexcept {
-  SurfaceDistance least{.distance_m = std::numeric_limits<double>::infinity()};
+  SurfaceDistance least{.distance_m = kInf};
   const auto consider = [&least, &point_m](const auto& primitive) {
     const SurfaceDistance next = jnd::surface_from(primitive, point_m);
     if (next.distance_m < least.distance_m) least = next;

@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "devices/device_error.h"
+#include "protocols/input/utf8.h"
 
 namespace jnd {
 
@@ -28,27 +29,7 @@ std::mutex& hidapi_mutex() {
 // Whatever the locale: the names of devices come as UTF-32.
 std::string utf8(const wchar_t* text) {
   std::string out;
-  if (text == nullptr) return out;
-  for (; *text != 0; ++text) {
-    auto code = std::bit_cast<std::uint32_t>(*text);
-    if (code > 0x10FFFF || (code >= 0xD800 && code <= 0xDFFF)) code = 0xFFFD;
-    const auto put = [&out](std::uint32_t byte) { out.push_back(static_cast<char>(byte)); };
-    if (code < 0x80) {
-      put(code);
-    } else if (code < 0x800) {
-      put(0xC0U | (code >> 6U));
-      put(0x80U | (code & 0x3FU));
-    } else if (code < 0x10000) {
-      put(0xE0U | (code >> 12U));
-      put(0x80U | ((code >> 6U) & 0x3FU));
-      put(0x80U | (code & 0x3FU));
-    } else {
-      put(0xF0U | (code >> 18U));
-      put(0x80U | ((code >> 12U) & 0x3FU));
-      put(0x80U | ((code >> 6U) & 0x3FU));
-      put(0x80U | (code & 0x3FU));
-    }
-  }
+  for (; text != nullptr && *text != 0; ++text) out += to_utf8(std::bit_cast<char32_t>(*text));
   return out;
 }
 

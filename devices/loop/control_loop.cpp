@@ -5,6 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "analysis/numerics/special_values.h"
 #include "devices/loop/interval_key.h"
 #include "devices/loop/rendering.h"
 
@@ -155,7 +156,7 @@ void ControlLoop::render(Channeled& one, const PresentRequest& request, std::int
       asked.pitch_rad = tilt.pitch_rad;
     }
   }
-  if (!finite(finger.pose)) asked.force_n = std::numeric_limits<double>::quiet_NaN();
+  if (!finite(finger.pose)) asked.force_n = kNaN;
   if (one.setup.channel == Channel::cutaneous && now_ns < finger.burst_until_ns) {
     asked.vibration_g = request.tap_g > 0 ? request.tap_g : burst_amplitude_g(stimulus.stiffness);
     asked.vibration_hz = kBurst_hz;

@@ -12,18 +12,18 @@
 #include <vector>
 
 #include "devices/clock.h"
+#include "devices/contact/god_object.h"
+#include "devices/contact/joint_contact.h"
 #include "devices/emergency_stop.h"
 #include "devices/fingertip_device.h"
-#include "devices/contact/god_object.h"
 #include "devices/loop/governor.h"
 #include "devices/loop/interval_summary.h"
-#include "devices/contact/joint_contact.h"
 #include "devices/loop/lateness.h"
 #include "devices/loop/latest_glimpse.h"
-#include "devices/rig.h"
 #include "devices/loop/sensor_watch.h"
 #include "devices/loop/telemetry_ring.h"
 #include "devices/loop/tick_ring.h"
+#include "devices/rig.h"
 #include "devices/tracker.h"
 #include "protocols/rigs/device_spec.h"
 

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "analysis/numerics/special_values.h"
 
 namespace jnd {
 
@@ -182,7 +183,7 @@ double ClockSync::offset_s() const noexcept {
 }
 
 double ClockSync::uncertainty_s() const noexcept {
-  return trip_ns_ >= 0 ? 0.5e-9 * static_cast<double>(trip_ns_) : std::numeric_limits<double>::infinity();
+  return trip_ns_ >= 0 ? 0.5e-9 * static_cast<double>(trip_ns_) : kInf;
 }
 
 }  // namespace jnd

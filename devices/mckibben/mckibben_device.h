@@ -10,8 +10,8 @@
 // has its stops; the angle and what depends on it are straight lines within a millisecond.
 #pragma once
 
-#include "devices/mckibben/finger_flexion.h"
 #include "devices/fingertip_device.h"
+#include "devices/mckibben/finger_flexion.h"
 #include "devices/mckibben/mckibben_model.h"
 #include "devices/mckibben/mckibben_sensors.h"
 #include "protocols/rigs/device_spec.h"

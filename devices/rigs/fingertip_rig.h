@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "devices/loop/control_loop.h"
-#include "devices/mckibben/finger_flexion.h"
 #include "devices/loop/render_thread.h"
+#include "devices/mckibben/finger_flexion.h"
 #include "devices/rig.h"
 #include "devices/rigs/rig_link.h"
 

@@ -6,8 +6,8 @@
 #include <memory>
 
 #include "devices/loop/control_loop.h"
-#include "devices/rigs/rig_factory.h"
 #include "devices/participants/simulated_participant.h"
+#include "devices/rigs/rig_factory.h"
 #include "devices/tracker.h"
 #include "protocols/protocol.h"
 

@@ -6,13 +6,13 @@
 
 #include <fmt/format.h>
 
-#include "devices/trackers/encoder_tracker.h"
-#include "devices/rigs/fingertip_scene.h"
-#include "devices/hid/link/streamed_tracker.h"
 #include "devices/mckibben/mckibben_device.h"
-#include "devices/rrs3/rrs3_device.h"
 #include "devices/participants/simulated_flexion.h"
+#include "devices/rigs/fingertip_scene.h"
+#include "devices/rrs3/rrs3_device.h"
+#include "devices/trackers/encoder_tracker.h"
 #include "protocols/input/input_error.h"
+#include "protocols/rigs/rig_spec.h"
 
 namespace jnd {
 

@@ -7,10 +7,10 @@
 #include <string>
 
 #include "devices/clock.h"
-#include "devices/rigs/fingertip_rig.h"
-#include "devices/rig.h"
-#include "devices/participants/simulated_participant.h"
 #include "devices/contact/virtual_object.h"
+#include "devices/participants/simulated_participant.h"
+#include "devices/rig.h"
+#include "devices/rigs/fingertip_rig.h"
 #include "protocols/protocol.h"
 #include "protocols/rigs/rig_spec.h"
 

@@ -6,8 +6,8 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 
+#include "analysis/numerics/special_values.h"
 #include "protocols/planning/random_stream.h"
 
 namespace jnd {
@@ -16,8 +16,8 @@ struct ForceSensorOptions {
   double noise_sd_n = 0;    // of one measurement, N; independent of the next one's
   double resolution_n = 0;  // of a step, N; 0: continuous
   // What the converter can tell apart; beyond, it stays at the end. N.
-  double min_n = -std::numeric_limits<double>::infinity();
-  double max_n = std::numeric_limits<double>::infinity();
+  double min_n = -kInf;
+  double max_n = kInf;
 };
 
 class ForceSensor {

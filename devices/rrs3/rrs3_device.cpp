@@ -11,7 +11,7 @@ namespace jnd {
 
 namespace {
 // More steps than this after the last read and everything has long settled: the model starts from rest.
-constexpr std::int64_t kMostSteps = 250;
+constexpr std::int64_t kMostStepsAtOnce = 250;
 // A contact softer than this is none: at 4.7 N its surface would lie metres inside.
 constexpr double kSoftest_n_per_m = 1;
 
@@ -118,7 +118,7 @@ void Rrs3Device::step() noexcept {
 }
 
 void Rrs3Device::advance_to(std::int64_t now_ns) noexcept {
-  if (now_ns - time_ns_ > kMostSteps * kPlatformStep_ns) {
+  if (now_ns - time_ns_ > kMostStepsAtOnce * kPlatformStep_ns) {
     neutral();
     time_ns_ = now_ns;
     return;

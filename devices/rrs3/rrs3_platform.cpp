@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "protocols/rigs/hard_limits.h"
 #include "protocols/input/input_error.h"
+#include "protocols/rigs/hard_limits.h"
 
 namespace jnd {
 

@@ -7,11 +7,11 @@
 // Pure functions; they allocate where they return grids.
 #pragma once
 
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "analysis/numerics/special_values.h"
 #include "devices/rrs3/rrs3_kinematics.h"
 
 namespace jnd {
@@ -60,7 +60,7 @@ std::string condition_plot(const Rrs3ConditionMap& map);
 // How far a pose is from a singularity when one coordinate changes alone: metres or radians, >= 0; infinite where there
 // is none within a quarter turn, or before the legs end.
 struct Rrs3Margin {
-  double down = std::numeric_limits<double>::infinity(), up = std::numeric_limits<double>::infinity();
+  double down = kInf, up = kInf;
 };
 
 struct Rrs3SingularityDistances {

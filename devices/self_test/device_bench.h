@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "devices/mckibben/finger_flexion.h"
 #include "devices/fingertip_device.h"
 #include "devices/loop/governor.h"
+#include "devices/mckibben/finger_flexion.h"
 #include "protocols/rigs/rig_spec.h"
 
 namespace jnd {

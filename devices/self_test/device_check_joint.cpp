@@ -1,11 +1,11 @@
 // What a McKibben finger can do, measured: free motion, steps of force, venting, rendered stiffness, its encoder.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include <fmt/format.h>
 
+#include "analysis/numerics/special_values.h"
 #include "devices/mckibben/mckibben_device.h"
 #include "devices/mckibben/mckibben_response.h"
 #include "devices/self_test/device_bench.h"
@@ -14,7 +14,7 @@ namespace jnd {
 
 namespace {
 
-constexpr int kSettled_ticks = 1500;
+constexpr int kJointSettled_ticks = 1500;
 constexpr double kDegree = std::numbers::pi / 180;
 
 DeviceCheck range(const DeviceSpec& spec) {
@@ -29,7 +29,7 @@ DeviceCheck range(const DeviceSpec& spec) {
 
 DeviceCheck stops(const DeviceSpec& spec) {
   DeviceBench bench(spec);
-  double least = std::numeric_limits<double>::infinity(), most = -least;
+  double least = kInf, most = -least;
   bench.make_ready();
   for (const double angle : {spec.lowest_travel - 0.2, spec.highest_travel + 0.2}) {
     bench.finger().put(angle);
@@ -82,7 +82,7 @@ DeviceCheck step(const DeviceSpec& spec, double angle_rad) {
   bench.finger().put(angle_rad);
   bench.make_ready();
   int settled_ms = 0;
-  for (int i = 1; i <= kSettled_ticks; ++i) {
+  for (int i = 1; i <= kJointSettled_ticks; ++i) {
     (void)bench.tick(bench.push(kAsked_n));
     if (std::abs(bench.reading().force_n - kAsked_n) > kBand_n) settled_ms = i;
   }
@@ -95,7 +95,7 @@ DeviceCheck vent(const DeviceSpec& spec) {
   constexpr int kLimit_ms = 150;
   DeviceBench bench(spec);
   bench.make_ready();
-  bench.ticks(kSettled_ticks, bench.push(spec.max_force_n / 2));
+  bench.ticks(kJointSettled_ticks, bench.push(spec.max_force_n / 2));
   const double held = bench.reading().force_n;
   bench.device().neutral();
   int after = 0;
@@ -111,7 +111,7 @@ DeviceCheck lost_finger(const DeviceSpec& spec) {
   DeviceBench bench(spec);
   bench.make_ready();
   bench.ticks(300, bench.push(spec.max_force_n / 2));
-  bench.finger().put(std::numeric_limits<double>::quiet_NaN());
+  bench.finger().put(kNaN);
   DeviceReading reading;
   DeviceStatus status = DeviceStatus::ok;
   int after = 0;
@@ -124,7 +124,7 @@ DeviceCheck lost_finger(const DeviceSpec& spec) {
           status == DeviceStatus::lost && after <= 2};
 }
 
-DeviceCheck rendering(const DeviceSpec& spec, double stiffness) {
+DeviceCheck joint_rendering(const DeviceSpec& spec, double stiffness) {
   constexpr double kTolerance = 0.01, kFrequency_hz = 0.5;
   const TrackResult result = track(spec.finger, {.loop = {.gains = spec.gains, .tendon = spec.tendon},
                                                  .kobj_n_per_rad = stiffness,
@@ -143,7 +143,7 @@ void check_joint(const DeviceSpec& spec, DeviceChecks& checks) {
   own.push_back(vent(spec));
   own.push_back(lost_finger(spec));
   for (const double stiffness : {8.0, 20.0, 50.0})  // the paper's softest, one between, and its stiffest
-    if (stiffness <= spec.max_stiffness) own.push_back(rendering(spec, stiffness));
+    if (stiffness <= spec.max_stiffness) own.push_back(joint_rendering(spec, stiffness));
   for (DeviceCheck& check : own) {
     check.device = spec.name;
     checks.push_back(std::move(check));

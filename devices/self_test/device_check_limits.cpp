@@ -2,17 +2,16 @@
 // goes wrong.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
+#include "analysis/numerics/special_values.h"
 #include "devices/self_test/device_bench.h"
 
 namespace jnd {
 
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr int kAge_ticks = static_cast<int>(kMaxAge_ns / DeviceBench::kTick_ns);
 
 std::string fault_text(Fault fault, double force_n) {
@@ -89,7 +88,7 @@ DeviceCheck no_pull(DeviceBench bench) {
 DeviceCheck not_a_number(DeviceBench bench) {
   bench.make_ready();
   bench.ticks(300, bench.push(bench.spec().max_force_n / 2));
-  const GovernorOutput out = bench.tick(bench.push(kNan));
+  const GovernorOutput out = bench.tick(bench.push(kNaN));
   return {"", "a command that is not a number", fault_text(out.fault, out.given.force_n), "non_finite, 0 N",
           out.fault == Fault::non_finite && out.given.force_n == 0};
 }
@@ -98,7 +97,7 @@ DeviceCheck not_a_number_past_the_governor(DeviceBench bench) {
   bench.make_ready();
   bench.ticks(500, bench.push(bench.spec().max_force_n / 2));
   const double held = bench.reading().force_n;
-  for (int i = 0; i < 500; ++i) bench.write_raw(bench.push(kNan));
+  for (int i = 0; i < 500; ++i) bench.write_raw(bench.push(kNaN));
   const double left = bench.reading().force_n;
   const double limit_n = 0.05 * held;
   return {"", fmt::format("the same past the governor, at {:.2f} N", held), fmt::format("{:.3f} N after 0.5 s", left),
@@ -141,7 +140,7 @@ DeviceCheck watchdog(DeviceBench bench) {
 
 DeviceCheck fault_holds(DeviceBench bench) {
   bench.make_ready();
-  (void)bench.tick(bench.push(kNan));
+  (void)bench.tick(bench.push(kNaN));
   Governor& governor = bench.governor();
   const bool refused = !governor.activate(bench.now_ns());
   const double force = bench.tick(bench.push(bench.spec().max_force_n / 2)).given.force_n;

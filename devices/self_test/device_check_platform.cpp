@@ -14,7 +14,7 @@ namespace jnd {
 
 namespace {
 
-constexpr int kSettled_ticks = 400;
+constexpr int kPlatformSettled_ticks = 400;
 
 // Each coordinate alone through its published range, the others at rest.
 DeviceCheck ranges(const DeviceSpec& spec) {
@@ -73,7 +73,7 @@ DeviceCheck tilt(const DeviceSpec& spec) {
   DeviceCommand command = bench.push(0);
   command.roll_rad = 10;
   command.pitch_rad = -10;
-  bench.ticks(kSettled_ticks, command);
+  bench.ticks(kPlatformSettled_ticks, command);
   const PlatformPose& at = bench.reading().platform;
   const bool inside =
       std::abs(at.roll_rad) <= spec.max_roll_rad + 1e-12 && std::abs(at.pitch_rad) <= spec.max_pitch_rad + 1e-12;
@@ -97,7 +97,7 @@ DeviceCheck joint_speed(const DeviceSpec& spec) {
   std::optional<Eigen::Vector3d> before = joints();
   double fastest = 0;
   bool known = before.has_value();
-  for (int i = 0; i < kSettled_ticks && known; ++i) {
+  for (int i = 0; i < kPlatformSettled_ticks && known; ++i) {
     (void)bench.tick(command);
     const std::optional<Eigen::Vector3d> now = joints();
     known = now.has_value();
@@ -110,7 +110,7 @@ DeviceCheck joint_speed(const DeviceSpec& spec) {
           fmt::format("at most {:.2f} rad/s + 1 %", limit), known && fastest > 0 && fastest <= 1.01 * limit};
 }
 
-DeviceCheck rendering(const DeviceSpec& spec, double stiffness) {
+DeviceCheck platform_rendering(const DeviceSpec& spec, double stiffness) {
   constexpr double kTolerance = 0.005;
   const Rrs3StiffnessAnswer answer = measure_rendered_stiffness(spec, {.stiffness_n_per_m = stiffness});
   return {"", fmt::format("renders {:g} N/m on a finger of 1000 N/m", stiffness),
@@ -121,7 +121,7 @@ DeviceCheck rendering(const DeviceSpec& spec, double stiffness) {
 DeviceCheck rest(const DeviceSpec& spec) {
   DeviceBench bench(spec);
   bench.make_ready();
-  bench.ticks(kSettled_ticks, bench.push(spec.max_force_n / 2));
+  bench.ticks(kPlatformSettled_ticks, bench.push(spec.max_force_n / 2));
   bench.device().neutral();
   bench.silence();
   const DeviceReading& reading = bench.reading();
@@ -171,7 +171,7 @@ DeviceCheck burst(const DeviceSpec& spec) {
 void check_platform(const DeviceSpec& spec, DeviceChecks& checks) {
   DeviceChecks own = {ranges(spec), forward(spec), tilt(spec), joint_speed(spec), rest(spec)};
   for (const double stiffness : {500.0, 600.0, 700.0, 900.0})  // the paper's
-    if (stiffness <= spec.max_stiffness) own.push_back(rendering(spec, stiffness));
+    if (stiffness <= spec.max_stiffness) own.push_back(platform_rendering(spec, stiffness));
   for (const double asked_g : {0.01, 0.5, 3.0}) own.push_back(vibration(spec, asked_g));
   own.push_back(burst(spec));
   for (DeviceCheck& check : own) {

@@ -13,10 +13,10 @@
 #include <Eigen/Geometry>
 
 #include "devices/loop/governor.h"
-#include "devices/machine/clock_sync.h"
 #include "devices/loop/newest_slot.h"
-#include "devices/trackers/pose_line.h"
+#include "devices/machine/clock_sync.h"
 #include "devices/tracker.h"
+#include "devices/trackers/pose_line.h"
 
 namespace jnd {
 

@@ -35,17 +35,17 @@ std::string printable_ascii(std::string_view text) {
   return result;
 }
 
-enum class Pipe { waits, ended };
+enum class PipeState { waits, ended };
 
 // Reads what is there, at most kChunk, and hands it on. Throws nothing.
 template <typename Hear>
-Pipe drain(int file, std::array<char, kChunk>& buffer, const Hear& hear) {
+PipeState drain(int file, std::array<char, kChunk>& buffer, const Hear& hear) {
   const ssize_t count = read(file, buffer.data(), buffer.size());
   if (count > 0) {
     hear(std::string_view(buffer.data(), static_cast<std::size_t>(count)));
-    return Pipe::waits;
+    return PipeState::waits;
   }
-  return count < 0 && (errno == EAGAIN || errno == EINTR) ? Pipe::waits : Pipe::ended;
+  return count < 0 && (errno == EAGAIN || errno == EINTR) ? PipeState::waits : PipeState::ended;
 }
 
 }  // namespace
@@ -174,8 +174,8 @@ void ProcessTracker::listen(ChildProcess& child) {
   int output = child.output(), errors = child.errors();
   while (output >= 0 && !child.has_exited()) {
     if (!wait_for_news(output, errors)) return;
-    if (drain(output, buffer, hear_poses) != Pipe::waits) output = -1;
-    if (errors >= 0 && drain(errors, buffer, hear_errors) == Pipe::ended) errors = -1;
+    if (drain(output, buffer, hear_poses) != PipeState::waits) output = -1;
+    if (errors >= 0 && drain(errors, buffer, hear_errors) == PipeState::ended) errors = -1;
   }
   // What it wrote last is still in the pipes; no more than they hold, for its own children may write on.
   for (int rest = 0; rest < 2 && output >= 0; ++rest) (void)drain(output, buffer, hear_poses);

@@ -14,11 +14,11 @@
 
 #include <Eigen/Geometry>
 
-#include "devices/trackers/child_process.h"
 #include "devices/clock.h"
+#include "devices/tracker.h"
+#include "devices/trackers/child_process.h"
 #include "devices/trackers/pose_feed.h"
 #include "devices/trackers/pose_line.h"
-#include "devices/tracker.h"
 
 namespace jnd {
 

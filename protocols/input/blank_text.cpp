@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdint>
 
+#include "protocols/input/utf8.h"
+
 namespace jnd {
 
 namespace {
@@ -29,10 +31,6 @@ std::size_t length_of(char first) noexcept {
   return byte < 0xC2 || byte > 0xF4 ? 1 : byte >= 0xF0 ? 4 : byte >= 0xE0 ? 3 : 2;
 }
 
-bool continues(char byte) noexcept {
-  return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U;
-}
-
 }  // namespace
 
 std::size_t leading_blank(std::string_view text) noexcept {
@@ -43,7 +41,7 @@ std::size_t leading_blank(std::string_view text) noexcept {
   if (text.size() < length) return 0;
   char32_t point = first & (0x7FU >> length);
   for (const char byte : text.substr(1, length - 1)) {
-    if (!continues(byte)) return 0;
+    if (!is_continuation(byte)) return 0;
     point = (point << 6U) | (static_cast<unsigned char>(byte) & 0x3FU);
   }
   return blank(point) ? length : 0;
@@ -53,7 +51,7 @@ std::string_view without_blanks(std::string_view text) noexcept {
   while (const std::size_t blank = leading_blank(text)) text.remove_prefix(blank);
   while (!text.empty()) {
     std::size_t begin = text.size() - 1;
-    while (begin > 0 && text.size() - begin < 4 && continues(text[begin])) --begin;
+    while (begin > 0 && text.size() - begin < 4 && is_continuation(text[begin])) --begin;
     if (leading_blank(text.substr(begin)) != text.size() - begin) break;
     text.remove_suffix(text.size() - begin);
   }

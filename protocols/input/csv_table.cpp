@@ -13,6 +13,7 @@
 #include "protocols/input/json_syntax.h"
 #include "protocols/input/read_file.h"
 #include "protocols/input/table_text.h"
+#include "protocols/input/utf8.h"
 
 namespace jnd {
 

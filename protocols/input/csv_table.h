@@ -26,8 +26,8 @@ class CsvTable {
   static constexpr std::size_t kMostBytes = std::size_t{256} << 20U;  // of a file
 
   // file: a path, or "-" for standard input. columns: all that may occur; `required` of them must. Throws InputError
-  // where the file cannot be read (protocols/input/read_file.h), is not UTF-8 text, has no header, an unknown, repeated or
-  // missing column, a row of another length, or no row at all.
+  // where the file cannot be read (protocols/input/read_file.h), is not UTF-8 text, has no header, an unknown, repeated
+  // or missing column, a row of another length, or no row at all.
   static CsvTable read(const std::string& file, const std::vector<std::string>& required,
                        const std::vector<std::string>& optional = {});
   // The same from a text in memory; file is its name in messages.

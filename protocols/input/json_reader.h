@@ -29,6 +29,7 @@
 #include <utility>
 #include <vector>
 
+#include "analysis/numerics/special_values.h"
 #include "protocols/input/input_error.h"
 #include "protocols/input/json_document.h"
 
@@ -36,8 +37,8 @@ namespace jnd {
 
 // What a number may be; both ends belong to the range unless `above` is set. unit is for messages only.
 struct NumberLimits {
-  double min = -std::numeric_limits<double>::infinity();
-  double max = std::numeric_limits<double>::infinity();
+  double min = -kInf;
+  double max = kInf;
   bool above = false;  // min itself is not allowed
   std::string_view unit = "";
 };

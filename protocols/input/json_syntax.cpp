@@ -6,16 +6,13 @@
 #include <fmt/format.h>
 
 #include "protocols/input/json_reader.h"
+#include "protocols/input/utf8.h"
 
 namespace jnd {
 namespace {
 
-constexpr std::string_view kBlanks = " \t\r\n";
+constexpr std::string_view kJsonBlanks = " \t\r\n";
 constexpr std::string_view kNumberCharacters = "0123456789+-.eE";
-
-bool is_continuation(char byte) noexcept {
-  return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U;
-}
 
 std::size_t skip(std::string_view bytes, std::size_t at, std::string_view what) noexcept {
   return std::min(bytes.find_first_not_of(what, at), bytes.size());
@@ -111,52 +108,14 @@ std::pair<int, int> TokenCursor::place(std::size_t offset) noexcept {
   return {line_, column_};
 }
 
-std::size_t first_invalid_utf8(std::string_view bytes) noexcept {
-  std::size_t at = 0;
-  while (at < bytes.size()) {
-    const auto lead = static_cast<unsigned char>(bytes[at]);
-    std::size_t length = 0;
-    std::uint32_t value = 0;
-    if (lead < 0x80) {
-      ++at;
-      continue;
-    }
-    if (lead >= 0xC2 && lead <= 0xDF) {
-      length = 2;
-      value = lead & 0x1FU;
-    } else if (lead >= 0xE0 && lead <= 0xEF) {
-      length = 3;
-      value = lead & 0x0FU;
-    } else if (lead >= 0xF0 && lead <= 0xF4) {
-      length = 4;
-      value = lead & 0x07U;
-    } else {
-      return at;
-    }
-    if (at + length > bytes.size()) return at;
-    for (std::size_t i = 1; i < length; ++i) {
-      if (!is_continuation(bytes[at + i])) return at;
-      value = (value << 6U) | (static_cast<unsigned char>(bytes[at + i]) & 0x3FU);
-    }
-    const bool overlong = (length == 3 && value < 0x800) || (length == 4 && value < 0x10000);
-    if (overlong || (value >= 0xD800 && value <= 0xDFFF) || value > 0x10FFFF) return at;
-    at += length;
-  }
-  return std::string_view::npos;
-}
-
-std::size_t count_characters(std::string_view text) noexcept {
-  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return !is_continuation(c); }));
-}
-
 SyntaxError explain_syntax_error(std::string_view bytes, std::size_t end_of_last, std::size_t position,
                                  std::string_view what, const std::vector<std::size_t>& open_brackets) {
   const auto has = [what](std::string_view part) { return what.find(part) != std::string_view::npos; };
   const std::size_t begin = skip(bytes, end_of_last, " \t\r\n,:");
-  const std::size_t previous = bytes.substr(0, std::min(begin, bytes.size())).find_last_not_of(kBlanks);
+  const std::size_t previous = bytes.substr(0, std::min(begin, bytes.size())).find_last_not_of(kJsonBlanks);
   const bool after_comma = previous != std::string_view::npos && bytes[previous] == ',';
 
-  if (skip(bytes, 0, kBlanks) == bytes.size()) return {0, "the file is empty", "start from a shipped protocol"};
+  if (skip(bytes, 0, kJsonBlanks) == bytes.size()) return {0, "the file is empty", "start from a shipped protocol"};
   if (has("out_of_range") || has("number overflow"))
     return {begin, in_quotes(word_at(bytes, begin)) + " is too large a number", ""};
   if (has("invalid string")) return explain_string(bytes, begin, position, what);
@@ -167,7 +126,7 @@ SyntaxError explain_syntax_error(std::string_view bytes, std::size_t end_of_last
             fmt::format("add the missing '{}'", bytes[bracket] == '{' ? '}' : ']')};
   }
   if (has("expected end of input")) {
-    const std::size_t extra = skip(bytes, end_of_last, kBlanks);
+    const std::size_t extra = skip(bytes, end_of_last, kJsonBlanks);
     return {extra, "something follows the end of the document: " + in_quotes(word_at(bytes, extra)), "remove it"};
   }
   if (has("invalid literal") || has("invalid number")) return explain_word(bytes, begin);

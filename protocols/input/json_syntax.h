@@ -29,11 +29,6 @@ class TokenCursor {
   int line_ = 1, column_ = 1;
 };
 
-// The offset of the first byte that is not part of well-formed UTF-8 (no overlong forms, no surrogates), or npos.
-std::size_t first_invalid_utf8(std::string_view bytes) noexcept;
-// Characters (code points) of well-formed UTF-8.
-std::size_t count_characters(std::string_view text) noexcept;
-
 struct SyntaxError {
   std::size_t offset = 0;
   std::string message;

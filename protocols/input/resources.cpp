@@ -88,4 +88,16 @@ fs::path find_resource(Resource resource, const std::string& name_or_path) {
                                fmt::join(shipped_names(resource), ", "), hint));
 }
 
+fs::path shipped_file(const fs::path& installed_folder, const fs::path& source_folder, const std::string& name) {
+  std::error_code error;
+  std::vector<fs::path> folders;
+  const fs::path binary = fs::read_symlink("/proc/self/exe", error);
+  if (!error) folders.push_back(binary.parent_path().parent_path() / "share/jnd" / installed_folder);
+  folders.push_back(fs::path(JND_DATA_DIR) / installed_folder);
+  folders.push_back(fs::path(JND_SOURCE_DIR) / source_folder);
+  for (const fs::path& folder : folders)
+    if (fs::is_regular_file(folder / name, error)) return folder / name;
+  return {};
+}
+
 }  // namespace jnd

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "protocols/input/input_error.h"
-#include "runner/keys/line_editor.h"
+#include "protocols/input/utf8.h"
 
 namespace jnd {
 

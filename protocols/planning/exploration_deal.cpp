@@ -4,6 +4,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "protocols/planning/order.h"
 #include "protocols/planning/random_stream.h"
 
 namespace jnd {
@@ -13,10 +14,6 @@ const Exploration& exploration_of(const Protocol& protocol) {
   if (!protocol.explore || protocol.explore->objects.empty())
     throw std::invalid_argument("the protocol has nothing to explore");
   return *protocol.explore;
-}
-
-int size_of(const OrderList& list) noexcept {
-  return std::max(1, static_cast<int>(list.size()));
 }
 
 }  // namespace

@@ -2,9 +2,9 @@
 //
 // Conditions have the order that the design asks for. Objects have the orders of a Williams square, the same in each of
 // a participant's conditions, so that the conditions are compared over equal orders. The two factors are dealt as
-// series and conditions of trials are (protocols/planning/order.h): with A orders of conditions and B of objects, every lcm(A,
-// B) participants use each order of either equally often, so that each object comes first equally often, and all A B
-// pairs occur before any repeats.
+// series and conditions of trials are (protocols/planning/order.h): with A orders of conditions and B of objects, every
+// lcm(A, B) participants use each order of either equally often, so that each object comes first equally often, and all
+// A B pairs occur before any repeats.
 #pragma once
 
 #include <cstdint>

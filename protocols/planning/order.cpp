@@ -15,10 +15,6 @@ std::vector<int> counting(int k) {
   return items;
 }
 
-int size_of(const OrderList& list) noexcept {
-  return std::max(1, static_cast<int>(list.size()));
-}
-
 bool is_dealt(Order order) noexcept {
   return order == Order::permuted || order == Order::williams;
 }
@@ -149,6 +145,10 @@ std::vector<std::vector<int>> OrderDeal::condition_orders(int participant, const
     orders.push_back(std::move(order));
   }
   return orders;
+}
+
+int size_of(const OrderList& list) noexcept {
+  return std::max(1, static_cast<int>(list.size()));
 }
 
 }  // namespace jnd

@@ -23,6 +23,8 @@
 namespace jnd {
 
 using OrderList = std::vector<std::vector<int>>;
+// How many orders there are to choose from; an empty list stands for the order of the file.
+int size_of(const OrderList& list) noexcept;
 
 // All k! orders of 0..k-1, lexicographically. k is 1..8.
 OrderList all_permutations(int k);

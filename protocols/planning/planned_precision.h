@@ -1,5 +1,5 @@
-// A protocol's design as a question about its precision (analysis/precision/precision.h): what JNDs are to be expected, and what
-// the participants' counts will be drawn from.
+// A protocol's design as a question about its precision (analysis/precision/precision.h): what JNDs are to be expected,
+// and what the participants' counts will be drawn from.
 #pragma once
 
 #include <string>
@@ -38,8 +38,8 @@ CountsDesign counts_design(const Protocol& protocol);
 // least 1,000: 10 million draws of a participant's answers to one series in all.
 PrecisionQuestion precision_question(const Protocol& protocol);
 
-// What the figures of analysis/precision/precision.h do not cover of this protocol's registered analysis; empty where they are
-// for that very analysis.
+// What the figures of analysis/precision/precision.h do not cover of this protocol's registered analysis; empty where
+// they are for that very analysis.
 std::string precision_note(const Protocol& protocol);
 
 }  // namespace jnd

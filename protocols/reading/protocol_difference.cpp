@@ -6,34 +6,33 @@
 
 #include "protocols/input/json_document.h"
 #include "protocols/input/json_reader.h"
+#include "protocols/input/utf8.h"
 
 namespace jnd {
 namespace {
-
-using Kind = JsonNode::Kind;
 
 constexpr std::size_t kValueLength = 60;
 
 void write(const JsonNode& node, std::string& text) {
   if (text.size() > kValueLength) return;
   switch (node.kind) {
-    case Kind::null:
+    case JsonNode::Kind::null:
       text += "null";
       return;
-    case Kind::boolean:
+    case JsonNode::Kind::boolean:
       text += node.boolean ? "true" : "false";
       return;
-    case Kind::number:
+    case JsonNode::Kind::number:
       text += node.text;
       return;
-    case Kind::string:
+    case JsonNode::Kind::string:
       text += in_quotes(node.text);
       return;
-    case Kind::array:
-    case Kind::object:
+    case JsonNode::Kind::array:
+    case JsonNode::Kind::object:
       break;
   }
-  const bool is_object = node.kind == Kind::object;
+  const bool is_object = node.kind == JsonNode::Kind::object;
   text += is_object ? "{" : "[";
   for (std::size_t i = 0; i < node.items.size() && text.size() <= kValueLength; ++i) {
     if (i > 0) text += ", ";
@@ -47,11 +46,9 @@ std::string shortened(const JsonNode& node) {
   std::string text;
   write(node, text);
   // in_quotes has shortened long texts already, and their quotes belong to them.
-  const bool whole = node.kind == Kind::string || text.size() <= kValueLength;
+  const bool whole = node.kind == JsonNode::Kind::string || text.size() <= kValueLength;
   if (whole) return text;
-  std::size_t end = kValueLength;
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;  // between characters
-  return text.substr(0, end) + "...";
+  return text.substr(0, character_boundary(text, kValueLength)) + "...";
 }
 
 class Comparison {
@@ -61,20 +58,20 @@ class Comparison {
   void compare(const JsonNode& before, const JsonNode& after) {
     if (before.kind != after.kind) return add(before.path, shortened(before) + " -> " + shortened(after));
     switch (before.kind) {
-      case Kind::null:
+      case JsonNode::Kind::null:
         return;
-      case Kind::boolean:
+      case JsonNode::Kind::boolean:
         if (before.boolean != after.boolean) add(before.path, shortened(before) + " -> " + shortened(after));
         return;
-      case Kind::number:
+      case JsonNode::Kind::number:
         if (before.number != after.number) add(before.path, shortened(before) + " -> " + shortened(after));
         return;
-      case Kind::string:
+      case JsonNode::Kind::string:
         if (before.text != after.text) add_texts(before, after);
         return;
-      case Kind::array:
+      case JsonNode::Kind::array:
         return compare_lists(before, after);
-      case Kind::object:
+      case JsonNode::Kind::object:
         return compare_objects(before, after);
     }
   }
@@ -95,8 +92,7 @@ class Comparison {
     constexpr std::size_t kLead = 20;
     std::size_t alike = 0;
     while (alike < before.text.size() && alike < after.text.size() && before.text[alike] == after.text[alike]) ++alike;
-    std::size_t from = alike > 2 * kLead ? alike - kLead : 0;
-    while (from > 0 && (static_cast<unsigned char>(before.text[from]) & 0xC0U) == 0x80U) --from;
+    const std::size_t from = character_boundary(before.text, alike > 2 * kLead ? alike - kLead : 0);
     const std::string lead = from > 0 ? "..." : "";
     add(before.path, fmt::format("{}{} -> {}{}", lead, in_quotes(std::string_view(before.text).substr(from)), lead,
                                  in_quotes(std::string_view(after.text).substr(from))));

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "protocols/reading/people_texts.h"
-#include "protocols/reading/protocol_reading.h"
 #include "protocols/input/read_file.h"
 #include "protocols/input/sha256.h"
+#include "protocols/reading/people_texts.h"
+#include "protocols/reading/protocol_reading.h"
 
 namespace jnd {
 namespace {

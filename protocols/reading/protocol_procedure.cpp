@@ -10,11 +10,9 @@
 namespace jnd {
 namespace {
 
-using Kind = AdaptiveProcedure::Kind;
-
 constexpr std::string_view kPath = "$.design.procedure";
 
-std::string at(std::string_view member) {
+std::string procedure_path(std::string_view member) {
   return fmt::format("{}.{}", kPath, member);
 }
 
@@ -83,7 +81,8 @@ void read_stop(JsonReader& outer, AdaptiveProcedure& procedure, ProtocolReading&
   if (names_trials == names_reversals) {
     reading.error(*node, names_trials ? "names both \"trials\" and \"reversals\"" : "does not say when a track ends",
                   R"(write {"trials": N}, or {"reversals": N, "at_most": N})");
-  } else if (names_reversals && procedure.kind == Kind::quest && reading.sound(at("kind"))) {
+  } else if (names_reversals && procedure.kind == AdaptiveProcedure::Kind::quest &&
+             reading.sound(procedure_path("kind"))) {
     reading.error(*node->find("reversals"), "QUEST has no reversals", R"(write {"trials": N})");
   } else if (names_reversals && !names_bound) {
     reading.error(*node, "does not say how many trials a track has at most",
@@ -114,7 +113,7 @@ void look_at_clamp(const JsonNode& clamp, const AdaptiveProcedure& procedure, Pr
 }
 
 void look_at_starts(const JsonNode& starts, const AdaptiveProcedure& procedure, ProtocolReading& reading) {
-  if (!reading.sound(starts.path) || !reading.sound(at("clamp"))) return;
+  if (!reading.sound(starts.path) || !reading.sound(procedure_path("clamp"))) return;
   for (std::size_t i = 0; i < starts.items.size(); ++i)
     if (procedure.starts[i] < procedure.clamp[0] || procedure.starts[i] > procedure.clamp[1])
       reading.error(starts.items[i],
@@ -128,16 +127,17 @@ void look_at_quest(const JsonNode& node, const AdaptiveProcedure& procedure, Pro
   if (!reading.sound(node.path)) return;
   const double highest = quest.delta * quest.gamma + 1 - quest.delta;
   if (!(quest.p_threshold > quest.gamma && quest.p_threshold < highest))
-    reading.error_at(at("p_threshold"),
+    reading.error_at(procedure_path("p_threshold"),
                      fmt::format("{} is never reached: the probability of \"different\" goes from {} to {:.4g}",
                                  plain(quest.p_threshold), plain(quest.gamma), highest),
                      "take a value between gamma and 1 - delta (1 - gamma)");
   if (quest.range < 2 * quest.grain)
-    reading.error_at(at("range"),
+    reading.error_at(procedure_path("range"),
                      fmt::format("a grid of {} in steps of {} holds no other threshold than the guess",
                                  plain(quest.range), plain(quest.grain)),
                      "take a larger range, or a smaller grain");
-  else if (const std::string problem = problem_of(quest); !problem.empty() && reading.sound(at("p_threshold")))
+  else if (const std::string problem = problem_of(quest);
+           !problem.empty() && reading.sound(procedure_path("p_threshold")))
     reading.error(node, problem, "");
 }
 
@@ -159,7 +159,7 @@ void read_procedure(const JsonNode& node, ProtocolReading& reading) {
   JsonReader reader(node, reading.errors, reading.file);
   const std::vector<std::string_view> kinds = {"staircase", "quest"};
   const auto kind = reader.word("kind", kinds, {}, true);
-  if (kind) procedure.kind = *kind == 0 ? Kind::staircase : Kind::quest;
+  if (kind) procedure.kind = *kind == 0 ? AdaptiveProcedure::Kind::staircase : AdaptiveProcedure::Kind::quest;
   const NumberLimits level{.min = 0, .max = 20000, .above = true, .unit = unit_of(reading)};
   const JsonNode* starts = reader.array("starts", 1, 8);
   if (starts != nullptr)
@@ -172,7 +172,7 @@ void read_procedure(const JsonNode& node, ProtocolReading& reading) {
   if (!kind) {
     for (const std::string_view key : kStaircaseKeys) reader.ignore(key);
     for (const std::string_view key : kQuestKeys) reader.ignore(key);
-  } else if (procedure.kind == Kind::staircase) {
+  } else if (procedure.kind == AdaptiveProcedure::Kind::staircase) {
     read_staircase(reader, procedure, reading);
     refuse(reader, "staircase", kQuestKeys);
   } else {
@@ -181,18 +181,18 @@ void read_procedure(const JsonNode& node, ProtocolReading& reading) {
   }
   read_stop(reader, procedure, reading);
   procedure.catch_share = reader.number("catch_share", {.min = 0, .max = 0.75});
-  if (reading.sound(at("catch_share")) && !catch_block(procedure.catch_share))
+  if (reading.sound(procedure_path("catch_share")) && !catch_block(procedure.catch_share))
     reader.error("catch_share",
                  fmt::format("{} of the trials cannot be kept in short blocks", plain(procedure.catch_share)),
                  "take a fraction with a denominator of at most 20, such as 0.5, 0.25 or 0.2");
   reader.finish();
   if (clamp != nullptr) look_at_clamp(*clamp, procedure, reading);
   if (starts != nullptr) look_at_starts(*starts, procedure, reading);
-  if (kind && procedure.kind == Kind::quest) look_at_quest(node, procedure, reading);
+  if (kind && procedure.kind == AdaptiveProcedure::Kind::quest) look_at_quest(node, procedure, reading);
 
   Protocol& protocol = reading.protocol;
   protocol.design.trials_per_cell = slots_of_condition(procedure);
-  if (reading.sound(at("clamp")) && reading.sound("$.stimulus.reference"))
+  if (reading.sound(procedure_path("clamp")) && reading.sound("$.stimulus.reference"))
     protocol.series = {{"adaptive", {protocol.stimulus.reference - procedure.clamp[1], protocol.stimulus.reference}}};
   protocol.design.procedure = std::move(procedure);
 }

@@ -11,18 +11,21 @@
 namespace jnd {
 namespace {
 
-using Kind = Question::Kind;
 using When = Question::When;
 
 struct NamedKind {
   std::string_view name;
-  Kind kind;
+  Question::Kind kind;
 };
 using Kinds = std::array<NamedKind, 4>;
-constexpr Kinds kOfQuestions = {
-    {{"rating", Kind::rating}, {"number", Kind::number}, {"choice", Kind::choice}, {"text", Kind::text}}};
-constexpr Kinds kOfChecklist = {
-    {{"confirm", Kind::confirm}, {"number", Kind::number}, {"choice", Kind::choice}, {"text", Kind::text}}};
+constexpr Kinds kOfQuestions = {{{"rating", Question::Kind::rating},
+                                 {"number", Question::Kind::number},
+                                 {"choice", Question::Kind::choice},
+                                 {"text", Question::Kind::text}}};
+constexpr Kinds kOfChecklist = {{{"confirm", Question::Kind::confirm},
+                                 {"number", Question::Kind::number},
+                                 {"choice", Question::Kind::choice},
+                                 {"text", Question::Kind::text}}};
 
 void read_rating(JsonReader& reader, Question& question, ProtocolReading& reading) {
   const int lowest = reader.integer("min", {.min = -100, .max = 100});
@@ -69,13 +72,13 @@ void read_kind(JsonReader& reader, const Kinds& kinds, std::string_view what, bo
   }
   question.kind = kinds[*place].kind;
   std::vector<std::string_view> own;
-  if (question.kind == Kind::rating) {
+  if (question.kind == Question::Kind::rating) {
     read_rating(reader, question, reading);
     own = {"min", "max", "low", "high"};
-  } else if (question.kind == Kind::number) {
+  } else if (question.kind == Question::Kind::number) {
     read_number_question(reader, question, reading);
     own = {"min", "max"};
-  } else if (question.kind == Kind::choice) {
+  } else if (question.kind == Question::Kind::choice) {
     read_options(reader, question, reading);
     own = {"options"};
   }

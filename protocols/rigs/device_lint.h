@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "protocols/input/input_error.h"
-#include "protocols/rigs/press_saturation.h"
 #include "protocols/protocol.h"
+#include "protocols/rigs/press_saturation.h"
 #include "protocols/rigs/rig_spec.h"
 
 namespace jnd {

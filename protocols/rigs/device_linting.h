@@ -4,8 +4,8 @@
 #include <set>
 #include <string>
 
-#include "protocols/rigs/device_lint.h"
 #include "protocols/reading/protocol_reading.h"
+#include "protocols/rigs/device_lint.h"
 
 namespace jnd {
 

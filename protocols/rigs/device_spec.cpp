@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "protocols/rigs/hard_limits.h"
 #include "protocols/input/json_reader.h"
 #include "protocols/input/read_file.h"
+#include "protocols/rigs/hard_limits.h"
 
 namespace jnd {
 namespace {

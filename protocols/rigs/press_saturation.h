@@ -8,8 +8,8 @@
 // force_gain: force asked of the device per force of the contact; of a joint, the ratio of two lever arms.
 #pragma once
 
-#include "protocols/rigs/device_spec.h"
 #include "protocols/protocol.h"
+#include "protocols/rigs/device_spec.h"
 
 namespace jnd {
 

@@ -31,6 +31,11 @@ struct RigSpec {
   }
 };
 
+// Whether poses of this kind of tracker ($.rig.tracker) come from outside the program: "hid", "process", "replay".
+inline bool is_streamed(const std::string& tracker) noexcept {
+  return tracker == "hid" || tracker == "process" || tracker == "replay";
+}
+
 // Throws InputError. A rig of two devices names files beside its own.
 RigSpec load_rig_spec(const std::filesystem::path& path);
 

@@ -1,5 +1,5 @@
-// `jnd calc`: the statistics on any CSV, without a study. Each calc_*.cpp adds its commands; runner/calc/calc.cpp collects
-// them.
+// `jnd calc`: the statistics on any CSV, without a study. Each calc_*.cpp adds its commands; runner/calc/calc.cpp
+// collects them.
 #pragma once
 
 #include <functional>

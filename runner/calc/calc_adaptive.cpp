@@ -6,12 +6,12 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "analysis/thresholds/adaptive_threshold.h"
 #include "analysis/procedures/quest.h"
 #include "analysis/procedures/staircase.h"
-#include "runner/calc/calc.h"
-#include "runner/commands/commands.h"
+#include "analysis/thresholds/adaptive_threshold.h"
 #include "protocols/input/csv_table.h"
+#include "runner/calc/calc.h"
+#include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
 #include "runner/terminal/text_table.h"
 

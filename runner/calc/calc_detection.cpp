@@ -2,6 +2,7 @@
 #include "runner/calc/calc_detection.h"
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <map>
 
@@ -10,12 +11,15 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/detection/coverage.h"
-#include "runner/calc/calc.h"
-#include "runner/commands/commands.h"
-#include "runner/calc/csv_counts.h"
 #include "protocols/input/csv_table.h"
+#include "runner/calc/calc.h"
+#include "runner/calc/csv_counts.h"
+#include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
+#include "runner/terminal/number_text.h"
 #include "runner/terminal/progress_bar.h"
+#include "runner/terminal/terminal.h"
+#include "runner/terminal/text_table.h"
 
 namespace jnd {
 
@@ -131,6 +135,138 @@ void add_calc_detection(CalcTree& tree) {
       ->check(CLI::Range(1, 500))
       ->capture_default_str();
   command->add_flag("--json", coverage_options->json, "machine-readable, a line per number of trials and criterion");
+}
+
+// The JSON line of a row of `jnd calc sdt`.
+
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json yes_no_json(const YesNo& result) {
+  return {{"hit_rate", json_number(result.hit_rate)}, {"false_alarm_rate", json_number(result.false_alarm_rate)},
+          {"z_hit", json_number(result.z_hit)},       {"z_false_alarm", json_number(result.z_false_alarm)},
+          {"dprime", json_number(result.dprime)},     {"criterion", json_number(result.criterion)},
+          {"ln_beta", json_number(result.ln_beta)},   {"se", json_number(result.se)},
+          {"ci_low", json_number(result.ci_low)},     {"ci_high", json_number(result.ci_high)}};
+}
+
+ordered_json profile_json(const DprimeProfile& profile) {
+  return {{"dprime", json_number(profile.dprime)},   {"ci_low", json_number(profile.ci_low)},
+          {"ci_high", json_number(profile.ci_high)}, {"log_likelihood", json_number(profile.log_likelihood)},
+          {"p_value", json_number(profile.p_value)}, {"status", to_string(profile.status)}};
+}
+
+ordered_json differencing_json(const Differencing& result) {
+  return {{"status", to_string(result.fit.status)},    {"dprime", json_number(result.fit.dprime)},
+          {"tau", json_number(result.fit.tau)},        {"se_dprime", json_number(result.fit.se_dprime)},
+          {"se_tau", json_number(result.fit.se_tau)},  {"log_likelihood", json_number(result.fit.log_likelihood)},
+          {"ci_low", json_number(result.ci_low)},      {"ci_high", json_number(result.ci_high)},
+          {"tau_ci_low", json_number(result.tau_low)}, {"tau_ci_high", json_number(result.tau_high)},
+          {"p_value", json_number(result.p_value)}};
+}
+
+// Under no_sensitivity the likelihood-ratio observer has no d'; the unit slope is sign-reflected.
+ordered_json independent_json(const IndependentObservation& result, const YesNo& scores) {
+  const bool reflected = scores.status == RateStatus::ok && !(scores.dprime > 0);
+  return {{"unit_slope", json_number(result.unit_slope)},
+          {"exact", json_number(result.exact)},
+          {"status", reflected ? "no_sensitivity" : to_string(scores.status)}};
+}
+
+}  // namespace
+
+ordered_json detection_json(const NamedDetectionRow& named) {
+  const DetectionRow& row = named.row;
+  ordered_json out = {{"id", named.id},
+                      {"n_diff", row.counts.n_diff},
+                      {"hits", row.counts.hits},
+                      {"n_same", row.counts.n_same},
+                      {"false_alarms", row.counts.false_alarms},
+                      {"status", to_string(row.status)}};
+  out["raw"] = {{"hit_rate", json_number(row.none.raw_hit_rate)},
+                {"false_alarm_rate", json_number(row.none.raw_false_alarm_rate)}};
+  out["yes_no"] = {{"none", yes_no_json(row.none)},
+                   {"loglinear", yes_no_json(row.loglinear)},
+                   {"half", yes_no_json(row.half)},
+                   {"profile", profile_json(row.profile)}};
+  out["differencing"] = differencing_json(row.differencing);
+  out["differencing_loglinear"] = {{"status", to_string(row.differencing_loglinear.status)},
+                                   {"dprime", json_number(row.differencing_loglinear.dprime)},
+                                   {"tau", json_number(row.differencing_loglinear.tau)}};
+  out["independent"] = {{"loglinear", independent_json(row.independent_loglinear, row.loglinear)},
+                        {"half", independent_json(row.independent_half, row.half)}};
+  out["bootstrap"] = {{"mean", json_number(row.bootstrap.mean)},
+                      {"sd", json_number(row.bootstrap.sd)},
+                      {"q025", json_number(row.bootstrap.q025)},
+                      {"q975", json_number(row.bootstrap.q975)}};
+  return out;
+}
+
+// `jnd calc sdt` for a person.
+
+namespace {
+
+using Align = TextTable::Align;
+
+std::string number(double value) {
+  return number_text(value, 3);
+}
+
+std::string interval(double low, double high) {
+  return std::isnan(low) ? "-" : number(low) + " .. " + number(high);
+}
+
+std::string yes_no_table(const std::vector<NamedDetectionRow>& rows) {
+  TextTable table({"id", "hits", "false alarms", "d'", "95 % profile", "p", "c", "ln beta", "se", "status"},
+                  {Align::left, Align::right, Align::right, Align::right, Align::right, Align::right, Align::right,
+                   Align::right, Align::right, Align::left});
+  for (const auto& [id, row] : rows)
+    table.add({printable(id), fmt::format("{}/{}", row.counts.hits, row.counts.n_diff),
+               fmt::format("{}/{}", row.counts.false_alarms, row.counts.n_same), number(row.loglinear.dprime),
+               interval(row.profile.ci_low, row.profile.ci_high), p_value_text(row.profile.p_value),
+               number(row.loglinear.criterion), number(row.loglinear.ln_beta), number(row.loglinear.se),
+               std::string(to_string(row.status))});
+  return table.text();
+}
+
+std::string model_table(const std::vector<NamedDetectionRow>& rows) {
+  TextTable table({"id", "yes-no raw", "half", "bootstrap 95 %", "differencing raw", "95 % profile", "p one-sided",
+                   "log-linear", "independent", "exact"},
+                  {Align::left, Align::right, Align::right, Align::right, Align::right, Align::right, Align::right,
+                   Align::right, Align::right, Align::right});
+  for (const auto& [id, row] : rows)
+    table.add({printable(id), number(row.none.dprime), number(row.half.dprime),
+               interval(row.bootstrap.q025, row.bootstrap.q975), number(row.differencing.fit.dprime),
+               interval(row.differencing.ci_low, row.differencing.ci_high), p_value_text(row.differencing.p_value),
+               number(row.differencing_loglinear.dprime), number(row.independent_loglinear.unit_slope),
+               number(row.independent_loglinear.exact)});
+  return table.text();
+}
+
+}  // namespace
+
+std::string detection_text(const std::vector<NamedDetectionRow>& rows) {
+  int missing = 0, no_information = 0;
+  for (const auto& [id, row] : rows) {
+    missing += row.status == RateStatus::missing;
+    no_information += row.status == RateStatus::no_information;
+  }
+  std::string text = bold("yes-no model, log-linear correction") + "\n" + yes_no_table(rows);
+  text +=
+      dim("Profile-likelihood interval and two-sided test of d' = 0 on the raw counts; se: Gourevitch and Galanter.");
+  text += "\n\n" + bold("d' of the same counts under other corrections and models") + "\n" + model_table(rows);
+  text += dim(
+      "Differencing: maximum likelihood on raw counts, then of log-linear rates. Independent observation, log-linear\n"
+      "rates: unit slope, and the exact likelihood-ratio observer. d' of different models are different quantities.");
+  text += "\n";
+  if (missing > 0) text += warn(fmt::format("{} of {} rows lack a class: no d'.", missing, rows.size())) + "\n";
+  if (no_information > 0)
+    text += warn(fmt::format("{} of {} rows hold one and the same answer throughout: their d' is the arithmetic of the "
+                             "correction, not an observation.",
+                             no_information, rows.size())) +
+            "\n";
+  return text;
 }
 
 }  // namespace jnd

@@ -12,10 +12,10 @@
 #include "analysis/thresholds/fit_quality.h"
 #include "analysis/thresholds/jnd.h"
 #include "analysis/thresholds/jnd_bootstrap.h"
-#include "runner/calc/calc.h"
-#include "runner/commands/commands.h"
-#include "runner/calc/csv_counts.h"
 #include "protocols/input/csv_table.h"
+#include "runner/calc/calc.h"
+#include "runner/calc/csv_counts.h"
+#include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/text_table.h"
@@ -141,7 +141,7 @@ void print_json(const Group& group, const GroupResult& result, double reference)
   fmt::print("{}\n", json_line(line));
 }
 
-std::string number(double value) {
+std::string jnd_number(double value) {
   if (std::isnan(value)) return "-";
   if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
   return fmt::format("{:.4g}", value);
@@ -152,13 +152,13 @@ std::string percent(double fraction) {
 }
 
 std::string interval(const JndEstimate& estimate) {
-  return std::isnan(estimate.ci_low) ? "-" : number(estimate.ci_low) + " .. " + number(estimate.ci_high);
+  return std::isnan(estimate.ci_low) ? "-" : jnd_number(estimate.ci_low) + " .. " + jnd_number(estimate.ci_high);
 }
 
 // The p value to look at: of the replicates where there are any.
 std::string fit_p(const std::optional<FitQuality>& quality) {
   if (!quality) return "-";
-  return number(std::isnan(quality->deviance_p_bootstrap) ? quality->deviance_p : quality->deviance_p_bootstrap);
+  return jnd_number(std::isnan(quality->deviance_p_bootstrap) ? quality->deviance_p : quality->deviance_p_bootstrap);
 }
 
 std::string remarks(const JndEstimate& estimate) {
@@ -172,8 +172,8 @@ void add_rows(TextTable& table, const Group& group, const GroupResult& result) {
   for (std::size_t i = 0; i < kJndMethods.size(); ++i) {
     const JndEstimate& estimate = result.estimates[i];
     table.add({i == 0 ? printable(group.participant) : "", i == 0 ? printable(group.condition) : "",
-               std::string(to_string(kJndMethods[i])), number(estimate.jnd), interval(estimate),
-               percent(estimate.weber), number(estimate.slope), fit_p(result.qualities[i]), remarks(estimate)});
+               std::string(to_string(kJndMethods[i])), jnd_number(estimate.jnd), interval(estimate),
+               percent(estimate.weber), jnd_number(estimate.slope), fit_p(result.qualities[i]), remarks(estimate)});
   }
 }
 

@@ -2,6 +2,7 @@
 #include "runner/calc/calc_psychometric.h"
 
 #include <charconv>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <stdexcept>
@@ -11,12 +12,14 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "protocols/input/csv_table.h"
 #include "protocols/input/input_error.h"
 #include "runner/calc/calc.h"
-#include "runner/commands/commands.h"
-#include "protocols/input/csv_table.h"
+#include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
 #include "runner/terminal/progress_bar.h"
+#include "runner/terminal/terminal.h"
+#include "runner/terminal/text_table.h"
 
 namespace jnd {
 
@@ -55,15 +58,15 @@ PsychometricModel model_from(const FitOptions& options) {
   return model;
 }
 
-struct Group {
+struct LevelGroup {
   std::optional<std::string> name;
   std::vector<PsychometricLevel> levels;
 };
 
-std::vector<Group> groups_of(const CsvTable& table, const PsychometricModel& model) {
+std::vector<LevelGroup> groups_of(const CsvTable& table, const PsychometricModel& model) {
   // Trials a level are counted in an int; so are those of all rows of one level together.
   constexpr int kMostTrials = 100'000'000;
-  std::vector<Group> groups;
+  std::vector<LevelGroup> groups;
   std::map<std::optional<std::string>, std::size_t> places;
   for (std::size_t row = 0; row < table.rows(); ++row) {
     PsychometricLevel level;
@@ -85,7 +88,7 @@ std::vector<Group> groups_of(const CsvTable& table, const PsychometricModel& mod
 }
 
 // Says how far it is where that takes more than some seconds.
-PsychometricBootstrap bootstrap_of(const Group& group, const PsychometricModel& model, const FitOptions& options) {
+PsychometricBootstrap bootstrap_of(const LevelGroup& group, const PsychometricModel& model, const FitOptions& options) {
   constexpr double kMostLevelsWithoutWord = 2e5;  // of all replicates
   const double levels = static_cast<double>(group.levels.size()) * options.replicates;
   std::optional<ProgressBar> bar;
@@ -96,7 +99,7 @@ PsychometricBootstrap bootstrap_of(const Group& group, const PsychometricModel& 
                                 });
 }
 
-PsychometricAnswer answer_for(const Group& group, const PsychometricModel& model, const FitOptions& options) {
+PsychometricAnswer answer_for(const LevelGroup& group, const PsychometricModel& model, const FitOptions& options) {
   PsychometricAnswer answer;
   answer.group = group.name;
   answer.fit = fit_psychometric(group.levels, model);
@@ -112,18 +115,18 @@ PsychometricAnswer answer_for(const Group& group, const PsychometricModel& model
 int fit(const FitOptions& options) {
   const PsychometricModel model = model_from(options);
   const CsvTable table = CsvTable::read(options.input.file, {"x", "n", "k"}, {"group"});
-  const std::vector<Group> groups = groups_of(table, model);
+  const std::vector<LevelGroup> groups = groups_of(table, model);
   if (options.compare && groups.size() < 2)
     throw InputError(fmt::format("{}: --compare needs a column group with at least two groups", options.input.file));
   std::vector<PsychometricAnswer> answers;
   std::optional<PsychometricComparison> comparison;
   try {
     answers.reserve(groups.size());
-    for (const Group& group : groups) answers.push_back(answer_for(group, model, options));
+    for (const LevelGroup& group : groups) answers.push_back(answer_for(group, model, options));
     if (options.compare) {
       std::vector<std::vector<PsychometricLevel>> levels;
       levels.reserve(groups.size());
-      for (const Group& group : groups) levels.push_back(group.levels);
+      for (const LevelGroup& group : groups) levels.push_back(group.levels);
       comparison = compare_psychometric(levels, model);
     }
   } catch (const std::invalid_argument& error) {
@@ -170,6 +173,220 @@ void add_calc_psychometric(CalcTree& tree) {
   command->add_option("--seed", options->seed, "of the bootstrap")->capture_default_str();
   command->add_flag("--compare", options->compare,
                     "likelihood-ratio tests between groups: own location, own slope, both (maximum likelihood)");
+}
+
+// `jnd calc fit --json`.
+
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json bounds_json(const ConfidenceBounds& bounds) {
+  return ordered_json::array({json_number(bounds.low), json_number(bounds.high)});
+}
+
+// The parameters in their order: the two of the function, then the rates that are free.
+template <typename Entry>
+ordered_json parameters_json(const PsychometricFit& fit, Entry entry) {
+  const auto [location, second] = parameter_names(fit.model.function);
+  ordered_json out = ordered_json::object();
+  out[std::string(location)] = entry(fit.location);
+  out[std::string(second)] = entry(fit.second);
+  if (!fit.model.lapse) out["lapse"] = entry(fit.lapse);
+  if (!fit.model.guess) out["guess"] = entry(fit.guess);
+  return out;
+}
+
+ordered_json bootstrap_json(const PsychometricBootstrap& bootstrap) {
+  return {{"replicates", bootstrap.replicates},
+          {"estimates", bootstrap.estimates},
+          {"separated", bootstrap.separated},
+          {"not_increasing", bootstrap.not_increasing},
+          {"others", bootstrap.others},
+          {"with_pse", bootstrap.with_pse},
+          {"deviance_p", json_number(bootstrap.deviance_p)}};
+}
+
+}  // namespace
+
+ordered_json psychometric_json(const PsychometricAnswer& answer) {
+  const PsychometricFit& fit = answer.fit;
+  const PsychometricIntervals& intervals = answer.intervals;
+  ordered_json out;
+  out["group"] = answer.group ? ordered_json(*answer.group) : ordered_json(nullptr);
+  out["function"] = to_string(fit.model.function);
+  out["estimator"] = to_string(fit.model.estimator);
+  out["parameters"] = parameters_json(fit, [](const PsychometricEstimate& one) { return json_number(one.value); });
+  out["se"] = parameters_json(fit, [](const PsychometricEstimate& one) { return json_number(one.se); });
+  // A fixed rate is known, whatever the data.
+  out["guess"] = json_number(fit.model.guess.value_or(fit.guess.value));
+  out["lapse"] = json_number(fit.model.lapse.value_or(fit.lapse.value));
+  out["log_likelihood"] = json_number(fit.log_likelihood);
+  out["deviance"] = json_number(fit.deviance);
+  out["degrees_of_freedom"] = fit.degrees_of_freedom;
+  out["deviance_p"] = json_number(fit.deviance_p);
+  out["pse"] = json_number(fit.pse.value);
+  out["jnd"] = json_number(fit.jnd.value);
+  out["slope"] = json_number(fit.slope.value);
+  out["se_pse"] = json_number(fit.pse.se);
+  out["se_jnd"] = json_number(fit.jnd.se);
+  out["se_slope"] = json_number(fit.slope.se);
+  const auto [location, second] = parameter_names(fit.model.function);
+  ordered_json ci = {{"pse", bounds_json(intervals.pse)},
+                     {"jnd", bounds_json(intervals.jnd)},
+                     {"slope", bounds_json(intervals.slope)}};
+  ci[std::string(location)] = bounds_json(intervals.location);
+  ci[std::string(second)] = bounds_json(intervals.second);
+  if (!fit.model.lapse) ci["lapse"] = bounds_json(intervals.lapse);
+  if (!fit.model.guess) ci["guess"] = bounds_json(intervals.guess);
+  out["ci"] = ci;
+  out["interval"] = answer.bootstrap ? "bootstrap" : "profile";
+  out["confidence"] = intervals.confidence;
+  if (answer.bootstrap) out["bootstrap"] = bootstrap_json(*answer.bootstrap);
+  out["levels"] = fit.levels;
+  out["trials"] = fit.trials;
+  out["status"] = to_string(fit.status);
+  return out;
+}
+
+ordered_json psychometric_json(const PsychometricComparison& comparison) {
+  ordered_json models = ordered_json::array(), tests = ordered_json::array();
+  for (const SharingFit& fit : comparison.fits)
+    models.push_back({{"model", to_string(fit.sharing)},
+                      {"parameters", fit.parameters},
+                      {"log_likelihood", json_number(fit.log_likelihood)},
+                      {"lapse", json_number(fit.lapse)},
+                      {"guess", json_number(fit.guess)},
+                      {"status", to_string(fit.status)}});
+  for (const SharingTest& test : comparison.tests)
+    tests.push_back({{"simpler", to_string(test.simpler)},
+                     {"general", to_string(test.general)},
+                     {"chi2", json_number(test.chi_square)},
+                     {"df", test.df},
+                     {"p", json_number(test.p)},
+                     {"status", to_string(test.status)}});
+  return {{"comparison", {{"groups", comparison.groups}, {"models", models}, {"tests", tests}}}};
+}
+
+// `jnd calc fit` for a person.
+
+namespace {
+
+using Align = TextTable::Align;
+
+std::string fit_number(double value) {
+  if (std::isnan(value)) return "-";
+  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
+  return fmt::format("{:.5g}", value);
+}
+
+std::string fit_interval(const ConfidenceBounds& bounds) {
+  return std::isnan(bounds.low) ? "-" : fit_number(bounds.low) + " .. " + fit_number(bounds.high);
+}
+
+std::string with_error(const PsychometricEstimate& estimate) {
+  return std::isnan(estimate.se) ? fit_number(estimate.value)
+                                 : fit_number(estimate.value) + " ± " + fmt::format("{:.2g}", estimate.se);
+}
+
+std::string p_text(double p) {
+  if (std::isnan(p)) return "-";
+  return p < 0.0001 ? "< 0.0001" : fmt::format("{:.4f}", p);
+}
+
+std::string rate_text(const char* name, const std::optional<double>& rate, double most) {
+  return rate ? fmt::format("{} {:g}", name, *rate) : fmt::format("{} free (0 .. {:g})", name, most);
+}
+
+std::string heading(const PsychometricModel& model) {
+  return fmt::format("{} function, {}, {}, {}", to_string(model.function),
+                     rate_text("guess", model.guess, kLargestGuess), rate_text("lapse", model.lapse, kLargestLapse),
+                     model.estimator == PsychometricEstimator::ml
+                         ? std::string("maximum likelihood")
+                         : fmt::format("prior Beta({:g}, {:g}) on the lapse", model.prior.a, model.prior.b));
+}
+
+// What each status means, once for all rows that have it.
+std::string remarks(const std::vector<PsychometricAnswer>& answers) {
+  using Status = PsychometricStatus;
+  static constexpr std::pair<Status, const char*> kMeanings[] = {
+      {Status::lapse_at_bound, "the free lapse is at the end of its range; the errors take it as known"},
+      {Status::guess_at_bound, "the free guess is at the end of its range; the errors take it as known"},
+      {Status::not_increasing, "no slope above 0 fits better than one rate for all levels: there is no threshold"},
+      {Status::separated, "a step fits best: the slope is infinite and the JND below what these levels can show"},
+      {Status::no_information, "one and the same answer throughout"},
+      {Status::not_identified, "too few different levels for the free parameters"}};
+  std::string text;
+  for (const auto& [status, meaning] : kMeanings)
+    for (const PsychometricAnswer& answer : answers)
+      if (answer.fit.status == status) {
+        text += warn(fmt::format("{}: {}.", to_string(status), meaning)) + "\n";
+        break;
+      }
+  return text;
+}
+
+}  // namespace
+
+std::string psychometric_text(const std::vector<PsychometricAnswer>& answers) {
+  if (answers.empty()) return "";
+  const PsychometricModel& model = answers.front().fit.model;
+  const bool bootstrap = answers.front().bootstrap.has_value();
+  const std::string confidence =
+      fmt::format("{:g} % {}", 100 * answers.front().intervals.confidence, bootstrap ? "bootstrap" : "profile");
+  const auto [location, second] = parameter_names(model.function);
+  TextTable thresholds({"group", "PSE", confidence, "JND", confidence, "slope", "deviance", "df", "p",
+                        bootstrap ? "p bootstrap" : "", "status"},
+                       {Align::left, Align::right, Align::right, Align::right, Align::right, Align::right, Align::right,
+                        Align::right, Align::right, Align::right, Align::left});
+  TextTable parameters({"group", std::string(location), confidence, std::string(second), confidence, "lapse", "guess",
+                        "log-likelihood", "trials"},
+                       {Align::left, Align::right, Align::right, Align::right, Align::right, Align::right, Align::right,
+                        Align::right, Align::right});
+  for (const PsychometricAnswer& answer : answers) {
+    const PsychometricFit& fit = answer.fit;
+    const std::string group = printable(answer.group.value_or("all"));
+    thresholds.add({group, fit_number(fit.pse.value), fit_interval(answer.intervals.pse), fit_number(fit.jnd.value),
+                    fit_interval(answer.intervals.jnd), fit_number(fit.slope.value), fit_number(fit.deviance),
+                    std::to_string(fit.degrees_of_freedom), p_text(fit.deviance_p),
+                    answer.bootstrap ? p_text(answer.bootstrap->deviance_p) : "", std::string(to_string(fit.status))});
+    parameters.add({group, with_error(fit.location), fit_interval(answer.intervals.location), with_error(fit.second),
+                    fit_interval(answer.intervals.second),
+                    model.lapse ? fit_number(*model.lapse) : with_error(fit.lapse),
+                    model.guess ? fit_number(*model.guess) : with_error(fit.guess), fit_number(fit.log_likelihood),
+                    std::to_string(fit.trials)});
+  }
+  std::string text = bold(heading(model)) + "\n" + thresholds.text();
+  text +=
+      dim("PSE: F = 0.5; JND: from there to F = 0.75; slope dF/dx at the PSE; all without guess and lapse.") + "\n\n";
+  text += parameters.text() + dim("± standard error from the observed information.") + "\n";
+  return text + remarks(answers);
+}
+
+std::string psychometric_text(const PsychometricComparison& comparison) {
+  const auto words = [](PsychometricSharing sharing) {
+    std::string text(to_string(sharing));
+    for (char& c : text)
+      if (c == '_') c = ' ';
+    return text;
+  };
+  TextTable models({"model", "parameters", "log-likelihood", "status"},
+                   {Align::left, Align::right, Align::right, Align::left});
+  for (const SharingFit& fit : comparison.fits)
+    models.add({words(fit.sharing), std::to_string(fit.parameters),
+                std::isnan(fit.log_likelihood) ? "-" : fmt::format("{:.3f}", fit.log_likelihood),
+                std::string(to_string(fit.status))});
+  TextTable tests({"test", "against", "chi-square", "df", "p", "status"},
+                  {Align::left, Align::left, Align::right, Align::right, Align::right, Align::left});
+  for (const SharingTest& test : comparison.tests)
+    tests.add({words(test.general), words(test.simpler),
+               std::isnan(test.chi_square) ? "-" : fmt::format("{:.3f}", test.chi_square), std::to_string(test.df),
+               p_text(test.p), std::string(to_string(test.status))});
+  return bold(fmt::format("Do the {} groups differ?", comparison.groups)) + "\n" + models.text() + "\n" + tests.text() +
+         dim("Likelihood ratios of nested models, maximum likelihood; location: PSE; a free lapse or guess is common "
+             "to "
+             "all groups.") +
+         "\n";
 }
 
 }  // namespace jnd

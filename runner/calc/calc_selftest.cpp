@@ -2,10 +2,10 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "runner/calc/calc.h"
-#include "runner/commands/commands.h"
-#include "runner/terminal/json_output.h"
 #include "analysis/selftest/selftest.h"
+#include "runner/calc/calc.h"
+#include "runner/terminal/exit_code.h"
+#include "runner/terminal/json_output.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/text_table.h"
 

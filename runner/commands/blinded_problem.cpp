@@ -9,7 +9,7 @@ namespace jnd {
 
 namespace {
 
-bool sealed(const Study& study) {
+bool is_sealed(const Study& study) {
   try {
     return plan_sealed(study, protocol_of(study));
   } catch (const std::exception&) {
@@ -31,7 +31,7 @@ std::vector<std::string> texts_of(const std::vector<Problem>& problems, bool in_
 }  // namespace
 
 std::vector<std::string> unsealed_problems(const std::vector<Problem>& problems, const Study& study) {
-  return texts_of(problems, problems.empty() || !sealed(study));
+  return texts_of(problems, problems.empty() || !is_sealed(study));
 }
 
 std::vector<std::string> sealed_problems(const std::vector<Problem>& problems) {

@@ -1,5 +1,5 @@
-// Looking after a study: note, exclude, unblind, backup, merge, recover. runner/commands/care_commands.cpp turns arguments into
-// these options.
+// Looking after a study: note, exclude, unblind, backup, merge, recover. runner/commands/care_commands.cpp turns
+// arguments into these options.
 //
 // Each command returns the exit code and prints to stdout. They throw InputError, StorageError and UsageError.
 #pragma once

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "data/log/session_log.h"
-#include "runner/device_commands/device_output.h"  // print_json
+#include "runner/terminal/json_output.h"
 
 namespace jnd {
 

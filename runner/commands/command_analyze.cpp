@@ -5,20 +5,21 @@
 
 #include <fmt/format.h>
 
-#include "data/study/blinding.h"
-#include "data/files/draft.h"
 #include "data/export/export_folder.h"
-#include "data/results/methods_text.h"
 #include "data/export/result_columns.h"
+#include "data/files/draft.h"
 #include "data/files/seal.h"
+#include "data/results/methods_text.h"
 #include "data/results/study_results.h"
-#include "runner/results/analysis_text.h"
-#include "runner/report/blinded_files.h"
+#include "data/study/blinding.h"
 #include "runner/commands/commands.h"
 #include "runner/keys/interrupt.h"
+#include "runner/opening/study_access.h"
+#include "runner/report/blinded_files.h"
+#include "runner/results/analysis_text.h"
+#include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
 #include "runner/terminal/standard_streams.h"
-#include "runner/opening/study_access.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {
@@ -31,7 +32,7 @@ constexpr std::string_view kCommand = "analyze";
 
 // The numbers come first: a file that cannot be written, or that is not to be written over, is said and does not take
 // the analysis with it.
-void write_methods(const AnalyzeOptions& options, const std::string& text) {
+void write_methods_file(const AnalyzeOptions& options, const std::string& text) {
   const bool named = !options.methods.empty();
   const fs::path path = named ? fs::path(options.methods) : fs::path(options.study).parent_path() / "methods.md";
   try {
@@ -122,7 +123,7 @@ int command_analyze(const AnalyzeOptions& options) {
     }
   }
   if (results.analysis.participants > 0 && !options.no_methods)
-    write_methods(options, methods_text(*study, protocol, results));
+    write_methods_file(options, methods_text(*study, protocol, results));
   if (csv) {
     csv->publish();
     if (!options.json) fmt::print("CSV files of these results are in {}\n", printable(options.csv));

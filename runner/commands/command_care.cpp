@@ -8,8 +8,8 @@
 #include "devices/clock.h"
 #include "runner/commands/care_commands.h"
 #include "runner/commands/care_output.h"
-#include "runner/commands/commands.h"
 #include "runner/opening/study_access.h"
+#include "runner/terminal/exit_code.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {

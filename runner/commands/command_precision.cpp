@@ -6,12 +6,13 @@
 #include <fmt/format.h>
 
 #include "protocols/planning/planned_precision.h"
-#include "runner/terminal/json_output.h"
-#include "runner/results/precision_json.h"
 #include "runner/commands/precision_options.h"
-#include "runner/results/precision_text.h"
-#include "runner/terminal/progress_bar.h"
 #include "runner/opening/study_access.h"
+#include "runner/results/precision_json.h"
+#include "runner/results/precision_text.h"
+#include "runner/terminal/exit_code.h"
+#include "runner/terminal/json_output.h"
+#include "runner/terminal/progress_bar.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {

@@ -4,17 +4,18 @@
 #include <fmt/format.h>
 
 #include "data/files/draft.h"
-#include "devices/hid/link/streamed_tracker.h"
+#include "protocols/input/read_file.h"
+#include "protocols/input/resources.h"
 #include "protocols/planning/duration.h"
 #include "protocols/planning/plan.h"
 #include "protocols/reading/protocol_json.h"
-#include "protocols/input/read_file.h"
+#include "protocols/rigs/rig_spec.h"
 #include "runner/commands/commands.h"
-#include "runner/terminal/json_output.h"
+#include "runner/opening/protocol_fitness.h"
 #include "runner/results/precision_json.h"
 #include "runner/results/precision_text.h"
-#include "runner/opening/protocol_fitness.h"
-#include "protocols/input/resources.h"
+#include "runner/terminal/exit_code.h"
+#include "runner/terminal/json_output.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {

@@ -4,16 +4,16 @@
 
 #include <fmt/format.h>
 
-#include "data/study/blinding.h"
 #include "data/results/methods_text.h"
 #include "data/results/study_results.h"
+#include "data/study/blinding.h"
 #include "protocols/version.h"
-#include "runner/report/blinded_files.h"
-#include "runner/commands/commands.h"
 #include "runner/commands/report_command.h"
+#include "runner/opening/study_access.h"
+#include "runner/report/blinded_files.h"
 #include "runner/report/report_files.h"
 #include "runner/report/report_page.h"
-#include "runner/opening/study_access.h"
+#include "runner/terminal/exit_code.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {

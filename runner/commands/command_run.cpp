@@ -4,24 +4,25 @@
 
 #include "data/log/event_body.h"
 #include "data/log/storage_error.h"
+#include "devices/hid/buttons/button_box.h"
 #include "devices/rigs/rig_factory.h"
+#include "protocols/input/resources.h"
 #include "protocols/planning/plan.h"
 #include "protocols/reading/translation.h"
-#include "devices/hid/buttons/button_box.h"
-#include "runner/opening/chosen_rig.h"
 #include "runner/commands/commands.h"
 #include "runner/console/console.h"
-#include "runner/session/fast_clock.h"
 #include "runner/keys/interrupt.h"
 #include "runner/keys/keyboard.h"
+#include "runner/opening/chosen_rig.h"
 #include "runner/opening/readiness.h"
-#include "protocols/input/resources.h"
-#include "runner/session/rig_connections.h"
 #include "runner/opening/rig_source.h"
-#include "runner/session/session_engine.h"
 #include "runner/opening/session_opening.h"
-#include "runner/session/simulate.h"
 #include "runner/opening/study_access.h"
+#include "runner/session/fast_clock.h"
+#include "runner/session/rig_connections.h"
+#include "runner/session/session_engine.h"
+#include "runner/session/simulate.h"
+#include "runner/terminal/exit_code.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {
@@ -106,7 +107,7 @@ int command_run(const RunOptions& options) {
   const RecordPolicy record = record_policy_of(options.record);
 
   SessionRequest request;
-  const ChosenRig chosen = choose_rig(options);
+  const ChosenRig chosen = choose_rig(options.rig, options.fast);
   request.kind = kind_of(options, chosen.source().info(protocol, description.spec).simulated);
   request.responder = person ? "keyboard" : "profile " + profile.name;
   request.profile_sha256 = person ? "" : profile.sha256;
@@ -119,7 +120,7 @@ int command_run(const RunOptions& options) {
 
   if (!options.buttons.empty() && !person) throw UsageError("--responder answers for nobody: leave --buttons out");
   // They come before the study: where they are not there, nothing is made.
-  const ChosenButtons chosen_buttons = person ? choose_buttons(options, chosen.file) : ChosenButtons{};
+  const ChosenButtons chosen_buttons = person ? choose_buttons(options.buttons, chosen.file) : ChosenButtons{};
   ButtonBox* const buttons = chosen_buttons.box.get();
 
   std::unique_ptr<Keyboard> keyboard;

@@ -5,17 +5,18 @@
 #include <fmt/format.h>
 
 #include "data/study/blinding.h"
-#include "runner/results/adaptive_text.h"
-#include "runner/results/analysis_text.h"
+#include "protocols/input/resources.h"
 #include "runner/commands/commands.h"
 #include "runner/keys/interrupt.h"
+#include "runner/opening/rig_limits.h"
+#include "runner/opening/study_access.h"
+#include "runner/results/adaptive_text.h"
+#include "runner/results/analysis_text.h"
+#include "runner/session/simulate.h"
+#include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
 #include "runner/terminal/number_text.h"
-#include "protocols/input/resources.h"
-#include "runner/opening/rig_limits.h"
-#include "runner/session/simulate.h"
 #include "runner/terminal/standard_streams.h"
-#include "runner/opening/study_access.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {

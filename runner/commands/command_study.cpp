@@ -4,17 +4,19 @@
 
 #include <fmt/format.h>
 
-#include "data/study/blinding.h"
 #include "data/export/export.h"
 #include "data/results/study_results.h"
+#include "data/study/blinding.h"
+#include "data/verify/verify.h"
 #include "data/verify/verify_deep.h"
 #include "devices/loop/governor.h"
-#include "runner/report/blinded_files.h"
 #include "runner/commands/blinded_problem.h"
 #include "runner/commands/commands.h"
 #include "runner/keys/interrupt.h"
-#include "runner/terminal/json_output.h"
 #include "runner/opening/study_access.h"
+#include "runner/report/blinded_files.h"
+#include "runner/terminal/exit_code.h"
+#include "runner/terminal/json_output.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/text_table.h"
 

@@ -4,27 +4,10 @@
 
 #include <cstdint>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 namespace jnd {
-
-namespace exit_code {
-inline constexpr int kDone = 0;
-inline constexpr int kProblemFound = 1;
-inline constexpr int kUsage = 2;
-inline constexpr int kInvalidInput = 3;
-inline constexpr int kDevice = 4;
-inline constexpr int kStorage = 5;
-inline constexpr int kInterrupted = 130;
-}  // namespace exit_code
-
-// The options do not fit each other or the study. The program exits with 2.
-class UsageError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 struct NewOptions {
   std::string file;               // to write
@@ -114,13 +97,5 @@ struct ExportOptions {
   bool telemetry = false;  // the ticks of every interval too
 };
 int command_export(const ExportOptions& options);
-
-struct DoctorOptions {
-  std::optional<std::string> study;  // a study, or the folder where studies go; where not given, this folder
-  double seconds = 3;                // of each measurement of the loop's lateness
-  std::string protocol, rig;         // to be fit for: a protocol's file or shipped name, a rig file; empty: none
-  bool json = false;
-};
-int command_doctor(const DoctorOptions& options);
 
 }  // namespace jnd

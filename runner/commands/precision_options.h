@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "runner/commands/commands.h"
+#include "runner/terminal/exit_code.h"
 
 namespace CLI {
 class App;

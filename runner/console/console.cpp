@@ -3,9 +3,9 @@
 #include <unistd.h>
 
 #include "runner/console/console_lines.h"
-#include "runner/keys/interrupt.h"
 #include "runner/console/screen_display.h"
 #include "runner/console/session_console.h"
+#include "runner/keys/interrupt.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/input/utf8.h"
 #include "runner/console/session_console.h"
 #include "runner/terminal/terminal.h"
 

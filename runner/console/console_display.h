@@ -7,8 +7,8 @@
 
 #include "runner/console/console.h"
 #include "runner/console/console_keys.h"
-#include "runner/keys/line_editor.h"
 #include "runner/console/questionnaire_page.h"
+#include "runner/keys/line_editor.h"
 
 namespace jnd {
 
@@ -34,7 +34,8 @@ struct Scene {
 // tells them apart is the plan's.
 std::string trial_heading(const TrialOutline& outline);
 
-// Texts are printable (runner/terminal/terminal.h) but for the line ends of Scene::text. Thread rule: the session's thread only.
+// Texts are printable (runner/terminal/terminal.h) but for the line ends of Scene::text. Thread rule: the session's
+// thread only.
 class Display {
  public:
   virtual ~Display() = default;

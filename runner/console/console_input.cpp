@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "devices/clock.h"
+#include "protocols/input/utf8.h"
 
 namespace jnd {
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/input/utf8.h"
 #include "runner/keys/keyboard.h"
 #include "runner/keys/line_editor.h"
 

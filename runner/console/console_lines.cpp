@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/input/utf8.h"
 #include "runner/keys/interrupt.h"
 #include "runner/terminal/terminal.h"
 

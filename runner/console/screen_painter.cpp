@@ -13,6 +13,7 @@
 #include <term.h>
 #include <unistd.h>
 
+#include "protocols/input/utf8.h"
 #include "runner/keys/line_editor.h"
 #include "runner/keys/screen_restore.h"
 

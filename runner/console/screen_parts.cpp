@@ -12,7 +12,6 @@
 namespace jnd {
 
 namespace {
-constexpr Style kBold{.bold = true}, kDim{.dim = true};
 
 std::string lateness_text(double latest_us) {
   if (latest_us < kTightLoop.largest_us) return "on time";

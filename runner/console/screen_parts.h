@@ -15,6 +15,8 @@ struct Paper {
   int rows = 24;
 };
 
+inline constexpr Style kBold{.bold = true}, kDim{.dim = true};
+
 Span span(const Paper& paper, int column, const std::string& text, Style style = {});
 Style style_of(Tone tone);
 // A bar of `cells` cells; share 0..1.

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "protocols/input/utf8.h"
 #include "runner/keys/line_editor.h"
 #include "runner/terminal/terminal.h"
 

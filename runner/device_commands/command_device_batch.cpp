@@ -9,9 +9,9 @@
 #include "protocols/input/input_error.h"
 #include "protocols/input/json_reader.h"
 #include "protocols/input/read_file.h"
-#include "runner/commands/commands.h"
 #include "runner/device_commands/device_output.h"
 #include "runner/device_commands/rrs3_answer.h"
+#include "runner/terminal/exit_code.h"
 #include "runner/terminal/standard_streams.h"
 #include "runner/terminal/terminal.h"
 

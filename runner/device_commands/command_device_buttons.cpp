@@ -13,16 +13,16 @@
 #include "devices/device_error.h"
 #include "devices/hid/hidapi_bus.h"
 #include "runner/device_commands/button_dialogue.h"
-#include "runner/commands/commands.h"
 #include "runner/device_commands/device_commands.h"
 #include "runner/keys/interrupt.h"
+#include "runner/terminal/exit_code.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {
 
 namespace {
 
-void say(const std::string& line) {
+void say_at_once(const std::string& line) {
   fmt::print("{}\n", printable(line));
   std::fflush(stdout);  // also into a pipe: somebody waits for it
 }
@@ -103,11 +103,12 @@ int command_device_learn_buttons(const LearnButtonsOptions& options) {
   Draft file(options.file, Draft::What::file, Draft::Access::everyone);
   const std::optional<HidInfo> info = chosen_device(bus, options.device);
   if (!info) return exit_code::kInterrupted;
-  say(fmt::format("Learning the buttons of {}. Ctrl-C gives up.", described(*info)));
+  say_at_once(fmt::format("Learning the buttons of {}. Ctrl-C gives up.", described(*info)));
   const LearnerSetup setup{*info, reports_numbered(info->path), options.with_stop, options.debounce_ms};
-  const std::optional<ButtonMapping> mapping = learn_buttons(bus, setup, say, [] { return interrupts().end.load(); });
+  const std::optional<ButtonMapping> mapping =
+      learn_buttons(bus, setup, say_at_once, [] { return interrupts().end.load(); });
   if (!mapping) {
-    say("Given up; nothing was written.");
+    say_at_once("Given up; nothing was written.");
     return exit_code::kInterrupted;
   }
   file.write(to_json(*mapping));

@@ -3,23 +3,23 @@
 
 #include <fmt/format.h>
 
-#include "devices/hid/calibration/calibration_certificate.h"
 #include "devices/device_error.h"
 #include "devices/hid/calibration/calibration_bench.h"
+#include "devices/hid/calibration/calibration_certificate.h"
 #include "devices/hid/hidapi_bus.h"
 #include "devices/hid/report_words.h"
+#include "protocols/input/csv_table.h"
 #include "protocols/input/input_error.h"
 #include "protocols/version.h"
-#include "runner/commands/commands.h"
-#include "protocols/input/csv_table.h"
 #include "runner/device_commands/device_commands.h"
 #include "runner/device_commands/device_output.h"
 #include "runner/device_commands/hid_devices.h"
+#include "runner/device_commands/typing_operator.h"
 #include "runner/keys/interrupt.h"
+#include "runner/terminal/exit_code.h"
 #include "runner/terminal/standard_streams.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/text_table.h"
-#include "runner/device_commands/typing_operator.h"
 
 namespace jnd {
 

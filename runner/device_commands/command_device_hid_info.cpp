@@ -4,15 +4,15 @@
 
 #include <fmt/format.h>
 
-#include "devices/hid/calibration/calibration.h"
 #include "devices/device_error.h"
+#include "devices/hid/calibration/calibration.h"
 #include "devices/hid/device_fit.h"
 #include "devices/hid/report_words.h"
+#include "protocols/input/resources.h"
 #include "runner/device_commands/command_device_hid.h"
-#include "runner/commands/commands.h"
 #include "runner/device_commands/device_output.h"
 #include "runner/device_commands/hid_devices.h"
-#include "protocols/input/resources.h"
+#include "runner/terminal/exit_code.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {
@@ -117,47 +117,53 @@ Json fingertip_json(const HidInfo& info, const Known& known) {
   return out;
 }
 
-void say(const char* what, const std::string& value) {
-  fmt::print("  {:<15}{}\n", what, printable(value));
-}
-
 void print_identity(const HidInfo& info, const Known& known) {
   const jnd_identity& identity = known.device.identity;
   fmt::print("{}: {}, finger: {}\n", bold(printable(serial_of(identity))), model_word(identity.model),
              finger_word(identity.finger));
-  say("connected", fmt::format("{}, USB {} {}", info.path, usb_id(info), info.product_name));
-  say("protocol", fmt::format("versions {} to {}; this program speaks {}", identity.lowest_version,
-                              identity.highest_version, JND_PROTOCOL_VERSION));
-  say("firmware",
+  print_field(15, "connected", fmt::format("{}, USB {} {}", info.path, usb_id(info), info.product_name));
+  print_field(15, "protocol",
+              fmt::format("versions {} to {}; this program speaks {}", identity.lowest_version,
+                          identity.highest_version, JND_PROTOCOL_VERSION));
+  print_field(
+      15, "firmware",
       fmt::format("{}, {} Hz, watchdog {} ms", firmware_text(identity), identity.loop_rate_hz, identity.watchdog_ms));
-  say("can", capability_words(identity.capabilities));
-  say("round trip", fmt::format("median {:.2f} ms, longest {:.2f} ms, of a request and its answer",
-                                known.trip_median_ms, known.trip_longest_ms));
+  print_field(15, "can", capability_words(identity.capabilities));
+  print_field(15, "round trip",
+              fmt::format("median {:.2f} ms, longest {:.2f} ms, of a request and its answer", known.trip_median_ms,
+                          known.trip_longest_ms));
 }
 
 void print_fingertip(const DeviceDescription& device) {
   const jnd_identity& identity = device.identity;
   const DeviceSpec spec = spec_of(device.limits, device.geometry, 1e9);
   const std::string id = calibration_id_of(identity);
-  say("calibrated", id.empty() ? "never" : fmt::format("{}, certificate {}", date_text(identity.calibration_date), id));
-  say("force table", device.table.points == 0 ? std::string("none: the force is as the sensor says")
-                                              : fmt::format("{} points", device.table.points));
-  say("force", fmt::format("at most {:g} N, rising by at most {:g} N/s, let in over {} ms", spec.max_force_n,
-                           1e-3 * device.limits.most_force_rise_mn_per_s, device.limits.soft_start_ms));
-  say("stiffness", fmt::format("at most {:g} N/m, damping {:g} N s/m", spec.max_stiffness,
-                               1e-2 * device.limits.most_damping_cn_s_per_m));
-  say("stroke", fmt::format("{:g} mm: platform at {:g} to {:g} mm, at rest {:g} mm", 1e3 * spec.stroke_m,
-                            1e3 * spec.lowest_travel, 1e3 * spec.highest_travel, 1e3 * spec.rest_z_m));
-  say("roll, pitch", fmt::format("-+ {}, -+ {}", angle_text(spec.max_roll_rad), angle_text(spec.max_pitch_rad)));
-  say("vibration",
-      fmt::format("{:g} to {:g} g, {:g} to {:g} Hz, at most {} ms", spec.min_vibration_g, spec.max_vibration_g,
-                  spec.min_vibration_hz, spec.max_vibration_hz, device.limits.most_burst_ms));
-  say("geometry", fmt::format("a {:g}, b {:g}, bh {:g}, bd {:.4g}, l1 {:g}, l2 {:g} mm", 1e3 * spec.a_m, 1e3 * spec.b_m,
-                              1e3 * spec.bh_m, 1e3 * spec.bd_m, 1e3 * spec.l1_m, 1e3 * spec.l2_m));
+  print_field(15, "calibrated",
+              id.empty() ? "never" : fmt::format("{}, certificate {}", date_text(identity.calibration_date), id));
+  print_field(15, "force table",
+              device.table.points == 0 ? std::string("none: the force is as the sensor says")
+                                       : fmt::format("{} points", device.table.points));
+  print_field(15, "force",
+              fmt::format("at most {:g} N, rising by at most {:g} N/s, let in over {} ms", spec.max_force_n,
+                          1e-3 * device.limits.most_force_rise_mn_per_s, device.limits.soft_start_ms));
+  print_field(15, "stiffness",
+              fmt::format("at most {:g} N/m, damping {:g} N s/m", spec.max_stiffness,
+                          1e-2 * device.limits.most_damping_cn_s_per_m));
+  print_field(15, "stroke",
+              fmt::format("{:g} mm: platform at {:g} to {:g} mm, at rest {:g} mm", 1e3 * spec.stroke_m,
+                          1e3 * spec.lowest_travel, 1e3 * spec.highest_travel, 1e3 * spec.rest_z_m));
+  print_field(15, "roll, pitch",
+              fmt::format("-+ {}, -+ {}", angle_text(spec.max_roll_rad), angle_text(spec.max_pitch_rad)));
+  print_field(15, "vibration",
+              fmt::format("{:g} to {:g} g, {:g} to {:g} Hz, at most {} ms", spec.min_vibration_g, spec.max_vibration_g,
+                          spec.min_vibration_hz, spec.max_vibration_hz, device.limits.most_burst_ms));
+  print_field(15, "geometry",
+              fmt::format("a {:g}, b {:g}, bh {:g}, bd {:.4g}, l1 {:g}, l2 {:g} mm", 1e3 * spec.a_m, 1e3 * spec.b_m,
+                          1e3 * spec.bh_m, 1e3 * spec.bd_m, 1e3 * spec.l1_m, 1e3 * spec.l2_m));
   const std::string lacking = lacks(device);
-  say("for rrs3", lacking.empty() ? "can do what a study with rrs3 asks" : "LACKS " + lacking);
+  print_field(15, "for rrs3", lacking.empty() ? "can do what a study with rrs3 asks" : "LACKS " + lacking);
   if (device.reports == 0) {
-    say("now", "no telemetry came");
+    print_field(15, "now", "no telemetry came");
     return;
   }
   const jnd_telemetry& now = device.telemetry;
@@ -165,8 +171,8 @@ void print_fingertip(const DeviceDescription& device) {
   if (now.temperature_cdeg != JND_TEMPERATURE_NONE) text += fmt::format(", {:.1f} C", 0.01 * now.temperature_cdeg);
   text +=
       now.battery_percent == JND_BATTERY_NONE ? ", on the cable" : fmt::format(", battery {} %", now.battery_percent);
-  say("now", text);
-  say("faults", now.faults == 0 ? "none" : fault_words(now.faults));
+  print_field(15, "now", text);
+  print_field(15, "faults", now.faults == 0 ? "none" : fault_words(now.faults));
 }
 
 }  // namespace

@@ -7,10 +7,10 @@
 
 #include "devices/device_error.h"
 #include "devices/hid/report_words.h"
-#include "runner/commands/commands.h"
 #include "runner/device_commands/device_output.h"
 #include "runner/device_commands/hid_devices.h"
 #include "runner/keys/interrupt.h"
+#include "runner/terminal/exit_code.h"
 #include "runner/terminal/standard_streams.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/text_table.h"

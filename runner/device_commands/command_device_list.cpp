@@ -2,13 +2,13 @@
 #include <fmt/format.h>
 
 #include "devices/hid/hidapi_bus.h"
+#include "protocols/input/resources.h"
 #include "runner/device_commands/command_device_hid.h"
-#include "runner/commands/commands.h"
 #include "runner/device_commands/device_output.h"
 #include "runner/device_commands/hid_devices.h"
 #include "runner/device_commands/hid_list.h"
-#include "protocols/input/resources.h"
 #include "runner/opening/rig_limits.h"
+#include "runner/terminal/exit_code.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {
@@ -109,10 +109,6 @@ nlohmann::ordered_json rig_json(const RigSpec& rig, const std::string& file) {
   return out;
 }
 
-void say(const char* what, const std::string& value) {
-  fmt::print("  {:<22}{}\n", what, value);
-}
-
 // Numbers of a JSON object as "name value" pairs, a few a line.
 void say_all(const char* what, const nlohmann::ordered_json& values) {
   std::string line;
@@ -120,33 +116,38 @@ void say_all(const char* what, const nlohmann::ordered_json& values) {
   for (const auto& [key, value] : values.items()) {
     line += fmt::format("{}{} {:g}", line.empty() ? "" : ", ", key, value.get<double>());
     if (++count % 4 != 0) continue;
-    say(count == 4 ? what : "", line);
+    print_field(22, count == 4 ? what : "", line);
     line.clear();
   }
-  if (!line.empty()) say(count < 4 ? what : "", line);
+  if (!line.empty()) print_field(22, count < 4 ? what : "", line);
 }
 
 void print_device(const DeviceSpec& device) {
   fmt::print("\n{}\n", bold(printable(device.name)));
-  say("force", fmt::format("at most {:g} N on the finger", device.max_force_n));
-  say("stiffness", fmt::format("at most {:g} {}", device.max_stiffness, to_string(device.unit)));
+  print_field(22, "force", fmt::format("at most {:g} N on the finger", device.max_force_n));
+  print_field(22, "stiffness", fmt::format("at most {:g} {}", device.max_stiffness, to_string(device.unit)));
   if (device.model == DeviceModel::rrs3) {
-    say("stroke", fmt::format("{:g} mm: platform at {:g} to {:g} mm, at rest {:g} mm", 1e3 * device.stroke_m,
-                              1e3 * device.lowest_travel, 1e3 * device.highest_travel, 1e3 * device.rest_z_m));
-    say("roll", fmt::format("-+ {}", angle_text(device.max_roll_rad)));
-    say("pitch", fmt::format("-+ {}", angle_text(device.max_pitch_rad)));
-    say("joints", fmt::format("at most {:.3f} rad/s ({:.0f} deg/s)", device.max_joint_speed_rad_per_s,
-                              device.max_joint_speed_rad_per_s * kDegreesPerRadian));
-    say("vibration", fmt::format("{:g} to {:g} g, {:g} to {:g} Hz", device.min_vibration_g, device.max_vibration_g,
-                                 device.min_vibration_hz, device.max_vibration_hz));
+    print_field(22, "stroke",
+                fmt::format("{:g} mm: platform at {:g} to {:g} mm, at rest {:g} mm", 1e3 * device.stroke_m,
+                            1e3 * device.lowest_travel, 1e3 * device.highest_travel, 1e3 * device.rest_z_m));
+    print_field(22, "roll", fmt::format("-+ {}", angle_text(device.max_roll_rad)));
+    print_field(22, "pitch", fmt::format("-+ {}", angle_text(device.max_pitch_rad)));
+    print_field(22, "joints",
+                fmt::format("at most {:.3f} rad/s ({:.0f} deg/s)", device.max_joint_speed_rad_per_s,
+                            device.max_joint_speed_rad_per_s * kDegreesPerRadian));
+    print_field(22, "vibration",
+                fmt::format("{:g} to {:g} g, {:g} to {:g} Hz", device.min_vibration_g, device.max_vibration_g,
+                            device.min_vibration_hz, device.max_vibration_hz));
     say_all("geometry", geometry_json(device));
     return;
   }
-  say("joint", fmt::format("{} to {}", angle_text(device.lowest_travel), angle_text(device.highest_travel)));
-  say("control",
+  print_field(22, "joint",
+              fmt::format("{} to {}", angle_text(device.lowest_travel), angle_text(device.highest_travel)));
+  print_field(
+      22, "control",
       fmt::format("kp {:g} V/N, ki {:g} V/(N s), kd {:g} V s/N", device.gains.kp, device.gains.ki, device.gains.kd));
-  say("tendon", std::string(to_string(device.tendon)));
-  say("lever arm", fmt::format("{:g} m: travel of the fingertip per angle", device.lever_arm_m));
+  print_field(22, "tendon", std::string(to_string(device.tendon)));
+  print_field(22, "lever arm", fmt::format("{:g} m: travel of the fingertip per angle", device.lever_arm_m));
   say_all("finger", finger_json(device.finger));
 }
 
@@ -189,13 +190,14 @@ int command_device_info(const std::string& name, bool json) {
     return exit_code::kDone;
   }
   fmt::print("{}: {}\n", bold(printable(rig.name)), printable(rig.title));
-  say("what", what_it_is(rig));
-  say("file", printable(file.string()));
-  say("description", is_shipped(rig) ? "as shipped" : warn(printable(not_shipped_text(rig))));
-  say("SHA-256", rig.sha256);
+  print_field(22, "what", what_it_is(rig));
+  print_field(22, "file", printable(file.string()));
+  print_field(22, "description", is_shipped(rig) ? "as shipped" : warn(printable(not_shipped_text(rig))));
+  print_field(22, "SHA-256", rig.sha256);
   if (rig.devices.size() > 1)
-    say("lever arm", fmt::format("{:g} m from the joint to the contact: 500 N/m there are {:g} N/rad of the joint",
-                                 rig.lever_arm_m, 500 * rig.lever_arm_m));
+    print_field(22, "lever arm",
+                fmt::format("{:g} m from the joint to the contact: 500 N/m there are {:g} N/rad of the joint",
+                            rig.lever_arm_m, 500 * rig.lever_arm_m));
   for (const DeviceSpec& device : rig.devices) print_device(device);
   return exit_code::kDone;
 }

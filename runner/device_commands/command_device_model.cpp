@@ -9,10 +9,10 @@
 #include "devices/rrs3/rrs3_model.h"
 #include "devices/rrs3/rrs3_workspace.h"
 #include "protocols/input/input_error.h"
-#include "runner/commands/commands.h"
 #include "runner/device_commands/device_output.h"
-#include "runner/terminal/plot.h"
 #include "runner/device_commands/rrs3_answer.h"
+#include "runner/terminal/exit_code.h"
+#include "runner/terminal/plot.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/text_table.h"
 

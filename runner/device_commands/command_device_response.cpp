@@ -6,8 +6,8 @@
 
 #include "data/export/csv_writer.h"
 #include "devices/mckibben/mckibben_response.h"
-#include "runner/commands/commands.h"
 #include "runner/device_commands/device_output.h"
+#include "runner/terminal/exit_code.h"
 #include "runner/terminal/plot.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/text_table.h"

@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 
 #include "devices/hid/hidapi_bus.h"
-#include "runner/device_commands/command_device_hid.h"
-#include "runner/commands/commands.h"
 #include "devices/self_test/device_bench.h"
+#include "runner/device_commands/command_device_hid.h"
 #include "runner/device_commands/device_output.h"
 #include "runner/device_commands/hid_devices.h"
+#include "runner/terminal/exit_code.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/text_table.h"
 

@@ -1,5 +1,6 @@
-// `jnd device`: what the devices and their models do, before a study relies on them. runner/device_commands/device_commands.cpp turns
-// arguments into these options; each command is a function in a command_device_*.cpp of its own.
+// `jnd device`: what the devices and their models do, before a study relies on them.
+// runner/device_commands/device_commands.cpp turns arguments into these options; each command is a function in a
+// command_device_*.cpp of its own.
 //
 // Each returns the exit code and prints to stdout. They throw InputError, DeviceError and UsageError. Angles are rad,
 // everything else SI.
@@ -138,5 +139,13 @@ struct LearnButtonsOptions {
   int debounce_ms = 10;
 };
 int command_device_learn_buttons(const LearnButtonsOptions& options);
+
+struct DoctorOptions {
+  std::optional<std::string> study;  // a study, or the folder where studies go; where not given, this folder
+  double seconds = 3;                // of each measurement of the loop's lateness
+  std::string protocol, rig;         // to be fit for: a protocol's file or shipped name, a rig file; empty: none
+  bool json = false;
+};
+int command_doctor(const DoctorOptions& options);
 
 }  // namespace jnd

@@ -6,10 +6,10 @@
 #include <fmt/format.h>
 
 #include "data/files/draft.h"
-#include "runner/commands/commands.h"
-#include "runner/keys/interrupt.h"
-#include "runner/terminal/json_output.h"
 #include "protocols/input/resources.h"
+#include "runner/keys/interrupt.h"
+#include "runner/terminal/exit_code.h"
+#include "runner/terminal/json_output.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {
@@ -49,10 +49,6 @@ bool write_csv(const DeviceOutput& output, const std::string& csv) {
   return false;
 }
 
-void print_json(const nlohmann::ordered_json& document) {
-  fmt::print("{}\n", json_line(document));
-}
-
 nlohmann::ordered_json json_rows(const Eigen::MatrixXd& matrix) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   for (Eigen::Index row = 0; row < matrix.rows(); ++row) rows.push_back(json_vector(matrix.row(row).transpose()));
@@ -80,6 +76,10 @@ DeviceSpec device_named(const std::string& name_or_path, DeviceModel model) {
     throw UsageError(fmt::format("{} is no {}: give a description of one", name_or_path,
                                  model == DeviceModel::rrs3 ? "3RRS device" : "McKibben finger"));
   return *device;
+}
+
+void print_field(int width, const char* what, const std::string& value) {
+  fmt::print("  {:<{}}{}\n", what, width, printable(value));
 }
 
 }  // namespace jnd

@@ -22,9 +22,6 @@ std::vector<double> numbers_of(const std::string& text, std::size_t count, std::
 // Throws UsageError beside --json and where the file exists, and StorageError where it cannot be written.
 bool write_csv(const DeviceOutput& output, const std::string& csv);
 
-// Prints one JSON document on a line.
-void print_json(const nlohmann::ordered_json& document);
-
 template <typename Numbers>
 nlohmann::ordered_json json_array(const Numbers& numbers) {
   nlohmann::ordered_json array = nlohmann::ordered_json::array();
@@ -43,5 +40,9 @@ inline constexpr double kDegreesPerRadian = 57.295779513082320877;
 // the rig has no device of that model.
 RigSpec rig_named(const std::string& name_or_path);
 DeviceSpec device_named(const std::string& name_or_path, DeviceModel model);
+
+// A line "  WHAT     VALUE" for a person; the value begins `width` characters behind the indent. Text of a device is made
+// printable.
+void print_field(int width, const char* what, const std::string& value);
 
 }  // namespace jnd

@@ -14,9 +14,9 @@
 #include "devices/machine/io_thread.h"
 #include "devices/realtime.h"
 #include "protocols/input/input_error.h"
-#include "runner/commands/commands.h"
-#include "runner/keys/interrupt.h"
 #include "protocols/input/resources.h"
+#include "runner/keys/interrupt.h"
+#include "runner/terminal/exit_code.h"
 #include "runner/terminal/standard_streams.h"
 #include "runner/terminal/terminal.h"
 
@@ -31,16 +31,7 @@ std::string usb_id(const HidInfo& info) {
 }
 
 std::string shipped_udev_rules() {
-  namespace fs = std::filesystem;
-  std::error_code error;
-  std::vector<fs::path> places;
-  const fs::path binary = fs::read_symlink("/proc/self/exe", error);
-  if (!error) places.push_back(binary.parent_path().parent_path() / "share/jnd/udev/70-jnd.rules");
-  places.push_back(fs::path(JND_DATA_DIR) / "udev/70-jnd.rules");
-  places.push_back(fs::path(JND_SOURCE_DIR) / "devices/hid/70-jnd.rules");
-  for (const fs::path& place : places)
-    if (fs::is_regular_file(place, error)) return place.string();
-  return {};
+  return shipped_file("udev", "devices/hid", "70-jnd.rules").string();
 }
 
 bool names_a_rig(const std::string& name) {

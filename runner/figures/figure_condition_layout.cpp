@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "analysis/numerics/special_values.h"
 
 namespace jnd {
 
@@ -32,7 +33,7 @@ double upper_end(const ConditionFigure& figure) {
 
 Range range_of(const ConditionFigure& figure) {
   if (figure.scale) return {figure.scale->first, figure.scale->second};
-  double lowest = std::numeric_limits<double>::infinity();
+  double lowest = kInf;
   for (const ConditionColumn& column : figure.columns) {
     for (const PlottedPoint& point : column.points) lowest = std::min(lowest, point.value);
     if (column.interval) lowest = std::min(lowest, column.interval->low);

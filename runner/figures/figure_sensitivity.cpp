@@ -13,7 +13,7 @@ namespace jnd {
 
 namespace {
 
-constexpr double kNames = 440, kPlot = 320, kVerdict = 225, kRow = 26;
+constexpr double kNames = 440, kPlot = 320, kVerdict = 225, kSensitivityRow = 26;
 
 std::string verdict_of(const SensitivityRow& row) {
   if (row.registered) return "registered";
@@ -35,7 +35,7 @@ Range range_of(const std::vector<SensitivityRow>& rows) {
 }
 
 void draw_row(Svg& svg, const SensitivityRow& row, const Panel& panel, const Scale& x, double y) {
-  if (row.registered) svg.rectangle(8, y - kRow / 2, svg.width() - 16, kRow, kBand);
+  if (row.registered) svg.rectangle(8, y - kSensitivityRow / 2, svg.width() - 16, kSensitivityRow, kBand);
   TextLook name = anchored(kLabel, "end");
   name.bold = row.registered;
   name.size = 11;
@@ -88,13 +88,13 @@ std::vector<Figure> sensitivity_figures(const StudyResults& results, const Proto
     legend.push_back({LegendEntry::Kind::condition, static_cast<int>(i), condition_title(protocol.conditions[i])});
   const double width = kNames + kPlot + kVerdict;
   const double top = 8 + draw_legend(nullptr, legend, 0, 0, width - 20) + 8;
-  const Panel panel{kNames, top, kNames + kPlot, top + kRow * static_cast<double>(rows.size())};
+  const Panel panel{kNames, top, kNames + kPlot, top + kSensitivityRow * static_cast<double>(rows.size())};
   const Range range = range_of(rows);
   const Scale x{range.low, range.high, panel.left, panel.right};
   Svg svg("figure-sensitivity", width, panel.bottom + 48, title, description_of(rows, protocol));
   draw_legend(&svg, legend, 12, 8, width - 20);
   for (std::size_t i = 0; i < rows.size(); ++i)
-    draw_row(svg, rows[i], panel, x, top + kRow * (static_cast<double>(i) + 0.5));
+    draw_row(svg, rows[i], panel, x, top + kSensitivityRow * (static_cast<double>(i) + 0.5));
   draw_x_axis(svg, panel, x, fmt::format("median JND ({})", unit_of(protocol)), 6);
   svg.rectangle(panel.left, panel.top, panel.width(), panel.height(), kFrame);
   return {

@@ -14,7 +14,7 @@ namespace jnd {
 namespace {
 
 constexpr std::size_t kPanelsInFigure = 24, kMostPanels = 96, kColumns = 6;
-constexpr double kLeft = 62, kPanelWidth = 138, kPanelHeight = 112, kGapX = 14, kGapY = 34, kBottom = 52;
+constexpr double kLeft = 62, kSlopePanelWidth = 138, kSlopePanelHeight = 112, kGapX = 14, kGapY = 34, kBottom = 52;
 
 std::vector<LegendEntry> legend_of(const Protocol& protocol, const std::vector<SlopePanel>& panels) {
   std::vector<LegendEntry> legend;
@@ -35,7 +35,7 @@ std::vector<LegendEntry> legend_of(const Protocol& protocol, const std::vector<S
 // Panels in rows from the left, all with the same scales; axes at the left and below only.
 Svg draw_grid(const std::vector<SlopePanel>& panels, const SlopeScales& scales, const Protocol& protocol,
               const std::string& id, const std::string& title, const std::string& description, double enlarged) {
-  const double wide = kPanelWidth * enlarged, high = kPanelHeight * enlarged;
+  const double wide = kSlopePanelWidth * enlarged, high = kSlopePanelHeight * enlarged;
   const std::size_t columns = std::min(enlarged > 1 ? std::size_t{3} : kColumns, panels.size());
   const std::size_t rows = (panels.size() + columns - 1) / columns;
   const double width = std::max(480.0, kLeft + static_cast<double>(columns) * (wide + kGapX) + 4);

@@ -6,8 +6,8 @@
 #include <unistd.h>
 
 #include "analysis/numerics/stop_request.h"
-#include "runner/commands/commands.h"
 #include "runner/keys/screen_restore.h"
+#include "runner/terminal/exit_code.h"
 
 namespace jnd {
 

@@ -20,8 +20,8 @@ Interrupts& interrupts() noexcept;
 // interrupts().end: what everything but an operator's session looks at.
 const std::atomic<bool>& interrupt_requested() noexcept;
 // SIGINT, SIGTERM and SIGHUP. Without HoldInterrupts the first ends the program at once, with words and exit code 130.
-// With it the first sets `end` and stop_requested() (analysis/numerics/stop_request.h), and a second one of the same kind ends
-// the program at once, as usual.
+// With it the first sets `end` and stop_requested() (analysis/numerics/stop_request.h), and a second one of the same
+// kind ends the program at once, as usual.
 // SIGXFSZ is ignored: a file that may not grow is trouble with storage, which is said where it is written.
 void install_interrupt_handlers() noexcept;
 void request_interrupt() noexcept;  // as if a signal had come

@@ -29,8 +29,4 @@ class LineEditor {
   std::size_t cursor_ = 0;
 };
 
-// UTF-8 to code points and back; what is no character becomes U+FFFD.
-std::u32string code_points(const std::string& utf8);
-std::string to_utf8(const std::u32string& text);
-
 }  // namespace jnd

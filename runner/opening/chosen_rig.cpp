@@ -1,27 +1,27 @@
 #include "runner/opening/chosen_rig.h"
 
 #include "devices/hid/hidapi_bus.h"
+#include "runner/terminal/exit_code.h"
 
 namespace jnd {
 
-ChosenRig choose_rig(const RunOptions& options) {
+ChosenRig choose_rig(const std::string& rig, bool fast) {
   ChosenRig chosen;
-  if (options.rig == "simulated") return chosen;
-  if (options.fast)
+  if (rig == "simulated") return chosen;
+  if (fast)
     throw UsageError(
         "--fast skips time, and real devices do not: leave it out, or rehearse with --rig simulated (the default)");
-  if (options.rig != "hid") chosen.file = load_rig_file(options.rig);
+  if (rig != "hid") chosen.file = load_rig_file(rig);
   chosen.own = make_hid_rigs(chosen.file);
   return chosen;
 }
 
-ChosenButtons choose_buttons(const RunOptions& options, const RigFile& rig) {
+ChosenButtons choose_buttons(const std::filesystem::path& mapping, const RigFile& rig) {
   ChosenButtons chosen;
-  const std::filesystem::path mapped = options.buttons.empty() ? rig.buttons : std::filesystem::path(options.buttons);
-  if (mapped.empty()) return chosen;
-  const ButtonMapping mapping = load_button_mapping(mapped);
+  const std::filesystem::path& file = mapping.empty() ? rig.buttons : mapping;
+  if (file.empty()) return chosen;
   chosen.bus = std::make_unique<HidapiBus>();
-  chosen.box = std::make_unique<ButtonBox>(*chosen.bus, mapping);
+  chosen.box = std::make_unique<ButtonBox>(*chosen.bus, load_button_mapping(file));
   chosen.box->wait_until_there();
   return chosen;
 }

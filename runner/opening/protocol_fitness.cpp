@@ -6,14 +6,14 @@
 
 #include <fmt/format.h>
 
-#include "devices/hid/link/streamed_tracker.h"
 #include "devices/contact/object_json.h"
 #include "devices/rigs/rig_factory.h"
-#include "protocols/rigs/device_lint.h"
 #include "protocols/input/json_reader.h"
-#include "protocols/reading/protocol_reading.h"
 #include "protocols/input/read_file.h"
 #include "protocols/input/resources.h"
+#include "protocols/reading/protocol_reading.h"
+#include "protocols/rigs/device_lint.h"
+#include "protocols/rigs/rig_spec.h"
 #include "runner/opening/study_access.h"
 
 namespace jnd {

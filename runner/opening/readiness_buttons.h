@@ -1,8 +1,8 @@
 // The participant's buttons, as an item of a session's readiness.
 #pragma once
 
-#include "devices/machine/machine_checks.h"
 #include "devices/hid/buttons/button_box.h"
+#include "devices/machine/machine_checks.h"
 
 namespace jnd {
 

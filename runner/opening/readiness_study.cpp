@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "data/verify/chain_check.h"
-#include "data/study/database.h"
 #include "data/log/utc_time.h"
+#include "data/study/database.h"
+#include "data/verify/chain_check.h"
 #include "protocols/planning/cohort.h"
 #include "runner/opening/readiness_items.h"
 

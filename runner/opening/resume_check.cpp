@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "devices/machine/boot_id.h"
 #include "devices/clock.h"
+#include "devices/machine/boot_id.h"
 
 namespace jnd {
 

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "protocols/vocabulary.h"
-#include "runner/shipped_specs.h"
+#include "runner/opening/shipped_specs.h"
 
 namespace jnd {
 

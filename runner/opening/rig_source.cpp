@@ -3,8 +3,8 @@
 #include <atomic>
 #include <utility>
 
-#include "devices/hid/link/hid_rig.h"
 #include "devices/hid/hidapi_bus.h"
+#include "devices/hid/link/hid_rig.h"
 
 namespace jnd {
 

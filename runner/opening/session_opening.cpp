@@ -11,8 +11,8 @@
 
 #include "data/log/event_body.h"
 #include "data/study/study_care.h"
-#include "runner/commands/commands.h"
 #include "runner/session/simulate.h"
+#include "runner/terminal/exit_code.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {

@@ -4,15 +4,15 @@
 
 #include <fmt/format.h>
 
-#include "data/study/blinding.h"
 #include "data/log/event_body.h"
 #include "data/results/study_analysis.h"
+#include "data/study/blinding.h"
 #include "devices/contact/object_json.h"
+#include "protocols/input/resources.h"
 #include "protocols/reading/protocol_difference.h"
 #include "protocols/reading/protocol_json.h"
-#include "runner/commands/commands.h"
 #include "runner/opening/protocol_fitness.h"
-#include "protocols/input/resources.h"
+#include "runner/terminal/exit_code.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {

@@ -7,8 +7,8 @@
 #include <optional>
 #include <string>
 
-#include "data/study/study.h"
 #include "data/results/study_analysis.h"
+#include "data/study/study.h"
 #include "devices/rigs/rig_factory.h"
 #include "protocols/protocol.h"
 

@@ -5,15 +5,15 @@
 
 #include <fmt/format.h>
 
-#include "data/log/event_body.h"
 #include "data/export/export_tables.h"
-#include "data/study/trial_rows.h"
+#include "data/log/event_body.h"
 #include "data/log/utc_time.h"
+#include "data/study/trial_rows.h"
 #include "protocols/planning/condition_codes.h"
 #include "protocols/version.h"
+#include "runner/figures/svg.h"
 #include "runner/report/report_html.h"
 #include "runner/report/report_style.h"
-#include "runner/figures/svg.h"
 
 namespace jnd {
 

@@ -4,23 +4,16 @@
 
 #include <fmt/format.h>
 
+#include "data/results/adaptive_results.h"
 #include "runner/results/analysis_text.h"
-#include "runner/terminal/json_output.h"
 #include "runner/results/result_table_parts.h"
+#include "runner/terminal/json_output.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-bool by_staircase(const Protocol& protocol) {
-  return protocol.design.procedure->kind == AdaptiveProcedure::Kind::staircase;
-}
-
-const std::string& condition_name(const Protocol& protocol, int condition) {
-  return protocol.conditions[static_cast<std::size_t>(condition)].name;
-}
 
 Json json_of(const AdaptiveRow& row, const Protocol& protocol) {
   const auto rate = [](int count, int of) { return json_number(of > 0 ? static_cast<double>(count) / of : NAN); };

@@ -1,22 +1,18 @@
 // The rest of a study's results as JSON: comparisons, sensitivity, behaviour, ratings, models.
 #include <fmt/format.h>
 
-#include "runner/results/adaptive_text.h"
-#include "runner/results/analysis_text.h"
 #include "runner/calc/calc_detection.h"
 #include "runner/calc/calc_group.h"
-#include "runner/terminal/json_output.h"
+#include "runner/results/adaptive_text.h"
+#include "runner/results/analysis_text.h"
 #include "runner/results/result_tables_questionnaire.h"
+#include "runner/terminal/json_output.h"
 
 namespace jnd {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-const std::string& condition_name(const Protocol& protocol, int place) {
-  return protocol.conditions[static_cast<std::size_t>(place)].name;
-}
 
 Json contrast_json(const Contrast& contrast, const Protocol& protocol) {
   return Json{{"a", condition_name(protocol, contrast.a)}, {"b", condition_name(protocol, contrast.b)}};

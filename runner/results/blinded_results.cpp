@@ -1,18 +1,16 @@
 #include "runner/results/blinded_results.h"
 
 #include <algorithm>
-#include <limits>
 #include <map>
 
-#include "data/results/adaptive_results.h"
+#include "analysis/numerics/special_values.h"
 #include "data/log/event_body.h"
+#include "data/results/adaptive_results.h"
 #include "protocols/planning/condition_codes.h"
 
 namespace jnd {
 
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 double median(std::vector<double> values) {
   if (values.empty()) return kNaN;

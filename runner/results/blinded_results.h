@@ -7,10 +7,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "data/study/blinding.h"
-#include "data/verify/chain_check.h"
 #include "data/export/csv_writer.h"
 #include "data/results/study_analysis.h"
+#include "data/study/blinding.h"
+#include "data/verify/chain_check.h"
 #include "protocols/protocol.h"
 #include "runner/results/result_tables.h"
 

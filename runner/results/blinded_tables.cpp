@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include "runner/results/blinded_results.h"
-#include "runner/terminal/json_output.h"
 #include "runner/results/result_format.h"
+#include "runner/terminal/json_output.h"
 
 namespace jnd {
 

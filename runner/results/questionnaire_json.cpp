@@ -1,6 +1,6 @@
 // The results of a study of free interaction as JSON.
-#include "runner/terminal/json_output.h"
 #include "runner/results/result_tables_questionnaire.h"
+#include "runner/terminal/json_output.h"
 
 namespace jnd {
 
@@ -8,10 +8,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using Names = std::vector<std::string>;
-
-const Question& question_of(int place, const Protocol& protocol) {
-  return protocol.questions[static_cast<std::size_t>(place)];
-}
 
 Json side_json(const ItemScore& score, int ItemScore::Sides::*side) {
   return score.sides ? Json(*score.sides.*side) : Json(nullptr);

@@ -3,20 +3,13 @@
 
 #include <fmt/format.h>
 
-#include "runner/terminal/number_text.h"
+#include "data/results/adaptive_results.h"
 #include "runner/results/result_table_parts.h"
+#include "runner/terminal/number_text.h"
 
 namespace jnd {
 
 namespace {
-
-bool by_staircase(const Protocol& protocol) {
-  return protocol.design.procedure->kind == AdaptiveProcedure::Kind::staircase;
-}
-
-const std::string& condition_name(const Protocol& protocol, int condition) {
-  return protocol.conditions[static_cast<std::size_t>(condition)].name;
-}
 
 std::string level_text(double level, const Protocol& protocol) {
   return number_text(level, protocol.stimulus.unit == StiffnessUnit::n_per_m ? 1 : 3);

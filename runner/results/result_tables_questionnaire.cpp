@@ -12,10 +12,6 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-const Question& question_of(int place, const Protocol& protocol) {
-  return protocol.questions[static_cast<std::size_t>(place)];
-}
-
 std::string mean_text(const MeanEstimate& mean) {
   if (mean.n == 0) return "-";
   if (mean.n < 2) return number_text(mean.mean, 1);

@@ -7,8 +7,8 @@
 
 #include "data/log/exploration_body.h"
 #include "data/log/telemetry.h"
-#include "devices/rigs/rig_factory.h"
 #include "devices/loop/telemetry_ring.h"
+#include "devices/rigs/rig_factory.h"
 #include "protocols/planning/condition_codes.h"
 #include "runner/session/device_health.h"
 #include "runner/session/rig_connections.h"

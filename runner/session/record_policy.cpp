@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "runner/commands/commands.h"
+#include "runner/terminal/exit_code.h"
 
 namespace jnd {
 

@@ -11,7 +11,6 @@ namespace jnd {
 
 namespace {
 
-constexpr std::int64_t kLook_ns = 50'000'000;
 // What is back by then was not missing: a device's last word before it came to rest, say.
 constexpr std::int64_t kGrace_ns = 300'000'000;
 

@@ -9,8 +9,6 @@ namespace jnd {
 
 namespace {
 
-constexpr std::int64_t kLook_ns = 50'000'000;  // between two looks at what ends a wait
-
 Stamp stamp_now(const SessionParts& parts) {
   return {parts.clock.utc_ns(), parts.clock.now_ns()};
 }

@@ -21,6 +21,8 @@
 
 namespace jnd {
 
+inline constexpr std::int64_t kLook_ns = 50'000'000;  // between two looks at what ends a wait
+
 // All references must outlive the session.
 struct SessionParts {
   const Protocol& protocol;

@@ -15,12 +15,12 @@
 #include "data/log/event_body.h"
 #include "devices/rigs/rig_factory.h"
 #include "protocols/input/input_error.h"
-#include "protocols/planning/plan.h"
 #include "protocols/input/sha256.h"
-#include "runner/session/counts_log.h"
+#include "protocols/planning/plan.h"
 #include "runner/keys/interrupt.h"
-#include "runner/terminal/progress_bar.h"
+#include "runner/session/counts_log.h"
 #include "runner/session/session_engine.h"
+#include "runner/terminal/progress_bar.h"
 
 namespace jnd {
 

@@ -11,11 +11,11 @@
 #include <vector>
 
 #include "data/results/adaptive_results.h"
-#include "data/study/study.h"
 #include "data/results/study_analysis.h"
+#include "data/study/study.h"
+#include "devices/participants/simulated_participant.h"
 #include "devices/rig.h"
 #include "devices/rigs/rig_factory.h"
-#include "devices/participants/simulated_participant.h"
 #include "protocols/protocol.h"
 #include "runner/session/record_policy.h"
 

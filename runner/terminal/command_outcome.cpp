@@ -11,7 +11,7 @@
 #include "data/log/storage_error.h"
 #include "devices/device_error.h"
 #include "protocols/input/input_error.h"
-#include "runner/commands/commands.h"
+#include "runner/terminal/exit_code.h"
 #include "runner/terminal/standard_streams.h"
 
 namespace jnd {

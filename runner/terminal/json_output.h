@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "protocols/input/input_error.h"
@@ -21,6 +22,11 @@ inline nlohmann::ordered_json json_number(double value) {
 // One line for standard output, which may be a terminal; text that is not UTF-8 keeps its readable part.
 inline std::string json_line(const nlohmann::ordered_json& value) {
   return printable_json(value.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+}
+
+// Prints one JSON document on a line.
+inline void print_json(const nlohmann::ordered_json& document) {
+  fmt::print("{}\n", json_line(document));
 }
 
 inline nlohmann::ordered_json to_json(const Diagnostic& diagnostic) {

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
+#include "analysis/numerics/special_values.h"
+#include "protocols/input/utf8.h"
 #include "runner/terminal/plot_axis.h"
 
 namespace jnd {
@@ -16,11 +17,6 @@ namespace {
 // Characters of series after the first; they start again after the last.
 constexpr std::array<const char*, 4> kMarks = {"·", "+", "x", "o"};
 constexpr std::array<const char*, 4> kAsciiMarks = {".", "+", "x", "o"};
-
-std::string utf8(unsigned code_point) {  // of U+0800 to U+FFFF
-  return {static_cast<char>(0xE0U | (code_point >> 12U)), static_cast<char>(0x80U | ((code_point >> 6U) & 0x3FU)),
-          static_cast<char>(0x80U | (code_point & 0x3FU))};
-}
 
 bool drawable(const PlotSeries& series, std::size_t i, bool log_x) {
   return std::isfinite(series.x[i]) && std::isfinite(series.y[i]) && (!log_x || series.x[i] > 0);
@@ -33,10 +29,9 @@ struct Frame {
 
 // A little space above and below the curves, so that they do not run along the frame.
 Frame frame_of(const std::vector<PlotSeries>& series, const PlotOptions& options) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Frame frame;
-  frame.x = {.low = kInfinity, .high = -kInfinity, .logarithmic = options.log_x};
-  frame.y = {.low = kInfinity, .high = -kInfinity};
+  frame.x = {.low = kInf, .high = -kInf, .logarithmic = options.log_x};
+  frame.y = {.low = kInf, .high = -kInf};
   for (const PlotSeries& one : series) {
     for (std::size_t i = 0; i < std::min(one.x.size(), one.y.size()); ++i) {
       if (!drawable(one, i, options.log_x)) continue;
@@ -100,7 +95,7 @@ class Area {
     std::string text;
     for (int column = 0; column < columns_; ++column) {
       const std::size_t at = index(column, from_top);
-      text += dots_[at] != 0 ? utf8(0x2800U + dots_[at]) : cells_[at];
+      text += dots_[at] != 0 ? to_utf8(0x2800U + dots_[at]) : cells_[at];
     }
     return text;
   }
@@ -160,7 +155,7 @@ void draw_marks(const PlotSeries& series, const Frame& frame, const char* charac
 std::string legend(const std::vector<PlotSeries>& series, bool unicode) {
   std::string text;
   for (std::size_t i = 0; i < series.size(); ++i) {
-    const std::string mark = i == 0    ? (unicode ? utf8(0x2812) + utf8(0x2812) : "**")
+    const std::string mark = i == 0    ? (unicode ? to_utf8(char32_t{0x2812}) + to_utf8(char32_t{0x2812}) : "**")
                              : unicode ? std::string(kMarks[(i - 1) % kMarks.size()]) + kMarks[(i - 1) % kMarks.size()]
                                        : std::string(kAsciiMarks[(i - 1) % 4]) + kAsciiMarks[(i - 1) % 4];
     text += (i == 0 ? "" : "   ") + mark + " " + series[i].name;
@@ -208,6 +203,60 @@ std::string line_plot(const std::vector<PlotSeries>& series, const PlotOptions& 
   text += "  " + std::string(gutter + 1, ' ') + (canvas.unicode ? "└" : "+") + axis.rule + "\n";
   text += "  " + std::string(gutter + 2, ' ') + axis.labels + "\n";
   return text + centred_under(options.x_label, gutter + 4, columns);
+}
+
+std::string heat_map(const HeatMap& map, const Canvas& canvas) {
+  if (map.x.empty() || map.y.empty()) return "  nothing to plot\n";
+  constexpr std::array<const char*, 5> kShades = {"░", "▒", "▓", "█", "█"};
+  constexpr std::array<const char*, 5> kAsciiShades = {".", "o", "%", "#", "@"};
+  const auto& shades = canvas.unicode ? kShades : kAsciiShades;
+  const std::size_t edges = std::min<std::size_t>(map.edges.size(), canvas.unicode ? 3 : 4);
+  const auto shade = [&](double value) -> std::string {
+    if (!std::isfinite(value)) return " ";
+    std::size_t level = 0;
+    while (level < edges && value >= map.edges[level]) ++level;
+    return shades[level];
+  };
+
+  std::size_t gutter = 1;
+  for (const double y : map.y) gutter = std::max(gutter, fmt::format("{:.4g}", y).size());
+  const int used = std::clamp(canvas.columns, kNarrowestPlot, kWidestPlot);
+  const int room = used - static_cast<int>(gutter) - 4;
+  // A character is about twice as high as wide, so a value takes two where there is room.
+  const int repeat = std::clamp(room / static_cast<int>(map.x.size()), 1, 2);
+  const int columns = repeat * static_cast<int>(map.x.size());
+
+  std::string text = "  " + map.y_label + "\n";
+  const std::size_t label_every = std::max<std::size_t>(1, (map.y.size() - 1) / 4);
+  for (std::size_t row = map.y.size(); row-- > 0;) {
+    const bool labelled = row % label_every == 0;
+    std::string line = "  " + padded_left(labelled ? fmt::format("{:.4g}", map.y[row]) : "", gutter) + " ";
+    if (canvas.unicode)
+      line += labelled ? "┤" : "│";
+    else
+      line += labelled ? "+" : "|";
+    for (std::size_t column = 0; column < map.x.size(); ++column)
+      for (int i = 0; i < repeat; ++i) line += shade(map.values[row * map.x.size() + column]);
+    line.erase(line.find_last_not_of(' ') + 1);
+    text += line + "\n";
+  }
+  const XAxisText axis = x_axis({.low = map.x.front(), .high = map.x.back()}, columns, canvas.unicode);
+  text += "  " + std::string(gutter + 1, ' ') + (canvas.unicode ? "└" : "+") + axis.rule + "\n";
+  text += "  " + std::string(gutter + 2, ' ') + axis.labels + "\n";
+  text += centred_under(map.x_label, gutter + 4, columns);
+  text += "  " + map.value_label + ":";
+  for (std::size_t level = 0; level <= edges; ++level) {
+    const std::string mark = std::string(shades[level]) + shades[level];
+    if (edges == 0)
+      text += fmt::format("  {} any", mark);
+    else if (level == 0)
+      text += fmt::format("  {} below {:g}", mark, map.edges[0]);
+    else if (level == edges)
+      text += fmt::format("  {} {:g} or more", mark, map.edges[edges - 1]);
+    else
+      text += fmt::format("  {} {:g} to {:g}", mark, map.edges[level - 1], map.edges[level]);
+  }
+  return text + "   blank: " + map.none_label + "\n";
 }
 
 }  // namespace jnd

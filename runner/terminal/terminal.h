@@ -14,9 +14,10 @@ std::string bold(std::string_view text);
 std::string dim(std::string_view text);
 std::string warn(std::string_view text);
 
-// Text from files, people or arguments, made safe for a terminal: runner/terminal/printable_text.cpp. What a terminal would
-// obey, reorder or hide becomes visible: control characters (C0, DEL, C1), bytes that are not UTF-8 ("\\x1b"), controls
-// of direction, zero-width characters, line and paragraph separators ("\\u{202e}"). Text made so is not changed again.
+// Text from files, people or arguments, made safe for a terminal: runner/terminal/printable_text.cpp. What a terminal
+// would obey, reorder or hide becomes visible: control characters (C0, DEL, C1), bytes that are not UTF-8 ("\\x1b"),
+// controls of direction, zero-width characters, line and paragraph separators ("\\u{202e}"). Text made so is not
+// changed again.
 std::string printable(std::string_view text);
 // The same of a message with lines of its own: line feeds stay.
 std::string printable_lines(std::string_view text);

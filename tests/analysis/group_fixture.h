@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <fstream>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -13,6 +12,7 @@
 #include <rapidcheck.h>
 
 #include "analysis/group/within_table.h"
+#include "analysis/numerics/special_values.h"
 
 namespace jnd {
 
@@ -24,7 +24,7 @@ inline const nlohmann::json& group_reference() {
 
 // A number, or "inf".
 inline double number_of(const nlohmann::json& value) {
-  return value.is_string() ? std::numeric_limits<double>::infinity() : value.get<double>();
+  return value.is_string() ? kInf : value.get<double>();
 }
 
 inline WithinTable table_of(const nlohmann::json& data) {

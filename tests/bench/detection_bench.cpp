@@ -13,9 +13,9 @@
 #include "analysis/detection/differencing_model.h"
 #include "analysis/detection/dprime_bootstrap.h"
 #include "analysis/detection/independent_observation.h"
+#include "analysis/detection/yes_no_profile.h"
 #include "analysis/numerics/normal.h"
 #include "analysis/numerics/profile_interval.h"
-#include "analysis/detection/yes_no_profile.h"
 
 namespace {
 

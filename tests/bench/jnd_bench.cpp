@@ -14,8 +14,8 @@
 
 #include <benchmark/benchmark.h>
 
-#include "analysis/thresholds/jnd.h"
 #include "analysis/numerics/normal.h"
+#include "analysis/thresholds/jnd.h"
 
 namespace {
 

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "devices/device_error.h"
-#include "devices/rigs/rig_factory.h"
 #include "devices/loop/telemetry_ring.h"
+#include "devices/rigs/rig_factory.h"
 
 using namespace jnd;
 

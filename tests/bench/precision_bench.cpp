@@ -9,8 +9,8 @@
 
 #include <benchmark/benchmark.h>
 
-#include "analysis/precision/monte_carlo.h"
 #include "analysis/numerics/normal.h"
+#include "analysis/precision/monte_carlo.h"
 #include "analysis/precision/precision.h"
 
 namespace {

@@ -7,11 +7,11 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include <benchmark/benchmark.h>
 
+#include "analysis/numerics/special_values.h"
 #include "analysis/psychometric/psychometric_interval.h"
 
 namespace {
@@ -44,10 +44,8 @@ Task task(std::int64_t index) {
 // The plain way: the likelihood of (location, log of the second parameter, lapse, guess), minus infinity out of bounds.
 double likelihood(const Task& task, const std::array<double, 4>& at) {
   const double lapse = task.model.lapse.value_or(at[2]), guess = task.model.guess.value_or(at[3]);
-  if (lapse < 0 || lapse > kLargestLapse || guess < 0 || guess > kLargestGuess)
-    return -std::numeric_limits<double>::infinity();
-  if (task.model.function == PsychometricFunction::weibull && at[0] <= 0)
-    return -std::numeric_limits<double>::infinity();
+  if (lapse < 0 || lapse > kLargestLapse || guess < 0 || guess > kLargestGuess) return -kInf;
+  if (task.model.function == PsychometricFunction::weibull && at[0] <= 0) return -kInf;
   double sum = 0;
   for (const PsychometricLevel& level : task.levels) {
     const double p =
@@ -55,7 +53,7 @@ double likelihood(const Task& task, const std::array<double, 4>& at) {
     if (level.k > 0) sum += level.k * std::log(p);
     if (level.k < level.n) sum += (level.n - level.k) * std::log(1 - p);
   }
-  return std::isnan(sum) ? -std::numeric_limits<double>::infinity() : sum;
+  return std::isnan(sum) ? -kInf : sum;
 }
 
 // Nelder and Mead 1965 with their coefficients, until the simplex spans 1e-10 of log-likelihood.

@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "protocols/reading/protocol_json.h"
 #include "protocols/input/read_file.h"
+#include "protocols/reading/protocol_json.h"
 #include "runner/session/simulate.h"
 
 using namespace jnd;

@@ -12,29 +12,12 @@
 #include "analysis/numerics/stop_request.h"
 #include "data/log/event_body.h"
 #include "data/study/study.h"
+#include "data/verify/verify.h"
 #include "protocols/planning/plan.h"
 #include "protocols/reading/protocol_json.h"
+#include "tests/temporary_folder.h"
 
 namespace jnd {
-
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "jnd-data-XXXXXX").string();
-    path_ = ::mkdtemp(name.data());
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 // The program is asked to end, while it lives.
 struct StopAsked {
@@ -152,6 +135,22 @@ inline void hidden_sql(const std::filesystem::path& path, const std::string& sql
     }
   }
   raw_sql(path, drop + sql + ";" + restore);
+}
+
+inline constexpr Stamp kNow = {1'700'001'000'000'000'000, 7};
+
+// What verify() finds, a line each.
+inline std::string problems_of(const std::filesystem::path& path) {
+  std::string all;
+  for (const Problem& problem : verify(*Study::open(path, Study::Access::read_only)).problems)
+    all += problem.text + "\n";
+  return all;
+}
+
+// Of the file's format.
+inline int version_of(const std::filesystem::path& path) {
+  SQLite::Database database(path.string(), SQLite::OPEN_READONLY);
+  return database.execAndGet("PRAGMA user_version").getInt();
 }
 
 }  // namespace jnd

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "devices/participants/simulated_hand.h"
 #include "devices/rigs/fingertip_rig.h"
 #include "devices/rigs/rig_factory.h"
 #include "devices/rrs3/rrs3_device.h"
-#include "devices/participants/simulated_hand.h"
 #include "protocols/rigs/device_spec.h"
 #include "protocols/rigs/rig_spec.h"
 

@@ -1,5 +1,6 @@
 // The latch: the first source stays, a person's word outranks the program's, and nobody clears another's stop.
 #include "devices/emergency_stop.h"
+
 #include "tests/catch.h"
 
 namespace jnd {

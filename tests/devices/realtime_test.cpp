@@ -1,5 +1,7 @@
 // What is asked of the kernel, what it refuses, and that it is given back. As root or not, on any machine: what is not
 // permitted must lead to the report that says so.
+#include "devices/realtime.h"
+
 #include <functional>
 
 #include <sched.h>
@@ -11,7 +13,6 @@
 
 #include "devices/clock.h"
 #include "devices/device_error.h"
-#include "devices/realtime.h"
 #include "tests/catch.h"
 
 using namespace jnd;

@@ -14,13 +14,14 @@
 #include <unistd.h>
 
 #include "devices/loop/control_loop.h"
-#include "devices/trackers/pose_line.h"
 #include "devices/rrs3/rrs3_device.h"
 #include "devices/tracker.h"
+#include "devices/trackers/pose_line.h"
 #include "tests/devices/device_fixtures.h"
 
 namespace jnd::testing {
 
+inline const Eigen::Isometry3d kHere = Eigen::Isometry3d::Identity();
 inline constexpr int kThumb = 0, kIndex = 1;  // in kFingerNames
 inline constexpr std::int64_t kMillisecond_ns = 1'000'000;
 inline const std::vector<std::string> kTwoFingers = {"thumb", "index"};

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include "data/verify/verify.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
 #include "tests/faults/faulty_vfs.h"

@@ -12,10 +12,6 @@
 
 namespace jnd::test {
 
-namespace {
-
-constexpr std::size_t kSector = 512;  // bytes that a disk writes as one
-
 using Bytes = std::vector<char>;
 
 // A change of a file since its last sync.
@@ -24,6 +20,10 @@ struct Change {
   std::size_t offset = 0;  // of a cut: the new size
   Bytes bytes;
 };
+
+namespace {
+
+constexpr std::size_t kSector = 512;  // bytes that a disk writes as one
 
 void put(Bytes& into, std::size_t offset, const char* bytes, std::size_t length) {
   if (into.size() < offset + length) into.resize(offset + length, 0);

@@ -3,6 +3,7 @@
 
 #include "data/copies/backup.h"
 #include "data/copies/new_file.h"
+#include "data/verify/verify.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
 #include "tests/faults/faulty_vfs.h"

@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "data/export/csv_writer.h"
-#include "protocols/input/input_error.h"
 #include "protocols/input/csv_table.h"
+#include "protocols/input/input_error.h"
 #include "runner/terminal/terminal.h"
 #include "tests/fuzz/fuzz_target.h"
 

@@ -7,9 +7,9 @@
 #include <cstdint>
 #include <cstring>
 
-#include "tests/fuzz/fuzz_target.h"
 #include "tests/devices/hid/firmware/codec_members.h"
 #include "tests/devices/hid/firmware/codec_ranges.h"
+#include "tests/fuzz/fuzz_target.h"
 
 namespace {
 

@@ -23,10 +23,10 @@
 
 #include "devices/clock.h"
 #include "devices/device_error.h"
-#include "devices/hid/link/fingertip_link.h"
 #include "devices/hid/firmware/jnd_report.h"
-#include "devices/hid/link/hid_fingertip.h"
 #include "devices/hid/hidapi_bus.h"
+#include "devices/hid/link/fingertip_link.h"
+#include "devices/hid/link/hid_fingertip.h"
 #include "devices/hid/page_talk.h"
 #include "devices/hid/report_counter.h"
 #include "devices/realtime.h"

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <fstream>
 
+#include "protocols/input/input_error.h"
 #include "tests/catch.h"
 
 namespace jnd::test {
@@ -69,6 +70,15 @@ std::filesystem::path TemporaryFolder::write(const std::string& name, const std:
 DeviceSpec device_from(const std::string& text) {
   const TemporaryFolder folder;
   return load_device_spec(folder.write("device.json", text));
+}
+
+std::string device_error(const std::string& text) {
+  try {
+    device_from(text);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
 }
 
 RigSpec rig_named(const std::string& name) {

@@ -29,6 +29,8 @@ class TemporaryFolder {
 };
 
 DeviceSpec device_from(const std::string& text);
+// What reading such a text complains of; empty: nothing.
+std::string device_error(const std::string& text);
 // "rrs3" (4.7 N, 2000 N/m, 15 mm), "mckibben" (20 N, 50 N/rad, 0.35..0.93 rad, 0.1 m) or "rrs3+mckibben" (both,
 // 0.07 m).
 RigSpec rig_named(const std::string& name);

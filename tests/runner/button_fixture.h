@@ -11,9 +11,9 @@
 #include <unistd.h>
 
 #include "devices/hid/buttons/button_box.h"
-#include "runner/session/fast_clock.h"
-#include "runner/keys/keyboard.h"
 #include "runner/console/session_console.h"
+#include "runner/keys/keyboard.h"
+#include "runner/session/fast_clock.h"
 #include "tests/catch.h"
 #include "tests/devices/hid/buttons/made_up_box.h"
 

@@ -15,7 +15,7 @@ namespace {
 
 using Report = std::array<std::uint8_t, JND_REPORT_SIZE>;
 
-constexpr double kMicro = 1e-6, kMilli = 1e-3, kNano = 1e-9, kTenthMilli = 1e-4, kDeci = 1e-1;
+constexpr double kNano = 1e-9, kTenthMilli = 1e-4, kDeci = 1e-1;
 
 }  // namespace
 

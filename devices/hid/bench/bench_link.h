@@ -10,13 +10,15 @@
 #include <utility>
 
 #include "devices/clock.h"
-#include "devices/loop/governor.h"
 #include "devices/hid/firmware/jnd_report.h"
 #include "devices/hid/hid_bus.h"
 #include "devices/hid/report_counter.h"
+#include "devices/loop/governor.h"
 #include "protocols/rigs/device_spec.h"
 
 namespace jnd {
+
+inline constexpr double kMicro = 1e-6, kMilli = 1e-3;
 
 // What the pages of a 3RRS device say, as the governor and the checks read it. most_force_n: a lower cap for the bench.
 DeviceSpec spec_of(const jnd_limits& limits, const jnd_geometry& geometry, double most_force_n);

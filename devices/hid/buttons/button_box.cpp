@@ -8,7 +8,6 @@
 
 #include "devices/clock.h"
 #include "devices/device_error.h"
-#include "runner/terminal/terminal.h"
 
 namespace jnd {
 

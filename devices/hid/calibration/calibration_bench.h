@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "devices/hid/calibration/calibration_certificate.h"
 #include "devices/hid/bench/bench_link.h"
+#include "devices/hid/calibration/calibration_certificate.h"
 #include "devices/hid/page_talk.h"
 
 namespace jnd {

@@ -13,14 +13,14 @@
 #include <thread>
 
 #include "devices/clock.h"
-#include "devices/machine/clock_sync.h"
 #include "devices/hid/firmware/jnd_report.h"
 #include "devices/hid/hid_bus.h"
 #include "devices/hid/hid_reader.h"
-#include "devices/hid/report_counter.h"
 #include "devices/hid/link/written_times.h"
+#include "devices/hid/report_counter.h"
 #include "devices/loop/lateness.h"
 #include "devices/loop/newest_slot.h"
+#include "devices/machine/clock_sync.h"
 #include "devices/rigs/rig_link.h"
 #include "protocols/rigs/device_spec.h"
 

@@ -8,14 +8,15 @@
 #include <fmt/format.h>
 
 #include "devices/device_error.h"
-#include "devices/rigs/fingertip_scene.h"
 #include "devices/hid/link/fingertip_link.h"
 #include "devices/hid/link/fingertip_search.h"
 #include "devices/hid/link/hid_fingertip.h"
-#include "devices/hid/our_devices.h"
 #include "devices/hid/link/streamed_tracker.h"
+#include "devices/hid/our_devices.h"
+#include "devices/rigs/fingertip_scene.h"
 #include "protocols/input/input_error.h"
 #include "protocols/input/sha256.h"
+#include "protocols/rigs/rig_spec.h"
 
 namespace jnd {
 

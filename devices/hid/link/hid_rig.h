@@ -5,11 +5,11 @@
 #include <memory>
 
 #include "devices/clock.h"
-#include "devices/rigs/fingertip_rig.h"
 #include "devices/hid/hid_bus.h"
+#include "devices/participants/simulated_participant.h"
+#include "devices/rigs/fingertip_rig.h"
 #include "devices/rigs/rig_factory.h"
 #include "devices/rigs/rig_file.h"
-#include "devices/participants/simulated_participant.h"
 #include "protocols/protocol.h"
 
 namespace jnd {

@@ -12,8 +12,8 @@
 #include "devices/clock.h"
 #include "devices/hid/hid_bus.h"
 #include "devices/hid/hid_reader.h"
-#include "devices/trackers/pose_feed.h"
 #include "devices/tracker.h"
+#include "devices/trackers/pose_feed.h"
 
 namespace jnd {
 

@@ -7,10 +7,6 @@
 
 namespace jnd {
 
-bool is_streamed(const std::string& kind) noexcept {
-  return kind == "hid" || kind == "process" || kind == "replay";
-}
-
 std::unique_ptr<Tracker> make_streamed_tracker(const std::string& kind, const std::vector<std::string>& fingers,
                                                const TrackerSource& source, HidBus& bus, const Clock& clock) {
   if (kind == "hid") return std::make_unique<HidTracker>(bus, source.serial, fingers, source.to_world, clock);

@@ -12,9 +12,6 @@
 
 namespace jnd {
 
-// Whether poses of this kind of tracker ($.rig.tracker) come from outside the program: "hid", "process", "replay".
-bool is_streamed(const std::string& kind) noexcept;
-
 // kind: "hid", "process" or "replay"; fingers: as in $.rig.fingers. Bus and clock (the loop's, the machine's monotonic
 // one) must outlive the tracker. Throws InputError where the rig file does not say where such a tracker is, or its file
 // of poses cannot be played. A tracker that is not there yet is no error: it is missing().

@@ -7,12 +7,11 @@
 #include <vector>
 
 #include "analysis/numerics/normal.h"
+#include "analysis/numerics/special_values.h"
 #include "tests/catch.h"
 
 namespace jnd {
 namespace {
-
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
 double uniform(std::mt19937_64& generator) {
   return (static_cast<double>(generator() >> 11U) + 0.5) * 0x1p-53;

@@ -1,19 +1,17 @@
 // Order of the intervals, response bias and drift: published tables, exact sums and closed forms.
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "analysis/behaviour/correctness_trend.h"
 #include "analysis/behaviour/drift.h"
-#include "analysis/numerics/exact_test.h"
 #include "analysis/behaviour/order_effect.h"
 #include "analysis/behaviour/response_bias.h"
+#include "analysis/numerics/exact_proportion.h"
+#include "analysis/numerics/special_values.h"
 #include "tests/catch.h"
 
 namespace jnd {
 namespace {
-
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
 JudgedTrial trial(bool same, bool said_different, double time = 0, bool first_stiffer = false) {
   JudgedTrial one;

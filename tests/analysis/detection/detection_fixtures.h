@@ -6,18 +6,16 @@
 
 #include <cmath>
 #include <fstream>
-#include <limits>
 #include <string>
 
 #include <nlohmann/json.hpp>
 #include <rapidcheck.h>
 
 #include "analysis/detection/counts.h"
+#include "analysis/numerics/special_values.h"
 #include "tests/catch.h"
 
 namespace jnd::testing {
-
-inline constexpr double kInf = std::numeric_limits<double>::infinity();
 
 inline const nlohmann::json& detection_reference() {
   static const nlohmann::json cases = [] {
@@ -37,7 +35,7 @@ inline double number_of(const nlohmann::json& value) {
   if (word == "Inf") return kInf;
   if (word == "-Inf") return -kInf;
   REQUIRE((word == "NaN" || word == "NA"));
-  return std::numeric_limits<double>::quiet_NaN();
+  return kNaN;
 }
 
 // Equal, both infinite alike, both undefined, or within an absolute tolerance.

@@ -7,8 +7,8 @@
 
 #include <boost/math/distributions/binomial.hpp>
 
-#include "analysis/numerics/normal.h"
 #include "analysis/detection/yes_no.h"
+#include "analysis/numerics/normal.h"
 #include "tests/analysis/detection/detection_fixtures.h"
 
 using namespace jnd;

@@ -4,17 +4,14 @@
 
 #include <array>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "analysis/numerics/normal.h"
+#include "analysis/numerics/special_values.h"
 #include "tests/catch.h"
 
 namespace jnd {
 namespace {
-
-constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // Equal, both infinite alike, both undefined, or within the tolerance for closed forms.
 bool agrees(double ours, double reference) {

@@ -2,9 +2,9 @@
 #include "analysis/group/group.h"
 
 #include <cmath>
-#include <limits>
 #include <vector>
 
+#include "analysis/numerics/special_values.h"
 #include "tests/catch.h"
 
 namespace jnd {
@@ -71,7 +71,7 @@ JndEstimate estimate(JndStatus status, double slope) {
 }
 
 TEST_CASE("a group of JNDs counts everyone, each number with its own n", "[analysis]") {
-  const double inf = std::numeric_limits<double>::infinity();
+  const double inf = kInf;
   const std::vector<JndEstimate> all = {estimate(JndStatus::ok, 1.0 / 200), estimate(JndStatus::ok, 1.0 / 400),
                                         estimate(JndStatus::no_sensitivity, -1e-3), estimate(JndStatus::ceiling, inf),
                                         estimate(JndStatus::no_information, std::nan(""))};
@@ -92,7 +92,7 @@ TEST_CASE("a group of JNDs counts everyone, each number with its own n", "[analy
 }
 
 TEST_CASE("infinite medians and unusable mean slopes are said, not hidden", "[analysis]") {
-  const double inf = std::numeric_limits<double>::infinity();
+  const double inf = kInf;
   const std::vector<JndEstimate> poor = {estimate(JndStatus::no_sensitivity, -1e-3),
                                          estimate(JndStatus::no_sensitivity, -2e-3), estimate(JndStatus::ok, 1e-3)};
   CHECK(jnd_group(poor).median_jnd == inf);
@@ -109,7 +109,7 @@ TEST_CASE("infinite medians and unusable mean slopes are said, not hidden", "[an
 }
 
 TEST_CASE("a median at the ceiling is a status and no number", "[analysis]") {
-  const double inf = std::numeric_limits<double>::infinity();
+  const double inf = kInf;
   const std::vector<JndEstimate> all = {estimate(JndStatus::ceiling, inf), estimate(JndStatus::ceiling, inf)};
   CHECK(jnd_group(all).median_status == JndStatus::ceiling);
   CHECK(std::isnan(jnd_group(all).median_jnd));

@@ -9,7 +9,7 @@
 namespace jnd {
 namespace {
 
-void check(const std::vector<double>& found, const nlohmann::json& reference) {
+void check_adjusted(const std::vector<double>& found, const nlohmann::json& reference) {
   REQUIRE(found.size() == reference.size());
   for (std::size_t i = 0; i < found.size(); ++i) CHECK(relative(found[i], reference[i]) <= 1e-14);
 }
@@ -17,10 +17,10 @@ void check(const std::vector<double>& found, const nlohmann::json& reference) {
 TEST_CASE("corrections agree with R", "[analysis]") {
   const auto& reference = group_reference().at("padjust");
   const std::vector<double> p = numbers_of(reference["p"]);
-  check(holm(p), reference["holm_m8"]);
-  check(holm(p, 17), reference["holm_m17"]);
-  check(benjamini_hochberg(p, 17), reference["BH_m17"]);
-  check(bonferroni(p, 17), reference["bonferroni_m17"]);
+  check_adjusted(holm(p), reference["holm_m8"]);
+  check_adjusted(holm(p, 17), reference["holm_m17"]);
+  check_adjusted(benjamini_hochberg(p, 17), reference["BH_m17"]);
+  check_adjusted(bonferroni(p, 17), reference["bonferroni_m17"]);
   for (const auto& dataset : group_reference().at("datasets")) {
     std::vector<double> t;
     for (const auto& pair : dataset["paired_t"]) t.push_back(pair["p"]);

@@ -4,13 +4,14 @@
 #include <cmath>
 #include <numeric>
 
+#include "analysis/numerics/special_values.h"
 #include "tests/analysis/group_fixture.h"
 #include "tests/catch.h"
 
 namespace jnd {
 namespace {
 
-constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
+constexpr double kMissing = kNaN;
 
 TEST_CASE("the interval of a median: places and coverage", "[analysis]") {
   for (const auto& one : group_reference().at("binomial_median")) {

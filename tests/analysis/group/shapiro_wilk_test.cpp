@@ -9,7 +9,7 @@
 namespace jnd {
 namespace {
 
-void check(const std::vector<double>& values, const nlohmann::json& reference) {
+void check_shapiro(const std::vector<double>& values, const nlohmann::json& reference) {
   CAPTURE(reference.dump());
   const ShapiroWilk found = shapiro_wilk(values);
   CHECK(found.status == TestStatus::ok);
@@ -19,10 +19,10 @@ void check(const std::vector<double>& values, const nlohmann::json& reference) {
 }
 
 TEST_CASE("Shapiro-Wilk agrees with R", "[analysis]") {
-  for (const auto& one : group_reference().at("shapiro_extra")) check(numbers_of(one["x"]), one);
+  for (const auto& one : group_reference().at("shapiro_extra")) check_shapiro(numbers_of(one["x"]), one);
   for (const auto& dataset : group_reference().at("datasets")) {
     const WithinTable table = table_of(dataset["data"]);
-    for (std::size_t j = 0; j < table.k; ++j) check(table.column(j), dataset["shapiro"][j]);
+    for (std::size_t j = 0; j < table.k; ++j) check_shapiro(table.column(j), dataset["shapiro"][j]);
   }
 }
 

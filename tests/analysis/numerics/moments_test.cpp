@@ -2,17 +2,15 @@
 #include "analysis/numerics/moments.h"
 
 #include <cmath>
-#include <limits>
 
 #include "analysis/numerics/ranks.h"
+#include "analysis/numerics/special_values.h"
 #include "analysis/numerics/test_tails.h"
 #include "tests/analysis/group_fixture.h"
 #include "tests/catch.h"
 
 namespace jnd {
 namespace {
-
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
 TEST_CASE("moments of few, far and extreme values", "[analysis]") {
   CHECK(std::isnan(moments({}).mean));

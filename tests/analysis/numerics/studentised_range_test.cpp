@@ -2,17 +2,16 @@
 #include "analysis/numerics/studentised_range.h"
 
 #include <cmath>
-#include <limits>
 #include <thread>
 #include <vector>
 
+#include "analysis/numerics/special_values.h"
 #include "tests/analysis/group_fixture.h"
 #include "tests/catch.h"
 
 namespace jnd {
 namespace {
 
-constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kPi = 3.14159265358979323846;
 
 TEST_CASE("studentised range: tail probabilities agree with the tables", "[analysis]") {

@@ -2,17 +2,18 @@
 #include "analysis/precision/cell_distribution.h"
 
 #include <cmath>
-#include <limits>
 
-#include "analysis/numerics/binomial.h"
 #include "analysis/detection/yes_no.h"
+#include "analysis/numerics/binomial.h"
+#include "analysis/numerics/special_values.h"
 #include "tests/catch.h"
 
 namespace jnd {
 namespace {
 
-CellModel model(int trials, ClassSizes sizes, Correction correction, double hit = 0.8, double false_alarm = 0.3) {
-  CellModel cell;
+CellProbabilities model(int trials, ClassSizes sizes, Correction correction, double hit = 0.8,
+                        double false_alarm = 0.3) {
+  CellProbabilities cell;
   cell.hit = hit;
   cell.false_alarm = false_alarm;
   cell.trials = trials;
@@ -31,7 +32,7 @@ double binomial(int k, int n, double p) {
 
 // Calls with all counts of a cell and their probability, by the textbook.
 template <typename Call>
-void for_all_counts(const CellModel& cell, Call call) {
+void for_all_counts(const CellProbabilities& cell, Call call) {
   for (int n_same = 0; n_same <= cell.trials; ++n_same) {
     const int n_diff = cell.trials - n_same;
     if (cell.class_sizes == ClassSizes::balanced && n_same != cell.trials / 2) continue;
@@ -92,7 +93,7 @@ TEST_CASE("every outcome of a cell has its probability, and all together have 1"
   for (const ClassSizes sizes : {ClassSizes::random, ClassSizes::balanced}) {
     for (const Correction correction : {Correction::none, Correction::loglinear, Correction::half}) {
       for (const int trials : {1, 2, 5, 12}) {
-        const CellModel cell = model(trials, sizes, correction);
+        const CellProbabilities cell = model(trials, sizes, correction);
         const CellDistribution found = cell_distribution(cell);
         CHECK(total(found) == Approx(1).epsilon(1e-12));
         // Moments and special cases against the enumeration by yes_no().
@@ -145,7 +146,7 @@ TEST_CASE("risks are the sums over all counts", "[analysis]") {
     for (const Correction correction : {Correction::none, Correction::loglinear, Correction::half}) {
       for (const int trials : {1, 2, 6, 12}) {
         for (const double hit : {0.35, 0.8, 1.0}) {
-          const CellModel cell = model(trials, sizes, correction, hit, 0.3);
+          const CellProbabilities cell = model(trials, sizes, correction, hit, 0.3);
           double missing = 0, extreme = 0, not_positive = 0;
           for_all_counts(cell, [&](const Counts& counts, double probability) {
             const YesNo rates = yes_no(counts, correction);
@@ -181,27 +182,26 @@ TEST_CASE("risks of the largest cells stay probabilities and fade with the trial
 TEST_CASE("the criterion stands where its rule says", "[analysis]") {
   CountsDesign design;
   design.differences = {400};
-  const CellModel half = cell_model(design, 400, 200);
+  const CellProbabilities half = cell_probabilities(design, 400, 200);
   CHECK(half.hit == Approx(0.841344746068543).epsilon(1e-12));  // Phi(1)
   CHECK(half.false_alarm == Approx(1 - half.hit).epsilon(1e-12));
   design.criterion.kind = CriterionRule::Kind::common;
   design.criterion.common = 100;
-  const CellModel common = cell_model(design, 400, 200);
+  const CellProbabilities common = cell_probabilities(design, 400, 200);
   CHECK(common.hit == Approx(0.933192798731142).epsilon(1e-12));          // Phi(1.5)
   CHECK(common.false_alarm == Approx(0.308537538725987).epsilon(1e-12));  // Phi(-0.5)
 }
 
 TEST_CASE("asymptotic variance of d' is that of the rates, infinite where a rate is certain", "[analysis]") {
   // n Var(d') -> the exact variance times n, from the distribution of a large balanced cell.
-  const CellModel cell = model(400, ClassSizes::balanced, Correction::loglinear, 0.7, 0.3);
+  const CellProbabilities cell = model(400, ClassSizes::balanced, Correction::loglinear, 0.7, 0.3);
   double mean = 0, squares = 0;
   for (const CellState& state : cell_distribution(cell).states) {
     mean += state.probability * state.dprime;
     squares += state.probability * state.dprime * state.dprime;
   }
   CHECK((squares - mean * mean) * 400 == Approx(asymptotic_variance(cell)).epsilon(0.01));
-  CHECK(asymptotic_variance(model(12, ClassSizes::balanced, Correction::loglinear, 1, 0)) ==
-        std::numeric_limits<double>::infinity());
+  CHECK(asymptotic_variance(model(12, ClassSizes::balanced, Correction::loglinear, 1, 0)) == kInf);
 }
 
 }  // namespace

@@ -2,12 +2,12 @@
 #include "analysis/precision/monte_carlo.h"
 
 #include <cmath>
-#include <limits>
 #include <vector>
 
-#include "analysis/thresholds/jnd.h"
 #include "analysis/numerics/sample_quantile.h"
+#include "analysis/numerics/special_values.h"
 #include "analysis/precision/slope_distribution.h"
+#include "analysis/thresholds/jnd.h"
 #include "tests/catch.h"
 
 namespace jnd {
@@ -96,7 +96,7 @@ void compare(const CountsDesign& design, double jnd, int draws) {
   const StudySimulator simulator(model);
   std::vector<CellDistribution> cells;
   for (const double difference : design.differences)
-    cells.push_back(cell_distribution(cell_model(design, difference, jnd)));
+    cells.push_back(cell_distribution(cell_probabilities(design, difference, jnd)));
   const SlopeDistribution exact(cells, design.differences);
   int ok = 0, no_sensitivity = 0, no_information = 0;
   std::vector<double> jnds, slope(1);
@@ -107,7 +107,7 @@ void compare(const CountsDesign& design, double jnd, int draws) {
     no_sensitivity += status == JndStatus::no_sensitivity ? 1 : 0;
     no_information += status == JndStatus::no_information ? 1 : 0;
     if (status == JndStatus::ok) jnds.push_back(1 / slope[0]);
-    if (status == JndStatus::no_sensitivity) jnds.push_back(std::numeric_limits<double>::infinity());
+    if (status == JndStatus::no_sensitivity) jnds.push_back(kInf);
     if (status == JndStatus::ceiling) jnds.push_back(0);
   }
   const auto near = [&](int count, double share) {
@@ -176,7 +176,7 @@ TEST_CASE("a spread between participants is one factor for all their conditions"
 }
 
 TEST_CASE("quantiles of samples and their standard errors", "[analysis]") {
-  const SampleQuantiles values({5, 1, 4, 2, 3, std::numeric_limits<double>::infinity()});
+  const SampleQuantiles values({5, 1, 4, 2, 3, kInf});
   CHECK(values.at(0.5) == 3);
   CHECK(values.at(0.01) == 1);
   CHECK(std::isinf(values.at(0.99)));

@@ -2,9 +2,9 @@
 #include "analysis/precision/precision.h"
 
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
+#include "analysis/numerics/special_values.h"
 #include "tests/catch.h"
 
 namespace jnd {
@@ -261,7 +261,7 @@ TEST_CASE("questions without an answer are refused", "[analysis]") {
   };
   refused([](PrecisionQuestion& question) { question.jnds = {}; });
   refused([](PrecisionQuestion& question) { question.jnds[0] = 0; });
-  refused([](PrecisionQuestion& question) { question.jnds[1] = std::numeric_limits<double>::quiet_NaN(); });
+  refused([](PrecisionQuestion& question) { question.jnds[1] = kNaN; });
   refused([](PrecisionQuestion& question) { question.design.differences = {}; });
   refused([](PrecisionQuestion& question) { question.design.differences[2] = -200; });
   refused([](PrecisionQuestion& question) { question.design.trials = 0; });

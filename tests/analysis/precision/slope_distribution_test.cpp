@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "analysis/numerics/special_values.h"
 #include "analysis/precision/cell_distribution.h"
 #include "analysis/thresholds/jnd.h"
 #include "tests/catch.h"
@@ -18,12 +19,12 @@ struct Outcome {
   double probability = 0;
 };
 
-double binomial(int k, int n, double p) {
+double binomial_by_gamma(int k, int n, double p) {
   return std::round(std::exp(std::lgamma(n + 1) - std::lgamma(k + 1) - std::lgamma(n - k + 1))) * std::pow(p, k) *
          std::pow(1 - p, n - k);
 }
 
-std::vector<Outcome> outcomes(const CellModel& cell) {
+std::vector<Outcome> outcomes(const CellProbabilities& cell) {
   std::vector<Outcome> all;
   for (int n_same = 0; n_same <= cell.trials; ++n_same) {
     const bool balanced = cell.class_sizes == ClassSizes::balanced;
@@ -31,9 +32,10 @@ std::vector<Outcome> outcomes(const CellModel& cell) {
     const int n_diff = cell.trials - n_same;
     for (int hits = 0; hits <= n_diff; ++hits)
       for (int false_alarms = 0; false_alarms <= n_same; ++false_alarms)
-        all.push_back({{n_diff, hits, n_same, false_alarms},
-                       (balanced ? 1 : binomial(n_same, cell.trials, 0.5)) * binomial(hits, n_diff, cell.hit) *
-                           binomial(false_alarms, n_same, cell.false_alarm)});
+        all.push_back(
+            {{n_diff, hits, n_same, false_alarms},
+             (balanced ? 1 : binomial_by_gamma(n_same, cell.trials, 0.5)) * binomial_by_gamma(hits, n_diff, cell.hit) *
+                 binomial_by_gamma(false_alarms, n_same, cell.false_alarm)});
   }
   return all;
 }
@@ -46,7 +48,8 @@ struct Reference {
 
 Reference reference(const CountsDesign& design, double jnd) {
   std::vector<std::vector<Outcome>> cells;
-  for (const double difference : design.differences) cells.push_back(outcomes(cell_model(design, difference, jnd)));
+  for (const double difference : design.differences)
+    cells.push_back(outcomes(cell_probabilities(design, difference, jnd)));
   Reference result;
   std::vector<std::size_t> at(cells.size(), 0);
   for (bool more = true; more;) {
@@ -65,7 +68,7 @@ Reference reference(const CountsDesign& design, double jnd) {
         break;
       case JndStatus::no_sensitivity:
         result.status.no_sensitivity += probability;
-        result.jnds.emplace_back(std::numeric_limits<double>::infinity(), probability);
+        result.jnds.emplace_back(kInf, probability);
         break;
       case JndStatus::ceiling:
         result.status.ceiling += probability;
@@ -89,7 +92,7 @@ Reference reference(const CountsDesign& design, double jnd) {
 SlopeDistribution exact(const CountsDesign& design, double jnd) {
   std::vector<CellDistribution> cells;
   for (const double difference : design.differences)
-    cells.push_back(cell_distribution(cell_model(design, difference, jnd)));
+    cells.push_back(cell_distribution(cell_probabilities(design, difference, jnd)));
   REQUIRE(SlopeDistribution::feasible(cells));
   return {cells, design.differences};
 }
@@ -181,7 +184,7 @@ TEST_CASE("too many combinations are not enumerated", "[analysis]") {
   design.trials = 40;
   std::vector<CellDistribution> cells;
   for (const double difference : design.differences)
-    cells.push_back(cell_distribution(cell_model(design, difference, 300)));
+    cells.push_back(cell_distribution(cell_probabilities(design, difference, 300)));
   CHECK_FALSE(SlopeDistribution::feasible(cells));
   CHECK(SlopeDistribution::feasible(std::vector<CellDistribution>(1, cells[0])));
 }

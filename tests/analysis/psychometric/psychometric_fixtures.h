@@ -2,10 +2,10 @@
 #pragma once
 
 #include <cmath>
-#include <limits>
 #include <random>
 #include <vector>
 
+#include "analysis/numerics/special_values.h"
 #include "analysis/psychometric/psychometric.h"
 
 namespace jnd::testing {
@@ -43,7 +43,7 @@ inline double plain_log_likelihood(const std::vector<PsychometricLevel>& levels,
     if (level.k > 0) sum += level.k * std::log(p);
     if (level.k < level.n) sum += (level.n - level.k) * std::log(1 - p);
   }
-  return std::isnan(sum) ? -std::numeric_limits<double>::infinity() : sum;
+  return std::isnan(sum) ? -kInf : sum;
 }
 
 inline double plain_log_likelihood(const std::vector<PsychometricLevel>& levels, const PsychometricFit& fit) {

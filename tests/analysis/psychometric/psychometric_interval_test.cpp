@@ -6,6 +6,7 @@
 #include <functional>
 #include <random>
 
+#include "analysis/numerics/special_values.h"
 #include "tests/analysis/psychometric/psychometric_fixtures.h"
 #include "tests/catch.h"
 
@@ -13,7 +14,6 @@ namespace jnd {
 namespace {
 
 using namespace jnd::testing;
-constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kDrop = 1.920729410347062;  // half the 95 % quantile of chi-square(1)
 
 PsychometricModel model_of(PsychometricFunction function) {
@@ -23,7 +23,7 @@ PsychometricModel model_of(PsychometricFunction function) {
 }
 
 // The maximum of a function of one variable with one peak, by golden sections.
-double highest(const std::function<double(double)>& value, double low, double high) {
+double highest_by_sections(const std::function<double(double)>& value, double low, double high) {
   const double ratio = 0.6180339887498949;
   double a = high - ratio * (high - low), b = low + ratio * (high - low), at_a = value(a), at_b = value(b);
   for (int i = 0; i < 200; ++i) {
@@ -64,29 +64,32 @@ TEST_CASE("at each bound of a profile interval the likelihood, maximised anew, i
       return function == PsychometricFunction::weibull ? pse / unit(second, 0.5) : pse - (unit(second, 0.5) - 1);
     };
     for (const double pse : {intervals.pse.low, intervals.pse.high})
-      check_drop(highest([&](double second) { return likelihood(for_pse(pse, second), second); }, b / 4, 4 * b), fit);
+      check_drop(
+          highest_by_sections([&](double second) { return likelihood(for_pse(pse, second), second); }, b / 4, 4 * b),
+          fit);
     for (const double location : {intervals.location.low, intervals.location.high})
-      check_drop(highest([&](double second) { return likelihood(location, second); }, b / 4, 4 * b), fit);
+      check_drop(highest_by_sections([&](double second) { return likelihood(location, second); }, b / 4, 4 * b), fit);
     for (const double second : {intervals.second.low, intervals.second.high})
-      check_drop(highest([&](double location) { return likelihood(location, second); }, 700, 1100), fit);
+      check_drop(highest_by_sections([&](double location) { return likelihood(location, second); }, 700, 1100), fit);
     for (const double jnd : {intervals.jnd.low, intervals.jnd.high}) {
       if (function == PsychometricFunction::weibull) {
         check_drop(
-            highest([&](double second) { return likelihood(jnd / (unit(second, 0.75) - unit(second, 0.5)), second); },
-                    b / 4, 4 * b),
+            highest_by_sections(
+                [&](double second) { return likelihood(jnd / (unit(second, 0.75) - unit(second, 0.5)), second); },
+                b / 4, 4 * b),
             fit);
       } else {
         // Location drops out: JND fixes the second parameter, in proportion or inversely.
         const double ratio = jnd / fit.jnd.value;
         const double second = function == PsychometricFunction::gaussian ? b * ratio : b / ratio;
-        check_drop(highest([&](double location) { return likelihood(location, second); }, 700, 1100), fit);
+        check_drop(highest_by_sections([&](double location) { return likelihood(location, second); }, 700, 1100), fit);
       }
     }
     for (const double slope : {intervals.slope.low, intervals.slope.high})
       if (function == PsychometricFunction::weibull) {
         // dF/dx at the PSE = shape ln 2 / (2 PSE).
         check_drop(
-            highest(
+            highest_by_sections(
                 [&](double second) { return likelihood(for_pse(second * std::log(2.0) / 2 / slope, second), second); },
                 b / 2, 2 * b),
             fit);

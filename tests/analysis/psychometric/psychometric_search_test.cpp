@@ -24,15 +24,15 @@ int below(Generator& generator, int n) {
   return static_cast<int>(generator() % static_cast<std::uint64_t>(n));
 }
 
-struct Drawn {
+struct DrawnTable {
   PsychometricModel model;
   std::vector<PsychometricLevel> levels;
 };
 
 // Small tables, one trial at each of up to 120 levels, and a few trials at irregular levels, some of them by chance.
-Drawn any_data(std::uint64_t seed) {
+DrawnTable drawn_by_seed(std::uint64_t seed) {
   Generator g(seed);
-  Drawn drawn;
+  DrawnTable drawn;
   drawn.model.function = kFunctions[below(g, 4)];
   constexpr double kGuesses[] = {0, 0.02, 0.25, 0.5}, kLapses[] = {0, 0.01, 0.05};
   drawn.model.guess = kGuesses[below(g, 4)];
@@ -60,9 +60,9 @@ Drawn any_data(std::uint64_t seed) {
 }
 
 // Some levels of these data with another one beside them, nearer than any function could rise in between.
-Drawn with_twins(std::uint64_t seed) {
+DrawnTable with_twins(std::uint64_t seed) {
   Generator g(seed);
-  Drawn drawn = any_data(seed);
+  DrawnTable drawn = drawn_by_seed(seed);
   const int twins = 1 + below(g, 3);
   for (int i = 0; i < twins; ++i) {
     PsychometricLevel twin = drawn.levels[static_cast<std::size_t>(below(g, static_cast<int>(drawn.levels.size())))];
@@ -104,10 +104,10 @@ struct Searched {
   int compared = 0, missed = 0;
 };
 
-Searched searched(Drawn (*data_of)(std::uint64_t), std::uint64_t from, std::uint64_t to, int searches) {
+Searched searched(DrawnTable (*data_of)(std::uint64_t), std::uint64_t from, std::uint64_t to, int searches) {
   Searched result;
   for (std::uint64_t seed = from; seed < to; ++seed) {
-    const Drawn drawn = data_of(seed);
+    const DrawnTable drawn = data_of(seed);
     const PsychometricSolution solution = solve_psychometric(drawn.levels, drawn.model);
     const PsychometricData& data = solution.likelihood.data();
     if (data.answers == 0 || data.answers == data.trials || solution.fit.degrees_of_freedom < 0) continue;
@@ -122,13 +122,13 @@ Searched searched(Drawn (*data_of)(std::uint64_t), std::uint64_t from, std::uint
 }
 
 TEST_CASE("no search from a random place ends higher than the fit", "[psychometric]") {
-  const Searched many = searched(any_data, 0, 200, 30);
+  const Searched many = searched(drawn_by_seed, 0, 200, 30);
   CHECK(many.missed == 0);
   CHECK(many.compared >= 150);
   // Data on which the searches from the best of a coarse grid of each pair of rates ended lower.
   for (const std::uint64_t seed : {201, 281, 931, 971, 1349, 1366}) {
     CAPTURE(seed);
-    const Searched one = searched(any_data, seed, seed + 1, 80);
+    const Searched one = searched(drawn_by_seed, seed, seed + 1, 80);
     CHECK(one.missed == 0);
     CHECK(one.compared == 1);
   }
@@ -175,14 +175,14 @@ TEST_CASE("levels with the same logarithm are one level of the Weibull function"
 
 // By hand: tests/README.md.
 TEST_CASE("no search from a random place ends higher than the fit: ten thousand data sets", "[.][search-campaign]") {
-  const Searched many = searched(any_data, 0, 10'000, 80);
+  const Searched many = searched(drawn_by_seed, 0, 10'000, 80);
   CHECK(many.missed == 0);
   CHECK(many.compared >= 7'500);
 }
 
 TEST_CASE("freeing a rate never lowers the likelihood", "[psychometric]") {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
-    Drawn drawn = any_data(seed);
+    DrawnTable drawn = drawn_by_seed(seed);
     drawn.model.estimator = PsychometricEstimator::ml;
     drawn.model.guess = 0.02;
     drawn.model.lapse = 0.05;

@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "analysis/numerics/special_values.h"
 #include "tests/analysis/psychometric/psychometric_fixtures.h"
 #include "tests/catch.h"
 
@@ -17,7 +18,6 @@ namespace {
 
 using namespace jnd::testing;
 using nlohmann::json;
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
 void check_relative(double ours, const json& theirs, double tolerance) {
   const double reference = theirs.get<double>();

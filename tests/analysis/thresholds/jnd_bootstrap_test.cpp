@@ -3,15 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
+#include "analysis/numerics/special_values.h"
 #include "tests/catch.h"
 
 namespace jnd {
 namespace {
-
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
 double binomial(int k, int n, double p) {
   double value = std::pow(p, k) * std::pow(1 - p, n - k);

@@ -6,8 +6,8 @@
 #include <functional>
 #include <span>
 
-#include "analysis/thresholds/jnd.h"
 #include "analysis/numerics/normal.h"
+#include "analysis/thresholds/jnd.h"
 
 namespace jnd::oracle {
 

@@ -3,22 +3,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include <rapidcheck.h>
 
-#include "analysis/thresholds/jnd_ml_differencing.h"
-#include "analysis/numerics/log_normal_cdf.h"
 #include "analysis/numerics/normal.h"
 #include "analysis/numerics/profile_interval.h"
+#include "analysis/numerics/special_values.h"
+#include "analysis/thresholds/jnd_ml_differencing.h"
 #include "tests/analysis/thresholds/jnd_ml_oracle.h"
 #include "tests/catch.h"
 
 namespace jnd {
 namespace {
 
-constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr JndMethod kYesNoCommon = JndMethod::ml_yes_no_common, kYesNoSeries = JndMethod::ml_yes_no_series,
                     kDiffCommon = JndMethod::ml_differencing_common, kDiffSeries = JndMethod::ml_differencing_series;
 constexpr JndMethod kAll[] = {kYesNoCommon, kYesNoSeries, kDiffCommon, kDiffSeries};

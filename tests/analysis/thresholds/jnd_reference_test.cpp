@@ -2,11 +2,11 @@
 // R 4.2.2), and single series against sensR 1.5-3.
 #include <cmath>
 #include <fstream>
-#include <limits>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
+#include "analysis/numerics/special_values.h"
 #include "analysis/thresholds/jnd.h"
 #include "analysis/thresholds/jnd_closed.h"
 #include "tests/catch.h"
@@ -14,7 +14,6 @@
 namespace jnd {
 namespace {
 
-constexpr double kInf = std::numeric_limits<double>::infinity();
 using json = nlohmann::json;
 
 json cases() {

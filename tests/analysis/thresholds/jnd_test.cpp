@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <vector>
 
+#include "analysis/numerics/special_values.h"
 #include "tests/catch.h"
 
 namespace jnd {
@@ -83,7 +83,7 @@ TEST_CASE("no difference noticed: no sensitivity, not a negative JND", "[analysi
 TEST_CASE("an infinite d' without correction is the ceiling: JND 0", "[analysis]") {
   const JndEstimate found = estimate({{400, {6, 6, 6, 1}}, {200, {6, 4, 6, 2}}}, Correction::none);
   CHECK(found.status == JndStatus::ceiling);
-  CHECK(found.slope == std::numeric_limits<double>::infinity());
+  CHECK(found.slope == kInf);
   CHECK(found.jnd == 0);
   CHECK(found.weber == 0);
   CHECK_FALSE(has(found, Caution::extrapolated));

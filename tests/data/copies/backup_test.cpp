@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 
 #include "data/study/schema.h"
+#include "data/verify/verify.h"
 #include "tests/data/damage_fixture.h"
 
 namespace jnd {

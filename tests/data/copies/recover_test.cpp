@@ -12,6 +12,7 @@
 #include "data/copies/salvage.h"
 #include "data/study/schema.h"
 #include "data/study/study_care.h"
+#include "data/verify/verify.h"
 #include "protocols/input/read_file.h"
 #include "tests/data/damage_fixture.h"
 #include "tests/data/version_1_study.h"

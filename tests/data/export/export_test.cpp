@@ -9,6 +9,7 @@
 #include <set>
 #include <thread>
 
+#include "analysis/numerics/special_values.h"
 #include "data/export/csv_writer.h"
 #include "data/export/export_folder.h"
 #include "data/export/export_log.h"
@@ -45,9 +46,9 @@ TEST_CASE("cells are quoted where they must be, and numbers keep every digit", "
   CHECK(csv_line({"a", "b,c", "say \"x\"", "two\nlines", ""}) == "a,\"b,c\",\"say \"\"x\"\"\",\"two\nlines\",\n");
   CHECK(csv_number(0.1 + 0.2) == "0.30000000000000004");
   CHECK(csv_number(500.0) == "500");
-  CHECK(csv_number(std::numeric_limits<double>::infinity()) == "Inf");
-  CHECK(csv_number(-std::numeric_limits<double>::infinity()) == "-Inf");
-  CHECK(csv_number(std::numeric_limits<double>::quiet_NaN()).empty());
+  CHECK(csv_number(kInf) == "Inf");
+  CHECK(csv_number(-kInf) == "-Inf");
+  CHECK(csv_number(kNaN).empty());
   CHECK(csv_number(std::numeric_limits<std::int64_t>::min()) == "-9223372036854775808");
   CHECK(csv_flag(true) == "1");
   CHECK(csv_flag(false) == "0");

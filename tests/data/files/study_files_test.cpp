@@ -10,6 +10,7 @@
 #include "data/files/seal.h"
 #include "data/study/study_impl.h"
 #include "data/study/study_lock.h"
+#include "data/verify/verify.h"
 #include "tests/data/damage_fixture.h"
 
 namespace jnd {

@@ -10,6 +10,7 @@
 
 #include "data/log/storage_error.h"
 #include "data/study/study_impl.h"
+#include "data/verify/verify.h"
 #include "protocols/input/sha256.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"

@@ -8,7 +8,7 @@
 namespace jnd {
 namespace {
 
-std::size_t place(int index) {
+std::size_t index_of(int index) {
   return static_cast<std::size_t>(index);
 }
 
@@ -50,7 +50,7 @@ TEST_CASE("by delivered stiffness, the differences are those of the fitted slope
     const CellResult &cell = delivered.cells[i], &same_cell = nominal.cells[i];
     double sum = 0, softer = 0;
     int n = 0, without = 0, soft_intervals = 0;
-    const auto& pair = chinello().series[place(cell.series)].pair;
+    const auto& pair = chinello().series[index_of(cell.series)].pair;
     for (const Trial& trial : trials) {
       if (trial.practice || trial.condition != cell.condition || trial.series != cell.series) continue;
       const bool fit = trial.condition != 0, second = fit && trial.index % 6 != 0;

@@ -3,18 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "analysis/numerics/special_values.h"
+#include "data/export/questionnaire_columns.h"
 #include "data/log/exploration_body.h"
 #include "data/results/methods_text.h"
-#include "data/export/questionnaire_columns.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
 
 namespace jnd {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 const Protocol& experiment2() {
   static const Protocol protocol =

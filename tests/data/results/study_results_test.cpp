@@ -2,18 +2,15 @@
 #include "data/results/study_results.h"
 
 #include <cmath>
-#include <limits>
 
+#include "data/export/result_columns.h"
 #include "data/results/methods_text.h"
 #include "data/results/rating_answers.h"
-#include "data/export/result_columns.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
 
 namespace jnd {
 namespace {
-
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
 // Counts of one participant: hits and false alarms of 20 trials a class, by condition and series of chinello2017.
 std::vector<CellCounts> participant_counts(const std::string& name, const std::array<std::array<int, 3>, 3>& hits,

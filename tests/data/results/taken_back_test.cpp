@@ -1,6 +1,7 @@
 // Answers that are taken back: they stay in the log and count nowhere.
 #include "data/results/study_analysis.h"
 #include "data/study/study_impl.h"
+#include "data/verify/verify.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
 

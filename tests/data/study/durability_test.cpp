@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "data/study/study.h"
+#include "data/verify/verify.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
 

@@ -4,6 +4,7 @@
 #include "data/study/schema.h"
 #include "data/study/study_care.h"
 #include "data/study/study_impl.h"
+#include "data/verify/verify.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
 #include "tests/data/version_2_study.h"
@@ -12,8 +13,6 @@ namespace jnd {
 namespace {
 
 using Access = Study::Access;
-
-constexpr Stamp kNow = {1'700'001'000'000'000'000, 7};
 
 std::filesystem::path small_study(const TemporaryFolder& folder) {
   const auto path = folder / "study.jnd";

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "data/study/study_impl.h"
+#include "data/verify/verify.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
 

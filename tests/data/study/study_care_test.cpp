@@ -2,15 +2,14 @@
 #include "data/study/study_care.h"
 
 #include "data/export/export.h"
-#include "data/study/study_impl.h"
 #include "data/results/study_results.h"
+#include "data/study/study_impl.h"
+#include "data/verify/verify.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
 
 namespace jnd {
 namespace {
-
-constexpr Stamp kNow = {1'700'001'000'000'000'000, 7};
 
 void run_session(Study& study, int participant, int number, SessionKind kind = SessionKind::simulated) {
   NewSession session = new_session(participant, kind);

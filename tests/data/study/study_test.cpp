@@ -6,11 +6,12 @@
 #include <sys/stat.h>
 
 #include "analysis/numerics/stop_request.h"
-#include "data/study/database.h"
 #include "data/log/event_body.h"
+#include "data/log/utc_time.h"
+#include "data/study/database.h"
 #include "data/study/schema.h"
 #include "data/study/study_impl.h"
-#include "data/log/utc_time.h"
+#include "data/verify/verify.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
 

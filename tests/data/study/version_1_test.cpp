@@ -1,8 +1,9 @@
 // Studies of file version 1 can be read as they are, and become current ones when a session goes on.
 #include "data/export/export.h"
-#include "data/study/schema.h"
 #include "data/results/study_analysis.h"
+#include "data/study/schema.h"
 #include "data/study/study_impl.h"
+#include "data/verify/verify.h"
 #include "tests/catch.h"
 #include "tests/data/telemetry_fixture.h"
 #include "tests/data/version_1_study.h"
@@ -11,11 +12,6 @@ namespace jnd {
 namespace {
 
 using Access = Study::Access;
-
-int version_of(const std::filesystem::path& path) {
-  SQLite::Database database(path.string(), SQLite::OPEN_READONLY);
-  return database.execAndGet("PRAGMA user_version").getInt();
-}
 
 TEST_CASE("a study of version 1 is read, verified, analysed and exported as it is", "[data]") {
   const TemporaryFolder folder;

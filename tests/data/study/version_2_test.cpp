@@ -1,7 +1,8 @@
 // Studies of file version 2 can be read as they are, and become current ones when a session goes on.
-#include "data/study/schema.h"
 #include "data/results/study_analysis.h"
+#include "data/study/schema.h"
 #include "data/study/study_impl.h"
+#include "data/verify/verify.h"
 #include "tests/catch.h"
 #include "tests/data/version_2_study.h"
 
@@ -9,11 +10,6 @@ namespace jnd {
 namespace {
 
 using Access = Study::Access;
-
-int version_of(const std::filesystem::path& path) {
-  SQLite::Database database(path.string(), SQLite::OPEN_READONLY);
-  return database.execAndGet("PRAGMA user_version").getInt();
-}
 
 TEST_CASE("a study of version 2 is read, verified and analysed as it is", "[data]") {
   const TemporaryFolder folder;

@@ -3,10 +3,11 @@
 #include "data/verify/chain_check.h"
 
 #include "data/copies/recover.h"
+#include "data/results/study_results.h"
 #include "data/study/schema.h"
 #include "data/study/study_care.h"
-#include "data/results/study_results.h"
 #include "data/study/trial_rows.h"
+#include "data/verify/verify.h"
 #include "data/verify/verify_deep.h"
 #include "protocols/input/sha256.h"
 #include "tests/data/damage_fixture.h"
@@ -15,12 +16,6 @@ namespace jnd {
 namespace {
 
 using Access = Study::Access;
-
-std::string problems_of(const std::filesystem::path& path) {
-  std::string all;
-  for (const Problem& problem : verify(*Study::open(path, Access::read_only)).problems) all += problem.text + "\n";
-  return all;
-}
 
 std::string refusal_of(const std::filesystem::path& path) {
   const auto study = Study::open(path, Access::read_only);

@@ -1,11 +1,13 @@
 // What is append-only stays so, and what was changed behind the program's back is found.
+#include "data/verify/verify.h"
+
 #include <atomic>
 #include <string>
 #include <thread>
 
 #include "data/log/chain.h"
-#include "data/study/study.h"
 #include "data/log/utc_time.h"
+#include "data/study/study.h"
 #include "protocols/input/sha256.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
@@ -22,13 +24,6 @@ std::filesystem::path whole_study(const TemporaryFolder& folder) {
   append_with_telemetry(*study->open_session(new_session(3)), make_plan(tutorial(), 3, kSeed).trials[0],
                         {press(3), press(3)});  // still open
   return path;
-}
-
-std::string problems_of(const std::filesystem::path& path) {
-  std::string all;
-  for (const Problem& problem : verify(*Study::open(path, Study::Access::read_only)).problems)
-    all += problem.text + "\n";
-  return all;
 }
 
 // Someone who knows SQL and takes the triggers away first.

@@ -46,7 +46,7 @@ int contacts(const Presentation& presentation) {
   return all;
 }
 
-std::string complaint(const std::string& answers) {
+std::string profile_complaint(const std::string& answers) {
   const std::filesystem::path path =
       std::filesystem::temp_directory_path() / ("jnd_answers_" + std::to_string(::getpid()) + ".json");
   std::ofstream(path)
@@ -192,10 +192,11 @@ TEST_CASE("Choices follow their weights") {
 }
 
 TEST_CASE("Mistakes in a profile's answers are found") {
-  CHECK(complaint(R"({"Q": {"rating": {"mean": 5, "sd": 1}}})").empty());
-  CHECK(complaint(R"({"Q": {"rating": {"mean": 5}}})").find("sd") != std::string::npos);
-  CHECK(complaint(R"({"Q": {}})").find("says nothing") != std::string::npos);
-  CHECK(complaint(R"({"Q": {"choices": {"a": 0}}})").find("weight") != std::string::npos);
-  CHECK(complaint(R"({"Q": {"choices": {"a": -1}}})").find("-1") != std::string::npos);
-  CHECK(complaint(R"({"Q": {"ratings": {"C": {"mean": 5, "sd": 1, "sdd": 2}}}})").find("sdd") != std::string::npos);
+  CHECK(profile_complaint(R"({"Q": {"rating": {"mean": 5, "sd": 1}}})").empty());
+  CHECK(profile_complaint(R"({"Q": {"rating": {"mean": 5}}})").find("sd") != std::string::npos);
+  CHECK(profile_complaint(R"({"Q": {}})").find("says nothing") != std::string::npos);
+  CHECK(profile_complaint(R"({"Q": {"choices": {"a": 0}}})").find("weight") != std::string::npos);
+  CHECK(profile_complaint(R"({"Q": {"choices": {"a": -1}}})").find("-1") != std::string::npos);
+  CHECK(profile_complaint(R"({"Q": {"ratings": {"C": {"mean": 5, "sd": 1, "sdd": 2}}}})").find("sdd") !=
+        std::string::npos);
 }

@@ -1,5 +1,7 @@
 // God-object contact: the laws of one primitive, of the joins between several, and of a whole motion. What the shipped
 // objects feel like is in shipped_objects_tests.cpp.
+#include "devices/contact/god_object.h"
+
 #include <cmath>
 #include <optional>
 
@@ -7,7 +9,6 @@
 #include <Eigen/LU>
 #include <rapidcheck.h>
 
-#include "devices/contact/god_object.h"
 #include "tests/catch.h"
 #include "tests/devices/contact/object_fixtures.h"
 

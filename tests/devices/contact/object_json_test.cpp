@@ -15,7 +15,7 @@ using namespace jnd::testing;
 
 namespace {
 
-std::string complaint(const std::string& text) {
+std::string file_complaint(const std::string& text) {
   const std::filesystem::path path =
       std::filesystem::temp_directory_path() / ("jnd_object_" + std::to_string(::getpid()) + ".json");
   std::ofstream(path) << text;
@@ -30,7 +30,7 @@ std::string complaint(const std::string& text) {
 }
 
 bool tells(const std::string& text, const std::string& words) {
-  return complaint(text).find(words) != std::string::npos;
+  return file_complaint(text).find(words) != std::string::npos;
 }
 
 std::string with(const std::string& rest) {
@@ -151,7 +151,7 @@ TEST_CASE("both forms of an object file are read as written") {
 
 TEST_CASE("mistakes in an object file are named, all at once and with their places") {
   const std::string ball = R"({"sphere": {"centre_m": [0, 0, 0], "radius_m": 0.03}})";
-  CHECK(complaint(with(R"("shapes": [)" + ball + "]")).empty());
+  CHECK(file_complaint(with(R"("shapes": [)" + ball + "]")).empty());
   CHECK(tells(with(R"("notes": "n")"), "neither"));
   CHECK(tells(with(R"("shapes": [], "notes": "n")"), "$.shapes"));
   CHECK(tells(with(R"("shapes": [)" + ball + R"(], "plane": {"point_m": [0,0,0], "normal": [1,0,0]})"), "alone"));
@@ -162,8 +162,8 @@ TEST_CASE("mistakes in an object file are named, all at once and with their plac
       tells(with(R"("shapes": [{"sphere": {"centre_m": [0, 0], "radius_m": 0.03}}])"), "$.shapes[0].sphere.centre_m"));
   CHECK(tells(with(R"("shapes": [{"capsule": {"a_m": [0,0,0], "b_m": [0,0,0], "radius_m": 0.01}}])"),
               "make it a sphere"));
-  const std::string all = complaint("{\"format\": 2, \"name\": \"x\",\n\"titel\": \"t\",\n\"shapes\": [\n" + ball +
-                                    ",\n{\"sphere\": {\"centre_m\": [0, \"0\", 3], \"radius_m\": -1}}]}");
+  const std::string all = file_complaint("{\"format\": 2, \"name\": \"x\",\n\"titel\": \"t\",\n\"shapes\": [\n" + ball +
+                                         ",\n{\"sphere\": {\"centre_m\": [0, \"0\", 3], \"radius_m\": -1}}]}");
   CHECK(all.find("$.format") != std::string::npos);
   CHECK(all.find(":2:1: $.titel") != std::string::npos);
   CHECK(all.find(":5:29: $.shapes[1].sphere.centre_m[1]") != std::string::npos);

@@ -2,10 +2,10 @@
 // sight of, and begun again.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <vector>
 
+#include "analysis/numerics/special_values.h"
 #include "devices/contact/god_object.h"
 #include "tests/catch.h"
 #include "tests/devices/contact/object_fixtures.h"
@@ -127,7 +127,7 @@ TEST_CASE("the seam is felt as a bump, and passed without a catch") {
 }
 
 TEST_CASE("what is no position is no contact, and the next position goes on") {
-  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+  const double nan = kNaN, inf = kInf;
   for (const char* name : {"sphere", "wall", "teddy-bear", "baseball"}) {
     CAPTURE(name);
     GodObject god = begun(shipped_object(name), -Vector3d::UnitX());

@@ -1,11 +1,12 @@
 // Shapes: distances against brute force, normals against differences, where a line meets the surface, what is refused.
+#include "devices/contact/virtual_object.h"
+
 #include <cmath>
-#include <limits>
 
 #include <Eigen/Geometry>
 #include <rapidcheck.h>
 
-#include "devices/contact/virtual_object.h"
+#include "analysis/numerics/special_values.h"
 #include "protocols/input/input_error.h"
 #include "tests/catch.h"
 #include "tests/devices/contact/object_fixtures.h"
@@ -20,7 +21,7 @@ double sampled_distance(const Capsule& capsule, const Eigen::Vector3d& point) {
   const Eigen::Vector3d axis = (capsule.b_m - capsule.a_m).normalized();
   const Eigen::Vector3d u = axis.unitOrthogonal(), v = axis.cross(u);
   const double length = (capsule.b_m - capsule.a_m).norm();
-  double least = std::numeric_limits<double>::infinity();
+  double least = kInf;
   constexpr int kAround = 240, kAlong = 160;
   for (int i = 0; i < kAround; ++i) {
     const double angle = 2 * M_PI * i / kAround;
@@ -72,7 +73,7 @@ TEST_CASE("the distance to a capsule is that of a sampled surface, with its sign
     const double sampled = sampled_distance(capsule, point);
     CHECK(sampled >= std::abs(found.distance_m) - 1e-12);
     CHECK(sampled <= std::hypot(found.distance_m, 5e-4));
-    double core = std::numeric_limits<double>::infinity();
+    double core = kInf;
     for (int k = 0; k <= 4000; ++k)
       core = std::min(core, (capsule.a_m + k / 4000.0 * (capsule.b_m - capsule.a_m) - point).norm());
     CHECK((found.distance_m < 0) == (core < capsule.radius_m));
@@ -142,7 +143,7 @@ TEST_CASE("objects that cannot be touched are refused, with every reason") {
   CHECK(complaint({}).find("empty") != std::string::npos);
   CHECK(complaint({.plane = Plane{}, .spheres = {{{0, 0, 0}, 0.01}}}).find("stands alone") != std::string::npos);
   CHECK(complaint({.plane = Plane{.normal = {1, 1, 0}}}).find("unit vector") != std::string::npos);
-  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double nan = kNaN;
   const std::string both = complaint({.spheres = {{{0, 0, 0}, 0.01}, {{nan, 0, 0}, 0}},
                                       .capsules = {{{0, 0, 0}, {0, 0, 0}, 0.01}, {{0, 0, 9}, {0, 0, 0}, nan}}});
   CHECK(both.find("sphere 1:") == std::string::npos);

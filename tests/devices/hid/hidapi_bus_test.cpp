@@ -1,11 +1,12 @@
 // What can be said of hidapi without a device: tests/kernel has the rest.
+#include "devices/hid/hidapi_bus.h"
+
 #include <atomic>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "devices/device_error.h"
-#include "devices/hid/hidapi_bus.h"
 #include "tests/catch.h"
 
 using namespace jnd;

@@ -1,6 +1,7 @@
 // Pages read from and written to the firmware, over a handle that loses and spoils reports.
-#include "devices/device_error.h"
 #include "devices/hid/page_talk.h"
+
+#include "devices/device_error.h"
 #include "devices/hid/report_words.h"
 #include "tests/catch.h"
 #include "tests/devices/hid/bench/bench_firmware.h"

@@ -1,9 +1,10 @@
 // What is missing of a numbered stream.
+#include "devices/hid/report_counter.h"
+
 #include <set>
 
 #include <rapidcheck.h>
 
-#include "devices/hid/report_counter.h"
 #include "tests/catch.h"
 
 using jnd::ReportCounter;

@@ -1,10 +1,11 @@
 // SI units and the integers of the reports.
+#include "devices/hid/report_units.h"
+
 #include <cmath>
-#include <limits>
 
 #include <rapidcheck.h>
 
-#include "devices/hid/report_units.h"
+#include "analysis/numerics/special_values.h"
 #include "tests/catch.h"
 
 using namespace jnd;
@@ -25,7 +26,7 @@ TEST_CASE("a field holds the nearest number, and its largest for what is beyond"
   CHECK(to_field<std::uint16_t>(-3, 0.001, number) == 0);
   CHECK(to_field<std::uint16_t>(1e9, 0.001, number) == 65535);
   CHECK(to_field<std::int16_t>(-1e9, 0.001, number) == -32768);
-  CHECK(to_field<std::int32_t>(std::numeric_limits<double>::infinity(), 1e-6, number) == 2147483647);
+  CHECK(to_field<std::int32_t>(kInf, 1e-6, number) == 2147483647);
   CHECK(to_field<std::int32_t>(2147483647.4e-6, 1e-6, number) == 2147483647);
   CHECK(to_field<std::uint32_t>(4294967295e-9, 1e-9, number) == 4294967295U);
   CHECK(number);
@@ -84,7 +85,7 @@ TEST_CASE("a number that is none becomes mode rest", "[report_units]") {
     const bool taken = to_report(asked, RenderingMode::wrench, out);
     return !taken && out.mode == JND_MODE_REST && out.most_force_un == 0 && !out.touching;
   };
-  const double none = std::nan(""), infinite = std::numeric_limits<double>::infinity();
+  const double none = std::nan(""), infinite = kInf;
   CHECK(refused([&](DeviceCommand& command) { command.force_n = none; }));
   CHECK(refused([&](DeviceCommand& command) { command.force_n = infinite; }));
   CHECK(refused([&](DeviceCommand& command) { command.normal.y() = none; }));

@@ -1,9 +1,10 @@
 // The udev rule that is shipped, printed and explained is one and the same; and what doctor says of trackers.
+#include "devices/hid/udev_rule.h"
+
 #include <fstream>
 #include <set>
 #include <string>
 
-#include "devices/hid/udev_rule.h"
 #include "tests/catch.h"
 
 using namespace jnd;

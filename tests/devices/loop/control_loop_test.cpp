@@ -1,17 +1,18 @@
 // The loop with clocks, trackers and devices that misbehave on demand.
+#include "devices/loop/control_loop.h"
+
 #include <cmath>
 #include <limits>
 
-#include "devices/loop/control_loop.h"
+#include "analysis/numerics/special_values.h"
 #include "tests/catch.h"
 #include "tests/devices/device_fixtures.h"
+#include "tests/units.h"
 
 using namespace jnd;
 using namespace jnd::testing;
 
 namespace {
-
-constexpr std::int64_t kMs = 1'000'000;
 
 // Wakes late when told to: the nth sleep by so many nanoseconds.
 class LateClock final : public Clock {
@@ -47,8 +48,8 @@ class ScriptedTracker final : public Tracker {
     pose.time_ns = now_ns;
     return true;
   }
-  double silent_from_ms = std::numeric_limits<double>::infinity();
-  double nan_from_ms = std::numeric_limits<double>::infinity();
+  double silent_from_ms = kInf;
+  double nan_from_ms = kInf;
 
  private:
   std::int64_t start_ = 0;
@@ -229,7 +230,7 @@ TEST_CASE("the loop can be used again after a fault") {
   LoopSetup setup;
   setup.tracker.nan_from_ms = 500;
   REQUIRE(setup.run().fault == Fault::non_finite);
-  setup.tracker.nan_from_ms = std::numeric_limits<double>::infinity();
+  setup.tracker.nan_from_ms = kInf;
   const Presentation given = setup.run();
   CHECK(given.fault == Fault::none);
   CHECK(*given.fingers[1].stiffness == Approx(500).epsilon(0.01));

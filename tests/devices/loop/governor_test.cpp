@@ -1,19 +1,19 @@
 // The governor as a property: whatever is asked, whenever, what is given is safe.
+#include "devices/loop/governor.h"
+
 #include <cmath>
-#include <limits>
 
 #include <rapidcheck.h>
 
-#include "devices/loop/governor.h"
+#include "analysis/numerics/special_values.h"
 #include "tests/catch.h"
 #include "tests/devices/device_fixtures.h"
+#include "tests/units.h"
 
 using namespace jnd;
 using namespace jnd::testing;
 
 namespace {
-
-constexpr std::int64_t kMs = 1'000'000;
 
 GovernorInput push(double force, std::int64_t pose_time_ns) {
   GovernorInput input;
@@ -43,9 +43,9 @@ double wild() {
     case 0:
       return std::nan("");
     case 1:
-      return std::numeric_limits<double>::infinity();
+      return kInf;
     case 2:
-      return -std::numeric_limits<double>::infinity();
+      return -kInf;
     case 3:
       return 1e300;
     case 4:

@@ -1,24 +1,25 @@
 // Whatever a description says, and whatever is asked: no force above the model's hard limit, by the governor or past
 // it.
+#include "protocols/rigs/hard_limits.h"
+
 #include <cmath>
-#include <limits>
 
 #include <rapidcheck.h>
 
+#include "analysis/numerics/special_values.h"
 #include "devices/loop/governor.h"
 #include "devices/mckibben/mckibben_device.h"
 #include "devices/rrs3/rrs3_platform.h"
-#include "protocols/rigs/hard_limits.h"
 #include "protocols/input/input_error.h"
 #include "tests/catch.h"
 #include "tests/devices/device_fixtures.h"
+#include "tests/units.h"
 
 using namespace jnd;
 using namespace jnd::testing;
 
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
 // What the platform of the model, critically damped, passes beyond a commanded force while it settles.
 constexpr double kOvershoot = 1.02;
 constexpr double kHardPulp_n_per_m = 1e6;
@@ -34,7 +35,7 @@ double described(double shipped) {
     case 0:
       return std::nan("");
     case 1:
-      return std::numeric_limits<double>::infinity();
+      return kInf;
     case 2:
       return -shipped;
     case 3:

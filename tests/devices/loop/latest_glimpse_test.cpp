@@ -1,9 +1,10 @@
 // What an operator sees of the loop while it runs: whole values, the newest ones, at no cost to the loop.
+#include "devices/loop/latest_glimpse.h"
+
 #include <atomic>
 #include <stdexcept>
 #include <thread>
 
-#include "devices/loop/latest_glimpse.h"
 #include "tests/catch.h"
 #include "tests/devices/device_fixtures.h"
 

@@ -1,10 +1,11 @@
 // The newest value between two threads.
+#include "devices/loop/newest_slot.h"
+
 #include <array>
 #include <atomic>
 #include <cstdint>
 #include <thread>
 
-#include "devices/loop/newest_slot.h"
 #include "tests/catch.h"
 
 using jnd::NewestSlot;

@@ -1,4 +1,6 @@
 // The thread that jobs are lent to.
+#include "devices/loop/render_thread.h"
+
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -8,7 +10,6 @@
 #include <sched.h>
 
 #include "devices/device_error.h"
-#include "devices/loop/render_thread.h"
 #include "tests/catch.h"
 
 using namespace jnd;

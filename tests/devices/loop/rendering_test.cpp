@@ -1,8 +1,9 @@
 // What a contact asks of a device, whatever device it is: force, and the amplitude of a burst.
-#include <cmath>
-#include <limits>
-
 #include "devices/loop/rendering.h"
+
+#include <cmath>
+
+#include "analysis/numerics/special_values.h"
 #include "tests/catch.h"
 
 using namespace jnd;
@@ -23,7 +24,7 @@ TEST_CASE("a damped contact resists going in, eases coming out, and never pulls"
   CHECK(contact_force_n(500, 0.004, 2, -0.1) == Approx(1.8));
   CHECK(contact_force_n(500, 0.004, 2, -10) == 0);
   CHECK(contact_force_n(500, 0, 2, 10) == 0);  // no contact, no force
-  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double nan = kNaN;
   CHECK(std::isnan(contact_force_n(500, nan, 2, 0)));
   CHECK(std::isnan(contact_force_n(500, 0.004, 2, nan)));
   // A closed stroke takes work from the finger: b times the integral of the squared speed.

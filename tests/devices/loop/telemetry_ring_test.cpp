@@ -1,7 +1,8 @@
 // The queue between the loop and main: order, drops counted exactly, and two threads at once.
+#include "devices/loop/telemetry_ring.h"
+
 #include <thread>
 
-#include "devices/loop/telemetry_ring.h"
 #include "tests/catch.h"
 
 using namespace jnd;

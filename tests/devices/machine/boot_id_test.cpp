@@ -1,7 +1,8 @@
 // The machine's identity from start to start, read from made-up trees.
+#include "devices/machine/boot_id.h"
+
 #include <fstream>
 
-#include "devices/machine/boot_id.h"
 #include "devices/clock.h"
 #include "tests/catch.h"
 

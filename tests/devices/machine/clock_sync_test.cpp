@@ -1,10 +1,11 @@
 // Two clocks and a transport that takes its time.
+#include "devices/machine/clock_sync.h"
+
 #include <cmath>
 #include <random>
 
 #include <rapidcheck.h>
 
-#include "devices/machine/clock_sync.h"
 #include "tests/catch.h"
 
 using jnd::ClockSync;

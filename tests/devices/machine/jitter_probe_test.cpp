@@ -1,14 +1,14 @@
 // The measurement of lateness, on clocks that are late on purpose; and the histogram that it fills.
+#include "devices/machine/jitter_probe.h"
+
 #include <numeric>
 
-#include "devices/machine/jitter_probe.h"
 #include "tests/catch.h"
+#include "tests/units.h"
 
 using namespace jnd;
 
 namespace {
-
-constexpr std::int64_t kUs = 1'000, kMs = 1'000'000;
 
 // Wakes late by a pattern that repeats.
 class LateClock final : public Clock {

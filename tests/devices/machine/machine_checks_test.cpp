@@ -1,11 +1,12 @@
 // What `jnd doctor` finds, on made-up machines: trees of /sys, /proc and /dev in a temporary folder.
+#include "devices/machine/machine_checks.h"
+
 #include <filesystem>
 #include <fstream>
 
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "devices/machine/machine_checks.h"
 #include "tests/catch.h"
 
 using namespace jnd;

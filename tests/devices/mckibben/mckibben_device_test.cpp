@@ -1,22 +1,22 @@
 // The McKibben finger behind the device seam: it renders, lets the finger move freely, and lets go when commands stop.
+#include "devices/mckibben/mckibben_device.h"
+
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <vector>
 
 #include <rapidcheck.h>
 
+#include "analysis/numerics/special_values.h"
 #include "devices/loop/governor.h"
-#include "devices/mckibben/mckibben_device.h"
 #include "tests/catch.h"
 #include "tests/devices/mckibben/mckibben_fixtures.h"
+#include "tests/units.h"
 
 using namespace jnd;
 using namespace jnd::testing;
 
 namespace {
-
-constexpr std::int64_t kMs = 1'000'000;
 
 // A finger that moves as a function of time says, in seconds.
 class Finger final : public FingerFlexion {
@@ -232,7 +232,7 @@ TEST_CASE("a finger beyond the stops stays at them; one that is nowhere is lost,
   CHECK(hold(stopped, 3, now, 500).force_n == Approx(3).epsilon(0.01));
   CHECK(stopped.true_angle_rad() == Approx(flexed_rad()));
 
-  const Finger vanishing([](double t) { return t < 0.3 ? 0.6 : std::numeric_limits<double>::quiet_NaN(); });
+  const Finger vanishing([](double t) { return t < 0.3 ? 0.6 : kNaN; });
   MckibbenDevice device(MckibbenOptions{}, vanishing);
   now = 0;
   CHECK(device.engage(now) == DeviceStatus::ok);
@@ -256,8 +256,7 @@ TEST_CASE("no command makes a force that is not a number") {
     std::int64_t now = 0;
     (void)device.engage(now);
     for (int i = 0; i < 100; ++i) {
-      const double asked = *rc::gen::element(0.0, 5.0, 30.0, 1e9, -4.0, std::numeric_limits<double>::quiet_NaN(),
-                                             std::numeric_limits<double>::infinity());
+      const double asked = *rc::gen::element(0.0, 5.0, 30.0, 1e9, -4.0, kNaN, kInf);
       (void)device.write(force(asked), now);
       now += *rc::gen::inRange<std::int64_t>(0, 3 * kMs);
       DeviceReading reading;

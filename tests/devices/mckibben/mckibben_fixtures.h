@@ -8,10 +8,11 @@
 #include <nlohmann/json.hpp>
 
 #include "devices/mckibben/mckibben_model.h"
+#include "tests/units.h"
 
 namespace jnd::testing {
 
-inline constexpr double kDegree = std::numbers::pi / 180;
+inline const MckibbenParameters kTable1;  // of the paper: the defaults
 
 // Numbers of an independent numpy model; the file names its conventions.
 inline const nlohmann::json& mckibben_reference() {

@@ -1,9 +1,9 @@
 // The McKibben finger's linkage against an independent numpy model, virtual work, finite differences and its equations.
 #include <cmath>
-#include <limits>
 
 #include <rapidcheck.h>
 
+#include "analysis/numerics/special_values.h"
 #include "protocols/input/input_error.h"
 #include "tests/catch.h"
 #include "tests/devices/mckibben/mckibben_fixtures.h"
@@ -12,8 +12,6 @@ using namespace jnd;
 using namespace jnd::testing;
 
 namespace {
-
-const MckibbenParameters kTable1;
 
 const MckibbenLinkage& linkage() {
   static const MckibbenLinkage linkage(kTable1);
@@ -90,8 +88,8 @@ TEST_CASE("an angle that the linkage cannot take is empty") {
   CHECK_FALSE(linkage().pose(linkage().assembles().max_rad + 1e-6));
   CHECK(linkage().pose(linkage().assembles().min_rad + 1e-6));
   CHECK(linkage().pose(linkage().assembles().max_rad - 1e-6));
-  CHECK_FALSE(linkage().pose(std::numeric_limits<double>::quiet_NaN()));
-  CHECK_FALSE(linkage().pose(std::numeric_limits<double>::infinity()));
+  CHECK_FALSE(linkage().pose(kNaN));
+  CHECK_FALSE(linkage().pose(kInf));
 }
 
 TEST_CASE("every angle of the range fulfils (1) to (4), and power in is power out") {
@@ -142,5 +140,5 @@ TEST_CASE("lengths that make no finger are refused with what to do") {
   refused([](MckibbenParameters& m) { m.l1_m = 0.01; });
   refused([](MckibbenParameters& m) { m.l5max_m = 0.05; });
   refused([](MckibbenParameters& m) { m.l5max_m = 0.3; });
-  refused([](MckibbenParameters& m) { m.l4_m = std::numeric_limits<double>::quiet_NaN(); });
+  refused([](MckibbenParameters& m) { m.l4_m = kNaN; });
 }

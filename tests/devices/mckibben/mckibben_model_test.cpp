@@ -1,9 +1,9 @@
 // The dynamic model: steady states, trajectories of an independent numpy model, limits, and the force controller.
 #include <cmath>
-#include <limits>
 
 #include <rapidcheck.h>
 
+#include "analysis/numerics/special_values.h"
 #include "devices/mckibben/mckibben_response.h"
 #include "protocols/input/input_error.h"
 #include "tests/catch.h"
@@ -13,8 +13,6 @@ using namespace jnd;
 using namespace jnd::testing;
 
 namespace {
-
-const MckibbenParameters kTable1;
 
 double any_angle() {
   return straight_rad() + (flexed_rad() - straight_rad()) * *rc::gen::inRange(0, 10'001) / 1e4;
@@ -119,10 +117,9 @@ TEST_CASE("pressures stay between none and the supply, whatever is asked") {
 }
 
 TEST_CASE("what is not a number does not spread") {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   const MckibbenModel model = mckibben_model({.kp = 0.1, .ki = 3, .kd = 0.001});
   const MckibbenPose pose = *model.pose(straight_rad());
-  for (const double bad : {kNan, std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()}) {
+  for (const double bad : {kNaN, kInf, -kInf}) {
     for (int field = 0; field < 5; ++field) {
       MckibbenState state = model.steady_state(pose, 5);
       (field == 0   ? state.valve_pa
@@ -141,7 +138,7 @@ TEST_CASE("what is not a number does not spread") {
     CHECK(std::isfinite(state.muscle_pa));
   }
   MckibbenState state = model.steady_state(pose, 5);
-  for (int i = 0; i < 10'000; ++i) model.step(state, pose, kNan);  // a closed valve: it vents
+  for (int i = 0; i < 10'000; ++i) model.step(state, pose, kNaN);  // a closed valve: it vents
   CHECK(model.gauge_pa(state) < 10);
 }
 
@@ -173,7 +170,7 @@ TEST_CASE("the controller: P, I and D, clamped, with conditional integration") {
   CHECK(p.respond(30, {}).volts == 10);
   CHECK(p.respond(-1, {}).volts == 0);
   CHECK(p.respond(3, {}).rate.integral_v == 0);
-  CHECK(p.respond(std::numeric_limits<double>::quiet_NaN(), {}).volts == 0);
+  CHECK(p.respond(kNaN, {}).volts == 0);
 
   const ForceController pi({.kp = 2, .ki = 5}, 0, 10);
   CHECK(pi.respond(1, {.integral_v = 3, .filtered_n = 0}).volts == 5);
@@ -196,7 +193,7 @@ TEST_CASE("the controller: P, I and D, clamped, with conditional integration") {
 
 TEST_CASE("gains and parameters that make no finger are refused") {
   CHECK_THROWS_AS(mckibben_model({.kp = -1}), InputError);
-  CHECK_THROWS_AS(mckibben_model({.kp = 1, .ki = std::numeric_limits<double>::infinity()}), InputError);
+  CHECK_THROWS_AS(mckibben_model({.kp = 1, .ki = kInf}), InputError);
   MckibbenParameters parameters;
   parameters.l0_m = 0.12;  // the muscle would be too short to pull
   CHECK_THROWS_AS(MckibbenModel(parameters, Tendon::bilateral, {.kp = 0.28}), InputError);

@@ -15,8 +15,6 @@ using std::numbers::pi;
 
 namespace {
 
-const MckibbenParameters kTable1;
-
 // (14) as printed.
 double printed_force(double p, double l) {
   const MckibbenParameters& m = kTable1;

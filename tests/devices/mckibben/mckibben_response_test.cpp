@@ -1,11 +1,12 @@
 // The experiments with the McKibben finger: limit cycles, frequency response, tracking, onset of oscillation, and what
 // they refuse.
+#include "devices/mckibben/mckibben_response.h"
+
 #include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
 
-#include "devices/mckibben/mckibben_response.h"
 #include "protocols/input/input_error.h"
 #include "tests/catch.h"
 #include "tests/devices/mckibben/mckibben_fixtures.h"
@@ -14,8 +15,6 @@ using namespace jnd;
 using namespace jnd::testing;
 
 namespace {
-
-const MckibbenParameters kTable1;
 
 StepResponse step(double kp, double angle, double from, double to) {
   return step_response(kTable1, {.loop = {.gains = {.kp = kp}}, .angle_rad = angle, .from_n = from, .to_n = to});

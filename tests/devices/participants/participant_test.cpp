@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "analysis/numerics/normal.h"
-#include "devices/participants/perceived_stiffness.h"
 #include "devices/loop/rendering.h"
+#include "devices/participants/perceived_stiffness.h"
 #include "devices/participants/simulated_participant.h"
 #include "protocols/input/input_error.h"
 #include "tests/catch.h"

@@ -1,10 +1,11 @@
 // The hand presses as it should, never repeats itself by accident and always repeats itself on purpose.
+#include "devices/participants/simulated_hand.h"
+
 #include <cmath>
 #include <vector>
 
 #include <Eigen/LU>
 
-#include "devices/participants/simulated_hand.h"
 #include "protocols/input/input_error.h"
 #include "tests/catch.h"
 #include "tests/devices/device_fixtures.h"

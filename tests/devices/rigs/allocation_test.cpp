@@ -7,13 +7,13 @@
 
 #include <Eigen/Core>
 
+#include "devices/loop/telemetry_ring.h"
+#include "devices/participants/simulated_hand.h"
 #include "devices/rigs/fingertip_rig.h"
-#include "devices/trackers/pose_feed.h"
-#include "devices/trackers/replay_tracker.h"
 #include "devices/rigs/rig_factory.h"
 #include "devices/rrs3/rrs3_device.h"
-#include "devices/participants/simulated_hand.h"
-#include "devices/loop/telemetry_ring.h"
+#include "devices/trackers/pose_feed.h"
+#include "devices/trackers/replay_tracker.h"
 #include "protocols/rigs/rig_spec.h"
 #include "tests/catch.h"
 #include "tests/counted_heap.h"

@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 
+#include "analysis/numerics/special_values.h"
 #include "devices/emergency_stop.h"
 #include "devices/fingertip_device.h"
 #include "devices/tracker.h"
@@ -40,7 +40,7 @@ class FaultyDevice final : public FingertipDevice {
     }
     reading = last_ = fresh;
     if (fails(DeviceFault::not_a_number)) {
-      reading.force_n = tick % 2 == 0 ? std::nan("") : std::numeric_limits<double>::infinity();
+      reading.force_n = tick % 2 == 0 ? std::nan("") : kInf;
     } else if (fails(DeviceFault::stuck_sensor)) {
       if (!stuck_) stuck_n_ = fresh.force_n;
       stuck_ = true;

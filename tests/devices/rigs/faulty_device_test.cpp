@@ -1,23 +1,23 @@
 // Whatever goes wrong at whatever tick: no force above the cap, none outside an active interval, zero within two ticks
 // of the latch, and a recorded cause. Cases come from a fixed seed; JND_FAULT_CASES sets how many (10,000 in CI).
+#include "tests/devices/rigs/faulty_device.h"
+
 #include <cstdlib>
 #include <string>
 
-#include "devices/trackers/encoder_tracker.h"
-#include "devices/rigs/fingertip_rig.h"
 #include "devices/mckibben/mckibben_device.h"
+#include "devices/rigs/fingertip_rig.h"
 #include "devices/rrs3/rrs3_device.h"
+#include "devices/trackers/encoder_tracker.h"
 #include "protocols/planning/random_stream.h"
 #include "tests/catch.h"
 #include "tests/devices/device_fixtures.h"
-#include "tests/devices/rigs/faulty_device.h"
+#include "tests/units.h"
 
 using namespace jnd;
 using namespace jnd::testing;
 
 namespace {
-
-constexpr std::int64_t kMs = 1'000'000;
 
 int cases_wanted() {
   const char* text = std::getenv("JND_FAULT_CASES");

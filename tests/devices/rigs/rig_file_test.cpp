@@ -1,7 +1,8 @@
 // A laboratory's rig file: everything that it may say, and every mistake with its place.
+#include "devices/rigs/rig_file.h"
+
 #include <set>
 
-#include "devices/rigs/rig_file.h"
 #include "protocols/input/input_error.h"
 #include "tests/catch.h"
 #include "tests/devices/tracker_fixtures.h"

@@ -1,12 +1,13 @@
 // The force sensor: ideal by default; otherwise noise of the asked spread, steps, and a range.
+#include "devices/rrs3/force_sensor.h"
+
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include <rapidcheck.h>
 
-#include "devices/rrs3/force_sensor.h"
+#include "analysis/numerics/special_values.h"
 #include "protocols/input/input_error.h"
 #include "tests/catch.h"
 
@@ -69,7 +70,7 @@ TEST_CASE("steps are of the resolution, ends are of the range") {
     REQUIRE((high >= 0 && high <= 5));
   }
   CHECK(sensor.measure(1e9) == 5);
-  CHECK(sensor.measure(std::numeric_limits<double>::infinity()) == 5);
+  CHECK(sensor.measure(kInf) == 5);
   CHECK(sensor.measure(-7) == 0);
 }
 

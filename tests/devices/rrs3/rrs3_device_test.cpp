@@ -1,19 +1,19 @@
 // The simulated device settles to what was asked, and follows the normal within its speed.
+#include "devices/rrs3/rrs3_device.h"
+
 #include <cmath>
 
 #include "devices/loop/governor.h"
 #include "devices/loop/rendering.h"
-#include "devices/rrs3/rrs3_device.h"
 #include "protocols/input/input_error.h"
 #include "tests/catch.h"
 #include "tests/devices/device_fixtures.h"
+#include "tests/units.h"
 
 using namespace jnd;
 using namespace jnd::testing;
 
 namespace {
-
-constexpr std::int64_t kMs = 1'000'000;
 
 // Holds a command for some milliseconds, written every one, and returns the last reading.
 DeviceReading hold(Rrs3Device& device, DeviceCommand command, std::int64_t& now, int milliseconds) {

@@ -1,5 +1,7 @@
 // The 3RRS kinematics and statics against an independent numpy model (rrs3_reference.json), against finite differences,
 // and against what the geometry of Chinello et al. 2017 must be able to do.
+#include "devices/rrs3/rrs3_kinematics.h"
+
 #include <cmath>
 #include <fstream>
 #include <numbers>
@@ -9,11 +11,12 @@
 #include <nlohmann/json.hpp>
 #include <rapidcheck.h>
 
-#include "devices/rrs3/rrs3_kinematics.h"
 #include "devices/rrs3/rrs3_statics.h"
 #include "protocols/input/input_error.h"
 #include "tests/catch.h"
 #include "tests/devices/device_fixtures.h"
+#include "tests/devices/rrs3/rrs3_fixtures.h"
+#include "tests/units.h"
 
 using namespace jnd;
 using namespace jnd::testing;
@@ -21,15 +24,9 @@ using nlohmann::json;
 
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
-
 json reference() {
   std::ifstream file(source_path("tests/devices/rrs3_reference.json"));
   return json::parse(file);
-}
-
-Rrs3Kinematics default_device() {
-  return Rrs3Kinematics(geometry_of(rrs3_spec()));
 }
 
 Eigen::MatrixXd matrix_of(const json& rows) {

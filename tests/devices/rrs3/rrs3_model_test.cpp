@@ -1,9 +1,10 @@
 // The whole answer of the 3RRS model against an independent numpy model, and geometries from JSON.
+#include "devices/rrs3/rrs3_model.h"
+
 #include <fstream>
 
 #include <nlohmann/json.hpp>
 
-#include "devices/rrs3/rrs3_model.h"
 #include "protocols/input/input_error.h"
 #include "tests/catch.h"
 #include "tests/devices/device_fixtures.h"

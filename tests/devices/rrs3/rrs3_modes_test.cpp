@@ -1,11 +1,11 @@
 // The position-controlled modes of the 3RRS device, its own second line of safety, its sensor and its motor.
 #include <cmath>
-#include <limits>
 #include <set>
 
 #include <Eigen/Geometry>
 #include <rapidcheck.h>
 
+#include "analysis/numerics/special_values.h"
 #include "devices/loop/rendering.h"
 #include "devices/rrs3/rrs3_device.h"
 #include "devices/rrs3/rrs3_position_control.h"
@@ -13,15 +13,14 @@
 #include "protocols/input/input_error.h"
 #include "tests/catch.h"
 #include "tests/devices/device_fixtures.h"
+#include "tests/units.h"
 
 using namespace jnd;
 using namespace jnd::testing;
 
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
-
-DeviceReading hold(Rrs3Device& device, DeviceCommand command, std::int64_t& now, int milliseconds) {
+DeviceReading hold_through_faults(Rrs3Device& device, DeviceCommand command, std::int64_t& now, int milliseconds) {
   DeviceReading reading;
   for (int i = 0; i < milliseconds; ++i) {
     (void)device.read(now, reading);
@@ -54,7 +53,7 @@ TEST_CASE("position control renders the series of gain and pulp, within 0.5 per 
         std::int64_t now = 0;
         (void)device.engage(now);
         const double depth = 0.002;
-        const DeviceReading reading = hold(device, press(stiffness * depth, stiffness, lean), now, 300);
+        const DeviceReading reading = hold_through_faults(device, press(stiffness * depth, stiffness, lean), now, 300);
         CHECK(reading.force_n / depth == Approx(series_stiffness_n_per_m(stiffness, finger)).epsilon(0.005));
       }
     }
@@ -176,7 +175,7 @@ TEST_CASE("a command without a stiffness is rendered as a wrench in every mode")
       Rrs3Device device(rrs3_spec(), {.mode = mode});
       std::int64_t now = 0;
       (void)device.engage(now);
-      CHECK(hold(device, press(2, stiffness), now, 200).force_n == Approx(2).epsilon(1e-9));
+      CHECK(hold_through_faults(device, press(2, stiffness), now, 200).force_n == Approx(2).epsilon(1e-9));
     }
   }
 }
@@ -185,7 +184,7 @@ TEST_CASE("the printed law keeps to reachable poses where the surface lies beyon
   Rrs3Device device(rrs3_spec(), {.mode = RenderingMode::pd_literal});
   std::int64_t now = 0;
   (void)device.engage(now);
-  const DeviceReading reading = hold(device, press(4.7, 100), now, 300);  // 47 mm deep
+  const DeviceReading reading = hold_through_faults(device, press(4.7, 100), now, 300);  // 47 mm deep
   CHECK(std::isfinite(reading.force_n));
   CHECK(reading.force_n > 0.5);
   CHECK(reading.force_n <= 4.7);
@@ -198,8 +197,6 @@ TEST_CASE("the printed law keeps to reachable poses where the surface lies beyon
 }
 
 TEST_CASE("the device itself refuses what is not a number, what pulls, and more than its force") {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  constexpr double kInf = std::numeric_limits<double>::infinity();
   for (const RenderingMode mode : {RenderingMode::wrench, RenderingMode::pd, RenderingMode::pd_literal}) {
     for (int bad = 0; bad < 10; ++bad) {
       Rrs3Device device(rrs3_spec(), {.mode = mode});
@@ -208,28 +205,28 @@ TEST_CASE("the device itself refuses what is not a number, what pulls, and more 
       DeviceCommand command = press(2, 700);
       command.vibration_g = 0.5;
       command.vibration_hz = 200;
-      CHECK(hold(device, command, now, 100).force_n > 0.5);
+      CHECK(hold_through_faults(device, command, now, 100).force_n > 0.5);
       switch (bad) {
         case 0:
-          command.force_n = kNan;
+          command.force_n = kNaN;
           break;
         case 1:
           command.force_n = kInf;
           break;
         case 2:
-          command.stiffness_n_per_m = kNan;
+          command.stiffness_n_per_m = kNaN;
           break;
         case 3:
-          command.normal.x() = kNan;
+          command.normal.x() = kNaN;
           break;
         case 4:
           command.roll_rad = kInf;
           break;
         case 5:
-          command.pitch_rad = kNan;
+          command.pitch_rad = kNaN;
           break;
         case 6:
-          command.vibration_g = kNan;
+          command.vibration_g = kNaN;
           break;
         case 7:
           command.normal = -Eigen::Vector3d::UnitZ();
@@ -252,12 +249,12 @@ TEST_CASE("the device itself refuses what is not a number, what pulls, and more 
       CHECK(device.torques().norm() == 0);
       if (bad < 7) CHECK(reading.vibration_g == 0);
       // It works on with the next good command.
-      CHECK(hold(device, press(2, 700), now, 100).force_n > 0.5);
+      CHECK(hold_through_faults(device, press(2, 700), now, 100).force_n > 0.5);
     }
     Rrs3Device device(rrs3_spec(), {.mode = mode});
     std::int64_t now = 0;
     (void)device.engage(now);
-    CHECK(hold(device, press(40, 2000), now, 300).force_n <= 4.7 * (1 + 1e-9));
+    CHECK(hold_through_faults(device, press(40, 2000), now, 300).force_n <= 4.7 * (1 + 1e-9));
   }
 }
 
@@ -265,8 +262,8 @@ TEST_CASE("travel is the platform's height") {
   Rrs3Device device(rrs3_spec(), 1000);
   std::int64_t now = 0;
   (void)device.engage(now);
-  CHECK(hold(device, press(0, 0), now, 5).travel == rrs3_spec().rest_z_m);
-  const DeviceReading reading = hold(device, press(2, 500), now, 200);
+  CHECK(hold_through_faults(device, press(0, 0), now, 5).travel == rrs3_spec().rest_z_m);
+  const DeviceReading reading = hold_through_faults(device, press(2, 500), now, 200);
   CHECK(reading.travel == Approx(-0.018).epsilon(1e-9));  // 2 N into 1000 N/m
   CHECK(reading.travel == reading.platform.pz_m);
 }
@@ -278,9 +275,9 @@ TEST_CASE("the sensor's noise is in the reading, repeats with its key, and never
     device.begin_interval(part);
     std::int64_t now = 0;
     (void)device.engage(now);
-    (void)hold(device, press(2, 700), now, 100);
+    (void)hold_through_faults(device, press(2, 700), now, 100);
     std::vector<double> all;
-    for (int i = 0; i < 400; ++i) all.push_back(hold(device, press(2, 700), now, 1).force_n);
+    for (int i = 0; i < 400; ++i) all.push_back(hold_through_faults(device, press(2, 700), now, 1).force_n);
     DeviceReading reading;
     (void)device.read(now, reading);
     CHECK(reading.travel == Approx(-0.018).epsilon(1e-9));
@@ -299,11 +296,11 @@ TEST_CASE("the sensor's noise is in the reading, repeats with its key, and never
   Rrs3Device device(rrs3_spec(), options);
   std::int64_t now = 0;
   (void)device.engage(now);
-  const double one = hold(device, press(0, 0), now, 1).force_n;
-  const double another = hold(device, press(0, 0), now, 1).force_n;
+  const double one = hold_through_faults(device, press(0, 0), now, 1).force_n;
+  const double another = hold_through_faults(device, press(0, 0), now, 1).force_n;
   (void)device.engage(now);
-  const double again = hold(device, press(0, 0), now, 1).force_n;
-  const double later = hold(device, press(0, 0), now, 1).force_n;
+  const double again = hold_through_faults(device, press(0, 0), now, 1).force_n;
+  const double later = hold_through_faults(device, press(0, 0), now, 1).force_n;
   CHECK((one != again || another != later));
 }
 
@@ -314,7 +311,7 @@ TEST_CASE("the motor keeps to its range and stops with silence") {
   DeviceCommand command;
   command.vibration_g = 3;
   command.vibration_hz = 500;
-  DeviceReading reading = hold(device, command, now, 5);
+  DeviceReading reading = hold_through_faults(device, command, now, 5);
   CHECK(reading.vibration_g == 1);
   CHECK(device.vibration().frequency_hz() == 240);
   CHECK(std::abs(device.vibration().acceleration_m_per_s2()) <= kStandardGravity_m_per_s2);

@@ -1,7 +1,8 @@
 // What the 3RRS device renders on a finger, pressed through the governor as in a study.
+#include "devices/rrs3/rrs3_rendering.h"
+
 #include <cmath>
 
-#include "devices/rrs3/rrs3_rendering.h"
 #include "protocols/input/input_error.h"
 #include "tests/catch.h"
 #include "tests/devices/device_fixtures.h"

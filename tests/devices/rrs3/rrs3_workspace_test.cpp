@@ -1,4 +1,6 @@
 // The workspace of the default geometry and its singularities, as an independent numpy model finds them.
+#include "devices/rrs3/rrs3_workspace.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -6,23 +8,14 @@
 #include <Eigen/LU>
 #include <rapidcheck.h>
 
-#include "devices/rrs3/rrs3_workspace.h"
 #include "protocols/input/input_error.h"
 #include "tests/catch.h"
 #include "tests/devices/device_fixtures.h"
+#include "tests/devices/rrs3/rrs3_fixtures.h"
+#include "tests/units.h"
 
 using namespace jnd;
 using namespace jnd::testing;
-
-namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
-
-Rrs3Kinematics default_device() {
-  return Rrs3Kinematics(geometry_of(rrs3_spec()));
-}
-
-}  // namespace
 
 TEST_CASE("96.3 per cent of the box of limits is reachable") {
   const Rrs3Workspace workspace = workspace_of(default_device(), box_of(rrs3_spec()));

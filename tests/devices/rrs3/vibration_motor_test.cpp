@@ -1,12 +1,13 @@
 // The vibration motor keeps to its range, and its waveform has the asked amplitude and frequency without jumps of
 // phase.
+#include "devices/rrs3/vibration_motor.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include <rapidcheck.h>
 
-#include "devices/rrs3/vibration_motor.h"
 #include "protocols/input/input_error.h"
 #include "tests/catch.h"
 

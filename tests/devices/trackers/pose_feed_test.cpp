@@ -1,19 +1,18 @@
 // The stream of poses: numbers exact on made-up streams, times that cannot be are refused, and silence ends the force.
+#include "devices/trackers/pose_feed.h"
+
 #include <atomic>
 #include <thread>
 
-#include "devices/trackers/pose_feed.h"
 #include "tests/catch.h"
 #include "tests/devices/device_fixtures.h"
 #include "tests/devices/tracker_fixtures.h"
+#include "tests/units.h"
 
 using namespace jnd;
 using namespace jnd::testing;
 
 namespace {
-
-constexpr std::int64_t kMs = kMillisecond_ns;
-const Eigen::Isometry3d kHere = Eigen::Isometry3d::Identity();
 
 TrackerReport numbers(const PoseFeed& feed) {
   TrackerReport report;

@@ -1,5 +1,7 @@
 // The lines of poses: what the format promises is read to the last digit, everything else is refused and crashes
 // nothing.
+#include "devices/trackers/pose_line.h"
+
 #include <cmath>
 #include <fstream>
 #include <string>
@@ -8,7 +10,6 @@
 #include <fmt/format.h>
 #include <rapidcheck.h>
 
-#include "devices/trackers/pose_line.h"
 #include "tests/catch.h"
 
 using namespace jnd;

@@ -1,21 +1,21 @@
 // Poses from a program: real little ones that do what programs do.
+#include "devices/trackers/process_tracker.h"
+
 #include <csignal>
 #include <fstream>
 #include <iterator>
 
-#include "devices/trackers/process_tracker.h"
 #include "tests/catch.h"
 #include "tests/devices/device_fixtures.h"
 #include "tests/devices/tracker_fixtures.h"
+#include "tests/units.h"
 
 using namespace jnd;
 using namespace jnd::testing;
 
 namespace {
 
-constexpr std::int64_t kMs = kMillisecond_ns;
 const SteadyClock kClock;
-const Eigen::Isometry3d kHere = Eigen::Isometry3d::Identity();
 const std::vector<std::string> kOneFinger = {"index"};
 
 std::vector<std::string> python(const std::string& text) {

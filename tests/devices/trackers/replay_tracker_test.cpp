@@ -1,20 +1,20 @@
 // Poses from a file: in time with the interval, straight between poses, never beyond them, the same every time.
+#include "devices/trackers/replay_tracker.h"
+
 #include <cmath>
 
-#include "devices/trackers/replay_tracker.h"
 #include "protocols/input/input_error.h"
 #include "tests/catch.h"
 #include "tests/devices/device_fixtures.h"
 #include "tests/devices/tracker_fixtures.h"
+#include "tests/units.h"
 
 using namespace jnd;
 using namespace jnd::testing;
 
 namespace {
 
-constexpr std::int64_t kMs = kMillisecond_ns;
 constexpr const char* kHeader = "# made up\njnd-poses 1 units=m clock=source\n";
-const Eigen::Isometry3d kHere = Eigen::Isometry3d::Identity();
 
 std::vector<Diagnostic> mistakes_of(const std::string& text, const std::vector<std::string>& fingers = {"index"}) {
   const ScratchFile file("poses.txt", text);

@@ -6,6 +6,7 @@
 #include "protocols/input/json_reader.h"
 #include "protocols/input/json_syntax.h"
 #include "protocols/input/sha256.h"
+#include "protocols/input/utf8.h"
 #include "tests/catch.h"
 
 using namespace jnd;

@@ -7,8 +7,8 @@
 #include <unistd.h>
 
 #include "protocols/input/input_error.h"
-#include "tests/protocols/rigs.h"
 #include "tests/catch.h"
+#include "tests/protocols/rigs.h"
 
 using namespace jnd;
 using namespace jnd::test;

@@ -7,16 +7,16 @@
 #include <nlohmann/json.hpp>
 #include <rapidcheck.h>
 
-#include "tests/protocols/examples.h"
 #include "protocols/planning/adaptive_run.h"
 #include "protocols/planning/catch_trials.h"
 #include "protocols/planning/cohort.h"
-#include "protocols/rigs/device_lint.h"
 #include "protocols/planning/duration.h"
 #include "protocols/planning/plan.h"
 #include "protocols/reading/protocol_json.h"
-#include "tests/protocols/rigs.h"
+#include "protocols/rigs/device_lint.h"
 #include "tests/catch.h"
+#include "tests/protocols/examples.h"
+#include "tests/protocols/rigs.h"
 
 using namespace jnd;
 using namespace jnd::test;

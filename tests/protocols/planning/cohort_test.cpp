@@ -3,9 +3,9 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "tests/protocols/examples.h"
 #include "protocols/reading/protocol_json.h"
 #include "tests/catch.h"
+#include "tests/protocols/examples.h"
 
 using namespace jnd;
 using namespace jnd::test;

@@ -3,15 +3,15 @@
 #include <set>
 #include <stdexcept>
 
-#include "tests/protocols/examples.h"
+#include "protocols/input/input_error.h"
 #include "protocols/planning/cohort.h"
-#include "protocols/rigs/device_lint.h"
 #include "protocols/planning/duration.h"
 #include "protocols/planning/exploration_deal.h"
-#include "protocols/input/input_error.h"
 #include "protocols/planning/plan.h"
 #include "protocols/reading/protocol_json.h"
+#include "protocols/rigs/device_lint.h"
 #include "tests/catch.h"
+#include "tests/protocols/examples.h"
 
 using namespace jnd;
 using namespace jnd::test;

@@ -5,9 +5,9 @@
 #include <numeric>
 #include <set>
 
-#include "tests/protocols/examples.h"
 #include "protocols/planning/plan.h"
 #include "tests/catch.h"
+#include "tests/protocols/examples.h"
 
 using namespace jnd;
 using namespace jnd::test;

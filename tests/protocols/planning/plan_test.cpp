@@ -9,10 +9,10 @@
 #include <fmt/format.h>
 #include <rapidcheck.h>
 
-#include "tests/protocols/examples.h"
-#include "protocols/reading/protocol_json.h"
 #include "protocols/input/sha256.h"
+#include "protocols/reading/protocol_json.h"
 #include "tests/catch.h"
+#include "tests/protocols/examples.h"
 
 using namespace jnd;
 using namespace jnd::test;

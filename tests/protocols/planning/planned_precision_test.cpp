@@ -1,9 +1,9 @@
 // A protocol as a question about its precision.
 #include "protocols/planning/planned_precision.h"
 
-#include "tests/protocols/examples.h"
 #include "protocols/reading/protocol_json.h"
 #include "tests/catch.h"
+#include "tests/protocols/examples.h"
 
 using namespace jnd;
 using namespace jnd::test;

@@ -6,20 +6,20 @@
 
 #include <fmt/format.h>
 
-#include "tests/protocols/examples.h"
+#include "protocols/input/sha256.h"
 #include "protocols/planning/cohort.h"
 #include "protocols/planning/order.h"
 #include "protocols/planning/plan.h"
 #include "protocols/reading/protocol_json.h"
-#include "protocols/input/sha256.h"
 #include "tests/catch.h"
+#include "tests/protocols/examples.h"
 
 using namespace jnd;
 using namespace jnd::test;
 
 namespace {
 
-std::string digest(const Protocol& protocol, const Plan& plan) {
+std::string session_digest(const Protocol& protocol, const Plan& plan) {
   std::string text;
   for (const Trial& t : plan.trials)
     text += fmt::format("{} {} {} {} {} {} {} {} {:g} {:g}\n", t.index, t.block, t.practice, t.round,
@@ -34,7 +34,7 @@ std::string digest_of_many(const Protocol& protocol, int session) {
   std::string all;
   for (const int participant : {1, 2, 7, 19, 40})
     for (const std::uint64_t seed : {std::uint64_t{1}, std::uint64_t{20171101}, ~std::uint64_t{0}})
-      all += digest(protocol, make_plan(protocol, participant, seed, session));
+      all += session_digest(protocol, make_plan(protocol, participant, seed, session));
   return sha256_hex(all);
 }
 
@@ -80,7 +80,7 @@ TEST_CASE("sessions differ in orders and draws, and a plan knows its session") {
     const Plan plan = make_plan(protocol, 3, 5, session);
     CHECK(plan.session == session);
     CHECK(plan.trials.size() == make_plan(protocol, 3, 5).trials.size());
-    CHECK(digests.insert(digest(protocol, plan)).second);
+    CHECK(digests.insert(session_digest(protocol, plan)).second);
   }
   // Practice, slots of adaptive tracks and random orders have draws of their own too.
   for (const char* const name : {"adaptive-quest", "tutorial"})

@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/protocols/examples.h"
 #include "protocols/reading/protocol_json.h"
 #include "tests/catch.h"
+#include "tests/protocols/examples.h"
 
 using namespace jnd;
 using namespace jnd::test;
@@ -14,7 +14,7 @@ using nlohmann::json;
 
 namespace {
 
-json complete() {
+json complete_document() {
   return json::parse(read_text(corpus_folder() / "good/complete.json"));
 }
 
@@ -67,7 +67,7 @@ TEST_CASE("practice that should come again without being there is warned about")
   CHECK(warned(document) == 0);
   document["resume"] = {{"practice_after_min", 5}};
   CHECK(warned(document) == 1);
-  CHECK(warned(complete()) == 0);
+  CHECK(warned(complete_document()) == 0);
 }
 
 TEST_CASE("a protocol that says nothing of people has today's defaults") {
@@ -91,16 +91,16 @@ TEST_CASE("pages may have lines, but no other control characters; single lines h
                                 "1m",
                                 "\xE2\x80\xAE"
                                 "abc"}) {
-    json document = complete();
+    json document = complete_document();
     document["consent"] = bad;
     document["instructions"][1]["text"] = bad;
-    json translated = complete();
+    json translated = complete_document();
     translated["translations"]["de"]["$.consent"] = bad;
     CHECK(errors_at(document, "$.consent").find("control character U+") != std::string::npos);
     CHECK(errors_at(document, "$.instructions[1].text").find("control character U+") != std::string::npos);
     CHECK(errors_at(translated, "$.translations.de[\"$.consent\"]").find("control character U+") != std::string::npos);
   }
-  json document = complete();
+  json document = complete_document();
   document["checklist"][0]["text"] = "two\nlines";
   document["translations"]["de"]["$.trial.cues.first.say"] = "two\nlines";
   CHECK(errors_at(document, "$.checklist[0].text").find("U+000A") != std::string::npos);
@@ -143,7 +143,7 @@ TEST_CASE("files out of all proportion are refused at their place, quickly") {
   CHECK(first_error("{" + members + "}").find("more than 2000 members") != std::string::npos);
 
   // Each bound nearly reached, with errors whose suggestions look for the nearest of many words.
-  json document = complete();
+  json document = complete_document();
   for (int i = 0; i < 1900; ++i) document["translations"]["de"][fmt::format("$.questionz[{}].text", i)] = "x";
   for (int i = 0; i < 190; ++i)
     document["assumed"].push_back({{"path", fmt::format("$.trail.gap_{}", i)}, {"why", "x"}});
@@ -153,7 +153,7 @@ TEST_CASE("files out of all proportion are refused at their place, quickly") {
 }
 
 TEST_CASE("messages show what a hostile file says without obeying it") {
-  json document = complete();
+  json document = complete_document();
   document["\x1b]0;owned\x07"] = 1;
   document["rig"]["device"] = "\x1b[31mred\xE2\x80\xAE";
   document["questions"][0]["id"] = "a\x1b[0m";

@@ -1,8 +1,8 @@
 #include "protocols/reading/protocol_difference.h"
 
-#include "tests/protocols/examples.h"
 #include "protocols/input/input_error.h"
 #include "tests/catch.h"
+#include "tests/protocols/examples.h"
 
 using namespace jnd;
 using namespace jnd::test;

@@ -6,9 +6,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tests/protocols/examples.h"
 #include "protocols/reading/protocol_json.h"
 #include "tests/catch.h"
+#include "tests/protocols/examples.h"
 
 using namespace jnd;
 using namespace jnd::test;

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 
-#include "tests/protocols/examples.h"
 #include "protocols/input/input_error.h"
 #include "protocols/planning/plan.h"
 #include "protocols/reading/protocol_json.h"
 #include "tests/catch.h"
+#include "tests/protocols/examples.h"
 
 using namespace jnd;
 using namespace jnd::test;

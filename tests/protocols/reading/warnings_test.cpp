@@ -1,11 +1,11 @@
 // What `check` warns about, and how long a session takes.
 #include <algorithm>
 
-#include "tests/protocols/examples.h"
 #include "protocols/planning/duration.h"
 #include "protocols/planning/planned_precision.h"
 #include "protocols/reading/protocol_json.h"
 #include "tests/catch.h"
+#include "tests/protocols/examples.h"
 
 using namespace jnd;
 using namespace jnd::test;

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/protocols/examples.h"
-#include "protocols/reading/protocol_json.h"
 #include "protocols/planning/random_stream.h"
-#include "tests/protocols/rigs.h"
+#include "protocols/reading/protocol_json.h"
 #include "tests/catch.h"
+#include "tests/protocols/examples.h"
+#include "tests/protocols/rigs.h"
 
 using namespace jnd;
 using namespace jnd::test;

@@ -1,23 +1,14 @@
 // Specifications of devices and rigs.
-#include "tests/protocols/examples.h"
-#include "protocols/rigs/rig_spec.h"
 #include "protocols/input/sha256.h"
-#include "tests/protocols/rigs.h"
+#include "protocols/rigs/rig_spec.h"
 #include "tests/catch.h"
+#include "tests/protocols/examples.h"
+#include "tests/protocols/rigs.h"
 
 using namespace jnd;
 using namespace jnd::test;
 
 namespace {
-
-std::string error_of(const std::string& text) {
-  try {
-    device_from(text);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
 
 std::string rig_error_of(const std::string& text) {
   const TemporaryFolder folder;
@@ -63,14 +54,14 @@ TEST_CASE("a specification of the McKibben finger is read") {
 }
 
 TEST_CASE("mistakes in a device specification are told") {
-  CHECK(error_of(replaced(kRrs3Spec, "\"max_force_n\": 4.7", "\"max_force_n\": -1"))
+  CHECK(device_error(replaced(kRrs3Spec, "\"max_force_n\": 4.7", "\"max_force_n\": -1"))
             .find("$.limits.max_force_n: -1 is out of range") != std::string::npos);
-  CHECK(error_of(replaced(kRrs3Spec, "\"a_m\"", "\"a_mm\"")).find("did you mean \"a_m\"") != std::string::npos);
-  CHECK(error_of(replaced(kRrs3Spec, "\"min_vibration_g\": 0.05", "\"min_vibration_g\": 2"))
+  CHECK(device_error(replaced(kRrs3Spec, "\"a_m\"", "\"a_mm\"")).find("did you mean \"a_m\"") != std::string::npos);
+  CHECK(device_error(replaced(kRrs3Spec, "\"min_vibration_g\": 0.05", "\"min_vibration_g\": 2"))
             .find("is below min_vibration_g") != std::string::npos);
-  CHECK(error_of(replaced(kRrs3Spec, "\"min_vibration_hz\": 50", "\"min_vibration_hz\": 500"))
+  CHECK(device_error(replaced(kRrs3Spec, "\"min_vibration_hz\": 50", "\"min_vibration_hz\": 500"))
             .find("is below min_vibration_hz") != std::string::npos);
-  CHECK(error_of("{").find("never closed") != std::string::npos);
+  CHECK(device_error("{").find("never closed") != std::string::npos);
   CHECK_THROWS_WITH(load_device_spec("/nowhere/at-all.json"), Catch::Contains("there is no such file"));
   CHECK_THROWS_WITH(load_device_spec(std::filesystem::temp_directory_path()), Catch::Contains("is a folder"));
 }
@@ -86,24 +77,24 @@ TEST_CASE("a device may say when it was calibrated, and for how long that holds"
   CHECK(spec.calibration->valid_days == 90);
   CHECK_FALSE(device_from(with("\"calibrated\": \"2026-03-01\",")).calibration->valid_days.has_value());
   for (const char* date : {"2026-02-29", "2026-13-01", "2026-3-1", "01.03.2026", "2026-03-0x", "yesterday"})
-    CHECK(error_of(with(std::string("\"calibrated\": \"") + date + "\",")).find("$.calibrated: is not a day") !=
+    CHECK(device_error(with(std::string("\"calibrated\": \"") + date + "\",")).find("$.calibrated: is not a day") !=
           std::string::npos);
-  CHECK(error_of(with("\"calibration_valid_days\": 90,")).find("counts from no day") != std::string::npos);
-  CHECK(error_of(with("\"calibrated\": \"2026-03-01\", \"calibration_valid_days\": 0,")).find("out of range") !=
+  CHECK(device_error(with("\"calibration_valid_days\": 90,")).find("counts from no day") != std::string::npos);
+  CHECK(device_error(with("\"calibrated\": \"2026-03-01\", \"calibration_valid_days\": 0,")).find("out of range") !=
         std::string::npos);
 }
 
 TEST_CASE("mistakes in a specification of the McKibben finger are told") {
-  CHECK(error_of(replaced(kMckibbenSpec, "\"min_angle_rad\": 0.35", "\"min_angle_rad\": 1"))
+  CHECK(device_error(replaced(kMckibbenSpec, "\"min_angle_rad\": 0.35", "\"min_angle_rad\": 1"))
             .find("is not above min_angle_rad") != std::string::npos);
-  CHECK(error_of(replaced(kMckibbenSpec, "\"kp\": 0.1, \"ki\": 3", "\"kp\": 0, \"ki\": 0"))
+  CHECK(device_error(replaced(kMckibbenSpec, "\"kp\": 0.1, \"ki\": 3", "\"kp\": 0, \"ki\": 0"))
             .find("the controller would do nothing") != std::string::npos);
-  CHECK(error_of(replaced(kMckibbenSpec, "\"unilateral\"", "\"rigid\"")).find("\"rigid\" is not known") !=
+  CHECK(device_error(replaced(kMckibbenSpec, "\"unilateral\"", "\"rigid\"")).find("\"rigid\" is not known") !=
         std::string::npos);
-  CHECK(error_of(replaced(kMckibbenSpec, ",\n  \"lever_arm_m\": 0.1", "")).find("\"lever_arm_m\" is missing") !=
+  CHECK(device_error(replaced(kMckibbenSpec, ",\n  \"lever_arm_m\": 0.1", "")).find("\"lever_arm_m\" is missing") !=
         std::string::npos);
-  CHECK(error_of(replaced(kMckibbenSpec, "\"valve_max_v\": 10", "\"valve_max_v\": 0.0")).find("$.finger.valve_max_v") !=
-        std::string::npos);
+  CHECK(device_error(replaced(kMckibbenSpec, "\"valve_max_v\": 10", "\"valve_max_v\": 0.0"))
+            .find("$.finger.valve_max_v") != std::string::npos);
 }
 
 TEST_CASE("a rig is one device, or two that act on one finger") {

@@ -5,31 +5,18 @@
 
 #include <fmt/format.h>
 
-#include "tests/protocols/examples.h"
 #include "protocols/input/input_error.h"
-#include "tests/protocols/rigs.h"
 #include "tests/catch.h"
+#include "tests/protocols/examples.h"
+#include "tests/protocols/rigs.h"
 
 using namespace jnd;
 using namespace jnd::test;
 
-namespace {
-
-std::string error_of(const std::string& text) {
-  try {
-    device_from(text);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
-}  // namespace
-
 TEST_CASE("a description that asks for more than the model's hard limit is refused, and says what is allowed") {
   const auto refused = [](const char* spec, const char* key, const char* before, const char* asked, const char* hard) {
     const std::string error =
-        error_of(replaced(spec, fmt::format("\"{}\": {}", key, before), fmt::format("\"{}\": {}", key, asked)));
+        device_error(replaced(spec, fmt::format("\"{}\": {}", key, before), fmt::format("\"{}\": {}", key, asked)));
     CAPTURE(key, error);
     CHECK(error.find(fmt::format("$.limits.{}: {}", key, asked)) != std::string::npos);
     CHECK(error.find(fmt::format("ever given, {}", hard)) != std::string::npos);
@@ -44,7 +31,7 @@ TEST_CASE("a description that asks for more than the model's hard limit is refus
 }
 
 TEST_CASE("a lower limit is anybody's to set; what is no limit is 0") {
-  CHECK(error_of(replaced(kRrs3Spec, "\"max_force_n\": 4.7", "\"max_force_n\": 2")).empty());
+  CHECK(device_error(replaced(kRrs3Spec, "\"max_force_n\": 4.7", "\"max_force_n\": 2")).empty());
   CHECK(limit_in_force(2, 4.7) == 2);
   CHECK(limit_in_force(12, 4.7) == 4.7);
   CHECK(limit_in_force(-1, 4.7) == 0);

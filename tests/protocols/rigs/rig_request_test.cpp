@@ -1,10 +1,10 @@
 // What a protocol asks of its rig, as it arrives in the record.
-#include "tests/protocols/examples.h"
 #include "protocols/planning/cohort.h"
 #include "protocols/planning/duration.h"
 #include "protocols/planning/plan.h"
 #include "protocols/reading/protocol_json.h"
 #include "tests/catch.h"
+#include "tests/protocols/examples.h"
 
 using namespace jnd;
 using namespace jnd::test;

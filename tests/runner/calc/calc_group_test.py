@@ -11,7 +11,7 @@ import unittest
 
 JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
 HERE = os.path.dirname(os.path.abspath(__file__))
-with open(os.path.join(HERE, "..", "analysis", "group_reference.json"), encoding="utf-8") as reference_file:
+with open(os.path.join(HERE, "..", "..", "analysis", "group_reference.json"), encoding="utf-8") as reference_file:
     REFERENCE = json.load(reference_file)
 
 

@@ -8,8 +8,8 @@
 #include <pty.h>
 #include <unistd.h>
 
-#include "runner/keys/keyboard.h"
 #include "runner/console/session_console.h"
+#include "runner/keys/keyboard.h"
 #include "tests/catch.h"
 
 namespace jnd {

@@ -2,9 +2,10 @@
 #include <string>
 #include <vector>
 
+#include "protocols/input/utf8.h"
 #include "runner/console/console_keys.h"
-#include "runner/keys/line_editor.h"
 #include "runner/console/questionnaire_page.h"
+#include "runner/keys/line_editor.h"
 #include "tests/catch.h"
 
 namespace jnd {

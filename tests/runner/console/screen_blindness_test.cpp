@@ -7,12 +7,12 @@
 
 #include <fmt/format.h>
 
+#include "devices/loop/telemetry_ring.h"
 #include "devices/rigs/fingertip_rig.h"
 #include "devices/rigs/rig_factory.h"
-#include "devices/loop/telemetry_ring.h"
 #include "protocols/rigs/rig_spec.h"
-#include "runner/session/device_health.h"
 #include "runner/console/screen_parts.h"
+#include "runner/session/device_health.h"
 #include "tests/catch.h"
 #include "tests/runner/engine_fixture.h"
 

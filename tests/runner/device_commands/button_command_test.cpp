@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #include "runner/command_line.h"
-#include "runner/commands/commands.h"
+#include "runner/terminal/exit_code.h"
 #include "tests/catch.h"
 
 namespace jnd {

@@ -2,12 +2,12 @@
 #include "runner/figures/figure.h"
 
 #include <cmath>
-#include <limits>
 #include <set>
 #include <stdexcept>
 
 #include <rapidcheck.h>
 
+#include "analysis/numerics/special_values.h"
 #include "runner/figures/figure_axis.h"
 #include "runner/figures/figure_conditions.h"
 #include "runner/figures/figure_look.h"
@@ -18,9 +18,6 @@
 using namespace jnd;
 
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 const Figure& figure_named(const std::vector<Figure>& figures, const std::string& id) {
   for (const Figure& figure : figures)
@@ -81,10 +78,10 @@ TEST_CASE("coordinates are short decimals, and never anything but numbers") {
   CHECK(svg_number(-0.001) == "0");
   CHECK(svg_number(100) == "100");
   CHECK(svg_number(1.005e6) == "1005000");
-  CHECK_THROWS_AS(svg_number(kNan), std::logic_error);
-  CHECK_THROWS_AS(svg_number(kInfinity), std::logic_error);
+  CHECK_THROWS_AS(svg_number(kNaN), std::logic_error);
+  CHECK_THROWS_AS(svg_number(kInf), std::logic_error);
   Svg svg("a", 10, 10, "t<", "d&");
-  CHECK_THROWS_AS(svg.circle(kNan, 1, 1, kFrame), std::logic_error);
+  CHECK_THROWS_AS(svg.circle(kNaN, 1, 1, kFrame), std::logic_error);
   svg.text(1, 2, "</text><script>", kLabel);
   CHECK(markup_problem(svg.file()).empty());
   CHECK(svg.file().find("<script") == std::string::npos);
@@ -95,13 +92,13 @@ TEST_CASE("axes have round ends and labels of one length") {
   CHECK(range.low == 0);
   CHECK(range.high == 100);
   CHECK(round_range(5, 5, 5).low < 5);
-  CHECK_THROWS_AS(round_range(0, kInfinity, 5), std::logic_error);
+  CHECK_THROWS_AS(round_range(0, kInf, 5), std::logic_error);
   CHECK(tick_labels({0, 0.5, 1}) == std::vector<std::string>{"0.0", "0.5", "1.0"});
   CHECK(tick_labels({-100, 0}) == std::vector<std::string>{"−100", "0"});
   const Scale scale{0, 10, 100, 0};
   CHECK(scale.at(5) == 50);
-  CHECK(scale.clipped(kInfinity) == 0);
-  CHECK_THROWS_AS(scale.clipped(kNan), std::logic_error);
+  CHECK(scale.clipped(kInf) == 0);
+  CHECK_THROWS_AS(scale.clipped(kNaN), std::logic_error);
   REQUIRE(rc::check("a rounded range holds what it was made for", [] {
     const double low = *rc::gen::inRange(-100'000, 100'000) / 100.0, width = *rc::gen::inRange(0, 100'000) / 1000.0;
     const Range wide = round_range(low, low + width, 6);

@@ -1,11 +1,10 @@
 // Early keys and keys that are held down do not answer a prompt.
 #include "runner/keys/held_keys.h"
 #include "tests/catch.h"
+#include "tests/units.h"
 
 namespace jnd {
 namespace {
-
-constexpr std::int64_t kMs = 1'000'000;
 
 Key key(char32_t character, std::int64_t at_ms) {
   return {KeyName::character, character, at_ms * kMs};

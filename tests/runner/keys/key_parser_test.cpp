@@ -8,11 +8,10 @@
 #include <rapidcheck.h>
 
 #include "tests/catch.h"
+#include "tests/units.h"
 
 namespace jnd {
 namespace {
-
-constexpr std::int64_t kMs = 1'000'000;
 
 std::vector<Key> keys_of(const std::string& bytes) {
   KeyParser parser;

@@ -8,6 +8,7 @@
 #include "protocols/reading/protocol_json.h"
 #include "runner/opening/readiness_items.h"
 #include "tests/catch.h"
+#include "tests/text_checks.h"
 
 using namespace jnd;
 
@@ -23,10 +24,6 @@ Protocol published() {
 }
 RigSpec rrs3() {
   return load_rig_spec(JND_SOURCE_DIR "/devices/specs/rrs3.json");
-}
-
-bool says(const std::string& text, const char* part) {
-  return text.find(part) != std::string::npos;
 }
 
 // Answers at once, with the fault it is told.
@@ -131,21 +128,21 @@ struct Setup {
 
 TEST_CASE("a calibration holds for as long as the description says") {
   CHECK(check_calibration(rrs3(), kToday_ns).verdict == Verdict::ok);
-  CHECK(says(check_calibration(rrs3(), kToday_ns).found, "states none"));
+  CHECK(contains(check_calibration(rrs3(), kToday_ns).found, "states none"));
   CHECK(check_calibration(calibrated(1000, {}), kToday_ns).verdict == Verdict::ok);
   CHECK(check_calibration(calibrated(30, 90), kToday_ns).verdict == Verdict::ok);
   CHECK(check_calibration(calibrated(85, 90), kToday_ns).verdict == Verdict::warn);
   CHECK(check_calibration(calibrated(90, 90), kToday_ns).verdict == Verdict::warn);
   const MachineCheck late = check_calibration(calibrated(91, 90), kToday_ns);
   CHECK(late.verdict == Verdict::bad);
-  CHECK(says(late.found, "rrs3: 2025-11-17, 91 days ago, holds 90, out of date"));
-  CHECK(says(late.what_to_do, "calibrate the rrs3"));
+  CHECK(contains(late.found, "rrs3: 2025-11-17, 91 days ago, holds 90, out of date"));
+  CHECK(contains(late.what_to_do, "calibrate the rrs3"));
   // One that is renewed before every session is not always about to end.
   CHECK(check_calibration(calibrated(0, 1), kToday_ns).verdict == Verdict::ok);
   CHECK(check_calibration(calibrated(-1, 90), kToday_ns).verdict == Verdict::ok);
   const MachineCheck ahead = check_calibration(calibrated(-3, 90), kToday_ns);
   CHECK(ahead.verdict == Verdict::bad);
-  CHECK(says(ahead.found, "which is to come"));
+  CHECK(contains(ahead.found, "which is to come"));
 }
 
 TEST_CASE("every device of a rig has a calibration of its own") {
@@ -153,7 +150,7 @@ TEST_CASE("every device of a rig has a calibration of its own") {
   spec.devices[1].calibration = Calibration{std::chrono::sys_days(std::chrono::days(20'000)), 100};
   const MachineCheck check = check_calibration(spec, kToday_ns);
   CHECK(check.verdict == Verdict::bad);
-  CHECK(says(check.found, "rrs3: its description states none; mckibben: "));
+  CHECK(contains(check.found, "rrs3: its description states none; mckibben: "));
 }
 
 TEST_CASE("the plan is the participant's own, balanced, and within the cohort") {
@@ -162,7 +159,7 @@ TEST_CASE("the plan is the participant's own, balanced, and within the cohort") 
   CHECK(check_plan_balance(protocol, plan).verdict == Verdict::ok);
   const MachineCheck beyond = check_plan_balance(protocol, make_plan(protocol, protocol.design.participants + 1, 7));
   CHECK(beyond.verdict == Verdict::warn);
-  CHECK(says(beyond.found, "more participants than the protocol plans"));
+  CHECK(contains(beyond.found, "more participants than the protocol plans"));
 
   Plan tampered = plan;
   const auto main =
@@ -170,7 +167,7 @@ TEST_CASE("the plan is the participant's own, balanced, and within the cohort") 
   main->same = !main->same;
   const MachineCheck unequal = check_plan_balance(protocol, tampered);
   CHECK(unequal.verdict == Verdict::bad);
-  CHECK(says(unequal.found, "1 of 9 cells"));
+  CHECK(contains(unequal.found, "1 of 9 cells"));
   // Practice does not count.
   for (Trial& trial : tampered.trials) trial.practice = true;
   CHECK(check_plan_balance(protocol, tampered).verdict == Verdict::ok);
@@ -181,13 +178,13 @@ TEST_CASE("the plan is the participant's own, balanced, and within the cohort") 
   for (Trial& trial : one_sided.trials) trial.same = true;
   const MachineCheck lopsided = check_plan_balance(random, one_sided);
   CHECK(lopsided.verdict == Verdict::warn);
-  CHECK(says(lopsided.found, "9 of 9 cells have same or different trials only"));
+  CHECK(contains(lopsided.found, "9 of 9 cells have same or different trials only"));
 
   Protocol five = protocol;
   five.design.participants = 5;
   const MachineCheck uneven = check_plan_balance(five, plan);
   CHECK(uneven.verdict == Verdict::warn);
-  CHECK(says(uneven.what_to_do, "plan 6 participants"));
+  CHECK(contains(uneven.what_to_do, "plan 6 participants"));
 }
 
 TEST_CASE("nothing about the plan tells the operator a condition's name") {
@@ -197,7 +194,7 @@ TEST_CASE("nothing about the plan tells the operator a condition's name") {
   for (Trial& trial : plan.trials) trial.same = true;
   const MachineCheck check = check_plan_balance(protocol, plan);
   CHECK(check.verdict == Verdict::bad);
-  CHECK_FALSE(says(check.found + check.what_to_do, "secret"));
+  CHECK_FALSE(contains(check.found + check.what_to_do, "secret"));
 }
 
 TEST_CASE("who has finished, is excluded, or has another's number does not begin") {
@@ -208,8 +205,8 @@ TEST_CASE("who has finished, is excluded, or has another's number does not begin
   CHECK(check({session("P01", 1, "open", SessionKind::real)}).verdict == Verdict::ok);
   const MachineCheck done = check({session("P01", 1, "closed", SessionKind::real)});
   CHECK(done.verdict == Verdict::bad);
-  CHECK(says(done.found, "has finished session 1 of 2"));
-  CHECK(says(done.what_to_do, "next session"));
+  CHECK(contains(done.found, "has finished session 1 of 2"));
+  CHECK(contains(done.what_to_do, "next session"));
   // The second of two sessions.
   CHECK(check({session("P01", 1, "closed", SessionKind::real)}, 2).verdict == Verdict::ok);
   // Other kinds have numbers and sessions of their own.
@@ -220,26 +217,26 @@ TEST_CASE("who has finished, is excluded, or has another's number does not begin
   SessionInfo excluded = session("P01", 1, "open", SessionKind::real);
   excluded.excluded = true;
   CHECK(check({excluded}).verdict == Verdict::bad);
-  CHECK(says(check({excluded}).found, "excluded"));
+  CHECK(contains(check({excluded}).found, "excluded"));
 
   SessionInfo other = session("P02", 1, "closed", SessionKind::real);
   CHECK(check({other}).verdict == Verdict::bad);
-  CHECK(says(check({other}).found, "number 1 is P02's"));
+  CHECK(contains(check({other}).found, "number 1 is P02's"));
   other.excluded = other.replaced = true;  // its number is free again
   CHECK(check({other}).verdict == Verdict::ok);
 
   const MachineCheck unfinished = check({session("P03", 3, "open", SessionKind::real)});
   CHECK(unfinished.verdict == Verdict::warn);
-  CHECK(says(unfinished.found, "the session of P03 is not finished"));
+  CHECK(contains(unfinished.found, "the session of P03 is not finished"));
 }
 
 TEST_CASE("a clock that is far behind, or behind the study, is told") {
   const std::vector<SessionInfo> sessions = {session("P01", 1, "closed", SessionKind::real)};
   CHECK(check_clock({}, kToday_ns).verdict == Verdict::ok);
   CHECK(check_clock(sessions, kToday_ns).verdict == Verdict::ok);
-  CHECK(says(check_clock(sessions, kToday_ns).found, "2026-02-16T12:00:00 UTC"));
+  CHECK(contains(check_clock(sessions, kToday_ns).found, "2026-02-16T12:00:00 UTC"));
   CHECK(check_clock(sessions, kToday_ns - 7 * kDay_ns).verdict == Verdict::warn);
-  CHECK(says(check_clock(sessions, kToday_ns - 7 * kDay_ns).found, "2026-02-10T11:00:00, which is to come"));
+  CHECK(contains(check_clock(sessions, kToday_ns - 7 * kDay_ns).found, "2026-02-10T11:00:00, which is to come"));
   CHECK(check_clock({}, 0).verdict == Verdict::bad);
 }
 
@@ -260,8 +257,8 @@ TEST_CASE("the rig itself is tried, without a cue, and leaves no ticks behind") 
   rig.keeps_ticks = true;
   const MachineCheck check = check_devices(rrs3(), rig);
   CHECK(check.verdict == Verdict::ok);
-  CHECK(says(check.found, "checks of its description passed"));
-  CHECK(says(check.found, "250 ticks without a fault"));
+  CHECK(contains(check.found, "checks of its description passed"));
+  CHECK(contains(check.found, "250 ticks without a fault"));
   REQUIRE(rig.asked.size() == 1);
   CHECK_FALSE(rig.asked[0].stimulus.cues.force);
   CHECK_FALSE(rig.asked[0].stimulus.cues.vibration);
@@ -278,8 +275,8 @@ TEST_CASE("a rig that does not answer, one that is stopped, and one that is not 
   rig.fault = Fault::device_lost;
   const MachineCheck lost = check_devices(rrs3(), rig);
   CHECK(lost.verdict == Verdict::bad);
-  CHECK(says(lost.found, "device_lost"));
-  CHECK(says(lost.what_to_do, "cables"));
+  CHECK(contains(lost.found, "device_lost"));
+  CHECK(contains(lost.what_to_do, "cables"));
 
   TestRig stopped;
   stopped.stop.latch(StopSource::button);
@@ -292,7 +289,7 @@ TEST_CASE("a rig that does not answer, one that is stopped, and one that is not 
   TestRig other;
   const MachineCheck check = check_devices(wrong, other);
   CHECK(check.verdict == Verdict::bad);
-  CHECK(says(check.what_to_do, "do not use this rig"));
+  CHECK(contains(check.what_to_do, "do not use this rig"));
 }
 
 TEST_CASE("a keyboard that is no terminal is a warning") {
@@ -317,12 +314,12 @@ TEST_CASE("what is bad blocks a real session; a pilot one only where data could 
   const Readiness pilot = setup.check(SessionKind::pilot);
   CHECK(item(pilot, "calibration").verdict == Verdict::bad);
   CHECK_FALSE(pilot.blocked);
-  CHECK(says(readiness_text(pilot), "BAD calibration: rrs3"));
+  CHECK(contains(readiness_text(pilot), "BAD calibration: rrs3"));
   const Readiness nowhere = setup.check(SessionKind::pilot, setup.folder.path() / "no such folder" / "study.sqlite");
   CHECK(item(nowhere, "study folder").verdict == Verdict::bad);
   CHECK(nowhere.blocked);
   CHECK_FALSE(nowhere.overridable);
-  CHECK(says(readiness_text(nowhere), "No reason sets this aside"));
+  CHECK(contains(readiness_text(nowhere), "No reason sets this aside"));
   const Readiness finished = [&] {
     NewSession session;
     session.id = "one";
@@ -348,11 +345,11 @@ TEST_CASE("a real session is looked at with everything, and what a reason sets a
   CHECK(readiness.blocked);
   CHECK(item(readiness, "calibration").verdict == Verdict::bad);
   CHECK(setup.rig.asked.size() == 1);
-  CHECK(says(item(readiness, "loop").found, "ticks of 1 ms"));
+  CHECK(contains(item(readiness, "loop").found, "ticks of 1 ms"));
   // Where the folder of the test is memory, the data could be lost, and no reason helps.
   if (item(readiness, "study folder").verdict != Verdict::bad) {
     CHECK(readiness.overridable);
-    CHECK_FALSE(says(readiness_text(readiness), "No reason"));
+    CHECK_FALSE(contains(readiness_text(readiness), "No reason"));
   }
   const nlohmann::ordered_json body = readiness_body(readiness, "calibrated by hand");
   CHECK(body["items"].size() == readiness.items.size());
@@ -374,7 +371,7 @@ TEST_CASE("the text is one line where all is well, and never a command to the te
   readiness.items.pop_back();
   readiness.items[1] = {.name = "loop", .verdict = Verdict::warn, .found = "\x1b[2Jlate", .what_to_do = "be\x07 quiet"};
   const std::string text = readiness_text(readiness);
-  CHECK(says(text, "late"));
-  CHECK_FALSE(says(text, "\x1b[2J"));
-  CHECK_FALSE(says(text, "\x07"));
+  CHECK(contains(text, "late"));
+  CHECK_FALSE(contains(text, "\x1b[2J"));
+  CHECK_FALSE(contains(text, "\x07"));
 }

@@ -3,14 +3,11 @@
 
 #include "runner/opening/readiness_items.h"
 #include "tests/catch.h"
+#include "tests/text_checks.h"
 
 using namespace jnd;
 
 namespace {
-
-bool says(const std::string& text, const char* part) {
-  return text.find(part) != std::string::npos;
-}
 
 TrackerReport bridge() {
   TrackerReport report;
@@ -51,7 +48,7 @@ TEST_CASE("a stream for every finger is ready, even where it begins late") {
   const MachineCheck check = check_tracker(rig);
   CHECK(check.name == "tracker");
   CHECK(check.verdict == Verdict::ok);
-  CHECK(says(check.found, "process bridge: 200 poses a second"));
+  CHECK(contains(check.found, "process bridge: 200 poses a second"));
   CHECK(check.what_to_do.empty());
 }
 
@@ -60,13 +57,13 @@ TEST_CASE("a stream that never comes, or mostly does not, is bad") {
   never.misses_first = 1'000'000;
   const MachineCheck check = check_tracker(never);
   CHECK(check.verdict == Verdict::bad);
-  CHECK(says(check.found, "no pose of the thumb has come yet"));
-  CHECK(says(check.what_to_do, "hold the fingers"));
+  CHECK(contains(check.found, "no pose of the thumb has come yet"));
+  CHECK(contains(check.what_to_do, "hold the fingers"));
   TrackedRig often;
   often.misses_each = 3;
   const MachineCheck third = check_tracker(often);
   CHECK(third.verdict == Verdict::bad);
-  CHECK(says(third.found, "does not see the thumb"));
+  CHECK(contains(third.found, "does not see the thumb"));
 }
 
 TEST_CASE("a stream that fails now and then is a warning") {
@@ -74,7 +71,7 @@ TEST_CASE("a stream that fails now and then is a warning") {
   rig.misses_each = 15;
   const MachineCheck check = check_tracker(rig);
   CHECK(check.verdict == Verdict::warn);
-  CHECK(says(check.found, "now and then"));
+  CHECK(contains(check.found, "now and then"));
 }
 
 TEST_CASE("a stream below 50 poses a second is bad") {
@@ -82,7 +79,7 @@ TEST_CASE("a stream below 50 poses a second is bad") {
   rig.report.rate_hz = 49.9;
   const MachineCheck check = check_tracker(rig);
   CHECK(check.verdict == Verdict::bad);
-  CHECK(says(check.found, "fewer than 50 poses a second"));
+  CHECK(contains(check.found, "fewer than 50 poses a second"));
   rig.report.rate_hz = 50;
   CHECK(check_tracker(rig).verdict == Verdict::ok);
 }
@@ -93,6 +90,6 @@ TEST_CASE("refused lines are a warning, with the first of them") {
   rig.report.trouble = "of bridge this line was refused: \"x\"";
   const MachineCheck check = check_tracker(rig);
   CHECK(check.verdict == Verdict::warn);
-  CHECK(says(check.found, "3 lines or reports were refused: of bridge"));
-  CHECK(says(check.what_to_do, "trackers/README.md"));
+  CHECK(contains(check.found, "3 lines or reports were refused: of bridge"));
+  CHECK(contains(check.what_to_do, "trackers/README.md"));
 }

@@ -1,8 +1,8 @@
 // What an interruption was, and what the protocol asks for after it: whatever the clocks say.
 #include "runner/opening/resume_check.h"
 
-#include "devices/machine/boot_id.h"
 #include "devices/clock.h"
+#include "devices/machine/boot_id.h"
 #include "tests/catch.h"
 
 using namespace jnd;

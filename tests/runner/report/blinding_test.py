@@ -29,7 +29,7 @@ def secret_patterns():
 
 
 def protocol_text(participants, blinding="coded", **members):
-    source = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../protocols/chinello2017.json")
+    source = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../../protocols/chinello2017.json")
     with open(source, encoding="utf-8") as file:
         protocol = json.load(file)
     for key in ("assumed", "notes", "source"):

@@ -1,8 +1,8 @@
 // Whole sessions whose answers set the levels: stopping, catch trials, interruption anywhere, verification, thresholds.
 #include <map>
 
-#include "data/results/adaptive_results.h"
 #include "data/log/storage_error.h"
+#include "data/results/adaptive_results.h"
 #include "protocols/planning/adaptive_run.h"
 #include "runner/session/session_engine.h"
 #include "tests/catch.h"

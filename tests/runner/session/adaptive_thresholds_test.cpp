@@ -5,15 +5,17 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 
 #include "analysis/numerics/normal.h"
-#include "data/results/adaptive_results.h"
 #include "data/export/export.h"
+#include "data/results/adaptive_results.h"
 #include "data/results/study_results.h"
+#include "data/verify/verify.h"
 #include "protocols/planning/random_stream.h"
 #include "runner/results/adaptive_text.h"
 #include "runner/session/session_engine.h"
 #include "runner/session/simulate.h"
 #include "tests/catch.h"
 #include "tests/runner/session/adaptive_fixture.h"
+#include "tests/temporary_folder.h"
 
 namespace jnd {
 namespace {
@@ -24,8 +26,6 @@ using test::quest;
 using test::rows_of;
 using test::sharp;
 using test::staircase;
-
-const std::string kSource = JND_SOURCE_DIR;
 
 // Observers with P("different") = Phi((difference - 200) / 100), catch trials included: the staircases' mean threshold
 // is where the rule settles, that of QUEST is where its own psychometric function, fitted to nothing, agrees.
@@ -86,15 +86,6 @@ TEST_CASE("QUEST finds the threshold of an observer with its psychometric functi
   }
 }
 
-struct TemporaryFolder {
-  TemporaryFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "jnd-test-XXXXXX").string();
-    path = mkdtemp(pattern.data());
-  }
-  ~TemporaryFolder() { std::filesystem::remove_all(path); }
-  std::filesystem::path path;
-};
-
 std::string problems_of(const std::filesystem::path& path) {
   std::string all;
   for (const Problem& problem : verify(*Study::open(path, Study::Access::read_only)).problems)
@@ -105,15 +96,15 @@ std::string problems_of(const std::filesystem::path& path) {
 TEST_CASE("A simulated adaptive study: verified, read, exported; a changed answer shows in the levels after it") {
   const Protocol protocol = staircase(
       {{"trial", {{"explore_s", 0.5}}}, {"design", {{"procedure", {{"stop", {{"reversals", 4}, {"at_most", 12}}}}}}}});
-  const RigDescription rig{.spec = load_rig_spec(kSource + "/devices/specs/rrs3.json")};
-  const ParticipantProfile profile = load_profile(kSource + "/devices/profiles/chinello2017.json");
+  const RigDescription rig{.spec = load_rig_spec(JND_SOURCE_DIR "/devices/specs/rrs3.json")};
+  const ParticipantProfile profile = load_profile(JND_SOURCE_DIR "/devices/profiles/chinello2017.json");
   Simulation simulation{protocol, rig, profile};
   simulation.participants = 2;
   simulation.threads = 2;
   simulation.seed = 11;
   simulation.record = RecordPolicy::off;
   const TemporaryFolder folder;
-  const auto path = folder.path / "s.jnd";
+  const auto path = folder.path() / "s.jnd";
   {
     const auto study = Study::create(path, protocol.name, protocol.bytes, 11, {simulated_epoch_ns(1), 0});
     REQUIRE(simulate_study(simulation, *study).completed == 2);
@@ -128,11 +119,11 @@ TEST_CASE("A simulated adaptive study: verified, read, exported; a changed answe
     CHECK(to_json(again, protocol) == to_json(results, protocol));
     // The pipeline of counts does not fail on it.
     const StudyAnalysis counts = analyze(*study, protocol, SessionKind::simulated);
-    export_csv(*study, protocol, results_of(counts, protocol), folder.path / "csv", false);
+    export_csv(*study, protocol, results_of(counts, protocol), folder.path() / "csv", false);
     study->close();
   }
   const auto tampered = [&](const std::string& sql) {
-    const auto copy = folder.path / "copy.jnd";
+    const auto copy = folder.path() / "copy.jnd";
     std::filesystem::copy_file(path, copy, std::filesystem::copy_options::overwrite_existing);
     {
       SQLite::Database database(copy.string(), SQLite::OPEN_READWRITE);

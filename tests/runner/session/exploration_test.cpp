@@ -35,7 +35,7 @@ Protocol exploring(const json& changes = {}) {
 }
 
 // An operator who follows a script: by the n-th asking, from 1.
-class Scripted final : public SessionView {
+class ScriptedVisit final : public SessionView {
  public:
   OperatorWish ready_to_explore(const ExplorationOutline& outline) override {
     outlines.push_back(outline);
@@ -90,7 +90,7 @@ TEST_CASE("Every object is explored in every condition for its time, then come t
     requests.push_back(request);
     return Fault::none;
   };
-  Scripted view;
+  ScriptedVisit view;
   REQUIRE(bench.run(view) == SessionEnd::completed);
   check_whole(bench.log);
   CHECK(bench.kinds() == std::vector<std::string>{"exploration.completed", "exploration.completed",
@@ -166,13 +166,13 @@ TEST_CASE("After an emergency stop only the operator's word goes on") {
   bench.rig.fault = [](const PresentRequest& request) {
     return request.id.trial == 1 && request.id.attempt == 1 ? Fault::emergency_stop : Fault::none;
   };
-  Scripted view;
+  ScriptedVisit view;
   view.in_recovery = {Wish::end_for_now, "call the engineer"};
   REQUIRE(bench.run(view) == SessionEnd::interrupted);
   CHECK(view.stops == std::vector<std::string>{"key"});
   CHECK(bodies(bench.log, event_kind::kExplorationVoided).size() == 1);
   CHECK(bodies(bench.log, event_kind::kStopCleared).empty());
-  Scripted next;
+  ScriptedVisit next;
   REQUIRE(bench.run(next) == SessionEnd::completed);
   CHECK(next.outlines[0].attempt == 2);
   check_whole(bench.log);
@@ -209,7 +209,7 @@ TEST_CASE("A stop before an exploration is cleared first, and uses no attempt up
 
 TEST_CASE("The stop key counts with bare hands too") {
   Bench bench(exploring());
-  Scripted view;
+  ScriptedVisit view;
   view.before[3] = {Wish::note, "bare hands now"};
   bool latched = false;
   bench.rig.fault = [](const PresentRequest&) { return Fault::none; };
@@ -245,7 +245,7 @@ TEST_CASE("The stop key counts with bare hands too") {
 TEST_CASE("A pause takes nothing from the time") {
   Bench bench(exploring());
   bench.person = true;
-  Scripted view;
+  ScriptedVisit view;
   view.during[1] = {Wish::pause, "drinks water"};
   view.during[40] = {Wish::pause, "again"};  // bare hands
   REQUIRE(bench.run(view) == SessionEnd::completed);
@@ -258,7 +258,7 @@ TEST_CASE("A pause takes nothing from the time") {
 TEST_CASE("What the operator repeats or ends is logged with the reason") {
   Bench bench(exploring());
   bench.person = true;
-  Scripted view;
+  ScriptedVisit view;
   view.during[1] = {Wish::repeat_trial, "strap slipped"};
   view.during[2] = {Wish::end_block, "has had enough"};  // of the second attempt, after one piece
   REQUIRE(bench.run(view) == SessionEnd::completed);
@@ -276,7 +276,7 @@ TEST_CASE("What the operator repeats or ends is logged with the reason") {
 TEST_CASE("A block that the operator gives up is not explored, its questions come all the same") {
   Bench bench(exploring());
   bench.person = true;
-  Scripted view;
+  ScriptedVisit view;
   view.before[2] = {Wish::end_block, "device broken"};
   REQUIRE(bench.run(view) == SessionEnd::completed);
   CHECK(bodies(bench.log, event_kind::kBlockEnded)[0].at("reason") == "device broken");
@@ -289,12 +289,12 @@ TEST_CASE("An end in the middle voids what was felt, without using up an attempt
   Bench bench(exploring());
   bench.person = true;
   for (int times = 1; times <= 5; ++times) {
-    Scripted view;
+    ScriptedVisit view;
     view.during[1] = {Wish::end_for_now, "later"};
     REQUIRE(bench.run(view) == SessionEnd::interrupted);
     CHECK(view.outlines[0].attempt == times);
   }
-  Scripted view;
+  ScriptedVisit view;
   REQUIRE(bench.run(view) == SessionEnd::completed);
   CHECK(view.outlines[0].attempt == 6);
   for (const json& body : bodies(bench.log, event_kind::kExplorationVoided)) CHECK(body.at("reason") == "interrupted");
@@ -330,7 +330,7 @@ TEST_CASE("Killed at any event, a session goes on, and loses and repeats nothing
       Bench bench(exploring());
       bench.person = person;
       MortalLog mortal(bench.log, life);
-      Scripted view;
+      ScriptedVisit view;
       const SessionParts parts = bench.parts_for(view, mortal);
       try {
         const SessionEnd end = SessionEngine(parts).run(replay(mortal.events()));

@@ -78,7 +78,7 @@ class RealRig(unittest.TestCase):
     def data_folder(self, **calibration):
         """The shipped descriptions, with a calibration of the 3RRS device."""
         data = self.folder / "data"
-        source = pathlib.Path(__file__).resolve().parents[2]
+        source = pathlib.Path(__file__).resolve().parents[3]
         for room, path in ROOMS.items():
             shutil.copytree(source / path, data / room, dirs_exist_ok=True)
         spec = data / "specs" / "rrs3.json"

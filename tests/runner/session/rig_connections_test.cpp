@@ -3,8 +3,8 @@
 
 #include <cmath>
 #include <fstream>
-#include <limits>
 
+#include "analysis/numerics/special_values.h"
 #include "devices/hid/calibration/calibration_certificate.h"
 #include "runner/session/connections_body.h"
 #include "runner/session/session_engine.h"
@@ -34,7 +34,7 @@ class PluggedRig final : public Rig {
     device.serial = "RRS3-0001";
     device.connected = !absent();
     device.calibration_id = calibration_id;
-    device.clock_uncertainty_s = std::numeric_limits<double>::infinity();
+    device.clock_uncertainty_s = kInf;
     return {.devices = {device}, .tracker = {}};
   }
   std::function<bool()> absent = [] { return false; };
@@ -230,7 +230,7 @@ TEST_CASE("Connections are kept whole, and what is no number as null") {
   device.serial = "RRS3-0001";
   device.sent = 5;
   device.latency_p99_us = 12.5;
-  device.clock_uncertainty_s = std::numeric_limits<double>::infinity();
+  device.clock_uncertainty_s = kInf;
   TrackerReport tracker;
   tracker.kind = "hid";
   tracker.gaps = 3;

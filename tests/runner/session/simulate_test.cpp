@@ -9,42 +9,33 @@
 
 #include "analysis/thresholds/jnd.h"
 #include "data/export/export.h"
-#include "protocols/reading/protocol_json.h"
+#include "data/verify/verify.h"
 #include "protocols/input/read_file.h"
+#include "protocols/reading/protocol_json.h"
 #include "tests/catch.h"
+#include "tests/temporary_folder.h"
 
 namespace jnd {
 namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kSource = JND_SOURCE_DIR;
-
 RigDescription rig() {
-  return {.spec = load_rig_spec(kSource + "/devices/specs/rrs3.json")};
+  return {.spec = load_rig_spec(JND_SOURCE_DIR "/devices/specs/rrs3.json")};
 }
 ParticipantProfile profile(const std::string& name) {
-  return load_profile(kSource + "/devices/profiles/" + name + ".json");
+  return load_profile(std::string(JND_SOURCE_DIR "/devices/profiles/") + name + ".json");
 }
 
 // The published design with other trials a cell, balanced, and short explorations.
 Protocol published(int trials_per_cell, double explore_s) {
-  nlohmann::json json = nlohmann::json::parse(read_input_file(kSource + "/protocols/chinello2017.json"));
+  nlohmann::json json = nlohmann::json::parse(read_input_file(JND_SOURCE_DIR "/protocols/chinello2017.json"));
   json["design"]["trials_per_cell"] = trials_per_cell;
   json["design"]["sampling"] = "balanced";
   json["trial"]["explore_s"] = explore_s;
   json.erase("assumed");
   return parse_protocol(json.dump(), "published.json");
 }
-
-struct TemporaryFolder {
-  TemporaryFolder() {
-    std::string pattern = (fs::temp_directory_path() / "jnd-test-XXXXXX").string();
-    path = mkdtemp(pattern.data());
-  }
-  ~TemporaryFolder() { fs::remove_all(path); }
-  fs::path path;
-};
 
 std::string all_files(const fs::path& folder) {
   std::vector<fs::path> files;
@@ -65,15 +56,15 @@ std::string exported(const Protocol& protocol, std::uint64_t seed, int threads) 
   simulation.threads = threads;
   simulation.seed = seed;
   const auto study =
-      Study::create(folder.path / "s.sqlite", protocol.name, protocol.bytes, seed, {simulated_epoch_ns(1), 0});
+      Study::create(folder.path() / "s.sqlite", protocol.name, protocol.bytes, seed, {simulated_epoch_ns(1), 0});
   const SimulationResult result = simulate_study(simulation, *study);
   REQUIRE(result.completed == 5);
   const VerifyReport report = verify(*study);
   CHECK(report.problems.empty());
   CHECK(report.trials == 5 * 9 * 4);
   CHECK(report.voided == 0);
-  export_csv(*study, protocol, results_of(*study, protocol, SessionKind::simulated), folder.path / "csv", false);
-  return all_files(folder.path / "csv");
+  export_csv(*study, protocol, results_of(*study, protocol, SessionKind::simulated), folder.path() / "csv", false);
+  return all_files(folder.path() / "csv");
 }
 
 TEST_CASE("The same seed gives byte-identical exports on any number of threads; another seed differs") {

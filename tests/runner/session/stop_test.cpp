@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "data/log/telemetry.h"
+#include "devices/participants/simulated_hand.h"
 #include "devices/rigs/fingertip_rig.h"
 #include "devices/rigs/rig_factory.h"
-#include "devices/participants/simulated_hand.h"
 #include "protocols/rigs/rig_spec.h"
 #include "runner/session/record_policy.h"
 #include "runner/session/session_engine.h"
@@ -18,8 +18,6 @@ namespace {
 
 using test::Bench;
 using test::small_protocol;
-
-const std::string kSource = JND_SOURCE_DIR;
 
 // A view of a person who clears a stop, or does not, and counts how often it was asked.
 class Operator final : public SessionView {
@@ -79,8 +77,8 @@ TEST_CASE("A stop that nobody clears ends the session, resumably, and stays latc
 // The simulated rig of a protocol, with what its log needs.
 struct RealBench {
   Protocol protocol = small_protocol();
-  RigDescription description{.spec = load_rig_spec(kSource + "/devices/specs/rrs3.json")};
-  ParticipantProfile profile = load_profile(kSource + "/devices/profiles/chinello2017.json");
+  RigDescription description{.spec = load_rig_spec(JND_SOURCE_DIR "/devices/specs/rrs3.json")};
+  ParticipantProfile profile = load_profile(JND_SOURCE_DIR "/devices/profiles/chinello2017.json");
   Plan plan = make_plan(protocol, 1, 1);
   SimulatedClock clock{0};
   Interrupts interrupts;

@@ -12,7 +12,7 @@
 #include "analysis/numerics/stop_request.h"
 #include "data/log/storage_error.h"
 #include "protocols/input/input_error.h"
-#include "runner/commands/commands.h"
+#include "runner/terminal/exit_code.h"
 #include "tests/catch.h"
 
 using namespace jnd;

@@ -13,7 +13,7 @@ import tempfile
 import unittest
 
 JND, REAL_STUDY = (os.path.abspath(path) for path in (sys.argv.pop(1), sys.argv.pop(1)))
-PROTOCOLS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../protocols")
+PROTOCOLS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../../protocols")
 
 # Clears the screen, sets the title, a C1 control sequence, reordered text, a hidden character, a line separator.
 TEXT = "x\x1b[2J\x1b]0;t\x07\x9b31m\u202eabc\u2066\u200b\u2028\x7fy"

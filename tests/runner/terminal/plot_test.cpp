@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include <rapidcheck.h>
 
+#include "analysis/numerics/special_values.h"
 #include "runner/terminal/text_table.h"
 #include "tests/catch.h"
 
@@ -17,8 +17,6 @@ using namespace jnd;
 
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const Canvas kAscii{.columns = 60, .unicode = false};
 const Canvas kUnicode{.columns = 60, .unicode = true};
 
@@ -48,7 +46,7 @@ TEST_CASE("ticks are round numbers within the range") {
   CHECK(axis_ticks(0, 10, 5) == std::vector<double>{0, 2, 4, 6, 8, 10});
   CHECK(axis_ticks(-0.1, 1.3, 4) == std::vector<double>{0, 0.5, 1});
   CHECK(axis_ticks(1, 1, 4).empty());
-  CHECK(axis_ticks(0, kInfinity, 4).empty());
+  CHECK(axis_ticks(0, kInf, 4).empty());
   REQUIRE(rc::check("at most twice as many as wanted, ascending, inside", [] {
     const double low = *rc::gen::inRange(-1000, 1000), width = *rc::gen::inRange(1, 100'000) / 100.0;
     const int wanted = *rc::gen::inRange(2, 12);
@@ -90,7 +88,7 @@ TEST_CASE("no line is wider than the canvas, and ASCII stays ASCII") {
     const int points = *rc::gen::inRange(0, 40);
     for (int i = 0; i < points; ++i) {
       const int kind = *rc::gen::inRange(0, 12);
-      const double y = kind == 0 ? kNan : kind == 1 ? kInfinity : *rc::gen::inRange(-100'000, 100'000) / 7.0;
+      const double y = kind == 0 ? kNaN : kind == 1 ? kInf : *rc::gen::inRange(-100'000, 100'000) / 7.0;
       first.x.push_back(*rc::gen::inRange(-100, 100));
       first.y.push_back(y);
       second.x.push_back(i);
@@ -123,12 +121,12 @@ TEST_CASE("series are told apart by their characters, and the legend says which 
 
 TEST_CASE("what cannot be drawn is said or left out") {
   CHECK(line_plot({}, {}, kAscii) == "  nothing to plot\n");
-  CHECK(line_plot({{.name = "", .x = {0, 1}, .y = {kNan, kInfinity}}}, {}, kAscii) == "  nothing to plot\n");
+  CHECK(line_plot({{.name = "", .x = {0, 1}, .y = {kNaN, kInf}}}, {}, kAscii) == "  nothing to plot\n");
   CHECK(line_plot({{.name = "", .x = {-1, 0}, .y = {1, 2}}}, {.x_label = "x", .y_label = "y", .log_x = true}, kAscii) ==
         "  nothing to plot\n");
   // A gap: no star between the two parts.
   const std::vector<std::string> lines =
-      lines_of(line_plot({{.name = "", .x = {0, 1, 5, 9, 10}, .y = {1, 1, kNan, 1, 1}}},
+      lines_of(line_plot({{.name = "", .x = {0, 1, 5, 9, 10}, .y = {1, 1, kNaN, 1, 1}}},
                          {.x_label = "x", .y_label = "y", .rows = 4}, kAscii));
   const auto row = std::find_if(lines.begin(), lines.end(),
                                 [](const std::string& line) { return line.find('*') != std::string::npos; });
@@ -161,7 +159,7 @@ TEST_CASE("a map puts each value where it belongs, and says what the shades mean
   map.y_label = "roll (deg)";
   map.x = {-1, 0, 1};
   map.y = {-2, 2};
-  map.values = {1, 2, 3, kInfinity, 2, 1};
+  map.values = {1, 2, 3, kInf, 2, 1};
   map.value_label = "condition";
   map.edges = {1.5, 2.5};
   map.none_label = "out of reach";

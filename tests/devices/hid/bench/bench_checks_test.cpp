@@ -1,8 +1,9 @@
 // The test of a real device, run on the firmware: a sound one passes every check, and each fault fails its own.
+#include "devices/hid/bench/bench_checks.h"
+
 #include <algorithm>
 
 #include "devices/device_error.h"
-#include "devices/hid/bench/bench_checks.h"
 #include "devices/hid/page_talk.h"
 #include "tests/catch.h"
 #include "tests/devices/hid/bench/bench_firmware.h"

@@ -1,13 +1,13 @@
 // Which presses answer a question, and which do not: early ones, held ones, two at once.
+#include "devices/hid/buttons/button_answers.h"
+
 #include <algorithm>
 
-#include "devices/hid/buttons/button_answers.h"
 #include "tests/catch.h"
+#include "tests/units.h"
 
 namespace jnd {
 namespace {
-
-constexpr std::int64_t kMs = 1'000'000;
 
 ButtonChange down(ButtonMeaning meaning, std::int64_t at_ms) {
   return {meaning, true, false, at_ms * kMs};

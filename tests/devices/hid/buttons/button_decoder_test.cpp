@@ -1,14 +1,15 @@
 // Presses and releases out of reports: first edges, bounce, taps, what was down when a box was opened.
+#include "devices/hid/buttons/button_decoder.h"
+
 #include <algorithm>
 #include <limits>
 
-#include "devices/hid/buttons/button_decoder.h"
 #include "tests/catch.h"
+#include "tests/units.h"
 
 namespace jnd {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
 constexpr std::int64_t kLater = std::numeric_limits<std::int64_t>::max() / 2;
 
 ButtonMapping box(int debounce_ms = 10) {

@@ -1,16 +1,17 @@
 // Learning buttons from the reports of boxes of several makes, pressed by a person who does as told.
+#include "devices/hid/buttons/button_learner.h"
+
 #include <algorithm>
 #include <functional>
 #include <random>
 #include <set>
 
-#include "devices/hid/buttons/button_learner.h"
 #include "tests/catch.h"
+#include "tests/units.h"
 
 namespace jnd {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
 using Report = std::vector<std::uint8_t>;
 using Presses = std::vector<std::set<std::size_t>>;  // at each asking, which of the box's buttons
 

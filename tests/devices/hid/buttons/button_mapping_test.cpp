@@ -1,7 +1,8 @@
 // The file of a button mapping: what it says is what was learnt, and every mistake in it is found at once.
+#include "devices/hid/buttons/button_mapping.h"
+
 #include <algorithm>
 
-#include "devices/hid/buttons/button_mapping.h"
 #include "protocols/input/input_error.h"
 #include "tests/catch.h"
 

@@ -1,4 +1,6 @@
 // A calibration from the first question to what the device then says, on the firmware with a wrong sensor.
+#include "devices/hid/calibration/calibration_bench.h"
+
 #include <deque>
 #include <filesystem>
 #include <fstream>
@@ -6,7 +8,6 @@
 #include <unistd.h>
 
 #include "devices/device_error.h"
-#include "devices/hid/calibration/calibration_bench.h"
 #include "devices/hid/report_words.h"
 #include "protocols/input/input_error.h"
 #include "tests/catch.h"

@@ -12,7 +12,7 @@ for tool in arm-none-eabi-gcc qemu-system-arm; do
     exit 77
   fi
 done
-source=$(cd "$(dirname "$0")/../../devices/hid/firmware" && pwd)
+source=$(cd "$(dirname "$0")/../../../../devices/hid/firmware" && pwd)
 folder=${1:-}
 if [ -z "$folder" ]; then
   folder=$(mktemp -d)

@@ -16,7 +16,7 @@ using namespace jnd::testing;
 
 namespace {
 
-double share() {
+double render_share() {
   return *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(-100000, 100001)) / 100000.0;
 }
 
@@ -53,14 +53,15 @@ struct Drawn {
 
 Drawn some_wish(jnd_mode mode) {
   Drawn drawn;
-  drawn.xi = {.pz_m = -0.0195 + 0.004 * share(), .roll_rad = 0.5 * share(), .pitch_rad = 0.4 * share()};
-  drawn.normal = Eigen::Vector3d(0.5 * share(), 0.5 * share(), 1).normalized();
+  drawn.xi = {
+      .pz_m = -0.0195 + 0.004 * render_share(), .roll_rad = 0.5 * render_share(), .pitch_rad = 0.4 * render_share()};
+  drawn.normal = Eigen::Vector3d(0.5 * render_share(), 0.5 * render_share(), 1).normalized();
   drawn.wish.mode = mode;
-  drawn.wish.force_n = static_cast<float>(2.36 + 2.34 * share());
+  drawn.wish.force_n = static_cast<float>(2.36 + 2.34 * render_share());
   for (int i = 0; i < 3; ++i) drawn.wish.normal[i] = static_cast<float>(drawn.normal[i]);
-  drawn.wish.stiffness_n_per_m = static_cast<float>(1010 + 990 * share());
-  drawn.wish.roll_rad = static_cast<float>(drawn.xi.roll_rad + 0.1 * share());
-  drawn.wish.pitch_rad = static_cast<float>(drawn.xi.pitch_rad + 0.1 * share());
+  drawn.wish.stiffness_n_per_m = static_cast<float>(1010 + 990 * render_share());
+  drawn.wish.roll_rad = static_cast<float>(drawn.xi.roll_rad + 0.1 * render_share());
+  drawn.wish.pitch_rad = static_cast<float>(drawn.xi.pitch_rad + 0.1 * render_share());
   drawn.wish.most_pull_n = drawn.wish.most_moment_n_m = 1000;
   return drawn;
 }

@@ -7,7 +7,7 @@ import re
 import struct
 import zlib
 
-PAGE = pathlib.Path(__file__).resolve().parents[2] / "devices/hid/PROTOCOL.md"
+PAGE = pathlib.Path(__file__).resolve().parents[4] / "devices/hid/PROTOCOL.md"
 REPORT_SIZE, PAGE_SIZE, CRC_AT, VERSION = 64, 52, 60, 1
 INTEGERS = {"u8": "B", "i8": "b", "u16": "H", "i16": "h", "u32": "I", "i32": "i", "u64": "Q", "i64": "q"}
 

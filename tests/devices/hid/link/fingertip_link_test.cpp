@@ -5,6 +5,7 @@
 #include "devices/hid/link/hid_fingertip.h"
 #include "tests/catch.h"
 #include "tests/devices/hid/link/link_fixtures.h"
+#include "tests/text_checks.h"
 
 using namespace jnd;
 using namespace jnd::testing;
@@ -18,10 +19,6 @@ struct Scene {
   DeviceSpec spec;
   MemoryBus bus;
 };
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 // What the link says of a device that it does not take.
 std::string refusal(MemoryBus& bus, const LinkTarget& target, const std::string& part) {

@@ -1,11 +1,13 @@
 // A whole rig over HID beside the simulated one.
-#include "devices/device_error.h"
 #include "devices/hid/link/hid_rig.h"
+
+#include "devices/device_error.h"
 #include "devices/rigs/rig_factory.h"
 #include "protocols/input/input_error.h"
 #include "tests/catch.h"
 #include "tests/devices/device_fixtures.h"
 #include "tests/devices/hid/link/link_fixtures.h"
+#include "tests/text_checks.h"
 
 using namespace jnd;
 using namespace jnd::testing;
@@ -35,10 +37,6 @@ std::string error_of(TwoFingers& scene, const RigFile& file = {}) {
     return std::string("InputError: ") + error.what();
   }
   return "none";
-}
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 // A tracker over HID: its reports become poses, gaps are counted exactly, and what is unplugged is missing until it is
 // back.
+#include "devices/hid/link/hid_tracker.h"
+
 #include <array>
 #include <atomic>
 #include <cmath>
@@ -7,19 +9,19 @@
 #include "devices/clock.h"
 #include "devices/device_error.h"
 #include "devices/hid/firmware/jnd_report.h"
-#include "devices/hid/link/hid_tracker.h"
 #include "devices/hid/link/streamed_tracker.h"
 #include "protocols/input/input_error.h"
+#include "protocols/rigs/rig_spec.h"
 #include "tests/catch.h"
-#include "tests/devices/tracker_fixtures.h"
 #include "tests/devices/hid/buttons/made_up_box.h"
+#include "tests/devices/tracker_fixtures.h"
+#include "tests/units.h"
 
 using namespace jnd;
 using namespace jnd::testing;
 
 namespace {
 
-constexpr std::int64_t kMs = kMillisecond_ns;
 const Eigen::Isometry3d kHere = Eigen::Isometry3d::Identity();
 
 // Stands still until it is set.

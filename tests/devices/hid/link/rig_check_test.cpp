@@ -1,11 +1,12 @@
 // What jnd doctor finds of a protocol's and a rig file's devices, trackers and buttons.
+#include "devices/hid/link/rig_check.h"
+
 #include <filesystem>
 #include <fstream>
 #include <string>
 
 #include "devices/hid/buttons/button_mapping.h"
 #include "devices/hid/firmware/jnd_report.h"
-#include "devices/hid/link/rig_check.h"
 #include "tests/catch.h"
 #include "tests/devices/hid/virtual/plant_fixtures.h"
 

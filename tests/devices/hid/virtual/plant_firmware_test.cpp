@@ -8,13 +8,12 @@
 #include "devices/rrs3/rrs3_device.h"
 #include "tests/catch.h"
 #include "tests/devices/hid/virtual/plant_fixtures.h"
+#include "tests/units.h"
 
 using namespace jnd;
 using namespace jnd::testing;
 
 namespace {
-
-constexpr std::int64_t kMs = 1'000'000;
 
 // Measured over the cases below: 1.6e-6 N in wrench mode, 3.7e-6 N in pd, 3.8e-6 N in pd_literal, 1.1e-6 rad; a unit of
 // the reports is 1e-6 N. Bounds with room for another compiler's rounding; of the cap they are two millionths.

@@ -11,19 +11,10 @@
 #include "protocols/input/input_error.h"
 #include "tests/catch.h"
 #include "tests/devices/hid/virtual/plant_fixtures.h"
+#include "tests/units.h"
 
 using namespace jnd;
 using namespace jnd::testing;
-
-namespace {
-
-constexpr std::int64_t kMs = 1'000'000;
-
-DeviceOrder order(const char* words) {
-  return parse_order(words);
-}
-
-}  // namespace
 
 TEST_CASE("the tracker's fingers close, press five millimetres three times, open and begin again") {
   Cable cable;
@@ -63,10 +54,10 @@ TEST_CASE("the tracker loses its fingers, drops poses, and answers for itself") 
   VirtualTracker tracker({.fingers = {JND_MIDDLE}, .rate_hz = 100}, cable.end());
   CHECK(tracker.period_ns() == 10 * kMs);
   tracker.step(10 * kMs, false);
-  CHECK(tracker.obey(order("lose")));
+  CHECK(tracker.obey(parse_order("lose")));
   tracker.step(20 * kMs, false);
-  CHECK(tracker.obey(order("lose off")));
-  CHECK(tracker.obey(order("drop 1")));
+  CHECK(tracker.obey(parse_order("lose off")));
+  CHECK(tracker.obey(parse_order("drop 1")));
   tracker.step(30 * kMs, false);
   tracker.step(40 * kMs, true);
   tracker.step(50 * kMs, false);
@@ -76,7 +67,7 @@ TEST_CASE("the tracker loses its fingers, drops poses, and answers for itself") 
   CHECK(poses[0].time_us == 10'000);
   CHECK_FALSE(poses[1].seen);
   CHECK(poses[2].sequence == 4);
-  CHECK_FALSE(tracker.obey(order("hot")));
+  CHECK_FALSE(tracker.obey(parse_order("hot")));
   const auto ask = [&](std::uint8_t page, std::uint8_t operation) {
     jnd_request request{};
     request.operation = operation;
@@ -105,16 +96,16 @@ TEST_CASE("the button box tells each change once") {
   VirtualButtons box("VB-1", cable.end());
   box.step(1, false);
   CHECK(cable.reports.empty());
-  CHECK(box.obey(order("button 1")));
+  CHECK(box.obey(parse_order("button 1")));
   box.step(2, false);
   box.step(3, false);
-  CHECK(box.obey(order("button 8")));
+  CHECK(box.obey(parse_order("button 8")));
   box.step(4, false);
-  CHECK(box.obey(order("button 1 off")));
+  CHECK(box.obey(parse_order("button 1 off")));
   box.step(5, true);
   box.step(6, false);
   CHECK(cable.reports == std::vector<std::vector<std::uint8_t>>{{128, 128, 1}, {128, 128, 129}, {128, 128, 128}});
-  CHECK_FALSE(box.obey(order("hot")));
+  CHECK_FALSE(box.obey(parse_order("hot")));
   CHECK(nlohmann::json::parse("{" + box.status() + "}")["buttons"] == 128);
 }
 

@@ -9,13 +9,12 @@
 #include "protocols/input/input_error.h"
 #include "tests/catch.h"
 #include "tests/devices/hid/virtual/plant_fixtures.h"
+#include "tests/units.h"
 
 using namespace jnd;
 using namespace jnd::testing;
 
 namespace {
-
-constexpr std::int64_t kMs = 1'000'000;
 
 // A fingertip device, and a host that presses it with 700 N/m, 4 mm deep.
 struct Bench {
@@ -47,10 +46,6 @@ struct Bench {
   std::int64_t timer_ns = 0;
   std::uint32_t sequence = 0;
 };
-
-DeviceOrder order(const char* words) {
-  return parse_order(words);
-}
 
 }  // namespace
 
@@ -93,13 +88,13 @@ TEST_CASE("a pressed device gives the force, and its watchdog takes it away") {
 TEST_CASE("dropped reports are missing, damaged ones are no reports, and both are counted") {
   Bench bench;
   bench.run(10);
-  CHECK(bench.device.obey(order("drop 3")));
+  CHECK(bench.device.obey(parse_order("drop 3")));
   bench.run(10);
   auto told = bench.cable.telemetry();
   REQUIRE(told.size() == 17);
   CHECK(told[10].sequence - told[9].sequence == 4);
   CHECK(told.back().sequence == 20);
-  CHECK(bench.device.obey(order("damage 2")));
+  CHECK(bench.device.obey(parse_order("damage 2")));
   bench.run(10);
   CHECK(bench.cable.reports.size() == 27);
   CHECK(bench.cable.telemetry().size() == 25);
@@ -117,7 +112,7 @@ TEST_CASE("dropped reports are missing, damaged ones are no reports, and both ar
 
 TEST_CASE("a device of another version says so on the one page that every host can read") {
   Bench bench;
-  CHECK(bench.device.obey(order("wrong-version")));
+  CHECK(bench.device.obey(parse_order("wrong-version")));
   bench.ask(JND_PAGE_IDENTITY, 5);
   bench.ask(JND_PAGE_LIMITS, 6);
   bench.run(3);
@@ -131,7 +126,7 @@ TEST_CASE("a device of another version says so on the one page that every host c
   for (const auto& report : bench.cable.reports)
     if (report[0] == JND_REPORT_TELEMETRY)
       CHECK(jnd_decode_telemetry(report.data(), report.size(), &telemetry) == JND_DECODE_VERSION);
-  CHECK(bench.device.obey(order("wrong-version off")));
+  CHECK(bench.device.obey(parse_order("wrong-version off")));
   bench.ask(JND_PAGE_LIMITS, 7);
   CHECK(bench.cable.answers().size() == 2);
 }
@@ -146,12 +141,12 @@ TEST_CASE("each fault of the board stops a device that presses") {
     Bench bench;
     bench.press(300);
     CHECK(bench.status()["state"] == "active");
-    CHECK(bench.device.obey(order(each.words)));
+    CHECK(bench.device.obey(parse_order(each.words)));
     bench.press(1);
     CHECK(bench.status()["state"] == "stopped");
     CHECK(bench.status()["faults"] == nlohmann::json::array({each.fault}));
     CHECK(bench.status()["push_n"].get<double>() == 0);
-    CHECK(bench.device.obey(order((std::string(each.words) + " off").c_str())));
+    CHECK(bench.device.obey(parse_order((std::string(each.words) + " off").c_str())));
     bench.run(1);
     bench.rest();
     bench.run(1);
@@ -163,12 +158,12 @@ TEST_CASE("each fault of the board stops a device that presses") {
 TEST_CASE("a stuck sensor stays where it was while the force goes on") {
   Bench bench;
   bench.press(300);
-  CHECK(bench.device.obey(order("stuck-sensor")));
+  CHECK(bench.device.obey(parse_order("stuck-sensor")));
   bench.rest();
   bench.run(100);
   CHECK(bench.status()["force_n"].get<double>() < 0.001);
   CHECK(bench.cable.telemetry().back().force_un == Approx(2'800'000).epsilon(1e-3));
-  CHECK(bench.device.obey(order("stuck-sensor off")));
+  CHECK(bench.device.obey(parse_order("stuck-sensor off")));
   bench.run(1);
   CHECK(bench.cable.telemetry().back().force_un < 1000);
 }
@@ -231,14 +226,14 @@ TEST_CASE("the clock jumps ahead, buttons are told, and words of other devices a
   Bench bench;
   bench.run(5);
   bench.device.jump(2'000'000'000);
-  CHECK(bench.device.obey(order("button 3")));
+  CHECK(bench.device.obey(parse_order("button 3")));
   bench.run(1);
   CHECK(bench.cable.telemetry().back().time_us == 2'006'000);
   CHECK(bench.cable.telemetry().back().buttons == 4);
-  CHECK(bench.device.obey(order("button 3 off")));
+  CHECK(bench.device.obey(parse_order("button 3 off")));
   bench.run(1);
   CHECK(bench.cable.telemetry().back().buttons == 0);
-  CHECK_FALSE(bench.device.obey(order("lose")));
+  CHECK_FALSE(bench.device.obey(parse_order("lose")));
 }
 
 TEST_CASE("what is stored in a device survives its power, and a program that keeps its memory") {

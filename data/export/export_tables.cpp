@@ -1,17 +1,210 @@
-// Columns of the files that hold results: cells, report, group, contrasts; and of answers, sessions and the dictionary.
+// Columns of trials.csv: the plan, the answer, and everything that was delivered, by interval and finger.
+#include "data/export/export_tables.h"
+
+#include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "data/export/column_makers.h"
-#include "data/export/export_tables.h"
 #include "protocols/version.h"
 
 namespace jnd {
 
 namespace {
 
+using Column = CsvColumn<ExportTrial>;
+
+std::string column_name(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(),
+      [](char c) { return !((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9')); }, '_');
+  return text;
+}
+
+// A cell of one device; empty where the presentation has no such device.
+template <typename Cell>
+Column device_column(std::size_t interval, DevicePlace place, const std::string& name, const std::string& quantity,
+                     const std::string& meaning, const std::string& unit, Cell cell, const std::string& levels = "") {
+  return {fmt::format("i{}_{}_{}", interval + 1, column_name(name), quantity),
+          fmt::format("interval {}, {}: {}", interval + 1, name, meaning), unit, levels,
+          [interval, place, cell](const ExportTrial& row) -> std::string {
+            for (const FingerPresentation& finger : row.record.presentations[interval].fingers)
+              if (DevicePlace{finger.finger, finger.channel} == place) return cell(finger);
+            return {};
+          }};
+}
+
+std::string optional_number(const std::optional<double>& value) {
+  return value ? csv_number(*value) : std::string();
+}
+
+template <typename Cell>
+Column interval_column(std::size_t interval, const std::string& quantity, const std::string& meaning,
+                       const std::string& unit, Cell cell, const std::string& levels = "") {
+  return {fmt::format("i{}_{}", interval + 1, quantity), fmt::format("interval {}: {}", interval + 1, meaning), unit,
+          levels, [interval, cell](const ExportTrial& row) { return cell(row.record.presentations[interval]); }};
+}
+
+// Every word of Fault, in its order.
+std::string fault_names() {
+  std::string names;
+  for (int i = 0;; ++i) {
+    const std::string_view name = to_string(static_cast<Fault>(i));
+    if (fault_from(name) != static_cast<Fault>(i)) return names;
+    names.append(names.empty() ? "" : " ").append(name);
+  }
+}
+
+void add_interval(std::vector<Column>& columns, std::size_t i) {
+  using P = Presentation;
+  columns.push_back(interval_column(
+      i, "first_contact_s", "first contact after the interval began; empty without contact", "s",
+      [](const P& p) { return p.first_contact_s < 0 ? std::string() : csv_number(p.first_contact_s); }));
+  columns.push_back(interval_column(i, "duration_s", "length of the interval", "s",
+                                    [](const P& p) { return csv_number(p.duration_s); }));
+  columns.push_back(
+      interval_column(i, "ticks", "ticks of the control loop", "", [](const P& p) { return csv_number(p.ticks); }));
+  columns.push_back(interval_column(i, "overruns", "whole periods that the control loop skipped", "",
+                                    [](const P& p) { return csv_number(p.overruns); }));
+  columns.push_back(interval_column(i, "lateness_p50_us", "median lateness of the ticks (0 on the simulated clock)",
+                                    "us", [](const P& p) { return csv_number(p.lateness_p50_us); }));
+  columns.push_back(interval_column(i, "lateness_p99_us", "99th percentile of the lateness", "us",
+                                    [](const P& p) { return csv_number(p.lateness_p99_us); }));
+  columns.push_back(interval_column(i, "lateness_max_us", "largest lateness", "us",
+                                    [](const P& p) { return csv_number(p.lateness_max_us); }));
+  std::string edges;
+  for (const double edge : kLatenessEdges_us) edges.append(edges.empty() ? "" : " ").append(csv_number(edge));
+  columns.push_back(interval_column(
+      i, "lateness_histogram",
+      "ticks by lateness, separated by blanks: up to " + edges + " us and later; empty on the simulated clock", "",
+      [](const P& p) {
+        std::string counts;
+        if (p.lateness_max_us > 0)
+          for (const std::int64_t count : p.lateness_histogram)
+            counts.append(counts.empty() ? "" : " ").append(csv_number(count));
+        return counts;
+      }));
+  columns.push_back(interval_column(
+      i, "fault", "why the presentation was not delivered as asked", "",
+      [](const P& p) { return std::string(to_string(p.fault)); }, fault_names()));
+  columns.push_back(interval_column(i, "stopped_by", "who latched an emergency stop; empty without one", "",
+                                    [](const P& p) { return csv_text(p.stopped_by); }));
+}
+
+void add_device(std::vector<Column>& columns, std::size_t i, DevicePlace place, const std::string& name,
+                StiffnessUnit unit) {
+  using F = FingerPresentation;
+  const auto add = [&](const std::string& quantity, const char* meaning, const std::string& of, auto cell,
+                       const char* levels = "") {
+    columns.push_back(device_column(i, place, name, quantity, meaning, of, cell, levels));
+  };
+  const std::string stiffness(name_suffix(unit)), length(length_suffix(unit)), symbol(to_string(unit));
+  add("stiffness_" + stiffness,
+      "delivered stiffness: slope of force on penetration over unsaturated contact; empty where none could be fitted",
+      symbol, [](const F& p) { return optional_number(p.stiffness); });
+  add("stiffness_se_" + stiffness, "standard error of that slope, as if the samples were independent", symbol,
+      [](const F& p) { return optional_number(p.stiffness_se); });
+  if (place.channel == Channel::kinaesthetic && unit == StiffnessUnit::n_per_m)
+    add("joint_stiffness_n_m_per_rad", "the same slope as a torque per angle of the joint", "N m/rad",
+        [](const F& p) { return optional_number(p.joint_stiffness_n_m_per_rad); });
+  add("fit_samples", "samples in that fit", "", [](const F& p) { return csv_number(p.fit_samples); });
+  add("peak_force_n", "largest delivered force", "N", [](const F& p) { return csv_number(p.peak_force_n); });
+  add("deepest_penetration_" + length, "deepest penetration", length,
+      [](const F& p) { return csv_number(p.deepest_penetration); });
+  add("work_j", "work done on the object while loading", "J", [](const F& p) { return csv_number(p.work_j); });
+  add("mean_speed_" + length + "_per_s", "mean absolute penetration rate in contact", length + "/s",
+      [](const F& p) { return csv_number(p.mean_speed); });
+  add("contacts", "number of contacts", "", [](const F& p) { return csv_number(p.contacts); });
+  add("dwell_s", "time in contact", "s", [](const F& p) { return csv_number(p.dwell_s); });
+  add("saturated_share", "share of contact time in which a limit reduced the force, 0..1", "",
+      [](const F& p) { return csv_number(p.saturated_share); });
+  add("vibration_g", "amplitude of the delivered bursts; 0 without one", "g",
+      [](const F& p) { return csv_number(p.vibration_g); });
+  add(
+      "vibration_clamped", "whether the amplitude was limited by the device", "",
+      [](const F& p) { return csv_flag(p.vibration_clamped); }, "0 1");
+  add("interventions", "limits that acted, each with its number of ticks (limit:ticks), separated by blanks", "",
+      [](const F& p) {
+        std::string text;
+        for (const Intervention& one : p.interventions)
+          text.append(text.empty() ? "" : " ").append(one.limit).append(":").append(csv_number(one.ticks));
+        return csv_text(text);
+      });
+}
+
+// Fingers by their names; where a finger has two devices, each with what it acts on.
+std::string device_name(const Protocol& protocol, const std::vector<DevicePlace>& places, DevicePlace place) {
+  const std::string& finger = protocol.rig.fingers.at(static_cast<std::size_t>(place.finger));
+  const auto devices = std::count_if(places.begin(), places.end(),
+                                     [&](const DevicePlace& other) { return other.finger == place.finger; });
+  return devices > 1 ? fmt::format("{} {}", finger, to_string(place.channel)) : finger;
+}
+
+}  // namespace
+
+std::vector<Column> trial_columns(const Protocol& protocol, const std::vector<DevicePlace>& places) {
+  const StiffnessUnit unit = protocol.stimulus.unit;
+  const std::string suffix(name_suffix(unit)), symbol(to_string(unit));
+  using R = ExportTrial;
+  std::vector<Column> columns = {
+      {"participant", "code of the participant", "", "", [](const R& r) { return csv_text(r.session.participant); }},
+      {"session", "session of the trial", "", "", [](const R& r) { return csv_text(r.session.id); }},
+      {"session_number", "which of the participant's sessions, from 1", "", "",
+       [](const R& r) { return csv_number(r.session.number); }},
+      {"kind", "kind of the session", "", "real pilot simulated",
+       [](const R& r) { return std::string(to_string(r.session.kind)); }},
+      {"protocol_sha256", "SHA-256 of the protocol's bytes", "", "", [sha = protocol.sha256](const R&) { return sha; }},
+      {"seq", "number of the trial's event in its session", "", "", [](const R& r) { return csv_number(r.seq); }},
+      {"utc", "when the answer was saved, ISO 8601", "", "", [](const R& r) { return r.utc; }},
+      {"trial", "place in the participant's plan, from 1; practice comes first", "", "",
+       [](const R& r) { return csv_number(r.record.trial.index); }},
+      {"attempt", "1, or more where the trial was voided and repeated", "", "",
+       [](const R& r) { return csv_number(r.record.attempt); }},
+      {"practice", "whether it was practice, which no analysis counts", "", "0 1",
+       [](const R& r) { return csv_flag(r.record.trial.practice); }},
+      {"round", "round of practice, from 1; 0 in the main part", "", "",
+       [](const R& r) { return csv_number(r.record.trial.round); }},
+      {"block", "block, from 1; 0 in practice", "", "", [](const R& r) { return csv_number(r.record.trial.block); }},
+      {"series", "series of the trial", "", "", [](const R& r) { return csv_text(r.record.series_name); }},
+      {"condition", "feedback condition", "", "", [](const R& r) { return csv_text(r.record.condition_name); }},
+      {"stimulus_1_" + suffix, "stiffness asked in interval 1", symbol, "",
+       [](const R& r) { return csv_number(r.record.trial.stimuli[0]); }},
+      {"stimulus_2_" + suffix, "stiffness asked in interval 2", symbol, "",
+       [](const R& r) { return csv_number(r.record.trial.stimuli[1]); }},
+      {"same", "whether the two were equal", "", "0 1", [](const R& r) { return csv_flag(r.record.trial.same); }},
+      {"answer", "what was answered", "", "same different",
+       [](const R& r) { return std::string(to_string(r.record.answer.judgement)); }},
+      {"correct", "whether the answer was right", "", "0 1",
+       [](const R& r) { return csv_flag((r.record.answer.judgement == Judgement::same) == r.record.trial.same); }},
+      {"entered_by", "who pressed the key", "", "participant operator",
+       [](const R& r) { return std::string(to_string(r.record.answer.entered_by)); }},
+      {"response_time_s", "from the question cue to the key", "s", "",
+       [](const R& r) { return csv_number(r.record.answer.response_time_s); }},
+      {"duration_s", "from the first cue to the answer", "s", "",
+       [](const R& r) { return csv_number(r.record.duration_s); }},
+      {"excluded", "whether a registered rule leaves the trial out of the analysis", "", "0 1",
+       [](const R& r) { return csv_flag(!r.excluded_reason.empty()); }},
+      {"excluded_reason", "the first rule that applies; empty where the trial counts", "",
+       "response_time_below response_time_above saturated_share_above", [](const R& r) { return r.excluded_reason; }}};
+  if (protocol.design.procedure)
+    columns.push_back({"track", "track of the adaptive procedure in its condition, from 1; 0 in practice", "", "",
+                       [](const R& r) { return csv_number(r.record.trial.track); }});
+  for (std::size_t interval = 0; interval < 2; ++interval) {
+    add_interval(columns, interval);
+    for (const DevicePlace& place : places)
+      add_device(columns, interval, place, device_name(protocol, places, place), unit);
+  }
+  return columns;
+}
+
+// Columns of the files that hold results: cells, report, group, contrasts; and of answers, sessions and the dictionary.
+
+namespace {
+
 constexpr const char* kKinds = "real pilot simulated";
 
-std::string condition_name(const Protocol& protocol, int condition) {
+std::string condition_cell(const Protocol& protocol, int condition) {
   return csv_text(protocol.conditions.at(static_cast<std::size_t>(condition)).name);
 }
 
@@ -72,7 +265,7 @@ std::vector<CsvColumn<CellResult>> cell_columns(const Protocol& protocol) {
       {"participant", "code of the participant", "", "", [](const R& r) { return csv_text(r.participant); }},
       {"kind", "kind of the sessions", "", kKinds, [](const R& r) { return std::string(to_string(r.kind)); }},
       {"condition", "feedback condition", "", "",
-       [&protocol](const R& r) { return condition_name(protocol, r.condition); }},
+       [&protocol](const R& r) { return condition_cell(protocol, r.condition); }},
       {"series", "series", "", "",
        [&protocol](const R& r) { return csv_text(protocol.series.at(static_cast<std::size_t>(r.series)).name); }},
       {in_unit("difference_", protocol), "stiffness difference of the series, as asked", unit_of(protocol), "",
@@ -129,7 +322,7 @@ std::vector<CsvColumn<ThresholdResult>> report_columns(const Protocol& protocol)
       {"participant", "code of the participant", "", "", [](const R& r) { return csv_text(r.participant); }},
       {"kind", "kind of the sessions", "", kKinds, [](const R& r) { return std::string(to_string(r.kind)); }},
       {"condition", "feedback condition", "", "",
-       [&protocol](const R& r) { return condition_name(protocol, r.condition); }},
+       [&protocol](const R& r) { return condition_cell(protocol, r.condition); }},
       {"series_used", "series in the fit", "", "", [](const R& r) { return csv_number(r.jnd.series_used); }},
       {in_unit("slope_per_", protocol), "slope of d' on the stiffness difference, through the origin",
        protocol.stimulus.unit == StiffnessUnit::n_per_m ? "m/N" : "rad/N", "",
@@ -161,7 +354,7 @@ std::vector<CsvColumn<GroupResult>> group_columns(const Protocol& protocol, Sess
   using R = GroupResult;
   std::vector<CsvColumn<R>> columns = {
       {"condition", "feedback condition", "", "",
-       [&protocol](const R& r) { return condition_name(protocol, r.condition); }},
+       [&protocol](const R& r) { return condition_cell(protocol, r.condition); }},
       {"kind", "kind of the sessions", "", kKinds, [kind](const R&) { return std::string(to_string(kind)); }},
       {"participants", "participants with a row in this condition (N)", "", "",
        [](const R& r) { return csv_number(r.jnd.n); }}};
@@ -197,8 +390,8 @@ std::vector<CsvColumn<GroupResult>> group_columns(const Protocol& protocol, Sess
 std::vector<CsvColumn<ContrastRow>> contrast_columns(const Protocol& protocol, SessionKind kind) {
   using R = ContrastRow;
   std::vector<CsvColumn<R>> columns = {
-      {"condition_a", "first condition", "", "", [&protocol](const R& r) { return condition_name(protocol, r.a); }},
-      {"condition_b", "second condition", "", "", [&protocol](const R& r) { return condition_name(protocol, r.b); }},
+      {"condition_a", "first condition", "", "", [&protocol](const R& r) { return condition_cell(protocol, r.a); }},
+      {"condition_b", "second condition", "", "", [&protocol](const R& r) { return condition_cell(protocol, r.b); }},
       {"kind", "kind of the sessions", "", kKinds, [kind](const R&) { return std::string(to_string(kind)); }},
       {"outcome", "the scale of every number in the row", "", "slope jnd log_jnd threshold",
        [](const R& r) { return r.outcome; }},

@@ -1,0 +1,164 @@
+#!/usr/bin/env python3
+"""The house: rooms, their wings, and which wing may include which. Fails on an include that is not in the table, on a file
+in no wing, on a folder of too many files, and on tests that stand in no wing of what they test.
+
+Usage: layers_test.py [SOURCE-FOLDER]"""
+import pathlib
+import re
+import sys
+
+MOST_FILES = 30  # in a folder, of those that are compiled
+
+# A room includes those that stand before it; data and devices do not know each other.
+ROOMS = {"analysis": [], "protocols": ["analysis"], "data": ["analysis", "protocols"],
+         "devices": ["analysis", "protocols"], "runner": ["analysis", "protocols", "data", "devices"]}
+
+# The wings of each room, every one with those of its room that it may include. "." is the room's own folder, its face.
+WINGS = {
+    "analysis": {
+        "numerics": "",
+        "procedures": "",
+        "detection": "numerics",
+        "psychometric": "numerics",
+        "thresholds": "detection numerics",
+        "behaviour": "detection numerics thresholds",
+        "group": "numerics thresholds",
+        "precision": "detection numerics thresholds",
+        "selftest": "detection group numerics procedures psychometric thresholds",
+    },
+    "protocols": {
+        ".": "",
+        "input": "",
+        "planning": ". input",
+        "reading": ". input planning",
+        "rigs": ". input reading",
+    },
+    "data": {
+        "log": "",
+        "files": "log",
+        "study": "files log",
+        "verify": "files log study",
+        "copies": "files log study verify",
+        "results": "log study verify",
+        "export": "files log results study",
+    },
+    "devices": {
+        ".": "",
+        "contact": "",
+        "hid/firmware": "",
+        "hid/firmware/arm": "hid/firmware",
+        "loop": ". contact",
+        "machine": ". loop",
+        "mckibben": ". loop",
+        "rrs3": ". loop",
+        "hid": ". hid/firmware machine",
+        "participants": ". loop mckibben",
+        "self_test": ". loop mckibben rrs3",
+        "hid/bench": ". hid hid/firmware loop",
+        "hid/buttons": ". hid",
+        "hid/virtual": ". hid/firmware participants rrs3",
+        "trackers": ". loop machine mckibben participants",
+        "hid/calibration": ". hid hid/bench hid/firmware",
+        "rigs": ". contact loop mckibben participants rrs3 trackers",
+        "hid/link": ". hid hid/buttons hid/firmware loop machine participants rigs trackers",
+    },
+    "runner": {
+        "terminal": "",
+        "calc": "terminal",
+        "keys": "terminal",
+        "results": "calc terminal",
+        "session": "keys terminal",
+        "console": "keys session terminal",
+        "figures": "results terminal",
+        "opening": "keys session terminal",
+        "device_commands": "keys opening terminal",
+        "report": "figures keys results",
+        "commands": "console keys opening report results session terminal",
+        ".": "calc commands device_commands keys terminal",
+    },
+}
+
+# One component in C each, with its corpus of vectors or pages beside it: as long as it is.
+ANY_LENGTH = {"devices/hid/firmware"}
+
+SOURCE = (".h", ".cpp", ".c")
+
+
+def wing_of(path):
+    """"devices/hid/link/x.h" -> ("devices", "hid/link")."""
+    room, *folders = pathlib.PurePosixPath(path).parent.parts
+    return room, "/".join(folders) or "."
+
+
+def includes(root, path):
+    text = (root / path).read_text(encoding="utf-8")
+    for number, line in enumerate(text.splitlines(), 1):
+        found = re.match(r'#include "([^"]+)"', line)
+        if found is None:
+            continue
+        target = pathlib.PurePosixPath(found[1])
+        beside = pathlib.PurePosixPath(path).parent / target
+        if ".." in target.parts or len(target.parts) == 1:  # the firmware's C includes what lies beside it
+            parts = []
+            for part in beside.parts:
+                if part == "..":
+                    parts.pop()
+                else:
+                    parts.append(part)
+            target = pathlib.PurePosixPath(*parts)
+        yield number, str(target)
+
+
+def problems(root):
+    files = sorted(str(path.relative_to(root)) for room in [*ROOMS, "tests"]
+                   for path in (root / room).rglob("*") if path.suffix in SOURCE)
+    counts = {}
+    for path in files:
+        folder = str(pathlib.PurePosixPath(path).parent)
+        counts[folder] = counts.get(folder, 0) + 1
+        room, wing = wing_of(path)
+        if room == "tests":
+            tested, _, rest = wing.partition("/")
+            if tested in ROOMS and rest and not any(rest == one or rest.startswith(one + "/") for one in WINGS[tested]):
+                yield f"{path}: tests/{wing} is no wing of {tested}"
+            continue
+        if wing not in WINGS[room]:
+            yield f"{path}: {room} has no wing {wing} (the table is in tests/layers_test.py)"
+            continue
+        allowed = WINGS[room][wing].split() + [wing]
+        for line, target in includes(root, path):
+            other, into = wing_of(target)
+            if other not in ROOMS:
+                yield f"{path}:{line}: {target} is in no room"
+            elif other == room and into not in allowed:
+                yield f"{path}:{line}: {room}/{wing} may not include {room}/{into} (only: {' '.join(allowed)})"
+            elif other != room and other not in ROOMS[room]:
+                yield f"{path}:{line}: {room} may not include {other}"
+    for folder, count in sorted(counts.items()):
+        if count > MOST_FILES and folder not in ANY_LENGTH:
+            yield f"{folder}: {count} files, more than {MOST_FILES}: give some of them a wing of their own, or merge them"
+    for room, wings in WINGS.items():
+        for wing in wings:
+            if f"{room}/{wing}".removesuffix("/.") not in counts:
+                yield f"{room}/{wing} is in the table and not in the house"
+        order = set()
+        left = dict(wings)
+        while left:
+            free = [wing for wing, into in left.items() if set(into.split()) <= order]
+            if not free:
+                yield f"{room}: the arrows of {', '.join(left)} go round in a circle"
+                break
+            for wing in free:
+                order.add(wing)
+                del left[wing]
+
+
+def main():
+    root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).resolve().parent.parent)
+    found = list(problems(root))
+    print("\n".join(found) or "every include follows the table")
+    sys.exit(1 if found else 0)
+
+
+if __name__ == "__main__":
+    main()

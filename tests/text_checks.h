@@ -1,0 +1,13 @@
+// Looking for words in messages.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace jnd {
+
+inline bool contains(const std::string& text, std::string_view part) {
+  return text.find(part) != std::string::npos;
+}
+
+}  // namespace jnd
