@@ -1,10 +1,21 @@
 #!/usr/bin/env bash
 # All tests on a fresh Debian machine: installs what is missing, builds, runs every test program, the README's commands
-# and the end-to-end scripts.
-# Usage: tests/run.sh [PRESET]   a preset of CMakePresets.json: dev (default), asan, tsan, release
+# and the end-to-end scripts; ends with the ten slowest tests and the time of every step.
+# Usage: tests/run.sh [PRESET|long]   a preset of CMakePresets.json: dev (default), asan, tsan, release; long: every
+#                                     campaign of tests/long.sh, which takes hours
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source runner/setup.sh
+[ "${1:-}" = long ] && exec tests/long.sh
+steps=()
+began=$SECONDS
+# step NAME: ends the one before.
+step() {
+  [ ${#steps[@]} -eq 0 ] || steps[-1]+=" $((SECONDS - began)) s"
+  began=$SECONDS
+  [ $# -eq 0 ] || steps+=("$1")
+}
+step packages
 # shellcheck disable=SC2086
 install_missing $packages_to_build catch2 librapidcheck-dev libvalijson-dev python3 sqlite3 zstd mold
 # The page of `jnd report` is looked at in a real browser; without one that test says SKIPPED.
@@ -29,6 +40,19 @@ export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1
 export CCACHE_SLOPPINESS=${CCACHE_SLOPPINESS:-pch_defines,time_macros}
 command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
 echo "Building (preset $preset)"
-cmake --preset "$preset" "${launcher[@]}" | grep -i "do not run" || true
+step build
+cmake --preset "$preset" "${launcher[@]}" -DJND_ALL_TESTS="${JND_ALL_TESTS:-OFF}" | grep -i "do not run" || true
 cmake --build --preset "$preset" -- --quiet
-ctest --preset "$preset" --output-on-failure --parallel "$(nproc)"
+step tests
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+status=0
+ctest --preset "$preset" --output-on-failure --parallel "$(nproc)" | tee "$log" || status=$?
+step
+echo
+echo "The ten slowest tests, s:"
+sed -nE 's/^ *[0-9]+\/[0-9]+ Test +#[0-9]+: ([a-z_0-9]+) .* ([0-9.]+) sec.*$/\2 \1/p' "$log" | sort -rn | head -n 10 |
+  awk '{printf "  %-20s %7.1f\n", $2, $1}'
+printf 'Time of preset %s: ' "$preset"
+printf '%s; ' "${steps[@]}" | sed 's/; $/\n/'
+exit "$status"
