@@ -78,11 +78,10 @@ def judge_campaign(results):
 
 
 def judge_readme(results):
-    readme = pathlib.Path(__file__).resolve().parents[2] / "README.md"
-    for number, (command, shown) in enumerate(commands(readme.read_text(encoding="utf-8")), 1):
+    for number, (command, shown) in enumerate(commands(), 1):
         actual = [line.rstrip() for line in results.text(f"readme-{number}.txt").splitlines()]
         wrong = mismatch(shown, actual)
-        results.check(f"the README shows what {command} prints", wrong is None, f"{wrong!r} is not in {actual}")
+        results.check(f"the page shows what {command} prints", wrong is None, f"{wrong!r} is not in {actual}")
 
 
 JUDGES = {"readme": judge_readme, "link": judge_link, "gadget": judge_gadget, "campaign": judge_campaign, "session": judge_session,

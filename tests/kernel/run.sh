@@ -50,7 +50,7 @@ run_guest() {
   [ "$flavour" = full ] && modules="$modules usbhid libcomposite usb_f_hid dummy_hcd"
   kernel=$("$here/fetch.sh" "$flavour") || return $?
   printf '%s\n' "$@" > "$work/$name.parts"
-  python3 "$here/readme_virtual.py" "$source_dir/README.md" > "$work/$name.readme" || return 1
+  python3 "$here/readme_virtual.py" > "$work/$name.readme" || return 1
   # shellcheck disable=SC2086
   "$here/build.sh" "$work/$name" $kernel "$modules" "${files[@]}" "$work/$name.parts=/guest/parts" "$work/$name.readme=/guest/readme_commands" \
     "$here/session.json=/guest/session.json" || return 1

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Runs the README's commands: every line "$ jnd ..." of its console blocks, in order, in an empty folder.
+"""Runs the pages' commands: every line "$ jnd ..." of a page's console blocks, in order, in an empty folder per page.
 
-The lines that the README shows below a command must be in its output, in that order; a line "..." stands for any lines.
-A command whose block says "(exit N)" behind it must end with that code.
+The lines that the page shows below a command must be in its output, in that order; a line "..." stands for any lines.
+A command that ends with "# exit N" must end with that code.
 
-Usage: readme_commands.py JND README
+Usage: readme_commands.py JND PAGE|FOLDER...   of a folder every page (.md) that has such blocks
 """
 import os
 import re
@@ -44,14 +44,28 @@ def mismatch(shown, actual):
     return None
 
 
-def main():
-    jnd, readme = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
+def pages(arguments):
+    """The pages named, and those of the folders named, builds and hidden folders left out."""
+    for argument in arguments:
+        if not os.path.isdir(argument):
+            yield argument
+            continue
+        for folder, folders, files in os.walk(argument):
+            folders[:] = sorted(name for name in folders if name != "build" and not name.startswith("."))
+            for name in sorted(files):
+                path = os.path.join(folder, name)
+                if name.endswith(".md") and commands(open(path, encoding="utf-8").read()):
+                    yield path
+
+
+def run_page(jnd, page):
+    """(commands run, commands failed) of a page."""
     environment = dict(os.environ, PATH=os.path.dirname(jnd) + os.pathsep + os.environ["PATH"], LC_ALL="C.UTF-8")
     failures = ran = 0
     with tempfile.TemporaryDirectory() as folder:
-        for number, command, code, shown in commands(open(readme, encoding="utf-8").read()):
-            if shlex.split(command)[0] in ("git", "cd", "runner/demo.sh", "tests/run.sh"):
-                continue  # the set-up itself; continuous integration runs these two scripts
+        for number, command, code, shown in commands(open(page, encoding="utf-8").read()):
+            if shlex.split(command)[0] in ("git", "cd", "cmake", "runner/demo.sh", "tests/run.sh"):
+                continue  # the set-up itself; .ci/run runs the two scripts
             done = subprocess.run(command, shell=True, cwd=folder, env=environment, stdin=subprocess.DEVNULL,
                                   stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
             ran += 1
@@ -59,11 +73,20 @@ def main():
             wrong = mismatch(shown, actual)
             if done.returncode != code or wrong is not None:
                 failures += 1
-                print(f"README line {number}: $ {command}\n  exit {done.returncode}, expected {code}")
+                print(f"{page}:{number}: $ {command}\n  exit {done.returncode}, expected {code}")
                 if wrong is not None:
                     print(f"  not in the output (or not there): {wrong!r}\n  the output was:\n{done.stdout}")
-    print(f"{ran} commands of the README run, {failures} failed")
-    sys.exit(1 if failures or ran == 0 else 0)
+    return ran, failures
+
+
+def main():
+    jnd = os.path.abspath(sys.argv[1])
+    ran = failed = 0
+    for page in pages(sys.argv[2:]):
+        counts = run_page(jnd, os.path.abspath(page))
+        print(f"{page}: {counts[0]} commands run, {counts[1]} failed", flush=True)
+        ran, failed = ran + counts[0], failed + counts[1]
+    sys.exit(1 if failed or ran == 0 else 0)
 
 
 if __name__ == "__main__":
