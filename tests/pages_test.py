@@ -50,8 +50,9 @@ def exists(name, page, files):
         one = one.replace("NAME", "*")
         normal = os.path.normpath(one)
         beside = os.path.normpath(str(folder / one))
-        pattern = re.compile(r"(?:.*/)?" + re.escape(normal).replace(r"\*", "[^/]*"))
-        if not any(path in (normal, beside) or (path.startswith(room) and pattern.fullmatch(path)) for path in files):
+        glob = re.escape(normal).replace(r"\*", "[^/]*")
+        if not any(path == beside or re.fullmatch(glob, path) or
+                   (path.startswith(room) and re.fullmatch(r"(?:.*/)?" + glob, path)) for path in files):
             return False
     return True
 

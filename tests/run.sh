@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# All tests on a fresh Debian machine: installs what is missing, builds, runs every test program, the README's commands
+# All tests on a fresh Debian machine: installs what is missing, builds, runs every test program, the pages' commands
 # and the end-to-end scripts; ends with the ten slowest tests and the time of every step.
 # Usage: tests/run.sh [PRESET|long]   a preset of CMakePresets.json: dev (default), asan, tsan, release; long: every
 #                                     campaign of tests/long.sh, which takes hours
