@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """The pages say what is there: every wing of tests/layers_test.py has a row in its room's README, and every relative link
-and every back-quoted path of a page exists.
+(with its heading) and every back-quoted path of a page exists.
 
 A back-quoted path is a name with a folder of this repository in front ("devices/loop/governor.h"), or the name of a source,
 script or page ("governor.h"), to be found beside the page or anywhere in its room. "*", {a,b} and NAME stand for several.
@@ -57,6 +57,12 @@ def exists(name, page, files):
     return True
 
 
+def headings(page):
+    """The headings of a page as links name them: "Where to read on" -> "where-to-read-on"."""
+    lines = (line for _, line in without_blocks(page.read_text(encoding="utf-8")))
+    return {re.sub(r"[^\w\- ]", "", line.lstrip("# ").lower()).replace(" ", "-") for line in lines if line.startswith("#")}
+
+
 def wing_rows(text):
     """The rows of the tables whose first column is "wing"."""
     inside = False
@@ -88,9 +94,12 @@ def problems(root):
     for page in sorted(path for path in files if path.endswith(".md") and (root / path).is_file()):
         folder = (root / page).parent
         for number, line in without_blocks((root / page).read_text(encoding="utf-8")):
-            for target in re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", line):
-                if not re.match(r"[a-z]+:", target) and not (folder / target).exists():
-                    yield f"{page}:{number}: the link leads nowhere: {target}"
+            for target, heading in re.findall(r"\]\(([^)#\s]*)#?([^)]*)\)", line):
+                to = folder / target if target else root / page
+                if re.match(r"[a-z]+:", target):
+                    continue
+                if not to.exists() or (heading and heading not in headings(to)):
+                    yield f"{page}:{number}: the link leads nowhere: {target}{'#' if heading else ''}{heading}"
             for name in re.findall(r"`([^`]+)`", line):
                 if is_path(name, tops) and not exists(name, page, files):
                     yield f"{page}:{number}: there is no {name}"
