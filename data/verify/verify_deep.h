@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "data/study/problem.h"
 #include "data/study/study.h"
 
 namespace jnd {

@@ -9,6 +9,7 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <nlohmann/json.hpp>
 
+#include "data/study/problem.h"
 #include "data/study/study.h"
 
 namespace jnd {
