@@ -7,6 +7,7 @@
 #include "data/log/event_body.h"
 #include "data/log/plain_name.h"
 #include "data/log/storage_error.h"
+#include "data/study/schema.h"
 #include "data/study/study_facts.h"
 
 namespace jnd {
