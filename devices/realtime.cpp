@@ -255,7 +255,7 @@ struct RealtimeScope::Former {
     sched_getaffinity(0, sizeof processors, &processors);
     timer_slack_ns = static_cast<unsigned long>(prctl(PR_GET_TIMERSLACK, 0UL, 0UL, 0UL, 0UL));
   }
-  // What the thread had before it may have again: no privilege is needed, and no error can be told to anyone.
+  // What the thread had before it may have again: no privilege is needed, and a destructor reports no error.
   ~Former() {
     if (kept) return;
     // Only a privileged thread may drop SCHED_RESET_ON_FORK again.

@@ -29,7 +29,7 @@ Friedman friedman(const WithinTable& table) {
   }
   double squares = 0;
   for (const double sum : rank_sums) squares += (sum - n * (k + 1) / 2) * (sum - n * (k + 1) / 2);
-  // Whole and half numbers throughout: exact, and 0 exactly where everybody ties everything.
+  // Whole and half numbers throughout: exact, and 0 exactly where every participant ties all conditions.
   const double spread = (n * k * (k + 1) * (k - 1) - ties) / (k - 1);
   if (!(spread > 0)) {
     result.status = TestStatus::no_variance;

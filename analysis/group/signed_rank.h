@@ -3,8 +3,8 @@
 // Source: Wilcoxon 1945; conventions of R 4.2.2's wilcox.test(x, y, paired = TRUE): zero differences are dropped; exact
 // where fewer than 50 differences are left and there are no ties and no zeros; else the normal approximation with the
 // corrections for continuity (0.5) and ties (sum of (t^3 - t)/48 off the variance). Pratt 1959 for keeping the zeros.
-// Beside it the exact permutation p with midranks (all 2^n sign changes, counted by dynamic programming), which
-// stays right where ratings tie. Ties and zeros are those of the differences of the decimals that were read
+// Beside it the exact permutation p with midranks (all 2^n sign changes, counted by dynamic programming), which stays
+// right where ratings tie. Ties and zeros are those of the differences of the decimals that were read
 // (decimal_order.h): 5.50 - 5.45 ties with 5.40 - 5.35, which R has only with digits.rank.
 // Accuracy: exact p 1e-13 relative. Tests: R 4.2.2, exactRankTests, coin; direct enumeration.
 #pragma once

@@ -42,7 +42,7 @@ Fault fault_of(DeviceStatus status) noexcept {
   return Fault::device_lost;
 }
 
-bool carried(const Cues& cues, Channel channel) noexcept {
+bool has_force(const Cues& cues, Channel channel) noexcept {
   return channel == Channel::cutaneous ? cues.force : cues.kinaesthetic;
 }
 
@@ -93,7 +93,7 @@ Fault ControlLoop::engage(const PresentRequest& request, std::int64_t start_ns) 
     const double path = scene_.joint && one.setup.channel == Channel::kinaesthetic
                             ? one.setup.spec.lever_arm_m / scene_.joint->penetration_per_rad
                             : 1;
-    one.summary.begin(carried(request.stimulus.cues, one.setup.channel), path);
+    one.summary.begin(has_force(request.stimulus.cues, one.setup.channel), path);
     one.watch.begin();
     one.governor.deactivate();
     one.governor.reset();
@@ -120,7 +120,7 @@ const Contact& ControlLoop::contact_of(const Finger& finger) const noexcept {
   return scene_.joint ? finger.joint.contact() : finger.object.contact();
 }
 
-void ControlLoop::feel(const PresentRequest& request, std::int64_t now_ns, double duration_s) noexcept {
+void ControlLoop::update_contact(const PresentRequest& request, std::int64_t now_ns, double duration_s) noexcept {
   touched_ = false;
   if (request.tap_g > 0) return;  // there is nothing to touch
   for (Finger& finger : fingers_) {
@@ -140,7 +140,7 @@ void ControlLoop::render(Channeled& one, const PresentRequest& request, std::int
   const Contact& contact = contact_of(finger);
   DeviceCommand& asked = one.input.asked;
   asked = DeviceCommand{};
-  if (contact.touching && carried(stimulus.cues, one.setup.channel)) {
+  if (contact.touching && has_force(stimulus.cues, one.setup.channel)) {
     asked.force_n = one.setup.force_gain * contact_force_n(stimulus.stiffness, contact.penetration_m,
                                                            stimulus.damping_n_s_per_m, finger.penetration_rate);
     asked.stiffness_n_per_m = stimulus.stiffness;
@@ -224,7 +224,7 @@ void ControlLoop::show(std::int64_t ticks, double elapsed_s) noexcept {
 Fault ControlLoop::tick(const PresentRequest& request, std::int64_t now_ns, double duration_s, bool stop) noexcept {
   Fault fault = stop ? Fault::emergency_stop : read(now_ns);
   if (fault == Fault::none) {
-    feel(request, now_ns, duration_s);
+    update_contact(request, now_ns, duration_s);
     for (int place = 0; fault == Fault::none && place < static_cast<int>(devices_.size()); ++place)
       fault = act(place, request, now_ns, duration_s);
   }

@@ -15,7 +15,7 @@
 #include "devices/mckibben/mckibben_model.h"
 #include "devices/mckibben/mckibben_sensors.h"
 #include "protocols/rigs/device_spec.h"
-#include "protocols/rigs/hard_limits.h"
+#include "protocols/rigs/device_models.h"
 
 namespace jnd {
 

@@ -25,7 +25,7 @@ struct RigParts {
   std::unique_ptr<Tracker> tracker;
   LoopScene scene;
   // The loop's thread, where others must not begin before it: it locks the process's memory, which holds up for a tenth
-  // of a second whoever touches new pages meanwhile. Null: the rig makes it.
+  // of a second every thread that touches new pages meanwhile. Null: the rig makes it.
   std::unique_ptr<RenderThread> thread;
 };
 

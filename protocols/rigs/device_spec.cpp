@@ -1,14 +1,14 @@
 #include "protocols/rigs/device_spec.h"
 
 #include <algorithm>
-#include <charconv>
 #include <numbers>
 
 #include <fmt/format.h>
 
 #include "protocols/input/json_reader.h"
+#include "protocols/input/number_from.h"
 #include "protocols/input/read_file.h"
-#include "protocols/rigs/hard_limits.h"
+#include "protocols/rigs/device_models.h"
 
 namespace jnd {
 namespace {
@@ -65,7 +65,6 @@ void read_geometry(const JsonNode& node, std::vector<Diagnostic>& diagnostics, c
 
 void read_rrs3(JsonReader& reader, std::vector<Diagnostic>& diagnostics, const std::string& file, DeviceSpec& spec) {
   spec.model = DeviceModel::rrs3;
-  spec.unit = StiffnessUnit::n_per_m;
   if (const JsonNode* limits = reader.object("limits")) read_rrs3_limits(*limits, diagnostics, file, spec);
   if (const JsonNode* geometry = reader.object("geometry")) read_geometry(*geometry, diagnostics, file, spec);
   spec.lowest_travel = spec.rest_z_m - spec.stroke_m / 2;
@@ -91,7 +90,7 @@ void read_sensors(const JsonNode& node, std::vector<Diagnostic>& diagnostics, co
   JsonReader reader(node, diagnostics, file);
   spec.sensors.force_noise_sd_n = reader.number_or("force_noise_sd_n", 0, {.min = 0, .max = 10, .unit = "N"});
   spec.sensors.force_resolution_n = reader.number_or("force_resolution_n", 0, {.min = 0, .max = 10, .unit = "N"});
-  if (spec.model == DeviceModel::mckibben)
+  if (facts_of(spec.model).acts_on_joint)
     spec.sensors.encoder_pulses = reader.number_or("encoder_pulses", 0, {.min = 0, .max = 1e7});
   reader.finish();
 }
@@ -104,9 +103,7 @@ std::optional<std::chrono::sys_days> date_from(std::string_view text) {
                                  [](char c, char form) { return form == '0' ? c >= '0' && c <= '9' : c == form; });
   if (!formed) return std::nullopt;
   const auto number = [&](std::size_t from, std::size_t length) {
-    unsigned value = 0;
-    std::from_chars(text.data() + from, text.data() + from + length, value);
-    return value;
+    return number_from<unsigned>(text.substr(from, length)).value_or(0);
   };
   const std::chrono::year_month_day day(std::chrono::year(static_cast<int>(number(0, 4))),
                                         std::chrono::month(number(5, 2)), std::chrono::day(number(8, 2)));
@@ -143,7 +140,6 @@ void read_gains(const JsonNode& node, std::vector<Diagnostic>& diagnostics, cons
 void read_mckibben(JsonReader& reader, std::vector<Diagnostic>& diagnostics, const std::string& file,
                    DeviceSpec& spec) {
   spec.model = DeviceModel::mckibben;
-  spec.unit = StiffnessUnit::n_per_rad;
   if (const JsonNode* limits = reader.object("limits")) read_mckibben_limits(*limits, diagnostics, file, spec);
   if (const JsonNode* finger = reader.object("finger"))
     spec.finger = read_mckibben_parameters(*finger, diagnostics, file);
@@ -169,6 +165,7 @@ DeviceSpec load_device_spec(const std::filesystem::path& path) {
     read_mckibben(reader, diagnostics, file, spec);
   else
     read_rrs3(reader, diagnostics, file, spec);
+  spec.unit = facts_of(spec.model).unit;
   if (const JsonNode* sensors = reader.object_or_null("sensors")) read_sensors(*sensors, diagnostics, file, spec);
   read_calibration(reader, spec);
   reader.finish();

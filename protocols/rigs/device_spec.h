@@ -8,12 +8,11 @@
 #include <string>
 #include <string_view>
 
+#include "protocols/rigs/device_models.h"
 #include "protocols/rigs/mckibben_parameters.h"
 #include "protocols/vocabulary.h"
 
 namespace jnd {
-
-enum class DeviceModel { rrs3, mckibben };
 
 enum class Tendon { bilateral, unilateral };  // unilateral: it can pull only, as a real one
 
@@ -32,7 +31,7 @@ struct SensorSpec {
 // When a device was last calibrated, as its description says.
 struct Calibration {
   std::chrono::sys_days date{};
-  std::optional<double> valid_days{};  // from then on; none: nobody says for how long
+  std::optional<double> valid_days{};  // from then on; none: the description does not say
 };
 
 struct DeviceSpec {

@@ -22,7 +22,7 @@ void read_device(JsonReader& reader, std::string_view key, DeviceModel model, co
   const std::filesystem::path path = folder / name;
   DeviceSpec device = load_device_spec(path);
   if (device.model != model) {
-    reader.error(key, fmt::format("{} acts on the {}", name, model == DeviceModel::rrs3 ? "joint" : "pulp"),
+    reader.error(key, fmt::format("{} acts on the {}", name, facts_of(device.model).place),
                  "the 3RRS device is cutaneous, the McKibben finger kinaesthetic");
     return;
   }

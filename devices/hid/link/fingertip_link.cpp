@@ -215,8 +215,8 @@ int FingertipLink::clock_steps() const {
 
 namespace {
 
-// Commands of mode rest after a connection: they begin the numbering anew, leave the device at rest whoever used it
-// before, and their echoes tell how its clock runs.
+// Commands of mode rest after a connection: they begin the numbering anew, leave the device at rest after any former
+// use, and their echoes tell how its clock runs.
 constexpr int kFirstCommands = 20;
 constexpr std::chrono::milliseconds kBetweenFirst{2};
 

@@ -97,7 +97,7 @@ void HidTracker::connected(const HidInfo& info, HidHandle& handle) {
 }
 
 void HidTracker::report(std::span<const std::uint8_t> bytes, std::int64_t time_ns) noexcept {
-  if (bytes.empty() || bytes[0] == JND_REPORT_PAGE) return;  // an answer to somebody else's question
+  if (bytes.empty() || bytes[0] == JND_REPORT_PAGE) return;  // an answer to a question of another program
   jnd_pose pose{};
   if (jnd_decode_pose(bytes.data(), bytes.size(), &pose) == JND_DECODE_OK && pose.time_us <= kLongestTime_us)
     (void)feed_.take(line_of(pose), PoseClock::source, time_ns);

@@ -46,7 +46,7 @@ const SeenHid* find(const std::vector<SeenHid>& seen, const std::function<bool(c
   return found;
 }
 
-// An empty serial number is anybody's.
+// An empty serial number fits every device.
 bool has_serial(const HidInfo& info, const std::string& serial) {
   return serial.empty() || info.serial == serial;
 }

@@ -129,7 +129,7 @@ TEST_CASE("who watches a rig on the real clock is called while it presents, on t
   CHECK(forward);
   CHECK(given.ticks >= last.ticks);
 
-  // Nobody watches any more; and nothing of the last presentation is shown in the next.
+  // Without a watcher; and nothing of the last presentation is shown in the next.
   rig->stop.clear();
   rig->watch({});
   const int before = looks;

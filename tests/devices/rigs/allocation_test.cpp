@@ -29,7 +29,7 @@ bool skipped() {
   return true;
 }
 
-// The compiler may leave out an allocation that nobody looks at; somebody looks at this one.
+// The compiler may leave out an allocation that is not used; this one is.
 template <typename T>
 T* kept(T* pointer) noexcept {
   asm volatile("" : "+r"(pointer) : : "memory");

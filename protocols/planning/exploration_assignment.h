@@ -1,7 +1,7 @@
-// Who explores what when: orders of conditions and objects, and their deal to participants.
+// Who explores what when: orders of conditions and objects, and their assignment to participants.
 //
 // Conditions have the order that the design asks for. Objects have the orders of a Williams square, the same in each of
-// a participant's conditions, so that the conditions are compared over equal orders. The two factors are dealt as
+// a participant's conditions, so that the conditions are compared over equal orders. The two factors are assigned as
 // series and conditions of trials are (protocols/planning/order.h): with A orders of conditions and B of objects, every
 // lcm(A, B) participants use each order of either equally often, so that each object comes first equally often, and all
 // A B pairs occur before any repeats.
@@ -15,10 +15,10 @@
 
 namespace jnd {
 
-class ExplorationDeal {
+class ExplorationAssignment {
  public:
   // protocol: as loaded, with the paradigm explore. session: from 1.
-  ExplorationDeal(const Protocol& protocol, std::uint64_t study_seed, int session = 1);
+  ExplorationAssignment(const Protocol& protocol, std::uint64_t study_seed, int session = 1);
 
   // participant: from 1. Places in Protocol::conditions and Exploration::objects.
   std::vector<int> condition_order(int participant) const;

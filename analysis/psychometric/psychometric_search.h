@@ -1,3 +1,33 @@
+// The search for the largest likelihood of a psychometric function: on the edges of its family, and within it from the
+// peaks of a survey.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <vector>
+
+#include "analysis/psychometric/psychometric_likelihood.h"
+
+namespace jnd {
+
+// The two edges of a psychometric family, where no function of it lies but its likelihood may be largest: slope 0 (one
+// rate at every level) and slope infinite (a step). Both suprema have closed forms.
+struct PsychometricEdge {
+  double value = 0;           // the supremum, with the prior of map
+  double log_likelihood = 0;  // the same without the prior
+  double lapse = 0, guess = 0;
+  double level = 0;  // of a step: the x of the one level that lies on it; NaN where it lies between two levels
+  // A function of the family so near to the edge that nothing is left to gain, for searches that start there.
+  double c0 = 0, c1 = 0;
+  double t = 0;  // of a step: its place on the t axis
+};
+
+PsychometricEdge flat_edge(const PsychometricLikelihood& likelihood) noexcept;
+
+// At least two levels. Value -inf, and nothing else of use, where known rates make every step impossible.
+PsychometricEdge step_edge(const PsychometricLikelihood& likelihood) noexcept;
+
 // A survey of all functions of a family over the data, so that a search for the largest likelihood begins beside every
 // maximum worth the name.
 //
@@ -14,17 +44,6 @@
 // where they lie within a tenth of that rise of each other; then the survey is approximate, and a search goes on from
 // it on the levels themselves. The steepest rows then rise over about a ten-thousandth of the levels where these are
 // densest: steeper functions differ little from steps, and noise gives them very many peaks.
-#pragma once
-
-#include <cstddef>
-#include <functional>
-#include <map>
-#include <vector>
-
-#include "analysis/psychometric/psychometric_likelihood.h"
-
-namespace jnd {
-
 inline constexpr std::size_t kExactLevels = 400;
 
 class PsychometricSurvey {
@@ -81,5 +100,9 @@ class PsychometricSurvey {
   std::vector<Weighed> weighed_;                                      // of the function looked at
   double lapse_ = 0, guess_ = 0;                                      // where its search for rates ended
 };
+
+// The largest value within the family. known: one that its edges reach; where nothing can be better the place is empty
+// and the value -inf.
+NewtonResult psychometric_maximum(const PsychometricLikelihood& likelihood, double known);
 
 }  // namespace jnd

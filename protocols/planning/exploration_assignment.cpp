@@ -1,4 +1,4 @@
-#include "protocols/planning/exploration_deal.h"
+#include "protocols/planning/exploration_assignment.h"
 
 #include <algorithm>
 #include <numeric>
@@ -18,7 +18,7 @@ const Exploration& exploration_of(const Protocol& protocol) {
 
 }  // namespace
 
-ExplorationDeal::ExplorationDeal(const Protocol& protocol, std::uint64_t study_seed, int session)
+ExplorationAssignment::ExplorationAssignment(const Protocol& protocol, std::uint64_t study_seed, int session)
     : protocol_(protocol),
       seed_(study_seed),
       session_(session),
@@ -28,15 +28,15 @@ ExplorationDeal::ExplorationDeal(const Protocol& protocol, std::uint64_t study_s
       object_list_(order_list(Order::williams, static_cast<int>(exploration_of(protocol).objects.size()), study_seed,
                               "objects")) {}
 
-int ExplorationDeal::group_size() const noexcept {
+int ExplorationAssignment::group_size() const noexcept {
   return condition_list_.empty() ? 0 : std::lcm(size_of(condition_list_), size_of(object_list_));
 }
 
-int ExplorationDeal::pair_count() const noexcept {
+int ExplorationAssignment::pair_count() const noexcept {
   return condition_list_.empty() ? 0 : size_of(condition_list_) * size_of(object_list_);
 }
 
-std::vector<int> ExplorationDeal::condition_order(int participant) const {
+std::vector<int> ExplorationAssignment::condition_order(int participant) const {
   std::vector<int> order;
   if (condition_list_.empty()) {
     order.resize(protocol_.conditions.size());
@@ -50,7 +50,7 @@ std::vector<int> ExplorationDeal::condition_order(int participant) const {
   return order;
 }
 
-std::vector<int> ExplorationDeal::object_order(int participant) const {
+std::vector<int> ExplorationAssignment::object_order(int participant) const {
   const int group = std::lcm(size_of(condition_list_), size_of(object_list_));
   const std::int64_t i = participant - 1;
   std::vector<int> order =
@@ -59,7 +59,7 @@ std::vector<int> ExplorationDeal::object_order(int participant) const {
   return order;
 }
 
-std::vector<ExplorationSlot> ExplorationDeal::slots(int participant) const {
+std::vector<ExplorationSlot> ExplorationAssignment::slots(int participant) const {
   const std::vector<int> objects = object_order(participant);
   const double duration_s = exploration_of(protocol_).duration_s / static_cast<double>(objects.size());
   std::vector<ExplorationSlot> slots;

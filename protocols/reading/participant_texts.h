@@ -1,4 +1,5 @@
-// The texts of a protocol that people read or hear, each with its place in the file: what a translation may replace.
+// The texts of a protocol that participants or operators read or hear, each with its place in the file: what a
+// translation may replace.
 #pragma once
 
 #include <algorithm>
@@ -33,7 +34,7 @@ inline bool shows_condition_labels(const Protocol& protocol) {
 // Calls visit(path, text, limits, audience) for every text that is not empty, in the order of the tables of README.md.
 // Options are visited as they are shown: Question::shown, where it is filled, in place of Question::options.
 template <typename AnyProtocol, typename Visit>
-void visit_people_texts(AnyProtocol& protocol, Visit&& visit) {
+void visit_participant_texts(AnyProtocol& protocol, Visit&& visit) {
   const auto look = [&visit](const std::string& path, auto& text, const TextLimits& limits, Audience audience) {
     if (!text.empty()) visit(path, text, limits, audience);
   };
