@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "data/study/blinding.h"
-#include "data/study/study_care.h"
+#include "data/study/study_admin.h"
 #include "devices/clock.h"
 #include "runner/commands/care_commands.h"
 #include "runner/commands/care_output.h"

@@ -137,7 +137,7 @@ int command_merge(const MergeOptions& options) {
       out["sources"].push_back({{"file", source.file},
                                 {"sessions", source.sessions},
                                 {"events", source.events},
-                                {"carried", source.carried},
+                                {"carried", source.imported},
                                 {"unblinded", source.unblinded},
                                 {"same_meaning", source.reworded}});
     print_json(out);
@@ -147,7 +147,7 @@ int command_merge(const MergeOptions& options) {
              counted(report.verified.events, "event"));
   for (const MergedSource& source : report.sources) {
     fmt::print("  {}: {}, {}; {} of the study itself go on to hold\n", printable(source.file),
-               counted(source.sessions, "session"), counted(source.events, "event"), counted(source.carried, "event"));
+               counted(source.sessions, "session"), counted(source.events, "event"), counted(source.imported, "event"));
     if (source.reworded)
       fmt::print("    its protocol is written differently and means the same; both files are kept\n");
     if (source.unblinded)

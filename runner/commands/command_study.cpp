@@ -96,7 +96,7 @@ int command_verify(const StudyOptions& options) {
                      {"intervals", deep.intervals},
                      {"numbers", deep.numbers},
                      {"bytes", deep.bytes},
-                     {"remarks", deep.remarks}};
+                     {"remarks", deep.findings}};
     fmt::print("{}\n", json_line(out));
   } else {
     for (const std::string& problem : problems) fmt::print("problem: {}\n", printable(problem));
@@ -113,7 +113,7 @@ int command_verify(const StudyOptions& options) {
     if (options.deep)
       fmt::print("  the course of {} sessions was followed, {} numbers of {} intervals computed again, {} bytes read\n",
                  deep.sessions, deep.numbers, deep.intervals, deep.bytes);
-    for (const std::string& remark : deep.remarks) fmt::print("  {}\n", printable(remark));
+    for (const std::string& finding : deep.findings) fmt::print("  {}\n", printable(finding));
   }
   return ok ? exit_code::kDone : exit_code::kProblemFound;
 }

@@ -1,5 +1,5 @@
 // Looking after a study: who is left out, notes, several sessions of a participant, and what results make of it.
-#include "data/study/study_care.h"
+#include "data/study/study_admin.h"
 
 #include "data/export/export.h"
 #include "data/results/study_results.h"

@@ -1,4 +1,4 @@
-#include "data/study/study_care.h"
+#include "data/study/study_admin.h"
 
 #include <algorithm>
 #include <set>

@@ -10,8 +10,8 @@
 
 namespace jnd {
 
-// Leaves a participant out of every analysis. replace: the number of the plan is free again, for somebody else. Throws
-// StorageError: nobody of that code took part in sessions of that kind, is excluded already, or there is no reason.
+// Leaves a participant out of every analysis. replace: the number of the plan is free again, for another
+// participant. Throws StorageError: no session of that kind has that code, it is excluded already, or there is no reason.
 void exclude_participant(Study& study, const std::string& participant, SessionKind kind, const std::string& reason,
                          bool replace, Stamp stamp);
 
@@ -20,11 +20,11 @@ void exclude_participant(Study& study, const std::string& participant, SessionKi
 void unblind(Study& study, const std::string& reason, Stamp stamp);
 bool is_unblinded(const Study& study);
 
-// About the study, or about a participant of any kind. Throws StorageError: an empty text, nobody of that code.
+// About the study, or about a participant of any kind. Throws StorageError: an empty text, no session of that code.
 void add_note(Study& study, const std::string& text, Stamp stamp,
               const std::optional<std::string>& participant = std::nullopt);
 
-// The lowest number of the plan that nobody of that kind has, counting those of replaced participants as free.
+// The lowest number of the plan that no session of that kind has, counting those of replaced participants as free.
 int next_participant_number(const std::vector<SessionInfo>& sessions, SessionKind kind);
 
 struct ExcludedParticipant {
