@@ -127,46 +127,41 @@ const std::string kDecimals =
     "ranks\n"
     "their binary forms, unless wilcox.test is told digits.rank = 9.\n\n";
 
-CLI::App* add_range(CalcTree& tree, const std::string& name, const std::string& what, const std::string& column,
-                    int (*run)(const RangeOptions&)) {
-  const auto options = std::make_shared<RangeOptions>();
-  CLI::App* command = tree.add(name, what, name + " " + column + ".csv --groups 3 --df 34 --json", options, run);
-  CalcTree::add_input(*command, options->input, column);
-  command->add_option("--groups", options->groups, "how many means are compared (2 to 1000)")
+void add_range(CommandTree& tree, const std::string& name, const std::string& what, const std::string& column,
+               int (*run)(const RangeOptions&)) {
+  const auto [command, options] =
+      tree.add(name, what, "jnd calc " + name + " " + column + ".csv --groups 3 --df 34 --json", run);
+  add_input(command, options.input, column);
+  command.add_option("--groups", options.groups, "how many means are compared (2 to 1000)")
       ->required()
       ->check(CLI::Range(2, 1000));
-  command->add_option("--df", options->df, "degrees of freedom of the error, at least 1; inf for a known variance")
+  command.add_option("--df", options.df, "degrees of freedom of the error, at least 1; inf for a known variance")
       ->required()
       ->check([](const std::string& text) {
         double df = 0;
         return CLI::detail::lexical_cast(text, df) && df >= 1 ? std::string() : "degrees of freedom are at least 1";
       });
-  return command;
 }
 
 }  // namespace
 
-void add_calc_group(CalcTree& tree) {
-  const auto compared = std::make_shared<GroupOptions>();
-  CLI::App* compare = tree.add("compare", "Conditions within participants: ANOVA, assumptions, every pair",
-                               "compare jnds.csv --json", compared, compare_conditions);
-  CalcTree::add_input(*compare, compared->input,
-                      "participant, condition, value (a row for every participant and condition)");
-  compare->footer(kDecimals + compare->get_footer());
+void add_calc_group(CommandTree& tree) {
+  const auto [compare, compared] = tree.add("compare", "Conditions within participants: ANOVA, assumptions, every pair",
+                                            "jnd calc compare jnds.csv --json", compare_conditions);
+  add_input(compare, compared.input, "participant, condition, value (a row for every participant and condition)");
+  compare.footer(kDecimals + compare.get_footer());
 
-  const auto paired = std::make_shared<GroupOptions>();
-  CLI::App* ranks = tree.add("wilcoxon", "Signed-rank tests of paired ratings, corrected over the items",
-                             "wilcoxon ratings.csv --json", paired, wilcoxon);
-  CalcTree::add_input(*ranks, paired->input, "x, y, and item where there are several");
-  ranks->footer(kDecimals + ranks->get_footer());
+  const auto [ranks, paired] = tree.add("wilcoxon", "Signed-rank tests of paired ratings, corrected over the items",
+                                        "jnd calc wilcoxon ratings.csv --json", wilcoxon);
+  add_input(ranks, paired.input, "x, y, and item where there are several");
+  ranks.footer(kDecimals + ranks.get_footer());
 
   add_range(tree, "ptukey", "Tail probability of the studentised range", "q", ptukey);
   add_range(tree, "qtukey", "Quantile of the studentised range (p is the lower probability)", "p", qtukey);
 
-  const auto normality = std::make_shared<GroupOptions>();
-  CLI::App* normal =
-      tree.add("shapiro", "Shapiro-Wilk test of normality", "shapiro values.csv --json", normality, shapiro);
-  CalcTree::add_input(*normal, normality->input, "x");
+  const auto [normal, values] =
+      tree.add("shapiro", "Shapiro-Wilk test of normality", "jnd calc shapiro values.csv --json", shapiro);
+  add_input(normal, values.input, "x");
 }
 
 namespace {

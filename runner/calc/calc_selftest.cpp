@@ -51,11 +51,10 @@ int selftest(const SelftestOptions& options) {
 
 }  // namespace
 
-void add_calc_selftest(CalcTree& tree) {
-  const auto options = std::make_shared<SelftestOptions>();
-  CLI::App* command =
-      tree.add("selftest", "Recompute independent reference numbers on this machine", "selftest", options, selftest);
-  command->add_flag("--json", options->json, "machine-readable");
+void add_calc_selftest(CommandTree& tree) {
+  const auto [command, options] =
+      tree.add("selftest", "Recompute independent reference numbers on this machine", "jnd calc selftest", selftest);
+  command.add_flag("--json", options.json, "machine-readable");
 }
 
 }  // namespace jnd

@@ -4,6 +4,7 @@
 #include <sstream>
 #include <utility>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -26,6 +27,13 @@
 namespace jnd {
 
 namespace {
+
+struct DoctorOptions {
+  std::optional<std::string> study;  // a study, or the folder where studies go; where not given, this folder
+  double seconds = 3;                // of each measurement of the loop's lateness
+  std::string protocol, rig;         // to be fit for: a protocol's file or shipped name, a rig file; empty: none
+  bool json = false;
+};
 
 JitterReport measure(RealtimePolicy policy, double seconds) {
   return probe_jitter_on_thread(policy, seconds, interrupt_requested());
@@ -89,9 +97,8 @@ std::vector<MachineCheck> check_rig_of(const DoctorOptions& options) {
   return check_rig(protocol ? &protocol->rig : nullptr, file ? &*file : nullptr, seen);
 }
 
-}  // namespace
-
 int command_doctor(const DoctorOptions& options) {
+  const HoldInterrupts hold;
   std::vector<MachineCheck> checks = {check_kernel("/"), check_processors("/"), check_frequency("/"),
                                       check_clock_source("/"), check_hid("/")};
   for (MachineCheck& check : check_rig_of(options)) checks.push_back(std::move(check));
@@ -138,6 +145,19 @@ int command_doctor(const DoctorOptions& options) {
   else
     fmt::print("\n{}\n", bold("fit to run a session"));
   return code;
+}
+
+}  // namespace
+
+void add_doctor(CommandTree& program) {
+  const auto [command, options] =
+      program.add("doctor", "Is this machine fit to run a session", "jnd doctor --study studies", command_doctor);
+  command.add_option("--study", options.study, "a study, or the folder where studies go (default: this folder)");
+  command.add_option("--seconds", options.seconds, "length of each of the two measurements of lateness (default: 3)")
+      ->check(CLI::Range(0.1, 600.0));
+  command.add_option("--protocol", options.protocol, "is the machine fit for this one too: has it the tracker");
+  command.add_option("--rig", options.rig, "and for this rig file: are its devices, tracker and buttons there");
+  command.add_flag("--json", options.json, "machine-readable");
 }
 
 }  // namespace jnd

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <atomic>
-#include <functional>
 
 #include "devices/emergency_stop.h"
 
@@ -37,9 +36,6 @@ class HoldInterrupts {
   HoldInterrupts(const HoldInterrupts&) = delete;
   HoldInterrupts& operator=(const HoldInterrupts&) = delete;
 };
-
-// The same for the whole of a command.
-std::function<int()> holding_interrupts(std::function<int()> command);
 
 // While it lives, a first Ctrl-C sets `pause` and a second one, whenever it comes before the pause is over, sets `end`;
 // a third ends the program at once.
