@@ -1,5 +1,6 @@
 // The participant's side of the console: answers to trials, with their response times, and pages of questions.
 #include <algorithm>
+#include <variant>
 
 #include <fmt/format.h>
 
@@ -14,11 +15,6 @@ Answer SessionConsole::answer_of(Judgement judgement, EnteredBy who, std::int64_
   const std::int64_t age_ns = SteadyClock().now_ns() - pressed_ns;
   const std::int64_t response_ns = std::max<std::int64_t>(0, clock_.now_ns() - cue_shown_ns_ - age_ns);
   return Answer{judgement, who, static_cast<double>(response_ns) * 1e-9};
-}
-
-std::optional<Answer> SessionConsole::answer_of(Action action, std::int64_t key_ns) const {
-  if (action != Action::answer_same && action != Action::answer_different) return std::nullopt;
-  return answer_of(action == Action::answer_same ? Judgement::same : Judgement::different, options_.entered_by, key_ns);
 }
 
 // What is heard from now on is for the next ready(). An answer counts only in time; the look at the clock was before
@@ -66,31 +62,25 @@ std::optional<Answer> SessionConsole::judge(const TrialQuestion& question) {
       return question_over(std::nullopt, question.time_out_s);
     const std::optional<Key> key = keys_.next();
     if (!key) continue;
-    const std::optional<Action> action = keys.action_of(*key);
-    if (!action) {
+    const std::optional<KeyBinding> binding = keys.binding_of(*key);
+    if (!binding) {
       explain(keys, *key);
       continue;
     }
-    if (const std::optional<Answer> answer = answer_of(*action, key->time_ns))
-      return question_over(answer, question.time_out_s);
-    switch (*action) {
-      case Action::stop:
-        return std::nullopt;  // the latch is set: no answer counts
-      case Action::pause:
-      case Action::note:
-        note_wishes({*key}, keys);
-        display_->explain(Tone::quiet, *action == Action::pause ? "the pause comes after this trial"
+    if (const Judgement* const judgement = std::get_if<Judgement>(&binding->meaning))
+      return question_over(answer_of(*judgement, options_.entered_by, key->time_ns), question.time_out_s);
+    if (binding->asks(Wish::stopped)) return std::nullopt;  // the latch is set: no answer counts
+    if (binding->asks(Wish::pause) || binding->asks(Wish::note)) {
+      note_wishes({*key}, keys);
+      display_->explain(Tone::quiet, binding->asks(Wish::pause) ? "the pause comes after this trial"
                                                                 : "the note can be typed after this trial");
-        break;
-      case Action::help:
-        help_with_question();
-        display_->scene(scene);
-        break;
-      default:
-        decided_ = wish_of(*action, keys);
-        if (decided_) return std::nullopt;
-        if (!keys_.ended()) display_->keys_again();
-        break;
+    } else if (binding->meaning == KeyMeaning(HelpWanted{})) {
+      help_with_question();
+      display_->scene(scene);
+    } else {
+      decided_ = wish_of(*binding, keys);
+      if (decided_) return std::nullopt;
+      if (!keys_.ended()) display_->keys_again();
     }
   }
   return std::nullopt;

@@ -1,6 +1,8 @@
 // Dialogs of the console: what is asked before something is done, and what keys meant that came while nothing was
 // asked.
 #include <algorithm>
+#include <array>
+#include <variant>
 
 #include <fmt/format.h>
 
@@ -59,42 +61,38 @@ std::optional<OperatorWish> SessionConsole::ask_end() {
   return std::nullopt;
 }
 
-std::optional<OperatorWish> SessionConsole::wish_of(Action action, const KeyMap& keys) {
-  switch (action) {
-    case Action::go_on:
-      return OperatorWish{};
-    case Action::pause:
-      return with_reason(Wish::pause, "Pause. Reason, or Enter");
-    case Action::repeat_trial:
-      return with_reason(Wish::repeat_trial, "It comes again later. Reason, or Enter (Esc: no)");
-    case Action::clear_stop:
-      return with_reason(Wish::go_on, "Clears the stop. What was the matter? Or Enter (Esc: no)");
-    case Action::take_break:
-      return with_reason(Wish::take_break, "Break. Reason, or Enter (Esc: no break)");
-    case Action::note: {
+std::optional<OperatorWish> SessionConsole::wish_of(const KeyBinding& key, const KeyMap& keys) {
+  if (key.meaning == KeyMeaning(HelpWanted{})) help(keys);
+  const Wish* const wish = std::get_if<Wish>(&key.meaning);
+  if (wish == nullptr) return std::nullopt;
+  if (!key.reason.empty()) return with_reason(*wish, key.reason);
+  switch (*wish) {
+    case Wish::go_on:
+    case Wish::stopped:
+      return OperatorWish{*wish, {}};
+    case Wish::pause:
+      return with_reason(*wish, "Pause. Reason, or Enter");
+    case Wish::repeat_trial:
+      return with_reason(*wish, "It comes again later. Reason, or Enter (Esc: no)");
+    case Wish::take_break:
+      return with_reason(*wish, "Break. Reason, or Enter (Esc: no break)");
+    case Wish::note: {
       const std::optional<std::string> text = keys_.line("Note");
       if (!text || text->empty()) return std::nullopt;
       display_->tell(Tone::quiet, fmt::format("note: {}", printable(*text)));
-      return OperatorWish{Wish::note, *text};
+      return OperatorWish{*wish, *text};
     }
-    case Action::void_last:
+    case Wish::void_last:
       if (!confirm("Take back the last answer? Its trial comes again.")) return std::nullopt;
-      return with_reason(Wish::void_last, "Takes it back. Reason, or Enter (Esc: no)");
-    case Action::end_block:
+      return with_reason(*wish, "Takes it back. Reason, or Enter (Esc: no)");
+    case Wish::end_block:
       if (!confirm("Give up the rest of this block? Its trials are left out.")) return std::nullopt;
-      return with_reason(Wish::end_block, "Ends the block. Reason, or Enter (Esc: no)");
-    case Action::enough:
-      return with_reason(Wish::end_block, "Ends it early. Reason, or Enter (Esc: no)");
-    case Action::end_session:
+      return with_reason(*wish, "Ends the block. Reason, or Enter (Esc: no)");
+    case Wish::end_for_now:
+    case Wish::end_for_good:
       return ask_end();
-    case Action::stop:
-      return OperatorWish{Wish::stopped, {}};
-    case Action::help:
-      help(keys);
-      return std::nullopt;
-    default:
-      return std::nullopt;
   }
+  return std::nullopt;
 }
 
 void SessionConsole::help(const KeyMap& keys) {
@@ -126,44 +124,31 @@ void SessionConsole::hear_in_trial() {
   const std::size_t before = noted_.size();
   note_wishes(keys_.drain(), question_keys_);
   if (noted_.size() == before) return;
-  switch (noted_.back()) {
-    case Action::pause:
-      return display_->explain(Tone::quiet, "the pause comes after this trial");
-    case Action::note:
-      return display_->explain(Tone::quiet, "the note can be typed after this trial");
-    case Action::end_session:
-      return display_->explain(Tone::quiet, "the end comes after this trial");
-    case Action::repeat_trial:
-      return display_->explain(Tone::quiet, "it is repeated, after this interval");
-    default:
-      return;
-  }
+  const KeyBinding& last = noted_.back();
+  if (last.asks(Wish::pause)) display_->explain(Tone::quiet, "the pause comes after this trial");
+  if (last.asks(Wish::note)) display_->explain(Tone::quiet, "the note can be typed after this trial");
+  if (last.asks(Wish::end_for_now)) display_->explain(Tone::quiet, "the end comes after this trial");
+  if (last.asks(Wish::repeat_trial)) display_->explain(Tone::quiet, "it is repeated, after this interval");
 }
 
 void SessionConsole::note_wishes(const std::vector<Key>& keys, const KeyMap& map) {
+  constexpr std::array kLater = {Wish::pause, Wish::note, Wish::end_for_now, Wish::repeat_trial, Wish::end_block};
   for (const Key& key : keys) {
-    const std::optional<Action> action = map.action_of(key);
-    if (!action) continue;
-    switch (*action) {
-      case Action::pause:
-      case Action::note:
-      case Action::end_session:
-      case Action::repeat_trial:
-      case Action::end_block:
-        if (std::find(noted_.begin(), noted_.end(), *action) == noted_.end()) noted_.push_back(*action);
-        break;
-      default:
-        break;
-    }
+    const std::optional<KeyBinding> binding = map.binding_of(key);
+    if (!binding) continue;
+    const bool noted = std::any_of(noted_.begin(), noted_.end(),
+                                   [&](const KeyBinding& earlier) { return earlier.meaning == binding->meaning; });
+    const bool later = std::any_of(kLater.begin(), kLater.end(), [&](Wish wish) { return binding->asks(wish); });
+    if (later && !noted) noted_.push_back(*binding);
   }
 }
 
 std::optional<OperatorWish> SessionConsole::noted_wish(const KeyMap& keys) {
   while (!noted_.empty() && !keys_.ended()) {
-    const Action action = noted_.front();
+    const KeyBinding key = noted_.front();
     noted_.erase(noted_.begin());
-    if (action == Action::repeat_trial) continue;  // its trial is over
-    if (std::optional<OperatorWish> wish = wish_of(action, keys)) return wish;
+    if (key.asks(Wish::repeat_trial)) continue;  // its trial is over
+    if (std::optional<OperatorWish> wish = wish_of(key, keys)) return wish;
   }
   return std::nullopt;
 }

@@ -26,6 +26,10 @@ std::string full_name_of(const TrialOutline& outline) {
   return fmt::format("{} (plan no. {})", name_of(outline), outline.plan_number);
 }
 
+bool asks_to_repeat(const KeyBinding& key) noexcept {
+  return key.asks(Wish::repeat_trial);
+}
+
 // A stop is seen to for as long as it lives, or what is asked comes before that.
 class SeeingToStop {
  public:
@@ -101,7 +105,7 @@ void SessionConsole::acknowledge(const std::string& heading, const std::string& 
   while (!interrupted()) {
     const std::optional<Key> key = keys_.next();
     if (!key || display_->scroll(key->name)) continue;
-    if (keys.action_of(*key) != Action::go_on)
+    if (const auto binding = keys.binding_of(*key); !binding || !binding->asks(Wish::go_on))
       explain(keys, *key);
     else if (!still_to_read(true))
       return;
@@ -151,15 +155,15 @@ OperatorWish SessionConsole::wish_at(const Scene& scene, const KeyMap& keys, boo
     if (over && over()) return {};
     const std::optional<Key> key = keys_.next();
     if (!key || display_->scroll(key->name)) continue;
-    const std::optional<Action> action = keys.action_of(*key);
-    if (!action) {
+    const std::optional<KeyBinding> binding = keys.binding_of(*key);
+    if (!binding) {
       explain(keys, *key);
       continue;
     }
-    if (scene.to_read && *action == Action::go_on && still_to_read(true)) continue;
-    if (const std::optional<OperatorWish> wish = wish_of(*action, keys)) return *wish;
+    if (scene.to_read && binding->asks(Wish::go_on) && still_to_read(true)) continue;
+    if (const std::optional<OperatorWish> wish = wish_of(*binding, keys)) return *wish;
     if (keys_.ended()) continue;
-    if (*action == Action::help && !display_->by_lines()) {
+    if (binding->meaning == KeyMeaning(HelpWanted{}) && !display_->by_lines()) {
       keys_.prompt();
       show(with_keys);
     }
@@ -209,10 +213,11 @@ OperatorWish SessionConsole::meanwhile() {
     return wish;
   }
   hear_in_trial();
-  const auto repeat = std::find(noted_.begin(), noted_.end(), Action::repeat_trial);
+  const auto repeat = std::find_if(noted_.begin(), noted_.end(), asks_to_repeat);
   if (repeat == noted_.end()) return {};
+  const KeyBinding key = *repeat;
   noted_.erase(repeat);
-  return wish_of(Action::repeat_trial, question_keys_).value_or(OperatorWish{});
+  return wish_of(key, question_keys_).value_or(OperatorWish{});
 }
 
 OperatorWish SessionConsole::paused(const std::string& cause) {
@@ -289,7 +294,7 @@ bool SessionConsole::waiting(double left_s, double total_s) {
   }
   if (total_s >= kCounted_s) display_->countdown("next trial", left_s, total_s);
   display_->refresh();
-  std::erase(noted_, Action::repeat_trial);  // its trial is over
+  std::erase_if(noted_, asks_to_repeat);  // its trial is over
   return noted_.empty();
 }
 
@@ -334,9 +339,9 @@ bool SessionConsole::storage_trouble(const std::string& message) {
   while (!keys_.ended()) {
     const std::optional<Key> key = keys_.next();
     if (!key) continue;
-    const std::optional<Action> action = keys.action_of(*key);
-    if (action == Action::try_again) return true;
-    if (action == Action::give_up) {
+    const std::optional<KeyBinding> binding = keys.binding_of(*key);
+    if (binding && binding->asks(Wish::go_on)) return true;
+    if (binding && binding->asks(Wish::end_for_now)) {
       if (confirm("End the session? What was not saved is lost.")) return false;
       display_->keys_again();
     } else {
@@ -381,13 +386,13 @@ OperatorWish SessionConsole::break_over(const Break& pause) {
     display_->countdown("break", static_cast<double>(break_ends_ns_ - now) * 1e-9, pause.duration_s);
     display_->refresh();
     for (const Key& key : keys_.drain()) {
-      const std::optional<Action> action = keys.action_of(key);
-      if (!action) {
+      const std::optional<KeyBinding> binding = keys.binding_of(key);
+      if (!binding) {
         display_->explain(Tone::quiet, fmt::format("the break is not over: {} left",
                                                    duration_text(static_cast<double>(break_ends_ns_ - now) * 1e-9)));
         continue;
       }
-      if (const std::optional<OperatorWish> wish = wish_of(*action, keys)) return *wish;
+      if (const std::optional<OperatorWish> wish = wish_of(*binding, keys)) return *wish;
     }
     clock_.sleep_until_ns(std::min(break_ends_ns_, clock_.now_ns() + static_cast<std::int64_t>(kLook_s * 1e9)));
   }
@@ -416,10 +421,10 @@ std::optional<bool> SessionConsole::consent(const std::string& text) {
   while (!interrupted()) {
     const std::optional<Key> key = keys_.next();
     if (!key || display_->scroll(key->name)) continue;
-    const std::optional<Action> action = keys.action_of(*key);
-    if (action == Action::consent || action == Action::refuse) {
+    const std::optional<KeyBinding> binding = keys.binding_of(*key);
+    if (binding && !binding->asks(Wish::stopped)) {
       if (still_to_read()) continue;
-      if (action == Action::consent) return true;
+      if (binding->asks(Wish::go_on)) return true;
       if (confirm("No consent: the session ends for good. Is that right?")) return false;
       if (!keys_.ended()) display_->keys_again();
     } else {
@@ -456,8 +461,9 @@ bool SessionConsole::exploring(double left_s) {
   if (broken_off_by_) return false;
   const KeyMap keys = exploring_keys();
   for (const Key& key : keys_.drain())
-    if (const std::optional<Action> action = keys.action_of(key); action && action != Action::stop && !broken_off_by_)
-      broken_off_by_ = action;
+    if (const std::optional<KeyBinding> binding = keys.binding_of(key);
+        binding && !binding->asks(Wish::stopped) && !broken_off_by_)
+      broken_off_by_ = binding;
   return !broken_off_by_;
 }
 

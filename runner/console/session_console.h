@@ -52,8 +52,7 @@ class SessionConsole final : public Console, private Responder {
   std::optional<std::string> reply(const Question& question, int condition) override;
   std::optional<Replies> reply_all(const std::vector<AskedQuestion>& page) override;
 
-  // Shows a scene and waits for one of its keys. Pauses, stops and ends come back as wishes, go_on and clear_stop as
-  // go_on. over: asked some 20 times a second; true ends it as go_on.
+  // Shows a scene and waits for one of its keys. Pauses, stops and ends come back as wishes. over: asked some 20 times a second; true ends it as go_on.
   OperatorWish wish_at(const Scene& scene, const KeyMap& keys, bool pausable, const std::function<bool()>& over = {});
   void show(const Scene& scene);
   // To somebody who pressed a key that none of the keys is.
@@ -65,7 +64,7 @@ class SessionConsole final : public Console, private Responder {
   // Until the operator has read it.
   void acknowledge(const std::string& heading, const std::string& text);
   // What a key asks for, after its dialog; none where the operator thought better of it.
-  std::optional<OperatorWish> wish_of(Action action, const KeyMap& keys);
+  std::optional<OperatorWish> wish_of(const KeyBinding& key, const KeyMap& keys);
   std::optional<OperatorWish> with_reason(Wish wish, const std::string& label);
   std::optional<OperatorWish> ask_end();
   // One of the keys; 0 for Escape and where the session is to end.
@@ -78,9 +77,8 @@ class SessionConsole final : public Console, private Responder {
   // During a trial: what was pressed so far is noted, and the operator told when it is done.
   void hear_in_trial();
   std::optional<OperatorWish> noted_wish(const KeyMap& keys);
-  // pressed_ns, key_ns: on the machine's monotonic clock.
+  // pressed_ns: on the machine's monotonic clock.
   Answer answer_of(Judgement judgement, EnteredBy who, std::int64_t pressed_ns) const;
-  std::optional<Answer> answer_of(Action action, std::int64_t key_ns) const;
   std::optional<Answer> question_over(const std::optional<Answer>& answer, double time_out_s);
   // What the participant's buttons say to the question.
   struct ButtonReply {
@@ -109,16 +107,16 @@ class SessionConsole final : public Console, private Responder {
   Scene scene_;                          // the latest
   std::string last_answered_;            // "trial 5 (plan no. 13)"; empty: none of this run
   std::int64_t looked_ns_ = 0;           // at the keys between trials, of the machine's clock
-  std::vector<Action> noted_;            // asked for while nothing could be done about it
+  std::vector<KeyBinding> noted_;        // asked for while nothing could be done about it
   std::optional<OperatorWish> decided_;  // what meanwhile() is to say
   std::int64_t cue_shown_ns_ = 0;        // the question's, of clock_
   std::string question_words_;
   bool question_aloud_ = false;
   std::int64_t break_ends_ns_ = 0;  // of clock_
   Scene break_scene_;
-  double exploring_s_ = 0;               // length of the free interaction that goes on
-  std::optional<Action> broken_off_by_;  // of it: what meanwhile() is to ask about
-  std::vector<std::string> unfinished_;  // what was typed on a page that a pause or a dialog broke off
+  double exploring_s_ = 0;                   // length of the free interaction that goes on
+  std::optional<KeyBinding> broken_off_by_;  // of it: what meanwhile() is to ask about
+  std::vector<std::string> unfinished_;      // what was typed on a page that a pause or a dialog broke off
   std::vector<std::string> unfinished_ids_;
 };
 
