@@ -96,7 +96,7 @@ int command_device_step(const DeviceStepOptions& options) {
                 {"overshoot_pct", json_number(response.overshoot_pct)},
                 {"oscillation_pp", json_number(response.oscillation_pp_n)},
                 {"oscillation_rad_s", json_number(response.oscillation_rad_per_s)},
-                {"verdict", to_text(response.verdict)},
+                {"verdict", to_string(response.verdict)},
                 {"tail_mean", json_number(response.tail_mean_n)},
                 {"angle", angle}});
     return exit_code::kDone;
@@ -115,7 +115,7 @@ int command_device_step(const DeviceStepOptions& options) {
                          ? fmt::format("{:.4f} N peak to peak at {:.1f} rad/s", response.oscillation_pp_n,
                                        response.oscillation_rad_per_s)
                          : std::string("at rest"));
-  line("verdict", bold(to_text(response.verdict)));
+  line("verdict", bold(std::string(to_string(response.verdict))));
   return exit_code::kDone;
 }
 
@@ -269,7 +269,7 @@ void add_loop(CLI::App& command, MckibbenLoopOptions& loop) {
   add_number(command, "--kp", loop.gains.kp, "proportional gain, V/N (default: 0.28, the paper's)");
   add_number(command, "--ki", loop.gains.ki, "integral gain, V/(N s) (default: 0)");
   add_number(command, "--kd", loop.gains.kd, "derivative gain, V s/N (default: 0)");
-  add_choice(command, "--tendon", loop.tendon, kTendons,
+  add_choice(command, "--tendon", loop.tendon, kTendonWords,
              "bilateral: it can push too, as the paper's (15); unilateral: as a real one (default: bilateral)");
 }
 

@@ -19,9 +19,6 @@ namespace jnd {
 
 namespace {
 
-const std::map<std::string, RenderingMode> kModes = {
-    {"wrench", RenderingMode::wrench}, {"pd", RenderingMode::pd}, {"pd-literal", RenderingMode::pd_literal}};
-
 struct Rrs3StiffnessOptions {
   std::string spec = "rrs3";
   std::vector<double> stiffness_n_per_m;
@@ -152,7 +149,8 @@ void add_rrs3_stiffness(CommandTree& stiffness) {
   add_number(command, "--stiffness", options.stiffness_n_per_m, "kS, N/m; several with commas")
       ->delimiter(',')
       ->required();
-  add_choice(command, "--mode", options.mode, kModes, "rendering: wrench, pd or pd-literal (default: wrench)");
+  add_choice(command, "--mode", options.mode, kRenderingModeWords,
+             "rendering: wrench, pd or pd-literal (default: wrench)");
   add_number(command, "--finger", options.finger_n_per_m, "stiffness of the finger's pulp, N/m (default: 1000)");
   add_number(command, "--roll", options.roll_rad, "of the surface, rad (default: 0)");
   add_number(command, "--pitch", options.pitch_rad, "of the surface, rad (default: 0)");
@@ -170,7 +168,7 @@ void add_mckibben_stiffness(CommandTree& stiffness) {
   add_number(command, "--kp", options.kp, "V/N (default: both the paper's P control and the device's own)");
   add_number(command, "--ki", options.ki, "V/(N s)");
   add_number(command, "--kd", options.kd, "V s/N");
-  add_choice(command, "--tendon", options.tendon, kTendons, "bilateral or unilateral (default: the device's own)");
+  add_choice(command, "--tendon", options.tendon, kTendonWords, "bilateral or unilateral (default: the device's own)");
   add_number(command, "--frequency", options.frequency_hz, "of the flexion, Hz (default: 0.5)");
   add_output(command, options.output, "the table");
 }

@@ -1,12 +1,12 @@
 // What the device commands share: the options that several of them have.
 #pragma once
 
-#include <map>
+#include <set>
 #include <string>
 
 #include <CLI/CLI.hpp>
 
-#include "protocols/rigs/device_spec.h"
+#include "protocols/words.h"
 #include "runner/device_commands/device_output.h"
 
 namespace jnd {
@@ -23,17 +23,16 @@ CLI::Option* add_number(CLI::App& command, const std::string& name, T& value, co
   return command.add_option(name, value, what)->check(finite());
 }
 
-// An option whose value is one of some words. value: T or std::optional<T>.
-template <typename T, typename Value>
-void add_choice(CLI::App& command, const std::string& name, Value& value, const std::map<std::string, T>& words,
+// An option whose value is one of some words. value: Enum or std::optional<Enum>.
+template <typename Enum, std::size_t N, typename Value>
+void add_choice(CLI::App& command, const std::string& name, Value& value, const WordTable<Enum, N>& words,
                 const std::string& what) {
+  std::set<std::string> known;  // in alphabetical order in the help
+  for (const auto& [word, its_value] : words) known.emplace(word);
   command
       .add_option_function<std::string>(
-          name, [&value, words](const std::string& word) { value = words.at(word); }, what)
-      ->check(CLI::IsMember(words));
+          name, [&value, words](const std::string& word) { value = value_of(words, word).value(); }, what)
+      ->check(CLI::IsMember(known));
 }
-
-inline const std::map<std::string, Tendon> kTendons = {{"bilateral", Tendon::bilateral},
-                                                       {"unilateral", Tendon::unilateral}};
 
 }  // namespace jnd

@@ -8,6 +8,7 @@
 
 #include "devices/clock.h"
 #include "devices/machine/boot_id.h"
+#include "protocols/words.h"
 
 namespace jnd {
 
@@ -66,15 +67,9 @@ ResumeMoment resume_moment(bool fast) {
 }
 
 std::string_view to_string(GapClock clock) noexcept {
-  switch (clock) {
-    case GapClock::monotonic:
-      return "monotonic";
-    case GapClock::wall:
-      return "wall";
-    case GapClock::none:
-      return "none";
-  }
-  return "none";
+  constexpr auto kWords =
+      words<GapClock>({{"monotonic", GapClock::monotonic}, {"wall", GapClock::wall}, {"none", GapClock::none}});
+  return word_of(kWords, clock);
 }
 
 ResumeCheck check_resume(const SessionState& state, const ResumePolicy& policy, const ResumeMoment& now) {
