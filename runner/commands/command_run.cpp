@@ -84,7 +84,7 @@ void note_realtime(SessionLog& log, const RealtimeReport& report, const Clock& c
 bool is_ready(const Readiness& readiness, const RunOptions& options, Console& console) {
   const std::string text = readiness_text(readiness);
   const bool fine = std::all_of(readiness.items.begin(), readiness.items.end(),
-                                [](const MachineCheck& item) { return item.verdict == Verdict::ok; });
+                                [](const Check& item) { return item.verdict == Verdict::ok; });
   console.announce(text, !fine);
   if (!readiness.blocked) return true;
   return readiness.overridable && options.override_readiness && !options.override_readiness->empty();

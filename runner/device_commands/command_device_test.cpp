@@ -32,7 +32,7 @@ int command_device_test(const TestOptions& options) {
     return hid_device_test(bus, options.rig, options.json, options.yes);
   }
   const RigSpec rig = rig_named(options.rig);
-  DeviceChecks checks;
+  Checks checks;
   for (const DeviceSpec& spec : rig.devices) {
     check_limits(spec, checks);
     if (spec.model == DeviceModel::rrs3)
@@ -41,16 +41,16 @@ int command_device_test(const TestOptions& options) {
       check_joint(spec, checks);
   }
   check_loop(rig, checks);
-  const auto failed = std::count_if(checks.begin(), checks.end(), [](const DeviceCheck& check) { return !check.ok; });
+  const auto failed = std::count_if(checks.begin(), checks.end(), [](const Check& check) { return !check.passed(); });
   const int code = failed == 0 ? exit_code::kDone : exit_code::kDevice;
   if (options.json) {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
-    for (const DeviceCheck& check : checks)
+    for (const Check& check : checks)
       list.push_back({{"device", check.device},
                       {"what", check.what},
-                      {"measured", check.measured},
-                      {"expected", check.expected},
-                      {"ok", check.ok}});
+                      {"measured", check.found},
+                      {"expected", check.limit},
+                      {"ok", check.passed()}});
     print_json({{"rig", rig.name}, {"simulated", true}, {"sha256", rig.sha256}, {"ok", failed == 0}, {"checks", list}});
     return code;
   }
@@ -62,7 +62,7 @@ int command_device_test(const TestOptions& options) {
     const std::string device = checks[i].device;
     bool first = true;
     for (; i < checks.size() && (first || checks[i].device == device); ++i, first = false)
-      table.add({checks[i].what, checks[i].measured, checks[i].expected, checks[i].ok ? "ok" : bold(warn("FAILED"))});
+      table.add({checks[i].what, checks[i].found, checks[i].limit, checks[i].passed() ? "ok" : bold(warn("FAILED"))});
     fmt::print("\n{}", table.text());
   }
   fmt::print("\n{}\n",

@@ -33,8 +33,8 @@ struct ReadinessInput {
 };
 
 struct Readiness {
-  std::vector<MachineCheck> items;  // storage, tracker (where it is outside), devices, limits, calibration, loop,
-                                    // keyboard, study, plan, participant, clock
+  Checks items;  // storage, tracker (where it is outside), devices, limits, calibration, loop,
+                 // keyboard, study, plan, participant, clock
   // A real session is not begun with a finding that is bad, any other only where its data could be lost, or where its
   // participant is not to take part (again).
   bool blocked = false;
