@@ -9,7 +9,6 @@
 #include "protocols/version.h"
 #include "runner/calc/calc.h"
 #include "runner/commands/commands.h"
-#include "runner/commands/report_command.h"
 #include "runner/device_commands/device_commands.h"
 #include "runner/keys/interrupt.h"
 #include "runner/terminal/command_outcome.h"
@@ -20,33 +19,6 @@
 namespace jnd {
 
 namespace {
-
-void add_analyze(CommandTree& tree) {
-  const auto [command, options] = tree.add("analyze", "d', JND and Weber fractions by the registered plan",
-                                           "jnd analyze s.sqlite", command_analyze);
-  command.add_option("STUDY", options.study, "the study's file")->required();
-  add_kind_and_by(command, options.kind, options.by);
-  command.add_option("--models", options.models, "registered (default), or all: every model beside it")
-      ->check(CLI::IsMember({"registered", "all"}));
-  command.add_flag("--cells", options.cells, "also every cell: counts, rates, z and d'");
-  command.add_option("--csv", options.csv, "also the results as CSV files in this folder");
-  command.add_flag("--replace", options.replace, "replace the CSV folder of an earlier analysis");
-  command.add_option("--methods", options.methods,
-                     "the file for the methods in words (default: methods.md beside the study)");
-  command.add_flag("--no-methods", options.no_methods, "write no methods file");
-  command.add_flag("--json", options.json, "machine-readable");
-}
-
-void add_report(CommandTree& tree) {
-  const auto [command, options] = tree.add("report", "Write a page for people: figures, tables, warnings, methods",
-                                           "jnd report s.sqlite", command_report);
-  command.add_option("STUDY", options.study, "the study's file")->required();
-  command.add_option("--to", options.file, "the page (default: the study's name with -report.html, beside it)");
-  command.add_option("--figures", options.figures_folder,
-                     "the folder for the figures as SVG files (default: the page's name with -figures)");
-  add_kind_and_by(command, options.kind, options.by);
-  command.add_flag("--replace", options.replace, "replace an earlier report");
-}
 
 // In the order of the program's help.
 void add_commands(CommandTree& tree) {
