@@ -120,7 +120,7 @@ const Contact& ControlLoop::contact_of(const Finger& finger) const noexcept {
   return scene_.joint ? finger.joint.contact() : finger.object.contact();
 }
 
-void ControlLoop::feel(const PresentRequest& request, std::int64_t now_ns, double duration_s) noexcept {
+void ControlLoop::update_contact(const PresentRequest& request, std::int64_t now_ns, double duration_s) noexcept {
   touched_ = false;
   if (request.tap_g > 0) return;  // there is nothing to touch
   for (Finger& finger : fingers_) {
@@ -224,7 +224,7 @@ void ControlLoop::show(std::int64_t ticks, double elapsed_s) noexcept {
 Fault ControlLoop::tick(const PresentRequest& request, std::int64_t now_ns, double duration_s, bool stop) noexcept {
   Fault fault = stop ? Fault::emergency_stop : read(now_ns);
   if (fault == Fault::none) {
-    feel(request, now_ns, duration_s);
+    update_contact(request, now_ns, duration_s);
     for (int place = 0; fault == Fault::none && place < static_cast<int>(devices_.size()); ++place)
       fault = act(place, request, now_ns, duration_s);
   }

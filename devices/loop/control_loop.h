@@ -82,7 +82,7 @@ class ControlLoop {
   Fault engage(const PresentRequest& request, std::int64_t start_ns);
   Fault tick(const PresentRequest& request, std::int64_t now_ns, double duration_s, bool stop) noexcept;
   Fault read(std::int64_t now_ns) noexcept;
-  void feel(const PresentRequest& request, std::int64_t now_ns, double duration_s) noexcept;
+  void update_contact(const PresentRequest& request, std::int64_t now_ns, double duration_s) noexcept;
   const Contact& contact_of(const Finger& finger) const noexcept;
   Fault act(int place, const PresentRequest& request, std::int64_t now_ns, double duration_s) noexcept;
   void render(Channeled& one, const PresentRequest& request, std::int64_t now_ns) const noexcept;

@@ -83,7 +83,7 @@ const char* read_pose(std::string_view word, Words& words, PoseLine& line) noexc
 
 }  // namespace
 
-bool says_nothing(std::string_view line) noexcept {
+bool is_blank_or_comment(std::string_view line) noexcept {
   const std::string_view word = Words(line).next();
   return word.empty() || word.front() == '#';
 }

@@ -27,7 +27,7 @@ std::optional<Answer> SessionConsole::question_over(const std::optional<Answer>&
 SessionConsole::ButtonReply SessionConsole::hear_buttons() {
   ButtonReply reply;
   if (options_.buttons == nullptr) return reply;
-  tell_news();
+  tell_events();
   const ButtonsHeard heard = options_.buttons->hear();
   reply.pending = heard.pending;
   reply.stopped = heard.stopped;
@@ -39,10 +39,10 @@ SessionConsole::ButtonReply SessionConsole::hear_buttons() {
   return reply;
 }
 
-void SessionConsole::tell_news() {
+void SessionConsole::tell_events() {
   if (options_.buttons == nullptr) return;
-  for (const BoxNews& news : options_.buttons->take_news())
-    display_->tell(news.warning ? Tone::warning : Tone::quiet, news.text);
+  for (const BoxEvent& event : options_.buttons->take_events())
+    display_->tell(event.warning ? Tone::warning : Tone::quiet, event.text);
 }
 
 std::optional<Answer> SessionConsole::judge(const TrialQuestion& question) {

@@ -148,7 +148,7 @@ OperatorWish SessionConsole::wish_at(const Scene& scene, const KeyMap& keys, boo
     if (const std::optional<OperatorWish> wish = noted_wish(keys)) return *wish;
   }
   for (;;) {
-    tell_news();
+    tell_events();
     if (keys_.ended()) return {Wish::end_for_now, {}};
     if (keys_.stopped()) return {Wish::stopped, {}};
     if (pausable && keys_.pause_asked()) return {Wish::pause, {}};
@@ -281,7 +281,7 @@ void SessionConsole::took_back(bool will_repeat) {
 
 bool SessionConsole::waiting(double left_s, double total_s) {
   if (!keys_.anybody()) return true;
-  tell_news();
+  tell_events();
   // In a quick rehearsal the session's clock runs ahead of keys and eyes.
   const std::int64_t now_ns = SteadyClock().now_ns();
   if (static_cast<double>(now_ns - looked_ns_) * 1e-9 < kLook_s / 2) return true;
@@ -382,7 +382,7 @@ OperatorWish SessionConsole::break_over(const Break& pause) {
     if (keys_.ended()) return {Wish::end_for_now, {}};
     if (keys_.stopped()) return {Wish::stopped, {}};
     if (keys_.pause_asked()) return {Wish::pause, {}};
-    tell_news();
+    tell_events();
     display_->countdown("break", static_cast<double>(break_ends_ns_ - now) * 1e-9, pause.duration_s);
     display_->refresh();
     for (const Key& key : keys_.drain()) {
@@ -455,7 +455,7 @@ OperatorWish SessionConsole::ready_to_explore(const ExplorationOutline& outline)
 
 // What the operator presses lets the object go; meanwhile() then asks what it is about, and it goes on.
 bool SessionConsole::exploring(double left_s) {
-  tell_news();
+  tell_events();
   display_->countdown("left", left_s, exploring_s_);
   display_->refresh();
   if (broken_off_by_) return false;

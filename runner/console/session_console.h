@@ -88,7 +88,7 @@ class SessionConsole final : public Console, private Responder {
   };
   ButtonReply hear_buttons();
   // What happened to the button box.
-  void tell_news();
+  void tell_events();
   // False: it was left.
   bool ask_by_keys(QuestionnairePage& page);
   bool ask_by_lines(QuestionnairePage& page);

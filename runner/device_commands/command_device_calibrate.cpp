@@ -161,7 +161,7 @@ int command_device_calibrate(const DeviceCalibrateOptions& options) {
   const bool good = passed(findings);
   if (options.store && good)
     with_device(bus, info, [&](HidHandle& handle) {
-      PageTalk pages(handle, options.name);
+      PageExchange pages(handle, options.name);
       store_calibration(pages, record.fit.table, stored_certificate(certificate));
     });
   if (options.json) {

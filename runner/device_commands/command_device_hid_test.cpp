@@ -48,7 +48,7 @@ jnd_identity test_fingertip(HidHandle& handle, const HidInfo& info, const std::s
 
 jnd_identity test_tracker(HidHandle& handle, const HidInfo& info, const std::string& name, Checks& checks) {
   SteadyClock clock;
-  const jnd_identity identity = PageTalk(handle, name).identity();
+  const jnd_identity identity = PageExchange(handle, name).identity();
   checks.push_back(measured("serial number", serial_of(identity), info.serial, serial_of(identity) == info.serial));
   check_poses(handle, clock, kStream_s, interrupt_requested(), checks);
   return identity;

@@ -10,7 +10,7 @@
 #include "devices/hid/bench/bench_checks.h"
 #include "devices/hid/hid_bus.h"
 #include "devices/hid/our_devices.h"
-#include "devices/hid/page_talk.h"
+#include "devices/hid/page_exchange.h"
 
 namespace jnd {
 

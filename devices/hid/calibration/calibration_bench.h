@@ -8,7 +8,7 @@
 
 #include "devices/hid/bench/bench_link.h"
 #include "devices/hid/calibration/calibration_certificate.h"
-#include "devices/hid/page_talk.h"
+#include "devices/hid/page_exchange.h"
 
 namespace jnd {
 
@@ -42,6 +42,6 @@ StiffnessRecord take_stiffness(BenchLink& link, const ForceTable& former, const 
 
 // Table, then certificate; each read back and compared. Where that fails the former ones are put back; DeviceError
 // says so.
-void store_calibration(PageTalk& pages, const ForceTable& table, const jnd_certificate& certificate);
+void store_calibration(PageExchange& pages, const ForceTable& table, const jnd_certificate& certificate);
 
 }  // namespace jnd

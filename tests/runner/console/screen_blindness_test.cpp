@@ -172,12 +172,12 @@ TEST_CASE("From what the screen shows neither the stiffness nor the condition of
 
 // The same finger, whatever is rendered to it: the same rows, letter by letter.
 TEST_CASE("The row of the devices is the same at every stiffness and in every condition") {
-  const Paper paper;
+  const Area area;
   const auto rows = [&](const Cues& cues, double stiffness) {
     std::string text;
     for (const bool contact : present(cues, stiffness, Hand::shipped, 7).contact) {
       LoopGlimpse glimpse{.ticks = 25, .elapsed_s = 0.025, .contact = contact};
-      for (const Span& part : health_row(paper, health_of(glimpse))) text += part.text + " ";
+      for (const Span& part : health_row(area, health_of(glimpse))) text += part.text + " ";
       text += "\n";
     }
     return text;
@@ -190,7 +190,7 @@ TEST_CASE("The row of the devices is the same at every stiffness and in every co
 }
 
 TEST_CASE("What a presentation delivered leaves no trace on the screen when it is over") {
-  const Paper paper;
+  const Area area;
   const auto row_of = [&](double force_n, double saturated_share, Fault fault) {
     Presentation given;
     given.ticks = 3000;
@@ -201,7 +201,7 @@ TEST_CASE("What a presentation delivered leaves no trace on the screen when it i
     finger.saturated_share = saturated_share;
     given.fingers = {finger};
     std::string text;
-    for (const Span& part : health_row(paper, health_of(given))) text += part.text + " ";
+    for (const Span& part : health_row(area, health_of(given))) text += part.text + " ";
     return text;
   };
   const std::string rest = row_of(0, 0, Fault::none);

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "devices/device_error.h"
-#include "devices/hid/page_talk.h"
+#include "devices/hid/page_exchange.h"
 #include "tests/catch.h"
 #include "tests/devices/hid/bench/bench_firmware.h"
 
