@@ -140,10 +140,10 @@ ExplorationBlock::PieceEnd ExplorationBlock::render_piece(ExplorationRecord& rec
   request.id = {record.slot.index, record.attempt, static_cast<int>(record.presentations.size())};
   request.object = record.object;
   const double left_s = record.slot.duration_s - record.duration_s;
-  parts_.rig.watch([&](const LoopGlimpse& glimpse) {
-    parts_.view.health(health_of(glimpse));
+  parts_.rig.watch([&](const LoopSnapshot& snapshot) {
+    parts_.view.health(health_of(snapshot));
     // What the operator wishes is heard at once: the object lets go, and goes on after it.
-    if (!still_exploring(left_s - glimpse.elapsed_s)) parts_.rig.stop.latch(StopSource::program);
+    if (!still_exploring(left_s - snapshot.elapsed_s)) parts_.rig.stop.latch(StopSource::program);
   });
   record.presentations.push_back(parts_.rig.present(request));
   parts_.rig.watch({});

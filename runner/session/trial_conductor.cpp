@@ -25,7 +25,7 @@ bool saturated(const Presentation& presentation) {
 
 TrialConductor::TrialConductor(const SessionParts& parts, const SessionRecorder& recorder)
     : parts_(parts), recorder_(recorder) {
-  parts_.rig.watch([this](const LoopGlimpse& glimpse) { parts_.view.health(health_of(glimpse)); });
+  parts_.rig.watch([this](const LoopSnapshot& snapshot) { parts_.view.health(health_of(snapshot)); });
 }
 
 TrialConductor::~TrialConductor() {

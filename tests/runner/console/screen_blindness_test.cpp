@@ -21,11 +21,11 @@ namespace {
 
 const std::string kSource = JND_SOURCE_DIR;
 constexpr int kIntervals = 100;           // of each class
-constexpr std::int64_t kLook_ticks = 25;  // between two glimpses of the loop
+constexpr std::int64_t kLook_ticks = 25;  // between two snapshots of the loop
 constexpr double kHabit_m = 0.005;        // depth of the shipped hand
 constexpr double kForce_n = 3.6;          // of a hand that presses everything equally hard: 4 mm at 900 N/m, 9 at 400
 
-// An interval as it could be shown: at every glimpse, whether there is contact, and how deep it is.
+// An interval as it could be shown: at every snapshot, whether there is contact, and how deep it is.
 struct Shown {
   std::vector<bool> contact;
   std::vector<int> depth;  // 0 none, 1 light, 2 medium, 3 deep: thirds of the expected press
@@ -176,8 +176,8 @@ TEST_CASE("The row of the devices is the same at every stiffness and in every co
   const auto rows = [&](const Cues& cues, double stiffness) {
     std::string text;
     for (const bool contact : present(cues, stiffness, Hand::shipped, 7).contact) {
-      LoopGlimpse glimpse{.ticks = 25, .elapsed_s = 0.025, .contact = contact};
-      for (const Span& part : health_row(area, health_of(glimpse))) text += part.text + " ";
+      LoopSnapshot snapshot{.ticks = 25, .elapsed_s = 0.025, .contact = contact};
+      for (const Span& part : health_row(area, health_of(snapshot))) text += part.text + " ";
       text += "\n";
     }
     return text;
