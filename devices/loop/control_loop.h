@@ -25,7 +25,7 @@
 #include "devices/loop/tick_ring.h"
 #include "devices/rig.h"
 #include "devices/tracker.h"
-#include "protocols/rigs/device_spec.h"
+#include "protocols/rigs/device_description.h"
 
 namespace jnd {
 

@@ -11,7 +11,7 @@
 #include "devices/fingertip_device.h"
 #include "devices/loop/governor.h"
 #include "devices/mckibben/finger_flexion.h"
-#include "protocols/rigs/rig_spec.h"
+#include "protocols/rigs/rig_description.h"
 
 namespace jnd {
 

@@ -10,7 +10,7 @@
 #include "protocols/planning/duration.h"
 #include "protocols/planning/plan.h"
 #include "protocols/reading/protocol_json.h"
-#include "protocols/rigs/rig_spec.h"
+#include "protocols/rigs/rig_description.h"
 #include "runner/commands/commands.h"
 #include "runner/keys/interrupt.h"
 #include "runner/opening/protocol_fitness.h"

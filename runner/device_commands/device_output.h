@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "protocols/rigs/rig_spec.h"
+#include "protocols/rigs/rig_description.h"
 #include "runner/terminal/json_output.h"
 
 namespace jnd {

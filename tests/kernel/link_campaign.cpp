@@ -30,7 +30,7 @@
 #include "devices/hid/page_exchange.h"
 #include "devices/hid/report_counter.h"
 #include "devices/realtime.h"
-#include "protocols/rigs/device_spec.h"
+#include "protocols/rigs/device_description.h"
 
 namespace jnd {
 

@@ -14,7 +14,7 @@
 #include "devices/hid/hid_bus.h"
 #include "devices/hid/report_counter.h"
 #include "devices/loop/governor.h"
-#include "protocols/rigs/device_spec.h"
+#include "protocols/rigs/device_description.h"
 
 namespace jnd {
 

@@ -14,7 +14,7 @@
 #include "devices/rrs3/rrs3_device.h"
 #include "devices/trackers/pose_feed.h"
 #include "devices/trackers/replay_tracker.h"
-#include "protocols/rigs/rig_spec.h"
+#include "protocols/rigs/rig_description.h"
 #include "tests/catch.h"
 #include "tests/counted_heap.h"
 #include "tests/devices/tracker_fixtures.h"

@@ -10,7 +10,7 @@
 #include "devices/loop/telemetry_ring.h"
 #include "devices/rigs/fingertip_rig.h"
 #include "devices/rigs/rig_factory.h"
-#include "protocols/rigs/rig_spec.h"
+#include "protocols/rigs/rig_description.h"
 #include "runner/console/screen_parts.h"
 #include "runner/session/device_health.h"
 #include "tests/catch.h"

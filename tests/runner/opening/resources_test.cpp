@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "protocols/rigs/rig_spec.h"
+#include "protocols/rigs/rig_description.h"
 #include "runner/opening/readiness_items.h"
 #include "runner/opening/rig_limits.h"
 #include "tests/catch.h"

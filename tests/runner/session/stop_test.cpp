@@ -7,7 +7,7 @@
 #include "devices/participants/simulated_hand.h"
 #include "devices/rigs/fingertip_rig.h"
 #include "devices/rigs/rig_factory.h"
-#include "protocols/rigs/rig_spec.h"
+#include "protocols/rigs/rig_description.h"
 #include "runner/session/record_policy.h"
 #include "runner/session/session_engine.h"
 #include "tests/catch.h"

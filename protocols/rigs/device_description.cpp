@@ -1,4 +1,4 @@
-#include "protocols/rigs/device_spec.h"
+#include "protocols/rigs/device_description.h"
 
 #include <algorithm>
 #include <charconv>
