@@ -106,13 +106,13 @@ int shapiro(const GroupOptions& options) {
     return exit_code::kDone;
   }
   switch (test.status) {
-    case TestStatus::too_few:
+    case StatisticStatus::too_few:
       fmt::print("undefined: {} value{}, and the test needs 3\n", test.n, test.n == 1 ? "" : "s");
       break;
-    case TestStatus::too_many:
+    case StatisticStatus::too_many:
       fmt::print("undefined: {} values, and the test covers at most 5000\n", test.n);
       break;
-    case TestStatus::no_variance:
+    case StatisticStatus::no_variance:
       fmt::print("undefined: all {} values are the same\n", test.n);
       break;
     default:
@@ -215,7 +215,7 @@ Json games_howell_json(const PairComparison& pair, int groups) {
 
 // How p was had.
 Json method_json(const SignedRank& test) {
-  if (test.status != TestStatus::ok) return nullptr;
+  if (test.status != StatisticStatus::ok) return nullptr;
   return test.exact ? "exact" : "normal";
 }
 
@@ -394,26 +394,26 @@ std::string unpaired_text(const NamedComparison& named) {
 std::string remarks_text(const Comparison& comparison) {
   std::string text;
   const RepeatedMeasures& anova = comparison.anova;
-  if (anova.status == TestStatus::too_few)
+  if (anova.status == StatisticStatus::too_few)
     text += warn("One participant: nothing can be tested.") + "\n";
-  else if (anova.status == TestStatus::no_variance)
+  else if (anova.status == StatisticStatus::no_variance)
     text += warn("The participants differ alike in every condition: F, Tukey and the epsilons are undefined.") + "\n";
   switch (anova.effect.mauchly.status) {
-    case TestStatus::not_applicable:
+    case StatisticStatus::not_applicable:
       text += "Two conditions: the question of sphericity does not arise.\n";
       break;
-    case TestStatus::singular:
+    case StatisticStatus::singular:
       text += "The covariance is singular (a condition follows from the others): no Mauchly and no Hotelling test.\n";
       break;
-    case TestStatus::too_few:
-      if (anova.status == TestStatus::ok)
+    case StatisticStatus::too_few:
+      if (anova.status == StatisticStatus::ok)
         text += "Fewer participants than conditions: no Mauchly and no Hotelling test.\n";
       break;
     default:
       break;
   }
   for (const PairComparison& pair : comparison.pairs) {
-    if (pair.t.status != TestStatus::no_variance) continue;
+    if (pair.t.status != StatisticStatus::no_variance) continue;
     text += "A pair of which all differences are equal has no t test.\n";
     break;
   }
@@ -453,13 +453,13 @@ std::string wilcoxon_text(const std::vector<WilcoxonRow>& rows) {
   std::size_t tested = 0;
   for (const WilcoxonRow& row : rows) {
     const SignedRank& test = row.test;
-    approximate = approximate || (test.status == TestStatus::ok && !test.exact);
-    tested += test.status == TestStatus::ok ? 1 : 0;
+    approximate = approximate || (test.status == StatisticStatus::ok && !test.exact);
+    tested += test.status == StatisticStatus::ok ? 1 : 0;
     table.add({row.item.empty() ? "-" : printable(row.item), std::to_string(test.n), std::to_string(test.zeros),
                test.ties ? "yes" : "no", statistic_text(test.v), p_value_text(test.p),
-               test.status != TestStatus::ok ? "-"
-               : test.exact                  ? "exact"
-                                             : "normal",
+               test.status != StatisticStatus::ok ? "-"
+               : test.exact                       ? "exact"
+                                                  : "normal",
                p_value_text(test.p_exact_permutation), statistic_text(test.rank_biserial), p_value_text(row.p_holm),
                p_value_text(row.p_bh)});
   }
