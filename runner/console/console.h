@@ -42,10 +42,10 @@ struct ConsoleOptions {
 // Thread rule: the session's thread only.
 //
 // Interrupts: every wait looks at them. Where `pause` is set, ready(), instruct(), break_over() and ready_to_explore()
-// return Wish::pause, a trial or a page of questions is left without an answer, and what was typed on the page is there
+// return Request::pause, a trial or a page of questions is left without an answer, and what was typed on the page is there
 // when it is asked again; the latch itself is left to the engine. Where `end` is set, or the keys have ended, a wait
-// returns Wish::end_for_now, nothing, or false.
-// Stops: where a key or a button has latched the rig's stop, every wait returns at once with Wish::stopped or without
+// returns Request::end_for_now, nothing, or false.
+// Stops: where a key or a button has latched the rig's stop, every wait returns at once with Request::stopped or without
 // an answer, but for recover()'s and those in it, and storage_trouble()'s, which comes before the stop. A text to be
 // read (consent, instructions, a page of questions, a finding) takes no answer before all of it was seen. judge()
 // returns nothing where the operator asks for something instead of the answer: meanwhile() then says what. What was

@@ -52,7 +52,7 @@ std::optional<Answer> SessionConsole::judge(const TrialQuestion& question) {
   display_->scene(scene);
   while (!keys_.pause_asked()) {
     if (keys_.ended()) {
-      decided_ = OperatorWish{Wish::end_for_now, {}};
+      decided_ = OperatorRequest{Request::end_for_now, {}};
       return std::nullopt;
     }
     const ButtonReply buttons = hear_buttons();
@@ -69,16 +69,16 @@ std::optional<Answer> SessionConsole::judge(const TrialQuestion& question) {
     }
     if (const Judgement* const judgement = std::get_if<Judgement>(&binding->meaning))
       return question_over(answer_of(*judgement, options_.entered_by, key->time_ns), question.time_out_s);
-    if (binding->asks(Wish::stopped)) return std::nullopt;  // the latch is set: no answer counts
-    if (binding->asks(Wish::pause) || binding->asks(Wish::note)) {
-      note_wishes({*key}, keys);
-      display_->explain(Tone::quiet, binding->asks(Wish::pause) ? "the pause comes after this trial"
-                                                                : "the note can be typed after this trial");
+    if (binding->asks(Request::stopped)) return std::nullopt;  // the latch is set: no answer counts
+    if (binding->asks(Request::pause) || binding->asks(Request::note)) {
+      note_requests({*key}, keys);
+      display_->explain(Tone::quiet, binding->asks(Request::pause) ? "the pause comes after this trial"
+                                                                   : "the note can be typed after this trial");
     } else if (binding->meaning == KeyMeaning(HelpWanted{})) {
       help_with_question();
       display_->scene(scene);
     } else {
-      decided_ = wish_of(*binding, keys);
+      decided_ = request_of(*binding, keys);
       if (decided_) return std::nullopt;
       if (!keys_.ended()) display_->keys_again();
     }
@@ -153,7 +153,7 @@ bool SessionConsole::ask_by_keys(QuestionnairePage& page) {
     }
     if (page.at() != before) keys_.prompt();  // Enter held down does not run through the page
   }
-  if (keys_.ended()) decided_ = OperatorWish{Wish::end_for_now, {}};
+  if (keys_.ended()) decided_ = OperatorRequest{Request::end_for_now, {}};
   display_->page_done();
   return false;
 }
@@ -175,7 +175,7 @@ bool SessionConsole::ask_by_lines(QuestionnairePage& page) {
     if (page.enter(*line) == QuestionnairePage::State::committed) return true;
     if (!page.mistake().empty()) display_->explain(Tone::quiet, page.mistake());
   }
-  if (keys_.ended()) decided_ = OperatorWish{Wish::end_for_now, {}};
+  if (keys_.ended()) decided_ = OperatorRequest{Request::end_for_now, {}};
   return false;
 }
 

@@ -13,7 +13,7 @@ namespace jnd {
 
 namespace {
 
-const KeyBinding kStop{kStopKey, Wish::stopped, "STOP the devices", true};
+const KeyBinding kStop{kStopKey, Request::stopped, "STOP the devices", true};
 
 char32_t capital(char32_t letter) {
   return letter >= 'a' && letter <= 'z' ? letter - 'a' + 'A' : letter;
@@ -55,14 +55,14 @@ std::optional<KeyBinding> KeyMap::binding_of(const Key& key) const {
     if (binding.key == wanted) return binding;
   // As a capital it has stopped the devices too.
   for (const KeyBinding& binding : bindings_)
-    if (binding.asks(Wish::stopped) && capital(binding.key) == wanted) return binding;
+    if (binding.asks(Request::stopped) && capital(binding.key) == wanted) return binding;
   return std::nullopt;
 }
 
 std::vector<KeyHint> KeyMap::hints() const {
   std::vector<KeyHint> hints;
   for (const KeyBinding& binding : bindings_)
-    hints.push_back({key_name(binding.key), binding.what, binding.brief, binding.asks(Wish::stopped)});
+    hints.push_back({key_name(binding.key), binding.what, binding.brief, binding.asks(Request::stopped)});
   return hints;
 }
 
@@ -104,16 +104,16 @@ std::string KeyMap::explanation(const Key& pressed) const {
 }
 
 KeyMap ready_keys(bool can_void_last) {
-  const KeyMap keys({{' ', Wish::go_on, "when the participant is ready", true},
+  const KeyMap keys({{' ', Request::go_on, "when the participant is ready", true},
                      kStop,
-                     {'p', Wish::pause, "pause", false},
-                     {'u', Wish::void_last, "take back the last answer", false},
-                     {'n', Wish::note, "note", false},
-                     {'b', Wish::take_break, "break", false},
-                     {'k', Wish::end_block, "end this block", false},
-                     {'q', Wish::end_for_now, "end", true},
+                     {'p', Request::pause, "pause", false},
+                     {'u', Request::void_last, "take back the last answer", false},
+                     {'n', Request::note, "note", false},
+                     {'b', Request::take_break, "break", false},
+                     {'k', Request::end_block, "end this block", false},
+                     {'q', Request::end_for_now, "end", true},
                      {'?', HelpWanted{}, "all keys", true}});
-  return can_void_last ? keys : keys.without({Wish::void_last});
+  return can_void_last ? keys : keys.without({Request::void_last});
 }
 
 KeyMap question_keys(const Timeline& timeline) {
@@ -121,95 +121,95 @@ KeyMap question_keys(const Timeline& timeline) {
   return KeyMap({{static_cast<char32_t>(timeline.key_same), Judgement::same, "same", true},
                  {static_cast<char32_t>(timeline.key_different), Judgement::different, "different", true},
                  kStop,
-                 {key('r'), Wish::repeat_trial, "repeat this trial", true},
-                 {key('p'), Wish::pause, "pause after this trial", false},
-                 {key('n'), Wish::note, "note after this trial", false},
-                 {key('q'), Wish::end_for_now, "end", true},
+                 {key('r'), Request::repeat_trial, "repeat this trial", true},
+                 {key('p'), Request::pause, "pause after this trial", false},
+                 {key('n'), Request::note, "note after this trial", false},
+                 {key('q'), Request::end_for_now, "end", true},
                  {'?', HelpWanted{}, "all keys", false}});
 }
 
 KeyMap presentation_keys(const Timeline& timeline) {
   const auto key = [&](char32_t letter) { return spared(letter, timeline); };
   return KeyMap({kStop,
-                 {key('r'), Wish::repeat_trial, "repeat it, after this interval", true},
-                 {key('p'), Wish::pause, "pause after this trial", false},
-                 {key('n'), Wish::note, "note after this trial", false},
-                 {key('q'), Wish::end_for_now, "end after this trial", true}});
+                 {key('r'), Request::repeat_trial, "repeat it, after this interval", true},
+                 {key('p'), Request::pause, "pause after this trial", false},
+                 {key('n'), Request::note, "note after this trial", false},
+                 {key('q'), Request::end_for_now, "end after this trial", true}});
 }
 
 KeyMap between_trials_keys(const Timeline& timeline) {
   const auto key = [&](char32_t letter) { return spared(letter, timeline); };
   return KeyMap({kStop,
-                 {key('p'), Wish::pause, "pause", true},
-                 {key('n'), Wish::note, "note", true},
-                 {key('q'), Wish::end_for_now, "end", true}});
+                 {key('p'), Request::pause, "pause", true},
+                 {key('n'), Request::note, "note", true},
+                 {key('q'), Request::end_for_now, "end", true}});
 }
 
 KeyMap pause_keys() {
-  return KeyMap({{' ', Wish::go_on, "goes on", true},
+  return KeyMap({{' ', Request::go_on, "goes on", true},
                  kStop,
-                 {'n', Wish::note, "note", true},
-                 {'q', Wish::end_for_now, "ends the session", true}});
+                 {'n', Request::note, "note", true},
+                 {'q', Request::end_for_now, "ends the session", true}});
 }
 
 KeyMap stopped_keys() {
-  return KeyMap({{'c', Wish::go_on, "clears the stop and goes on", true,
+  return KeyMap({{'c', Request::go_on, "clears the stop and goes on", true,
                   "Clears the stop. What was the matter? Or Enter (Esc: no)"},
-                 {'n', Wish::note, "note", true},
-                 {'q', Wish::end_for_now, "ends the session", true}});
+                 {'n', Request::note, "note", true},
+                 {'q', Request::end_for_now, "ends the session", true}});
 }
 
 KeyMap missing_keys() {
-  return pause_keys().without({Wish::go_on});
+  return pause_keys().without({Request::go_on});
 }
 
 KeyMap break_keys(bool over) {
   const KeyMap keys = pause_keys();
-  return over ? keys : keys.without({Wish::go_on});
+  return over ? keys : keys.without({Request::go_on});
 }
 
 KeyMap instruction_keys() {
-  return KeyMap({{' ', Wish::go_on, "goes on", true},
+  return KeyMap({{' ', Request::go_on, "goes on", true},
                  kStop,
-                 {'p', Wish::pause, "pause", false},
-                 {'n', Wish::note, "note", true},
-                 {'q', Wish::end_for_now, "ends the session", true}});
+                 {'p', Request::pause, "pause", false},
+                 {'n', Request::note, "note", true},
+                 {'q', Request::end_for_now, "ends the session", true}});
 }
 
 KeyMap finding_keys() {
-  return KeyMap({{' ', Wish::go_on, "goes on", true}, kStop});
+  return KeyMap({{' ', Request::go_on, "goes on", true}, kStop});
 }
 
 KeyMap consent_keys() {
-  return KeyMap({{'y', Wish::go_on, "the participant agrees", true},
-                 {'n', Wish::end_for_good, "the participant does not agree", true},
+  return KeyMap({{'y', Request::go_on, "the participant agrees", true},
+                 {'n', Request::end_for_good, "the participant does not agree", true},
                  kStop});
 }
 
 KeyMap ready_to_explore_keys() {
-  return KeyMap({{' ', Wish::go_on, "when the participant is ready", true},
+  return KeyMap({{' ', Request::go_on, "when the participant is ready", true},
                  kStop,
-                 {'p', Wish::pause, "pause", false},
-                 {'n', Wish::note, "note", false},
-                 {'b', Wish::take_break, "break", false},
-                 {'k', Wish::end_block, "end this block", false},
-                 {'q', Wish::end_for_now, "end", true},
+                 {'p', Request::pause, "pause", false},
+                 {'n', Request::note, "note", false},
+                 {'b', Request::take_break, "break", false},
+                 {'k', Request::end_block, "end this block", false},
+                 {'q', Request::end_for_now, "end", true},
                  {'?', HelpWanted{}, "all keys", true}});
 }
 
 KeyMap exploring_keys() {
   return KeyMap({kStop,
-                 {'r', Wish::repeat_trial, "break off, again later", true},
-                 {'k', Wish::end_block, "enough of it", true, "Ends it early. Reason, or Enter (Esc: no)"},
-                 {'p', Wish::pause, "pause", true},
-                 {'n', Wish::note, "note", true},
-                 {'q', Wish::end_for_now, "end", true}});
+                 {'r', Request::repeat_trial, "break off, again later", true},
+                 {'k', Request::end_block, "enough of it", true, "Ends it early. Reason, or Enter (Esc: no)"},
+                 {'p', Request::pause, "pause", true},
+                 {'n', Request::note, "note", true},
+                 {'q', Request::end_for_now, "end", true}});
 }
 
 KeyMap storage_keys() {
-  return KeyMap({{' ', Wish::go_on, "tries again", true},
+  return KeyMap({{' ', Request::go_on, "tries again", true},
                  kStop,
-                 {'q', Wish::end_for_now, "ends the session; what was not saved is lost", true}});
+                 {'q', Request::end_for_now, "ends the session; what was not saved is lost", true}});
 }
 
 }  // namespace jnd

@@ -11,7 +11,7 @@
 #include "protocols/protocol.h"
 #include "protocols/vocabulary.h"
 #include "runner/keys/key_parser.h"
-#include "runner/session/operator_wish.h"
+#include "runner/session/operator_request.h"
 
 namespace jnd {
 
@@ -21,9 +21,9 @@ struct HelpWanted {
 };
 
 // What a key means: what the operator asks for, in the words of the session; an answer to a trial; or help. The stop key
-// means Wish::stopped: the keyboard's own thread has stopped the devices already. Where a page is a question of its own,
+// means Request::stopped: the keyboard's own thread has stopped the devices already. Where a page is a question of its own,
 // go_on is yes and an end is no.
-using KeyMeaning = std::variant<Wish, Judgement, HelpWanted>;
+using KeyMeaning = std::variant<Request, Judgement, HelpWanted>;
 
 struct KeyHint {
   std::string key;    // as printed: "space", "p", "Enter"
@@ -34,12 +34,12 @@ struct KeyHint {
 
 struct KeyBinding {
   char32_t key = 0;  // ' ' is also Enter
-  KeyMeaning meaning = Wish::go_on;
+  KeyMeaning meaning = Request::go_on;
   std::string what;
   bool brief = true;
   std::string reason{};  // how it asks for the operator's reason; empty: as usual
 
-  bool asks(Wish wish) const noexcept { return meaning == KeyMeaning(wish); }
+  bool asks(Request wish) const noexcept { return meaning == KeyMeaning(wish); }
 };
 
 class KeyMap {

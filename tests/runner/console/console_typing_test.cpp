@@ -164,20 +164,20 @@ TEST_CASE("The protocol's answer keys win, and the operator's move to another ke
   Timeline timeline;
   KeyMap keys = question_keys(timeline);
   CHECK(meaning(keys, 's') == KeyMeaning(Judgement::same));
-  CHECK(meaning(keys, 'r') == KeyMeaning(Wish::repeat_trial));
-  CHECK(meaning(keys, 'x') == KeyMeaning(Wish::stopped));
-  CHECK(meaning(keys, 'X') == KeyMeaning(Wish::stopped));
+  CHECK(meaning(keys, 'r') == KeyMeaning(Request::repeat_trial));
+  CHECK(meaning(keys, 'x') == KeyMeaning(Request::stopped));
+  CHECK(meaning(keys, 'X') == KeyMeaning(Request::stopped));
   timeline.key_same = 'r';
   timeline.key_different = 'n';
   keys = question_keys(timeline);
   CHECK(meaning(keys, 'r') == KeyMeaning(Judgement::same));
   CHECK(meaning(keys, 'n') == KeyMeaning(Judgement::different));
-  CHECK(meaning(keys, 'R') == KeyMeaning(Wish::repeat_trial));
-  CHECK(meaning(keys, 'N') == KeyMeaning(Wish::note));
+  CHECK(meaning(keys, 'R') == KeyMeaning(Request::repeat_trial));
+  CHECK(meaning(keys, 'N') == KeyMeaning(Request::note));
   timeline.key_different = 'R';
   keys = question_keys(timeline);
   CHECK(meaning(keys, 'R') == KeyMeaning(Judgement::different));
-  CHECK(meaning(keys, '0') == KeyMeaning(Wish::repeat_trial));
+  CHECK(meaning(keys, '0') == KeyMeaning(Request::repeat_trial));
 }
 
 TEST_CASE("The stop key is explained as what it is, also where it is no key of the scene") {
@@ -201,8 +201,8 @@ TEST_CASE("Wrong keys are explained") {
   CHECK(keys.explanation({KeyName::control, 'z', 0}).find("background") != std::string::npos);
   CHECK(!keys.binding_of(named(KeyName::up)));
   CHECK(!ready_keys(false).binding_of({KeyName::character, 'u', 0}));
-  CHECK(ready_keys(true).binding_of({KeyName::character, 'u', 0}).value().asks(Wish::void_last));
-  CHECK(ready_keys(true).binding_of(named(KeyName::enter)).value().asks(Wish::go_on));
+  CHECK(ready_keys(true).binding_of({KeyName::character, 'u', 0}).value().asks(Request::void_last));
+  CHECK(ready_keys(true).binding_of(named(KeyName::enter)).value().asks(Request::go_on));
 }
 
 }  // namespace
