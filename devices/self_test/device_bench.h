@@ -40,7 +40,7 @@ class DeviceBench {
   // One tick of 1 ms: read, govern, write. The pose that the command rests on is age_ns old.
   const GovernorOutput& tick(const DeviceCommand& asked, std::int64_t age_ns = 0);
   void ticks(int count, const DeviceCommand& asked);
-  // A millisecond in which nobody commands anything: the device is only read.
+  // A millisecond without a command: the device is only read.
   void silence();
   // A command past the governor, as a mistake in a program would bring it.
   void write_raw(const DeviceCommand& command);

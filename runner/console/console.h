@@ -56,7 +56,7 @@ class Console : public SessionView {
   virtual void begin(const SessionCard& card) = 0;
   // A message of its own, of one line or several: what readiness found, a clock that was set back.
   virtual void announce(const std::string& text, bool warning) = 0;
-  // [y] or [n]; false also where nobody can answer.
+  // [y] or [n]; false also without a keyboard.
   virtual bool confirm(const std::string& question) = 0;
   // A line of text, such as the reason for going on in spite of a finding; may be empty.
   virtual std::string ask_text(const std::string& question) = 0;
@@ -64,7 +64,7 @@ class Console : public SessionView {
   virtual void end(const std::string& last_words) = 0;
 };
 
-// keyboard: null for a live demonstration, in which nobody presses keys; then lines are printed. What is passed by
+// keyboard: null for a live demonstration, without key presses; then lines are printed. What is passed by
 // reference or pointer must outlive the console. A terminal that cannot show a screen gets lines.
 std::unique_ptr<Console> make_console(const ConsoleOptions& options, const Protocol& protocol, Keyboard* keyboard,
                                       Clock& clock, const Interrupts& interrupts);

@@ -108,7 +108,7 @@ std::optional<Replies> SessionConsole::reply_all(const std::vector<AskedQuestion
   }
   if (ids == unfinished_ids_)
     for (std::size_t i = 0; i < items.size(); ++i) items[i].typed = unfinished_[i];
-  // Whoever writes to a pipe cannot look at a page once more.
+  // What is written to a pipe cannot be looked through once more.
   QuestionnairePage questions(std::move(items), keyboard_->is_terminal());
   const bool done = display_->by_lines() ? ask_by_lines(questions) : ask_by_keys(questions);
   unfinished_.clear();

@@ -48,7 +48,7 @@ class KeyMap {
   std::optional<KeyBinding> binding_of(const Key& key) const;
   std::vector<KeyHint> hints() const;
   KeyMap without(std::initializer_list<KeyMeaning> meanings) const;
-  // What to tell somebody who pressed another key.
+  // What the operator is told who pressed another key.
   std::string explanation(const Key& pressed) const;
 
  private:

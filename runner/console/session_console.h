@@ -56,7 +56,7 @@ class SessionConsole final : public Console, private Responder {
   OperatorRequest request_at(const Scene& scene, const KeyMap& keys, bool pausable,
                              const std::function<bool()>& over = {});
   void show(const Scene& scene);
-  // To somebody who pressed a key that none of the keys is.
+  // Says what the keys are after another one was pressed.
   void explain(const KeyMap& keys, const Key& pressed);
   // Whether what is to be read was not all seen yet, of which the operator is told; turns_page: instead it is scrolled.
   bool still_to_read(bool turns_page = false);

@@ -32,7 +32,7 @@ struct LearnButtonsOptions {
 
 void say_at_once(const std::string& line) {
   fmt::print("{}\n", printable(line));
-  std::fflush(stdout);  // also into a pipe: somebody waits for it
+  std::fflush(stdout);  // also into a pipe, whose reader waits for it
 }
 
 // A line of standard input; none at its end, and after a signal.
@@ -56,7 +56,7 @@ std::string listed(const std::vector<HidInfo>& devices, bool numbered) {
   return text;
 }
 
-// None where nobody says which.
+// None where the input ends before one is chosen.
 std::optional<HidInfo> chosen_device(HidBus& bus, const std::string& path) {
   const std::vector<HidInfo> devices = devices_with_buttons(bus);
   if (devices.empty())
@@ -102,7 +102,7 @@ UsageError taken(const std::string& file) {
 int command_device_learn_buttons(const LearnButtonsOptions& options) {
   const HoldInterrupts hold;
   HidapiBus bus;
-  // Before anybody presses anything.
+  // Before the first press.
   std::error_code error;
   const std::filesystem::file_status there = std::filesystem::symlink_status(options.file, error);
   if (!std::filesystem::status_known(there)) throw cannot_write(options.file, error.value());

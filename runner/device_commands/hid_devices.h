@@ -38,7 +38,7 @@ struct DeviceDescription {
 };
 // Throws DeviceError.
 DeviceDescription describe(HidHandle& handle, const std::string& name);
-// Throws DeviceError where somebody else drives it just now.
+// Throws DeviceError where another program drives it just now.
 void refuse_if_driven(const DeviceDescription& device, const std::string& name);
 
 // Opens the device and does the job, both on a thread of its own: signals, which look like an unplugged device to

@@ -24,7 +24,7 @@ const std::atomic<bool>& interrupt_requested() noexcept;
 // SIGXFSZ is ignored: a file that may not grow is trouble with storage, which is said where it is written.
 void install_interrupt_handlers() noexcept;
 void request_interrupt() noexcept;  // as if a signal had come
-// From here on a write to a pipe that nobody reads fails, and does not end the program: for sessions, which have
+// From here on a write to a pipe without a reader fails, and does not end the program: for sessions, which have
 // devices to bring to rest. Programs that are started from this one still end.
 void outlive_readers() noexcept;
 

@@ -41,7 +41,7 @@ Check check_keyboard(bool is_terminal);
 Check check_plan_balance(const Protocol& protocol, const Plan& plan);
 // The study's events so far: every hash, and that no end is missing.
 Check check_study(const Study& study);
-// Whether this participant may take part (again): not excluded, this session not finished, the number nobody else's.
+// Whether this participant may take part (again): not excluded, this session not finished, the number not taken.
 Check check_participant(const std::vector<SessionInfo>& sessions, const std::string& participant, SessionKind kind,
                         const Plan& plan, int planned_sessions);
 // The wall clock: not before this program was written, nor before what the study already holds.

@@ -40,7 +40,7 @@ void judge_gap_since_same_start(double went_on_s, double suspended_s, double wal
   }
 }
 
-// Another run of the machine, or nobody knows: only the wall clock is left.
+// Another run of the machine, or an unknown one: only the wall clock is left.
 void judge_gap_by_wall_clock(double wall_s, ResumeCheck& check) {
   if (wall_s >= 0) {
     check.clock = GapClock::wall;

@@ -12,13 +12,13 @@
 
 namespace jnd {
 
-// Whoever stands beside the device. Thread rule: the handle's thread.
+// The person beside the device. Thread rule: the handle's thread.
 class CalibrationOperator {
  public:
   virtual ~CalibrationOperator() = default;
   virtual void ask(const std::string& question) = 0;
   // The line that was typed since; none yet. Never waits: the device is driven meanwhile. Throws InputError where
-  // nobody will ever type again.
+  // the input has ended.
   virtual std::optional<std::string> answer() = 0;
   virtual void say(const std::string& text) = 0;
 };
