@@ -19,10 +19,14 @@
 #include <unistd.h>
 
 #include "devices/device_error.h"
+#include "protocols/words.h"
 
 namespace jnd {
 
 namespace {
+
+constexpr auto kPolicies = words<RealtimePolicy>(
+    {{"off", RealtimePolicy::off}, {"prefer", RealtimePolicy::prefer}, {"require", RealtimePolicy::require}});
 
 std::string words(int error) {
   return std::system_category().message(error);
@@ -206,21 +210,11 @@ RealtimeItem stay_awake(int& request) {
 }  // namespace
 
 std::string_view to_string(RealtimePolicy policy) noexcept {
-  switch (policy) {
-    case RealtimePolicy::off:
-      return "off";
-    case RealtimePolicy::prefer:
-      return "prefer";
-    case RealtimePolicy::require:
-      return "require";
-  }
-  return "off";
+  return word_of(kPolicies, policy);
 }
 
 std::optional<RealtimePolicy> parse_realtime_policy(std::string_view word) noexcept {
-  for (const RealtimePolicy policy : {RealtimePolicy::off, RealtimePolicy::prefer, RealtimePolicy::require})
-    if (word == to_string(policy)) return policy;
-  return std::nullopt;
+  return value_of(kPolicies, word);
 }
 
 bool RealtimeReport::all_ok() const noexcept {

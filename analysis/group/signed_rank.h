@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-#include "analysis/numerics/test_status.h"
+#include "analysis/numerics/statistic_status.h"
 
 namespace jnd {
 
@@ -20,16 +20,17 @@ namespace jnd {
 inline constexpr int kLargestExactSignedRank = 200;
 
 struct SignedRank {
-  int n = 0;                           // pairs
-  int zeros = 0;                       // of them with x == y
-  bool ties = false;                   // among the absolute non-zero differences
-  double v = 0;                        // sum of the ranks of the positive differences x - y
-  double p = 0;                        // two-sided, as R: exact or normal
-  bool exact = false;                  // which of the two p is
-  double p_normal = 0;                 // continuity and tie correction, whatever n
-  double p_exact_permutation = 0;      // two-sided; NaN for more than kLargestExactSignedRank differences
-  double rank_biserial = 0;            // (V - V-) / (V + V-), -1..1; zeros dropped
-  TestStatus status = TestStatus::ok;  // else too_few (no pair), no_variance (every difference is 0): all but v are NaN
+  int n = 0;                       // pairs
+  int zeros = 0;                   // of them with x == y
+  bool ties = false;               // among the absolute non-zero differences
+  double v = 0;                    // sum of the ranks of the positive differences x - y
+  double p = 0;                    // two-sided, as R: exact or normal
+  bool exact = false;              // which of the two p is
+  double p_normal = 0;             // continuity and tie correction, whatever n
+  double p_exact_permutation = 0;  // two-sided; NaN for more than kLargestExactSignedRank differences
+  double rank_biserial = 0;        // (V - V-) / (V + V-), -1..1; zeros dropped
+  StatisticStatus status =
+      StatisticStatus::ok;  // else too_few (no pair), no_variance (every difference is 0): all but v are NaN
 };
 SignedRank signed_rank(std::span<const double> x, std::span<const double> y);  // of equal size
 SignedRank signed_rank(std::span<const double> differences);                   // where these are what was read
@@ -38,7 +39,7 @@ SignedRank signed_rank(std::span<const double> differences);                   /
 struct PrattSignedRank {
   double z = 0, p = 0;             // two-sided, normal
   double p_exact_permutation = 0;  // as above
-  TestStatus status = TestStatus::ok;
+  StatisticStatus status = StatisticStatus::ok;
 };
 PrattSignedRank pratt_signed_rank(std::span<const double> x, std::span<const double> y);  // of equal size
 PrattSignedRank pratt_signed_rank(std::span<const double> differences);

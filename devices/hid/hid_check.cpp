@@ -90,8 +90,8 @@ void add_to(std::string& list, const std::string& label) {
 
 }  // namespace
 
-MachineCheck check_hid(const fs::path& root) {
-  MachineCheck check{.name = "HID devices", .verdict = Verdict::ok, .found = "", .what_to_do = ""};
+Check check_hid(const fs::path& root) {
+  Check check{.what = "HID devices", .verdict = Verdict::ok};
   const auto nodes = hidraw_nodes(root / "dev");
   if (nodes.empty()) {
     check.found = "none connected (simulated devices need none)";

@@ -14,7 +14,7 @@ namespace jnd {
 namespace {
 
 constexpr double kPeriod_s = 1e-9 * static_cast<double>(kPeriod_ns);
-constexpr std::int64_t kGlimpseEvery_ticks = 25;  // what an operator sees is no older than this
+constexpr std::int64_t kSnapshotEvery_ticks = 25;  // what an operator sees is no older than this
 
 std::int64_t ns_of(double seconds) noexcept {
   constexpr double kMost = 9e9;  // s; longer waits are as good as for ever
@@ -49,13 +49,13 @@ bool has_force(const Cues& cues, Channel channel) noexcept {
 }  // namespace
 
 ControlLoop::ControlLoop(const std::vector<LoopDevice>& devices, Tracker& tracker, Clock& clock, const LoopScene& scene,
-                         TelemetryRing* telemetry, LatestGlimpse* glimpse)
+                         TelemetryRing* telemetry, LatestSnapshot* snapshot)
     : devices_(devices.size()),
       tracker_(tracker),
       clock_(clock),
       scene_(scene),
       telemetry_(telemetry),
-      glimpse_(glimpse) {
+      snapshot_(snapshot) {
   for (std::size_t i = 0; i < devices.size(); ++i) {
     devices_[i].setup = devices[i];
     devices_[i].governor.configure(devices[i].spec);
@@ -213,12 +213,12 @@ void ControlLoop::stop_all(std::int64_t now_ns) noexcept {
 }
 
 void ControlLoop::show(std::int64_t ticks, double elapsed_s) noexcept {
-  LoopGlimpse glimpse;
-  glimpse.ticks = ticks;
-  glimpse.elapsed_s = elapsed_s;
-  glimpse.lateness_max_us = lateness_.largest_us();
-  glimpse.contact = touched_;
-  glimpse_->put(glimpse);
+  LoopSnapshot snapshot;
+  snapshot.ticks = ticks;
+  snapshot.elapsed_s = elapsed_s;
+  snapshot.lateness_max_us = lateness_.largest_us();
+  snapshot.contact = touched_;
+  snapshot_->put(snapshot);
 }
 
 Fault ControlLoop::tick(const PresentRequest& request, std::int64_t now_ns, double duration_s, bool stop) noexcept {
@@ -280,7 +280,7 @@ Presentation ControlLoop::run(const PresentRequest& request, const EmergencyStop
     if (result.fault != Fault::none) break;
 
     deadline_ns += kPeriod_ns;
-    if (glimpse_ != nullptr && result.ticks % kGlimpseEvery_ticks == 1)
+    if (snapshot_ != nullptr && result.ticks % kSnapshotEvery_ticks == 1)
       show(result.ticks, 1e-9 * static_cast<double>(deadline_ns - start_ns));
     clock_.sleep_until_ns(deadline_ns);
     now_ns = clock_.now_ns();

@@ -13,7 +13,7 @@
 #include <string_view>
 
 #include "devices/fingertip_device.h"
-#include "protocols/rigs/device_spec.h"
+#include "protocols/rigs/device_description.h"
 #include "protocols/vocabulary.h"
 
 namespace jnd {

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "protocols/rigs/device_spec.h"
+#include "protocols/rigs/device_description.h"
 #include "protocols/vocabulary.h"
 
 namespace jnd {

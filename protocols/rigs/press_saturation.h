@@ -9,7 +9,7 @@
 #pragma once
 
 #include "protocols/protocol.h"
-#include "protocols/rigs/device_spec.h"
+#include "protocols/rigs/device_description.h"
 
 namespace jnd {
 

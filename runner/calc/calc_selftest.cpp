@@ -46,11 +46,10 @@ int run_selftest(const SelftestOptions& options) {
 
 }  // namespace
 
-void add_calc_selftest(CalcTree& tree) {
-  const auto options = std::make_shared<SelftestOptions>();
-  CLI::App* command = tree.add("selftest", "Recompute independent reference numbers on this machine", "selftest",
-                               options, run_selftest);
-  command->add_flag("--json", options->json, "machine-readable");
+void add_calc_selftest(CommandTree& tree) {
+  const auto [command, options] =
+      tree.add("selftest", "Recompute independent reference numbers on this machine", "jnd calc selftest", run_selftest);
+  command.add_flag("--json", options.json, "machine-readable");
 }
 
 }  // namespace jnd

@@ -8,7 +8,7 @@
 #include "devices/device_error.h"
 #include "devices/hid/firmware/jnd_report.h"
 #include "devices/hid/our_devices.h"
-#include "devices/hid/page_talk.h"
+#include "devices/hid/page_exchange.h"
 #include "devices/hid/report_words.h"
 
 namespace jnd {
@@ -80,7 +80,7 @@ std::string HidTracker::missing() const {
 
 // Poses that come while its identity is asked are not missed: nothing rests on them yet.
 void HidTracker::connected(const HidInfo& info, HidHandle& handle) {
-  const jnd_identity identity = PageTalk(handle, name_of(info)).identity();
+  const jnd_identity identity = PageExchange(handle, name_of(info)).identity();
   const std::string serial = serial_of(identity);
   if (identity.model != JND_MODEL_TRACKER)
     throw DeviceError(

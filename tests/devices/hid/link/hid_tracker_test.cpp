@@ -11,7 +11,7 @@
 #include "devices/hid/firmware/jnd_report.h"
 #include "devices/hid/link/streamed_tracker.h"
 #include "protocols/input/input_error.h"
-#include "protocols/rigs/rig_spec.h"
+#include "protocols/rigs/rig_description.h"
 #include "tests/catch.h"
 #include "tests/devices/hid/buttons/made_up_box.h"
 #include "tests/devices/tracker_fixtures.h"

@@ -6,6 +6,6 @@
 
 namespace jnd {
 
-using LatestGlimpse = NewestSlot<LoopGlimpse>;
+using LatestSnapshot = NewestSlot<LoopSnapshot>;
 
 }  // namespace jnd

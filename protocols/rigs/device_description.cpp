@@ -1,4 +1,4 @@
-#include "protocols/rigs/device_spec.h"
+#include "protocols/rigs/device_description.h"
 
 #include <algorithm>
 #include <numbers>
@@ -144,7 +144,7 @@ void read_mckibben(JsonReader& reader, std::vector<Diagnostic>& diagnostics, con
   if (const JsonNode* finger = reader.object("finger"))
     spec.finger = read_mckibben_parameters(*finger, diagnostics, file);
   if (const JsonNode* control = reader.object("control")) read_gains(*control, diagnostics, file, spec);
-  spec.tendon = reader.one_of<Tendon>("tendon", {{"bilateral", Tendon::bilateral}, {"unilateral", Tendon::unilateral}});
+  spec.tendon = reader.one_of("tendon", kTendonWords);
   spec.lever_arm_m = reader.number("lever_arm_m", {.min = 0, .max = 0.3, .above = true, .unit = "m"});
 }
 
@@ -174,13 +174,11 @@ DeviceSpec load_device_spec(const std::filesystem::path& path) {
 }
 
 std::string_view to_string(Tendon tendon) noexcept {
-  return tendon == Tendon::bilateral ? "bilateral" : "unilateral";
+  return word_of(kTendonWords, tendon);
 }
 
 std::optional<Tendon> tendon_from(std::string_view text) noexcept {
-  for (const Tendon tendon : {Tendon::bilateral, Tendon::unilateral})
-    if (text == to_string(tendon)) return tendon;
-  return std::nullopt;
+  return value_of(kTendonWords, text);
 }
 
 }  // namespace jnd

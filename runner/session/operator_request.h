@@ -5,7 +5,7 @@
 
 namespace jnd {
 
-enum class Wish {
+enum class Request {
   go_on,
   pause,         // devices neutral, clock of the session stopped until the operator goes on
   repeat_trial,  // this attempt is voided and comes again at the end of its block
@@ -18,8 +18,8 @@ enum class Wish {
   stopped        // nothing; the rig's stop came first, and is to be seen to
 };
 
-struct OperatorWish {
-  Wish wish = Wish::go_on;
+struct OperatorRequest {
+  Request request = Request::go_on;
   std::string text;  // the reason, or the note
 };
 

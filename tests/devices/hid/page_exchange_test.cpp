@@ -1,5 +1,5 @@
 // Pages read from and written to the firmware, over a handle that loses and spoils reports.
-#include "devices/hid/page_talk.h"
+#include "devices/hid/page_exchange.h"
 
 #include "devices/device_error.h"
 #include "devices/hid/report_words.h"
@@ -43,7 +43,7 @@ jnd_force_table three_points() {
 TEST_CASE("every page of a fingertip device is read as the firmware has it") {
   BenchFirmware device("FT-0042", JND_THUMB);
   REQUIRE(device.sound);
-  PageTalk pages(device, "FT-0042");
+  PageExchange pages(device, "FT-0042");
   const jnd_identity identity = pages.identity();
   CHECK(serial_of(identity) == "FT-0042");
   CHECK(finger_word(identity.finger) == "thumb");
@@ -59,7 +59,7 @@ TEST_CASE("every page of a fingertip device is read as the firmware has it") {
 TEST_CASE("what is stored is there when it is asked again, and after a power cycle") {
   BenchFirmware device;
   {
-    PageTalk pages(device, "it");
+    PageExchange pages(device, "it");
     pages.store(three_points());
     jnd_certificate certificate{};
     std::copy_n("0123456789abcdef", JND_CALIBRATION_ID_SIZE, certificate.calibration_id);
@@ -67,7 +67,7 @@ TEST_CASE("what is stored is there when it is asked again, and after a power cyc
     pages.store(certificate);
   }
   device.start();
-  PageTalk pages(device, "it");
+  PageExchange pages(device, "it");
   CHECK(pages.force_table().sensor_un[2] == 1'980'000);
   CHECK(calibration_id_of(pages.identity()) == "0123456789abcdef");
   CHECK(date_text(pages.identity().calibration_date) == "2026-03-01");
@@ -76,7 +76,7 @@ TEST_CASE("what is stored is there when it is asked again, and after a power cyc
 TEST_CASE("a lost answer is asked for again, with another token; what else comes is handed on") {
   BenchFirmware device;
   int others = 0;
-  PageTalk pages(
+  PageExchange pages(
       device, "it", [&](std::span<const std::uint8_t> report) { others += report[0] == JND_REPORT_TELEMETRY ? 1 : 0; },
       kQuick);
   device.lose_answers = 2;
@@ -91,13 +91,13 @@ TEST_CASE("a lost answer is asked for again, with another token; what else comes
 TEST_CASE("a queue that filled up while nobody read does not hide the answer") {
   BenchFirmware device;
   device.sleep_until_ns(500'000'000);  // 500 reports for a queue of 63
-  PageTalk pages(device, "it", {}, {.read_ms = 20, .write_ms = 20, .tries = 1});
+  PageExchange pages(device, "it", {}, {.read_ms = 20, .write_ms = 20, .tries = 1});
   CHECK(serial_of(pages.identity()) == "FT-0001");
 }
 
 TEST_CASE("an answer to somebody else's question is not taken") {
   BenchFirmware device;
-  PageTalk pages(device, "it", {}, kQuick);
+  PageExchange pages(device, "it", {}, kQuick);
   int spoilt = 0;
   device.spoil = [&](HidReport& report) {
     jnd_answer answer{};
@@ -113,7 +113,7 @@ TEST_CASE("an answer to somebody else's question is not taken") {
 
 TEST_CASE("a damaged answer is not taken") {
   BenchFirmware device;
-  PageTalk pages(device, "it", {}, kQuick);
+  PageExchange pages(device, "it", {}, kQuick);
   int spoilt = 0;
   device.spoil = [&](HidReport& report) {
     if (report[0] != JND_REPORT_PAGE || spoilt++ > 0) return;
@@ -128,7 +128,7 @@ TEST_CASE("other versions of the protocol are refused with both ranges") {
   device.config.identity.lowest_version = 2;
   device.config.identity.highest_version = 9;
   device.start();
-  PageTalk pages(device, "it", {}, kQuick);
+  PageExchange pages(device, "it", {}, kQuick);
   CHECK(contains(message_of([&] { (void)pages.identity(); }), "versions 2 to 9 of the report protocol"));
   CHECK(contains(message_of([&] { (void)pages.identity(); }), "this program speaks versions 1 to 1"));
   device.spoil = [](HidReport& report) { report[1] = 9; };
@@ -137,7 +137,7 @@ TEST_CASE("other versions of the protocol are refused with both ranges") {
 
 TEST_CASE("refusals are told in words, and nothing is stored while the device is active") {
   BenchFirmware device;
-  PageTalk pages(device, "it", {}, kQuick);
+  PageExchange pages(device, "it", {}, kQuick);
   CHECK(contains(message_of([&] { (void)pages.read(static_cast<jnd_page_number>(7)); }), "knows no page 7"));
   CHECK(contains(message_of([&] { pages.write(JND_PAGE_LIMITS, {}); }), "refuses to store page 1 (limits)"));
   PageData nonsense{};
@@ -160,7 +160,7 @@ TEST_CASE("refusals are told in words, and nothing is stored while the device is
 
 TEST_CASE("a device that is gone, or gives back something else, is told") {
   BenchFirmware device;
-  PageTalk pages(device, "it", {}, kQuick);
+  PageExchange pages(device, "it", {}, kQuick);
   device.spoil = [](HidReport& report) {
     jnd_answer answer{};
     if (jnd_decode_answer(report.data(), report.size(), &answer) != JND_DECODE_OK) return;

@@ -1,4 +1,4 @@
-#include "analysis/numerics/test_tails.h"
+#include "analysis/numerics/tail_probabilities.h"
 
 #include <cmath>
 

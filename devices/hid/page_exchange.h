@@ -26,13 +26,13 @@ struct PagePatience {
 // Everything throws DeviceError, with the device, the page, what happened and what to do: the device is gone, does not
 // answer, speaks another version of the protocol, refuses, or answers what the protocol does not allow.
 // Thread rule: the handle's thread.
-class PageTalk {
+class PageExchange {
  public:
   using Listener = std::function<void(std::span<const std::uint8_t>)>;
 
   // device: what messages call it, such as a serial number or a path. others: gets every report that came instead of
   // an answer, whole and in order; may be empty. The handle must outlive this.
-  PageTalk(HidHandle& handle, std::string device, Listener others = {}, PagePatience patience = {});
+  PageExchange(HidHandle& handle, std::string device, Listener others = {}, PagePatience patience = {});
 
   // Refused where the device does not speak JND_PROTOCOL_VERSION: both ranges are then in the message.
   jnd_identity identity();

@@ -11,6 +11,7 @@
 #include "protocols/rigs/device_models.h"
 #include "protocols/rigs/mckibben_parameters.h"
 #include "protocols/vocabulary.h"
+#include "protocols/words.h"
 
 namespace jnd {
 
@@ -65,6 +66,8 @@ struct DeviceSpec {
 // Throws InputError.
 DeviceSpec load_device_spec(const std::filesystem::path& path);
 
+inline constexpr auto kTendonWords =
+    words<Tendon>({{"bilateral", Tendon::bilateral}, {"unilateral", Tendon::unilateral}});
 std::string_view to_string(Tendon tendon) noexcept;
 std::optional<Tendon> tendon_from(std::string_view text) noexcept;
 

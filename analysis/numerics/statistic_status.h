@@ -3,7 +3,7 @@
 
 namespace jnd {
 
-enum class TestStatus {
+enum class StatisticStatus {
   ok,
   too_few,         // fewer values than the statistic needs
   too_many,        // more values than its source covers (Shapiro-Wilk: 5000)
@@ -13,19 +13,19 @@ enum class TestStatus {
 };
 
 // "ok", "too_few", ... as in JSON.
-constexpr const char* to_text(TestStatus status) noexcept {
+constexpr const char* to_text(StatisticStatus status) noexcept {
   switch (status) {
-    case TestStatus::ok:
+    case StatisticStatus::ok:
       return "ok";
-    case TestStatus::too_few:
+    case StatisticStatus::too_few:
       return "too_few";
-    case TestStatus::too_many:
+    case StatisticStatus::too_many:
       return "too_many";
-    case TestStatus::no_variance:
+    case StatisticStatus::no_variance:
       return "no_variance";
-    case TestStatus::singular:
+    case StatisticStatus::singular:
       return "singular";
-    case TestStatus::not_applicable:
+    case StatisticStatus::not_applicable:
       return "not_applicable";
   }
   return "unknown";

@@ -1,4 +1,4 @@
-#include "protocols/rigs/rig_spec.h"
+#include "protocols/rigs/rig_description.h"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // What an operator sees of the loop while it runs: whole values, the newest ones, at no cost to the loop.
-#include "devices/loop/latest_glimpse.h"
+#include "devices/loop/latest_snapshot.h"
 
 #include <atomic>
 #include <stdexcept>
@@ -14,68 +14,69 @@ using namespace jnd::testing;
 namespace {
 
 // Every field tells the same number.
-LoopGlimpse all(std::int64_t number) {
+LoopSnapshot all(std::int64_t number) {
   const auto value = static_cast<double>(number);
-  LoopGlimpse glimpse;
-  glimpse.ticks = number;
-  glimpse.elapsed_s = glimpse.lateness_max_us = value;
-  glimpse.contact = number % 2 == 1;
-  return glimpse;
+  LoopSnapshot snapshot;
+  snapshot.ticks = number;
+  snapshot.elapsed_s = snapshot.lateness_max_us = value;
+  snapshot.contact = number % 2 == 1;
+  return snapshot;
 }
 
-bool whole(const LoopGlimpse& glimpse) {
-  const auto value = static_cast<double>(glimpse.ticks);
-  return glimpse.elapsed_s == value && glimpse.lateness_max_us == value && glimpse.contact == (glimpse.ticks % 2 == 1);
+bool whole(const LoopSnapshot& snapshot) {
+  const auto value = static_cast<double>(snapshot.ticks);
+  return snapshot.elapsed_s == value && snapshot.lateness_max_us == value &&
+         snapshot.contact == (snapshot.ticks % 2 == 1);
 }
 
 // The loop on a simulated clock, with the shipped hand; what it showed last.
 struct Watched {
   Presentation given;
-  LoopGlimpse last;
+  LoopSnapshot last;
 };
 Watched watch_loop(double stiffness, const Cues& cues, double explore_s) {
   const DeviceSpec spec = rrs3_spec();
   Rrs3Device thumb(spec, Rrs3DeviceOptions{}), index(spec, Rrs3DeviceOptions{});
   SimulatedHand hand(HandHabits{}, 2, 1, 1);
   SimulatedClock clock(0);
-  LatestGlimpse glimpse;
+  LatestSnapshot snapshot;
   ControlLoop loop(on_fingers({&thumb, &index}, spec), hand, clock, sphere_scene(HandHabits{}.sphere_radius_m), nullptr,
-                   &glimpse);
+                   &snapshot);
   PresentRequest asked = request(stiffness, cues);
   asked.explore_s = explore_s;
   const EmergencyStop stop;
   Watched watched;
   watched.given = loop.run(asked, stop);
-  watched.last = glimpse.look();
+  watched.last = snapshot.look();
   return watched;
 }
 
 }  // namespace
 
 TEST_CASE("a look between puts is the last one, and nothing before the first") {
-  LatestGlimpse glimpse;
-  CHECK(glimpse.look().ticks == 0);
-  CHECK(whole(glimpse.look()));
+  LatestSnapshot snapshot;
+  CHECK(snapshot.look().ticks == 0);
+  CHECK(whole(snapshot.look()));
   for (const std::int64_t number : {7, 8, 1'000'000}) {
-    glimpse.put(all(number));
-    CHECK(glimpse.look().ticks == number);
-    CHECK(whole(glimpse.look()));
+    snapshot.put(all(number));
+    CHECK(snapshot.look().ticks == number);
+    CHECK(whole(snapshot.look()));
   }
 }
 
 TEST_CASE("a look is whole and never older than the one before, however fast the other thread puts") {
   constexpr int kMostLooks = 5'000'000, kChanges = 2000;  // where the threads share a processor, few looks meet a put
-  LatestGlimpse glimpse;
+  LatestSnapshot snapshot;
   std::atomic<bool> over{false};
   std::thread loop([&] {
-    for (std::int64_t number = 1; !over.load(std::memory_order_relaxed); ++number) glimpse.put(all(number));
+    for (std::int64_t number = 1; !over.load(std::memory_order_relaxed); ++number) snapshot.put(all(number));
   });
-  while (glimpse.look().ticks == 0) std::this_thread::yield();  // until the other thread is at it
+  while (snapshot.look().ticks == 0) std::this_thread::yield();  // until the other thread is at it
   bool torn = false, older = false;
   std::int64_t before = 0;
   int changes = 0;
   for (int i = 0; i < kMostLooks && changes < kChanges; ++i) {
-    const LoopGlimpse seen = glimpse.look();
+    const LoopSnapshot seen = snapshot.look();
     torn = torn || !whole(seen);
     older = older || seen.ticks < before;
     changes += seen.ticks != before ? 1 : 0;
@@ -106,11 +107,11 @@ TEST_CASE("who watches a rig on the real clock is called while it presents, on t
   int looks = 0;
   const std::thread::id caller = std::this_thread::get_id();
   bool here = true, forward = true;
-  LoopGlimpse last;
-  rig->watch([&](const LoopGlimpse& glimpse) {
+  LoopSnapshot last;
+  rig->watch([&](const LoopSnapshot& snapshot) {
     here = here && std::this_thread::get_id() == caller;
-    forward = forward && glimpse.ticks > 0 && glimpse.ticks >= last.ticks && glimpse.elapsed_s >= last.elapsed_s;
-    last = glimpse;
+    forward = forward && snapshot.ticks > 0 && snapshot.ticks >= last.ticks && snapshot.elapsed_s >= last.elapsed_s;
+    last = snapshot;
     if (++looks == 3) rig->stop.latch(StopSource::program);
   });
   PresentRequest asked = request(500, kForce);
@@ -142,7 +143,7 @@ TEST_CASE("a loop on a simulated clock is not watched") {
   SimulatedClock clock(0);
   const auto rig = make_simulated_rig(small_protocol(), rrs3_rig(), shipped_profile("chinello2017"), 1, 1, clock);
   int looks = 0;
-  rig->watch([&](const LoopGlimpse&) { ++looks; });
+  rig->watch([&](const LoopSnapshot&) { ++looks; });
   CHECK(rig->present(request(500, kForce)).fault == Fault::none);
   CHECK(looks == 0);
 }
@@ -151,7 +152,7 @@ TEST_CASE("what a watcher throws comes out of the presentation, when the devices
   SteadyClock clock;
   const auto rig = make_simulated_rig(small_protocol(), rrs3_rig(), shipped_profile("chinello2017"), 1, 1, clock,
                                       {.telemetry_ticks = 0, .realtime = RealtimePolicy::off});
-  rig->watch([&](const LoopGlimpse&) {
+  rig->watch([&](const LoopSnapshot&) {
     rig->stop.latch(StopSource::program);
     throw std::runtime_error("of the watcher");
   });

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "protocols/rigs/device_spec.h"
+#include "protocols/rigs/device_description.h"
 
 namespace jnd {
 

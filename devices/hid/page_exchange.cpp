@@ -1,4 +1,4 @@
-#include "devices/hid/page_talk.h"
+#include "devices/hid/page_exchange.h"
 
 #include <algorithm>
 #include <chrono>
@@ -30,7 +30,7 @@ std::string name_of(jnd_page_number page) {
 
 }  // namespace
 
-PageTalk::PageTalk(HidHandle& handle, std::string device, Listener others, PagePatience patience)
+PageExchange::PageExchange(HidHandle& handle, std::string device, Listener others, PagePatience patience)
     : handle_(handle),
       device_(std::move(device)),
       others_(std::move(others)),
@@ -38,7 +38,7 @@ PageTalk::PageTalk(HidHandle& handle, std::string device, Listener others, PageP
       // Not what another program, or this one a moment ago, has asked with: late answers then match nothing.
       token_(static_cast<std::uint32_t>(now().time_since_epoch().count())) {}
 
-int PageTalk::read_report(std::span<std::uint8_t> bytes, int wait_ms) {
+int PageExchange::read_report(std::span<std::uint8_t> bytes, int wait_ms) {
   const int count = handle_.read(bytes, wait_ms);
   if (count == kHidGone)
     throw DeviceError(
@@ -47,7 +47,7 @@ int PageTalk::read_report(std::span<std::uint8_t> bytes, int wait_ms) {
 }
 
 // Reports that waited unread may have filled the system's queue, which then drops the answer.
-void PageTalk::drain() {
+void PageExchange::drain() {
   std::array<std::uint8_t, JND_REPORT_SIZE> bytes{};
   constexpr int kMostWaiting = 256;
   for (int i = 0; i < kMostWaiting; ++i) {
@@ -57,7 +57,7 @@ void PageTalk::drain() {
   }
 }
 
-bool PageTalk::take_answer(const jnd_request& request, int wait_ms, jnd_answer& answer) {
+bool PageExchange::take_answer(const jnd_request& request, int wait_ms, jnd_answer& answer) {
   const SteadyTime deadline = now() + std::chrono::milliseconds(wait_ms);
   std::array<std::uint8_t, JND_REPORT_SIZE> bytes{};
   do {
@@ -71,7 +71,7 @@ bool PageTalk::take_answer(const jnd_request& request, int wait_ms, jnd_answer& 
   return false;
 }
 
-PageData PageTalk::ask(jnd_operation operation, jnd_page_number page, const PageData& data, int wait_ms) {
+PageData PageExchange::ask(jnd_operation operation, jnd_page_number page, const PageData& data, int wait_ms) {
   other_version_ = 0;
   drain();
   for (int attempt = 0; attempt < patience_.tries; ++attempt) {
@@ -110,11 +110,11 @@ PageData PageTalk::ask(jnd_operation operation, jnd_page_number page, const Page
                   device_, patience_.tries, name_of(page)));
 }
 
-PageData PageTalk::read(jnd_page_number page) {
+PageData PageExchange::read(jnd_page_number page) {
   return ask(JND_READ_PAGE, page, {}, patience_.read_ms);
 }
 
-void PageTalk::write(jnd_page_number page, const PageData& data) {
+void PageExchange::write(jnd_page_number page, const PageData& data) {
   (void)ask(JND_WRITE_PAGE, page, data, patience_.write_ms);
 }
 
@@ -132,7 +132,7 @@ Content decoded(const PageData& data, bool (*decode)(const std::uint8_t*, Conten
 
 }  // namespace
 
-jnd_identity PageTalk::identity() {
+jnd_identity PageExchange::identity() {
   const PageData data = read(JND_PAGE_IDENTITY);
   // Before the rest is looked at: another version may have another rest.
   const int lowest = data[0], highest = data[1];
@@ -144,35 +144,35 @@ jnd_identity PageTalk::identity() {
   return decoded<jnd_identity>(data, jnd_decode_identity, device_, JND_PAGE_IDENTITY);
 }
 
-jnd_limits PageTalk::limits() {
+jnd_limits PageExchange::limits() {
   return decoded<jnd_limits>(read(JND_PAGE_LIMITS), jnd_decode_limits, device_, JND_PAGE_LIMITS);
 }
 
-jnd_geometry PageTalk::geometry() {
+jnd_geometry PageExchange::geometry() {
   return decoded<jnd_geometry>(read(JND_PAGE_GEOMETRY), jnd_decode_geometry, device_, JND_PAGE_GEOMETRY);
 }
 
-jnd_force_table PageTalk::force_table() {
+jnd_force_table PageExchange::force_table() {
   return decoded<jnd_force_table>(read(JND_PAGE_FORCE_TABLE), jnd_decode_force_table, device_, JND_PAGE_FORCE_TABLE);
 }
 
-jnd_certificate PageTalk::certificate() {
+jnd_certificate PageExchange::certificate() {
   return decoded<jnd_certificate>(read(JND_PAGE_CERTIFICATE), jnd_decode_certificate, device_, JND_PAGE_CERTIFICATE);
 }
 
-void PageTalk::store(jnd_page_number page, const PageData& data) {
+void PageExchange::store(jnd_page_number page, const PageData& data) {
   write(page, data);
   if (read(page) != data)
     throw DeviceError(fmt::format("{}: gives back another {} than was stored; do not use it", device_, name_of(page)));
 }
 
-void PageTalk::store(const jnd_force_table& table) {
+void PageExchange::store(const jnd_force_table& table) {
   PageData data{};
   jnd_encode_force_table(&table, data.data());
   store(JND_PAGE_FORCE_TABLE, data);
 }
 
-void PageTalk::store(const jnd_certificate& certificate) {
+void PageExchange::store(const jnd_certificate& certificate) {
   PageData data{};
   jnd_encode_certificate(&certificate, data.data());
   store(JND_PAGE_CERTIFICATE, data);
