@@ -4,24 +4,19 @@
 #include <atomic>
 #include <string_view>
 
+#include "protocols/words.h"
+
 namespace jnd {
 
 enum class StopSource : int { none, program, signal, key, button };
 
 constexpr std::string_view to_string(StopSource source) noexcept {
-  switch (source) {
-    case StopSource::none:
-      return "none";
-    case StopSource::program:
-      return "program";
-    case StopSource::signal:
-      return "signal";
-    case StopSource::key:
-      return "key";
-    case StopSource::button:
-      return "button";
-  }
-  return "";
+  constexpr auto kWords = words<StopSource>({{"none", StopSource::none},
+                                             {"program", StopSource::program},
+                                             {"signal", StopSource::signal},
+                                             {"key", StopSource::key},
+                                             {"button", StopSource::button}});
+  return word_of(kWords, source);
 }
 
 // Thread rule: every member from any thread, latch also from a signal handler. While latched, a rig gives no force

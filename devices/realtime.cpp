@@ -19,10 +19,14 @@
 #include <unistd.h>
 
 #include "devices/device_error.h"
+#include "protocols/words.h"
 
 namespace jnd {
 
 namespace {
+
+constexpr auto kPolicies = words<RealtimePolicy>(
+    {{"off", RealtimePolicy::off}, {"prefer", RealtimePolicy::prefer}, {"require", RealtimePolicy::require}});
 
 std::string words(int error) {
   return std::system_category().message(error);
@@ -206,21 +210,11 @@ RealtimeItem stay_awake(int& request) {
 }  // namespace
 
 std::string_view to_string(RealtimePolicy policy) noexcept {
-  switch (policy) {
-    case RealtimePolicy::off:
-      return "off";
-    case RealtimePolicy::prefer:
-      return "prefer";
-    case RealtimePolicy::require:
-      return "require";
-  }
-  return "off";
+  return word_of(kPolicies, policy);
 }
 
 std::optional<RealtimePolicy> parse_realtime_policy(std::string_view word) noexcept {
-  for (const RealtimePolicy policy : {RealtimePolicy::off, RealtimePolicy::prefer, RealtimePolicy::require})
-    if (word == to_string(policy)) return policy;
-  return std::nullopt;
+  return value_of(kPolicies, word);
 }
 
 bool RealtimeReport::all_ok() const noexcept {
@@ -255,7 +249,7 @@ struct RealtimeScope::Former {
     sched_getaffinity(0, sizeof processors, &processors);
     timer_slack_ns = static_cast<unsigned long>(prctl(PR_GET_TIMERSLACK, 0UL, 0UL, 0UL, 0UL));
   }
-  // What the thread had before it may have again: no privilege is needed, and no error can be told to anyone.
+  // What the thread had before it may have again: no privilege is needed, and a destructor reports no error.
   ~Former() {
     if (kept) return;
     // Only a privileged thread may drop SCHED_RESET_ON_FORK again.

@@ -35,7 +35,7 @@ struct PresentRequest {
 
 // The control loop as it is just now; for the operator's eyes. It has nothing that follows from a force, because forces
 // tell the stimulus, and whether the condition has any.
-struct LoopGlimpse {
+struct LoopSnapshot {
   std::int64_t ticks = 0;  // of the presentation so far
   double elapsed_s = 0;    // to the end of the last of them
   double lateness_max_us = 0;
@@ -119,7 +119,7 @@ class Rig {
   virtual TelemetryRing* telemetry() noexcept { return nullptr; }
   // While a presentation goes on, `look` is called some 20 times a second by the thread that called present, never by
   // the loop. Empty: no more. A rig whose loop runs inside present on a simulated clock never calls it.
-  virtual void watch(const std::function<void(const LoopGlimpse&)>& /*look*/) {}
+  virtual void watch(const std::function<void(const LoopSnapshot&)>& /*look*/) {}
   // What is missing for a presentation, in the operator's words, such as a device that was unplugged, or has a fault;
   // empty: nothing. Devices forget a fault that is over when they are told to rest: call neutral() between looks.
   virtual std::string missing() { return {}; }

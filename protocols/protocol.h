@@ -94,7 +94,7 @@ struct Condition {
 // Free interaction for a set time in each condition (Chinello et al. 2017, experiment 2).
 struct Exploration {
   double duration_s = 0;             // of a condition, divided equally among the objects
-  std::vector<std::string> objects;  // names of virtual objects; each participant meets them in a dealt order
+  std::vector<std::string> objects;  // names of virtual objects; each participant meets them in an assigned order
 };
 
 struct Series {
@@ -196,7 +196,7 @@ enum class PostHoc { holm_t, games_howell, tukey, wilcoxon };
 
 struct GroupTestPlan {
   // The slope exists for nearly everyone; the JND and its logarithm only for those whose slope is positive, and tests
-  // on them are refused where somebody has none.
+  // on them are refused where a participant has none.
   Outcome outcome = Outcome::slope;
   Omnibus omnibus = Omnibus::anova;
   PostHoc post_hoc = PostHoc::holm_t;

@@ -2,118 +2,91 @@
 
 namespace jnd {
 
+namespace {
+
+constexpr auto kSessionKinds = words<SessionKind>(
+    {{"real", SessionKind::real}, {"pilot", SessionKind::pilot}, {"simulated", SessionKind::simulated}});
+constexpr auto kUnits = words<StiffnessUnit>({{"N/m", StiffnessUnit::n_per_m}, {"N/rad", StiffnessUnit::n_per_rad}});
+constexpr auto kUnitSuffixes =
+    words<StiffnessUnit>({{"n_per_m", StiffnessUnit::n_per_m}, {"n_per_rad", StiffnessUnit::n_per_rad}});
+constexpr auto kLengthSuffixes =
+    words<StiffnessUnit>({{"m", StiffnessUnit::n_per_m}, {"rad", StiffnessUnit::n_per_rad}});
+constexpr auto kChannels = words<Channel>({{"cutaneous", Channel::cutaneous}, {"kinaesthetic", Channel::kinaesthetic}});
+constexpr auto kJudgements = words<Judgement>({{"same", Judgement::same}, {"different", Judgement::different}});
+constexpr auto kEnteredBy =
+    words<EnteredBy>({{"participant", EnteredBy::participant}, {"operator", EnteredBy::operator_}});
+constexpr auto kFaults = words<Fault>({{"none", Fault::none},
+                                       {"no_contact", Fault::no_contact},
+                                       {"stale_pose", Fault::stale_pose},
+                                       {"stale_reading", Fault::stale_reading},
+                                       {"command_gap", Fault::command_gap},
+                                       {"non_finite", Fault::non_finite},
+                                       {"sensor_stuck", Fault::sensor_stuck},
+                                       {"device_lost", Fault::device_lost},
+                                       {"device_fault", Fault::device_fault},
+                                       {"emergency_stop", Fault::emergency_stop},
+                                       {"interrupted", Fault::interrupted}});
+
+}  // namespace
+
 std::string_view to_string(SessionKind kind) noexcept {
-  switch (kind) {
-    case SessionKind::real:
-      return "real";
-    case SessionKind::pilot:
-      return "pilot";
-    case SessionKind::simulated:
-      return "simulated";
-  }
-  return "";
+  return word_of(kSessionKinds, kind);
 }
 
 std::string_view to_string(StiffnessUnit unit) noexcept {
-  return unit == StiffnessUnit::n_per_m ? "N/m" : "N/rad";
+  return word_of(kUnits, unit);
 }
 
 std::string_view name_suffix(StiffnessUnit unit) noexcept {
-  return unit == StiffnessUnit::n_per_m ? "n_per_m" : "n_per_rad";
+  return word_of(kUnitSuffixes, unit);
 }
 
 std::string_view length_suffix(StiffnessUnit unit) noexcept {
-  return unit == StiffnessUnit::n_per_m ? "m" : "rad";
+  return word_of(kLengthSuffixes, unit);
 }
 
 std::string_view to_string(Channel channel) noexcept {
-  return channel == Channel::cutaneous ? "cutaneous" : "kinaesthetic";
+  return word_of(kChannels, channel);
 }
 
 std::string_view to_string(RenderingMode mode) noexcept {
-  switch (mode) {
-    case RenderingMode::wrench:
-      return "wrench";
-    case RenderingMode::pd:
-      return "pd";
-    case RenderingMode::pd_literal:
-      return "pd-literal";
-  }
-  return "";
+  return word_of(kRenderingModeWords, mode);
 }
 
 std::string_view to_string(Judgement judgement) noexcept {
-  return judgement == Judgement::same ? "same" : "different";
+  return word_of(kJudgements, judgement);
 }
 
 std::string_view to_string(EnteredBy who) noexcept {
-  return who == EnteredBy::participant ? "participant" : "operator";
+  return word_of(kEnteredBy, who);
 }
 
 std::string_view to_string(Fault fault) noexcept {
-  switch (fault) {
-    case Fault::none:
-      return "none";
-    case Fault::no_contact:
-      return "no_contact";
-    case Fault::stale_pose:
-      return "stale_pose";
-    case Fault::stale_reading:
-      return "stale_reading";
-    case Fault::command_gap:
-      return "command_gap";
-    case Fault::non_finite:
-      return "non_finite";
-    case Fault::sensor_stuck:
-      return "sensor_stuck";
-    case Fault::device_lost:
-      return "device_lost";
-    case Fault::device_fault:
-      return "device_fault";
-    case Fault::emergency_stop:
-      return "emergency_stop";
-    case Fault::interrupted:
-      return "interrupted";
-  }
-  return "";
+  return word_of(kFaults, fault);
 }
 
 std::optional<SessionKind> session_kind_from(std::string_view text) noexcept {
-  for (const SessionKind kind : {SessionKind::real, SessionKind::pilot, SessionKind::simulated})
-    if (text == to_string(kind)) return kind;
-  return std::nullopt;
+  return value_of(kSessionKinds, text);
 }
 
 std::optional<StiffnessUnit> stiffness_unit_from(std::string_view text) noexcept {
-  for (const StiffnessUnit unit : {StiffnessUnit::n_per_m, StiffnessUnit::n_per_rad})
-    if (text == to_string(unit)) return unit;
-  return std::nullopt;
+  return value_of(kUnits, text);
 }
 
 std::optional<Channel> channel_from(std::string_view text) noexcept {
-  for (const Channel channel : {Channel::cutaneous, Channel::kinaesthetic})
-    if (text == to_string(channel)) return channel;
-  return std::nullopt;
+  return value_of(kChannels, text);
 }
 
 std::optional<Fault> fault_from(std::string_view text) noexcept {
-  for (const Fault fault :
-       {Fault::none, Fault::no_contact, Fault::stale_pose, Fault::stale_reading, Fault::command_gap, Fault::non_finite,
-        Fault::sensor_stuck, Fault::device_lost, Fault::device_fault, Fault::emergency_stop, Fault::interrupted})
-    if (text == to_string(fault)) return fault;
-  return std::nullopt;
+  return value_of(kFaults, text);
 }
 
 std::optional<RenderingMode> rendering_mode_from(std::string_view text) noexcept {
-  for (const RenderingMode mode : {RenderingMode::wrench, RenderingMode::pd, RenderingMode::pd_literal})
-    if (text == to_string(mode)) return mode;
-  return std::nullopt;
+  return value_of(kRenderingModeWords, text);
 }
 
 std::optional<Judgement> judgement_from(std::string_view text) noexcept {
-  for (const Judgement judgement : {Judgement::same, Judgement::different})
-    if (text == to_string(judgement)) return judgement;
-  return std::nullopt;
+  return value_of(kJudgements, text);
 }
 
 }  // namespace jnd

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "protocols/tick_record.h"
+#include "protocols/words.h"
 
 namespace jnd {
 
@@ -159,7 +160,9 @@ std::string_view to_string(StiffnessUnit unit) noexcept;      // "N/m", "N/rad"
 std::string_view name_suffix(StiffnessUnit unit) noexcept;    // of a field's name: "n_per_m", "n_per_rad"
 std::string_view length_suffix(StiffnessUnit unit) noexcept;  // of a penetration's name: "m", "rad"
 std::string_view to_string(Channel channel) noexcept;
-std::string_view to_string(RenderingMode mode) noexcept;  // "wrench", "pd", "pd-literal"
+inline constexpr auto kRenderingModeWords = words<RenderingMode>(
+    {{"wrench", RenderingMode::wrench}, {"pd", RenderingMode::pd}, {"pd-literal", RenderingMode::pd_literal}});
+std::string_view to_string(RenderingMode mode) noexcept;
 std::string_view to_string(Judgement judgement) noexcept;
 std::string_view to_string(EnteredBy who) noexcept;  // "participant", "operator"
 std::string_view to_string(Fault fault) noexcept;

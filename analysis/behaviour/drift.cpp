@@ -9,7 +9,6 @@
 #include "analysis/numerics/special_values.h"
 #include "analysis/thresholds/jnd_closed.h"
 #include "analysis/thresholds/jnd_ml.h"
-#include "analysis/thresholds/ml_cells.h"
 
 namespace jnd {
 

@@ -5,7 +5,7 @@
 #include "analysis/group/p_adjust.h"
 #include "analysis/numerics/moments.h"
 #include "analysis/numerics/special_values.h"
-#include "analysis/numerics/test_tails.h"
+#include "analysis/numerics/tail_probabilities.h"
 
 namespace jnd {
 
@@ -34,7 +34,7 @@ ConditionSummary summary(const std::vector<double>& values, const std::vector<do
   result.shapiro = shapiro_wilk(values);
   result.ci_low = result.ci_high = result.ci_within_low = result.ci_within_high = kNaN;
   if (of.n < 2) {
-    result.status = TestStatus::too_few;
+    result.status = StatisticStatus::too_few;
     return result;
   }
   const double root_n = std::sqrt(static_cast<double>(of.n));
@@ -73,7 +73,7 @@ Comparison compare(const WithinTable& table) {
   Comparison result;
   result.n = table.n;
   result.k = table.k;
-  if (table.n < 2 || table.k < 2) result.status = TestStatus::too_few;
+  if (table.n < 2 || table.k < 2) result.status = StatisticStatus::too_few;
   std::vector<std::vector<double>> columns;
   for (std::size_t j = 0; j < table.k; ++j) columns.push_back(table.column(j));
   const auto n = static_cast<double>(table.n), k = static_cast<double>(table.k);
@@ -84,14 +84,14 @@ Comparison compare(const WithinTable& table) {
   result.anova = repeated_measures(table);
   result.residuals = shapiro_wilk(result.anova.residuals);
   // Residuals of pure rounding have some shape, which means nothing.
-  if (result.anova.status == TestStatus::no_variance) {
+  if (result.anova.status == StatisticStatus::no_variance) {
     result.residuals.w = result.residuals.p = kNaN;
-    result.residuals.status = TestStatus::no_variance;
+    result.residuals.status = StatisticStatus::no_variance;
   }
   result.friedman = friedman(table);
 
   const WithinEffect& effect = result.anova.effect;
-  const double mean_square_error = result.anova.status == TestStatus::ok ? effect.ss_error / effect.df2 : 0.0;
+  const double mean_square_error = result.anova.status == StatisticStatus::ok ? effect.ss_error / effect.df2 : 0.0;
   const int groups = static_cast<int>(table.k);
   for (std::size_t a = 0; a < table.k; ++a) {
     for (std::size_t b = a + 1; b < table.k; ++b) {

@@ -14,7 +14,7 @@
 #include "analysis/group/shapiro_wilk.h"
 #include "analysis/group/signed_rank.h"
 #include "analysis/group/within_table.h"
-#include "analysis/numerics/test_status.h"
+#include "analysis/numerics/statistic_status.h"
 
 namespace jnd {
 
@@ -24,7 +24,7 @@ struct ConditionSummary {
   double ci_low = 0, ci_high = 0;                // 95 %, Student t, of this condition alone
   double ci_within_low = 0, ci_within_high = 0;  // 95 %, Cousineau-Morey: for comparing conditions
   ShapiroWilk shapiro;
-  TestStatus status = TestStatus::ok;  // else too_few (n < 2): sd and intervals are NaN
+  StatisticStatus status = StatisticStatus::ok;  // else too_few (n < 2): sd and intervals are NaN
 };
 
 struct PairComparison {
@@ -46,7 +46,7 @@ struct Comparison {
   Friedman friedman;
   std::vector<PairComparison> pairs;  // (0,1), (0,2), ..., (1,2), ...: k (k - 1) / 2
   // else too_few (n < 2 or k < 2). Every part has a status of its own; what is undefined is NaN.
-  TestStatus status = TestStatus::ok;
+  StatisticStatus status = StatisticStatus::ok;
 };
 
 // table.k = 1..1000, table.n >= 0.

@@ -6,7 +6,7 @@
 
 #include "analysis/numerics/ranks.h"
 #include "analysis/numerics/special_values.h"
-#include "analysis/numerics/test_tails.h"
+#include "analysis/numerics/tail_probabilities.h"
 
 namespace jnd {
 
@@ -15,7 +15,7 @@ Friedman friedman(const WithinTable& table) {
   result.n = static_cast<int>(table.n);
   result.chi2 = result.p = result.kendall_w = result.f_iman_davenport = result.p_iman_davenport = kNaN;
   if (table.n < 2 || table.k < 2) {
-    result.status = TestStatus::too_few;
+    result.status = StatisticStatus::too_few;
     return result;
   }
   const auto n = static_cast<double>(table.n), k = static_cast<double>(table.k);
@@ -29,10 +29,10 @@ Friedman friedman(const WithinTable& table) {
   }
   double squares = 0;
   for (const double sum : rank_sums) squares += (sum - n * (k + 1) / 2) * (sum - n * (k + 1) / 2);
-  // Whole and half numbers throughout: exact, and 0 exactly where everybody ties everything.
+  // Whole and half numbers throughout: exact, and 0 exactly where every participant ties all conditions.
   const double spread = (n * k * (k + 1) * (k - 1) - ties) / (k - 1);
   if (!(spread > 0)) {
-    result.status = TestStatus::no_variance;
+    result.status = StatisticStatus::no_variance;
     return result;
   }
   result.chi2 = 12 * squares / spread;

@@ -7,7 +7,7 @@
 #pragma once
 
 #include "analysis/group/within_table.h"
-#include "analysis/numerics/test_status.h"
+#include "analysis/numerics/statistic_status.h"
 
 namespace jnd {
 
@@ -18,7 +18,7 @@ struct Friedman {
   double p = 0;
   double kendall_w = 0;                               // 0..1
   double f_iman_davenport = 0, p_iman_davenport = 0;  // inf and 0 where all rank alike
-  TestStatus status = TestStatus::ok;                 // else too_few (n < 2 or k < 2), no_variance (all tied)
+  StatisticStatus status = StatisticStatus::ok;       // else too_few (n < 2 or k < 2), no_variance (all tied)
 };
 Friedman friedman(const WithinTable& table);
 

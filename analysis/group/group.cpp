@@ -6,6 +6,7 @@
 
 #include <boost/math/distributions/students_t.hpp>
 
+#include "analysis/numerics/moments.h"
 #include "analysis/numerics/special_values.h"
 #include "analysis/thresholds/jnd_series.h"
 
@@ -14,7 +15,7 @@ namespace jnd {
 namespace {
 
 // Of JNDs with 0 for those at the ceiling and +inf for those without sensitivity. Of two values in the middle that are
-// not both JNDs the one that is none decides: half of its way to the other would be a number that nobody has.
+// not both JNDs the one that is none decides: half of its way to the other would be the JND of no participant.
 void set_median(JndGroup& group, std::vector<double> values) {
   group.median_n = static_cast<int>(values.size());
   group.median_jnd = kNaN;
@@ -28,7 +29,7 @@ void set_median(JndGroup& group, std::vector<double> values) {
     group.median_status = JndStatus::ceiling;
   } else {
     group.median_status = JndStatus::ok;
-    group.median_jnd = lower + 0.5 * (upper - lower);
+    group.median_jnd = median_of(values);
   }
 }
 

@@ -1,4 +1,4 @@
-// Group statistics of JNDs: nobody is dropped silently.
+// Group statistics of JNDs: no participant is dropped silently.
 #pragma once
 
 #include <span>
@@ -21,8 +21,8 @@ struct JndGroup {
   MeanEstimate mean_jnd;  // over status ok (the paper's number)
   MeanEstimate mean_weber;
   // no_sensitivity counts as +inf, ceiling as smaller than any JND; no_information is left out. The status says what
-  // stands in the middle: ok; no_sensitivity (median_jnd is +inf); ceiling, or no_information where nobody is in it
-  // (median_jnd is NaN).
+  // stands in the middle: ok; no_sensitivity (median_jnd is +inf); ceiling, or no_information where no participant is
+  // in it (median_jnd is NaN).
   JndStatus median_status = JndStatus::no_information;
   double median_jnd = 0;
   int median_n = 0;

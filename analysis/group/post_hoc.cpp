@@ -8,7 +8,7 @@
 #include "analysis/numerics/moments.h"
 #include "analysis/numerics/special_values.h"
 #include "analysis/numerics/studentised_range.h"
-#include "analysis/numerics/test_tails.h"
+#include "analysis/numerics/tail_probabilities.h"
 
 namespace jnd {
 
@@ -26,13 +26,13 @@ PairedT paired_t(std::span<const double> x, std::span<const double> y, double t_
   result.mean_difference = of.mean;
   result.t = result.df = result.p = result.ci_low = result.ci_high = result.dz = result.d_av = kNaN;
   if (of.n < 2) {
-    result.status = TestStatus::too_few;
+    result.status = StatisticStatus::too_few;
     return result;
   }
   result.df = of.n - 1;
   const double se = of.sd / std::sqrt(static_cast<double>(of.n));
   if (only_rounding(se, std::max(largest_magnitude(x), largest_magnitude(y)))) {
-    result.status = TestStatus::no_variance;
+    result.status = StatisticStatus::no_variance;
     return result;
   }
   result.t = of.mean / se;
@@ -50,14 +50,14 @@ GamesHowell games_howell(std::span<const double> x, std::span<const double> y, i
   result.q = result.df = result.p = result.se = kNaN;
   const Moments of_x = moments(x), of_y = moments(y);
   if (of_x.n < 2 || of_y.n < 2) {
-    result.status = TestStatus::too_few;
+    result.status = StatisticStatus::too_few;
     return result;
   }
   const double se_x = of_x.sd / std::sqrt(static_cast<double>(of_x.n));
   const double se_y = of_y.sd / std::sqrt(static_cast<double>(of_y.n));
   result.se = std::hypot(se_x, se_y);
   if (only_rounding(result.se, std::max(largest_magnitude(x), largest_magnitude(y)))) {
-    result.status = TestStatus::no_variance;
+    result.status = StatisticStatus::no_variance;
     return result;
   }
   // Welch and Satterthwaite, by each mean's share of the variance.
@@ -69,7 +69,7 @@ GamesHowell games_howell(std::span<const double> x, std::span<const double> y, i
 }
 
 double games_howell_half_width(const GamesHowell& test, int groups) {
-  if (test.status != TestStatus::ok) return kNaN;
+  if (test.status != StatisticStatus::ok) return kNaN;
   return studentised_range_quantile_upper(0.05, groups, test.df) * test.se / std::sqrt(2.0);
 }
 
@@ -77,9 +77,9 @@ Tukey tukey(double mean_difference, double mean_square_error, double n, double d
   Tukey result;
   result.q = result.p = kNaN;
   if (!(n >= 2) || !(df >= 1)) {
-    result.status = TestStatus::too_few;
+    result.status = StatisticStatus::too_few;
   } else if (!(mean_square_error > 0)) {
-    result.status = TestStatus::no_variance;
+    result.status = StatisticStatus::no_variance;
   } else {
     result.q = std::abs(mean_difference) / std::sqrt(mean_square_error / n);
     result.p = studentised_range_upper(result.q, groups, df);

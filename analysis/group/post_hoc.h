@@ -7,7 +7,7 @@
 
 #include <span>
 
-#include "analysis/numerics/test_status.h"
+#include "analysis/numerics/statistic_status.h"
 
 namespace jnd {
 
@@ -19,7 +19,7 @@ struct PairedT {
   double dz = 0;                   // mean difference / SD of the differences
   double d_av = 0;                 // mean difference / root mean square of the two SDs
   // else too_few (n < 2), no_variance (SE below 10 ulp of the values, as R): mean_difference stands, the rest is NaN
-  TestStatus status = TestStatus::ok;
+  StatisticStatus status = StatisticStatus::ok;
 };
 PairedT paired_t(std::span<const double> x, std::span<const double> y);  // of equal size
 // The same for many pairs of one n: t_quantile is the t of n - 1 degrees of freedom that 5 % exceed in size.
@@ -30,8 +30,8 @@ struct GamesHowell {
   double q = 0;  // |difference| / (SE / sqrt 2)
   double df = 0;
   double p = 0;
-  double se = 0;                       // sqrt(s1^2/n1 + s2^2/n2)
-  TestStatus status = TestStatus::ok;  // as PairedT
+  double se = 0;                                 // sqrt(s1^2/n1 + s2^2/n2)
+  StatisticStatus status = StatisticStatus::ok;  // as PairedT
 };
 // groups: how many conditions are compared with one another, 2..1000.
 GamesHowell games_howell(std::span<const double> x, std::span<const double> y, int groups);
@@ -42,7 +42,7 @@ double games_howell_half_width(const GamesHowell& test, int groups);
 struct Tukey {
   double q = 0;  // |difference| / sqrt(MS error / n)
   double p = 0;
-  TestStatus status = TestStatus::ok;  // else no_variance, too_few
+  StatisticStatus status = StatisticStatus::ok;  // else no_variance, too_few
 };
 // mean_square_error and df: of the repeated-measures analysis. n participants, groups conditions.
 Tukey tukey(double mean_difference, double mean_square_error, double n, double df, int groups);

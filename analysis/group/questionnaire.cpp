@@ -65,7 +65,7 @@ MedianInterval median_interval(std::span<const double> values, double confidence
   result.median = median_of(values);
   result.ci_low = result.ci_high = result.coverage = kNaN;
   if (values.empty()) {
-    result.status = TestStatus::too_few;
+    result.status = StatisticStatus::too_few;
     return result;
   }
   std::vector<double> sorted(values.begin(), values.end());
@@ -81,7 +81,7 @@ MedianInterval median_interval(std::span<const double> values, double confidence
   result.ci_low = sorted[r - 1];
   result.ci_high = sorted[sorted.size() - r];
   result.coverage = std::max(0.0, 1 - 2 * outside);
-  if (result.coverage < confidence) result.status = TestStatus::too_few;
+  if (result.coverage < confidence) result.status = StatisticStatus::too_few;
   return result;
 }
 
@@ -96,7 +96,7 @@ PairedQuestionnaire paired_questionnaire(std::span<const PairedItem> items) {
     one.friedman = friedman(complete(ratings));
     if (ratings.k == 2) {
       one.friedman = {};
-      one.friedman.status = TestStatus::not_applicable;
+      one.friedman.status = StatisticStatus::not_applicable;
       one.friedman.chi2 = one.friedman.p = one.friedman.kendall_w = kNaN;
       one.friedman.f_iman_davenport = one.friedman.p_iman_davenport = kNaN;
     }

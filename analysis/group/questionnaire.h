@@ -13,7 +13,7 @@
 #include "analysis/group/friedman.h"
 #include "analysis/group/signed_rank.h"
 #include "analysis/group/within_table.h"
-#include "analysis/numerics/test_status.h"
+#include "analysis/numerics/statistic_status.h"
 
 namespace jnd {
 
@@ -25,7 +25,7 @@ struct MedianInterval {
   double ci_low = 0, ci_high = 0;  // the narrowest such interval that covers at least `confidence`
   double coverage = 0;             // how often it covers: 1 - 2 P(Binomial(n, 1/2) < r)
   // else too_few: n = 0 (all NaN), or min .. max covers less than asked (n < 6 at 95 %): it stands, with its coverage
-  TestStatus status = TestStatus::ok;
+  StatisticStatus status = StatisticStatus::ok;
 };
 MedianInterval median_interval(std::span<const double> values, double confidence = 0.95);
 

@@ -14,7 +14,7 @@ RepeatedMeasures repeated_measures(const WithinTable& table) {
   result.ss_subjects = result.eta2_generalised = result.omega2_partial = result.cohen_f = kNaN;
   if (table.n < 2 || table.k < 2) {
     result.effect = within_effect({}, 0, table.k < 2 ? 0 : table.k - 1, 0);
-    result.status = TestStatus::too_few;
+    result.status = StatisticStatus::too_few;
     return result;
   }
   const std::size_t n = table.n, k = table.k;
@@ -46,7 +46,7 @@ RepeatedMeasures repeated_measures(const WithinTable& table) {
   const WithinEffect& effect = result.effect;
   const double total = effect.ss + effect.ss_error + result.ss_subjects;
   if (total > 0) result.eta2_generalised = effect.ss / total;
-  if (result.status == TestStatus::ok) {
+  if (result.status == StatisticStatus::ok) {
     const double above = effect.df1 * (effect.f - 1);
     result.omega2_partial = above / (above + rows * columns);
     result.cohen_f = std::sqrt(effect.ss / effect.ss_error);

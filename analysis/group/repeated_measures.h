@@ -20,7 +20,7 @@ struct RepeatedMeasures {
   // x - participant's mean - condition's mean + grand mean, n x k row-major: what is to be normal.
   std::vector<double> residuals;
   // else too_few (n < 2 or k < 2), no_variance: effect.f, every p and omega2 are NaN, the sums of squares stand
-  TestStatus status = TestStatus::ok;
+  StatisticStatus status = StatisticStatus::ok;
 };
 RepeatedMeasures repeated_measures(const WithinTable& table);
 

@@ -93,15 +93,15 @@ ShapiroWilk shapiro_wilk(std::span<const double> values) {
   ShapiroWilk result;
   result.n = static_cast<int>(values.size());
   result.w = result.p = kNaN;
-  if (values.size() < 3) result.status = TestStatus::too_few;
-  if (values.size() > 5000) result.status = TestStatus::too_many;
-  if (result.status != TestStatus::ok) return result;
+  if (values.size() < 3) result.status = StatisticStatus::too_few;
+  if (values.size() > 5000) result.status = StatisticStatus::too_many;
+  if (result.status != StatisticStatus::ok) return result;
 
   std::vector<double> x(values.begin(), values.end());
   std::sort(x.begin(), x.end());
   const double middle = x[x.size() / 2], range = x.back() - x.front();
   if (only_rounding(range, largest_magnitude(values))) {
-    result.status = TestStatus::no_variance;
+    result.status = StatisticStatus::no_variance;
     return result;
   }
   double mean = 0;

@@ -8,15 +8,16 @@
 
 #include <span>
 
-#include "analysis/numerics/test_status.h"
+#include "analysis/numerics/statistic_status.h"
 
 namespace jnd {
 
 struct ShapiroWilk {
   int n = 0;
-  double w = 0;                        // 0..1; 1 for a perfect normal plot
-  double p = 0;                        // small: not normal
-  TestStatus status = TestStatus::ok;  // else too_few (n < 3), too_many (n > 5000), no_variance; then w and p are NaN
+  double w = 0;  // 0..1; 1 for a perfect normal plot
+  double p = 0;  // small: not normal
+  StatisticStatus status =
+      StatisticStatus::ok;  // else too_few (n < 3), too_many (n > 5000), no_variance; then w and p are NaN
 };
 // values: finite, in any order. Shifting and scaling them by a positive number changes nothing.
 ShapiroWilk shapiro_wilk(std::span<const double> values);

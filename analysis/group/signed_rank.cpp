@@ -64,7 +64,7 @@ SignedRank signed_rank_of(std::span<const int> places) {
   result.zeros = result.n - static_cast<int>(sizes.size());
   result.p = result.p_normal = result.p_exact_permutation = result.rank_biserial = kNaN;
   if (sizes.empty()) {
-    result.status = places.empty() ? TestStatus::too_few : TestStatus::no_variance;
+    result.status = places.empty() ? StatisticStatus::too_few : StatisticStatus::no_variance;
     return result;
   }
   const Ranks ranks = midranks_of_places(sizes);
@@ -100,7 +100,7 @@ PrattSignedRank pratt_of(std::span<const int> places) {
     if (places[i] > 0) v += ranks.ranks[i];
   }
   if (used.empty()) {
-    result.status = places.empty() ? TestStatus::too_few : TestStatus::no_variance;
+    result.status = places.empty() ? StatisticStatus::too_few : StatisticStatus::no_variance;
     return result;
   }
   result.z = (v - total / 2) / std::sqrt(squares / 4);

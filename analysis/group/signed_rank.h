@@ -3,8 +3,8 @@
 // Source: Wilcoxon 1945; conventions of R 4.2.2's wilcox.test(x, y, paired = TRUE): zero differences are dropped; exact
 // where fewer than 50 differences are left and there are no ties and no zeros; else the normal approximation with the
 // corrections for continuity (0.5) and ties (sum of (t^3 - t)/48 off the variance). Pratt 1959 for keeping the zeros.
-// Beside it the exact permutation p with midranks (all 2^n sign changes, counted by dynamic programming), which
-// stays right where ratings tie. Ties and zeros are those of the differences of the decimals that were read
+// Beside it the exact permutation p with midranks (all 2^n sign changes, counted by dynamic programming), which stays
+// right where ratings tie. Ties and zeros are those of the differences of the decimals that were read
 // (decimal_order.h): 5.50 - 5.45 ties with 5.40 - 5.35, which R has only with digits.rank.
 // Accuracy: exact p 1e-13 relative. Tests: R 4.2.2, exactRankTests, coin; direct enumeration.
 #pragma once
@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-#include "analysis/numerics/test_status.h"
+#include "analysis/numerics/statistic_status.h"
 
 namespace jnd {
 
@@ -20,16 +20,17 @@ namespace jnd {
 inline constexpr int kLargestExactSignedRank = 200;
 
 struct SignedRank {
-  int n = 0;                           // pairs
-  int zeros = 0;                       // of them with x == y
-  bool ties = false;                   // among the absolute non-zero differences
-  double v = 0;                        // sum of the ranks of the positive differences x - y
-  double p = 0;                        // two-sided, as R: exact or normal
-  bool exact = false;                  // which of the two p is
-  double p_normal = 0;                 // continuity and tie correction, whatever n
-  double p_exact_permutation = 0;      // two-sided; NaN for more than kLargestExactSignedRank differences
-  double rank_biserial = 0;            // (V - V-) / (V + V-), -1..1; zeros dropped
-  TestStatus status = TestStatus::ok;  // else too_few (no pair), no_variance (every difference is 0): all but v are NaN
+  int n = 0;                       // pairs
+  int zeros = 0;                   // of them with x == y
+  bool ties = false;               // among the absolute non-zero differences
+  double v = 0;                    // sum of the ranks of the positive differences x - y
+  double p = 0;                    // two-sided, as R: exact or normal
+  bool exact = false;              // which of the two p is
+  double p_normal = 0;             // continuity and tie correction, whatever n
+  double p_exact_permutation = 0;  // two-sided; NaN for more than kLargestExactSignedRank differences
+  double rank_biserial = 0;        // (V - V-) / (V + V-), -1..1; zeros dropped
+  StatisticStatus status =
+      StatisticStatus::ok;  // else too_few (no pair), no_variance (every difference is 0): all but v are NaN
 };
 SignedRank signed_rank(std::span<const double> x, std::span<const double> y);  // of equal size
 SignedRank signed_rank(std::span<const double> differences);                   // where these are what was read
@@ -38,7 +39,7 @@ SignedRank signed_rank(std::span<const double> differences);                   /
 struct PrattSignedRank {
   double z = 0, p = 0;             // two-sided, normal
   double p_exact_permutation = 0;  // as above
-  TestStatus status = TestStatus::ok;
+  StatisticStatus status = StatisticStatus::ok;
 };
 PrattSignedRank pratt_signed_rank(std::span<const double> x, std::span<const double> y);  // of equal size
 PrattSignedRank pratt_signed_rank(std::span<const double> differences);

@@ -41,7 +41,7 @@ TwoWayWithin two_way_within(const TwoWayTable& table) {
   result.a.eta2_generalised = result.b.eta2_generalised = result.ab.eta2_generalised = kNaN;
   const std::size_t a = table.a, b = table.b, n = table.n;
   if (n < 2 || a < 2 || b < 2) {
-    result.status = TestStatus::too_few;
+    result.status = StatisticStatus::too_few;
     result.a.effect = within_effect({}, 0, a < 2 ? 0 : a - 1, 0);
     result.b.effect = within_effect({}, 0, b < 2 ? 0 : b - 1, 0);
     result.ab.effect = within_effect({}, 0, a < 2 || b < 2 ? 0 : (a - 1) * (b - 1), 0);

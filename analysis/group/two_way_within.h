@@ -26,7 +26,8 @@ struct TwoWayEffect {
 struct TwoWayWithin {
   TwoWayEffect a, b, ab;
   double ss_subjects = 0;
-  TestStatus status = TestStatus::ok;  // else too_few (n, a or b < 2: all NaN); each effect has its own beside it
+  StatisticStatus status =
+      StatisticStatus::ok;  // else too_few (n, a or b < 2: all NaN); each effect has its own beside it
 };
 TwoWayWithin two_way_within(const TwoWayTable& table);
 

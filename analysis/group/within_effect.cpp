@@ -6,7 +6,7 @@
 
 #include "analysis/numerics/moments.h"
 #include "analysis/numerics/special_values.h"
-#include "analysis/numerics/test_tails.h"
+#include "analysis/numerics/tail_probabilities.h"
 
 namespace jnd {
 
@@ -70,7 +70,7 @@ Mauchly mauchly(const Factors& factors, double trace, double n) {
   return result;
 }
 
-WithinEffect undefined(std::size_t contrasts, TestStatus status) {
+WithinEffect undefined(std::size_t contrasts, StatisticStatus status) {
   WithinEffect effect;
   effect.status = effect.hotelling_status = effect.mauchly.status = status;
   effect.ss = effect.ss_error = effect.f = effect.df2 = effect.p = kNaN;
@@ -98,7 +98,7 @@ void set_epsilons(WithinEffect& effect, std::span<const double> cross, double tr
 }  // namespace
 
 WithinEffect within_effect(std::span<const double> scores, std::size_t n, std::size_t contrasts, double scale) {
-  if (n < 2 || contrasts < 1) return undefined(contrasts, TestStatus::too_few);
+  if (n < 2 || contrasts < 1) return undefined(contrasts, StatisticStatus::too_few);
   const std::size_t p = contrasts;
   const auto rows = static_cast<double>(n), columns = static_cast<double>(p);
   // A power of two near 1/scale, so that no square overflows or vanishes and nothing is rounded.
@@ -122,14 +122,14 @@ WithinEffect within_effect(std::span<const double> scores, std::size_t n, std::s
     ss += rows * means[j] * means[j];
   }
 
-  WithinEffect effect = undefined(p, TestStatus::no_variance);
+  WithinEffect effect = undefined(p, StatisticStatus::no_variance);
   effect.df2 = columns * (rows - 1);
   effect.ss = ss / unit / unit;
   effect.ss_error = trace / unit / unit;
   if (ss + trace > 0) effect.eta2_partial = ss / (ss + trace);
   if (only_rounding(std::sqrt(trace / effect.df2), scale * unit)) return effect;
 
-  effect.status = TestStatus::ok;
+  effect.status = StatisticStatus::ok;
   effect.f = (ss / columns) / (trace / effect.df2);
   effect.p = f_upper(effect.f, effect.df1, effect.df2);
   set_epsilons(effect, cross, trace, rows, columns);
@@ -142,19 +142,21 @@ WithinEffect within_effect(std::span<const double> scores, std::size_t n, std::s
 
   const double rounding = 10 * kEpsilon * scale * unit;
   const Factors factors(cross, p, rounding * rounding * rows);
-  effect.hotelling_status = n <= p ? TestStatus::too_few : factors.singular ? TestStatus::singular : TestStatus::ok;
-  if (effect.hotelling_status == TestStatus::ok) {
+  effect.hotelling_status = n <= p             ? StatisticStatus::too_few
+                            : factors.singular ? StatisticStatus::singular
+                                               : StatisticStatus::ok;
+  if (effect.hotelling_status == StatisticStatus::ok) {
     effect.hotelling_t2 = rows * (rows - 1) * factors.inverse_form(means);
     effect.hotelling_df1 = columns;
     effect.hotelling_df2 = rows - columns;
     effect.hotelling_f = effect.hotelling_t2 * (rows - columns) / ((rows - 1) * columns);
     effect.hotelling_p = f_upper(effect.hotelling_f, columns, rows - columns);
   }
-  effect.mauchly.status = p == 1             ? TestStatus::not_applicable
-                          : n <= p           ? TestStatus::too_few
-                          : factors.singular ? TestStatus::singular
-                                             : TestStatus::ok;
-  if (effect.mauchly.status == TestStatus::ok) effect.mauchly = mauchly(factors, trace, rows);
+  effect.mauchly.status = p == 1             ? StatisticStatus::not_applicable
+                          : n <= p           ? StatisticStatus::too_few
+                          : factors.singular ? StatisticStatus::singular
+                                             : StatisticStatus::ok;
+  if (effect.mauchly.status == StatisticStatus::ok) effect.mauchly = mauchly(factors, trace, rows);
   return effect;
 }
 

@@ -12,14 +12,14 @@
 #include <span>
 #include <vector>
 
-#include "analysis/numerics/test_status.h"
+#include "analysis/numerics/statistic_status.h"
 
 namespace jnd {
 
 struct Mauchly {
   double w = 0, p = 0;  // W in 0..1; small p: no sphericity
   // else not_applicable (one contrast), singular, too_few (n < 2), no_variance
-  TestStatus status = TestStatus::ok;
+  StatisticStatus status = StatisticStatus::ok;
 };
 
 struct WithinEffect {
@@ -35,9 +35,9 @@ struct WithinEffect {
   Mauchly mauchly;
   // Hotelling's one-sample T2 of the contrasts: the multivariate test, which needs no sphericity.
   double hotelling_t2 = 0, hotelling_f = 0, hotelling_df1 = 0, hotelling_df2 = 0, hotelling_p = 0;
-  TestStatus hotelling_status = TestStatus::ok;  // else too_few, singular, no_variance
+  StatisticStatus hotelling_status = StatisticStatus::ok;  // else too_few, singular, no_variance
   // else too_few (n < 2) or no_variance (no error beyond rounding: F is 0/0 or infinite; f and every p are NaN)
-  TestStatus status = TestStatus::ok;
+  StatisticStatus status = StatisticStatus::ok;
 };
 
 // scores: n x contrasts, row-major; scale: the largest |value| of the data, which says what rounding is.

@@ -1,8 +1,8 @@
 // Random numbers of simulated experiments: the same for the same seed on every machine, whatever was drawn before.
 //
 // Generator: Philox4x64-10 (Salmon, Moraes, Dror, Shaw 2011, "Parallel random numbers: as easy as 1, 2, 3"), key =
-// (seed, purpose), counter = (position, experiment, participant, 0): everybody has their own numbers, in whatever order
-// or on however many threads experiments run.
+// (seed, purpose), counter = (position, experiment, participant, 0): every participant has numbers of their own, in
+// whatever order or on however many threads experiments run.
 #pragma once
 
 #include <cstdint>

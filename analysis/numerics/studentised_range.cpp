@@ -18,7 +18,7 @@
 
 #include "analysis/numerics/normal.h"
 #include "analysis/numerics/special_values.h"
-#include "analysis/numerics/test_tails.h"
+#include "analysis/numerics/tail_probabilities.h"
 
 namespace jnd {
 

@@ -28,7 +28,7 @@ struct MeanJnd {
   int no_sensitivity = 0, ceiling = 0, no_information = 0;
 };
 
-// Immutable after construction: any thread may simulate. Experiment i of a seed is the same whoever asks for it, in any
+// Immutable after construction: any thread may simulate. Experiment i of a seed is the same in every thread and in any
 // order.
 class StudySimulator {
  public:

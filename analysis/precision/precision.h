@@ -1,5 +1,5 @@
-// How precisely a planned design will measure JNDs, before anyone takes part: of one participant, of a group's mean, of
-// differences between conditions. For the least-squares JND of the yes-no model (analysis/thresholds/jnd.h).
+// How precisely a planned design will measure JNDs, before the first participant: of one participant, of a group's mean,
+// of differences between conditions. For the least-squares JND of the yes-no model (analysis/thresholds/jnd.h).
 #pragma once
 
 #include <array>
@@ -85,7 +85,7 @@ struct GroupPrecision {
   double ci_width = 0;  // median width of the 95 % t interval; 1/m has no finite mean, nor has the width
   double ci_width_se = 0;
   double without_interval = 0;  // share of studies with fewer than two usable participants
-  double with_undefined = 0;    // share of studies in which someone's JND is undefined
+  double with_undefined = 0;    // share of studies with a participant whose JND is undefined
   double mean_undefined = 0;    // participants with an undefined JND, a study
 };
 
@@ -101,7 +101,7 @@ struct ContrastPrecision {
   double power = 0, power_se = 0;
   double power_of_slopes = 0, power_of_slopes_se = 0;
   double without_interval = 0;  // share of studies with fewer than two participants with both JNDs
-  double with_undefined = 0;    // share of studies in which someone lacks one of the two
+  double with_undefined = 0;    // share of studies with a participant who lacks one of the two
 };
 
 struct Precision {

@@ -34,9 +34,10 @@ double quest_probability(const QuestParameters& parameters, double shift, double
 // Thresholds t_guess + i grain with i = -n..n, n = ceil(range / grain / 2).
 int quest_grid_size(const QuestParameters& parameters);
 
-struct QuestEstimate {
-  double mean = 0, mode = 0, median = 0,
-         sd = 0;  // of the posterior; the median is the first grid value with half below
+struct QuestEstimate {  // of the posterior
+  double mean = 0, mode = 0;
+  double median = 0;  // the first grid value with half below
+  double sd = 0;
 };
 
 class Quest {

@@ -96,7 +96,7 @@ struct PsychometricFit {
 
 // Maximum likelihood, or the mode of likelihood times prior (map): damped Newton steps with exact derivatives. Where
 // the likelihood may have several maxima (a guess or lapse that is free or above 0), from every peak of a survey of all
-// functions of the family over the data (psychometric_survey.h), and from the edges of the free rates; checked against
+// functions of the family over the data (psychometric_search.h), and from the edges of the free rates; checked against
 // searches from random places, 30 in each of 200 data sets, by hand 80 in each of 10,000 (tests/README.md). The time is
 // linear in rows and levels. Rows with the same x (weibull: the same ln x) count as one level; rows without trials are
 // left out. Throws std::invalid_argument where a level or the model breaks its range, or a level has 2^31 trials.

@@ -7,8 +7,8 @@
 #include <boost/math/special_functions/gamma.hpp>
 
 #include "analysis/numerics/special_values.h"
-#include "analysis/psychometric/psychometric_edges.h"
-#include "analysis/psychometric/psychometric_joint_search.h"
+#include "analysis/psychometric/psychometric_joint.h"
+#include "analysis/psychometric/psychometric_search.h"
 #include "analysis/psychometric/psychometric_shape.h"
 #include "analysis/psychometric/psychometric_solution.h"
 

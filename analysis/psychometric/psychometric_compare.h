@@ -43,9 +43,9 @@ struct SharingTest {
 
 struct PsychometricComparison {
   int groups = 0;
-  std::array<SharingFit, 4> fits;    // in the order of the enumeration
-  std::array<SharingTest, 5> tests;  // location, slope and both beside one function; slope beside own_location;
-                                     // location beside own_slope
+  std::array<SharingFit, 4> fits;  // in the order of the enumeration
+  // Location, slope and both beside one function; slope beside own_location; location beside own_slope.
+  std::array<SharingTest, 5> tests;
 };
 
 // Maximum likelihood in every model (a prior is not used). A free lapse or guess is one and the same for all groups in

@@ -14,9 +14,9 @@
 #include "analysis/numerics/special_values.h"
 #include "analysis/psychometric/psychometric_likelihood.h"
 #include "analysis/psychometric/psychometric_quantity.h"
+#include "analysis/psychometric/psychometric_search.h"
 #include "analysis/psychometric/psychometric_shape.h"
 #include "analysis/psychometric/psychometric_solution.h"
-#include "analysis/psychometric/psychometric_survey.h"
 
 namespace jnd {
 

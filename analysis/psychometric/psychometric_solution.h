@@ -20,8 +20,4 @@ struct PsychometricSolution {
 // very flat one.
 PsychometricSolution solve_psychometric(std::span<const PsychometricLevel> levels, const PsychometricModel& model);
 
-// The largest value within the family (psychometric_search.cpp). known: one that its edges reach; where nothing can be
-// better the place is empty and the value -inf.
-NewtonResult psychometric_maximum(const PsychometricLikelihood& likelihood, double known);
-
 }  // namespace jnd

@@ -10,9 +10,9 @@ namespace jnd {
 // One quantity over all its reference cases.
 struct SelftestQuantity {
   std::string name;  // such as "differencing d'"
+  double tolerance = 0;
   int cases = 0;
   double largest_difference = 0;  // absolute, or relative where the name says so; inf where one was not to be had
-  double tolerance = 0;
 
   // ours and reference equal infinities count as no difference, and so do two NaN.
   void absolute(double ours, double reference) { add(ours, reference, 1); }
@@ -29,10 +29,8 @@ struct SelftestQuantity {
   }
 };
 
-std::vector<SelftestQuantity> selftest_detection();
-std::vector<SelftestQuantity> selftest_jnd();
-std::vector<SelftestQuantity> selftest_group();
-std::vector<SelftestQuantity> selftest_psychometric();
-std::vector<SelftestQuantity> selftest_adaptive();
+// Every quantity that the program carries references of, recomputed: signal detection, thresholds, group statistics,
+// psychometric functions, adaptive procedures.
+std::vector<SelftestQuantity> selftest();
 
 }  // namespace jnd

@@ -12,8 +12,8 @@ struct ClosedSlope {
   bool refused = false;  // mean_of_ratios with some d' / dK <= 1e-9: a mean over a pole
 };
 
-// method: one of those that are not maximum likelihood; the others give NaN. Without any series that has
-// both answers the slope is NaN: the corrected rates of constant answers are a convention, not an observation.
+// method: one of those that are not maximum likelihood; the others give NaN. Without any series that has both answers
+// the slope is NaN: the corrected rates of constant answers are a convention, not an observation.
 ClosedSlope closed_slope(const UsableSeries& usable, JndMethod method, Correction correction);
 
 // Gourevitch and Galanter 1967 (Psychometrika 32:25): the variance of the d' of log-linear rates, raw n in the

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "analysis/thresholds/ml_cells.h"
+#include "analysis/thresholds/jnd_ml.h"
 
 namespace jnd {
 

@@ -42,7 +42,7 @@ bool copy_pages(SQLite::Database& source, const fs::path& to, const std::functio
 }
 
 // The copy of a study in use says that it has a write-ahead log; a closed study is one file.
-void settle(const fs::path& made) {
+void leave_wal_mode(const fs::path& made) {
   SQLite::Database copy(fs::absolute(made).string(), SQLite::OPEN_READWRITE);
   SQLite::Statement(copy, "PRAGMA journal_mode = DELETE").executeStep();
 }
@@ -85,7 +85,7 @@ Earlier judge(const Study& study, const fs::path& to) {
 }
 
 // A backup takes the place of an earlier one only, and of none that has something which this study lacks: that is no
-// backup, but the study that somebody went on with.
+// backup, but a study that sessions went on in.
 void refuse_another(const Study& study, const fs::path& to) {
   if (!fs::exists(to)) return;
   const Earlier earlier = judge(study, to);
@@ -128,7 +128,7 @@ bool copy_into(NewFile& file, SQLite::Database& source, const fs::path& path, co
 
 BackupReport finish_copy(NewFile& file, const std::function<void(const fs::path&)>& may_go) {
   BackupReport report;
-  with_storage_errors(file.path(), [&] { settle(file.made()); });
+  with_storage_errors(file.path(), [&] { leave_wal_mode(file.made()); });
   {
     const auto copy = Study::open(file.made(), Study::Access::read_only);
     report.verified = verify(*copy);

@@ -24,7 +24,7 @@ struct BackupReport {
   std::uintmax_t bytes = 0;
 };
 
-// Copies the study as it stands at one instant, whoever writes to it meanwhile; verifies the copy; gives it its name
+// Copies the study as it stands at one instant, also while a session writes to it; verifies the copy; gives it its name
 // when it is on the disk, readable by its owner only. stop: looked at between pieces; true leaves nothing behind.
 // Throws StorageError: `to` exists (unless replace) or is the study itself, or a disk fails.
 // replace: an earlier backup of this study, and nothing that has events which the study lacks.

@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "analysis/numerics/stop_request.h"
+#include "data/files/descriptor.h"
 #include "data/log/storage_error.h"
 
 namespace jnd {
@@ -35,19 +36,11 @@ struct Descriptor {
   }
 };
 
-void write_all(int descriptor, const unsigned char* bytes, std::size_t size, const std::filesystem::path& folder) {
-  while (size > 0) {
-    const ssize_t written = ::write(descriptor, bytes, size);
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0)
-      throw StorageError(fmt::format("{}: {}: {}", folder.string(),
-                                     errno == ENOSPC || errno == EDQUOT
-                                         ? "there is no room for a copy of the damaged file"
-                                         : "a copy of the damaged file cannot be written",
-                                     std::strerror(errno)));
-    bytes += written;
-    size -= static_cast<std::size_t>(written);
-  }
+StorageError cannot_copy(const std::filesystem::path& folder, int error) {
+  return StorageError(fmt::format("{}: {}: {}", folder.string(),
+                                  error == ENOSPC || error == EDQUOT ? "there is no room for a copy of the damaged file"
+                                                                     : "a copy of the damaged file cannot be written",
+                                  std::strerror(error)));
 }
 
 }  // namespace
@@ -59,7 +52,7 @@ std::uint32_t big_endian(Bytes bytes, std::size_t at, std::size_t length) {
 }
 
 PrivateCopy::PrivateCopy(const std::filesystem::path& file, const std::filesystem::path& folder) {
-  // Without waiting: the opening of a named pipe would wait for somebody who writes.
+  // Without waiting: the opening of a named pipe would wait for a writer.
   const Descriptor from{::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)};
   if (from.value < 0) {
     if (errno == ENOENT) return;
@@ -74,7 +67,7 @@ PrivateCopy::PrivateCopy(const std::filesystem::path& file, const std::filesyste
   const Descriptor to{::mkostemp(name.data(), O_CLOEXEC)};
   if (to.value < 0) throw StorageError(fmt::format("{}: cannot be written: {}", folder.string(), std::strerror(errno)));
   ::unlink(name.c_str());
-  std::array<unsigned char, kPiece> piece{};
+  std::array<char, kPiece> piece{};
   for (off_t at = 0;;) {
     stop_if_requested();
     ssize_t got = ::pread(from.value, piece.data(), piece.size(), at);
@@ -87,7 +80,8 @@ PrivateCopy::PrivateCopy(const std::filesystem::path& file, const std::filesyste
       piece.fill(0);
       unreadable_ += got;
     }
-    write_all(to.value, piece.data(), static_cast<std::size_t>(got), folder);
+    if (const int error = write_all(to.value, {piece.data(), static_cast<std::size_t>(got)}); error != 0)
+      throw cannot_copy(folder, error);
     at += got;
     size_ += static_cast<std::size_t>(got);
   }

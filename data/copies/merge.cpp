@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 #include "analysis/numerics/stop_request.h"
-#include "data/copies/carried_events.h"
+#include "data/copies/imported_events.h"
 #include "data/copies/merge_source.h"
 #include "data/copies/new_file.h"
 #include "data/copies/study_writer.h"
@@ -30,8 +30,7 @@ StoredEvent stored(const Event& event) {
 
 // Keeps writers out while we read, where we may say so.
 std::unique_ptr<StudyLock> hold(const fs::path& study) {
-  const fs::path folder = study.has_parent_path() ? study.parent_path() : fs::path(".");
-  if (fs::exists(study) && ::access(folder.c_str(), W_OK) == 0) return std::make_unique<StudyLock>(study);
+  if (fs::exists(study) && ::access(folder_of(study).c_str(), W_OK) == 0) return std::make_unique<StudyLock>(study);
   refuse_in_use(study);
   return nullptr;
 }
@@ -66,13 +65,13 @@ void copy_session(StudyWriter& writer, const Study& study, const std::string& se
 }
 
 // The rest of a source's chain that goes on to hold; `source` says where it came from, its own chain when.
-void carry(StudyWriter& writer, const SourceStudy& source, MergedSource& report, Stamp stamp) {
+void import_events(StudyWriter& writer, const SourceStudy& source, MergedSource& report, Stamp stamp) {
   for (const Event& event : source.own) {
-    if (!is_carried(event.kind)) continue;
+    if (!is_imported(event.kind)) continue;
     Json body = Json::parse(event.body);
     if (!body.contains("source")) body["source"] = source.path.filename().string();
     writer.append(event.kind, body, stamp);
-    ++report.carried;
+    ++report.imported;
     report.unblinded = report.unblinded || event.kind == event_kind::kUnblinded;
   }
 }
@@ -117,7 +116,7 @@ MergeReport merge(const std::vector<fs::path>& paths, const fs::path& to, Stamp 
                        {"kind", to_string(session.info.kind)},
                        {"head", session.info.head}},
                       stamp);
-  for (std::size_t i = 0; i < sources.size(); ++i) carry(writer, sources[i], report.sources[i], stamp);
+  for (std::size_t i = 0; i < sources.size(); ++i) import_events(writer, sources[i], report.sources[i], stamp);
   report.verified = writer.finish(StudyWriter::Problems::refused);
   return report;
 }

@@ -15,7 +15,7 @@ struct MergedSource {
   std::string file;
   int sessions = 0;
   std::int64_t events = 0;  // of its sessions
-  int carried = 0;          // exclusions, notes, unblindings that go on to hold
+  int imported = 0;         // exclusions, notes, unblindings that go on to hold
   bool unblinded = false;
   bool reworded = false;  // its protocol has other bytes that mean the same
 };
@@ -31,8 +31,8 @@ struct MergeReport {
 //
 // Throws InputError with everything that stands in the way, and nothing is written: protocols that mean different
 // things; the same session twice; a participant's code, or number under one seed, in two sources; an exclusion that
-// would hit another source's participant; an open session planned with another seed than the first source's (nobody
-// could go on with it); damage. Throws StorageError where `to` exists or cannot be written, or a source is open in
+// would hit another source's participant; an open session planned with another seed than the first source's (it
+// could not go on); damage. Throws StorageError where `to` exists or cannot be written, or a source is open in
 // another process.
 MergeReport merge(const std::vector<std::filesystem::path>& paths, const std::filesystem::path& to, Stamp stamp);
 

@@ -65,7 +65,7 @@ void NewFile::publish(const std::function<void(const fs::path&)>& may_go) {
   flush(made());
   allowed_path();
   if (!replace_ && !draft_.publish()) throw taken(path_);
-  // The lock has kept this program's writers away, but nobody else.
+  // The lock has kept this program's writers away, but no other program.
   if (replace_)
     draft_.replace([&](const fs::path& earlier) {
       if (may_go) may_go(earlier);

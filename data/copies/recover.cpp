@@ -1,19 +1,19 @@
 #include "data/copies/recover.h"
 
 #include <algorithm>
-#include <charconv>
 #include <map>
 #include <set>
 
 #include <fmt/format.h>
 
 #include "analysis/numerics/stop_request.h"
-#include "data/copies/carried_events.h"
+#include "data/copies/imported_events.h"
 #include "data/copies/new_file.h"
 #include "data/copies/salvage.h"
 #include "data/copies/signs_of_loss.h"
 #include "data/log/event_body.h"
 #include "data/log/telemetry.h"
+#include "data/study/database.h"
 #include "data/study/schema.h"
 #include "data/study/study_facts.h"
 #include "data/study/study_lock.h"
@@ -49,13 +49,8 @@ class Recovery {
   // What the damaged file and its log say of their own size is doubted where it does not fit what was salvaged.
   void compare_with(Bytes file, Bytes log) {
     std::int64_t found = 0;
-    bool open = false;
-    for (const auto& [session, chain] : chains_) {
-      found += static_cast<std::int64_t>(chain.kept.size());
-      if (session != kStudyChain && !chain.kept.empty())
-        open = open || salvage_.event(chain.kept.back()).event.kind != event_kind::kSessionClosed;
-    }
-    report_.doubts = signs_of_loss(file, log, found, open);
+    for (const auto& [session, chain] : chains_) found += static_cast<std::int64_t>(chain.kept.size());
+    report_.doubts = signs_of_loss(file, log, found);
   }
 
   RecoveryReport write(const fs::path& to, const std::optional<fs::path>& protocol, std::int64_t unreadable,
@@ -71,7 +66,7 @@ class Recovery {
     writer.append(event_kind::kRecovered, recovered_body(), stamp);
     for (const Json& closing : closings_) writer.append(event_kind::kSessionClosed, closing, stamp);
     for (const StoredEvent& stored : own_events_)
-      if (is_carried(stored.event.kind) && concerns_somebody(stored))
+      if (is_imported(stored.event.kind) && concerns_a_participant(stored))
         writer.append(stored.event.kind, body_of(stored), stamp);
     report_.verified = writer.finish(StudyWriter::Problems::kept);
     return std::move(report_);
@@ -84,8 +79,8 @@ class Recovery {
     return found == chains_.end() ? nothing : found->second;
   }
 
-  // Nobody is excluded of whom nothing is left; the old chain in study.recovered still says that it was so.
-  bool concerns_somebody(const StoredEvent& stored) const {
+  // An exclusion of a participant of whom nothing is left is not repeated; the old chain in study.recovered keeps it.
+  bool concerns_a_participant(const StoredEvent& stored) const {
     if (stored.event.kind != event_kind::kExcluded) return true;
     const Json body = body_of(stored);
     return std::any_of(report_.sessions.begin(), report_.sessions.end(), [&](const RecoveredChain& one) {
@@ -183,10 +178,11 @@ class Recovery {
           "{}: nothing of a study was found in it: no event follows from a first one; take the latest backup",
           damaged_.string()));
     StudyInfo info;
-    const std::string& seed = seeds.front();
-    const auto [end, error] = std::from_chars(seed.data(), seed.data() + seed.size(), info.seed);
-    if (error != std::errc() || end != seed.data() + seed.size())
-      throw StorageError(fmt::format("{}: its seed \"{}\" is not a number of 64 bits", damaged_.string(), seed));
+    const std::optional<std::uint64_t> seed = seed_from(seeds.front());
+    if (!seed)
+      throw StorageError(
+          fmt::format("{}: its seed \"{}\" is not a number of 64 bits", damaged_.string(), seeds.front()));
+    info.seed = *seed;
     info.protocol_sha256 = protocols.empty() ? std::string() : protocols.front();
     if (const auto found = salvage_.protocols().find(info.protocol_sha256); found != salvage_.protocols().end()) {
       info.protocol_name = found->second.name;
@@ -273,6 +269,13 @@ class Recovery {
   RecoveryReport report_;
 };
 
+// The header says so where it is readable (https://sqlite.org/fileformat2.html, section 1.3).
+void refuse_before_release(const fs::path& path, Bytes file) {
+  constexpr std::size_t kHeader = 100, kApplicationIdAt = 68;
+  if (file.size() >= kHeader && big_endian(file, kApplicationIdAt, 4) == kApplicationIdBeforeRelease)
+    throw written_before_release(path);
+}
+
 }  // namespace
 
 bool RecoveryReport::whole() const noexcept {
@@ -286,8 +289,9 @@ RecoveryReport recover(const fs::path& damaged, const fs::path& to, const std::o
   if (!fs::is_regular_file(damaged)) throw StorageError(fmt::format("{}: there is no such file", damaged.string()));
   refuse_beside(damaged, to);
   refuse_in_use(damaged);
-  const fs::path folder = to.has_parent_path() ? to.parent_path() : fs::path(".");
+  const fs::path folder = folder_of(to);
   const PrivateCopy file(damaged, folder), log(damaged.string() + "-wal", folder);
+  refuse_before_release(damaged, file.bytes());
   const Salvage salvage(file.bytes(), log.bytes());
   Recovery recovery(damaged, salvage);
   recovery.compare_with(file.bytes(), log.bytes());

@@ -13,15 +13,13 @@ namespace jnd {
 namespace {
 
 constexpr std::size_t kHeader = 100;
-constexpr std::uint32_t kFirstWithTally = 4;  // user_version
 constexpr std::string_view kMagic("SQLite format 3\0", 16);
 
 // What the first page says (https://sqlite.org/fileformat2.html, section 1.3).
 struct FileHeader {
   PageGeometry geometry;
   std::uint32_t pages = 0;
-  std::uint32_t version = 0;  // of the schema
-  bool logged = false;        // in write-ahead mode, as a study is until it is closed
+  bool logged = false;  // in write-ahead mode, as a study is until it is closed
 };
 
 // None where it is damaged: sizes that cannot be, or a page count of another state of the file than the rest.
@@ -32,7 +30,7 @@ std::optional<FileHeader> header_of(Bytes page) {
   const auto number = [&](std::size_t at, std::size_t length) { return big_endian(page, at, length); };
   const std::size_t stated = number(16, 2), size = stated == 1 ? 65536 : stated, reserved = page[20];
   const bool possible = size >= 512 && (size & (size - 1)) == 0 && size - reserved >= 480;
-  FileHeader header{{size, size - reserved}, number(28, 4), number(60, 4), page[18] == 2 || page[19] == 2};
+  FileHeader header{{size, size - reserved}, number(28, 4), page[18] == 2 || page[19] == 2};
   if (!possible || header.pages == 0 || number(24, 4) != number(92, 4)) return std::nullopt;
   return header;
 }
@@ -91,7 +89,7 @@ std::optional<std::int64_t> highest_tally(Bytes file, Bytes log, const PageGeome
 
 }  // namespace
 
-std::vector<std::string> signs_of_loss(Bytes file, Bytes log, std::int64_t found, bool open) {
+std::vector<std::string> signs_of_loss(Bytes file, Bytes log, std::int64_t found) {
   const std::optional<FileHeader> header = newest_header(file, log);
   if (!header)
     return {"the file's header is damaged: how long the file was, and how many events were in it, is not known"};
@@ -103,21 +101,16 @@ std::vector<std::string> signs_of_loss(Bytes file, Bytes log, std::int64_t found
   if (const std::size_t missing = missing_pages(file, log, *header); missing > 0)
     signs.push_back(fmt::format("the file ends early: {} of its {} pages are missing, and what was on them", missing,
                                 header->pages));
-  const std::optional<std::int64_t> added =
-      header->version >= kFirstWithTally ? highest_tally(file, log, header->geometry) : std::nullopt;
-  if (added && *added < found)
+  const std::optional<std::int64_t> added = highest_tally(file, log, header->geometry);
+  if (!added)
+    signs.emplace_back("the count of the study's events is lost: whether all of them were found is not known");
+  else if (*added < found)
     signs.push_back(fmt::format(
         "the newest count of the study's events is lost ({} are counted, {} were found): whether all of them were "
         "found is not known",
         *added, found));
-  else if (added && *added != found)
+  else if (*added != found)
     signs.push_back(fmt::format("{} events were added to the study, and {} of them were found", *added, found));
-  else if (!added && header->version >= kFirstWithTally)
-    signs.emplace_back("the count of the study's events is lost: whether all of them were found is not known");
-  else if (!added && open)
-    signs.emplace_back(
-        "a session is open, and an earlier program did not count events: whether its last ones were found is not "
-        "known");
   return signs;
 }
 

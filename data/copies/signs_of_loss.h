@@ -10,8 +10,7 @@
 namespace jnd {
 
 // What speaks against everything having been found, each in words; empty where the file says that nothing is missing.
-// found: events whose hashes follow from each other, of all chains. open: whether a session has no end, whose last
-// events nothing else would miss.
-std::vector<std::string> signs_of_loss(Bytes file, Bytes log, std::int64_t found, bool open);
+// found: events whose hashes follow from each other, of all chains.
+std::vector<std::string> signs_of_loss(Bytes file, Bytes log, std::int64_t found);
 
 }  // namespace jnd

@@ -5,11 +5,11 @@
 
 #include <fmt/format.h>
 #include <sqlite3.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "analysis/numerics/stop_request.h"
 #include "data/copies/backup.h"
+#include "data/files/descriptor.h"
 #include "data/study/study_impl.h"
 
 namespace jnd {
@@ -31,13 +31,6 @@ fs::path free_name_beside(const fs::path& study) {
     std::error_code ignored;
     if (!fs::exists(fs::symlink_status(name, ignored))) return name;
   }
-}
-
-bool is_at(const fs::path& path, int descriptor) {
-  struct stat open {
-  }, found{};
-  return ::fstat(descriptor, &open) == 0 && ::stat(path.c_str(), &found) == 0 && open.st_ino == found.st_ino &&
-         open.st_dev == found.st_dev;
 }
 
 std::int64_t count_events(SQLite::Database& database) {
@@ -74,10 +67,10 @@ void Study::Impl::begin_writing() {
   if (const auto size = fs::file_size(lock->place().string() + "-wal", none); !none && size > 0)
     SQLite::Statement(*connection, "PRAGMA wal_checkpoint(TRUNCATE)").executeStep();
   files = std::make_unique<StudyFiles>(lock->place(), lock->descriptor());
-  const bool was_relaxed = relaxed;
-  relaxed = false;
-  shaken = false;
-  if (was_relaxed) set_durability(SessionKind::simulated);
+  const bool was_normal = synchronous_normal;
+  synchronous_normal = false;
+  disk_failed = false;
+  if (was_normal) set_durability(SessionKind::simulated);
 }
 
 void Study::Impl::require_in_place() {
@@ -176,7 +169,7 @@ std::string Study::Impl::rescue(StudyFiles::State state, const char* fate) {
 
 void Study::Impl::choose_file() {
   const std::unique_ptr<Former> before = std::move(former);
-  if (!is_at(before->lock->place(), before->lock->descriptor())) return;
+  if (!is_at(before->lock->place(), before->lock->descriptor(), Links::followed)) return;
   std::unique_ptr<SQLite::Database> database;
   try {
     database = open_database(before->path, true);

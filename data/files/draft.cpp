@@ -17,6 +17,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "data/files/descriptor.h"
 #include "protocols/input/utf8.h"
 
 namespace jnd {
@@ -25,14 +26,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kDraft = ".jnd-draft-", kOld = ".jnd-old-", kKept = ".jnd-kept-";  // nobody clears kept ones
+constexpr std::string_view kDraft = ".jnd-draft-", kOld = ".jnd-old-", kKept = ".jnd-kept-";  // kept ones stay
 constexpr std::string_view kAlphabet = "abcdefghijklmnopqrstuvwxyz0123456789", kDigits = "0123456789";
 constexpr std::size_t kLetters = 6;     // random ones, at the end of a name
 constexpr std::size_t kMostName = 200;  // bytes of NAME that a draft keeps, so that long names have drafts too
-
-fs::path folder_of(const fs::path& place) {
-  return place.has_parent_path() ? place.parent_path() : fs::path(".");
-}
 
 // "NAME.jnd-draft-", cut between characters.
 std::string beginning(const fs::path& place, std::string_view mark) {
@@ -41,7 +38,7 @@ std::string beginning(const fs::path& place, std::string_view mark) {
   return name + std::string(mark);
 }
 
-// With a digit among them, so that no word that somebody gave a file ("backup") looks like them.
+// With a digit among them, so that no word that people give a file ("backup") looks like them.
 bool are_letters(std::string_view text) {
   return text.size() == kLetters && text.find_first_not_of(kAlphabet) == std::string_view::npos &&
          text.find_first_of(kDigits) != std::string_view::npos;
@@ -62,19 +59,14 @@ fs::path fresh_name(const fs::path& place, std::string_view mark) {
   return folder_of(place) / (beginning(place, mark) + letters());
 }
 
-bool same_file(const struct stat& a, const struct stat& b) {
-  return a.st_ino == b.st_ino && a.st_dev == b.st_dev;
-}
-
 // A descriptor of what has this name and is no link, locked; -1 where another process holds it, or it is not ours.
 int take(const fs::path& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   if (descriptor < 0) return -1;
-  struct stat found {
-  }, named{};
+  struct stat found {};
   const bool ours = ::fstat(descriptor, &found) == 0 && found.st_uid == ::geteuid() &&
                     (S_ISREG(found.st_mode) || S_ISDIR(found.st_mode)) && ::flock(descriptor, LOCK_EX | LOCK_NB) == 0 &&
-                    ::lstat(path.c_str(), &named) == 0 && same_file(found, named);
+                    is_at(path, descriptor);
   if (ours) return descriptor;
   ::close(descriptor);
   return -1;
@@ -91,11 +83,7 @@ class Held {
 
   // Another one may have come to the place before it was moved.
   void hold_instead(const fs::path& path) {
-    struct stat held {
-    }, named{};
-    if (descriptor_ >= 0 && ::fstat(descriptor_, &held) == 0 && ::lstat(path.c_str(), &named) == 0 &&
-        same_file(held, named))
-      return;
+    if (descriptor_ >= 0 && is_at(path, descriptor_)) return;
     let_go();
     hold(path);
   }
@@ -120,7 +108,7 @@ void remove_draft(const fs::path& path) noexcept {
     return;
   }
   for (const char* suffix : {"-journal", "-wal", "-shm"}) ::unlink((path.string() + suffix).c_str());
-  ::unlink(path.c_str());  // last: without it nobody would know whose the others are
+  ::unlink(path.c_str());  // last: clear_drafts() finds the others by it
 }
 
 // Names beside `place` that begin as its drafts do and go on with the random letters and nothing else.
@@ -144,16 +132,11 @@ bool is_unknown_to_file_system(int error) noexcept {
   return error == EINVAL || error == ENOSYS || error == ENOTSUP;
 }
 
-void write_all(int descriptor, std::string_view bytes, const fs::path& path) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) throw cannot_write(path, errno);
-    bytes.remove_prefix(static_cast<std::size_t>(written));
-  }
-}
-
 }  // namespace
+
+fs::path folder_of(const fs::path& place) {
+  return place.has_parent_path() ? place.parent_path() : fs::path(".");
+}
 
 StorageError cannot_write(const fs::path& path, int error) {
   const auto said = [&](std::string_view why, std::string_view what_to_do) {
@@ -192,11 +175,7 @@ Draft::Draft(const fs::path& place, What what, Access access) : place_(place), w
     }
     // Another program that clears up may have come between the two calls: it holds it, or has taken it away.
     const int failed = ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0 ? 0 : errno;
-    struct stat made {
-    }, named{};
-    if (failed == 0 && ::fstat(descriptor_, &made) == 0 && ::lstat(path_.c_str(), &named) == 0 &&
-        same_file(made, named))
-      break;
+    if (failed == 0 && is_at(path_, descriptor_)) break;
     if (failed != 0) remove_draft(path_);
     ::close(descriptor_);
     descriptor_ = -1;
@@ -212,7 +191,7 @@ Draft::~Draft() {
 }
 
 void Draft::write(std::string_view bytes) const {
-  write_all(descriptor_, bytes, place_);
+  if (const int error = write_all(descriptor_, bytes); error != 0) throw cannot_write(place_, error);
   if (::fsync(descriptor_) != 0) throw cannot_write(place_, errno);
 }
 
@@ -223,11 +202,9 @@ void Draft::write_within(const fs::path& relative, std::string_view bytes) const
   if (error) throw cannot_write(place_ / relative, error.value());
   const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
   if (file < 0) throw cannot_write(place_ / relative, errno);
-  try {
-    write_all(file, bytes, place_ / relative);
-  } catch (...) {
+  if (const int error = write_all(file, bytes); error != 0) {
     ::close(file);
-    throw;
+    throw cannot_write(place_ / relative, error);
   }
   if (::close(file) != 0) throw cannot_write(place_ / relative, errno);
 }

@@ -12,6 +12,9 @@
 
 namespace jnd {
 
+// The folder that has this file, or is to have it.
+std::filesystem::path folder_of(const std::filesystem::path& place);
+
 // "{path}: cannot be written: ..." from errno, with what to do about it.
 StorageError cannot_write(const std::filesystem::path& path, int error);
 
@@ -22,7 +25,7 @@ class Draft {
  public:
   enum class What { file, folder };
   // What people said and did is for its owner (0600, folders 0700), whatever the umask; other files follow the umask.
-  // So do folders within a folder, which nobody else reaches through it.
+  // So do folders within a folder: only its owner gets to them.
   enum class Access { owner, everyone };
   // Makes it, empty. Throws StorageError.
   Draft(const std::filesystem::path& place, What what, Access access = Access::owner);
@@ -46,8 +49,9 @@ class Draft {
   void replace(const std::function<void(const std::filesystem::path&)>& may_go);
 
  private:
-  void finish();                                                         // flushes the names
-  StorageError kept(const std::filesystem::path& old, int error) const;  // gives `old` a name that nobody clears away
+  void finish();  // flushes the names
+  // Gives `old` a name that clear_drafts() leaves alone.
+  StorageError kept(const std::filesystem::path& old, int error) const;
 
   std::filesystem::path place_, path_;
   What what_;

@@ -1,4 +1,4 @@
-// Knowing again what this program wrote, so that only that is replaced and never what somebody has changed since.
+// Knowing again what this program wrote, so that only that is replaced and never what was changed since.
 #pragma once
 
 #include <filesystem>

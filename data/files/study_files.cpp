@@ -13,6 +13,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "data/files/descriptor.h"
+
 namespace jnd {
 
 namespace {
@@ -73,7 +75,7 @@ Named named(const fs::path& path, int descriptor) {
   }, found{};
   if (::stat(path.c_str(), &found) != 0) return errno == ENOENT || errno == ENOTDIR ? Named::none : Named::unseen;
   if (::fstat(descriptor, &open) != 0) return Named::other;
-  return open.st_ino == found.st_ino && open.st_dev == found.st_dev ? Named::same : Named::other;
+  return same_file(open, found) ? Named::same : Named::other;
 }
 
 }  // namespace
@@ -163,7 +165,7 @@ bool StudyFiles::leave(std::unique_ptr<SQLite::Database>& connection, State stat
     connection.reset();
     return false;
   }
-  int keep_log = 1;  // SQLite would remove what has its name, whoever's it is
+  int keep_log = 1;  // SQLite would remove what has its name, be it this log or another file
   sqlite3_file_control(handle, "main", SQLITE_FCNTL_PERSIST_WAL, &keep_log);
   const bool whole =
       sqlite3_wal_checkpoint_v2(handle, "main", SQLITE_CHECKPOINT_TRUNCATE, nullptr, nullptr) == SQLITE_OK;

@@ -1,5 +1,5 @@
 // Whether a study that is open for writing, and its write-ahead log, are still the files at its place. A file that was
-// removed, renamed or replaced can be written to without an error, and nobody would find it again.
+// removed, renamed or replaced can be written to without an error, and what was written is lost with it.
 #pragma once
 
 #include <filesystem>

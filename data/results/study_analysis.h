@@ -16,7 +16,7 @@
 #include "analysis/thresholds/jnd.h"
 #include "data/results/threshold_method.h"
 #include "data/study/study.h"
-#include "data/study/study_care.h"
+#include "data/study/study_admin.h"
 #include "data/study/trial_rows.h"
 #include "protocols/protocol.h"
 

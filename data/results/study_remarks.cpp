@@ -98,13 +98,13 @@ void add_test_warnings(const OutcomeComparison& outcome, const Protocol& protoco
   if (!outcome.refused.empty()) return;
   const Comparison& comparison = outcome.comparison;
   const bool anova = protocol.analysis.tests.omnibus == Omnibus::anova;
-  if (anova && comparison.residuals.status == TestStatus::ok && comparison.residuals.p < 0.05)
+  if (anova && comparison.residuals.status == StatisticStatus::ok && comparison.residuals.p < 0.05)
     out.push_back(
         fmt::format("The residuals of the analysis of variance are not normal (Shapiro-Wilk W = {:.3f}, p = "
                     "{:.2g}): look at Friedman's test and the Wilcoxon tests beside it.",
                     comparison.residuals.w, comparison.residuals.p));
   const Mauchly& mauchly = comparison.anova.effect.mauchly;
-  if (anova && mauchly.status == TestStatus::ok && mauchly.p < 0.05)
+  if (anova && mauchly.status == StatisticStatus::ok && mauchly.p < 0.05)
     out.push_back(
         fmt::format("Sphericity is violated (Mauchly W = {:.3f}, p = {:.2g}): read the p with the "
                     "Greenhouse-Geisser correction.",

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "data/study/study_care.h"
+#include "data/study/study_admin.h"
 
 namespace jnd {
 

@@ -1,6 +1,6 @@
-// Whether a study's results of people may be seen. While it is blinded, outputs show coded or pooled values, and nobody
-// learns the plan from them: neither stimuli, nor which condition a letter stands for, nor the seed that both follow
-// from. It guards against accidents and hints, not against somebody who opens the file with other tools.
+// Whether a study's results of people may be seen. While it is blinded, outputs show coded or pooled values, and do not
+// give the plan away: neither stimuli, nor which condition a letter stands for, nor the seed that both follow from. It
+// guards against accidents and hints, not against the file being opened with other tools.
 #pragma once
 
 #include <string>
@@ -15,7 +15,7 @@ struct BlindingState {
   bool blinded = false;  // results of the kind asked for are shown in code
   int planned = 0;       // participants, by the protocol
   // Real participants with all their sessions closed; without excluded ones. A session that was ended early for good
-  // finishes nobody: it is neither finished nor open.
+  // is neither finished nor open.
   int finished = 0;
   int unfinished = 0;  // real sessions that are still open; without those of excluded participants
 };
@@ -26,7 +26,7 @@ BlindingState blinding_of(const Study& study, const Protocol& protocol, SessionK
 
 // Whether stimuli, orders and seed are secret for everybody: the study is blinded for real data, and it has a real or
 // pilot session, or none of any kind yet. Then outputs about its pilot and simulated sessions leave the plan out too,
-// because participant n of every kind has the same plan. A study of simulations alone is nobody's.
+// because participant n of every kind has the same plan. A study of simulations alone has no secrets.
 bool plan_sealed(const Study& study, const Protocol& protocol);
 
 // The study's seed in decimal, or `sealed` where it would give the plan away.

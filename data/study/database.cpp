@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 #include "analysis/numerics/stop_request.h"
-#include "data/study/schema.h"
+#include "data/files/draft.h"
 #include "data/study/schema_check.h"
 
 namespace jnd {
@@ -47,26 +47,28 @@ int pragma(SQLite::Database& database, const char* name) {
   return query.executeStep() ? query.getColumn(0).getInt() : 0;
 }
 
-void refuse_other_databases(const fs::path& path, SQLite::Database& database) {
-  if (pragma(database, "application_id") != kApplicationId)
+void refuse_other_databases(const fs::path& path, SQLite::Database& database, int newest) {
+  const int application = pragma(database, "application_id");
+  if (application == kApplicationIdBeforeRelease) throw written_before_release(path);
+  if (application != kApplicationId)
     throw StorageError(fmt::format("{}: is an SQLite database but not a jnd study; it was not changed", path.string()));
   const int version = pragma(database, "user_version");
-  if (version > kSchemaVersion)
+  if (version > newest)
     throw StorageError(fmt::format(
         "{}: was written by a newer jnd (file version {}, this program knows up to {}); it was not changed. "
         "Install the newer program to go on",
-        path.string(), version, kSchemaVersion));
+        path.string(), version, newest));
   if (version < 1)
     throw StorageError(
         fmt::format("{}: is an unfinished study (file version {}); it was not changed", path.string(), version));
 }
 
 // A view in a table's place, a foreign trigger or a rewritten column could hang the program, swallow what it writes, or
-// show other answers than were given. Reading does without triggers, indexes and views that somebody dropped: verify
-// tells of them.
-void refuse_other_schema(const fs::path& path, SQLite::Database& database, bool writable) {
+// show other answers than were given. Reading does without triggers, indexes and views that were dropped: verify tells
+// of them.
+void refuse_other_schema(const fs::path& path, SQLite::Database& database, bool writable, SchemaSteps steps) {
   SQLite::Transaction reading(database);  // a writer may bring the file up to date meanwhile
-  for (const SchemaDifference& one : schema_differences(database))
+  for (const SchemaDifference& one : schema_differences(database, steps))
     if (writable || !one.readable())
       throw StorageError(
           fmt::format("{}: is not a study of this program: {}; it was not changed. jnd recover makes a "
@@ -98,9 +100,9 @@ void refuse_damage(const fs::path& path, SQLite::Database& database) {
                     path.string(), damage));
 }
 
-void settle(SQLite::Database& database) {
+void configure(SQLite::Database& database) {
   database.setBusyTimeout(kBusyTimeout_ms);
-  // Files come from anywhere: nothing in one may write to the schema. What its schema may call is settled by comparing
+  // Files come from anywhere: nothing in one may write to the schema. What its schema may call is decided by comparing
   // it with ours; an untrusted one could not, because SQLite of 2022 and before takes json_extract for unsafe there.
   sqlite3_db_config(database.getHandle(), SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
   database.exec("PRAGMA foreign_keys = ON");
@@ -120,7 +122,7 @@ std::unique_ptr<SQLite::Database> create_database(const fs::path& path) {
     throw StorageError(fmt::format("{}: cannot be made private: {}", path.string(), std::strerror(errno)));
   return with_storage_errors(path, [&] {
     auto database = std::make_unique<SQLite::Database>(fs::absolute(path).string(), SQLite::OPEN_READWRITE);
-    settle(*database);
+    configure(*database);
     database->exec("PRAGMA synchronous = FULL");
     SQLite::Transaction transaction(*database);
     migrate(*database, 0);
@@ -129,12 +131,12 @@ std::unique_ptr<SQLite::Database> create_database(const fs::path& path) {
   });
 }
 
-std::unique_ptr<SQLite::Database> open_database(const fs::path& path, bool writable) {
+std::unique_ptr<SQLite::Database> open_database(const fs::path& path, bool writable, SchemaSteps steps) {
   refuse_other_files(path);
+  const int newest = static_cast<int>(steps.size());
   // A reader opens for writing too where it may: after a crash SQLite must replay the write-ahead log, which needs its
   // index file. query_only then keeps it from changing any row.
-  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  const bool may_write = ::access(path.c_str(), W_OK) == 0 && ::access(folder.c_str(), W_OK) == 0;
+  const bool may_write = ::access(path.c_str(), W_OK) == 0 && ::access(folder_of(path).c_str(), W_OK) == 0;
   if (writable && !may_write)
     throw StorageError(
         fmt::format("{}: may not be written: check the permissions of the file and its folder", path.string()));
@@ -142,10 +144,10 @@ std::unique_ptr<SQLite::Database> open_database(const fs::path& path, bool writa
     // An absolute name: SQLite gives names such as ":memory:" a meaning of their own.
     auto database = std::make_unique<SQLite::Database>(fs::absolute(path).string(),
                                                        may_write ? SQLite::OPEN_READWRITE : SQLite::OPEN_READONLY);
-    settle(*database);
+    configure(*database);
     database->exec("PRAGMA query_only = ON");
-    refuse_other_databases(path, *database);
-    refuse_other_schema(path, *database, writable);
+    refuse_other_databases(path, *database, newest);
+    refuse_other_schema(path, *database, writable, steps);
     if (!writable) {
       end_reading_when_asked(*database);
       return database;
@@ -153,17 +155,20 @@ std::unique_ptr<SQLite::Database> open_database(const fs::path& path, bool writa
     refuse_damage(path, *database);
     database->exec("PRAGMA query_only = OFF");
     const int version = pragma(*database, "user_version");
-    if (version < kSchemaVersion) {
+    if (version < newest) {
       SQLite::Transaction transaction(*database, SQLite::TransactionBehavior::IMMEDIATE);
-      migrate(*database, version);
+      migrate(*database, version, steps);
       transaction.commit();
     }
     return database;
   });
 }
 
-bool has_telemetry(SQLite::Database& database) {
-  return database.tableExists("telemetry");
+StorageError written_before_release(const fs::path& path) {
+  return StorageError(fmt::format(
+      "{}: was written by a jnd from before its first release, whose files this program does not read; it was not "
+      "changed. Simulate or run the study again with this program, or analyse the CSV files that were exported from it",
+      path.string()));
 }
 
 void begin_writing(SQLite::Database& database) {

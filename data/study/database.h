@@ -8,6 +8,7 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 
 #include "data/log/storage_error.h"
+#include "data/study/schema.h"
 
 namespace jnd {
 
@@ -15,15 +16,14 @@ namespace jnd {
 // StorageError.
 std::unique_ptr<SQLite::Database> create_database(const std::filesystem::path& path);
 
-// An existing study. Nothing is written before the file was found to be a whole study of this version or an older one,
-// with the tables, triggers and views of that version and no others.
-// Opened for writing, an older file becomes one of this version; opened for reading it stays as it is, and what later
-// versions added is absent (has_telemetry). Throws StorageError.
-std::unique_ptr<SQLite::Database> open_database(const std::filesystem::path& path, bool writable);
+// An existing study. Nothing is written before the file was found to be a whole study of the version that `steps` make,
+// or of an older one, with the tables, triggers and views of that version and no others. Opened for writing, an older
+// file becomes one of the newest version in one transaction; opened for reading it stays as it is. Throws StorageError.
+std::unique_ptr<SQLite::Database> open_database(const std::filesystem::path& path, bool writable,
+                                                SchemaSteps steps = schema_steps());
 
-// Whether the file has telemetry: it is of version 2 or later. Asked where it matters and not kept, because a writer
-// may bring the file up to date while a reader has it open.
-bool has_telemetry(SQLite::Database& database);
+// Why a file with the mark of the programs before the release (kApplicationIdBeforeRelease) is not read.
+StorageError written_before_release(const std::filesystem::path& path);
 
 // Write-ahead log on, for as long as the file is open for writing.
 void begin_writing(SQLite::Database& database);

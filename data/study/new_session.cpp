@@ -1,7 +1,5 @@
 #include "data/study/new_session.h"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include "data/log/event_body.h"
@@ -14,15 +12,8 @@ namespace jnd {
 
 namespace {
 
-// Earlier programs allowed more in a code; who took part then may come again.
-bool known_participant(const NewSession& session, const Study::Impl& study) {
-  return std::any_of(study.ends.begin(), study.ends.end(), [&](const auto& one) {
-    return one.first != kStudyChain && one.second.participant == session.participant;
-  });
-}
-
 void refuse_names(const NewSession& session, const Study::Impl& study) {
-  if (!plain_code(session.participant) && !(plain_name(session.participant) && known_participant(session, study)))
+  if (!plain_code(session.participant))
     throw StorageError(
         fmt::format("the participant code \"{}\" cannot be used: take letters and digits, at most 32, such as P01",
                     session.participant));

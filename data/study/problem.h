@@ -7,7 +7,7 @@
 namespace jnd {
 
 struct Problem {
-  // What the text gives away. Whoever makes a problem says where it gives away nothing; otherwise it is sealed.
+  // What the text gives away. A problem is sealed unless it is made with `nothing`.
   enum class Reveals {
     nothing,  // of conditions, stimuli, answers and the seed
     plan

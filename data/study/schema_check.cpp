@@ -1,14 +1,11 @@
 #include "data/study/schema_check.h"
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <mutex>
 #include <utility>
 
 #include <fmt/format.h>
-
-#include "data/study/schema.h"
 
 namespace jnd {
 
@@ -34,16 +31,17 @@ Definitions definitions_of(SQLite::Database& database) {
 }
 
 // Made once for each version that is met.
-const Definitions& definitions_of_version(int version) {
-  static std::array<std::once_flag, kSchemaVersion> made;
-  static std::array<Definitions, kSchemaVersion> definitions;
-  const auto place = static_cast<std::size_t>(version - 1);
-  std::call_once(made.at(place), [&] {
+const Definitions& definitions_made_by(SchemaSteps steps) {
+  static std::mutex mutex;
+  static std::map<std::vector<const char*>, Definitions> made;
+  const std::scoped_lock lock(mutex);
+  const auto [found, is_new] = made.try_emplace({steps.begin(), steps.end()});
+  if (is_new) {
     SQLite::Database fresh(":memory:", SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
-    migrate(fresh, 0, version);
-    definitions.at(place) = definitions_of(fresh);
-  });
-  return definitions.at(place);
+    migrate(fresh, 0, steps);
+    found->second = definitions_of(fresh);
+  }
+  return found->second;
 }
 
 }  // namespace
@@ -60,8 +58,9 @@ std::string to_string(const SchemaDifference& difference) {
   return fmt::format("it has a {} {} that no study has", difference.type, difference.name);
 }
 
-std::vector<SchemaDifference> schema_differences(SQLite::Database& database) {
-  const Definitions& expected = definitions_of_version(database.execAndGet("PRAGMA user_version").getInt());
+std::vector<SchemaDifference> schema_differences(SQLite::Database& database, SchemaSteps steps) {
+  const auto version = static_cast<std::size_t>(database.execAndGet("PRAGMA user_version").getInt());
+  const Definitions& expected = definitions_made_by(steps.first(std::min(version, steps.size())));
   const Definitions found = definitions_of(database);
   std::vector<SchemaDifference> differences;
   for (const auto& [key, definition] : expected) {

@@ -7,6 +7,8 @@
 
 #include <SQLiteCpp/SQLiteCpp.h>
 
+#include "data/study/schema.h"
+
 namespace jnd {
 
 struct SchemaDifference {
@@ -23,8 +25,9 @@ struct SchemaDifference {
 // In words: "its table event is another".
 std::string to_string(const SchemaDifference& difference);
 
-// By the file's user_version, which must be a known one. Reads nothing but the schema itself: no view is run, no column
-// computed. What SQLite's ANALYZE keeps is no difference. Throws SQLite::Exception.
-std::vector<SchemaDifference> schema_differences(SQLite::Database& database);
+// By the file's user_version; one that no step makes is compared with the newest, because a newer program may bring the
+// file up to date at any time. Reads nothing but the schema itself: no view is run, no column computed. What SQLite's
+// ANALYZE keeps is no difference. Throws SQLite::Exception.
+std::vector<SchemaDifference> schema_differences(SQLite::Database& database, SchemaSteps steps = schema_steps());
 
 }  // namespace jnd

@@ -1,5 +1,5 @@
-// What the log says of its sessions: who, how far, how they ended. Of files of every version, so that it asks the table
-// of events and no view.
+// What the log says of its sessions: who, how far, how they ended. It asks the table of events and no view: those may
+// be missing in a file that is only read.
 #include <algorithm>
 #include <tuple>
 

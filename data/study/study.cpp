@@ -22,6 +22,13 @@
 
 namespace jnd {
 
+std::optional<std::uint64_t> seed_from(std::string_view text) noexcept {
+  std::uint64_t seed = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return seed;
+}
+
 Study::Study(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 Study::~Study() {
@@ -29,7 +36,7 @@ Study::~Study() {
     close();
   } catch (const std::exception& error) {
     // Everything acknowledged is committed; the next opening replays the write-ahead log. But it may be in a new file
-    // now, or in one that was taken away, and nobody else tells of that.
+    // now, or in one that was taken away, and only this says so.
     std::fputs((std::string("jnd: ") + error.what() + "\n").c_str(), stderr);
   }
 }
@@ -155,11 +162,12 @@ void Study::Impl::read_info() {
       "protocol.sha256 = study.protocol");
   if (!query.executeStep())
     throw StorageError(fmt::format("{}: holds no protocol: it is damaged; it was not changed", path.string()));
-  const std::string seed = query.getColumn(0).getString();
-  const auto [end, error] = std::from_chars(seed.data(), seed.data() + seed.size(), info.seed);
-  if (error != std::errc() || end != seed.data() + seed.size())
+  const std::string text = query.getColumn(0).getString();
+  const std::optional<std::uint64_t> seed = seed_from(text);
+  if (!seed)
     throw StorageError(fmt::format("{}: its seed \"{}\" is not a number of 64 bits: it is damaged; it was not changed",
-                                   path.string(), seed));
+                                   path.string(), text));
+  info.seed = *seed;
   info.protocol_sha256 = query.getColumn(1).getString();
   info.protocol_name = query.getColumn(2).getString();
   info.protocol_bytes = query.getColumn(3).getString();
@@ -424,9 +432,9 @@ int checkpoint_pages(bool people) noexcept {
 }  // namespace
 
 void Study::Impl::synchronize(bool full) {
-  if (relaxed == !full) return;
+  if (synchronous_normal == !full) return;
   database().exec(full ? "PRAGMA synchronous = FULL" : "PRAGMA synchronous = NORMAL");
-  relaxed = !full;
+  synchronous_normal = !full;
 }
 
 void Study::Impl::set_durability(SessionKind kind) {
@@ -455,29 +463,29 @@ void Study::Impl::append_mark(const std::string& session, std::string_view kind,
 }
 
 void Study::Impl::add_study_event(std::string_view kind, const std::string& body, Stamp stamp) {
-  const bool was_relaxed = relaxed;
+  const bool was_normal = synchronous_normal;
   synchronize(true);
   try {
     append(kStudyChain, kind, body, stamp);
   } catch (...) {
-    synchronize(!was_relaxed);
+    synchronize(!was_normal);
     throw;
   }
-  synchronize(!was_relaxed);
+  synchronize(!was_normal);
 }
 
 // A flush that failed is not made good by one that succeeds: the kernel has called the lost pages clean. So before
 // anything is added after an error, all that is committed goes into the study itself, flushed there, and the
 // write-ahead log begins anew.
-void Study::Impl::steady() {
-  if (!shaken) return;
+void Study::Impl::recover_from_disk_failure() {
+  if (!disk_failed) return;
   SQLite::Statement checkpoint(database(), "PRAGMA wal_checkpoint(TRUNCATE)");
   if (checkpoint.executeStep() && checkpoint.getColumn(0).getInt() != 0)
     throw StorageTrouble(
         fmt::format("{}: after the disk's error another program that reads the study is in the way: this event is not "
                     "saved, all earlier ones are. Close that program and try again",
                     path.string()));
-  shaken = false;
+  disk_failed = false;
 }
 
 // SQLite rolls back by itself in most cases, but does not promise it.
@@ -527,7 +535,6 @@ void Study::Impl::append(const std::string& session, std::string_view kind, cons
 std::vector<TelemetryBlob> Study::Impl::telemetry(const std::string& session, std::int64_t seq) const {
   return with_storage_errors(path, [&] {
     std::vector<TelemetryBlob> blobs;
-    if (!has_telemetry(database())) return blobs;
     SQLite::Statement query(database(),
                             "SELECT interval, sha256, ticks, dropped, bytes FROM telemetry WHERE session = ? AND seq = "
                             "? ORDER BY interval");

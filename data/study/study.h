@@ -20,6 +20,9 @@
 
 namespace jnd {
 
+// A seed as a study keeps it, decimal text; none where it is not a number of 64 bits.
+std::optional<std::uint64_t> seed_from(std::string_view text) noexcept;
+
 struct StudyInfo {
   std::uint64_t seed = 0;
   std::string protocol_sha256;
@@ -89,7 +92,7 @@ class Study {
   // Ends a session: session.closed in its chain, and its head hash into the study's chain.
   void close_session(const std::string& id, Stamp stamp);
 
-  // Into the chain of the study itself, on the disk when this returns. data/study/study_care.h has the usual ones.
+  // Into the chain of the study itself, on the disk when this returns. data/study/study_admin.h has the usual ones.
   void add_study_event(std::string_view kind, const nlohmann::ordered_json& body, Stamp stamp);
   std::vector<Event> study_events() const;
 

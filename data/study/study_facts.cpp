@@ -40,12 +40,11 @@ Json kept_body(const Json& event) {
 }
 
 // The bodies that tell where the file came from, down to the first studies: what the second event of the chain says,
-// and what the chains that it keeps say. A later one says nothing that is not there: whoever appends one forgives
-// nothing.
+// and what the chains that it keeps say. A later one adds nothing to them: appending one excuses no problem.
 void add_origins(const Json& body, std::set<std::string>& origins) {
   if (!body.is_object()) return;
   Json plain = body;
-  plain.erase("source");  // a merge notes where it was carried from
+  plain.erase("source");  // a merge notes where it was imported from
   if (!origins.insert(plain.dump()).second) return;
   for_kept_events(body, [&](const Json& event) {
     if (tells_of_origin(event.value("kind", ""))) add_origins(kept_body(event), origins);

@@ -40,8 +40,7 @@ struct TakenBack {
   std::int64_t voided_seq = 0;  // of the trial.voided
   bool practice = false;
 };
-// By session and seq. Of files of every version; voids are few, so that this costs next to nothing beside reading the
-// trials.
+// By session and seq, without the views. Voids are few, so that this costs next to nothing beside reading the trials.
 std::vector<TakenBack> taken_back(SQLite::Database& database);
 // Who was left out, and whether the number is free again.
 std::map<ParticipantKey, bool> excluded_participants(SQLite::Database& database);
@@ -56,7 +55,7 @@ struct Study::Impl {
   std::map<std::string, ChainEnd> ends;     // for writing only
   std::map<ParticipantKey, bool> excluded;  // for writing only: whether the number is free again
   bool people = false;                      // a real or pilot session was opened: synchronous=FULL for good
-  bool relaxed = false;                     // synchronous=NORMAL just now
+  bool synchronous_normal = false;          // synchronous=NORMAL just now
   std::unique_ptr<StudyFiles> files;        // for writing only
   struct Former {
     std::filesystem::path path;
@@ -66,7 +65,7 @@ struct Study::Impl {
   std::string untold;              // of a rescue after an event was written
   bool back = false;               // of the last rescue: only the log was gone, and the study itself holds all again
   std::int64_t gaps = 0;           // events that the chains lacked when it was opened for writing
-  bool shaken = false;             // the disk failed: what it flushed before may not be what it holds (see write())
+  bool disk_failed = false;        // the disk failed: what it flushed before may not be what it holds (see write())
 
   // The connection; throws StorageError after close(). Call with the mutex held, as all below.
   SQLite::Database& database() const;
@@ -98,7 +97,7 @@ struct Study::Impl {
   void close();
 
  private:
-  void steady();
+  void recover_from_disk_failure();
   void tidy_after_failure() const;
   void forget_statements();
   // Throws StorageTrouble, once for each rescue, where the study or its log is not in its place; the next time it goes
@@ -116,12 +115,12 @@ template <typename Action>
 void Study::Impl::write(Action&& action) {
   try {
     require_in_place();
-    steady();
+    recover_from_disk_failure();
     action();
     confirm_written();
   } catch (const SQLite::Exception& error) {
     tidy_after_failure();
-    shaken = shaken || is_disk_error(error);
+    disk_failed = disk_failed || is_disk_error(error);
     throw_write_error(path, error);
   } catch (...) {
     tidy_after_failure();

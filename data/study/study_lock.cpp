@@ -16,6 +16,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "data/files/descriptor.h"
 #include "data/files/draft.h"
 #include "data/log/storage_error.h"
 
@@ -49,17 +50,6 @@ std::string content_of(int descriptor) {
 std::string holder(int descriptor) {
   const std::string pid = content_of(descriptor);
   return pid.empty() || !is_number(pid) ? "another process" : process_text(pid);
-}
-
-bool same_file(const struct stat& a, const struct stat& b) {
-  return a.st_ino == b.st_ino && a.st_dev == b.st_dev;
-}
-
-// False where another process removed the file between our open and our lock: the lock then guards nothing.
-bool still_there(int descriptor, const fs::path& path) {
-  struct stat ours {};
-  struct stat named {};
-  return ::fstat(descriptor, &ours) == 0 && ::lstat(path.c_str(), &named) == 0 && same_file(ours, named);
 }
 
 StorageError lock_taken(const fs::path& study, const std::string& who) {
@@ -136,10 +126,11 @@ StudyLock::StudyLock(const fs::path& study)
                                      path_.string()));
     }
     ::fchmod(descriptor_, 0600);  // whatever the umask took away; the lock holds without it
-    if (still_there(descriptor_, path_)) break;
+    // Else another process removed the file between our open and our lock: the lock then guards nothing.
+    if (is_at(path_, descriptor_)) break;
     ::close(descriptor_);
   }
-  // For the message of whoever comes second; the lock holds without it.
+  // For the message to the second writer; the lock holds without it.
   const std::string pid = std::to_string(::getpid());
   const bool written = ::ftruncate(descriptor_, 0) == 0 &&
                        ::pwrite(descriptor_, pid.data(), pid.size(), 0) == static_cast<ssize_t>(pid.size());
@@ -154,8 +145,9 @@ StudyLock::StudyLock(const fs::path& study)
 }
 
 StudyLock::~StudyLock() {
-  // While still locked: nobody can lock the name that goes. Unless somebody removed it, and it is another's now.
-  if (still_there(descriptor_, path_)) ::unlink(path_.c_str());
+  // While still locked: no other process can lock the name that goes. One that was removed meanwhile may be another
+  // process's now.
+  if (is_at(path_, descriptor_)) ::unlink(path_.c_str());
   ::close(descriptor_);
   if (file_ >= 0) ::close(file_);
 }

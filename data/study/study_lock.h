@@ -34,8 +34,8 @@ class StudyLock {
 
   // The study itself, where it was made after the lock was taken. Throws StorageError.
   void hold_file();
-  // Throws StorageError where the study has other names (hard links): whoever writes under one of them breaks what the
-  // others see. Names that killed programs left as drafts are cleared away before.
+  // Throws StorageError where the study has other names (hard links): what is written under one of them damages what
+  // the others see. Names that killed programs left as drafts are cleared away before.
   void refuse_other_names() const;
 
   // Of the study; -1 where it does not exist yet.

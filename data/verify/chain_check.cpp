@@ -160,7 +160,7 @@ class Walk {
     if (event.kind == event_kind::kSessionClosed || event.kind == event_kind::kSessionOpened) check_pin(event, where);
   }
 
-  // Sessions of earlier programs do not say what the study's own chain was then.
+  // Simulated sessions do not say when they begin what the study's own chain was then.
   void check_pin(const Event& event, const std::string& where) {
     const Json body = Json::parse(event.body, nullptr, false);
     if (!body.is_object() || !body.contains(kStudyHeadKey)) return;
@@ -194,7 +194,6 @@ class Walk {
   }
 
   void check_tally() {
-    if (!database_.tableExists("tally")) return;  // files of versions 1 to 3
     SQLite::Statement query(database_, "SELECT events FROM tally");
     const std::int64_t added = query.executeStep() ? query.getColumn(0).getInt64() : -1;
     if (added < 0)

@@ -26,7 +26,7 @@ struct ChainReport {
 void check_chains(SQLite::Database& database, const StudyFacts& facts, const std::function<void(const Event&)>& each,
                   ChainReport& report);
 
-// For whoever computes results: what the chains are, where nothing is wrong with them, the protocol and the schema.
+// For analyses and exports, before they compute: what the chains are, where nothing is wrong with them, the protocol and the schema.
 // Throws BrokenChain with the first problem, in words that give nothing of the plan away, and StorageError. Grows
 // linearly with the events.
 ChainReport require_whole_chains(const Study& study);

@@ -1,7 +1,6 @@
 #include "data/verify/verify_deep.h"
 
 #include <algorithm>
-#include <charconv>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -88,25 +87,25 @@ class DeepVerifier {
       of_file("The file: others may write to it (mode {:o}); chmod 600 ends that.",
               static_cast<unsigned>(status.st_mode) & 0777U);
     else if ((status.st_mode & (S_IRGRP | S_IROTH)) != 0)
-      report_.remarks.push_back(fmt::format("others may read the file (mode {:o}); chmod 600 ends that",
-                                            static_cast<unsigned>(status.st_mode) & 0777U));
+      report_.findings.push_back(fmt::format("others may read the file (mode {:o}); chmod 600 ends that",
+                                             static_cast<unsigned>(status.st_mode) & 0777U));
     const auto beside = [&](const char* suffix) {
       std::error_code ignored;
       return fs::exists(path.string() + suffix, ignored);
     };
     if (in_use(path)) {
-      report_.remarks.emplace_back("a session or another command is writing to this study just now");
+      report_.findings.emplace_back("a session or another command is writing to this study just now");
     } else {
       if (beside(".lock"))
-        report_.remarks.push_back(fmt::format("{}.lock was left by a program that was killed; the next one removes it",
-                                              path.filename().string()));
+        report_.findings.push_back(fmt::format("{}.lock was left by a program that was killed; the next one removes it",
+                                               path.filename().string()));
       if (beside("-wal") || beside("-journal"))
-        report_.remarks.emplace_back(
+        report_.findings.emplace_back(
             "a program that wrote to this study was killed; what it had saved is here, and the next one that writes "
             "puts it into the file");
     }
     for (const fs::path& draft : left_drafts(path))
-      report_.remarks.push_back(
+      report_.findings.push_back(
           fmt::format("{} was left by a program that was killed before it had finished it", draft.filename().string()));
   }
 
@@ -132,11 +131,9 @@ class DeepVerifier {
 
   static std::uint64_t seed_of(const Event& opened) {
     const auto text = Json::parse(opened.body).at("seed").get<std::string>();
-    std::uint64_t seed = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
-    if (error != std::errc() || end != text.data() + text.size())
-      throw StorageError(fmt::format("the seed \"{}\" is not a number of 64 bits", text));
-    return seed;
+    const std::optional<std::uint64_t> seed = seed_from(text);
+    if (!seed) throw StorageError(fmt::format("the seed \"{}\" is not a number of 64 bits", text));
+    return *seed;
   }
 
   void check_telemetry(const Protocol& protocol, const Event& event) {

@@ -21,7 +21,7 @@ struct DeepReport {
   int sessions = 0;            // whose course was followed
   std::int64_t bytes = 0;      // read
   std::vector<Problem> problems;
-  std::vector<std::string> remarks;  // what nobody did wrong and somebody may want to know
+  std::vector<std::string> findings;  // no problems: what lies beside the file, and who else may read it
 };
 
 // Of a study that verify finds whole; of another one, problems may follow from problems. Throws StorageError where the

@@ -1,7 +1,6 @@
 #include "data/verify/verify_session.h"
 
 #include <algorithm>
-#include <charconv>
 #include <stdexcept>
 
 #include "data/log/body_numbers.h"
@@ -72,12 +71,10 @@ void SessionCheck::open(const Event& event, const Json& body) {
 }
 
 void SessionCheck::make_the_plan() {
-  std::uint64_t seed = 0;
-  if (protocol_ == nullptr ||
-      std::from_chars(seed_.data(), seed_.data() + seed_.size(), seed).ptr != seed_.data() + seed_.size())
-    return;
+  const std::optional<std::uint64_t> seed = seed_from(seed_);
+  if (protocol_ == nullptr || !seed) return;
   try {
-    const Plan plan = make_plan(*protocol_, participant_number_, seed, number_);
+    const Plan plan = make_plan(*protocol_, participant_number_, *seed, number_);
     for (const Trial& trial : plan.trials) planned_[trial.index] = trial;
     for (const ExplorationSlot& slot : plan.explorations) explorations_[slot.index] = slot;
     adaptive_.emplace(*protocol_);

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "data/log/telemetry.h"
-#include "data/study/database.h"
 #include "data/study/study_facts.h"
 #include "protocols/input/sha256.h"
 
@@ -32,7 +31,7 @@ std::string fault_of(const TelemetryBlob& stored, const TelemetryBlob& named) {
 }  // namespace
 
 TelemetryCheck::TelemetryCheck(SQLite::Database& database, const std::set<std::string>& lost)
-    : database_(database), present_(has_telemetry(database)), lost_(lost) {}
+    : database_(database), lost_(lost) {}
 
 void TelemetryCheck::check(const Event& event, const nlohmann::ordered_json& body, std::vector<Problem>& problems) {
   const std::vector<TelemetryBlob> named = named_telemetry(body);
@@ -44,10 +43,6 @@ void TelemetryCheck::check(const Event& event, const nlohmann::ordered_json& bod
                           Problem::Reveals::nothing});
     };
     named_.push_back(telemetry_key(event.session, event.seq, one.interval));
-    if (!present_) {
-      problem("is missing");
-      continue;
-    }
     SQLite::Statement query(
         database_,
         "SELECT sha256, ticks, dropped, bytes FROM telemetry WHERE session = ? AND seq = ? AND interval = ?");
@@ -69,7 +64,6 @@ void TelemetryCheck::check(const Event& event, const nlohmann::ordered_json& bod
 }
 
 void TelemetryCheck::finish(std::vector<Problem>& problems) {
-  if (!present_) return;
   std::sort(named_.begin(), named_.end());
   SQLite::Statement query(database_, "SELECT session, seq, interval FROM telemetry ORDER BY session, seq, interval");
   while (query.executeStep()) {

@@ -30,7 +30,6 @@ class TelemetryCheck {
 
  private:
   SQLite::Database& database_;
-  bool present_;  // the table: files of version 1 have none
   const std::set<std::string>& lost_;
   std::int64_t blobs_ = 0, missing_ = 0;
   std::vector<std::string> named_;  // keys

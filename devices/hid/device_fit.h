@@ -4,7 +4,7 @@
 #include <string>
 
 #include "devices/hid/firmware/jnd_report.h"
-#include "protocols/rigs/device_spec.h"
+#include "protocols/rigs/device_description.h"
 
 namespace jnd {
 

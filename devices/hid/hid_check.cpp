@@ -11,6 +11,7 @@
 #include "devices/hid/firmware/jnd_report.h"
 #include "devices/hid/udev_rule.h"
 #include "devices/machine/machine_checks.h"
+#include "protocols/input/number_from.h"
 
 namespace jnd {
 
@@ -33,12 +34,9 @@ std::map<int, fs::path> hidraw_nodes(const fs::path& folder) {
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     const std::string name = entry->path().filename().string();
-    int number = 0;
     if (!name.starts_with(kPrefix)) continue;
-    const char* const first = name.data() + kPrefix.size();
-    const char* const last = name.data() + name.size();
-    if (const auto [stop, wrong] = std::from_chars(first, last, number); wrong == std::errc() && stop == last)
-      nodes[number] = entry->path();
+    if (const auto number = number_from<int>(std::string_view(name).substr(kPrefix.size())))
+      nodes[*number] = entry->path();
   }
   return nodes;
 }
@@ -92,8 +90,8 @@ void add_to(std::string& list, const std::string& label) {
 
 }  // namespace
 
-MachineCheck check_hid(const fs::path& root) {
-  MachineCheck check{.name = "HID devices", .verdict = Verdict::ok, .found = "", .what_to_do = ""};
+Check check_hid(const fs::path& root) {
+  Check check{.what = "HID devices", .verdict = Verdict::ok};
   const auto nodes = hidraw_nodes(root / "dev");
   if (nodes.empty()) {
     check.found = "none connected (simulated devices need none)";
@@ -106,7 +104,7 @@ MachineCheck check_hid(const fs::path& root) {
       add_to(node.usage != 0 ? ours : usable, node.label);
       continue;
     }
-    // A keyboard that nobody may read is as it should be; what does not say what it is may be one of ours.
+    // A keyboard that this login may not read is as it should be; what does not say what it is may be one of ours.
     add_to(node.usage == 0 && node.described ? others : refused, node.label);
     if (node.usage == 0 && node.described) continue;
     const std::string rule = udev_rule(node.id[1], node.id[2], node.id[0] == 0 ? kUsbBus : node.id[0]);

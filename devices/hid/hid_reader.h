@@ -1,5 +1,5 @@
-// Whoever listens to a HID device: one thread that finds the device, owns its handle from open to close, hands every
-// report on with the time of its arrival, and looks for the device again after it was unplugged.
+// A thread that listens to a HID device: it finds the device, owns its handle from open to close, hands every report
+// on with the time of its arrival, and looks for the device again after it was unplugged.
 #pragma once
 
 #include <atomic>

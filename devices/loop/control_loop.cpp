@@ -14,7 +14,7 @@ namespace jnd {
 namespace {
 
 constexpr double kPeriod_s = 1e-9 * static_cast<double>(kPeriod_ns);
-constexpr std::int64_t kGlimpseEvery_ticks = 25;  // what an operator sees is no older than this
+constexpr std::int64_t kSnapshotEvery_ticks = 25;  // what an operator sees is no older than this
 
 std::int64_t ns_of(double seconds) noexcept {
   constexpr double kMost = 9e9;  // s; longer waits are as good as for ever
@@ -42,20 +42,20 @@ Fault fault_of(DeviceStatus status) noexcept {
   return Fault::device_lost;
 }
 
-bool carried(const Cues& cues, Channel channel) noexcept {
+bool has_force(const Cues& cues, Channel channel) noexcept {
   return channel == Channel::cutaneous ? cues.force : cues.kinaesthetic;
 }
 
 }  // namespace
 
 ControlLoop::ControlLoop(const std::vector<LoopDevice>& devices, Tracker& tracker, Clock& clock, const LoopScene& scene,
-                         TelemetryRing* telemetry, LatestGlimpse* glimpse)
+                         TelemetryRing* telemetry, LatestSnapshot* snapshot)
     : devices_(devices.size()),
       tracker_(tracker),
       clock_(clock),
       scene_(scene),
       telemetry_(telemetry),
-      glimpse_(glimpse) {
+      snapshot_(snapshot) {
   for (std::size_t i = 0; i < devices.size(); ++i) {
     devices_[i].setup = devices[i];
     devices_[i].governor.configure(devices[i].spec);
@@ -93,7 +93,7 @@ Fault ControlLoop::engage(const PresentRequest& request, std::int64_t start_ns) 
     const double path = scene_.joint && one.setup.channel == Channel::kinaesthetic
                             ? one.setup.spec.lever_arm_m / scene_.joint->penetration_per_rad
                             : 1;
-    one.summary.begin(carried(request.stimulus.cues, one.setup.channel), path);
+    one.summary.begin(has_force(request.stimulus.cues, one.setup.channel), path);
     one.watch.begin();
     one.governor.deactivate();
     one.governor.reset();
@@ -120,7 +120,7 @@ const Contact& ControlLoop::contact_of(const Finger& finger) const noexcept {
   return scene_.joint ? finger.joint.contact() : finger.object.contact();
 }
 
-void ControlLoop::feel(const PresentRequest& request, std::int64_t now_ns, double duration_s) noexcept {
+void ControlLoop::update_contact(const PresentRequest& request, std::int64_t now_ns, double duration_s) noexcept {
   touched_ = false;
   if (request.tap_g > 0) return;  // there is nothing to touch
   for (Finger& finger : fingers_) {
@@ -140,7 +140,7 @@ void ControlLoop::render(Channeled& one, const PresentRequest& request, std::int
   const Contact& contact = contact_of(finger);
   DeviceCommand& asked = one.input.asked;
   asked = DeviceCommand{};
-  if (contact.touching && carried(stimulus.cues, one.setup.channel)) {
+  if (contact.touching && has_force(stimulus.cues, one.setup.channel)) {
     asked.force_n = one.setup.force_gain * contact_force_n(stimulus.stiffness, contact.penetration_m,
                                                            stimulus.damping_n_s_per_m, finger.penetration_rate);
     asked.stiffness_n_per_m = stimulus.stiffness;
@@ -213,18 +213,18 @@ void ControlLoop::stop_all(std::int64_t now_ns) noexcept {
 }
 
 void ControlLoop::show(std::int64_t ticks, double elapsed_s) noexcept {
-  LoopGlimpse glimpse;
-  glimpse.ticks = ticks;
-  glimpse.elapsed_s = elapsed_s;
-  glimpse.lateness_max_us = lateness_.largest_us();
-  glimpse.contact = touched_;
-  glimpse_->put(glimpse);
+  LoopSnapshot snapshot;
+  snapshot.ticks = ticks;
+  snapshot.elapsed_s = elapsed_s;
+  snapshot.lateness_max_us = lateness_.largest_us();
+  snapshot.contact = touched_;
+  snapshot_->put(snapshot);
 }
 
 Fault ControlLoop::tick(const PresentRequest& request, std::int64_t now_ns, double duration_s, bool stop) noexcept {
   Fault fault = stop ? Fault::emergency_stop : read(now_ns);
   if (fault == Fault::none) {
-    feel(request, now_ns, duration_s);
+    update_contact(request, now_ns, duration_s);
     for (int place = 0; fault == Fault::none && place < static_cast<int>(devices_.size()); ++place)
       fault = act(place, request, now_ns, duration_s);
   }
@@ -280,7 +280,7 @@ Presentation ControlLoop::run(const PresentRequest& request, const EmergencyStop
     if (result.fault != Fault::none) break;
 
     deadline_ns += kPeriod_ns;
-    if (glimpse_ != nullptr && result.ticks % kGlimpseEvery_ticks == 1)
+    if (snapshot_ != nullptr && result.ticks % kSnapshotEvery_ticks == 1)
       show(result.ticks, 1e-9 * static_cast<double>(deadline_ns - start_ns));
     clock_.sleep_until_ns(deadline_ns);
     now_ns = clock_.now_ns();

@@ -19,13 +19,13 @@
 #include "devices/loop/governor.h"
 #include "devices/loop/interval_summary.h"
 #include "devices/loop/lateness.h"
-#include "devices/loop/latest_glimpse.h"
+#include "devices/loop/latest_snapshot.h"
 #include "devices/loop/sensor_watch.h"
 #include "devices/loop/telemetry_ring.h"
 #include "devices/loop/tick_ring.h"
 #include "devices/rig.h"
 #include "devices/tracker.h"
-#include "protocols/rigs/device_spec.h"
+#include "protocols/rigs/device_description.h"
 
 namespace jnd {
 
@@ -47,13 +47,13 @@ struct LoopScene {
   std::optional<JointObject> joint{};
 };
 
-// Thread rule: one thread calls run; the stop latch may be set from any. Tracker, clock, telemetry and glimpse must
+// Thread rule: one thread calls run; the stop latch may be set from any. Tracker, clock, telemetry and snapshot must
 // outlive the loop.
 class ControlLoop {
  public:
-  // telemetry: where every tick goes as well; glimpse: where the loop can be watched; null for none.
+  // telemetry: where every tick goes as well; snapshot: where the loop can be watched; null for none.
   ControlLoop(const std::vector<LoopDevice>& devices, Tracker& tracker, Clock& clock, const LoopScene& scene,
-              TelemetryRing* telemetry = nullptr, LatestGlimpse* glimpse = nullptr);
+              TelemetryRing* telemetry = nullptr, LatestSnapshot* snapshot = nullptr);
 
   // Renders until explore_s after the first contact of any finger, the no-contact time-out, a fault or the latch; ends
   // with zero force and the devices neutral. Free interaction and taps last explore_s from their start. Throws
@@ -82,7 +82,7 @@ class ControlLoop {
   Fault engage(const PresentRequest& request, std::int64_t start_ns);
   Fault tick(const PresentRequest& request, std::int64_t now_ns, double duration_s, bool stop) noexcept;
   Fault read(std::int64_t now_ns) noexcept;
-  void feel(const PresentRequest& request, std::int64_t now_ns, double duration_s) noexcept;
+  void update_contact(const PresentRequest& request, std::int64_t now_ns, double duration_s) noexcept;
   const Contact& contact_of(const Finger& finger) const noexcept;
   Fault act(int place, const PresentRequest& request, std::int64_t now_ns, double duration_s) noexcept;
   void render(Channeled& one, const PresentRequest& request, std::int64_t now_ns) const noexcept;
@@ -97,7 +97,7 @@ class ControlLoop {
   Clock& clock_;
   LoopScene scene_;
   TelemetryRing* telemetry_;
-  LatestGlimpse* glimpse_;
+  LatestSnapshot* snapshot_;
   TickRing ring_;
   LatenessHistogram lateness_;
   std::int64_t late_ns_ = 0;  // of this tick

@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 
-#include "protocols/rigs/hard_limits.h"
+#include "protocols/rigs/device_models.h"
 
 namespace jnd {
 

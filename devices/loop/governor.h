@@ -2,7 +2,7 @@
 //
 // A falling force and every stop pass at once; only a rising force is slowed. Whatever is not a number gives zero force
 // and a fault. No force leaves a governor that is not active. The limits are those of the device's description, none of
-// them above the model's hard limit (protocols/rigs/hard_limits.h).
+// them above the model's hard limit (protocols/rigs/device_models.h).
 //
 //   unconfigured --configure--> inactive --activate--> active --trip, or a fault found--> faulted --reset--> inactive
 //                                  ^------deactivate------'
@@ -13,7 +13,7 @@
 #include <string_view>
 
 #include "devices/fingertip_device.h"
-#include "protocols/rigs/device_spec.h"
+#include "protocols/rigs/device_description.h"
 #include "protocols/vocabulary.h"
 
 namespace jnd {

@@ -19,7 +19,7 @@ struct IntervalSample {
   bool vibration_clamped = false;
 };
 
-// Sums only; nothing allocates in add. Thread rule: the control loop's thread, then whoever calls result().
+// Sums only; nothing allocates in add. Thread rule: the control loop's thread, then the thread that calls result().
 class IntervalSummary {
  public:
   // force_commanded: whether this condition carries force on this device; without it there is no stiffness to fit.

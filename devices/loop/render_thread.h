@@ -25,7 +25,7 @@ class RenderThread {
   // Runs the job on the thread and returns when it is done. What the job throws, this throws.
   void run(const std::function<void()>& job);
   // The same; until the job is done the caller's thread calls `meanwhile` once in every period. A call that takes long
-  // delays nobody but the caller. What it throws, this throws, once the job is done; it is not called again before.
+  // delays the caller only. What it throws, this throws, once the job is done; it is not called again before.
   void run(const std::function<void()>& job, std::chrono::nanoseconds period, const std::function<void()>& meanwhile);
 
   const RealtimeReport& report() const noexcept { return report_; }

@@ -1,4 +1,4 @@
-// Ticks on their way from the control loop to whoever keeps them: a queue that never makes the loop wait.
+// Ticks on their way from the control loop to the thread that stores them: a queue that never makes the loop wait.
 #pragma once
 
 #include <atomic>

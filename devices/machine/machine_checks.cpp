@@ -53,20 +53,8 @@ bool has_word(const std::string& line, std::string_view wanted) {
 
 }  // namespace
 
-std::string_view to_string(Verdict verdict) noexcept {
-  switch (verdict) {
-    case Verdict::ok:
-      return "ok";
-    case Verdict::warn:
-      return "warn";
-    case Verdict::bad:
-      return "bad";
-  }
-  return "bad";
-}
-
-MachineCheck check_kernel(const fs::path& root) {
-  MachineCheck check{.name = "kernel", .verdict = Verdict::ok, .found = "", .what_to_do = ""};
+Check check_kernel(const fs::path& root) {
+  Check check{.what = "kernel", .verdict = Verdict::ok};
   const std::string version = first_line(root / "proc/version").value_or("");
   const std::string release = first_line(root / "proc/sys/kernel/osrelease").value_or("");
   if (version.empty() && release.empty()) {
@@ -89,8 +77,8 @@ MachineCheck check_kernel(const fs::path& root) {
   return check;
 }
 
-MachineCheck check_processors(const fs::path& root) {
-  MachineCheck check{.name = "processors", .verdict = Verdict::ok, .found = "", .what_to_do = ""};
+Check check_processors(const fs::path& root) {
+  Check check{.what = "processors", .verdict = Verdict::ok};
   const std::vector<int> online = parse_processor_list(first_line(root / "sys/devices/system/cpu/online").value_or(""));
   const std::vector<int> isolated =
       parse_processor_list(first_line(root / "sys/devices/system/cpu/isolated").value_or(""));
@@ -112,8 +100,8 @@ MachineCheck check_processors(const fs::path& root) {
   return check;
 }
 
-MachineCheck check_frequency(const fs::path& root) {
-  MachineCheck check{.name = "processor frequency", .verdict = Verdict::ok, .found = "", .what_to_do = ""};
+Check check_frequency(const fs::path& root) {
+  Check check{.what = "processor frequency", .verdict = Verdict::ok};
   std::map<std::string, std::vector<int>> by_governor;
   for (const auto& [number, folder] : numbered(root / "sys/devices/system/cpu", "cpu"))
     if (const auto governor = first_line(folder / "cpufreq/scaling_governor")) by_governor[*governor].push_back(number);
@@ -133,8 +121,8 @@ MachineCheck check_frequency(const fs::path& root) {
   return check;
 }
 
-MachineCheck check_clock_source(const fs::path& root) {
-  MachineCheck check{.name = "clock source", .verdict = Verdict::ok, .found = "", .what_to_do = ""};
+Check check_clock_source(const fs::path& root) {
+  Check check{.what = "clock source", .verdict = Verdict::ok};
   const fs::path folder = root / "sys/devices/system/clocksource/clocksource0";
   const auto current = first_line(folder / "current_clocksource");
   if (!current) {
@@ -156,10 +144,10 @@ MachineCheck check_clock_source(const fs::path& root) {
   return check;
 }
 
-std::vector<MachineCheck> check_realtime(const RealtimeReport& report) {
-  std::vector<MachineCheck> checks;
+Checks check_realtime(const RealtimeReport& report) {
+  Checks checks;
   for (const RealtimeItem& item : report.items)
-    checks.push_back({.name = item.what,
+    checks.push_back({.what = item.what,
                       .verdict = item.ok ? Verdict::ok : Verdict::warn,
                       .found = item.ok ? item.detail : fmt::format("{} ({})", item.detail, item.why_not),
                       .what_to_do = item.ok ? "" : item.what_to_do});
@@ -173,11 +161,11 @@ std::string jitter_text(const JitterReport& report) {
                      report.overruns, 100 * skipped_share(report.ticks, report.overruns));
 }
 
-MachineCheck judge_jitter(const JitterReport& report) {
-  MachineCheck check{.name = report.realtime.fifo() ? "lateness with SCHED_FIFO" : "lateness without SCHED_FIFO",
-                     .verdict = Verdict::ok,
-                     .found = jitter_text(report),
-                     .what_to_do = ""};
+Check judge_jitter(const JitterReport& report) {
+  Check check{.what = report.realtime.fifo() ? "lateness with SCHED_FIFO" : "lateness without SCHED_FIFO",
+              .verdict = Verdict::ok,
+              .found = jitter_text(report),
+              .what_to_do = ""};
   if (report.ticks == 0) {
     check.verdict = Verdict::warn;
     check.found = "not measured";
@@ -213,8 +201,8 @@ namespace fs = std::filesystem;
 
 constexpr const char* kName = "study folder";
 
-MachineCheck bad(std::string found, std::string what_to_do) {
-  return {.name = kName, .verdict = Verdict::bad, .found = std::move(found), .what_to_do = std::move(what_to_do)};
+Check bad(std::string found, std::string what_to_do) {
+  return {.what = kName, .verdict = Verdict::bad, .found = std::move(found), .what_to_do = std::move(what_to_do)};
 }
 
 // The type of the mount that holds `folder`: that with the longest mount point, the later of equals (it covers the
@@ -271,8 +259,8 @@ std::string bytes_text(double bytes) {
 
 }  // namespace
 
-MachineCheck judge_storage(const StorageFigures& figures) {
-  MachineCheck check{.name = kName, .verdict = Verdict::ok, .found = "", .what_to_do = ""};
+Check judge_storage(const StorageFigures& figures) {
+  Check check{.what = kName, .verdict = Verdict::ok};
   check.found = fmt::format("{} ({}), {} free, saving a trial takes {:.1f} ms (longest {:.1f} ms)", figures.folder,
                             figures.type.empty() ? "type of file system not readable" : figures.type,
                             bytes_text(figures.free_bytes), 1e3 * figures.sync_median_s, 1e3 * figures.sync_max_s);
@@ -304,7 +292,7 @@ MachineCheck judge_storage(const StorageFigures& figures) {
   return check;
 }
 
-MachineCheck check_storage(const fs::path& folder_or_file, const StorageProbe& probe) {
+Check check_storage(const fs::path& folder_or_file, const StorageProbe& probe) {
   std::error_code error;
   fs::path folder = folder_or_file.empty() ? fs::path(".") : folder_or_file;
   if (!fs::is_directory(folder, error)) folder = folder.has_parent_path() ? folder.parent_path() : fs::path(".");

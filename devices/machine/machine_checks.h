@@ -8,31 +8,22 @@
 #include <string_view>
 #include <vector>
 
+#include "devices/check.h"
 #include "devices/machine/jitter_probe.h"
 #include "devices/realtime.h"
 
 namespace jnd {
 
-enum class Verdict { ok, warn, bad };  // bad: a real session would be refused or endangered
-std::string_view to_string(Verdict verdict) noexcept;
-
-struct MachineCheck {
-  std::string name;  // "processor frequency"
-  Verdict verdict = Verdict::ok;
-  std::string found;
-  std::string what_to_do;  // empty where there is nothing to do
-};
-
 // Each reads what it needs below `root` ("/", or a made-up tree in tests): sys, proc and dev. What a kernel does not
 // show is said and is no failure.
-MachineCheck check_kernel(const std::filesystem::path& root);        // release, preemption
-MachineCheck check_processors(const std::filesystem::path& root);    // how many, isolated ones, load of the last minute
-MachineCheck check_frequency(const std::filesystem::path& root);     // frequency governors
-MachineCheck check_clock_source(const std::filesystem::path& root);  // what the monotonic clock reads
-MachineCheck check_hid(const std::filesystem::path& root);           // dev/hidraw*: which, and may they be used
+Check check_kernel(const std::filesystem::path& root);        // release, preemption
+Check check_processors(const std::filesystem::path& root);    // how many, isolated ones, load of the last minute
+Check check_frequency(const std::filesystem::path& root);     // frequency governors
+Check check_clock_source(const std::filesystem::path& root);  // what the monotonic clock reads
+Check check_hid(const std::filesystem::path& root);           // dev/hidraw*: which, and may they be used
 
 // What the kernel gave a thread that asked: scheduling, memory, processor, timer slack; none for a report of `off`.
-std::vector<MachineCheck> check_realtime(const RealtimeReport& report);
+Checks check_realtime(const RealtimeReport& report);
 
 // The folder where studies go, or a study in it (which need not exist yet): file system, free space, time of an fsync
 // of 4 kB (a temporary file that is removed). `is_network` judges statfs(2)'s f_type; mounts are looked up in
@@ -44,7 +35,7 @@ struct StorageProbe {
   bool real = true;         // for real sessions; a rehearsal may be kept where it can be lost, and is warned
   double needed_bytes = 0;  // of a session, beside what should be free anyway
 };
-MachineCheck check_storage(const std::filesystem::path& folder_or_file, const StorageProbe& probe);
+Check check_storage(const std::filesystem::path& folder_or_file, const StorageProbe& probe);
 // The same judgement on given figures.
 struct StorageFigures {
   std::string folder, type;  // type: "ext4"; empty where unknown
@@ -54,10 +45,10 @@ struct StorageFigures {
   bool real = true;
   double needed_bytes = 0;
 };
-MachineCheck judge_storage(const StorageFigures& figures);
+Check judge_storage(const StorageFigures& figures);
 
 // The measured lateness of a 1 kHz loop, judged by devices/loop/loop_limits.h.
-MachineCheck judge_jitter(const JitterReport& report);
+Check judge_jitter(const JitterReport& report);
 // Its figures: "p50 8 us, p99 20 us, largest 90 us over 3000 ticks of 1 ms, 0 skipped (0 %)".
 std::string jitter_text(const JitterReport& report);
 

@@ -11,7 +11,7 @@
 // Header only, for the same reason as pneumatics.h.
 #pragma once
 
-#include "protocols/rigs/device_spec.h"
+#include "protocols/rigs/device_description.h"
 
 namespace jnd {
 

@@ -14,8 +14,8 @@
 #include "devices/mckibben/finger_flexion.h"
 #include "devices/mckibben/mckibben_model.h"
 #include "devices/mckibben/mckibben_sensors.h"
-#include "protocols/rigs/device_spec.h"
-#include "protocols/rigs/hard_limits.h"
+#include "protocols/rigs/device_description.h"
+#include "protocols/rigs/device_models.h"
 
 namespace jnd {
 

@@ -5,13 +5,13 @@
 //   (14)  Fmu is affine in the pressure. Its pressure term reduces to p (3 l^2 - h^2) / (4 pi nt^2), the ideal
 //   muscle's. (15)  Fx = Fmu - km CAtt - Fm0. At p = 0 the spring wins, so Fx < 0: the printed equation lets the tendon
 //   push.
-//         Both readings are offered, as Tendon of protocols/rigs/device_spec.h: bilateral as printed, unilateral with
+//         Both readings are offered, as Tendon of protocols/rigs/device_description.h: bilateral as printed, unilateral with
 //         Fx >= 0.
 //
 // Pure functions; nothing allocates or throws.
 #pragma once
 
-#include "protocols/rigs/device_spec.h"
+#include "protocols/rigs/device_description.h"
 
 namespace jnd {
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "protocols/input/input_error.h"
+#include "protocols/words.h"
 
 namespace jnd {
 namespace {
@@ -160,16 +161,10 @@ std::optional<double> bandwidth(const MckibbenModel& model, const MckibbenPose& 
 
 }  // namespace
 
-const char* to_text(StepVerdict verdict) noexcept {
-  switch (verdict) {
-    case StepVerdict::stable:
-      return "stable";
-    case StepVerdict::ringing:
-      return "ringing";
-    case StepVerdict::limit_cycle:
-      break;
-  }
-  return "limit cycle";
+std::string_view to_string(StepVerdict verdict) noexcept {
+  constexpr auto kWords = words<StepVerdict>(
+      {{"stable", StepVerdict::stable}, {"ringing", StepVerdict::ringing}, {"limit cycle", StepVerdict::limit_cycle}});
+  return word_of(kWords, verdict);
 }
 
 StepResponse step_response(const MckibbenParameters& parameters, const StepOptions& options) {

@@ -26,7 +26,7 @@ struct StepOptions {
 };
 
 enum class StepVerdict : std::uint8_t { stable, ringing, limit_cycle };
-const char* to_text(StepVerdict verdict) noexcept;  // "stable", "ringing", "limit cycle"
+std::string_view to_string(StepVerdict verdict) noexcept;  // "stable", "ringing", "limit cycle"
 
 // The tail is the last 0.4 s, or the last third of a shorter run.
 struct StepResponse {

@@ -69,8 +69,8 @@ ParticipantProfile at_reference(ParticipantProfile profile, const StimulusSpec& 
 std::string default_profile(const Protocol& protocol);
 
 // Answers for one participant of one study. Throws InputError where the profile's criterion is in N/m and the study's
-// stiffness is not. All randomness is keyed by (seed, participant, trial, attempt), so that a
-// resumed session answers exactly as an undisturbed one.
+// stiffness is not. All randomness is keyed by (seed, participant, trial, attempt), so that a resumed session answers
+// exactly as an undisturbed one.
 std::unique_ptr<Responder> make_simulated_participant(const ParticipantProfile& profile, const Protocol& protocol,
                                                       int participant, std::uint64_t seed, Clock& clock);
 

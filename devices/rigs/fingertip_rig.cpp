@@ -13,8 +13,8 @@ FingertipRig::FingertipRig(RigInfo info, RigParts parts, Clock& clock, const Rig
     : info_(std::move(info)),
       parts_(std::move(parts)),
       telemetry_(options.telemetry_ticks > 0 ? std::make_unique<TelemetryRing>(options.telemetry_ticks) : nullptr),
-      glimpse_(options.realtime ? std::make_unique<LatestGlimpse>() : nullptr),
-      loop_(parts_.channels, *parts_.tracker, clock, parts_.scene, telemetry_.get(), glimpse_.get()),
+      snapshot_(options.realtime ? std::make_unique<LatestSnapshot>() : nullptr),
+      loop_(parts_.channels, *parts_.tracker, clock, parts_.scene, telemetry_.get(), snapshot_.get()),
       thread_(std::move(parts_.thread)) {
   if (!thread_ && options.realtime) thread_ = std::make_unique<RenderThread>(*options.realtime);
   for (const auto& link : parts_.links) link->stop_with(&stop);
@@ -32,10 +32,10 @@ Presentation FingertipRig::present(const PresentRequest& request) {
     thread_->run(job);
     return presentation;
   }
-  glimpse_->put({});  // not what the last presentation left
+  snapshot_->put({});  // not what the last presentation left
   thread_->run(job, kLookEvery, [&] {
-    const LoopGlimpse glimpse = glimpse_->look();
-    if (glimpse.ticks > 0) look_(glimpse);
+    const LoopSnapshot snapshot = snapshot_->look();
+    if (snapshot.ticks > 0) look_(snapshot);
   });
   return presentation;
 }

@@ -25,7 +25,7 @@ struct RigParts {
   std::unique_ptr<Tracker> tracker;
   LoopScene scene;
   // The loop's thread, where others must not begin before it: it locks the process's memory, which holds up for a tenth
-  // of a second whoever touches new pages meanwhile. Null: the rig makes it.
+  // of a second every thread that touches new pages meanwhile. Null: the rig makes it.
   std::unique_ptr<RenderThread> thread;
 };
 
@@ -48,7 +48,7 @@ class FingertipRig final : public Rig {
   Presentation present(const PresentRequest& request) override;
   void neutral() noexcept override;
   TelemetryRing* telemetry() noexcept override { return telemetry_.get(); }
-  void watch(const std::function<void(const LoopGlimpse&)>& look) override { look_ = look; }
+  void watch(const std::function<void(const LoopSnapshot&)>& look) override { look_ = look; }
   std::string missing() override;
   RigConnections connections() const override;
   RealtimeReport realtime() const override;
@@ -57,8 +57,8 @@ class FingertipRig final : public Rig {
   RigInfo info_;
   RigParts parts_;
   std::unique_ptr<TelemetryRing> telemetry_;
-  std::unique_ptr<LatestGlimpse> glimpse_;  // where a loop on a thread of its own can be watched
-  std::function<void(const LoopGlimpse&)> look_;
+  std::unique_ptr<LatestSnapshot> snapshot_;  // where a loop on a thread of its own can be watched
+  std::function<void(const LoopSnapshot&)> look_;
   ControlLoop loop_;
   std::unique_ptr<RenderThread> thread_;
 };

@@ -12,7 +12,7 @@
 #include "devices/rrs3/rrs3_device.h"
 #include "devices/trackers/encoder_tracker.h"
 #include "protocols/input/input_error.h"
-#include "protocols/rigs/rig_spec.h"
+#include "protocols/rigs/rig_description.h"
 
 namespace jnd {
 

@@ -12,7 +12,7 @@
 #include "devices/rig.h"
 #include "devices/rigs/fingertip_rig.h"
 #include "protocols/protocol.h"
-#include "protocols/rigs/rig_spec.h"
+#include "protocols/rigs/rig_description.h"
 
 namespace jnd {
 

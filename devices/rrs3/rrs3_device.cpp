@@ -5,7 +5,7 @@
 
 #include "devices/loop/governor.h"
 #include "devices/rrs3/rrs3_position_control.h"
-#include "protocols/rigs/hard_limits.h"
+#include "protocols/rigs/device_models.h"
 
 namespace jnd {
 

@@ -26,7 +26,7 @@
 #include "devices/rrs3/force_sensor.h"
 #include "devices/rrs3/rrs3_platform.h"
 #include "devices/rrs3/vibration_motor.h"
-#include "protocols/rigs/device_spec.h"
+#include "protocols/rigs/device_description.h"
 #include "protocols/vocabulary.h"
 
 namespace jnd {

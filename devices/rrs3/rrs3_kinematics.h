@@ -20,7 +20,7 @@
 
 #include <Eigen/Core>
 
-#include "protocols/rigs/device_spec.h"
+#include "protocols/rigs/device_description.h"
 
 namespace jnd {
 

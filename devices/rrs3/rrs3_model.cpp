@@ -9,7 +9,7 @@ namespace jnd {
 
 namespace {
 
-// As in protocols/rigs/device_spec.cpp. Whoever writes millimetres is told so by the upper end.
+// As in protocols/rigs/device_description.cpp. The upper end refuses lengths in millimetres.
 constexpr NumberLimits kLength{.min = 0, .max = 0.2, .above = true, .unit = "m"};
 constexpr NumberLimits kHeight{.min = -0.2, .max = 0, .unit = "m"};
 

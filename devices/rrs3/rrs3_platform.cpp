@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "protocols/input/input_error.h"
-#include "protocols/rigs/hard_limits.h"
+#include "protocols/rigs/device_models.h"
 
 namespace jnd {
 

@@ -14,7 +14,7 @@
 #include "devices/fingertip_device.h"
 #include "devices/rrs3/rrs3_kinematics.h"
 #include "devices/rrs3/rrs3_statics.h"
-#include "protocols/rigs/device_spec.h"
+#include "protocols/rigs/device_description.h"
 
 namespace jnd {
 

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "protocols/rigs/device_spec.h"
+#include "protocols/rigs/device_description.h"
 #include "protocols/vocabulary.h"
 
 namespace jnd {
@@ -36,8 +36,8 @@ struct Rrs3StiffnessAnswer {
 // kS kf / (kS + kf), N/m.
 double series_stiffness_n_per_m(double rendered_n_per_m, double finger_n_per_m) noexcept;
 
-// Throws InputError where the stiffness is not in (0, max_stiffness] of the device, where the tilt is beyond
-// its limits, where the finger is too soft for the device's stroke, or where there is nothing to press.
+// Throws InputError where the stiffness is not in (0, max_stiffness] of the device, where the tilt is beyond its
+// limits, where the finger is too soft for the device's stroke, or where there is nothing to press.
 Rrs3StiffnessAnswer measure_rendered_stiffness(const DeviceSpec& spec, const Rrs3StiffnessQuery& query);
 
 }  // namespace jnd

@@ -7,21 +7,13 @@
 #include <string>
 #include <vector>
 
+#include "devices/check.h"
 #include "devices/fingertip_device.h"
 #include "devices/loop/governor.h"
 #include "devices/mckibben/finger_flexion.h"
-#include "protocols/rigs/rig_spec.h"
+#include "protocols/rigs/rig_description.h"
 
 namespace jnd {
-
-struct DeviceCheck {
-  std::string device;    // whose; the rig's name for what its devices do together
-  std::string what;      // was checked
-  std::string measured;  // with unit
-  std::string expected;  // or its limit
-  bool ok = false;
-};
-using DeviceChecks = std::vector<DeviceCheck>;
 
 // A finger that is where it was put, for models of joints.
 class HeldFinger final : public FingerFlexion {
@@ -48,7 +40,7 @@ class DeviceBench {
   // One tick of 1 ms: read, govern, write. The pose that the command rests on is age_ns old.
   const GovernorOutput& tick(const DeviceCommand& asked, std::int64_t age_ns = 0);
   void ticks(int count, const DeviceCommand& asked);
-  // A millisecond in which nobody commands anything: the device is only read.
+  // A millisecond without a command: the device is only read.
   void silence();
   // A command past the governor, as a mistake in a program would bring it.
   void write_raw(const DeviceCommand& command);
@@ -79,9 +71,9 @@ class DeviceBench {
 std::unique_ptr<FingertipDevice> make_device(const DeviceSpec& spec, const FingerFlexion& finger);
 
 // What is checked, by subject.
-void check_limits(const DeviceSpec& spec, DeviceChecks& checks);    // governor and device, any device
-void check_loop(const RigSpec& rig, DeviceChecks& checks);          // the control loop with all the rig's devices
-void check_platform(const DeviceSpec& spec, DeviceChecks& checks);  // 3RRS
-void check_joint(const DeviceSpec& spec, DeviceChecks& checks);     // McKibben finger
+void check_limits(const DeviceSpec& spec, Checks& checks);    // governor and device, any device
+void check_loop(const RigSpec& rig, Checks& checks);          // the control loop with all the rig's devices
+void check_platform(const DeviceSpec& spec, Checks& checks);  // 3RRS
+void check_joint(const DeviceSpec& spec, Checks& checks);     // McKibben finger
 
 }  // namespace jnd

@@ -1,6 +1,7 @@
 // A rig's control loop, measured with all its devices: how soon a stop is a stop.
 #include <algorithm>
 #include <memory>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -134,29 +135,33 @@ Run run_loop(const RigSpec& rig, int latch_after_ticks, int lost_after_ticks, in
 
 }  // namespace
 
-void check_loop(const RigSpec& rig, DeviceChecks& checks) {
+void check_loop(const RigSpec& rig, Checks& checks) {
+  const auto add = [&](Check check) {
+    check.device = rig.name;
+    checks.push_back(std::move(check));
+  };
   constexpr int kStopTicks = 2;
   const Run stopped = run_loop(rig, kPressing_ticks, -1, kPressing_ticks - 1);
-  checks.push_back({rig.name, fmt::format("emergency stop while pressing with {:.2f} N", stopped.force_before_n),
-                    fmt::format("0 N after {} tick{}", stopped.ticks_to_zero, stopped.ticks_to_zero == 1 ? "" : "s"),
-                    fmt::format("at most {} ticks", kStopTicks),
-                    stopped.force_before_n > 0 && stopped.ticks_to_zero <= kStopTicks &&
-                        stopped.presentation.fault == Fault::emergency_stop && stopped.neutral});
+  add(measured(fmt::format("emergency stop while pressing with {:.2f} N", stopped.force_before_n),
+               fmt::format("0 N after {} tick{}", stopped.ticks_to_zero, stopped.ticks_to_zero == 1 ? "" : "s"),
+               fmt::format("at most {} ticks", kStopTicks),
+               stopped.force_before_n > 0 && stopped.ticks_to_zero <= kStopTicks &&
+                   stopped.presentation.fault == Fault::emergency_stop && stopped.neutral));
 
   constexpr int kAge_ticks = static_cast<int>(kMaxAge_ns / kPeriod_ns);
   const Run lost = run_loop(rig, -1, kPressing_ticks, kPressing_ticks);
-  checks.push_back({rig.name, fmt::format("tracker lost while pressing with {:.2f} N", lost.force_before_n),
-                    fmt::format("{}, 0 N after {} ticks", to_string(lost.presentation.fault), lost.ticks_to_zero),
-                    fmt::format("stale_pose, at most {} + 1 ticks", kAge_ticks),
-                    lost.force_before_n > 0 && lost.presentation.fault == Fault::stale_pose &&
-                        lost.ticks_to_zero <= kAge_ticks + 1 && lost.neutral});
+  add(measured(fmt::format("tracker lost while pressing with {:.2f} N", lost.force_before_n),
+               fmt::format("{}, 0 N after {} ticks", to_string(lost.presentation.fault), lost.ticks_to_zero),
+               fmt::format("stale_pose, at most {} + 1 ticks", kAge_ticks),
+               lost.force_before_n > 0 && lost.presentation.fault == Fault::stale_pose &&
+                   lost.ticks_to_zero <= kAge_ticks + 1 && lost.neutral));
 
   const Run whole = run_loop(rig, -1, -1, kPressing_ticks);
-  checks.push_back({rig.name, "a whole presentation of 2 s",
-                    fmt::format("{} ticks, {}", whole.presentation.ticks, to_string(whole.presentation.fault)),
-                    "2000 ticks, none",
-                    whole.presentation.fault == Fault::none && whole.presentation.ticks >= 2000 &&
-                        whole.presentation.ticks <= 2002 && whole.neutral});
+  add(measured("a whole presentation of 2 s",
+               fmt::format("{} ticks, {}", whole.presentation.ticks, to_string(whole.presentation.fault)),
+               "2000 ticks, none",
+               whole.presentation.fault == Fault::none && whole.presentation.ticks >= 2000 &&
+                   whole.presentation.ticks <= 2002 && whole.neutral));
 }
 
 }  // namespace jnd

@@ -17,7 +17,7 @@ namespace {
 constexpr int kPlatformSettled_ticks = 400;
 
 // Each coordinate alone through its published range, the others at rest.
-DeviceCheck ranges(const DeviceSpec& spec) {
+Check ranges(const DeviceSpec& spec) {
   constexpr int kPoints = 101;
   constexpr double kMostCondition = 2.5;
   const Rrs3Kinematics kinematics(geometry_of(spec));
@@ -35,14 +35,14 @@ DeviceCheck ranges(const DeviceSpec& spec) {
     visit({.pz_m = spec.rest_z_m, .roll_rad = both_ways * box.max_roll_rad});
     visit({.pz_m = spec.rest_z_m, .pitch_rad = both_ways * box.max_pitch_rad});
   }
-  return {"", "stroke, roll and pitch, one at a time",
-          fmt::format("{} of {} poses, condition {:.2f}", reached, 3 * kPoints, worst),
-          fmt::format("all, condition at most {:g}", kMostCondition),
-          reached == 3 * kPoints && worst <= kMostCondition};
+  return measured("stroke, roll and pitch, one at a time",
+                  fmt::format("{} of {} poses, condition {:.2f}", reached, 3 * kPoints, worst),
+                  fmt::format("all, condition at most {:g}", kMostCondition),
+                  reached == 3 * kPoints && worst <= kMostCondition);
 }
 
 // From the joints' encoders back to the pose.
-DeviceCheck forward(const DeviceSpec& spec) {
+Check forward(const DeviceSpec& spec) {
   const Rrs3Kinematics kinematics(geometry_of(spec));
   const Rrs3Coordinates rest{.pz_m = spec.rest_z_m};
   double worst_m = 0;
@@ -63,11 +63,11 @@ DeviceCheck forward(const DeviceSpec& spec) {
             std::max({worst_m, std::abs(found->pz_m - at.pz_m), spec.b_m * std::abs(found->roll_rad - at.roll_rad),
                       spec.b_m * std::abs(found->pitch_rad - at.pitch_rad)});
       }
-  return {"", "pose from the joints' angles", fmt::format("{} of {} poses, {:.1g} m off", solved, poses, worst_m),
-          "all, at most 1e-09 m off", solved == poses && worst_m <= 1e-9};
+  return measured("pose from the joints' angles", fmt::format("{} of {} poses, {:.1g} m off", solved, poses, worst_m),
+                  "all, at most 1e-09 m off", solved == poses && worst_m <= 1e-9);
 }
 
-DeviceCheck tilt(const DeviceSpec& spec) {
+Check tilt(const DeviceSpec& spec) {
   DeviceBench bench(spec);
   bench.make_ready();
   DeviceCommand command = bench.push(0);
@@ -77,11 +77,12 @@ DeviceCheck tilt(const DeviceSpec& spec) {
   const PlatformPose& at = bench.reading().platform;
   const bool inside =
       std::abs(at.roll_rad) <= spec.max_roll_rad + 1e-12 && std::abs(at.pitch_rad) <= spec.max_pitch_rad + 1e-12;
-  return {"", "10 rad of roll and pitch asked", fmt::format("roll {:.4f}, pitch {:.4f} rad", at.roll_rad, at.pitch_rad),
-          fmt::format("within {:.4f} and {:.4f} rad", spec.max_roll_rad, spec.max_pitch_rad), inside};
+  return measured("10 rad of roll and pitch asked",
+                  fmt::format("roll {:.4f}, pitch {:.4f} rad", at.roll_rad, at.pitch_rad),
+                  fmt::format("within {:.4f} and {:.4f} rad", spec.max_roll_rad, spec.max_pitch_rad), inside);
 }
 
-DeviceCheck joint_speed(const DeviceSpec& spec) {
+Check joint_speed(const DeviceSpec& spec) {
   const Rrs3Kinematics kinematics(geometry_of(spec));
   DeviceBench bench(spec);
   bench.make_ready();
@@ -106,19 +107,19 @@ DeviceCheck joint_speed(const DeviceSpec& spec) {
   }
   const double limit = spec.max_joint_speed_rad_per_s;
   // The speed is limited along the tangent; over a millisecond the joints' path bends a little.
-  return {"", "speed of the joints while it tilts", fmt::format("{:.2f} rad/s", fastest),
-          fmt::format("at most {:.2f} rad/s + 1 %", limit), known && fastest > 0 && fastest <= 1.01 * limit};
+  return measured("speed of the joints while it tilts", fmt::format("{:.2f} rad/s", fastest),
+                  fmt::format("at most {:.2f} rad/s + 1 %", limit), known && fastest > 0 && fastest <= 1.01 * limit);
 }
 
-DeviceCheck platform_rendering(const DeviceSpec& spec, double stiffness) {
+Check platform_rendering(const DeviceSpec& spec, double stiffness) {
   constexpr double kTolerance = 0.005;
   const Rrs3StiffnessAnswer answer = measure_rendered_stiffness(spec, {.stiffness_n_per_m = stiffness});
-  return {"", fmt::format("renders {:g} N/m on a finger of 1000 N/m", stiffness),
-          fmt::format("{:.2f} N/m", answer.rendered_n_per_m), fmt::format("within {:g} %", 100 * kTolerance),
-          std::abs(answer.rendered_n_per_m - stiffness) <= kTolerance * stiffness};
+  return measured(fmt::format("renders {:g} N/m on a finger of 1000 N/m", stiffness),
+                  fmt::format("{:.2f} N/m", answer.rendered_n_per_m), fmt::format("within {:g} %", 100 * kTolerance),
+                  std::abs(answer.rendered_n_per_m - stiffness) <= kTolerance * stiffness);
 }
 
-DeviceCheck rest(const DeviceSpec& spec) {
+Check rest(const DeviceSpec& spec) {
   DeviceBench bench(spec);
   bench.make_ready();
   bench.ticks(kPlatformSettled_ticks, bench.push(spec.max_force_n / 2));
@@ -126,11 +127,12 @@ DeviceCheck rest(const DeviceSpec& spec) {
   bench.silence();
   const DeviceReading& reading = bench.reading();
   const double off_mm = 1e3 * std::abs(reading.platform.pz_m - spec.rest_z_m);
-  return {"", "neutral: force and height one tick later", fmt::format("{:g} N, {:g} mm off", reading.force_n, off_mm),
-          "0 N, at rest", reading.force_n == 0 && off_mm < 1e-6};
+  return measured("neutral: force and height one tick later",
+                  fmt::format("{:g} N, {:g} mm off", reading.force_n, off_mm), "0 N, at rest",
+                  reading.force_n == 0 && off_mm < 1e-6);
 }
 
-DeviceCheck vibration(const DeviceSpec& spec, double asked_g) {
+Check vibration(const DeviceSpec& spec, double asked_g) {
   DeviceBench bench(spec);
   bench.make_ready();
   DeviceCommand command = bench.push(0);
@@ -142,12 +144,12 @@ DeviceCheck vibration(const DeviceSpec& spec, double asked_g) {
     most_g = std::max(most_g, bench.reading().vibration_g);
   }
   const double expected = std::clamp(asked_g, spec.min_vibration_g, spec.max_vibration_g);
-  return {"", fmt::format("vibration: {:g} g asked", asked_g), fmt::format("{:.4f} g", most_g),
-          fmt::format("{:g} g (range {:g} to {:g} g)", expected, spec.min_vibration_g, spec.max_vibration_g),
-          std::abs(most_g - expected) <= 0.01 * expected};
+  return measured(fmt::format("vibration: {:g} g asked", asked_g), fmt::format("{:.4f} g", most_g),
+                  fmt::format("{:g} g (range {:g} to {:g} g)", expected, spec.min_vibration_g, spec.max_vibration_g),
+                  std::abs(most_g - expected) <= 0.01 * expected);
 }
 
-DeviceCheck burst(const DeviceSpec& spec) {
+Check burst(const DeviceSpec& spec) {
   DeviceBench bench(spec);
   bench.make_ready();
   DeviceCommand command = bench.push(0);
@@ -161,20 +163,20 @@ DeviceCheck burst(const DeviceSpec& spec) {
     hz = std::max(hz, out.given.vibration_hz);
   }
   const auto most_ms = static_cast<int>(kMaxBurst_ns / DeviceBench::kTick_ns);
-  return {"", "vibration: 1 s at 1000 Hz asked", fmt::format("{} ms at {:g} Hz", vibrating, hz),
-          fmt::format("at most {} ms, {:g} Hz", most_ms, spec.max_vibration_hz),
-          vibrating > 0 && vibrating <= most_ms && hz <= spec.max_vibration_hz};
+  return measured("vibration: 1 s at 1000 Hz asked", fmt::format("{} ms at {:g} Hz", vibrating, hz),
+                  fmt::format("at most {} ms, {:g} Hz", most_ms, spec.max_vibration_hz),
+                  vibrating > 0 && vibrating <= most_ms && hz <= spec.max_vibration_hz);
 }
 
 }  // namespace
 
-void check_platform(const DeviceSpec& spec, DeviceChecks& checks) {
-  DeviceChecks own = {ranges(spec), forward(spec), tilt(spec), joint_speed(spec), rest(spec)};
+void check_platform(const DeviceSpec& spec, Checks& checks) {
+  Checks own = {ranges(spec), forward(spec), tilt(spec), joint_speed(spec), rest(spec)};
   for (const double stiffness : {500.0, 600.0, 700.0, 900.0})  // the paper's
     if (stiffness <= spec.max_stiffness) own.push_back(platform_rendering(spec, stiffness));
   for (const double asked_g : {0.01, 0.5, 3.0}) own.push_back(vibration(spec, asked_g));
   own.push_back(burst(spec));
-  for (DeviceCheck& check : own) {
+  for (Check& check : own) {
     check.device = spec.name;
     checks.push_back(std::move(check));
   }

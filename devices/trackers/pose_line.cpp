@@ -1,8 +1,9 @@
 #include "devices/trackers/pose_line.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+
+#include "protocols/input/number_from.h"
 
 namespace jnd {
 
@@ -35,18 +36,17 @@ class Words {
 
 bool to_number(std::string_view word, double& value) noexcept {
   if (!word.empty() && word.front() == '+') word.remove_prefix(1);
-  const char* const end = word.data() + word.size();
-  const auto [stopped, error] = std::from_chars(word.data(), end, value);
-  return error == std::errc{} && stopped == end && std::isfinite(value);
+  const std::optional<double> number = number_from<double>(word);
+  value = number.value_or(value);
+  return number && std::isfinite(*number);
 }
 
 // "n=17"
 bool to_sequence(std::string_view word, std::uint32_t& value) noexcept {
   if (!word.starts_with("n=")) return false;
-  word.remove_prefix(2);
-  const char* const end = word.data() + word.size();
-  const auto [stopped, error] = std::from_chars(word.data(), end, value);
-  return error == std::errc{} && stopped == end && !word.empty();
+  const std::optional<std::uint32_t> number = number_from<std::uint32_t>(word.substr(2));
+  value = number.value_or(value);
+  return number.has_value();
 }
 
 // What may follow a pose or "lost": at most the number of the line. False where anything else does.
@@ -83,7 +83,7 @@ const char* read_pose(std::string_view word, Words& words, PoseLine& line) noexc
 
 }  // namespace
 
-bool says_nothing(std::string_view line) noexcept {
+bool is_blank_or_comment(std::string_view line) noexcept {
   const std::string_view word = Words(line).next();
   return word.empty() || word.front() == '#';
 }

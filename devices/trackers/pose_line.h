@@ -48,7 +48,7 @@ struct PoseLine {
 std::optional<PoseClock> parse_pose_header(std::string_view line, const char*& why) noexcept;
 std::optional<PoseLine> parse_pose_line(std::string_view text, const char*& why) noexcept;
 // An empty line, or a comment.
-bool says_nothing(std::string_view line) noexcept;
+bool is_blank_or_comment(std::string_view line) noexcept;
 
 // Cuts a stream of bytes into lines, however the bytes come. Nothing allocates.
 class LineCutter {

@@ -184,7 +184,7 @@ void ProcessTracker::listen(ChildProcess& child) {
 }
 
 void ProcessTracker::hear_line(std::string_view line, std::int64_t arrival_ns) {
-  if (says_nothing(line)) return;
+  if (is_blank_or_comment(line)) return;
   const char* why = "";
   if (!header_) {
     header_ = parse_pose_header(line, why);

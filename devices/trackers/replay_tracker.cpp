@@ -33,7 +33,7 @@ class ReplayReading {
 
   void read(std::string_view line) {
     ++number_;
-    if (says_nothing(line) || file_.errors.size() >= kMostErrors) return;
+    if (is_blank_or_comment(line) || file_.errors.size() >= kMostErrors) return;
     const char* why = "";
     if (!header_) {
       header_ = parse_pose_header(line, why).has_value();

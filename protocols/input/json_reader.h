@@ -21,6 +21,7 @@
 //   if (!diagnostics.empty()) throw InputError(diagnostics);
 #pragma once
 
+#include <array>
 #include <initializer_list>
 #include <limits>
 #include <optional>
@@ -88,6 +89,10 @@ class JsonReader {
   T one_of(std::string_view key, const Words<T>& words) {
     const std::optional<std::size_t> place = word(key, names_of(words), {}, true);
     return words[place.value_or(0)].second;
+  }
+  template <typename T, std::size_t N>
+  T one_of(std::string_view key, const std::array<std::pair<std::string_view, T>, N>& words) {
+    return one_of<T>(key, Words<T>(words.begin(), words.end()));
   }
   template <typename T>
   T one_of_or(std::string_view key, const Words<T>& words, T fallback) {

@@ -23,7 +23,7 @@ namespace {
 
 class Descriptor {
  public:
-  // Without waiting: the opening of a named pipe would wait for somebody who writes.
+  // Without waiting: the opening of a named pipe would wait until a program writes to it.
   explicit Descriptor(const std::filesystem::path& path)
       : value_(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)) {}
   ~Descriptor() {

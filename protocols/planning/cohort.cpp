@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "protocols/input/json_reader.h"
-#include "protocols/planning/exploration_deal.h"
+#include "protocols/planning/exploration_assignment.h"
 #include "protocols/planning/order.h"
 #include "protocols/planning/plan.h"
 
@@ -73,12 +73,13 @@ void count_positions(const Plan& plan, const Protocol& protocol, CohortBalance& 
 void count_explorations(const Protocol& protocol, CohortBalance& balance) {
   balance.condition_positions = square(protocol.conditions.size());
   balance.condition_transitions = square(protocol.conditions.size());
-  const ExplorationDeal deal(protocol, balance.seed, balance.session);
+  const ExplorationAssignment assignment(protocol, balance.seed, balance.session);
   balance.object_positions = square(protocol.explore->objects.size());
   std::map<std::vector<int>, int> condition_orders, object_orders;
   std::map<std::pair<std::vector<int>, std::vector<int>>, int> pairs;
   for (int participant = 1; participant <= balance.participants; ++participant) {
-    const std::vector<int> conditions = deal.condition_order(participant), objects = deal.object_order(participant);
+    const std::vector<int> conditions = assignment.condition_order(participant),
+                           objects = assignment.object_order(participant);
     ++condition_orders[conditions];
     ++object_orders[objects];
     ++pairs[{conditions, objects}];
@@ -92,8 +93,8 @@ void count_explorations(const Protocol& protocol, CohortBalance& balance) {
   balance.object_orders = by_use(object_orders);
   balance.different_pairs_of_orders = static_cast<int>(pairs.size());
   for (const auto& [pair, count] : pairs) balance.most_used_pair = std::max(balance.most_used_pair, count);
-  balance.group_size = deal.group_size();
-  balance.pair_count = deal.pair_count();
+  balance.group_size = assignment.group_size();
+  balance.pair_count = assignment.pair_count();
 }
 
 }  // namespace
@@ -138,10 +139,10 @@ CohortBalance balance_of_cohort(const Protocol& protocol, int participants, std:
   balance.different_pairs_of_orders = static_cast<int>(pairs.size());
   for (const auto& [pair, count] : pairs) balance.most_used_pair = std::max(balance.most_used_pair, count);
 
-  const OrderDeal deal(protocol, seed, session);
-  const bool random = deal.series_list().empty() || deal.condition_list().empty();
-  balance.group_size = random ? 0 : deal.group_size();
-  balance.pair_count = random ? 0 : deal.pair_count();
+  const OrderAssignment assignment(protocol, seed, session);
+  const bool random = assignment.series_list().empty() || assignment.condition_list().empty();
+  balance.group_size = random ? 0 : assignment.group_size();
+  balance.pair_count = random ? 0 : assignment.pair_count();
   return balance;
 }
 

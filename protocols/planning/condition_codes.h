@@ -9,8 +9,8 @@
 
 namespace jnd {
 
-// One for each of Protocol::conditions, dealt by the study's seed: the operator's console and the results of a blinded
-// study show these.
+// One for each of Protocol::conditions, assigned by the study's seed: the operator's console and the results of a
+// blinded study show these.
 std::vector<std::string> condition_codes(const Protocol& protocol, std::uint64_t seed);
 
 }  // namespace jnd

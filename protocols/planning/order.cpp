@@ -15,7 +15,7 @@ std::vector<int> counting(int k) {
   return items;
 }
 
-bool is_dealt(Order order) noexcept {
+bool is_assigned(Order order) noexcept {
   return order == Order::permuted || order == Order::williams;
 }
 
@@ -82,42 +82,42 @@ std::string session_purpose(int session, const std::string& name) {
   return session == 1 ? name : "session/" + std::to_string(session) + "/" + name;
 }
 
-OrderDeal::OrderDeal(const Protocol& protocol, std::uint64_t study_seed, int session)
+OrderAssignment::OrderAssignment(const Protocol& protocol, std::uint64_t study_seed, int session)
     : series_count_(static_cast<int>(protocol.series.size())),
       condition_count_(static_cast<int>(protocol.conditions.size())),
       per_series_(protocol.design.per_series),
       seed_(study_seed),
       session_(session),
       turn_(turn_of(session)),
-      series_backwards_(turn_.backwards && is_dealt(protocol.design.series_order)),
-      conditions_backwards_(turn_.backwards && is_dealt(protocol.design.condition_order)),
+      series_backwards_(turn_.backwards && is_assigned(protocol.design.series_order)),
+      conditions_backwards_(turn_.backwards && is_assigned(protocol.design.condition_order)),
       series_list_(order_list(protocol.design.series_order, series_count_, study_seed, "series")),
       condition_list_(order_list(protocol.design.condition_order, condition_count_, study_seed, "conditions")) {
   for (const Series& series : protocol.series) series_names_.push_back(series.name);
 }
 
-int OrderDeal::series_place(int participant) const noexcept {
+int OrderAssignment::series_place(int participant) const noexcept {
   return (participant - 1 + turn_.places) % size_of(series_list_);
 }
 
-int OrderDeal::condition_place(int participant) const noexcept {
+int OrderAssignment::condition_place(int participant) const noexcept {
   const int i = participant - 1;
   return static_cast<int>((static_cast<std::int64_t>(i) + i / group_size() + turn_.places) % size_of(condition_list_));
 }
 
-int OrderDeal::group_size() const noexcept {
+int OrderAssignment::group_size() const noexcept {
   return std::lcm(size_of(series_list_), size_of(condition_list_));
 }
 
-int OrderDeal::pair_count() const noexcept {
+int OrderAssignment::pair_count() const noexcept {
   return size_of(series_list_) * size_of(condition_list_);
 }
 
-std::vector<int> OrderDeal::series_order(int participant) const {
+std::vector<int> OrderAssignment::series_order(int participant) const {
   if (!series_list_.empty()) {
-    std::vector<int> dealt = series_list_[static_cast<std::size_t>(series_place(participant))];
-    if (series_backwards_) std::reverse(dealt.begin(), dealt.end());
-    return dealt;
+    std::vector<int> assigned = series_list_[static_cast<std::size_t>(series_place(participant))];
+    if (series_backwards_) std::reverse(assigned.begin(), assigned.end());
+    return assigned;
   }
   std::vector<int> order = counting(series_count_);
   RandomStream(seed_, static_cast<std::uint64_t>(participant), session_purpose(session_, "order/series"))
@@ -125,7 +125,8 @@ std::vector<int> OrderDeal::series_order(int participant) const {
   return order;
 }
 
-std::vector<std::vector<int>> OrderDeal::condition_orders(int participant, const std::vector<int>& series_order) const {
+std::vector<std::vector<int>> OrderAssignment::condition_orders(int participant,
+                                                                const std::vector<int>& series_order) const {
   std::vector<std::vector<int>> orders;
   for (std::size_t j = 0; j < series_order.size(); ++j) {
     if (!condition_list_.empty()) {

@@ -1,10 +1,10 @@
-// Orders of series and conditions, and their deal to participants.
+// Orders of series and conditions, and their assignment to participants.
 //
 // Each factor has a list of orders: the one of the file (`fixed`), all permutations (`permuted`) or a Williams square
 // (`williams`), shuffled once for the whole study. Participant i (from 0) gets order i mod A of the A series orders and
 // order (i + floor(i / L)) mod B of the B condition orders, L = lcm(A, B): every L participants use each order of a
 // factor equally often, and all A B pairs occur before any repeats. For A = B = 6, participant 6r + s takes series
-// order s and condition order (s + r) mod 6. `random` orders are drawn for each participant and are not dealt.
+// order s and condition order (s + r) mod 6. `random` orders are drawn for each participant and are not assigned.
 //
 // Further sessions of a participant come in twos: session 2m + 1 takes the orders that are m places further in each
 // list, and session 2m + 2 presents those of session 2m + 1 backwards. Both move a list onto itself (permutations and
@@ -34,11 +34,11 @@ OrderList all_permutations(int k);
 // item, equally often. k >= 1; one item has one sequence.
 OrderList williams_square(int k);
 
-// The orders of k items that are dealt, shuffled for the study; empty where they are random. factor: "series",
-// "conditions" or "objects".
+// The orders of k items that are assigned in turn, shuffled for the study; empty where they are random. factor:
+// "series", "conditions" or "objects".
 OrderList order_list(Order order, int k, std::uint64_t study_seed, const std::string& factor);
 
-// How the deal of a session differs from that of the first.
+// How the assignment of a session differs from that of the first.
 struct SessionTurn {
   int places = 0;  // that every participant is further in each list
   bool backwards = false;
@@ -48,10 +48,10 @@ SessionTurn turn_of(int session) noexcept;  // session: from 1
 // The purpose of a stream of random numbers, which is its own in each session; that of the first is the bare name.
 std::string session_purpose(int session, const std::string& name);
 
-class OrderDeal {
+class OrderAssignment {
  public:
   // protocol: as loaded. study_seed: shuffles the lists and the labels of Williams squares. session: from 1.
-  OrderDeal(const Protocol& protocol, std::uint64_t study_seed, int session = 1);
+  OrderAssignment(const Protocol& protocol, std::uint64_t study_seed, int session = 1);
 
   // participant: from 1. Places in Protocol::series, in presented order.
   std::vector<int> series_order(int participant) const;

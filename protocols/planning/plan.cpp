@@ -7,7 +7,7 @@
 #include <string>
 
 #include "protocols/planning/catch_trials.h"
-#include "protocols/planning/exploration_deal.h"
+#include "protocols/planning/exploration_assignment.h"
 #include "protocols/planning/order.h"
 #include "protocols/planning/random_stream.h"
 #include "protocols/planning/run_limit.h"
@@ -235,13 +235,13 @@ Plan make_plan(const Protocol& protocol, int participant, std::uint64_t seed, in
   plan.participant = participant;
   plan.seed = seed;
   if (protocol.paradigm == Paradigm::explore) {
-    plan.explorations = ExplorationDeal(protocol, seed, session).slots(participant);
+    plan.explorations = ExplorationAssignment(protocol, seed, session).slots(participant);
     return plan;
   }
-  const OrderDeal deal(protocol, seed, session);
+  const OrderAssignment assignment(protocol, seed, session);
   const Draws draws(protocol, seed, participant, session);
-  plan.series_order = deal.series_order(participant);
-  plan.condition_orders = deal.condition_orders(participant, plan.series_order);
+  plan.series_order = assignment.series_order(participant);
+  plan.condition_orders = assignment.condition_orders(participant, plan.series_order);
 
   TrialList list(protocol.stimulus.unit);
   if (protocol.practice) add_practice(*protocol.practice, draws, list);

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "protocols/words.h"
+
 namespace jnd {
 
 namespace {
@@ -39,15 +41,9 @@ const Cues* cues_of(const Protocol& protocol, std::string_view condition) noexce
 }  // namespace
 
 std::string_view to_string(JndSource source) noexcept {
-  switch (source) {
-    case JndSource::published:
-      return "published";
-    case JndSource::assumed:
-      return "assumed";
-    case JndSource::asked:
-      return "asked";
-  }
-  return "";
+  constexpr auto kWords = words<JndSource>(
+      {{"published", JndSource::published}, {"assumed", JndSource::assumed}, {"asked", JndSource::asked}});
+  return word_of(kWords, source);
 }
 
 PlannedJnd planned_jnd(const Protocol& protocol, std::string_view condition) {

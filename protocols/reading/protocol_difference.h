@@ -1,4 +1,4 @@
-// How two protocol files differ: for whoever finds that a study was made with another file.
+// How two protocol files differ: told where a study was made with another file than the one that is given.
 #pragma once
 
 #include <cstddef>

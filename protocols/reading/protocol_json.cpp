@@ -6,7 +6,7 @@
 
 #include "protocols/input/read_file.h"
 #include "protocols/input/sha256.h"
-#include "protocols/reading/people_texts.h"
+#include "protocols/reading/participant_texts.h"
 #include "protocols/reading/protocol_reading.h"
 
 namespace jnd {

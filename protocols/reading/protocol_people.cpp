@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "protocols/reading/people_texts.h"
+#include "protocols/reading/participant_texts.h"
 #include "protocols/reading/protocol_reading.h"
 #include "protocols/reading/translation.h"
 
@@ -137,10 +137,10 @@ void read_language(JsonReader& reader, ProtocolReading& reading) {
 void read_translations(const JsonNode& node, ProtocolReading& reading) {
   Protocol& protocol = reading.protocol;
   std::map<std::string, PeopleText> texts;
-  visit_people_texts(protocol,
-                     [&](const std::string& path, const std::string& text, const TextLimits& limits, Audience) {
-                       texts[path] = {text, limits};
-                     });
+  visit_participant_texts(protocol,
+                          [&](const std::string& path, const std::string& text, const TextLimits& limits, Audience) {
+                            texts[path] = {text, limits};
+                          });
   if (node.keys.size() > kMostLanguages)
     return reading.error(node, fmt::format("has {} languages", node.keys.size()),
                          fmt::format("at most {} are possible", kMostLanguages));

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "protocols/reading/people_texts.h"
+#include "protocols/reading/participant_texts.h"
 #include "protocols/reading/protocol_reading.h"
 
 namespace jnd {

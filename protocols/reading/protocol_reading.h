@@ -103,7 +103,7 @@ void read_analysis(const JsonNode& node, ProtocolReading& reading);
 void lint_protocol(ProtocolReading& reading);
 // protocol_warnings.cpp: what a reviewer would ask about. Only for protocols without errors.
 void warn_about_protocol(ProtocolReading& reading);
-// protocol_procedure_warnings.cpp: levels that could hardly move. Only with a procedure.
+// Levels that could hardly move. Only with a procedure.
 void warn_about_procedure(ProtocolReading& reading);
 
 }  // namespace jnd

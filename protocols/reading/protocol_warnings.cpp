@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "protocols/planning/duration.h"
-#include "protocols/planning/exploration_deal.h"
+#include "protocols/planning/exploration_assignment.h"
 #include "protocols/planning/order.h"
 #include "protocols/planning/planned_precision.h"
 #include "protocols/reading/protocol_reading.h"
@@ -110,8 +110,8 @@ void warn_about_letters(ProtocolReading& reading) {
 }
 
 int group_size(const Protocol& protocol) {
-  if (protocol.paradigm == Paradigm::explore) return std::max(1, ExplorationDeal(protocol, 0).group_size());
-  return OrderDeal(protocol, 0).group_size();
+  if (protocol.paradigm == Paradigm::explore) return std::max(1, ExplorationAssignment(protocol, 0).group_size());
+  return OrderAssignment(protocol, 0).group_size();
 }
 
 void warn_about_cohort(ProtocolReading& reading) {

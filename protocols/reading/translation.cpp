@@ -7,7 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "protocols/input/input_error.h"
-#include "protocols/reading/people_texts.h"
+#include "protocols/reading/participant_texts.h"
 
 namespace jnd {
 
@@ -43,7 +43,7 @@ Protocol in_language(const Protocol& protocol, std::string_view language) {
   Protocol translated = protocol;
   for (std::vector<Question>* const list : {&translated.questions, &translated.checklist})
     for (Question& question : *list) question.shown = question.options;
-  visit_people_texts(translated, [&](const std::string& path, std::string& text, const TextLimits&, Audience) {
+  visit_participant_texts(translated, [&](const std::string& path, std::string& text, const TextLimits&, Audience) {
     if (const auto found = translation->second.find(path); found != translation->second.end()) text = found->second;
   });
   return translated;
@@ -53,9 +53,11 @@ std::vector<std::string> left_out_of(const Protocol& protocol, std::string_view 
   std::vector<std::string> paths;
   const auto translation = translation_in(protocol, language);
   if (translation == protocol.translations.end()) return paths;
-  visit_people_texts(protocol, [&](const std::string& path, const std::string&, const TextLimits&, Audience audience) {
-    if (audience == Audience::participant && !translation->second.contains(path)) paths.push_back(path);
-  });
+  visit_participant_texts(protocol,
+                          [&](const std::string& path, const std::string&, const TextLimits&, Audience audience) {
+                            if (audience == Audience::participant && !translation->second.contains(path))
+                              paths.push_back(path);
+                          });
   return paths;
 }
 

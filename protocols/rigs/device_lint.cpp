@@ -2,15 +2,53 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <string>
 
 #include <fmt/format.h>
 
 #include "analysis/numerics/normal.h"
-#include "protocols/rigs/device_linting.h"
+#include "protocols/reading/protocol_reading.h"
 
 namespace jnd {
 
 namespace {
+
+// A lint in the making: what is asked, of which rig, and what was found.
+struct DeviceLinting {
+  const Protocol& protocol;
+  const RigSpec& rig;
+  const std::string& file;
+  JsonNode root;
+  DeviceLint lint = {};
+
+  void error(const std::string& path, std::string message, std::string suggestion);
+  void warn(const std::string& path, std::string message, std::string suggestion);
+
+  bool any(bool Cues::*cue) const;       // does any condition have it?
+  std::set<double> stiffnesses() const;  // of all series
+  bool in_metres() const { return protocol.stimulus.unit == StiffnessUnit::n_per_m; }
+  std::string_view unit() const { return to_string(protocol.stimulus.unit); }
+  std::string depth(double value) const;  // "5.22 mm" or "0.240 rad"
+  std::string press_path() const;         // of the expected press
+  // Where the stiffnesses of a series are written; beside an adaptive procedure, which makes its own series: its clamp.
+  std::string series_path() const;
+  std::string pair_path(std::size_t series) const;
+  std::string stiffness_path(std::size_t series, std::size_t of_pair) const;
+  std::string objects(bool plural) const;  // "spheres" where they are spheres
+
+  // Force asked of a device per force of the contact. A McKibben finger gives the torque of a contact, k L x, out of
+  // its own lever arm l: L / l.
+  double force_gain(const DeviceSpec& spec) const {
+    return in_metres() && facts_of(spec.model).acts_on_joint ? rig.lever_arm_m / spec.lever_arm_m : 1;
+  }
+  // In the McKibben finger's own N/rad: a contact of k N/m is k L^2 / l.
+  double at_joint(double stiffness, const DeviceSpec& joint) const {
+    return in_metres() ? stiffness * rig.lever_arm_m * force_gain(joint) : stiffness;
+  }
+  // A depth as an angle of the joint.
+  double angle_of(double depth) const { return in_metres() ? depth / rig.lever_arm_m : depth; }
+};
 
 constexpr double kToldShare = 0.05;  // rarer saturation is not worth a warning
 constexpr double kUsablePressShare = 0.25;
@@ -231,33 +269,7 @@ void look_at_taps(DeviceLinting& linting) {
                     "take \"sound\", or \"none\"");
 }
 
-}  // namespace
-
-DeviceLint lint_against_device(const Protocol& protocol, const RigSpec& rig, const std::string& file) {
-  DeviceLinting linting{protocol, rig, file, protocol.bytes.empty() ? JsonNode{} : parse_json(protocol.bytes, file)};
-  for (std::size_t i = 0; i < protocol.series.size(); ++i) {
-    look_at_limits(linting, i);
-    for (const Condition& condition : protocol.conditions) look_at_pair(linting, i, condition);
-  }
-  if (protocol.explore) look_at_platform_limit(linting, protocol.stimulus.reference, linting.series_path());
-  if (protocol.design.procedure)
-    for (const Condition& condition : protocol.conditions) look_at_levels(linting, condition);
-  look_at_taps(linting);
-  lint_travel(linting);
-  lint_mode(linting);
-  lint_sampled_contact(linting);
-  if (rig.cutaneous() != nullptr) {
-    if (linting.any(&Cues::force)) warn_about_forces(linting, *rig.cutaneous());
-    if (linting.any(&Cues::vibration)) warn_about_vibrations(linting, *rig.cutaneous());
-  }
-  if (rig.kinaesthetic() != nullptr && linting.any(&Cues::kinaesthetic))
-    warn_about_forces(linting, *rig.kinaesthetic());
-  return std::move(linting.lint);
-}
-
-// Presses, objects and contacts that leave the devices' ranges or what a 1 kHz loop can render.
-
-namespace {
+// ---- presses, objects and contacts that leave the devices' ranges or what a 1 kHz loop can render
 
 constexpr double kDeepPress_sd = 2;   // presses this far above the mean are still to be expected
 constexpr double kLoopLag_s = 0.002;  // a period of 1 ms, and one of delay
@@ -333,8 +345,6 @@ void lint_joint_travel(DeviceLinting& linting, const DeviceSpec& spec) {
   }
 }
 
-}  // namespace
-
 void lint_travel(DeviceLinting& linting) {
   if (linting.stiffnesses().empty()) return;
   const DeviceSpec* const platform = linting.rig.cutaneous();
@@ -394,8 +404,32 @@ void lint_sampled_contact(DeviceLinting& linting) {
     linting.warn(linting.series_path(), message, remedy + "; the device's specification allows it");
 }
 
+}  // namespace
+
 double needed_damping(double stiffness, double viscosity) noexcept {
   return stiffness * kLoopLag_s / 2 + viscosity;
+}
+
+DeviceLint lint_against_device(const Protocol& protocol, const RigSpec& rig, const std::string& file) {
+  DeviceLinting linting{protocol, rig, file, protocol.bytes.empty() ? JsonNode{} : parse_json(protocol.bytes, file)};
+  for (std::size_t i = 0; i < protocol.series.size(); ++i) {
+    look_at_limits(linting, i);
+    for (const Condition& condition : protocol.conditions) look_at_pair(linting, i, condition);
+  }
+  if (protocol.explore) look_at_platform_limit(linting, protocol.stimulus.reference, linting.series_path());
+  if (protocol.design.procedure)
+    for (const Condition& condition : protocol.conditions) look_at_levels(linting, condition);
+  look_at_taps(linting);
+  lint_travel(linting);
+  lint_mode(linting);
+  lint_sampled_contact(linting);
+  if (rig.cutaneous() != nullptr) {
+    if (linting.any(&Cues::force)) warn_about_forces(linting, *rig.cutaneous());
+    if (linting.any(&Cues::vibration)) warn_about_vibrations(linting, *rig.cutaneous());
+  }
+  if (rig.kinaesthetic() != nullptr && linting.any(&Cues::kinaesthetic))
+    warn_about_forces(linting, *rig.kinaesthetic());
+  return std::move(linting.lint);
 }
 
 }  // namespace jnd

@@ -7,7 +7,7 @@
 #include "protocols/input/input_error.h"
 #include "protocols/protocol.h"
 #include "protocols/rigs/press_saturation.h"
-#include "protocols/rigs/rig_spec.h"
+#include "protocols/rigs/rig_description.h"
 
 namespace jnd {
 

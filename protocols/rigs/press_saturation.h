@@ -2,14 +2,14 @@
 // the study's unit: m and N/m, or rad and N/rad.
 //
 // A press is half a sine in time. Depths are Gaussian: the protocol's expected press with a standard deviation of 1 mm,
-// one press a second, on every finger of a hand; or, where a joint flexes, of a fifth of it, one press in two
-// seconds (the 0.5 Hz of the McKibben paper's tests).
+// one press a second, on every finger of a hand; or, where a joint flexes, of a fifth of it, one press in two seconds
+// (the 0.5 Hz of the McKibben paper's tests).
 //
 // force_gain: force asked of the device per force of the contact; of a joint, the ratio of two lever arms.
 #pragma once
 
 #include "protocols/protocol.h"
-#include "protocols/rigs/device_spec.h"
+#include "protocols/rigs/device_description.h"
 
 namespace jnd {
 

@@ -113,50 +113,49 @@ int quest(const QuestOptions& options) {
 
 }  // namespace
 
-void add_calc_adaptive(CalcTree& tree) {
+void add_calc_adaptive(CommandTree& tree) {
   {
-    const auto options = std::make_shared<StaircaseOptions>();
-    CLI::App* command =
+    const auto [command, options] =
         tree.add("staircase", "The levels of an up-down staircase (Levitt 1971, Kaernbach 1991)",
-                 "staircase answers.csv --start 400 --up 1 --down 2 --step-up 50 --step-down 50", options, staircase);
-    CalcTree::add_input(*command, options->input, "response (1 = correct, 0 = wrong)");
-    StaircaseRule& rule = options->rule;
-    command->add_option("--start", rule.start, "first level")->required();
-    command->add_option("--up", rule.up, "so many wrong answers in a row raise the level")->required();
-    command->add_option("--down", rule.down, "so many correct answers in a row lower it")->required();
-    command->add_option("--step-up", rule.step_up, "added to the level; with --multiplicative it is multiplied by it")
+                 "jnd calc staircase answers.csv --start 400 --up 1 --down 2 --step-up 50 --step-down 50", staircase);
+    add_input(command, options.input, "response (1 = correct, 0 = wrong)");
+    StaircaseRule& rule = options.rule;
+    command.add_option("--start", rule.start, "first level")->required();
+    command.add_option("--up", rule.up, "so many wrong answers in a row raise the level")->required();
+    command.add_option("--down", rule.down, "so many correct answers in a row lower it")->required();
+    command.add_option("--step-up", rule.step_up, "added to the level; with --multiplicative it is multiplied by it")
         ->required();
     command
-        ->add_option("--step-down", rule.step_down,
-                     "subtracted from the level; with --multiplicative it is divided by it")
+        .add_option("--step-down", rule.step_down,
+                    "subtracted from the level; with --multiplicative it is divided by it")
         ->required();
-    command->add_flag("--multiplicative", rule.multiplicative, "steps multiply and divide; above 1");
+    command.add_flag("--multiplicative", rule.multiplicative, "steps multiply and divide; above 1");
     command
-        ->add_option("--halve-after", rule.halve_after,
-                     "reversals, counted from 1, that halve the steps (those that multiply: on the logarithm)")
+        .add_option("--halve-after", rule.halve_after,
+                    "reversals, counted from 1, that halve the steps (those that multiply: on the logarithm)")
         ->delimiter(',');
-    command->add_option("--clamp", options->clamp, "lowest and highest level: LO,HI")->delimiter(',')->expected(2);
+    command.add_option("--clamp", options.clamp, "lowest and highest level: LO,HI")->delimiter(',')->expected(2);
   }
-  const auto options = std::make_shared<QuestOptions>();
-  CLI::App* command = tree.add("quest", "A threshold by QUEST (Watson & Pelli 1983); levels are log10 of the stimulus",
-                               "quest answers.csv --t-guess 2.4 --t-guess-sd 0.5 --gamma 0.1", options, quest);
-  CalcTree::add_input(*command, options->input,
-                      "response (1 = correct, 0 = wrong) and, optionally, x: the level really shown (else the "
-                      "recommended one)");
-  QuestParameters& p = options->parameters;
-  command->add_option("--t-guess", p.t_guess, "expected threshold")->required();
-  command->add_option("--t-guess-sd", p.t_guess_sd, "standard deviation of that guess")->required();
-  command->add_option("--p-threshold", p.p_threshold, "share correct at threshold")->capture_default_str();
-  command->add_option("--beta", p.beta, "slope of the psychometric function")->capture_default_str();
-  command->add_option("--delta", p.delta, "share of answers given blindly")->capture_default_str();
-  command->add_option("--gamma", p.gamma, "share correct without a stimulus")->capture_default_str();
-  command->add_option("--grain", p.grain, "step of the grid of thresholds")->capture_default_str();
-  command->add_option("--range", p.range, "of the grid, about the guess")->capture_default_str();
+  const auto [command, options] =
+      tree.add("quest", "A threshold by QUEST (Watson & Pelli 1983); levels are log10 of the stimulus",
+               "jnd calc quest answers.csv --t-guess 2.4 --t-guess-sd 0.5 --gamma 0.1", quest);
+  add_input(command, options.input,
+            "response (1 = correct, 0 = wrong) and, optionally, x: the level really shown (else the "
+            "recommended one)");
+  QuestParameters& p = options.parameters;
+  command.add_option("--t-guess", p.t_guess, "expected threshold")->required();
+  command.add_option("--t-guess-sd", p.t_guess_sd, "standard deviation of that guess")->required();
+  command.add_option("--p-threshold", p.p_threshold, "share correct at threshold")->capture_default_str();
+  command.add_option("--beta", p.beta, "slope of the psychometric function")->capture_default_str();
+  command.add_option("--delta", p.delta, "share of answers given blindly")->capture_default_str();
+  command.add_option("--gamma", p.gamma, "share correct without a stimulus")->capture_default_str();
+  command.add_option("--grain", p.grain, "step of the grid of thresholds")->capture_default_str();
+  command.add_option("--range", p.range, "of the grid, about the guess")->capture_default_str();
   const std::map<std::string, Placement> places = {
       {"mean", Placement::mean}, {"mode", Placement::mode}, {"median", Placement::median}};
   command
-      ->add_option("--place", options->place,
-                   "recommended level: mean (King-Smith et al. 1994; default), mode (Watson & Pelli), median")
+      .add_option("--place", options.place,
+                  "recommended level: mean (King-Smith et al. 1994; default), mode (Watson & Pelli), median")
       ->transform(CLI::CheckedTransformer(places));
 }
 

@@ -121,20 +121,19 @@ int coverage(const CoverageOptions& options) {
 
 }  // namespace
 
-void add_calc_detection(CalcTree& tree) {
-  const auto sdt_options = std::make_shared<SdtOptions>();
-  CLI::App* command = tree.add("sdt", "d' of same-different counts, under every model and correction",
-                               "sdt counts.csv --json", sdt_options, sdt);
-  CalcTree::add_input(*command, sdt_options->input, "id, n_diff, hits, n_same, false_alarms");
+void add_calc_detection(CommandTree& tree) {
+  const auto [detection, counts] = tree.add("sdt", "d' of same-different counts, under every model and correction",
+                                            "jnd calc sdt counts.csv --json", sdt);
+  add_input(detection, counts.input, "id, n_diff, hits, n_same, false_alarms");
 
-  const auto coverage_options = std::make_shared<CoverageOptions>();
-  command = tree.add("coverage", "How often the intervals and tests of sdt are right, by exact enumeration",
-                     "coverage --trials 12,48", coverage_options, coverage);
-  command->add_option("--trials", coverage_options->trials, "trials a class, each 1..500")
+  const auto [command, options] =
+      tree.add("coverage", "How often the intervals and tests of sdt are right, by exact enumeration",
+               "jnd calc coverage --trials 12,48", coverage);
+  command.add_option("--trials", options.trials, "trials a class, each 1..500")
       ->delimiter(',')
       ->check(CLI::Range(1, 500))
       ->capture_default_str();
-  command->add_flag("--json", coverage_options->json, "machine-readable, a line per number of trials and criterion");
+  command.add_flag("--json", options.json, "machine-readable, a line per number of trials and criterion");
 }
 
 // The JSON line of a row of `jnd calc sdt`.

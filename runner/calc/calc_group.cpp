@@ -106,13 +106,13 @@ int shapiro(const GroupOptions& options) {
     return exit_code::kDone;
   }
   switch (test.status) {
-    case TestStatus::too_few:
+    case StatisticStatus::too_few:
       fmt::print("undefined: {} value{}, and the test needs 3\n", test.n, test.n == 1 ? "" : "s");
       break;
-    case TestStatus::too_many:
+    case StatisticStatus::too_many:
       fmt::print("undefined: {} values, and the test covers at most 5000\n", test.n);
       break;
-    case TestStatus::no_variance:
+    case StatisticStatus::no_variance:
       fmt::print("undefined: all {} values are the same\n", test.n);
       break;
     default:
@@ -127,46 +127,41 @@ const std::string kDecimals =
     "ranks\n"
     "their binary forms, unless wilcox.test is told digits.rank = 9.\n\n";
 
-CLI::App* add_range(CalcTree& tree, const std::string& name, const std::string& what, const std::string& column,
-                    int (*run)(const RangeOptions&)) {
-  const auto options = std::make_shared<RangeOptions>();
-  CLI::App* command = tree.add(name, what, name + " " + column + ".csv --groups 3 --df 34 --json", options, run);
-  CalcTree::add_input(*command, options->input, column);
-  command->add_option("--groups", options->groups, "how many means are compared (2 to 1000)")
+void add_range(CommandTree& tree, const std::string& name, const std::string& what, const std::string& column,
+               int (*run)(const RangeOptions&)) {
+  const auto [command, options] =
+      tree.add(name, what, "jnd calc " + name + " " + column + ".csv --groups 3 --df 34 --json", run);
+  add_input(command, options.input, column);
+  command.add_option("--groups", options.groups, "how many means are compared (2 to 1000)")
       ->required()
       ->check(CLI::Range(2, 1000));
-  command->add_option("--df", options->df, "degrees of freedom of the error, at least 1; inf for a known variance")
+  command.add_option("--df", options.df, "degrees of freedom of the error, at least 1; inf for a known variance")
       ->required()
       ->check([](const std::string& text) {
         double df = 0;
         return CLI::detail::lexical_cast(text, df) && df >= 1 ? std::string() : "degrees of freedom are at least 1";
       });
-  return command;
 }
 
 }  // namespace
 
-void add_calc_group(CalcTree& tree) {
-  const auto compared = std::make_shared<GroupOptions>();
-  CLI::App* compare = tree.add("compare", "Conditions within participants: ANOVA, assumptions, every pair",
-                               "compare jnds.csv --json", compared, compare_conditions);
-  CalcTree::add_input(*compare, compared->input,
-                      "participant, condition, value (a row for every participant and condition)");
-  compare->footer(kDecimals + compare->get_footer());
+void add_calc_group(CommandTree& tree) {
+  const auto [compare, compared] = tree.add("compare", "Conditions within participants: ANOVA, assumptions, every pair",
+                                            "jnd calc compare jnds.csv --json", compare_conditions);
+  add_input(compare, compared.input, "participant, condition, value (a row for every participant and condition)");
+  compare.footer(kDecimals + compare.get_footer());
 
-  const auto paired = std::make_shared<GroupOptions>();
-  CLI::App* ranks = tree.add("wilcoxon", "Signed-rank tests of paired ratings, corrected over the items",
-                             "wilcoxon ratings.csv --json", paired, wilcoxon);
-  CalcTree::add_input(*ranks, paired->input, "x, y, and item where there are several");
-  ranks->footer(kDecimals + ranks->get_footer());
+  const auto [ranks, paired] = tree.add("wilcoxon", "Signed-rank tests of paired ratings, corrected over the items",
+                                        "jnd calc wilcoxon ratings.csv --json", wilcoxon);
+  add_input(ranks, paired.input, "x, y, and item where there are several");
+  ranks.footer(kDecimals + ranks.get_footer());
 
   add_range(tree, "ptukey", "Tail probability of the studentised range", "q", ptukey);
   add_range(tree, "qtukey", "Quantile of the studentised range (p is the lower probability)", "p", qtukey);
 
-  const auto normality = std::make_shared<GroupOptions>();
-  CLI::App* normal =
-      tree.add("shapiro", "Shapiro-Wilk test of normality", "shapiro values.csv --json", normality, shapiro);
-  CalcTree::add_input(*normal, normality->input, "x");
+  const auto [normal, values] =
+      tree.add("shapiro", "Shapiro-Wilk test of normality", "jnd calc shapiro values.csv --json", shapiro);
+  add_input(normal, values.input, "x");
 }
 
 namespace {
@@ -220,7 +215,7 @@ Json games_howell_json(const PairComparison& pair, int groups) {
 
 // How p was had.
 Json method_json(const SignedRank& test) {
-  if (test.status != TestStatus::ok) return nullptr;
+  if (test.status != StatisticStatus::ok) return nullptr;
   return test.exact ? "exact" : "normal";
 }
 
@@ -399,26 +394,26 @@ std::string unpaired_text(const NamedComparison& named) {
 std::string remarks_text(const Comparison& comparison) {
   std::string text;
   const RepeatedMeasures& anova = comparison.anova;
-  if (anova.status == TestStatus::too_few)
+  if (anova.status == StatisticStatus::too_few)
     text += warn("One participant: nothing can be tested.") + "\n";
-  else if (anova.status == TestStatus::no_variance)
+  else if (anova.status == StatisticStatus::no_variance)
     text += warn("The participants differ alike in every condition: F, Tukey and the epsilons are undefined.") + "\n";
   switch (anova.effect.mauchly.status) {
-    case TestStatus::not_applicable:
+    case StatisticStatus::not_applicable:
       text += "Two conditions: the question of sphericity does not arise.\n";
       break;
-    case TestStatus::singular:
+    case StatisticStatus::singular:
       text += "The covariance is singular (a condition follows from the others): no Mauchly and no Hotelling test.\n";
       break;
-    case TestStatus::too_few:
-      if (anova.status == TestStatus::ok)
+    case StatisticStatus::too_few:
+      if (anova.status == StatisticStatus::ok)
         text += "Fewer participants than conditions: no Mauchly and no Hotelling test.\n";
       break;
     default:
       break;
   }
   for (const PairComparison& pair : comparison.pairs) {
-    if (pair.t.status != TestStatus::no_variance) continue;
+    if (pair.t.status != StatisticStatus::no_variance) continue;
     text += "A pair of which all differences are equal has no t test.\n";
     break;
   }
@@ -458,13 +453,13 @@ std::string wilcoxon_text(const std::vector<WilcoxonRow>& rows) {
   std::size_t tested = 0;
   for (const WilcoxonRow& row : rows) {
     const SignedRank& test = row.test;
-    approximate = approximate || (test.status == TestStatus::ok && !test.exact);
-    tested += test.status == TestStatus::ok ? 1 : 0;
+    approximate = approximate || (test.status == StatisticStatus::ok && !test.exact);
+    tested += test.status == StatisticStatus::ok ? 1 : 0;
     table.add({row.item.empty() ? "-" : printable(row.item), std::to_string(test.n), std::to_string(test.zeros),
                test.ties ? "yes" : "no", statistic_text(test.v), p_value_text(test.p),
-               test.status != TestStatus::ok ? "-"
-               : test.exact                  ? "exact"
-                                             : "normal",
+               test.status != StatisticStatus::ok ? "-"
+               : test.exact                       ? "exact"
+                                                  : "normal",
                p_value_text(test.p_exact_permutation), statistic_text(test.rank_biserial), p_value_text(row.p_holm),
                p_value_text(row.p_bh)});
   }

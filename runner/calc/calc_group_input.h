@@ -17,7 +17,7 @@ struct LongTable {
   WithinTable values;
 };
 // Columns participant, condition, value. Throws one located InputError where a participant has no value, or two, under
-// a condition: tests within participants have no use for half a row, and dropping anybody is the user's decision.
+// a condition: tests within participants have no use for half a row, and dropping a participant is the user's decision.
 LongTable long_table(const CsvTable& csv);
 
 struct PairedColumn {

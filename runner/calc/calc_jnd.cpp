@@ -213,15 +213,15 @@ int run_jnd(const JndOptions& options) {
 
 }  // namespace
 
-void add_calc_jnd(CalcTree& tree) {
-  const auto options = std::make_shared<JndOptions>();
-  CLI::App* command = tree.add("jnd", "JND and Weber fraction from the counts of several series, method by method",
-                               "jnd counts.csv --reference 900", options, run_jnd);
-  CalcTree::add_input(
-      *command, options->input,
+void add_calc_jnd(CommandTree& tree) {
+  const auto [command, options] =
+      tree.add("jnd", "JND and Weber fraction from the counts of several series, method by method",
+               "jnd calc jnd counts.csv --reference 900", run_jnd);
+  add_input(
+      command, options.input,
       "participant, condition, delta, n_diff, hits, n_same, false_alarms: a line a series (the same delta "
       "twice in a condition is two series)");
-  command->add_option("--reference", options->reference, "base of the Weber fraction, in the unit of delta, above 0")
+  command.add_option("--reference", options.reference, "base of the Weber fraction, in the unit of delta, above 0")
       ->required()
       ->check([](const std::string& text) {
         double value = 0;
@@ -230,15 +230,15 @@ void add_calc_jnd(CalcTree& tree) {
             value > 0 && std::isfinite(value);
         return good ? std::string() : text + " is not a number above 0";
       });
-  command->add_option("--correction", options->correction, "of rates of 0 and 1 in the closed forms")
+  command.add_option("--correction", options.correction, "of rates of 0 and 1 in the closed forms")
       ->check(CLI::IsMember({"none", "loglinear", "half"}))
       ->capture_default_str();
   command
-      ->add_option("--bootstrap", options->bootstrap,
-                   "replicates for an interval of least_squares and for the p values of the fits; 0: none")
+      .add_option("--bootstrap", options.bootstrap,
+                  "replicates for an interval of least_squares and for the p values of the fits; 0: none")
       ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str();
-  command->add_option("--seed", options->seed, "of the replicates")->capture_default_str();
+  command.add_option("--seed", options.seed, "of the replicates")->capture_default_str();
 }
 
 }  // namespace jnd

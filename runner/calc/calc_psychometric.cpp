@@ -144,35 +144,34 @@ int fit(const FitOptions& options) {
 
 }  // namespace
 
-void add_calc_psychometric(CalcTree& tree) {
-  const auto options = std::make_shared<FitOptions>();
-  CLI::App* command = tree.add("fit", "Psychometric functions: PSE, JND and slope of answers counted by level",
-                               "fit levels.csv --function gaussian --guess 0 --lapse free", options, fit);
-  CalcTree::add_input(*command, options->input, "x, n, k, and group where there are several");
-  command->add_option("--function", options->function, "logistic, gaussian, weibull or gumbel")
+void add_calc_psychometric(CommandTree& tree) {
+  const auto [command, options] =
+      tree.add("fit", "Psychometric functions: PSE, JND and slope of answers counted by level",
+               "jnd calc fit levels.csv --function gaussian --guess 0 --lapse free", fit);
+  add_input(command, options.input, "x, n, k, and group where there are several");
+  command.add_option("--function", options.function, "logistic, gaussian, weibull or gumbel")
       ->required()
       ->check(CLI::IsMember({"logistic", "gaussian", "weibull", "gumbel"}));
-  command->add_option("--guess", options->guess, "rate at the lowest levels: a number such as 0.5, or free (0 to 0.5)")
+  command.add_option("--guess", options.guess, "rate at the lowest levels: a number such as 0.5, or free (0 to 0.5)")
       ->required();
   command
-      ->add_option("--lapse", options->lapse,
-                   "1 - rate at the highest levels: a number such as 0.02, or free (0 to 0.1)")
+      .add_option("--lapse", options.lapse, "1 - rate at the highest levels: a number such as 0.02, or free (0 to 0.1)")
       ->required();
-  command->add_option("--estimator", options->estimator, "ml, or map: with a Beta(1.2, 10) prior on the lapse")
+  command.add_option("--estimator", options.estimator, "ml, or map: with a Beta(1.2, 10) prior on the lapse")
       ->check(CLI::IsMember({"ml", "map"}))
       ->capture_default_str();
-  command->add_option("--interval", options->interval, "profile (of the likelihood) or bootstrap (parametric)")
+  command.add_option("--interval", options.interval, "profile (of the likelihood) or bootstrap (parametric)")
       ->check(CLI::IsMember({"profile", "bootstrap"}))
       ->capture_default_str();
-  command->add_option("--confidence", options->confidence, "of the intervals")
+  command.add_option("--confidence", options.confidence, "of the intervals")
       ->check(CLI::Range(0.5, 0.9999))
       ->capture_default_str();
-  command->add_option("--replicates", options->replicates, "of the bootstrap")
+  command.add_option("--replicates", options.replicates, "of the bootstrap")
       ->check(CLI::Range(100, 1'000'000))
       ->capture_default_str();
-  command->add_option("--seed", options->seed, "of the bootstrap")->capture_default_str();
-  command->add_flag("--compare", options->compare,
-                    "likelihood-ratio tests between groups: own location, own slope, both (maximum likelihood)");
+  command.add_option("--seed", options.seed, "of the bootstrap")->capture_default_str();
+  command.add_flag("--compare", options.compare,
+                   "likelihood-ratio tests between groups: own location, own slope, both (maximum likelihood)");
 }
 
 // `jnd calc fit --json`.

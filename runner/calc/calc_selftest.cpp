@@ -17,18 +17,13 @@ struct SelftestOptions {
   bool json = false;
 };
 
-int selftest(const SelftestOptions& options) {
-  std::vector<SelftestQuantity> quantities;
-  for (const auto part : {selftest_detection, selftest_jnd, selftest_group, selftest_psychometric, selftest_adaptive}) {
-    const std::vector<SelftestQuantity> some = part();
-    quantities.insert(quantities.end(), some.begin(), some.end());
-  }
+int run_selftest(const SelftestOptions& options) {
   bool ok = true;
   nlohmann::ordered_json out = {{"quantities", nlohmann::ordered_json::array()}};
   using Align = TextTable::Align;
   TextTable table({"quantity", "cases", "largest difference", "tolerance", ""},
                   {Align::left, Align::right, Align::right, Align::right, Align::left});
-  for (const SelftestQuantity& quantity : quantities) {
+  for (const SelftestQuantity& quantity : selftest()) {
     ok = ok && quantity.ok();
     out["quantities"].push_back({{"name", quantity.name},
                                  {"cases", quantity.cases},
@@ -51,11 +46,10 @@ int selftest(const SelftestOptions& options) {
 
 }  // namespace
 
-void add_calc_selftest(CalcTree& tree) {
-  const auto options = std::make_shared<SelftestOptions>();
-  CLI::App* command =
-      tree.add("selftest", "Recompute independent reference numbers on this machine", "selftest", options, selftest);
-  command->add_flag("--json", options->json, "machine-readable");
+void add_calc_selftest(CommandTree& tree) {
+  const auto [command, options] =
+      tree.add("selftest", "Recompute independent reference numbers on this machine", "jnd calc selftest", run_selftest);
+  command.add_flag("--json", options.json, "machine-readable");
 }
 
 }  // namespace jnd

@@ -12,7 +12,7 @@ namespace jnd {
 // The problems in words where nothing is sealed. Otherwise those that give something of the plan away say only where
 // they are. A study too damaged to know counts as sealed.
 std::vector<std::string> unsealed_problems(const std::vector<Problem>& problems, const Study& study);
-// As of a study whose plan is sealed, where nobody has looked whether it is.
+// As of a study whose plan is sealed, where it was not looked up whether it is.
 std::vector<std::string> sealed_problems(const std::vector<Problem>& problems);
 
 }  // namespace jnd

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "data/export/export_folder.h"
@@ -25,6 +26,19 @@
 namespace jnd {
 
 namespace {
+
+struct AnalyzeOptions {
+  std::string study;
+  std::optional<std::string> kind;    // real, pilot or simulated
+  std::optional<std::string> by;      // nominal or delivered; without it, what the protocol registers
+  std::string models = "registered";  // or "all": every model, method and correction beside the registered one
+  bool cells = false;
+  bool json = false;
+  std::string csv;       // a folder for the results as CSV; empty: none
+  bool replace = false;  // that folder, where an earlier one is there
+  std::string methods;   // the file for the methods in words; empty: methods.md beside the study
+  bool no_methods = false;
+};
 
 namespace fs = std::filesystem;
 
@@ -85,8 +99,6 @@ int analyze_blinded(const Study& study, const Protocol& protocol, const AnalyzeO
   return exit_code::kDone;
 }
 
-}  // namespace
-
 int command_analyze(const AnalyzeOptions& options) {
   const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_only);
   const Protocol protocol = protocol_of(*study);
@@ -129,6 +141,24 @@ int command_analyze(const AnalyzeOptions& options) {
     if (!options.json) fmt::print("CSV files of these results are in {}\n", printable(options.csv));
   }
   return exit_code::kDone;
+}
+
+}  // namespace
+
+void add_analyze(CommandTree& tree) {
+  const auto [command, options] = tree.add("analyze", "d', JND and Weber fractions by the registered plan",
+                                           "jnd analyze s.sqlite", command_analyze);
+  command.add_option("STUDY", options.study, "the study's file")->required();
+  add_kind_and_by(command, options.kind, options.by);
+  command.add_option("--models", options.models, "registered (default), or all: every model beside it")
+      ->check(CLI::IsMember({"registered", "all"}));
+  command.add_flag("--cells", options.cells, "also every cell: counts, rates, z and d'");
+  command.add_option("--csv", options.csv, "also the results as CSV files in this folder");
+  command.add_flag("--replace", options.replace, "replace the CSV folder of an earlier analysis");
+  command.add_option("--methods", options.methods,
+                     "the file for the methods in words (default: methods.md beside the study)");
+  command.add_flag("--no-methods", options.no_methods, "write no methods file");
+  command.add_flag("--json", options.json, "machine-readable");
 }
 
 }  // namespace jnd

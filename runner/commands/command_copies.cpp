@@ -1,4 +1,5 @@
 // jnd backup, merge and recover: new files out of studies.
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "analysis/numerics/stop_request.h"
@@ -6,10 +7,11 @@
 #include "data/copies/merge.h"
 #include "data/copies/recover.h"
 #include "runner/commands/blinded_problem.h"
-#include "runner/commands/care_commands.h"
-#include "runner/commands/care_output.h"
+#include "runner/commands/commands.h"
+#include "runner/commands/stamp_now.h"
 #include "runner/keys/interrupt.h"
 #include "runner/terminal/exit_code.h"
+#include "runner/terminal/json_output.h"
 #include "runner/terminal/number_text.h"
 #include "runner/terminal/standard_streams.h"
 #include "runner/terminal/terminal.h"
@@ -18,6 +20,24 @@
 namespace jnd {
 
 namespace {
+
+struct BackupOptions {
+  std::string study, to;
+  bool replace = false;
+  bool json = false;
+};
+
+struct MergeOptions {
+  std::vector<std::string> studies;
+  std::string to;
+  bool json = false;
+};
+
+struct RecoverOptions {
+  std::string damaged, to;
+  std::optional<std::string> protocol;  // a file, where the study's own copy is lost
+  bool json = false;
+};
 
 using Json = nlohmann::ordered_json;
 using Align = TextTable::Align;
@@ -96,9 +116,8 @@ std::vector<std::string> problems_of(const RecoveryReport& report, const std::st
   }
 }
 
-}  // namespace
-
 int command_backup(const BackupOptions& options) {
+  const HoldInterrupts hold;
   BackupReport report;
   {
     const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_only);
@@ -127,6 +146,7 @@ int command_backup(const BackupOptions& options) {
 }
 
 int command_merge(const MergeOptions& options) {
+  const HoldInterrupts hold;
   const MergeReport report = merge({options.studies.begin(), options.studies.end()}, options.to, stamp_now());
   if (options.json) {
     Json out = {{"to", options.to},
@@ -137,7 +157,7 @@ int command_merge(const MergeOptions& options) {
       out["sources"].push_back({{"file", source.file},
                                 {"sessions", source.sessions},
                                 {"events", source.events},
-                                {"carried", source.carried},
+                                {"carried", source.imported},
                                 {"unblinded", source.unblinded},
                                 {"same_meaning", source.reworded}});
     print_json(out);
@@ -147,7 +167,7 @@ int command_merge(const MergeOptions& options) {
              counted(report.verified.events, "event"));
   for (const MergedSource& source : report.sources) {
     fmt::print("  {}: {}, {}; {} of the study itself go on to hold\n", printable(source.file),
-               counted(source.sessions, "session"), counted(source.events, "event"), counted(source.carried, "event"));
+               counted(source.sessions, "session"), counted(source.events, "event"), counted(source.imported, "event"));
     if (source.reworded)
       fmt::print("    its protocol is written differently and means the same; both files are kept\n");
     if (source.unblinded)
@@ -157,6 +177,7 @@ int command_merge(const MergeOptions& options) {
 }
 
 int command_recover(const RecoverOptions& options) {
+  const HoldInterrupts hold;
   std::optional<std::filesystem::path> protocol;
   if (options.protocol) protocol = *options.protocol;
   const RecoveryReport report = recover(options.damaged, options.to, protocol, stamp_now());
@@ -177,6 +198,37 @@ int command_recover(const RecoverOptions& options) {
   for (const RecoveredChain& chain : report.sessions) out["sessions"].push_back(chain_json(chain));
   print_json(out);
   return whole ? exit_code::kDone : exit_code::kProblemFound;
+}
+
+}  // namespace
+
+void add_backup(CommandTree& tree) {
+  const auto [command, options] = tree.add("backup", "Copy a study, also while a session runs, and verify the copy",
+                                           "jnd backup s.sqlite --to /media/usb/s-backup.sqlite", command_backup);
+  command.add_flag("--json", options.json, "machine-readable");
+  command.add_option("STUDY", options.study, "the study's file")->required();
+  command.add_option("--to", options.to, "the file to write")->required();
+  command.add_flag("--replace", options.replace, "replace an earlier backup, when the new one is whole");
+}
+
+void add_merge(CommandTree& tree) {
+  const auto [command, options] = tree.add("merge", "Bring studies of one protocol together in a new one",
+                                           "jnd merge lab-a.sqlite lab-b.sqlite --to both.sqlite", command_merge);
+  command.add_flag("--json", options.json, "machine-readable");
+  command.add_option("STUDIES", options.studies, "two or more studies; they are not changed")
+      ->required()
+      ->expected(2, 64);
+  command.add_option("--to", options.to, "the new study's file")->required();
+}
+
+void add_recover(CommandTree& tree) {
+  const auto [command, options] =
+      tree.add("recover", "Save what can be read of a damaged study, to the last whole event, in a new one",
+               "jnd recover damaged.sqlite --to saved.sqlite", command_recover);
+  command.add_flag("--json", options.json, "machine-readable");
+  command.add_option("DAMAGED", options.damaged, "the damaged file; it is not changed")->required();
+  command.add_option("--to", options.to, "the new study's file")->required();
+  command.add_option("--protocol", options.protocol, "the protocol's file, where the study's copy of it is lost");
 }
 
 }  // namespace jnd

@@ -1,4 +1,5 @@
 // jnd plan: every trial of a participant in order, or the balance of a whole cohort.
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -8,6 +9,7 @@
 #include "protocols/planning/plan.h"
 #include "runner/commands/commands.h"
 #include "runner/commands/plan_explorations.h"
+#include "runner/commands/precision_options.h"
 #include "runner/opening/study_access.h"
 #include "runner/results/blinded_results.h"
 #include "runner/terminal/exit_code.h"
@@ -18,6 +20,17 @@
 namespace jnd {
 
 namespace {
+
+struct PlanOptions {
+  std::string protocol;
+  std::optional<std::string> study;  // its protocol and seed, instead of those here
+  int participant = 1;
+  int session = 1;  // of that participant, or of everybody's
+  std::optional<int> cohort;
+  std::optional<std::uint64_t> seed;  // 1 where not given
+  bool json = false;
+  PrecisionOptions precision;
+};
 
 std::vector<std::string> names_in_order(const std::vector<int>& order, const auto& things) {
   std::vector<std::string> names;
@@ -183,17 +196,38 @@ int plan_of_protocol(const Protocol& protocol, std::uint64_t seed, const PlanOpt
   return exit_code::kDone;
 }
 
-}  // namespace
-
 int command_plan(const PlanOptions& options) {
-  if (!options.study)
-    return plan_of_protocol(load_checked_protocol(options.protocol), options.seed.value_or(1), options);
+  if (options.protocol.empty() && !options.precision.asked && !options.study) throw CLI::RequiredError("PROTOCOL");
+  if (options.precision.asked && options.study) throw CLI::ExcludesError("--precision", "--study");
+  const std::uint64_t given_seed = options.seed.value_or(1);
+  if (options.precision.asked)
+    return plan_precision(options.protocol.empty() ? "chinello2017" : options.protocol, given_seed, options.json,
+                          options.precision);
+  if (!options.study) return plan_of_protocol(load_checked_protocol(options.protocol), given_seed, options);
   if (!options.protocol.empty() || options.seed)
     throw UsageError("a study has its own protocol and seed: leave PROTOCOL and --seed out, or --study");
   const std::unique_ptr<Study> study = Study::open(*options.study, Study::Access::read_only);
   const Protocol protocol = protocol_of(*study);
   if (plan_sealed(*study, protocol)) return plan_in_code(*study, protocol, options);
   return plan_of_protocol(protocol, study->info().seed, options);
+}
+
+}  // namespace
+
+void add_plan(CommandTree& tree) {
+  const auto [command, options] = tree.add("plan", "Print the trials of a participant, or the balance of a cohort",
+                                           "jnd plan chinello2017 --participant 7 --seed 1", command_plan);
+  command.add_option("PROTOCOL", options.protocol,
+                     "protocol file, or name of a shipped one (with --precision: chinello2017 where none is named)");
+  command.add_option("--participant", options.participant, "participant number, from 1")->check(CLI::Range(1, 100'000));
+  command.add_option("--session", options.session, "which of the participant's sessions, from 1 (default: 1)")
+      ->check(CLI::Range(1, 20));
+  command.add_option("--cohort", options.cohort, "show the balance over participants 1..N instead")
+      ->check(CLI::Range(1, 10'000));
+  command.add_option("--seed", options.seed, "the study's seed (default: 1)");
+  command.add_option("--study", options.study, "the plan of a study's participant, by its own protocol and seed");
+  command.add_flag("--json", options.json, "machine-readable");
+  add_precision_options(command, options.precision);
 }
 
 }  // namespace jnd

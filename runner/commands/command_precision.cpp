@@ -93,11 +93,11 @@ void add_precision_options(CLI::App& plan, PrecisionOptions& options) {
   plan.add_flag("--markdown", options.markdown, "tables in Markdown")->needs(precision);
 }
 
-int command_plan_precision(const PlanOptions& plan, const PrecisionOptions& options) {
-  Protocol protocol = load_checked_protocol(plan.protocol);
+int plan_precision(const std::string& name, std::uint64_t seed, bool json, const PrecisionOptions& options) {
+  Protocol protocol = load_checked_protocol(name);
   if (!has_precision(protocol))
     throw UsageError(fmt::format("{}: precision can be foretold for same-different protocols with fixed series only",
-                                 printable(plan.protocol)));
+                                 printable(name)));
   if (options.trials) protocol.design.trials_per_cell = *options.trials;
   if (protocol.design.sampling == Sampling::balanced && protocol.design.trials_per_cell % 4 != 0)
     throw UsageError(fmt::format("--trials {}: balanced cells need a multiple of 4", protocol.design.trials_per_cell));
@@ -105,13 +105,13 @@ int command_plan_precision(const PlanOptions& plan, const PrecisionOptions& opti
   PrecisionQuestion question = precision_question(protocol);
   question.between_cv = options.between_cv;
   question.wanted_cv = options.cv;
-  question.seed = plan.seed.value_or(1);
+  question.seed = seed;
   PlannedPrecision planned;
   for (const Condition& condition : protocol.conditions)
     planned.sources.push_back(planned_jnd(protocol, condition.name).source);
   set_jnds(options.jnds, protocol, planned, question.jnds);
   planned.precision = precision_with_progress(question);
-  if (plan.json) {
+  if (json) {
     nlohmann::ordered_json out = {{"protocol_sha256", protocol.sha256}};
     out["precision"] = precision_json(planned, protocol);
     fmt::print("{}\n", json_line(out));

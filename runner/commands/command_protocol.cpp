@@ -1,6 +1,7 @@
 // jnd new and jnd check: protocols before anyone takes part.
 #include <optional>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "data/files/draft.h"
@@ -9,8 +10,9 @@
 #include "protocols/planning/duration.h"
 #include "protocols/planning/plan.h"
 #include "protocols/reading/protocol_json.h"
-#include "protocols/rigs/rig_spec.h"
+#include "protocols/rigs/rig_description.h"
 #include "runner/commands/commands.h"
+#include "runner/keys/interrupt.h"
 #include "runner/opening/protocol_fitness.h"
 #include "runner/results/precision_json.h"
 #include "runner/results/precision_text.h"
@@ -22,6 +24,16 @@ namespace jnd {
 
 namespace {
 
+struct NewOptions {
+  std::string file;               // to write
+  std::string from = "tutorial";  // a shipped protocol
+};
+
+struct CheckOptions {
+  std::vector<std::string> protocols;
+  bool json = false;
+};
+
 // False where the file exists.
 bool write_new_file(const std::filesystem::path& path, const std::string& bytes) {
   Draft draft(path, Draft::What::file, Draft::Access::everyone);
@@ -29,9 +41,8 @@ bool write_new_file(const std::filesystem::path& path, const std::string& bytes)
   return draft.publish();
 }
 
-}  // namespace
-
 int command_new(const NewOptions& options) {
+  const HoldInterrupts hold;
   const std::filesystem::path from = find_resource(Resource::protocol, options.from);
   const std::filesystem::path file = options.file.ends_with(".json") ? options.file : options.file + ".json";
   if (!write_new_file(file, read_input_file(from)))
@@ -45,8 +56,6 @@ int command_new(const NewOptions& options) {
   fmt::print("  edit it, then:  jnd check {}\n", printable(file.string()));
   return exit_code::kDone;
 }
-
-namespace {
 
 // Few enough for an answer at once; `jnd plan --precision` draws more.
 constexpr int kDraws = 10'000;
@@ -154,8 +163,6 @@ void print_check_json(const CheckedFile& result) {
   fmt::print("{}\n", json_line(out));
 }
 
-}  // namespace
-
 int command_check(const CheckOptions& options) {
   bool all_ok = true;
   for (const std::string& name : options.protocols) {
@@ -167,6 +174,22 @@ int command_check(const CheckOptions& options) {
       print_check(name, result);
   }
   return all_ok ? exit_code::kDone : exit_code::kInvalidInput;
+}
+
+}  // namespace
+
+void add_new(CommandTree& tree) {
+  const auto [command, options] = tree.add("new", "Write a protocol to start from",
+                                           "jnd new my-study.json --from chinello2017-balanced", command_new);
+  command.add_option("FILE", options.file, "the file to write; it must not exist")->required();
+  command.add_option("--from", options.from, "the shipped protocol to copy (default: tutorial)");
+}
+
+void add_check(CommandTree& tree) {
+  const auto [command, options] =
+      tree.add("check", "Find every mistake in a protocol", "jnd check my-study.json", command_check);
+  command.add_option("PROTOCOL", options.protocols, "protocol files or names of shipped ones")->required();
+  command.add_flag("--json", options.json, "one JSON object a file");
 }
 
 }  // namespace jnd

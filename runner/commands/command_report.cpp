@@ -2,13 +2,14 @@
 #include <filesystem>
 #include <utility>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "data/results/methods_text.h"
 #include "data/results/study_results.h"
 #include "data/study/blinding.h"
 #include "protocols/version.h"
-#include "runner/commands/report_command.h"
+#include "runner/commands/commands.h"
 #include "runner/opening/study_access.h"
 #include "runner/report/blinded_files.h"
 #include "runner/report/report_files.h"
@@ -19,6 +20,15 @@
 namespace jnd {
 
 namespace {
+
+struct ReportOptions {
+  std::string study;
+  std::string file;                 // the page; empty: the study's name without extension + "-report.html", beside it
+  std::string figures_folder;       // empty: the page's name without extension + "-figures", beside it
+  std::optional<std::string> kind;  // real, pilot or simulated
+  std::optional<std::string> by;    // nominal or delivered; without it, what the protocol registers
+  bool replace = false;             // an earlier report
+};
 
 ReportFacts facts_of(const Study& study, const Protocol& protocol, const std::filesystem::path& path,
                      SessionKind kind) {
@@ -43,8 +53,8 @@ int report_blinded(const Study& study, const Protocol& protocol, const ReportOpt
   return exit_code::kDone;
 }
 
-}  // namespace
-
+// Writes the page, and every figure as an SVG file of its own. A study without sessions of that kind has a page too,
+// which says so.
 int command_report(const ReportOptions& options) {
   const std::filesystem::path study_path = options.study;
   ReportFiles files;
@@ -71,6 +81,19 @@ int command_report(const ReportOptions& options) {
   for (const std::string& text : results.warnings) fmt::print("{}\n", warn("warning: " + printable(text)));
   say_other_kinds(*study, kind);
   return exit_code::kDone;
+}
+
+}  // namespace
+
+void add_report(CommandTree& tree) {
+  const auto [command, options] = tree.add("report", "Write a page for people: figures, tables, warnings, methods",
+                                           "jnd report s.sqlite", command_report);
+  command.add_option("STUDY", options.study, "the study's file")->required();
+  command.add_option("--to", options.file, "the page (default: the study's name with -report.html, beside it)");
+  command.add_option("--figures", options.figures_folder,
+                     "the folder for the figures as SVG files (default: the page's name with -figures)");
+  add_kind_and_by(command, options.kind, options.by);
+  command.add_flag("--replace", options.replace, "replace an earlier report");
 }
 
 }  // namespace jnd

@@ -1,5 +1,6 @@
 // jnd run: a session from this terminal. On simulated devices it is a rehearsal: kind pilot with a person at the keys,
 // kind simulated where a profile answers.
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "data/log/event_body.h"
@@ -28,6 +29,26 @@
 namespace jnd {
 
 namespace {
+
+struct RunOptions {
+  std::string protocol;
+  std::string study;
+  std::string participant;               // asked for where empty
+  std::optional<std::uint64_t> seed;     // of a new study; drawn where not given
+  std::optional<std::string> responder;  // a profile that answers instead of a person
+  bool participant_presses = false;      // who presses the answer keys
+  std::string rig = "simulated";         // simulated, hid, or a rig file
+  bool fast = false;
+  bool plain = false;                             // a line at a time
+  std::optional<std::string> kind;                // real or pilot; what the rig is for where not given
+  std::optional<std::string> language;            // of the participant's texts
+  bool beside = false;                            // another participant's session may stay unfinished
+  std::string accept_gap;                         // why a too long interruption does not matter
+  std::optional<std::string> override_readiness;  // why a bad finding does not matter
+  std::string buttons;                            // a mapping of learn-buttons; empty: only keys answer
+  std::string record = "full";                    // off, events, full
+  std::string realtime = "prefer";                // off, prefer, require
+};
 
 // What the user may choose, or what the rig is for.
 SessionKind kind_of(const RunOptions& options, bool rig_simulated) {
@@ -63,7 +84,7 @@ void note_realtime(SessionLog& log, const RealtimeReport& report, const Clock& c
 bool is_ready(const Readiness& readiness, const RunOptions& options, Console& console) {
   const std::string text = readiness_text(readiness);
   const bool fine = std::all_of(readiness.items.begin(), readiness.items.end(),
-                                [](const MachineCheck& item) { return item.verdict == Verdict::ok; });
+                                [](const Check& item) { return item.verdict == Verdict::ok; });
   console.announce(text, !fine);
   if (!readiness.blocked) return true;
   return readiness.overridable && options.override_readiness && !options.override_readiness->empty();
@@ -96,9 +117,8 @@ SessionCard card_of(const Protocol& protocol, const RunOptions& options, const S
   return card;
 }
 
-}  // namespace
-
 int command_run(const RunOptions& options) {
+  const HoldInterrupts hold;
   const Protocol protocol = load_checked_protocol(options.protocol);
   const RigDescription description = rig_of(protocol);
   const bool person = !options.responder;
@@ -226,6 +246,40 @@ int command_run(const RunOptions& options) {
                    : fmt::format("Ended. The session of {} is closed as it is; everything so far is saved in {}.",
                                  request.participant, printable(study->path().string())));
   return exit_code::kDone;
+}
+
+}  // namespace
+
+void add_run(CommandTree& tree) {
+  const auto [command, options] = tree.add("run", "Run a session from this terminal, or go on with one",
+                                           "jnd run tutorial --study pilot.sqlite --participant P01", command_run);
+  command.add_option("PROTOCOL", options.protocol, "protocol file, or name of a shipped one")->required();
+  command.add_option("--study", options.study, "the study's file; made where it does not exist")->required();
+  command.add_option("--participant", options.participant,
+                     "participant code (letters and digits); asked for if not given");
+  command.add_option("--seed", options.seed, "seed of a new study (default: drawn, and kept in the study)");
+  command.add_option("--responder", options.responder,
+                     "a live demonstration: this profile answers instead of a person");
+  command.add_flag("--participant-presses", options.participant_presses,
+                   "the participant presses the answer keys (otherwise the operator enters what is said)");
+  command.add_option("--buttons", options.buttons,
+                     "the participant answers with buttons: a mapping of jnd device learn-buttons");
+  command.add_option("--language", options.language, "language of the participant's texts, of those in the protocol");
+  command.add_flag("--plain", options.plain,
+                   "a line at a time instead of a full screen: for screen readers and scripts");
+  command.add_option("--kind", options.kind, "real (default on a real rig) or pilot (default on a simulated one)");
+  command.add_flag("--new", options.beside, "begin this participant while another one's session is unfinished");
+  command.add_option("--accept-gap", options.accept_gap,
+                     "go on after a longer interruption than the protocol allows, for this reason");
+  command.add_option("--override-readiness", options.override_readiness,
+                     "begin in spite of what the readiness check found, for this reason");
+  command.add_option("--rig", options.rig,
+                     "simulated (default), hid (the connected devices), or a rig file that says who wears which");
+  command.add_flag("--fast", options.fast, "rehearse without waiting: stimuli and pauses take no time");
+  command.add_option("--record", options.record, "what is kept: off, events (faults), full (every tick; default)")
+      ->check(CLI::IsMember({"off", "events", "full"}));
+  command.add_option("--realtime", options.realtime, "real-time scheduling: off, prefer (default), require")
+      ->check(CLI::IsMember({"off", "prefer", "require"}));
 }
 
 }  // namespace jnd

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <thread>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "data/study/blinding.h"
@@ -22,6 +23,18 @@
 namespace jnd {
 
 namespace {
+
+struct SimulateOptions {
+  std::string protocol;
+  std::optional<std::string> study;
+  int participants = 1;
+  std::optional<std::uint64_t> seed;
+  std::string profile;  // empty: the one that fits the protocol
+  int threads = 0;      // 0: as many as the machine has processors
+  bool no_study = false;
+  bool json = false;
+  std::string record = "events";  // off, events, full
+};
 
 int interrupted() {
   write_message("jnd: interrupted; nothing was kept\n");
@@ -51,9 +64,8 @@ int simulate_without_study(const Simulation& simulation, bool json) {
   return exit_code::kDone;
 }
 
-}  // namespace
-
 int command_simulate(const SimulateOptions& options) {
+  const HoldInterrupts hold;
   if (options.no_study == options.study.has_value())
     throw UsageError("say where the data go: --study FILE, or --no-study to keep nothing");
   const Protocol protocol = load_checked_protocol(options.protocol);
@@ -109,6 +121,26 @@ int command_simulate(const SimulateOptions& options) {
              trials, explores ? "explorations" : "trials", voided);
   fmt::print("  next:  jnd analyze {}\n", printable(*options.study));
   return exit_code::kDone;
+}
+
+}  // namespace
+
+void add_simulate(CommandTree& tree) {
+  const auto [command, options] =
+      tree.add("simulate", "Run simulated participants through the study",
+               "jnd simulate chinello2017 --participants 18 --study s.sqlite --seed 1", command_simulate);
+  command.add_option("PROTOCOL", options.protocol, "protocol file, or name of a shipped one")->required();
+  command.add_option("--study", options.study, "the study's file; made where it does not exist");
+  command.add_option("--participants", options.participants, "how many, numbered from 1")
+      ->check(CLI::Range(1, 100'000));
+  command.add_option("--seed", options.seed, "seed of a new study (default: drawn, printed and kept in the study)");
+  command.add_option("--profile", options.profile, "profile file, or name of a shipped one (default: what fits)");
+  command.add_option("--threads", options.threads, "participants at a time (default: one a processor)")
+      ->check(CLI::Range(1, 1024));
+  command.add_option("--record", options.record, "what is kept: off, events (faults; default), full (every tick)")
+      ->check(CLI::IsMember({"off", "events", "full"}));
+  command.add_flag("--no-study", options.no_study, "keep nothing: print the group's result only");
+  command.add_flag("--json", options.json, "machine-readable result of --no-study");
 }
 
 }  // namespace jnd

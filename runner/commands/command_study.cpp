@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <utility>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "data/export/export.h"
@@ -22,7 +23,29 @@
 
 namespace jnd {
 
-int command_status(const StudyOptions& options) {
+namespace {
+
+struct StatusOptions {
+  std::string study;
+  bool json = false;
+};
+
+struct VerifyOptions {
+  std::string study;
+  bool deep = false;
+  bool json = false;
+};
+
+struct ExportOptions {
+  std::string study;
+  std::string folder;
+  std::optional<std::string> kind;
+  std::optional<std::string> by;
+  bool replace = false;
+  bool telemetry = false;  // the ticks of every interval too
+};
+
+int command_status(const StatusOptions& options) {
   const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_only);
   const StudyInfo& info = study->info();
   const std::vector<SessionInfo> sessions = study->sessions();
@@ -73,7 +96,7 @@ int command_status(const StudyOptions& options) {
   return exit_code::kDone;
 }
 
-int command_verify(const StudyOptions& options) {
+int command_verify(const VerifyOptions& options) {
   const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_only);
   VerifyReport report = verify(*study);
   DeepReport deep;
@@ -96,7 +119,7 @@ int command_verify(const StudyOptions& options) {
                      {"intervals", deep.intervals},
                      {"numbers", deep.numbers},
                      {"bytes", deep.bytes},
-                     {"remarks", deep.remarks}};
+                     {"remarks", deep.findings}};
     fmt::print("{}\n", json_line(out));
   } else {
     for (const std::string& problem : problems) fmt::print("problem: {}\n", printable(problem));
@@ -113,12 +136,10 @@ int command_verify(const StudyOptions& options) {
     if (options.deep)
       fmt::print("  the course of {} sessions was followed, {} numbers of {} intervals computed again, {} bytes read\n",
                  deep.sessions, deep.numbers, deep.intervals, deep.bytes);
-    for (const std::string& remark : deep.remarks) fmt::print("  {}\n", printable(remark));
+    for (const std::string& finding : deep.findings) fmt::print("  {}\n", printable(finding));
   }
   return ok ? exit_code::kDone : exit_code::kProblemFound;
 }
-
-namespace {
 
 int export_in_code(const Study& study, const Protocol& protocol, const ExportOptions& options) {
   const BlindedResults results =
@@ -130,8 +151,6 @@ int export_in_code(const Study& study, const Protocol& protocol, const ExportOpt
   say_other_kinds(study, SessionKind::real);
   return exit_code::kDone;
 }
-
-}  // namespace
 
 int command_export(const ExportOptions& options) {
   const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_only);
@@ -159,6 +178,41 @@ int command_export(const ExportOptions& options) {
     fmt::print("this study holds no telemetry of {} sessions\n", to_string(kind));
   say_other_kinds(*study, kind);
   return exit_code::kDone;
+}
+
+}  // namespace
+
+void add_status(CommandTree& tree) {
+  const auto [command, options] = tree.add("status", "What a study holds", "jnd status s.sqlite", command_status);
+  command.add_option("STUDY", options.study, "the study's file")->required();
+  command.add_flag("--json", options.json, "machine-readable");
+}
+
+void add_verify(CommandTree& tree) {
+  const auto [command, options] =
+      tree.add("verify", "Recompute every hash and every planned stimulus", "jnd verify s.sqlite", command_verify);
+  command.add_option("STUDY", options.study, "the study's file")->required();
+  command.add_flag("--deep", options.deep,
+                   "also every number that telemetry gives, the course of every session, and the file itself");
+  command.add_flag("--json", options.json, "machine-readable");
+}
+
+void add_kind_and_by(CLI::App& command, std::optional<std::string>& kind, std::optional<std::string>& by) {
+  command.add_option("--kind", kind, "real, pilot or simulated (default: the only one, or real)");
+  command
+      .add_option("--by", by,
+                  "slopes over nominal or delivered stiffness differences (default: what the protocol registers)")
+      ->check(CLI::IsMember({"nominal", "delivered"}));
+}
+
+void add_export(CommandTree& tree) {
+  const auto [command, options] = tree.add("export", "Write tidy CSV files with a dictionary of every column",
+                                           "jnd export s.sqlite --to results", command_export);
+  command.add_option("STUDY", options.study, "the study's file")->required();
+  command.add_option("--to", options.folder, "the folder to write")->required();
+  add_kind_and_by(command, options.kind, options.by);
+  command.add_flag("--telemetry", options.telemetry, "also every tick of every interval, a file each");
+  command.add_flag("--replace", options.replace, "replace the folder of an earlier export");
 }
 
 }  // namespace jnd

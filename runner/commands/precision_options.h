@@ -1,12 +1,10 @@
 // `jnd plan --precision`: what a planned design will measure, and how well.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include "runner/commands/commands.h"
-#include "runner/terminal/exit_code.h"
 
 namespace CLI {
 class App;
@@ -26,7 +24,8 @@ struct PrecisionOptions {
 // Adds the options to `jnd plan`.
 void add_precision_options(CLI::App& plan, PrecisionOptions& options);
 
-// Uses protocol, seed and json of the plan's options. Throws UsageError where the options do not fit the protocol.
-int command_plan_precision(const PlanOptions& plan, const PrecisionOptions& options);
+// name: a protocol's file, or the name of a shipped one. Returns the exit code. Throws UsageError where the options do not fit
+// the protocol.
+int plan_precision(const std::string& name, std::uint64_t seed, bool json, const PrecisionOptions& options);
 
 }  // namespace jnd

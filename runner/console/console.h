@@ -42,10 +42,10 @@ struct ConsoleOptions {
 // Thread rule: the session's thread only.
 //
 // Interrupts: every wait looks at them. Where `pause` is set, ready(), instruct(), break_over() and ready_to_explore()
-// return Wish::pause, a trial or a page of questions is left without an answer, and what was typed on the page is there
+// return Request::pause, a trial or a page of questions is left without an answer, and what was typed on the page is there
 // when it is asked again; the latch itself is left to the engine. Where `end` is set, or the keys have ended, a wait
-// returns Wish::end_for_now, nothing, or false.
-// Stops: where a key or a button has latched the rig's stop, every wait returns at once with Wish::stopped or without
+// returns Request::end_for_now, nothing, or false.
+// Stops: where a key or a button has latched the rig's stop, every wait returns at once with Request::stopped or without
 // an answer, but for recover()'s and those in it, and storage_trouble()'s, which comes before the stop. A text to be
 // read (consent, instructions, a page of questions, a finding) takes no answer before all of it was seen. judge()
 // returns nothing where the operator asks for something instead of the answer: meanwhile() then says what. What was
@@ -56,7 +56,7 @@ class Console : public SessionView {
   virtual void begin(const SessionCard& card) = 0;
   // A message of its own, of one line or several: what readiness found, a clock that was set back.
   virtual void announce(const std::string& text, bool warning) = 0;
-  // [y] or [n]; false also where nobody can answer.
+  // [y] or [n]; false also without a keyboard.
   virtual bool confirm(const std::string& question) = 0;
   // A line of text, such as the reason for going on in spite of a finding; may be empty.
   virtual std::string ask_text(const std::string& question) = 0;
@@ -64,7 +64,7 @@ class Console : public SessionView {
   virtual void end(const std::string& last_words) = 0;
 };
 
-// keyboard: null for a live demonstration, in which nobody presses keys; then lines are printed. What is passed by
+// keyboard: null for a live demonstration, without key presses; then lines are printed. What is passed by
 // reference or pointer must outlive the console. A terminal that cannot show a screen gets lines.
 std::unique_ptr<Console> make_console(const ConsoleOptions& options, const Protocol& protocol, Keyboard* keyboard,
                                       Clock& clock, const Interrupts& interrupts);

@@ -1,5 +1,6 @@
 // The participant's side of the console: answers to trials, with their response times, and pages of questions.
 #include <algorithm>
+#include <variant>
 
 #include <fmt/format.h>
 
@@ -16,11 +17,6 @@ Answer SessionConsole::answer_of(Judgement judgement, EnteredBy who, std::int64_
   return Answer{judgement, who, static_cast<double>(response_ns) * 1e-9};
 }
 
-std::optional<Answer> SessionConsole::answer_of(Action action, std::int64_t key_ns) const {
-  if (action != Action::answer_same && action != Action::answer_different) return std::nullopt;
-  return answer_of(action == Action::answer_same ? Judgement::same : Judgement::different, options_.entered_by, key_ns);
-}
-
 // What is heard from now on is for the next ready(). An answer counts only in time; the look at the clock was before
 // the wait for it.
 std::optional<Answer> SessionConsole::question_over(const std::optional<Answer>& answer, double time_out_s) {
@@ -31,7 +27,7 @@ std::optional<Answer> SessionConsole::question_over(const std::optional<Answer>&
 SessionConsole::ButtonReply SessionConsole::hear_buttons() {
   ButtonReply reply;
   if (options_.buttons == nullptr) return reply;
-  tell_news();
+  tell_events();
   const ButtonsHeard heard = options_.buttons->hear();
   reply.pending = heard.pending;
   reply.stopped = heard.stopped;
@@ -43,10 +39,10 @@ SessionConsole::ButtonReply SessionConsole::hear_buttons() {
   return reply;
 }
 
-void SessionConsole::tell_news() {
+void SessionConsole::tell_events() {
   if (options_.buttons == nullptr) return;
-  for (const BoxNews& news : options_.buttons->take_news())
-    display_->tell(news.warning ? Tone::warning : Tone::quiet, news.text);
+  for (const BoxEvent& event : options_.buttons->take_events())
+    display_->tell(event.warning ? Tone::warning : Tone::quiet, event.text);
 }
 
 std::optional<Answer> SessionConsole::judge(const TrialQuestion& question) {
@@ -56,7 +52,7 @@ std::optional<Answer> SessionConsole::judge(const TrialQuestion& question) {
   display_->scene(scene);
   while (!keys_.pause_asked()) {
     if (keys_.ended()) {
-      decided_ = OperatorWish{Wish::end_for_now, {}};
+      decided_ = OperatorRequest{Request::end_for_now, {}};
       return std::nullopt;
     }
     const ButtonReply buttons = hear_buttons();
@@ -66,31 +62,25 @@ std::optional<Answer> SessionConsole::judge(const TrialQuestion& question) {
       return question_over(std::nullopt, question.time_out_s);
     const std::optional<Key> key = keys_.next();
     if (!key) continue;
-    const std::optional<Action> action = keys.action_of(*key);
-    if (!action) {
+    const std::optional<KeyBinding> binding = keys.binding_of(*key);
+    if (!binding) {
       explain(keys, *key);
       continue;
     }
-    if (const std::optional<Answer> answer = answer_of(*action, key->time_ns))
-      return question_over(answer, question.time_out_s);
-    switch (*action) {
-      case Action::stop:
-        return std::nullopt;  // the latch is set: no answer counts
-      case Action::pause:
-      case Action::note:
-        note_wishes({*key}, keys);
-        display_->explain(Tone::quiet, *action == Action::pause ? "the pause comes after this trial"
-                                                                : "the note can be typed after this trial");
-        break;
-      case Action::help:
-        help_with_question();
-        display_->scene(scene);
-        break;
-      default:
-        decided_ = wish_of(*action, keys);
-        if (decided_) return std::nullopt;
-        if (!keys_.ended()) display_->keys_again();
-        break;
+    if (const Judgement* const judgement = std::get_if<Judgement>(&binding->meaning))
+      return question_over(answer_of(*judgement, options_.entered_by, key->time_ns), question.time_out_s);
+    if (binding->asks(Request::stopped)) return std::nullopt;  // the latch is set: no answer counts
+    if (binding->asks(Request::pause) || binding->asks(Request::note)) {
+      note_requests({*key}, keys);
+      display_->explain(Tone::quiet, binding->asks(Request::pause) ? "the pause comes after this trial"
+                                                                   : "the note can be typed after this trial");
+    } else if (binding->meaning == KeyMeaning(HelpWanted{})) {
+      help_with_question();
+      display_->scene(scene);
+    } else {
+      decided_ = request_of(*binding, keys);
+      if (decided_) return std::nullopt;
+      if (!keys_.ended()) display_->keys_again();
     }
   }
   return std::nullopt;
@@ -118,7 +108,7 @@ std::optional<Replies> SessionConsole::reply_all(const std::vector<AskedQuestion
   }
   if (ids == unfinished_ids_)
     for (std::size_t i = 0; i < items.size(); ++i) items[i].typed = unfinished_[i];
-  // Whoever writes to a pipe cannot look at a page once more.
+  // What is written to a pipe cannot be looked through once more.
   QuestionnairePage questions(std::move(items), keyboard_->is_terminal());
   const bool done = display_->by_lines() ? ask_by_lines(questions) : ask_by_keys(questions);
   unfinished_.clear();
@@ -163,7 +153,7 @@ bool SessionConsole::ask_by_keys(QuestionnairePage& page) {
     }
     if (page.at() != before) keys_.prompt();  // Enter held down does not run through the page
   }
-  if (keys_.ended()) decided_ = OperatorWish{Wish::end_for_now, {}};
+  if (keys_.ended()) decided_ = OperatorRequest{Request::end_for_now, {}};
   display_->page_done();
   return false;
 }
@@ -185,7 +175,7 @@ bool SessionConsole::ask_by_lines(QuestionnairePage& page) {
     if (page.enter(*line) == QuestionnairePage::State::committed) return true;
     if (!page.mistake().empty()) display_->explain(Tone::quiet, page.mistake());
   }
-  if (keys_.ended()) decided_ = OperatorWish{Wish::end_for_now, {}};
+  if (keys_.ended()) decided_ = OperatorRequest{Request::end_for_now, {}};
   return false;
 }
 

@@ -1,6 +1,8 @@
 // Dialogs of the console: what is asked before something is done, and what keys meant that came while nothing was
 // asked.
 #include <algorithm>
+#include <array>
+#include <variant>
 
 #include <fmt/format.h>
 
@@ -41,60 +43,56 @@ std::string SessionConsole::ask_text(const std::string& question) {
   return keys_.line(printable(question)).value_or("");
 }
 
-std::optional<OperatorWish> SessionConsole::with_reason(Wish wish, const std::string& label) {
+std::optional<OperatorRequest> SessionConsole::with_reason(Request wish, const std::string& label) {
   std::optional<std::string> reason = keys_.line(label);
   // At the end of the keys what was asked for is still done, without a reason.
   if (!reason && !keys_.ended()) return std::nullopt;
-  return OperatorWish{wish, reason.value_or("")};
+  return OperatorRequest{wish, reason.value_or("")};
 }
 
 // q twice ends for now.
-std::optional<OperatorWish> SessionConsole::ask_end() {
+std::optional<OperatorRequest> SessionConsole::ask_end() {
   const char32_t chosen = choose("End this session?", {{"q", "for now: the same command goes on with it", true},
                                                        {"g", "for good: it is closed as it is", true},
                                                        {"n", "no, go on", true}});
-  if (keys_.ended()) return OperatorWish{Wish::end_for_now, {}};
-  if (chosen == 'q') return with_reason(Wish::end_for_now, "Ends for now. Reason, or Enter");
-  if (chosen == 'g') return with_reason(Wish::end_for_good, "Ends for good. Reason, or Enter (Esc: do not end)");
+  if (keys_.ended()) return OperatorRequest{Request::end_for_now, {}};
+  if (chosen == 'q') return with_reason(Request::end_for_now, "Ends for now. Reason, or Enter");
+  if (chosen == 'g') return with_reason(Request::end_for_good, "Ends for good. Reason, or Enter (Esc: do not end)");
   return std::nullopt;
 }
 
-std::optional<OperatorWish> SessionConsole::wish_of(Action action, const KeyMap& keys) {
-  switch (action) {
-    case Action::go_on:
-      return OperatorWish{};
-    case Action::pause:
-      return with_reason(Wish::pause, "Pause. Reason, or Enter");
-    case Action::repeat_trial:
-      return with_reason(Wish::repeat_trial, "It comes again later. Reason, or Enter (Esc: no)");
-    case Action::clear_stop:
-      return with_reason(Wish::go_on, "Clears the stop. What was the matter? Or Enter (Esc: no)");
-    case Action::take_break:
-      return with_reason(Wish::take_break, "Break. Reason, or Enter (Esc: no break)");
-    case Action::note: {
+std::optional<OperatorRequest> SessionConsole::request_of(const KeyBinding& key, const KeyMap& keys) {
+  if (key.meaning == KeyMeaning(HelpWanted{})) help(keys);
+  const Request* const wish = std::get_if<Request>(&key.meaning);
+  if (wish == nullptr) return std::nullopt;
+  if (!key.reason.empty()) return with_reason(*wish, key.reason);
+  switch (*wish) {
+    case Request::go_on:
+    case Request::stopped:
+      return OperatorRequest{*wish, {}};
+    case Request::pause:
+      return with_reason(*wish, "Pause. Reason, or Enter");
+    case Request::repeat_trial:
+      return with_reason(*wish, "It comes again later. Reason, or Enter (Esc: no)");
+    case Request::take_break:
+      return with_reason(*wish, "Break. Reason, or Enter (Esc: no break)");
+    case Request::note: {
       const std::optional<std::string> text = keys_.line("Note");
       if (!text || text->empty()) return std::nullopt;
       display_->tell(Tone::quiet, fmt::format("note: {}", printable(*text)));
-      return OperatorWish{Wish::note, *text};
+      return OperatorRequest{*wish, *text};
     }
-    case Action::void_last:
+    case Request::void_last:
       if (!confirm("Take back the last answer? Its trial comes again.")) return std::nullopt;
-      return with_reason(Wish::void_last, "Takes it back. Reason, or Enter (Esc: no)");
-    case Action::end_block:
+      return with_reason(*wish, "Takes it back. Reason, or Enter (Esc: no)");
+    case Request::end_block:
       if (!confirm("Give up the rest of this block? Its trials are left out.")) return std::nullopt;
-      return with_reason(Wish::end_block, "Ends the block. Reason, or Enter (Esc: no)");
-    case Action::enough:
-      return with_reason(Wish::end_block, "Ends it early. Reason, or Enter (Esc: no)");
-    case Action::end_session:
+      return with_reason(*wish, "Ends the block. Reason, or Enter (Esc: no)");
+    case Request::end_for_now:
+    case Request::end_for_good:
       return ask_end();
-    case Action::stop:
-      return OperatorWish{Wish::stopped, {}};
-    case Action::help:
-      help(keys);
-      return std::nullopt;
-    default:
-      return std::nullopt;
   }
+  return std::nullopt;
 }
 
 void SessionConsole::help(const KeyMap& keys) {
@@ -124,46 +122,34 @@ void SessionConsole::help_with_question() {
 
 void SessionConsole::hear_in_trial() {
   const std::size_t before = noted_.size();
-  note_wishes(keys_.drain(), question_keys_);
+  note_requests(keys_.drain(), question_keys_);
   if (noted_.size() == before) return;
-  switch (noted_.back()) {
-    case Action::pause:
-      return display_->explain(Tone::quiet, "the pause comes after this trial");
-    case Action::note:
-      return display_->explain(Tone::quiet, "the note can be typed after this trial");
-    case Action::end_session:
-      return display_->explain(Tone::quiet, "the end comes after this trial");
-    case Action::repeat_trial:
-      return display_->explain(Tone::quiet, "it is repeated, after this interval");
-    default:
-      return;
-  }
+  const KeyBinding& last = noted_.back();
+  if (last.asks(Request::pause)) display_->explain(Tone::quiet, "the pause comes after this trial");
+  if (last.asks(Request::note)) display_->explain(Tone::quiet, "the note can be typed after this trial");
+  if (last.asks(Request::end_for_now)) display_->explain(Tone::quiet, "the end comes after this trial");
+  if (last.asks(Request::repeat_trial)) display_->explain(Tone::quiet, "it is repeated, after this interval");
 }
 
-void SessionConsole::note_wishes(const std::vector<Key>& keys, const KeyMap& map) {
+void SessionConsole::note_requests(const std::vector<Key>& keys, const KeyMap& map) {
+  constexpr std::array kLater = {Request::pause, Request::note, Request::end_for_now, Request::repeat_trial,
+                                 Request::end_block};
   for (const Key& key : keys) {
-    const std::optional<Action> action = map.action_of(key);
-    if (!action) continue;
-    switch (*action) {
-      case Action::pause:
-      case Action::note:
-      case Action::end_session:
-      case Action::repeat_trial:
-      case Action::end_block:
-        if (std::find(noted_.begin(), noted_.end(), *action) == noted_.end()) noted_.push_back(*action);
-        break;
-      default:
-        break;
-    }
+    const std::optional<KeyBinding> binding = map.binding_of(key);
+    if (!binding) continue;
+    const bool noted = std::any_of(noted_.begin(), noted_.end(),
+                                   [&](const KeyBinding& earlier) { return earlier.meaning == binding->meaning; });
+    const bool later = std::any_of(kLater.begin(), kLater.end(), [&](Request wish) { return binding->asks(wish); });
+    if (later && !noted) noted_.push_back(*binding);
   }
 }
 
-std::optional<OperatorWish> SessionConsole::noted_wish(const KeyMap& keys) {
+std::optional<OperatorRequest> SessionConsole::noted_request(const KeyMap& keys) {
   while (!noted_.empty() && !keys_.ended()) {
-    const Action action = noted_.front();
+    const KeyBinding key = noted_.front();
     noted_.erase(noted_.begin());
-    if (action == Action::repeat_trial) continue;  // its trial is over
-    if (std::optional<OperatorWish> wish = wish_of(action, keys)) return wish;
+    if (key.asks(Request::repeat_trial)) continue;  // its trial is over
+    if (std::optional<OperatorRequest> wish = request_of(key, keys)) return wish;
   }
   return std::nullopt;
 }

@@ -13,7 +13,7 @@ namespace jnd {
 
 namespace {
 
-const KeyBinding kStop{kStopKey, Action::stop, "STOP the devices", true};
+const KeyBinding kStop{kStopKey, Request::stopped, "STOP the devices", true};
 
 char32_t capital(char32_t letter) {
   return letter >= 'a' && letter <= 'z' ? letter - 'a' + 'A' : letter;
@@ -48,21 +48,21 @@ std::string key_name(const Key& key) {
   }
 }
 
-std::optional<Action> KeyMap::action_of(const Key& key) const noexcept {
+std::optional<KeyBinding> KeyMap::binding_of(const Key& key) const {
   const char32_t wanted = key.is(KeyName::enter) ? U' ' : key.name == KeyName::character ? key.character : 0;
   if (wanted == 0) return std::nullopt;
   for (const KeyBinding& binding : bindings_)
-    if (binding.key == wanted) return binding.action;
+    if (binding.key == wanted) return binding;
   // As a capital it has stopped the devices too.
   for (const KeyBinding& binding : bindings_)
-    if (binding.action == Action::stop && capital(binding.key) == wanted) return binding.action;
+    if (binding.asks(Request::stopped) && capital(binding.key) == wanted) return binding;
   return std::nullopt;
 }
 
 std::vector<KeyHint> KeyMap::hints() const {
   std::vector<KeyHint> hints;
   for (const KeyBinding& binding : bindings_)
-    hints.push_back({key_name(binding.key), binding.what, binding.brief, binding.action == Action::stop});
+    hints.push_back({key_name(binding.key), binding.what, binding.brief, binding.asks(Request::stopped)});
   return hints;
 }
 
@@ -74,10 +74,10 @@ KeyHint stop_hint_of_text() {
   return {"Ctrl-C", "STOP, pause", true, true};
 }
 
-KeyMap KeyMap::without(std::initializer_list<Action> actions) const {
+KeyMap KeyMap::without(std::initializer_list<KeyMeaning> meanings) const {
   std::vector<KeyBinding> rest = bindings_;
   std::erase_if(rest, [&](const KeyBinding& binding) {
-    return std::find(actions.begin(), actions.end(), binding.action) != actions.end();
+    return std::find(meanings.begin(), meanings.end(), binding.meaning) != meanings.end();
   });
   return KeyMap(std::move(rest));
 }
@@ -104,111 +104,112 @@ std::string KeyMap::explanation(const Key& pressed) const {
 }
 
 KeyMap ready_keys(bool can_void_last) {
-  const KeyMap keys({{' ', Action::go_on, "when the participant is ready", true},
+  const KeyMap keys({{' ', Request::go_on, "when the participant is ready", true},
                      kStop,
-                     {'p', Action::pause, "pause", false},
-                     {'u', Action::void_last, "take back the last answer", false},
-                     {'n', Action::note, "note", false},
-                     {'b', Action::take_break, "break", false},
-                     {'k', Action::end_block, "end this block", false},
-                     {'q', Action::end_session, "end", true},
-                     {'?', Action::help, "all keys", true}});
-  return can_void_last ? keys : keys.without({Action::void_last});
+                     {'p', Request::pause, "pause", false},
+                     {'u', Request::void_last, "take back the last answer", false},
+                     {'n', Request::note, "note", false},
+                     {'b', Request::take_break, "break", false},
+                     {'k', Request::end_block, "end this block", false},
+                     {'q', Request::end_for_now, "end", true},
+                     {'?', HelpWanted{}, "all keys", true}});
+  return can_void_last ? keys : keys.without({Request::void_last});
 }
 
 KeyMap question_keys(const Timeline& timeline) {
   const auto key = [&](char32_t letter) { return spared(letter, timeline); };
-  return KeyMap({{static_cast<char32_t>(timeline.key_same), Action::answer_same, "same", true},
-                 {static_cast<char32_t>(timeline.key_different), Action::answer_different, "different", true},
+  return KeyMap({{static_cast<char32_t>(timeline.key_same), Judgement::same, "same", true},
+                 {static_cast<char32_t>(timeline.key_different), Judgement::different, "different", true},
                  kStop,
-                 {key('r'), Action::repeat_trial, "repeat this trial", true},
-                 {key('p'), Action::pause, "pause after this trial", false},
-                 {key('n'), Action::note, "note after this trial", false},
-                 {key('q'), Action::end_session, "end", true},
-                 {'?', Action::help, "all keys", false}});
+                 {key('r'), Request::repeat_trial, "repeat this trial", true},
+                 {key('p'), Request::pause, "pause after this trial", false},
+                 {key('n'), Request::note, "note after this trial", false},
+                 {key('q'), Request::end_for_now, "end", true},
+                 {'?', HelpWanted{}, "all keys", false}});
 }
 
 KeyMap presentation_keys(const Timeline& timeline) {
   const auto key = [&](char32_t letter) { return spared(letter, timeline); };
   return KeyMap({kStop,
-                 {key('r'), Action::repeat_trial, "repeat it, after this interval", true},
-                 {key('p'), Action::pause, "pause after this trial", false},
-                 {key('n'), Action::note, "note after this trial", false},
-                 {key('q'), Action::end_session, "end after this trial", true}});
+                 {key('r'), Request::repeat_trial, "repeat it, after this interval", true},
+                 {key('p'), Request::pause, "pause after this trial", false},
+                 {key('n'), Request::note, "note after this trial", false},
+                 {key('q'), Request::end_for_now, "end after this trial", true}});
 }
 
 KeyMap between_trials_keys(const Timeline& timeline) {
   const auto key = [&](char32_t letter) { return spared(letter, timeline); };
   return KeyMap({kStop,
-                 {key('p'), Action::pause, "pause", true},
-                 {key('n'), Action::note, "note", true},
-                 {key('q'), Action::end_session, "end", true}});
+                 {key('p'), Request::pause, "pause", true},
+                 {key('n'), Request::note, "note", true},
+                 {key('q'), Request::end_for_now, "end", true}});
 }
 
 KeyMap pause_keys() {
-  return KeyMap({{' ', Action::go_on, "goes on", true},
+  return KeyMap({{' ', Request::go_on, "goes on", true},
                  kStop,
-                 {'n', Action::note, "note", true},
-                 {'q', Action::end_session, "ends the session", true}});
+                 {'n', Request::note, "note", true},
+                 {'q', Request::end_for_now, "ends the session", true}});
 }
 
 KeyMap stopped_keys() {
-  return KeyMap({{'c', Action::clear_stop, "clears the stop and goes on", true},
-                 {'n', Action::note, "note", true},
-                 {'q', Action::end_session, "ends the session", true}});
+  return KeyMap({{'c', Request::go_on, "clears the stop and goes on", true,
+                  "Clears the stop. What was the matter? Or Enter (Esc: no)"},
+                 {'n', Request::note, "note", true},
+                 {'q', Request::end_for_now, "ends the session", true}});
 }
 
 KeyMap missing_keys() {
-  return pause_keys().without({Action::go_on});
+  return pause_keys().without({Request::go_on});
 }
 
 KeyMap break_keys(bool over) {
   const KeyMap keys = pause_keys();
-  return over ? keys : keys.without({Action::go_on});
+  return over ? keys : keys.without({Request::go_on});
 }
 
 KeyMap instruction_keys() {
-  return KeyMap({{' ', Action::go_on, "goes on", true},
+  return KeyMap({{' ', Request::go_on, "goes on", true},
                  kStop,
-                 {'p', Action::pause, "pause", false},
-                 {'n', Action::note, "note", true},
-                 {'q', Action::end_session, "ends the session", true}});
+                 {'p', Request::pause, "pause", false},
+                 {'n', Request::note, "note", true},
+                 {'q', Request::end_for_now, "ends the session", true}});
 }
 
 KeyMap finding_keys() {
-  return KeyMap({{' ', Action::go_on, "goes on", true}, kStop});
+  return KeyMap({{' ', Request::go_on, "goes on", true}, kStop});
 }
 
 KeyMap consent_keys() {
-  return KeyMap({{'y', Action::consent, "the participant agrees", true},
-                 {'n', Action::refuse, "the participant does not agree", true},
+  return KeyMap({{'y', Request::go_on, "the participant agrees", true},
+                 {'n', Request::end_for_good, "the participant does not agree", true},
                  kStop});
 }
 
 KeyMap ready_to_explore_keys() {
-  return KeyMap({{' ', Action::go_on, "when the participant is ready", true},
+  return KeyMap({{' ', Request::go_on, "when the participant is ready", true},
                  kStop,
-                 {'p', Action::pause, "pause", false},
-                 {'n', Action::note, "note", false},
-                 {'b', Action::take_break, "break", false},
-                 {'k', Action::end_block, "end this block", false},
-                 {'q', Action::end_session, "end", true},
-                 {'?', Action::help, "all keys", true}});
+                 {'p', Request::pause, "pause", false},
+                 {'n', Request::note, "note", false},
+                 {'b', Request::take_break, "break", false},
+                 {'k', Request::end_block, "end this block", false},
+                 {'q', Request::end_for_now, "end", true},
+                 {'?', HelpWanted{}, "all keys", true}});
 }
 
 KeyMap exploring_keys() {
   return KeyMap({kStop,
-                 {'r', Action::repeat_trial, "break off, again later", true},
-                 {'k', Action::enough, "enough of it", true},
-                 {'p', Action::pause, "pause", true},
-                 {'n', Action::note, "note", true},
-                 {'q', Action::end_session, "end", true}});
+                 {'r', Request::repeat_trial, "break off, again later", true},
+                 {'k', Request::end_block, "enough of it", true, "Ends it early. Reason, or Enter (Esc: no)"},
+                 {'p', Request::pause, "pause", true},
+                 {'n', Request::note, "note", true},
+                 {'q', Request::end_for_now, "end", true}});
 }
 
 KeyMap storage_keys() {
-  return KeyMap({{' ', Action::try_again, "tries again", true},
+  return KeyMap({{' ', Request::go_on, "tries again", true},
                  kStop,
-                 {'q', Action::give_up, "ends the session; what was not saved is lost", true}});
+                 {'q', Request::end_for_now, "ends the session; what was not saved is lost", true}});
 }
 
 }  // namespace jnd

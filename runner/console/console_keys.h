@@ -4,33 +4,26 @@
 #include <initializer_list>
 #include <optional>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "protocols/protocol.h"
+#include "protocols/vocabulary.h"
 #include "runner/keys/key_parser.h"
+#include "runner/session/operator_request.h"
 
 namespace jnd {
 
-enum class Action {
-  go_on,
-  pause,
-  repeat_trial,
-  void_last,
-  note,
-  end_block,
-  enough,  // of free interaction
-  take_break,
-  end_session,
-  clear_stop,
-  answer_same,
-  answer_different,
-  consent,
-  refuse,
-  try_again,
-  give_up,
-  stop,  // the keyboard's own thread has done it already
-  help
+// The page of all keys.
+struct HelpWanted {
+  bool operator==(const HelpWanted&) const = default;
 };
+
+// What a key means: what the operator asks for, in the words of the session; an answer to a trial; or help. The stop key
+// means Request::stopped: the keyboard's own thread has stopped the devices already. Where a page is a question of its own,
+// go_on is yes and an end is no.
+using KeyMeaning = std::variant<Request, Judgement, HelpWanted>;
 
 struct KeyHint {
   std::string key;    // as printed: "space", "p", "Enter"
@@ -41,18 +34,21 @@ struct KeyHint {
 
 struct KeyBinding {
   char32_t key = 0;  // ' ' is also Enter
-  Action action = Action::go_on;
+  KeyMeaning meaning = Request::go_on;
   std::string what;
   bool brief = true;
+  std::string reason{};  // how it asks for the operator's reason; empty: as usual
+
+  bool asks(Request wish) const noexcept { return meaning == KeyMeaning(wish); }
 };
 
 class KeyMap {
  public:
   explicit KeyMap(std::vector<KeyBinding> bindings) : bindings_(std::move(bindings)) {}
-  std::optional<Action> action_of(const Key& key) const noexcept;
+  std::optional<KeyBinding> binding_of(const Key& key) const;
   std::vector<KeyHint> hints() const;
-  KeyMap without(std::initializer_list<Action> actions) const;
-  // What to tell somebody who pressed another key.
+  KeyMap without(std::initializer_list<KeyMeaning> meanings) const;
+  // What the operator is told who pressed another key.
   std::string explanation(const Key& pressed) const;
 
  private:

@@ -14,8 +14,8 @@ namespace jnd {
 
 namespace {
 
-// Prints and shows at once: the operator reads along, also through a pipe. Where nobody can read any more the session
-// ends as after a signal, and goes on when it is begun again.
+// Prints and shows at once: the operator reads along, also through a pipe. Where its reader has ended,
+// the session ends as after a signal, and goes on when it is begun again.
 template <typename... Args>
 void put(fmt::format_string<Args...> format, Args&&... args) {
   const std::string text = fmt::format(format, std::forward<Args>(args)...);

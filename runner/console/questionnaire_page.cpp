@@ -171,7 +171,7 @@ QuestionnairePage::State QuestionnairePage::take(const std::string& typed) {
   return State::open;
 }
 
-// Somebody may have gone back with an answer half typed.
+// An answer may be half typed: the page can be gone back through.
 QuestionnairePage::State QuestionnairePage::commit() {
   for (std::size_t i = 0; i < items_.size(); ++i) {
     mistake_ = mistake_in(*items_[i].question, items_[i].typed);

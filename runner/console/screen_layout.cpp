@@ -30,7 +30,7 @@ std::vector<KeyHint> keys_now(const ScreenModel& model) {
 }
 
 // The stop first, then what is asked or said, then the other keys, as much of it as there are rows.
-Frame too_small(const ScreenModel& model, int rows, const Paper& paper) {
+Frame too_small(const ScreenModel& model, int rows, const Area& area) {
   const std::vector<KeyHint> keys = keys_now(model);
   std::string first;
   for (const KeyHint& hint : keys)
@@ -46,12 +46,12 @@ Frame too_small(const ScreenModel& model, int rows, const Paper& paper) {
                           ? (model.aloud ? "SAY " : "") + model.say
                           : model.scene.heading;
   Frame frame;
-  frame.rows.push_back({span(paper, 0, first, style_of(Tone::warning))});
-  for (const std::string& line : wrapped(showable(words, paper.unicode), paper.columns))
-    frame.rows.push_back({span(paper, 0, line, style_of(Tone::strong))});
+  frame.rows.push_back({span(area, 0, first, style_of(Tone::warning))});
+  for (const std::string& line : wrapped(showable(words, area.unicode), area.columns))
+    frame.rows.push_back({span(area, 0, line, style_of(Tone::strong))});
   const bool fits = static_cast<int>(frame.rows.size()) <= rows;
-  if (!model.hint.text.empty()) frame.rows.push_back({span(paper, 0, model.hint.text, style_of(model.hint.tone))});
-  for (Row& row : key_rows(paper, keys, std::max(1, rows - static_cast<int>(frame.rows.size()))))
+  if (!model.hint.text.empty()) frame.rows.push_back({span(area, 0, model.hint.text, style_of(model.hint.tone))});
+  for (Row& row : key_rows(area, keys, std::max(1, rows - static_cast<int>(frame.rows.size()))))
     frame.rows.push_back(std::move(row));
   frame.rows.resize(static_cast<std::size_t>(std::max(rows, 1)));
   if (reading || (model.dialog && !fits)) frame.unseen = Unseen::too_small;
@@ -59,14 +59,13 @@ Frame too_small(const ScreenModel& model, int rows, const Paper& paper) {
 }
 
 // The latest of what has happened, as much as there is room for.
-std::vector<Row> past_rows(const Paper& paper, const ScreenModel& model, int room) {
+std::vector<Row> past_rows(const Area& area, const ScreenModel& model, int room) {
   std::vector<Row> rows;
   for (std::size_t back = 1; back <= std::min(model.past.size(), kMostPast); ++back) {
     const TonedLine& line = model.past[model.past.size() - back];
     const Style style = back == 1 && line.tone == Tone::warning ? style_of(Tone::strong) : style_of(Tone::quiet);
     std::vector<Row> event;
-    for (const std::string& part : wrapped(line.text, paper.columns - 2))
-      event.push_back({span(paper, 1, part, style)});
+    for (const std::string& part : wrapped(line.text, area.columns - 2)) event.push_back({span(area, 1, part, style)});
     if (static_cast<int>(rows.size() + event.size()) > room) break;
     rows.insert(rows.begin(), event.begin(), event.end());
   }
@@ -76,23 +75,23 @@ std::vector<Row> past_rows(const Paper& paper, const ScreenModel& model, int roo
 }  // namespace
 
 Frame lay_out(const ScreenModel& model, int rows, int columns, bool unicode) {
-  const Paper paper{columns, unicode, rows};
-  if (rows < kLeastRows || columns < kLeastColumns) return too_small(model, rows, paper);
-  std::vector<Row> top = {banner_row(paper, model.card), card_row(paper, model.card), trial_row(paper, model)};
-  top.push_back(progress_row(paper, model.progress));
-  top.push_back(rule_row(paper));
+  const Area area{columns, unicode, rows};
+  if (rows < kLeastRows || columns < kLeastColumns) return too_small(model, rows, area);
+  std::vector<Row> top = {banner_row(area, model.card), card_row(area, model.card), trial_row(area, model)};
+  top.push_back(progress_row(area, model.progress));
+  top.push_back(rule_row(area));
 
-  std::vector<Row> bottom = {rule_row(paper)};
-  for (Row& row : key_rows(paper, keys_now(model), kMostKeyRows)) bottom.push_back(std::move(row));
+  std::vector<Row> bottom = {rule_row(area)};
+  for (Row& row : key_rows(area, keys_now(model), kMostKeyRows)) bottom.push_back(std::move(row));
 
   // The middle first; what has happened and the devices get the rest, and make way for a long text.
-  MainPart middle = main_part(paper, model);
+  MainPart middle = main_part(area, model);
   const int free = rows - static_cast<int>(top.size() + bottom.size());
   const int wanted = static_cast<int>(middle.rows.size());
   std::vector<Row> status;
   const bool text_first = wanted + 2 > free;
-  if (!text_first) status = {answer_row(paper, model), health_row(paper, model.health)};
-  const std::vector<Row> past = past_rows(paper, model, free - wanted - static_cast<int>(status.size()) - 1);
+  if (!text_first) status = {answer_row(area, model), health_row(area, model.health)};
+  const std::vector<Row> past = past_rows(area, model, free - wanted - static_cast<int>(status.size()) - 1);
 
   Frame frame;
   frame.rows = std::move(top);
@@ -116,7 +115,7 @@ Frame lay_out(const ScreenModel& model, int rows, int columns, bool unicode) {
     frame.unseen = Unseen::below;
   if (frame.hidden_lines > 0 && frame.window_lines > 0)
     frame.rows[static_cast<std::size_t>(main_from + window_end - 1)] = {span(
-        paper, 1,
+        area, 1,
         fmt::format("{} more lines: {}", frame.hidden_lines + 1, model.page != nullptr ? "Page Down" : "arrow down"),
         {.reverse = true})};
   if (middle.cursor) {

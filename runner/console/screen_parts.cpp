@@ -19,8 +19,8 @@ std::string lateness_text(double latest_us) {
 }
 }  // namespace
 
-Span span(const Paper& paper, int column, const std::string& text, Style style) {
-  return {column, clipped(showable(text, paper.unicode), paper.columns - column, paper.unicode), style};
+Span span(const Area& area, int column, const std::string& text, Style style) {
+  return {column, clipped(showable(text, area.unicode), area.columns - column, area.unicode), style};
 }
 
 Style style_of(Tone tone) {
@@ -45,7 +45,7 @@ std::string bar(double share, int cells, bool unicode) {
 }
 
 // The three kinds differ in their words, in how they are lettered and in what fills the line.
-Row banner_row(const Paper& paper, const SessionCard& card) {
+Row banner_row(const Area& area, const SessionCard& card) {
   std::string words, fill;
   Style style;
   switch (card.kind) {
@@ -66,24 +66,24 @@ Row banner_row(const Paper& paper, const SessionCard& card) {
       break;
   }
   std::string text = fill + fill + words;
-  while (columns_of(text) < paper.columns) text += fill;
-  return {span(paper, 0, text, style)};
+  while (columns_of(text) < area.columns) text += fill;
+  return {span(area, 0, text, style)};
 }
 
-Row card_row(const Paper& paper, const SessionCard& card) {
+Row card_row(const Area& area, const SessionCard& card) {
   std::string text = fmt::format("Participant {}", card.participant);
   if (card.sessions > 1) text += fmt::format("   session {} of {}", card.session, card.sessions);
   if (card.resumed) text += "   resumed";
   if (card.fast) text += "   --fast";
-  Row row = {span(paper, 1, text, kBold)};
+  Row row = {span(area, 1, text, kBold)};
   const int used = 1 + columns_of(text) + 3;
-  if (used + 12 < paper.columns) row.push_back(span(paper, used, card.title, kDim));
+  if (used + 12 < area.columns) row.push_back(span(area, used, card.title, kDim));
   return row;
 }
 
-Row trial_row(const Paper& paper, const ScreenModel& model) {
+Row trial_row(const Area& area, const ScreenModel& model) {
   if (!model.outline) {
-    return {span(paper, 1, fmt::format("{} of {} trials done", model.card.trials_done, model.card.trials_total))};
+    return {span(area, 1, fmt::format("{} of {} trials done", model.card.trials_done, model.card.trials_total))};
   }
   const TrialOutline& outline = *model.outline;
   const std::string head = trial_heading(outline);
@@ -94,12 +94,12 @@ Row trial_row(const Paper& paper, const ScreenModel& model) {
   if (!outline.practice) rest += fmt::format("   about {} left", duration_text(outline.time_left_s));
   if (outline.attempt > 1) rest += fmt::format("   attempt {}", outline.attempt);
   rest += fmt::format("   plan no. {}", outline.plan_number);
-  return {span(paper, 1, head, kBold), span(paper, 1 + columns_of(head), rest)};
+  return {span(area, 1, head, kBold), span(area, 1 + columns_of(head), rest)};
 }
 
-Row progress_row(const Paper& paper, const std::vector<ConditionProgress>& progress) {
+Row progress_row(const Area& area, const std::vector<ConditionProgress>& progress) {
   if (progress.empty()) return {};
-  const int each = (paper.columns - 1) / static_cast<int>(progress.size());
+  const int each = (area.columns - 1) / static_cast<int>(progress.size());
   Row row;
   int column = 1;
   for (const ConditionProgress& condition : progress) {
@@ -107,38 +107,38 @@ Row progress_row(const Paper& paper, const std::vector<ConditionProgress>& progr
     const int cells = std::min(20, each - columns_of(condition.code) - columns_of(counts) - 4);
     const double share = condition.total > 0 ? static_cast<double>(condition.done) / condition.total : 0;
     const std::string text = cells >= 4
-                                 ? fmt::format("{} {} {}", condition.code, bar(share, cells, paper.unicode), counts)
+                                 ? fmt::format("{} {} {}", condition.code, bar(share, cells, area.unicode), counts)
                                  : fmt::format("{} {}", condition.code, counts);
-    if (column + columns_of(text) > paper.columns) {
-      row.push_back(span(paper, std::min(column, paper.columns - 3), paper.unicode ? "…" : "...", kDim));
+    if (column + columns_of(text) > area.columns) {
+      row.push_back(span(area, std::min(column, area.columns - 3), area.unicode ? "…" : "...", kDim));
       break;
     }
-    row.push_back(span(paper, column, text));
+    row.push_back(span(area, column, text));
     column += columns_of(text) + 3;
   }
   return row;
 }
 
-Row rule_row(const Paper& paper) {
+Row rule_row(const Area& area) {
   std::string text;
-  for (int i = 0; i < paper.columns; ++i) text += paper.unicode ? "─" : "-";
-  return {span(paper, 0, text, kDim)};
+  for (int i = 0; i < area.columns; ++i) text += area.unicode ? "─" : "-";
+  return {span(area, 0, text, kDim)};
 }
 
-Row answer_row(const Paper& paper, const ScreenModel& model) {
-  if (model.answer.empty()) return {span(paper, 1, "No answer to show", kDim)};
+Row answer_row(const Area& area, const ScreenModel& model) {
+  if (model.answer.empty()) return {span(area, 1, "No answer to show", kDim)};
   const std::string saved = fmt::format("Saved: {},", model.answered);
   const int from = 2 + columns_of(saved);
-  return {span(paper, 1, saved, kDim), span(paper, from, model.answer, kBold),
-          span(paper, from + 2 + columns_of(model.answer), fmt::format("entered by the {}", model.by), kDim)};
+  return {span(area, 1, saved, kDim), span(area, from, model.answer, kBold),
+          span(area, from + 2 + columns_of(model.answer), fmt::format("entered by the {}", model.by), kDim)};
 }
 
-Row health_row(const Paper& paper, const std::optional<DeviceHealth>& health) {
-  if (!health) return {span(paper, 1, "Devices: nothing presented yet", kDim)};
+Row health_row(const Area& area, const std::optional<DeviceHealth>& health) {
+  if (!health) return {span(area, 1, "Devices: nothing presented yet", kDim)};
   Row row;
   int column = 1;
   const auto add = [&](const std::string& text, Style style) {
-    row.push_back(span(paper, column, text, style));
+    row.push_back(span(area, column, text, style));
     column += columns_of(row.back().text) + 2;
   };
   if (!health->fault.empty()) add(fmt::format("FAULT: {}", health->fault), style_of(Tone::warning));
@@ -159,16 +159,16 @@ int width_of(const KeyHint& hint) {
   return columns_of(hint.key) + 3 + columns_of(hint.what);
 }
 
-std::vector<Row> rows_of_keys(const Paper& paper, const std::vector<KeyHint>& keys) {
+std::vector<Row> rows_of_keys(const Area& area, const std::vector<KeyHint>& keys) {
   std::vector<Row> rows(1);
   int column = 1;
   for (const KeyHint& hint : keys) {
-    if (column > 1 && column + width_of(hint) > paper.columns) {
+    if (column > 1 && column + width_of(hint) > area.columns) {
       rows.emplace_back();
       column = 1;
     }
-    rows.back().push_back(span(paper, column, fmt::format("[{}]", hint.key), kBold));
-    rows.back().push_back(span(paper, column + columns_of(hint.key) + 3, hint.what));
+    rows.back().push_back(span(area, column, fmt::format("[{}]", hint.key), kBold));
+    rows.back().push_back(span(area, column + columns_of(hint.key) + 3, hint.what));
     column += width_of(hint) + 3;
   }
   return rows;
@@ -176,20 +176,20 @@ std::vector<Row> rows_of_keys(const Paper& paper, const std::vector<KeyHint>& ke
 
 }  // namespace
 
-std::vector<Row> key_rows(const Paper& paper, const std::vector<KeyHint>& keys, int most) {
+std::vector<Row> key_rows(const Area& area, const std::vector<KeyHint>& keys, int most) {
   std::vector<KeyHint> shown = keys;
-  std::vector<Row> rows = rows_of_keys(paper, shown);
+  std::vector<Row> rows = rows_of_keys(area, shown);
   const auto too_many = [&] { return static_cast<int>(rows.size()) > std::max(most, 1); };
   if (too_many()) {
     std::erase_if(shown, [](const KeyHint& hint) { return !hint.brief; });
-    rows = rows_of_keys(paper, shown);
+    rows = rows_of_keys(area, shown);
   }
   // The last one that is not the stop goes first.
   while (too_many() && shown.size() > 1) {
     const auto last = std::find_if(shown.rbegin(), shown.rend(), [](const KeyHint& hint) { return !hint.stop; });
     if (last == shown.rend()) break;
     shown.erase(std::next(last).base());
-    rows = rows_of_keys(paper, shown);
+    rows = rows_of_keys(area, shown);
   }
   rows.resize(std::min(rows.size(), static_cast<std::size_t>(std::max(most, 1))));
   return rows;

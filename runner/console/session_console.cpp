@@ -26,6 +26,10 @@ std::string full_name_of(const TrialOutline& outline) {
   return fmt::format("{} (plan no. {})", name_of(outline), outline.plan_number);
 }
 
+bool asks_to_repeat(const KeyBinding& key) noexcept {
+  return key.asks(Request::repeat_trial);
+}
+
 // A stop is seen to for as long as it lives, or what is asked comes before that.
 class SeeingToStop {
  public:
@@ -101,7 +105,7 @@ void SessionConsole::acknowledge(const std::string& heading, const std::string& 
   while (!interrupted()) {
     const std::optional<Key> key = keys_.next();
     if (!key || display_->scroll(key->name)) continue;
-    if (keys.action_of(*key) != Action::go_on)
+    if (const auto binding = keys.binding_of(*key); !binding || !binding->asks(Request::go_on))
       explain(keys, *key);
     else if (!still_to_read(true))
       return;
@@ -130,36 +134,36 @@ void SessionConsole::explain(const KeyMap& keys, const Key& pressed) {
   display_->explain(stops(pressed) ? Tone::warning : Tone::quiet, keys.explanation(pressed));
 }
 
-OperatorWish SessionConsole::wish_at(const Scene& scene, const KeyMap& keys, bool pausable,
-                                     const std::function<bool()>& over) {
+OperatorRequest SessionConsole::request_at(const Scene& scene, const KeyMap& keys, bool pausable,
+                                           const std::function<bool()>& over) {
   if (!keys_.anybody()) {
     show(scene);
-    return {keys_.ended() ? Wish::end_for_now : Wish::go_on, {}};
+    return {keys_.ended() ? Request::end_for_now : Request::go_on, {}};
   }
-  note_wishes(keys_.prompt(), question_keys_);
+  note_requests(keys_.prompt(), question_keys_);
   Scene with_keys = scene;
   with_keys.keys = keys.hints();
   show(with_keys);
   if (pausable) {
-    if (const std::optional<OperatorWish> wish = noted_wish(keys)) return *wish;
+    if (const std::optional<OperatorRequest> wish = noted_request(keys)) return *wish;
   }
   for (;;) {
-    tell_news();
-    if (keys_.ended()) return {Wish::end_for_now, {}};
-    if (keys_.stopped()) return {Wish::stopped, {}};
-    if (pausable && keys_.pause_asked()) return {Wish::pause, {}};
+    tell_events();
+    if (keys_.ended()) return {Request::end_for_now, {}};
+    if (keys_.stopped()) return {Request::stopped, {}};
+    if (pausable && keys_.pause_asked()) return {Request::pause, {}};
     if (over && over()) return {};
     const std::optional<Key> key = keys_.next();
     if (!key || display_->scroll(key->name)) continue;
-    const std::optional<Action> action = keys.action_of(*key);
-    if (!action) {
+    const std::optional<KeyBinding> binding = keys.binding_of(*key);
+    if (!binding) {
       explain(keys, *key);
       continue;
     }
-    if (scene.to_read && *action == Action::go_on && still_to_read(true)) continue;
-    if (const std::optional<OperatorWish> wish = wish_of(*action, keys)) return *wish;
+    if (scene.to_read && binding->asks(Request::go_on) && still_to_read(true)) continue;
+    if (const std::optional<OperatorRequest> wish = request_of(*binding, keys)) return *wish;
     if (keys_.ended()) continue;
-    if (*action == Action::help && !display_->by_lines()) {
+    if (binding->meaning == KeyMeaning(HelpWanted{}) && !display_->by_lines()) {
       keys_.prompt();
       show(with_keys);
     }
@@ -179,11 +183,11 @@ void SessionConsole::outline_scene(const TrialOutline& outline, Scene& scene) co
   scene.beside = fmt::format("{}", fmt::join(parts, "  "));
 }
 
-OperatorWish SessionConsole::ready(const TrialOutline& outline) {
-  // An end that was asked for at the question, where a stop came in between, is still meant; a wish about that trial
+OperatorRequest SessionConsole::ready(const TrialOutline& outline) {
+  // An end that was asked for at the question, where a stop came in between, is still meant; a request about that trial
   // has nothing left to be about.
   if (const auto decided = std::exchange(decided_, std::nullopt);
-      decided && (decided->wish == Wish::end_for_now || decided->wish == Wish::end_for_good))
+      decided && (decided->request == Request::end_for_now || decided->request == Request::end_for_good))
     return *decided;
   TrialOutline shown = outline;
   // Where a limit voids a trial, an attempt of its own would say that one of the two objects is stiff.
@@ -192,35 +196,36 @@ OperatorWish SessionConsole::ready(const TrialOutline& outline) {
   Scene scene;
   outline_scene(shown, scene);
   scene.task = "Wait until the participant is ready";
-  OperatorWish wish = wish_at(scene, ready_keys(outline.can_void_last), true);
-  if (wish.wish == Wish::go_on) {
+  OperatorRequest wish = request_at(scene, ready_keys(outline.can_void_last), true);
+  if (wish.request == Request::go_on) {
     noted_.clear();
   }
   return wish;
 }
 
 // After an interval, after free interaction that exploring() has broken off, or where judge() returned nothing.
-OperatorWish SessionConsole::meanwhile() {
+OperatorRequest SessionConsole::meanwhile() {
   if (decided_) return *std::exchange(decided_, std::nullopt);
   if (broken_off_by_) {
-    OperatorWish wish = wish_of(*broken_off_by_, exploring_keys()).value_or(OperatorWish{});
+    OperatorRequest wish = request_of(*broken_off_by_, exploring_keys()).value_or(OperatorRequest{});
     broken_off_by_.reset();
-    if (wish.wish == Wish::go_on) show(scene_);
+    if (wish.request == Request::go_on) show(scene_);
     return wish;
   }
   hear_in_trial();
-  const auto repeat = std::find(noted_.begin(), noted_.end(), Action::repeat_trial);
+  const auto repeat = std::find_if(noted_.begin(), noted_.end(), asks_to_repeat);
   if (repeat == noted_.end()) return {};
+  const KeyBinding key = *repeat;
   noted_.erase(repeat);
-  return wish_of(Action::repeat_trial, question_keys_).value_or(OperatorWish{});
+  return request_of(key, question_keys_).value_or(OperatorRequest{});
 }
 
-OperatorWish SessionConsole::paused(const std::string& cause) {
+OperatorRequest SessionConsole::paused(const std::string& cause) {
   Scene scene;
   scene.tone = Tone::warning;
   scene.heading = "Paused";
   if (cause == "ctrl-c") scene.beside = "by Ctrl-C; once more ends the session safely";
-  return wish_at(scene, pause_keys(), false);
+  return request_at(scene, pause_keys(), false);
 }
 
 void SessionConsole::progress(const std::vector<ConditionProgress>& by_condition) {
@@ -243,7 +248,7 @@ void SessionConsole::cue(CuePlace place, const CueSignal& cue) {
     question_aloud_ = aloud;
     display_->say(place, words, aloud, beep);
     // Only now can it be answered: a key or a button that came while it was drawn is early.
-    note_wishes(keys_.prompt(), question_keys_);
+    note_requests(keys_.prompt(), question_keys_);
     if (options_.buttons != nullptr) options_.buttons->ask();
     cue_shown_ns_ = clock_.now_ns();
     return;
@@ -276,12 +281,12 @@ void SessionConsole::took_back(bool will_repeat) {
 
 bool SessionConsole::waiting(double left_s, double total_s) {
   if (!keys_.anybody()) return true;
-  tell_news();
+  tell_events();
   // In a quick rehearsal the session's clock runs ahead of keys and eyes.
   const std::int64_t now_ns = SteadyClock().now_ns();
   if (static_cast<double>(now_ns - looked_ns_) * 1e-9 < kLook_s / 2) return true;
   looked_ns_ = now_ns;
-  note_wishes(keys_.drain(), question_keys_);
+  note_requests(keys_.drain(), question_keys_);
   // A page that came between, such as a note's or a pause's, is over.
   if (!scene_.heading.empty()) {
     scene_ = {};
@@ -289,11 +294,11 @@ bool SessionConsole::waiting(double left_s, double total_s) {
   }
   if (total_s >= kCounted_s) display_->countdown("next trial", left_s, total_s);
   display_->refresh();
-  std::erase(noted_, Action::repeat_trial);  // its trial is over
+  std::erase_if(noted_, asks_to_repeat);  // its trial is over
   return noted_.empty();
 }
 
-OperatorWish SessionConsole::recover(const std::string& stopped_by) {
+OperatorRequest SessionConsole::recover(const std::string& stopped_by) {
   Scene scene{Tone::warning,
               fmt::format("STOPPED ({}). The devices are at rest.", printable(stopped_by)),
               "",
@@ -301,24 +306,24 @@ OperatorWish SessionConsole::recover(const std::string& stopped_by) {
               {}};
   if (!keys_.anybody()) {
     show(scene);
-    return {Wish::end_for_now, {}};
+    return {Request::end_for_now, {}};
   }
   keys_.see_to_stop(true);
-  OperatorWish wish = wish_at(scene, stopped_keys(), true);
+  OperatorRequest wish = request_at(scene, stopped_keys(), true);
   // A pause in it is still in it.
-  if (wish.wish == Wish::go_on) keys_.see_to_stop(false);
+  if (wish.request == Request::go_on) keys_.see_to_stop(false);
   return wish;
 }
 
-OperatorWish SessionConsole::missing(const std::string& what, const std::function<bool()>& back) {
-  OperatorWish wish =
-      wish_at({Tone::warning,
-               "Something is missing.",
-               "",
-               printable(what) + "\nThe devices are at rest. It goes on by itself as soon as all is there again.",
-               {}},
-              missing_keys(), true, back);
-  if (wish.wish == Wish::go_on && keys_.anybody()) display_->tell(Tone::quiet, "all is there again");
+OperatorRequest SessionConsole::missing(const std::string& what, const std::function<bool()>& back) {
+  OperatorRequest wish =
+      request_at({Tone::warning,
+                  "Something is missing.",
+                  "",
+                  printable(what) + "\nThe devices are at rest. It goes on by itself as soon as all is there again.",
+                  {}},
+                 missing_keys(), true, back);
+  if (wish.request == Request::go_on && keys_.anybody()) display_->tell(Tone::quiet, "all is there again");
   return wish;
 }
 
@@ -334,9 +339,9 @@ bool SessionConsole::storage_trouble(const std::string& message) {
   while (!keys_.ended()) {
     const std::optional<Key> key = keys_.next();
     if (!key) continue;
-    const std::optional<Action> action = keys.action_of(*key);
-    if (action == Action::try_again) return true;
-    if (action == Action::give_up) {
+    const std::optional<KeyBinding> binding = keys.binding_of(*key);
+    if (binding && binding->asks(Request::go_on)) return true;
+    if (binding && binding->asks(Request::end_for_now)) {
       if (confirm("End the session? What was not saved is lost.")) return false;
       display_->keys_again();
     } else {
@@ -364,44 +369,44 @@ void SessionConsole::break_begins(const Break& pause, bool asked_by_operator) {
   scene.beside = asked_by_operator ? "at your wish" : fmt::format("of at least {}", duration_text(pause.duration_s));
   if (!pause.say.empty()) scene.text = "Say: " + printable(pause.say);
   if (keys_.anybody() && pause.duration_s > 0) scene.keys = break_keys(false).hints();
-  note_wishes(keys_.prompt(), question_keys_);
+  note_requests(keys_.prompt(), question_keys_);
   show(scene);
   break_scene_ = scene;
 }
 
 // Asked again after a note or a pause: the countdown goes on.
-OperatorWish SessionConsole::break_over(const Break& pause) {
+OperatorRequest SessionConsole::break_over(const Break& pause) {
   const KeyMap keys = break_keys(false);
   if (!display_->by_lines() && clock_.now_ns() < break_ends_ns_) show(break_scene_);  // a pause had the screen
   for (std::int64_t now = clock_.now_ns(); now < break_ends_ns_; now = clock_.now_ns()) {
-    if (keys_.ended()) return {Wish::end_for_now, {}};
-    if (keys_.stopped()) return {Wish::stopped, {}};
-    if (keys_.pause_asked()) return {Wish::pause, {}};
-    tell_news();
+    if (keys_.ended()) return {Request::end_for_now, {}};
+    if (keys_.stopped()) return {Request::stopped, {}};
+    if (keys_.pause_asked()) return {Request::pause, {}};
+    tell_events();
     display_->countdown("break", static_cast<double>(break_ends_ns_ - now) * 1e-9, pause.duration_s);
     display_->refresh();
     for (const Key& key : keys_.drain()) {
-      const std::optional<Action> action = keys.action_of(key);
-      if (!action) {
+      const std::optional<KeyBinding> binding = keys.binding_of(key);
+      if (!binding) {
         display_->explain(Tone::quiet, fmt::format("the break is not over: {} left",
                                                    duration_text(static_cast<double>(break_ends_ns_ - now) * 1e-9)));
         continue;
       }
-      if (const std::optional<OperatorWish> wish = wish_of(*action, keys)) return *wish;
+      if (const std::optional<OperatorRequest> wish = request_of(*binding, keys)) return *wish;
     }
     clock_.sleep_until_ns(std::min(break_ends_ns_, clock_.now_ns() + static_cast<std::int64_t>(kLook_s * 1e9)));
   }
   display_->countdown_over();
-  if (!keys_.anybody()) return {keys_.ended() ? Wish::end_for_now : Wish::go_on, {}};
-  return wish_at({Tone::strong, "The break may end", "", "", {}}, break_keys(true), true);
+  if (!keys_.anybody()) return {keys_.ended() ? Request::end_for_now : Request::go_on, {}};
+  return request_at({Tone::strong, "The break may end", "", "", {}}, break_keys(true), true);
 }
 
-OperatorWish SessionConsole::instruct(const Instruction& instruction) {
-  return wish_at({.heading = "Instructions",
-                  .beside = "read them out, or let the participant read them",
-                  .text = instruction.text,
-                  .to_read = true},
-                 instruction_keys(), true);
+OperatorRequest SessionConsole::instruct(const Instruction& instruction) {
+  return request_at({.heading = "Instructions",
+                     .beside = "read them out, or let the participant read them",
+                     .text = instruction.text,
+                     .to_read = true},
+                    instruction_keys(), true);
 }
 
 std::optional<bool> SessionConsole::consent(const std::string& text) {
@@ -416,10 +421,10 @@ std::optional<bool> SessionConsole::consent(const std::string& text) {
   while (!interrupted()) {
     const std::optional<Key> key = keys_.next();
     if (!key || display_->scroll(key->name)) continue;
-    const std::optional<Action> action = keys.action_of(*key);
-    if (action == Action::consent || action == Action::refuse) {
+    const std::optional<KeyBinding> binding = keys.binding_of(*key);
+    if (binding && !binding->asks(Request::stopped)) {
       if (still_to_read()) continue;
-      if (action == Action::consent) return true;
+      if (binding->asks(Request::go_on)) return true;
       if (confirm("No consent: the session ends for good. Is that right?")) return false;
       if (!keys_.ended()) display_->keys_again();
     } else {
@@ -430,7 +435,7 @@ std::optional<bool> SessionConsole::consent(const std::string& text) {
   return std::nullopt;
 }
 
-OperatorWish SessionConsole::ready_to_explore(const ExplorationOutline& outline) {
+OperatorRequest SessionConsole::ready_to_explore(const ExplorationOutline& outline) {
   Scene scene;
   scene.heading = fmt::format("Free interaction {} of {}", outline.number, outline.total);
   scene.beside = fmt::format("condition {}  {}", printable(outline.condition_code), duration_text(outline.duration_s));
@@ -439,8 +444,8 @@ OperatorWish SessionConsole::ready_to_explore(const ExplorationOutline& outline)
       fmt::format("Object: {}. {}", printable(outline.object),
                   outline.devices ? "The participant wears the devices." : "Bare hands: take the devices off.");
   exploring_s_ = outline.duration_s;
-  OperatorWish wish = wish_at(scene, ready_to_explore_keys(), true);
-  if (wish.wish == Wish::go_on && keys_.anybody()) {
+  OperatorRequest wish = request_at(scene, ready_to_explore_keys(), true);
+  if (wish.request == Request::go_on && keys_.anybody()) {
     scene.keys = exploring_keys().hints();
     scene.text.clear();
     show(scene);
@@ -450,14 +455,15 @@ OperatorWish SessionConsole::ready_to_explore(const ExplorationOutline& outline)
 
 // What the operator presses lets the object go; meanwhile() then asks what it is about, and it goes on.
 bool SessionConsole::exploring(double left_s) {
-  tell_news();
+  tell_events();
   display_->countdown("left", left_s, exploring_s_);
   display_->refresh();
   if (broken_off_by_) return false;
   const KeyMap keys = exploring_keys();
   for (const Key& key : keys_.drain())
-    if (const std::optional<Action> action = keys.action_of(key); action && action != Action::stop && !broken_off_by_)
-      broken_off_by_ = action;
+    if (const std::optional<KeyBinding> binding = keys.binding_of(key);
+        binding && !binding->asks(Request::stopped) && !broken_off_by_)
+      broken_off_by_ = binding;
   return !broken_off_by_;
 }
 

@@ -25,9 +25,9 @@ class SessionConsole final : public Console, private Responder {
   std::string ask_text(const std::string& question) override;
   void end(const std::string& last_words) override;
 
-  OperatorWish ready(const TrialOutline& outline) override;
-  OperatorWish meanwhile() override;
-  OperatorWish paused(const std::string& cause) override;
+  OperatorRequest ready(const TrialOutline& outline) override;
+  OperatorRequest meanwhile() override;
+  OperatorRequest paused(const std::string& cause) override;
   void progress(const std::vector<ConditionProgress>& by_condition) override;
   void health(const DeviceHealth& health) override;
   void cue(CuePlace place, const CueSignal& cue) override;
@@ -35,16 +35,16 @@ class SessionConsole final : public Console, private Responder {
   void voided(const TrialOutline& outline, const std::string& reason, bool will_repeat) override;
   void took_back(bool will_repeat) override;
   bool waiting(double left_s, double total_s) override;
-  OperatorWish recover(const std::string& stopped_by) override;
-  OperatorWish missing(const std::string& what, const std::function<bool()>& back) override;
+  OperatorRequest recover(const std::string& stopped_by) override;
+  OperatorRequest missing(const std::string& what, const std::function<bool()>& back) override;
   bool storage_trouble(const std::string& message) override;
   void feedback(bool correct) override;
   void practice_over(int rounds, double share_correct, bool passed) override;
   void break_begins(const Break& pause, bool asked_by_operator) override;
-  OperatorWish break_over(const Break& pause) override;
-  OperatorWish instruct(const Instruction& instruction) override;
+  OperatorRequest break_over(const Break& pause) override;
+  OperatorRequest instruct(const Instruction& instruction) override;
   std::optional<bool> consent(const std::string& text) override;
-  OperatorWish ready_to_explore(const ExplorationOutline& outline) override;
+  OperatorRequest ready_to_explore(const ExplorationOutline& outline) override;
   bool exploring(double left_s) override;
 
  private:
@@ -52,11 +52,11 @@ class SessionConsole final : public Console, private Responder {
   std::optional<std::string> reply(const Question& question, int condition) override;
   std::optional<Replies> reply_all(const std::vector<AskedQuestion>& page) override;
 
-  // Shows a scene and waits for one of its keys. Pauses, stops and ends come back as wishes, go_on and clear_stop as
-  // go_on. over: asked some 20 times a second; true ends it as go_on.
-  OperatorWish wish_at(const Scene& scene, const KeyMap& keys, bool pausable, const std::function<bool()>& over = {});
+  // Shows a scene and waits for one of its keys. Pauses, stops and ends come back as requests. over: asked some 20 times a second; true ends it as go_on.
+  OperatorRequest request_at(const Scene& scene, const KeyMap& keys, bool pausable,
+                             const std::function<bool()>& over = {});
   void show(const Scene& scene);
-  // To somebody who pressed a key that none of the keys is.
+  // Says what the keys are after another one was pressed.
   void explain(const KeyMap& keys, const Key& pressed);
   // Whether what is to be read was not all seen yet, of which the operator is told; turns_page: instead it is scrolled.
   bool still_to_read(bool turns_page = false);
@@ -65,22 +65,21 @@ class SessionConsole final : public Console, private Responder {
   // Until the operator has read it.
   void acknowledge(const std::string& heading, const std::string& text);
   // What a key asks for, after its dialog; none where the operator thought better of it.
-  std::optional<OperatorWish> wish_of(Action action, const KeyMap& keys);
-  std::optional<OperatorWish> with_reason(Wish wish, const std::string& label);
-  std::optional<OperatorWish> ask_end();
+  std::optional<OperatorRequest> request_of(const KeyBinding& key, const KeyMap& keys);
+  std::optional<OperatorRequest> with_reason(Request wish, const std::string& label);
+  std::optional<OperatorRequest> ask_end();
   // One of the keys; 0 for Escape and where the session is to end.
   char32_t choose(const std::string& question, const std::vector<KeyHint>& keys);
   void help(const KeyMap& keys);
   // While an answer is taken: what was to be said comes back after it.
   void help_with_question();
   // Keys pressed while nothing was asked: what they mean, for later.
-  void note_wishes(const std::vector<Key>& keys, const KeyMap& map);
+  void note_requests(const std::vector<Key>& keys, const KeyMap& map);
   // During a trial: what was pressed so far is noted, and the operator told when it is done.
   void hear_in_trial();
-  std::optional<OperatorWish> noted_wish(const KeyMap& keys);
-  // pressed_ns, key_ns: on the machine's monotonic clock.
+  std::optional<OperatorRequest> noted_request(const KeyMap& keys);
+  // pressed_ns: on the machine's monotonic clock.
   Answer answer_of(Judgement judgement, EnteredBy who, std::int64_t pressed_ns) const;
-  std::optional<Answer> answer_of(Action action, std::int64_t key_ns) const;
   std::optional<Answer> question_over(const std::optional<Answer>& answer, double time_out_s);
   // What the participant's buttons say to the question.
   struct ButtonReply {
@@ -90,7 +89,7 @@ class SessionConsole final : public Console, private Responder {
   };
   ButtonReply hear_buttons();
   // What happened to the button box.
-  void tell_news();
+  void tell_events();
   // False: it was left.
   bool ask_by_keys(QuestionnairePage& page);
   bool ask_by_lines(QuestionnairePage& page);
@@ -106,19 +105,19 @@ class SessionConsole final : public Console, private Responder {
   KeyMap question_keys_;
   std::string announced_;  // before the screen came
   bool warned_ = false;
-  Scene scene_;                          // the latest
-  std::string last_answered_;            // "trial 5 (plan no. 13)"; empty: none of this run
-  std::int64_t looked_ns_ = 0;           // at the keys between trials, of the machine's clock
-  std::vector<Action> noted_;            // asked for while nothing could be done about it
-  std::optional<OperatorWish> decided_;  // what meanwhile() is to say
-  std::int64_t cue_shown_ns_ = 0;        // the question's, of clock_
+  Scene scene_;                             // the latest
+  std::string last_answered_;               // "trial 5 (plan no. 13)"; empty: none of this run
+  std::int64_t looked_ns_ = 0;              // at the keys between trials, of the machine's clock
+  std::vector<KeyBinding> noted_;           // asked for while nothing could be done about it
+  std::optional<OperatorRequest> decided_;  // what meanwhile() is to say
+  std::int64_t cue_shown_ns_ = 0;           // the question's, of clock_
   std::string question_words_;
   bool question_aloud_ = false;
   std::int64_t break_ends_ns_ = 0;  // of clock_
   Scene break_scene_;
-  double exploring_s_ = 0;               // length of the free interaction that goes on
-  std::optional<Action> broken_off_by_;  // of it: what meanwhile() is to ask about
-  std::vector<std::string> unfinished_;  // what was typed on a page that a pause or a dialog broke off
+  double exploring_s_ = 0;                   // length of the free interaction that goes on
+  std::optional<KeyBinding> broken_off_by_;  // of it: what meanwhile() is to ask about
+  std::vector<std::string> unfinished_;      // what was typed on a page that a pause or a dialog broke off
   std::vector<std::string> unfinished_ids_;
 };
 

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <system_error>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -22,9 +23,16 @@ namespace jnd {
 
 namespace {
 
+struct LearnButtonsOptions {
+  std::string file;    // to write; it must not exist
+  std::string device;  // path, such as "/dev/hidraw0"; empty: the only one, or asked for
+  bool with_stop = false;
+  int debounce_ms = 10;
+};
+
 void say_at_once(const std::string& line) {
   fmt::print("{}\n", printable(line));
-  std::fflush(stdout);  // also into a pipe: somebody waits for it
+  std::fflush(stdout);  // also into a pipe, whose reader waits for it
 }
 
 // A line of standard input; none at its end, and after a signal.
@@ -48,7 +56,7 @@ std::string listed(const std::vector<HidInfo>& devices, bool numbered) {
   return text;
 }
 
-// None where nobody says which.
+// None where the input ends before one is chosen.
 std::optional<HidInfo> chosen_device(HidBus& bus, const std::string& path) {
   const std::vector<HidInfo> devices = devices_with_buttons(bus);
   if (devices.empty())
@@ -91,11 +99,10 @@ UsageError taken(const std::string& file) {
   return UsageError(fmt::format("{} exists already; choose another name", file));
 }
 
-}  // namespace
-
 int command_device_learn_buttons(const LearnButtonsOptions& options) {
+  const HoldInterrupts hold;
   HidapiBus bus;
-  // Before anybody presses anything.
+  // Before the first press.
   std::error_code error;
   const std::filesystem::file_status there = std::filesystem::symlink_status(options.file, error);
   if (!std::filesystem::status_known(there)) throw cannot_write(options.file, error.value());
@@ -120,6 +127,21 @@ int command_device_learn_buttons(const LearnButtonsOptions& options) {
         "This is a keyboard: its keys also type into the operator's console. Take keys that mean nothing there, such "
         "as digits.\n");
   return exit_code::kDone;
+}
+
+}  // namespace
+
+void add_device_learn_buttons(CommandTree& device) {
+  const auto [command, options] =
+      device.add("learn-buttons", "Learn which buttons of a gamepad, keypad or pedal mean same and different",
+                 "jnd device learn-buttons --to pedals.json --stop", command_device_learn_buttons);
+  command.add_option("--to", options.file, "the mapping to write, for jnd run --buttons; it must not exist")
+      ->required();
+  command.add_option("--device", options.device,
+                     "its path, such as /dev/hidraw0 (default: the only one, or asked for)");
+  command.add_flag("--stop", options.with_stop, "also a button that stops the devices at any time");
+  command.add_option("--debounce", options.debounce_ms, "how long a contact may bounce, ms (default: 10)")
+      ->check(CLI::Range(0, 200));
 }
 
 }  // namespace jnd

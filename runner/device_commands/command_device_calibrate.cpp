@@ -1,6 +1,7 @@
 // jnd device calibrate: known forces against what the device measures, a certificate, and a table in the device.
 #include <filesystem>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "devices/device_error.h"
@@ -12,6 +13,7 @@
 #include "protocols/input/input_error.h"
 #include "protocols/version.h"
 #include "runner/device_commands/device_commands.h"
+#include "runner/device_commands/device_options.h"
 #include "runner/device_commands/device_output.h"
 #include "runner/device_commands/hid_devices.h"
 #include "runner/device_commands/typing_operator.h"
@@ -24,6 +26,15 @@
 namespace jnd {
 
 namespace {
+
+struct DeviceCalibrateOptions {
+  std::string name;                       // serial number or path
+  std::string reference = "interactive";  // or a CSV file: known_n, and pushed_n where the device presses the reference
+  std::vector<double> push_n;             // forces to press the reference with, each read from it and typed
+  std::string operator_name, reference_name, remarks;
+  std::string out;  // of the certificate; named by serial, date and id in this folder where empty
+  bool no_stiffness = false, store = false, yes = false, json = false;
+};
 
 struct Plan {
   std::vector<CalibrationStep> steps;
@@ -121,9 +132,8 @@ void print_findings(const CalibrationRecord& record, const std::vector<Calibrati
              verdict.text(), calibration_limits_source());
 }
 
-}  // namespace
-
 int command_device_calibrate(const DeviceCalibrateOptions& options) {
+  const HoldInterrupts hold;
   const Plan plan = plan_of(options);
   std::error_code error;
   if (!options.out.empty() && std::filesystem::exists(options.out, error))
@@ -151,7 +161,7 @@ int command_device_calibrate(const DeviceCalibrateOptions& options) {
   const bool good = passed(findings);
   if (options.store && good)
     with_device(bus, info, [&](HidHandle& handle) {
-      PageTalk pages(handle, options.name);
+      PageExchange pages(handle, options.name);
       store_calibration(pages, record.fit.table, stored_certificate(certificate));
     });
   if (options.json) {
@@ -166,6 +176,35 @@ int command_device_calibrate(const DeviceCalibrateOptions& options) {
     fmt::print("{}\n", bold(good ? "passed" : "NOT PASSED: the device keeps its former calibration"));
   }
   return good ? exit_code::kDone : exit_code::kDevice;
+}
+
+}  // namespace
+
+void add_device_calibrate(CommandTree& device) {
+  const auto [command, options] =
+      device.add("calibrate", "Calibrate a connected device's force, and check its stiffness",
+                 "jnd device calibrate FT-0001 --operator \"A. Smith\" --reference-name \"scale 17\" --push 1,2,4,2,1\n"
+                 "  jnd device calibrate FT-0001 --operator \"A. Smith\" --reference-name \"weights\" "
+                 "--reference points.csv --store",
+                 command_device_calibrate);
+  command.add_option("DEVICE", options.name, "a serial number or a path, as jnd device list shows them")->required();
+  command.add_option("--reference", options.reference,
+                     "interactive: known forces are typed; or a CSV file of them: known_n (N), and pushed_n (N) where "
+                     "the device presses the reference (default: interactive)");
+  command
+      .add_option("--push", options.push_n,
+                  "N1,N2,...: forces with which the device presses the reference; what that shows is typed")
+      ->delimiter(',')
+      ->check(finite());
+  command.add_option("--operator", options.operator_name, "who calibrates")->required();
+  command.add_option("--reference-name", options.reference_name, "which scale or weights, such as an inventory number")
+      ->required();
+  command.add_option("--remarks", options.remarks, "anything that should stand in the certificate");
+  command.add_option("--out", options.out, "the certificate's file (default: SERIAL-DATE-ID.json in this folder)");
+  command.add_flag("--no-stiffness", options.no_stiffness, "leave the check of 500, 700 and 900 N/m out");
+  command.add_flag("--store", options.store, "write table and certificate into the device, where it passes");
+  command.add_flag("--yes", options.yes, "the device may press without being asked for");
+  command.add_flag("--json", options.json, "print the certificate");
 }
 
 }  // namespace jnd

@@ -30,7 +30,7 @@ struct Known {
 void measure_trips(HidHandle& handle, const std::string& name, Known& known) {
   constexpr int kRequests = 20;
   using Clock = std::chrono::steady_clock;
-  PageTalk pages(handle, name);
+  PageExchange pages(handle, name);
   std::vector<double> trips_ms;
   for (int i = 0; i < kRequests; ++i) {
     const auto start = Clock::now();

@@ -32,7 +32,7 @@ Json entry_of(HidBus& bus, const HidInfo& info) {
   if (!is_ours(info) || !is_usable(info)) return entry;
   try {
     with_device(bus, info, [&entry, &info](HidHandle& handle) {
-      PageTalk pages(handle, info.serial, {}, {.read_ms = 150, .write_ms = 150, .tries = 2});
+      PageExchange pages(handle, info.serial, {}, {.read_ms = 150, .write_ms = 150, .tries = 2});
       const jnd_identity identity = pages.identity();
       entry["finger"] = finger_word(identity.finger);
       entry["firmware"] = firmware_text(identity);

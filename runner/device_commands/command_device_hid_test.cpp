@@ -23,7 +23,7 @@ constexpr double kStream_s = 2;
 
 // Returns what the device says of itself.
 jnd_identity test_fingertip(HidHandle& handle, const HidInfo& info, const std::string& name, bool press,
-                            BenchChecks& checks) {
+                            Checks& checks) {
   const DeviceDescription device = describe(handle, name);
   refuse_if_driven(device, name);
   SteadyClock clock;
@@ -38,29 +38,24 @@ jnd_identity test_fingertip(HidHandle& handle, const HidInfo& info, const std::s
     check_vibration(link, checks);
   } else {
     checks.push_back({.what = "force and vibration",
-                      .measured = "not tried",
-                      .expected = "consent, or --yes",
-                      .ok = true,
-                      .judged = false});
+                      .verdict = Verdict::not_judged,
+                      .found = "not tried",
+                      .limit = "consent, or --yes"});
   }
   check_rest(link, checks);
   return device.identity;
 }
 
-jnd_identity test_tracker(HidHandle& handle, const HidInfo& info, const std::string& name, BenchChecks& checks) {
+jnd_identity test_tracker(HidHandle& handle, const HidInfo& info, const std::string& name, Checks& checks) {
   SteadyClock clock;
-  const jnd_identity identity = PageTalk(handle, name).identity();
-  checks.push_back({.what = "serial number",
-                    .measured = serial_of(identity),
-                    .expected = info.serial,
-                    .ok = serial_of(identity) == info.serial});
+  const jnd_identity identity = PageExchange(handle, name).identity();
+  checks.push_back(measured("serial number", serial_of(identity), info.serial, serial_of(identity) == info.serial));
   check_poses(handle, clock, kStream_s, interrupt_requested(), checks);
   return identity;
 }
 
-std::string verdict_word(const BenchCheck& check) {
-  if (!check.judged) return "not judged";
-  return check.ok ? "ok" : bold(warn("FAILED"));
+std::string verdict_word(const Check& check) {
+  return check.passed() ? std::string(to_string(check.verdict)) : bold(warn("FAILED"));
 }
 
 }  // namespace
@@ -72,7 +67,7 @@ int hid_device_test(HidBus& bus, const std::string& name, bool json, bool yes) {
                                            "before its platform, and nothing else.",
                                            printable(name), kTestForce_n),
                                yes, false);
-  BenchChecks checks;
+  Checks checks;
   jnd_identity identity{};
   try {
     with_device(bus, info, [&](HidHandle& handle) {
@@ -83,18 +78,19 @@ int hid_device_test(HidBus& bus, const std::string& name, bool json, bool yes) {
     print_message("{}: {}\n", printable(name), interrupted.what());
     return exit_code::kInterrupted;
   }
-  const auto failed = std::count_if(checks.begin(), checks.end(), [](const BenchCheck& check) { return !check.ok; });
-  const auto said = std::count_if(checks.begin(), checks.end(), [](const BenchCheck& check) { return !check.judged; });
+  const auto failed = std::count_if(checks.begin(), checks.end(), [](const Check& check) { return !check.passed(); });
+  const auto said = std::count_if(checks.begin(), checks.end(),
+                                  [](const Check& check) { return check.verdict == Verdict::not_judged; });
   const int code = failed == 0 ? exit_code::kDone : exit_code::kDevice;
   if (json) {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
-    for (const BenchCheck& check : checks)
+    for (const Check& check : checks)
       list.push_back({{"device", name},
                       {"what", check.what},
-                      {"measured", check.measured},
-                      {"expected", check.expected},
-                      {"ok", check.ok},
-                      {"judged", check.judged}});
+                      {"measured", check.found},
+                      {"expected", check.limit},
+                      {"ok", check.passed()},
+                      {"judged", check.verdict != Verdict::not_judged}});
     print_json({{"device", name},
                 {"path", info.path},
                 {"simulated", (identity.capabilities & JND_IS_MODEL) != 0},
@@ -104,8 +100,8 @@ int hid_device_test(HidBus& bus, const std::string& name, bool json, bool yes) {
   }
   using Align = TextTable::Align;
   TextTable table({name, "measured", "expected", ""}, {Align::left, Align::left, Align::left, Align::left});
-  for (const BenchCheck& check : checks)
-    table.add({check.what, printable(check.measured), printable(check.expected), verdict_word(check)});
+  for (const Check& check : checks)
+    table.add({check.what, printable(check.found), printable(check.limit), verdict_word(check)});
   fmt::print("{}\n{}{}\n", table.text(),
              bold(failed == 0 ? fmt::format("all {} judged checks ok", checks.size() - static_cast<std::size_t>(said))
                               : fmt::format("{} of {} checks FAILED: do not use this device", failed, checks.size())),

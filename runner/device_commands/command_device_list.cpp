@@ -1,9 +1,11 @@
 // jnd device list and info: which rigs there are, what each can do, and which real devices are connected.
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "devices/hid/hidapi_bus.h"
 #include "protocols/input/resources.h"
 #include "runner/device_commands/command_device_hid.h"
+#include "runner/device_commands/device_commands.h"
 #include "runner/device_commands/device_output.h"
 #include "runner/device_commands/hid_devices.h"
 #include "runner/device_commands/hid_list.h"
@@ -14,6 +16,15 @@
 namespace jnd {
 
 namespace {
+
+struct ListOptions {
+  bool json = false;
+};
+
+struct InfoOptions {
+  std::string rig;  // or a real device, by serial number or path
+  bool json = false;
+};
 
 std::string what_it_is(const DeviceSpec& device) {
   return device.model == DeviceModel::rrs3 ? "presses and tilts on the pulp, vibrates" : "resists the finger's flexion";
@@ -151,9 +162,7 @@ void print_device(const DeviceSpec& device) {
   say_all("finger", finger_json(device.finger));
 }
 
-}  // namespace
-
-int command_device_list(bool json) {
+int command_device_list(const ListOptions& options) {
   nlohmann::ordered_json rigs = nlohmann::ordered_json::array();
   std::string text;
   for (const std::string& name : shipped_names(Resource::device_spec)) {
@@ -168,7 +177,7 @@ int command_device_list(bool json) {
   }
   HidapiBus bus;
   const nlohmann::ordered_json devices = hid_json(bus);
-  if (json) {
+  if (options.json) {
     print_json({{"rigs", rigs}, {"hid", devices}});
     return exit_code::kDone;
   }
@@ -178,14 +187,14 @@ int command_device_list(bool json) {
   return exit_code::kDone;
 }
 
-int command_device_info(const std::string& name, bool json) {
-  if (!names_a_rig(name)) {
+int command_device_info(const InfoOptions& options) {
+  if (!names_a_rig(options.rig)) {
     HidapiBus bus;
-    return hid_device_info(bus, name, json);
+    return hid_device_info(bus, options.rig, options.json);
   }
-  const std::filesystem::path file = find_resource(Resource::device_spec, name);
+  const std::filesystem::path file = find_resource(Resource::device_spec, options.rig);
   const RigSpec rig = load_rig_spec(file);
-  if (json) {
+  if (options.json) {
     print_json(rig_json(rig, file.string()));
     return exit_code::kDone;
   }
@@ -200,6 +209,24 @@ int command_device_info(const std::string& name, bool json) {
                             rig.lever_arm_m, 500 * rig.lever_arm_m));
   for (const DeviceSpec& device : rig.devices) print_device(device);
   return exit_code::kDone;
+}
+
+}  // namespace
+
+void add_device_list(CommandTree& device) {
+  const auto [command, options] = device.add("list", "The rigs that there are, and the real devices that are connected",
+                                             "jnd device list", command_device_list);
+  command.add_flag("--json", options.json, "machine-readable");
+}
+
+void add_device_info(CommandTree& device) {
+  const auto [command, options] =
+      device.add("info", "Everything a rig's description, or a connected device, says of itself",
+                 "jnd device info rrs3\n  jnd device info FT-0001", command_device_info);
+  command
+      .add_option("RIG", options.rig, "a rig's name, a file that describes one, or a device's serial number or path")
+      ->required();
+  command.add_flag("--json", options.json, "machine-readable");
 }
 
 }  // namespace jnd

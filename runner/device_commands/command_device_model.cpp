@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "data/export/csv_writer.h"
@@ -9,6 +10,8 @@
 #include "devices/rrs3/rrs3_model.h"
 #include "devices/rrs3/rrs3_workspace.h"
 #include "protocols/input/input_error.h"
+#include "runner/device_commands/device_commands.h"
+#include "runner/device_commands/device_options.h"
 #include "runner/device_commands/device_output.h"
 #include "runner/device_commands/rrs3_answer.h"
 #include "runner/terminal/exit_code.h"
@@ -19,6 +22,15 @@
 namespace jnd {
 
 namespace {
+
+struct MckibbenModelOptions {
+  std::string spec = "mckibben";
+  std::optional<double> angle_rad;
+  std::optional<double> pressure_pa, length_m;   // gauge, of the muscle
+  std::optional<double> upstream_pa, muscle_pa;  // absolute
+  bool sweep = false;                            // over the usable range
+  DeviceOutput output;
+};
 
 constexpr const char* kPoseWanted = "PZ,ROLL,PITCH (m, rad, rad), such as -0.018,0.2,-0.1";
 constexpr const char* kWrenchWanted = "FX,FY,FZ,MX,MY,MZ (N and N m), such as 0,0,2,0,0,0";
@@ -107,8 +119,6 @@ int show_map(const Rrs3ModelOptions& options) {
   return exit_code::kDone;
 }
 
-}  // namespace
-
 int command_device_model_rrs3(const Rrs3ModelOptions& options) {
   const int asked = (options.pose.empty() ? 0 : 1) + (options.batch.empty() ? 0 : 1) + (options.map ? 1 : 0);
   if (asked != 1) throw UsageError("give one of --pose PZ,ROLL,PITCH, --batch FILE and --map");
@@ -141,8 +151,6 @@ int command_device_model_rrs3(const Rrs3ModelOptions& options) {
     print_rrs3(query, *answer);
   return exit_code::kDone;
 }
-
-namespace {
 
 // What the finger is at an angle, without its loop.
 struct FingerAt {
@@ -238,8 +246,6 @@ int sweep(const MckibbenModel& model, const DeviceOutput& output) {
   return exit_code::kDone;
 }
 
-}  // namespace
-
 int command_device_model_mckibben(const MckibbenModelOptions& options) {
   if (options.pressure_pa.has_value() != options.length_m.has_value())
     throw UsageError("the muscle's force needs both --pressure and --length");
@@ -286,6 +292,53 @@ int command_device_model_mckibben(const MckibbenModelOptions& options) {
   }
   if (options.output.json) print_json(out);
   return exit_code::kDone;
+}
+
+void add_rrs3_model(CommandTree& models) {
+  const auto [command, options] = models.add(
+      "rrs3", "Kinematics and statics of the 3RRS platform at a pose, or a map of its workspace",
+      "jnd device model rrs3 --pose -0.018,0.2,-0.1 --wrench 0,0,2,0,0,0 --stiffness 700\n  jnd device model rrs3 --map\n"
+      "  jnd device model rrs3 --batch poses.jsonl",
+      command_device_model_rrs3);
+  command.add_option("--pose", options.pose, "PZ,ROLL,PITCH: m, rad, rad");
+  command.add_option("--geometry", options.geometry,
+                     "JSON of a geometry, or of a device (default: the shipped device)");
+  command.add_option("--wrench", options.wrench, "FX,FY,FZ,MX,MY,MZ on the finger at the platform's centre: N, N m");
+  add_number(command, "--stiffness", options.stiffness_n_per_m, "kS of the joint stiffness (35), N/m");
+  add_number(command, "--rotational", options.rotational_n_m_per_rad,
+             "kphi of it, N m/rad (default: kS read as N mm/rad)");
+  command.add_option("--batch", options.batch,
+                     "a question a line, as JSON: {\"pz\", \"roll\", \"pitch\", \"geometry\"?: {\"a\", \"b\", \"bh\", "
+                     "\"bd\", \"l1\", \"l2\", \"pz0\"}, \"wrench\"?, \"stiffness\"?, \"rotational\"?}; - reads "
+                     "standard input. Answers are JSON lines");
+  command.add_flag("--map", options.map, "condition number over roll and pitch");
+  add_number(command, "--height", options.height_m, "height of the map, m (default: the rest height)");
+  add_output(command, options.output, "the map");
+}
+
+void add_mckibben_model(CommandTree& models) {
+  const auto [command, options] =
+      models.add("mckibben", "Linkage, muscle and air of the McKibben finger",
+                 "jnd device model mckibben --angle 0.6\n  jnd device model mckibben --pressure 200000 --length 0.13\n"
+                 "  jnd device model mckibben --upstream 500000 --muscle 150000\n  jnd device model mckibben --sweep",
+                 command_device_model_mckibben);
+  command.add_option("--spec", options.spec, "another description of such a device");
+  add_number(command, "--angle", options.angle_rad, "of the rocker, rad: linkage and static force");
+  add_number(command, "--pressure", options.pressure_pa, "gauge, Pa, with --length: force of the muscle, (14)");
+  add_number(command, "--length", options.length_m, "of the muscle, m");
+  add_number(command, "--upstream", options.upstream_pa,
+             "absolute, Pa, with --muscle: mass flow into the muscle, (11)");
+  add_number(command, "--muscle", options.muscle_pa, "absolute, Pa");
+  command.add_flag("--sweep", options.sweep, "force without pressure and force per bar, from straight to flexed");
+  add_output(command, options.output, "the sweep");
+}
+
+}  // namespace
+
+void add_device_model(CommandTree& device) {
+  CommandTree models = device.add_group("model", "Ask the models of the papers one question");
+  add_rrs3_model(models);
+  add_mckibben_model(models);
 }
 
 }  // namespace jnd

@@ -2,10 +2,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "data/export/csv_writer.h"
 #include "devices/mckibben/mckibben_response.h"
+#include "runner/device_commands/device_commands.h"
+#include "runner/device_commands/device_options.h"
 #include "runner/device_commands/device_output.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/plot.h"
@@ -15,6 +18,43 @@
 namespace jnd {
 
 namespace {
+
+// The force loop of a McKibben finger.
+struct MckibbenLoopOptions {
+  std::string spec = "mckibben";
+  ForceGains gains{.kp = 0.28};  // the paper's
+  Tendon tendon = Tendon::bilateral;
+};
+
+struct DeviceStepOptions {
+  MckibbenLoopOptions loop;
+  std::optional<double> angle_rad;  // straight where not given
+  double from_n = 0, to_n = 5;
+  double duration_s = 1.2;
+  DeviceOutput output;
+};
+
+struct DeviceBodeOptions {
+  MckibbenLoopOptions loop;
+  std::optional<double> angle_rad;
+  double mean_n = 10, amplitude_n = 8;
+  std::vector<double> frequencies_rad_per_s;
+  int settle_cycles = 6, measure_cycles = 3;
+  DeviceOutput output;
+};
+
+struct DeviceTrackOptions {
+  MckibbenLoopOptions loop;
+  std::vector<double> kobj_n_per_rad;
+  double frequency_hz = 0.5;
+  DeviceOutput output;
+};
+
+struct DeviceOnsetOptions {
+  std::string spec = "mckibben";
+  std::vector<double> angles_rad;  // some from straight to flexed where empty
+  DeviceOutput output;
+};
 
 LoopOptions loop_of(const MckibbenLoopOptions& options) {
   return {.gains = options.gains, .tendon = options.tendon};
@@ -34,8 +74,6 @@ double straight_rad(const DeviceSpec& spec) {
 void line(const char* what, const std::string& text) {
   fmt::print("  {:<20}{}\n", what, text);
 }
-
-}  // namespace
 
 int command_device_step(const DeviceStepOptions& options) {
   const DeviceSpec spec = device_named(options.loop.spec, DeviceModel::mckibben);
@@ -58,7 +96,7 @@ int command_device_step(const DeviceStepOptions& options) {
                 {"overshoot_pct", json_number(response.overshoot_pct)},
                 {"oscillation_pp", json_number(response.oscillation_pp_n)},
                 {"oscillation_rad_s", json_number(response.oscillation_rad_per_s)},
-                {"verdict", to_text(response.verdict)},
+                {"verdict", to_string(response.verdict)},
                 {"tail_mean", json_number(response.tail_mean_n)},
                 {"angle", angle}});
     return exit_code::kDone;
@@ -77,7 +115,7 @@ int command_device_step(const DeviceStepOptions& options) {
                          ? fmt::format("{:.4f} N peak to peak at {:.1f} rad/s", response.oscillation_pp_n,
                                        response.oscillation_rad_per_s)
                          : std::string("at rest"));
-  line("verdict", bold(to_text(response.verdict)));
+  line("verdict", bold(std::string(to_string(response.verdict))));
   return exit_code::kDone;
 }
 
@@ -224,6 +262,73 @@ int command_device_onset(const DeviceOnsetOptions& options) {
       "  finger at 3; with the parameters of its Table 1 it begins here.\n",
       theory);
   return exit_code::kDone;
+}
+
+void add_loop(CLI::App& command, MckibbenLoopOptions& loop) {
+  command.add_option("--spec", loop.spec, "another description of such a device");
+  add_number(command, "--kp", loop.gains.kp, "proportional gain, V/N (default: 0.28, the paper's)");
+  add_number(command, "--ki", loop.gains.ki, "integral gain, V/(N s) (default: 0)");
+  add_number(command, "--kd", loop.gains.kd, "derivative gain, V s/N (default: 0)");
+  add_choice(command, "--tendon", loop.tendon, kTendonWords,
+             "bilateral: it can push too, as the paper's (15); unilateral: as a real one (default: bilateral)");
+}
+
+}  // namespace
+
+void add_device_step(CommandTree& device) {
+  const auto [command, options] =
+      device.add_group("step", "The answer to a step of the commanded force")
+          .add("mckibben", "Step response of the force loop",
+               "jnd device step mckibben --kp 0.7 --from 0 --to 5 --angle 0.351181", command_device_step);
+  add_loop(command, options.loop);
+  add_number(command, "--angle", options.angle_rad, "of the rocker, rad (default: straight)");
+  add_number(command, "--from", options.from_n, "force commanded before, N (default: 0)");
+  add_number(command, "--to", options.to_n, "force commanded then, N (default: 5)");
+  add_number(command, "--duration", options.duration_s, "s (default: 1.2)");
+  add_output(command, options.output, "the curve");
+}
+
+void add_device_bode(CommandTree& device) {
+  const auto [command, options] =
+      device.add_group("bode", "The frequency response of the commanded force")
+          .add("mckibben", "Frequency response of the force loop, at an amplitude",
+               "jnd device bode mckibben --kp 0.7 --mean 10 --amplitude 8 --angle 0.351181", command_device_bode);
+  add_loop(command, options.loop);
+  add_number(command, "--angle", options.angle_rad, "of the rocker, rad (default: straight)");
+  add_number(command, "--mean", options.mean_n, "of the commanded force, N (default: 10)");
+  add_number(command, "--amplitude", options.amplitude_n, "of it, N (default: 8)");
+  add_number(command, "--frequencies", options.frequencies_rad_per_s, "W1,W2,... rad/s (default: 1 to 1000)")
+      ->delimiter(',');
+  command.add_option("--settle", options.settle_cycles, "whole cycles to let pass (default: 6)")
+      ->check(CLI::Range(1, 10'000));
+  command.add_option("--measure", options.measure_cycles, "whole cycles to measure then (default: 3)")
+      ->check(CLI::Range(1, 10'000));
+  add_output(command, options.output, "the curve");
+}
+
+void add_device_track(CommandTree& device) {
+  const auto [command, options] =
+      device.add_group("track", "How the commanded force is followed while the finger flexes")
+          .add("mckibben", "Tracking of a virtual object's force during flexion",
+               "jnd device track mckibben --kobj 8,20,50 --kp 0.28 --frequency 0.5", command_device_track);
+  add_loop(command, options.loop);
+  add_number(command, "--kobj", options.kobj_n_per_rad, "stiffness of the object, N/rad; several with commas")
+      ->delimiter(',')
+      ->required();
+  add_number(command, "--frequency", options.frequency_hz, "of the flexion, Hz (default: 0.5)");
+  add_output(command, options.output, "the table");
+}
+
+void add_device_onset(CommandTree& device) {
+  const auto [command, options] =
+      device.add_group("onset", "Where the force loop begins to oscillate")
+          .add("mckibben", "KP*: the least gain of P control that oscillates, at each angle",
+               "jnd device onset mckibben --angle 0.351181,0.610865", command_device_onset);
+  command.add_option("--spec", options.spec, "another description of such a device");
+  add_number(command, "--angle", options.angles_rad,
+             "of the rocker, rad; several with commas (default: straight to flexed)")
+      ->delimiter(',');
+  add_output(command, options.output, "the table");
 }
 
 }  // namespace jnd

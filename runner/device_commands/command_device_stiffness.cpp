@@ -1,11 +1,14 @@
 // jnd device stiffness: what a device renders of the stiffness that is asked of it.
 #include <algorithm>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "data/export/csv_writer.h"
 #include "devices/mckibben/mckibben_response.h"
 #include "devices/rrs3/rrs3_rendering.h"
+#include "runner/device_commands/device_commands.h"
+#include "runner/device_commands/device_options.h"
 #include "runner/device_commands/device_output.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/plot.h"
@@ -13,6 +16,26 @@
 #include "runner/terminal/text_table.h"
 
 namespace jnd {
+
+namespace {
+
+struct Rrs3StiffnessOptions {
+  std::string spec = "rrs3";
+  std::vector<double> stiffness_n_per_m;
+  RenderingMode mode = RenderingMode::wrench;
+  double finger_n_per_m = 1000;
+  double roll_rad = 0, pitch_rad = 0;
+  DeviceOutput output;
+};
+
+struct MckibbenStiffnessOptions {
+  std::string spec = "mckibben";
+  std::vector<double> stiffness_n_per_rad;
+  std::optional<double> kp, ki, kd;  // where none is given: the paper's P, and the device's own control
+  std::optional<Tendon> tendon;      // the device's own where not given
+  double frequency_hz = 0.5;
+  DeviceOutput output;
+};
 
 int command_device_stiffness_rrs3(const Rrs3StiffnessOptions& options) {
   const DeviceSpec spec = device_named(options.spec, DeviceModel::rrs3);
@@ -64,8 +87,6 @@ int command_device_stiffness_rrs3(const Rrs3StiffnessOptions& options) {
   return exit_code::kDone;
 }
 
-namespace {
-
 struct Control {
   std::string name;
   ForceGains gains;
@@ -76,8 +97,6 @@ std::vector<Control> controls_of(const MckibbenStiffnessOptions& options, const 
     return {{"as given", {.kp = options.kp.value_or(0), .ki = options.ki.value_or(0), .kd = options.kd.value_or(0)}}};
   return {{"the paper's P", LoopOptions{}.gains}, {"the device's own", spec.gains}};
 }
-
-}  // namespace
 
 int command_device_stiffness_mckibben(const MckibbenStiffnessOptions& options) {
   const DeviceSpec spec = device_named(options.spec, DeviceModel::mckibben);
@@ -120,6 +139,46 @@ int command_device_stiffness_mckibben(const MckibbenStiffnessOptions& options) {
   fmt::print("{}: straight to flexed and back at {:g} Hz, {} tendon\n{}", bold("rendered stiffness"),
              options.frequency_hz, to_string(tendon), table.text());
   return exit_code::kDone;
+}
+
+void add_rrs3_stiffness(CommandTree& stiffness) {
+  const auto [command, options] = stiffness.add("rrs3", "Pressed through the governor, settled, and fitted",
+                                                "jnd device stiffness rrs3 --stiffness 500,900 --mode pd --finger 1000",
+                                                command_device_stiffness_rrs3);
+  command.add_option("--spec", options.spec, "another description of such a device");
+  add_number(command, "--stiffness", options.stiffness_n_per_m, "kS, N/m; several with commas")
+      ->delimiter(',')
+      ->required();
+  add_choice(command, "--mode", options.mode, kRenderingModeWords,
+             "rendering: wrench, pd or pd-literal (default: wrench)");
+  add_number(command, "--finger", options.finger_n_per_m, "stiffness of the finger's pulp, N/m (default: 1000)");
+  add_number(command, "--roll", options.roll_rad, "of the surface, rad (default: 0)");
+  add_number(command, "--pitch", options.pitch_rad, "of the surface, rad (default: 0)");
+  add_output(command, options.output, "force over depth");
+}
+
+void add_mckibben_stiffness(CommandTree& stiffness) {
+  const auto [command, options] =
+      stiffness.add("mckibben", "Fitted while the finger flexes against the object",
+                    "jnd device stiffness mckibben --stiffness 8,50", command_device_stiffness_mckibben);
+  command.add_option("--spec", options.spec, "another description of such a device");
+  add_number(command, "--stiffness", options.stiffness_n_per_rad, "of the object, N/rad; several with commas")
+      ->delimiter(',')
+      ->required();
+  add_number(command, "--kp", options.kp, "V/N (default: both the paper's P control and the device's own)");
+  add_number(command, "--ki", options.ki, "V/(N s)");
+  add_number(command, "--kd", options.kd, "V s/N");
+  add_choice(command, "--tendon", options.tendon, kTendonWords, "bilateral or unilateral (default: the device's own)");
+  add_number(command, "--frequency", options.frequency_hz, "of the flexion, Hz (default: 0.5)");
+  add_output(command, options.output, "the table");
+}
+
+}  // namespace
+
+void add_device_stiffness(CommandTree& device) {
+  CommandTree stiffness = device.add_group("stiffness", "The stiffness that a device really renders");
+  add_rrs3_stiffness(stiffness);
+  add_mckibben_stiffness(stiffness);
 }
 
 }  // namespace jnd

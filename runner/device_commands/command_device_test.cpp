@@ -1,26 +1,38 @@
 // jnd device test: a self-test that a technician reads, every line of it measured on the rig.
 #include <algorithm>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "devices/hid/hidapi_bus.h"
 #include "devices/self_test/device_bench.h"
 #include "runner/device_commands/command_device_hid.h"
+#include "runner/device_commands/device_commands.h"
 #include "runner/device_commands/device_output.h"
 #include "runner/device_commands/hid_devices.h"
+#include "runner/keys/interrupt.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/text_table.h"
 
 namespace jnd {
 
-int command_device_test(const std::string& name, bool json, bool yes) {
-  if (!names_a_rig(name)) {
+namespace {
+
+struct TestOptions {
+  std::string rig;  // or a real device, by serial number or path
+  bool json = false;
+  bool yes = false;  // a real device may press without being asked for
+};
+
+int command_device_test(const TestOptions& options) {
+  const HoldInterrupts hold;
+  if (!names_a_rig(options.rig)) {
     HidapiBus bus;
-    return hid_device_test(bus, name, json, yes);
+    return hid_device_test(bus, options.rig, options.json, options.yes);
   }
-  const RigSpec rig = rig_named(name);
-  DeviceChecks checks;
+  const RigSpec rig = rig_named(options.rig);
+  Checks checks;
   for (const DeviceSpec& spec : rig.devices) {
     check_limits(spec, checks);
     if (spec.model == DeviceModel::rrs3)
@@ -29,16 +41,16 @@ int command_device_test(const std::string& name, bool json, bool yes) {
       check_joint(spec, checks);
   }
   check_loop(rig, checks);
-  const auto failed = std::count_if(checks.begin(), checks.end(), [](const DeviceCheck& check) { return !check.ok; });
+  const auto failed = std::count_if(checks.begin(), checks.end(), [](const Check& check) { return !check.passed(); });
   const int code = failed == 0 ? exit_code::kDone : exit_code::kDevice;
-  if (json) {
+  if (options.json) {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
-    for (const DeviceCheck& check : checks)
+    for (const Check& check : checks)
       list.push_back({{"device", check.device},
                       {"what", check.what},
-                      {"measured", check.measured},
-                      {"expected", check.expected},
-                      {"ok", check.ok}});
+                      {"measured", check.found},
+                      {"expected", check.limit},
+                      {"ok", check.passed()}});
     print_json({{"rig", rig.name}, {"simulated", true}, {"sha256", rig.sha256}, {"ok", failed == 0}, {"checks", list}});
     return code;
   }
@@ -50,13 +62,25 @@ int command_device_test(const std::string& name, bool json, bool yes) {
     const std::string device = checks[i].device;
     bool first = true;
     for (; i < checks.size() && (first || checks[i].device == device); ++i, first = false)
-      table.add({checks[i].what, checks[i].measured, checks[i].expected, checks[i].ok ? "ok" : bold(warn("FAILED"))});
+      table.add({checks[i].what, checks[i].found, checks[i].limit, checks[i].passed() ? "ok" : bold(warn("FAILED"))});
     fmt::print("\n{}", table.text());
   }
   fmt::print("\n{}\n",
              bold(failed == 0 ? fmt::format("all {} checks ok", checks.size())
                               : fmt::format("{} of {} checks FAILED: do not use this rig", failed, checks.size())));
   return code;
+}
+
+}  // namespace
+
+void add_device_test(CommandTree& device) {
+  const auto [command, options] = device.add("test", "Self-test of a rig, or test of a connected device",
+                                             "jnd device test rrs3\n  jnd device test FT-0001", command_device_test);
+  command
+      .add_option("RIG", options.rig, "a rig's name, a file that describes one, or a device's serial number or path")
+      ->required();
+  command.add_flag("--yes", options.yes, "a real device may press (0.5 N) and vibrate without being asked for");
+  command.add_flag("--json", options.json, "machine-readable");
 }
 
 }  // namespace jnd

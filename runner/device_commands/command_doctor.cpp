@@ -4,6 +4,7 @@
 #include <sstream>
 #include <utility>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -26,6 +27,13 @@
 namespace jnd {
 
 namespace {
+
+struct DoctorOptions {
+  std::optional<std::string> study;  // a study, or the folder where studies go; where not given, this folder
+  double seconds = 3;                // of each measurement of the loop's lateness
+  std::string protocol, rig;         // to be fit for: a protocol's file or shipped name, a rig file; empty: none
+  bool json = false;
+};
 
 JitterReport measure(RealtimePolicy policy, double seconds) {
   return probe_jitter_on_thread(policy, seconds, interrupt_requested());
@@ -64,21 +72,23 @@ std::string mark(Verdict verdict) {
       return warn("warn");
     case Verdict::bad:
       return bold(warn("BAD "));
+    case Verdict::not_judged:
+      return "    ";
   }
-  return "BAD ";
+  return "    ";
 }
 
-void print_check(const MachineCheck& check, std::size_t name_width) {
+void print_check(const Check& check, std::size_t name_width) {
   constexpr std::size_t kMarkWidth = 8;  // two spaces, the mark, two spaces
   const std::size_t indent = kMarkWidth + name_width + 2;
-  fmt::print("  {}  {}{}  {}\n", mark(check.verdict), check.name,
-             std::string(name_width - display_width(check.name), ' '), wrapped(printable(check.found), indent));
+  fmt::print("  {}  {}{}  {}\n", mark(check.verdict), check.what,
+             std::string(name_width - display_width(check.what), ' '), wrapped(printable(check.found), indent));
   if (!check.what_to_do.empty())
     fmt::print("{}{} {}\n", std::string(indent, ' '), dim("->"), wrapped(printable(check.what_to_do), indent + 3));
 }
 
 // What the protocol and the rig file need of this machine.
-std::vector<MachineCheck> check_rig_of(const DoctorOptions& options) {
+Checks check_rig_of(const DoctorOptions& options) {
   std::optional<Protocol> protocol;
   std::optional<RigFile> file;
   if (!options.protocol.empty()) protocol = load_checked_protocol(options.protocol);
@@ -89,12 +99,11 @@ std::vector<MachineCheck> check_rig_of(const DoctorOptions& options) {
   return check_rig(protocol ? &protocol->rig : nullptr, file ? &*file : nullptr, seen);
 }
 
-}  // namespace
-
 int command_doctor(const DoctorOptions& options) {
-  std::vector<MachineCheck> checks = {check_kernel("/"), check_processors("/"), check_frequency("/"),
-                                      check_clock_source("/"), check_hid("/")};
-  for (MachineCheck& check : check_rig_of(options)) checks.push_back(std::move(check));
+  const HoldInterrupts hold;
+  Checks checks = {check_kernel("/"), check_processors("/"), check_frequency("/"), check_clock_source("/"),
+                   check_hid("/")};
+  for (Check& check : check_rig_of(options)) checks.push_back(std::move(check));
   checks.push_back(
       check_storage(options.study.value_or("."), {.root = "/", .is_network = is_network_file_system, .syncs = 20}));
   if (!options.json && is_terminal(STDERR_FILENO))
@@ -104,23 +113,23 @@ int command_doctor(const DoctorOptions& options) {
   const bool compare = session.realtime.fifo();
   const JitterReport ordinary = compare ? measure(RealtimePolicy::off, options.seconds) : JitterReport{};
   if (interrupt_requested()) throw Stopped();
-  for (MachineCheck& check : check_realtime(session.realtime)) checks.push_back(std::move(check));
+  for (Check& check : check_realtime(session.realtime)) checks.push_back(std::move(check));
   checks.push_back(judge_jitter(session));
   // For comparison, and no finding of its own: a session does not run so.
   if (compare) checks.back().found += "; without SCHED_FIFO: " + jitter_text(ordinary);
 
   int bad = 0, warnings = 0;
   std::size_t name_width = 0;
-  for (const MachineCheck& check : checks) {
+  for (const Check& check : checks) {
     bad += check.verdict == Verdict::bad ? 1 : 0;
     warnings += check.verdict == Verdict::warn ? 1 : 0;
-    name_width = std::max(name_width, display_width(check.name));
+    name_width = std::max(name_width, display_width(check.what));
   }
   const int code = bad > 0 ? exit_code::kProblemFound : exit_code::kDone;
   if (options.json) {
     nlohmann::ordered_json out = {{"ok", bad == 0}, {"checks", nlohmann::ordered_json::array()}};
-    for (const MachineCheck& check : checks)
-      out["checks"].push_back({{"name", check.name},
+    for (const Check& check : checks)
+      out["checks"].push_back({{"name", check.what},
                                {"verdict", to_string(check.verdict)},
                                {"found", check.found},
                                {"what_to_do", check.what_to_do}});
@@ -129,7 +138,7 @@ int command_doctor(const DoctorOptions& options) {
     fmt::print("{}\n", out.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
     return code;
   }
-  for (const MachineCheck& check : checks) print_check(check, name_width);
+  for (const Check& check : checks) print_check(check, name_width);
   if (bad > 0)
     fmt::print("\n{}\n", bold(fmt::format("not fit for a real session: {} problem{} (BAD)", bad, bad == 1 ? "" : "s")));
   else if (warnings > 0)
@@ -138,6 +147,19 @@ int command_doctor(const DoctorOptions& options) {
   else
     fmt::print("\n{}\n", bold("fit to run a session"));
   return code;
+}
+
+}  // namespace
+
+void add_doctor(CommandTree& program) {
+  const auto [command, options] =
+      program.add("doctor", "Is this machine fit to run a session", "jnd doctor --study studies", command_doctor);
+  command.add_option("--study", options.study, "a study, or the folder where studies go (default: this folder)");
+  command.add_option("--seconds", options.seconds, "length of each of the two measurements of lateness (default: 3)")
+      ->check(CLI::Range(0.1, 600.0));
+  command.add_option("--protocol", options.protocol, "is the machine fit for this one too: has it the tracker");
+  command.add_option("--rig", options.rig, "and for this rig file: are its devices, tracker and buttons there");
+  command.add_flag("--json", options.json, "machine-readable");
 }
 
 }  // namespace jnd

@@ -7,11 +7,17 @@
 
 #include <Eigen/Core>
 
-#include "protocols/rigs/rig_spec.h"
-#include "runner/device_commands/device_commands.h"
+#include "protocols/rigs/rig_description.h"
 #include "runner/terminal/json_output.h"
 
 namespace jnd {
+
+// Where an answer goes beside the text for a person. csv: a file to write, "-" for standard output (then nothing else
+// is printed there), empty for none.
+struct DeviceOutput {
+  bool json = false;
+  std::string csv;
+};
 
 // "0.1,0.2,0.3" as exactly `count` finite numbers. Throws UsageError that names the option and what it wants: `wants`
 // is "PZ,ROLL,PITCH (m, rad, rad), such as -0.02,0.1,-0.05".

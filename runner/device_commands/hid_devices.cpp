@@ -68,7 +68,7 @@ DeviceDescription describe(HidHandle& handle, const std::string& name) {
     out.telemetry = telemetry;
     ++out.reports;
   };
-  PageTalk pages(handle, name, look);
+  PageExchange pages(handle, name, look);
   out.identity = pages.identity();
   if (out.identity.model != JND_MODEL_RRS3)
     throw DeviceError(fmt::format("{}: is a fingertip device of model {}, which this program does not know; update it",

@@ -10,7 +10,7 @@
 #include "devices/hid/bench/bench_checks.h"
 #include "devices/hid/hid_bus.h"
 #include "devices/hid/our_devices.h"
-#include "devices/hid/page_talk.h"
+#include "devices/hid/page_exchange.h"
 
 namespace jnd {
 
@@ -38,7 +38,7 @@ struct DeviceDescription {
 };
 // Throws DeviceError.
 DeviceDescription describe(HidHandle& handle, const std::string& name);
-// Throws DeviceError where somebody else drives it just now.
+// Throws DeviceError where another program drives it just now.
 void refuse_if_driven(const DeviceDescription& device, const std::string& name);
 
 // Opens the device and does the job, both on a thread of its own: signals, which look like an unplugged device to

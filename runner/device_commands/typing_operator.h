@@ -8,7 +8,7 @@
 
 namespace jnd {
 
-// Thread rule: one thread. Nobody else reads standard input meanwhile.
+// Thread rule: one thread, the only one that reads standard input meanwhile.
 class TypingOperator final : public CalibrationOperator {
  public:
   void ask(const std::string& question) override;

@@ -25,7 +25,7 @@ class HeldKeys {
   static constexpr std::int64_t kFirstGap_ns = 1'100'000'000, kRepeatGap_ns = 600'000'000;
 
   void prompt(std::int64_t now_ns) noexcept { prompt_ns_ = now_ns; }
-  // Every key, in the order of its coming, also those that nobody waits for.
+  // Every key, in the order of its coming, also those that are not waited for.
   Heard hear(const Key& key);
   // Whether any key may still be down.
   bool maybe_down(std::int64_t now_ns) const noexcept;

@@ -1,7 +1,6 @@
 #include "runner/keys/interrupt.h"
 
 #include <csignal>
-#include <utility>
 
 #include <unistd.h>
 
@@ -89,13 +88,6 @@ HoldInterrupts::HoldInterrupts() noexcept {
 }
 HoldInterrupts::~HoldInterrupts() {
   --holds;
-}
-
-std::function<int()> holding_interrupts(std::function<int()> command) {
-  return [command = std::move(command)] {
-    const HoldInterrupts hold;
-    return command();
-  };
 }
 
 void install_interrupt_handlers() noexcept {

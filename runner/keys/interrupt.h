@@ -3,7 +3,6 @@
 #pragma once
 
 #include <atomic>
-#include <functional>
 
 #include "devices/emergency_stop.h"
 
@@ -25,7 +24,7 @@ const std::atomic<bool>& interrupt_requested() noexcept;
 // SIGXFSZ is ignored: a file that may not grow is trouble with storage, which is said where it is written.
 void install_interrupt_handlers() noexcept;
 void request_interrupt() noexcept;  // as if a signal had come
-// From here on a write to a pipe that nobody reads fails, and does not end the program: for sessions, which have
+// From here on a write to a pipe without a reader fails, and does not end the program: for sessions, which have
 // devices to bring to rest. Programs that are started from this one still end.
 void outlive_readers() noexcept;
 
@@ -37,9 +36,6 @@ class HoldInterrupts {
   HoldInterrupts(const HoldInterrupts&) = delete;
   HoldInterrupts& operator=(const HoldInterrupts&) = delete;
 };
-
-// The same for the whole of a command.
-std::function<int()> holding_interrupts(std::function<int()> command);
 
 // While it lives, a first Ctrl-C sets `pause` and a second one, whenever it comes before the pause is over, sets `end`;
 // a third ends the program at once.

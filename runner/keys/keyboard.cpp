@@ -85,7 +85,7 @@ void Keyboard::read_keys() {
       reading = !at_end_;
       asked = asked_to_catch_up_;
     }
-    // Whoever waits for all keys so far waits until there is nothing left to read.
+    // A wait for all keys so far lasts until there is nothing left to read.
     const bool hurried = asked != caught_up_;
     if (hurried) {
       pollfd input{STDIN_FILENO, POLLIN, 0};

@@ -13,7 +13,7 @@
 #include "protocols/input/resources.h"
 #include "protocols/reading/protocol_reading.h"
 #include "protocols/rigs/device_lint.h"
-#include "protocols/rigs/rig_spec.h"
+#include "protocols/rigs/rig_description.h"
 #include "runner/opening/study_access.h"
 
 namespace jnd {

@@ -13,13 +13,13 @@ namespace jnd {
 
 namespace {
 
-MachineCheck left_out(const char* name) {
-  return {.name = name, .verdict = Verdict::ok, .found = "not tested in a quick rehearsal", .what_to_do = ""};
+Check left_out(const char* name) {
+  return {.what = name, .verdict = Verdict::ok, .found = "not tested in a quick rehearsal"};
 }
 
 // What no reason sets aside.
-bool final_item(const MachineCheck& item) {
-  return item.name == kStorageItem || item.name == kParticipantItem;
+bool final_item(const Check& item) {
+  return item.what == kStorageItem || item.what == kParticipantItem;
 }
 
 }  // namespace
@@ -44,7 +44,7 @@ Readiness check_readiness(const ReadinessInput& input) {
   items.push_back(
       check_participant(sessions, input.participant, input.kind, input.plan, input.protocol.design.sessions));
   items.push_back(input.fast ? left_out("clock") : check_clock(sessions, utc_ns));
-  for (const MachineCheck& item : items) {
+  for (const Check& item : items) {
     if (item.verdict != Verdict::bad) continue;
     if (input.kind != SessionKind::real && !final_item(item)) continue;
     readiness.blocked = true;
@@ -55,8 +55,8 @@ Readiness check_readiness(const ReadinessInput& input) {
 
 nlohmann::ordered_json readiness_body(const Readiness& readiness, const std::string& overridden_because) {
   nlohmann::ordered_json items = nlohmann::ordered_json::array();
-  for (const MachineCheck& item : readiness.items)
-    items.push_back({{"what", item.name},
+  for (const Check& item : readiness.items)
+    items.push_back({{"what", item.what},
                      {"verdict", to_string(item.verdict)},
                      {"found", item.found},
                      {"what_to_do", item.what_to_do}});
@@ -67,17 +67,17 @@ nlohmann::ordered_json readiness_body(const Readiness& readiness, const std::str
 
 std::string readiness_text(const Readiness& readiness) {
   std::string text, limits;
-  for (const MachineCheck& item : readiness.items) {
+  for (const Check& item : readiness.items) {
     if (item.verdict == Verdict::ok) {
-      if (item.name == kLimitsItem) limits = fmt::format("Limits: {}.\n", printable(item.found));
+      if (item.what == kLimitsItem) limits = fmt::format("Limits: {}.\n", printable(item.found));
       continue;
     }
     text +=
-        fmt::format("{} {}: {}\n", item.verdict == Verdict::bad ? "BAD" : "warning", item.name, printable(item.found));
+        fmt::format("{} {}: {}\n", item.verdict == Verdict::bad ? "BAD" : "warning", item.what, printable(item.found));
     if (!item.what_to_do.empty()) text += fmt::format("  -> {}\n", printable(item.what_to_do));
   }
   if (text.empty()) {
-    for (const MachineCheck& item : readiness.items) text += (text.empty() ? "Ready: " : ", ") + item.name;
+    for (const Check& item : readiness.items) text += (text.empty() ? "Ready: " : ", ") + item.what;
     return text + ".\n" + limits;
   }
   text += limits;

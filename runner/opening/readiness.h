@@ -12,7 +12,7 @@
 #include "devices/rig.h"
 #include "protocols/planning/plan.h"
 #include "protocols/protocol.h"
-#include "protocols/rigs/rig_spec.h"
+#include "protocols/rigs/rig_description.h"
 
 namespace jnd {
 
@@ -33,8 +33,8 @@ struct ReadinessInput {
 };
 
 struct Readiness {
-  std::vector<MachineCheck> items;  // storage, tracker (where it is outside), devices, limits, calibration, loop,
-                                    // keyboard, study, plan, participant, clock
+  Checks items;  // storage, tracker (where it is outside), devices, limits, calibration, loop,
+                 // keyboard, study, plan, participant, clock
   // A real session is not begun with a finding that is bad, any other only where its data could be lost, or where its
   // participant is not to take part (again).
   bool blocked = false;

@@ -4,10 +4,10 @@
 
 namespace jnd {
 
-MachineCheck check_buttons(const ButtonBox& box) {
+Check check_buttons(const ButtonBox& box) {
   const ButtonMapping& mapping = box.mapping();
-  MachineCheck check;
-  check.name = "buttons";
+  Check check;
+  check.what = "buttons";
   check.found =
       fmt::format("{} ({:04x}:{:04x}), {}, mapping {}", mapping.name, mapping.vendor, mapping.product,
                   box.has(ButtonMeaning::stop) ? "same, different and stop" : "same and different", mapping.sha256);

@@ -6,6 +6,6 @@
 
 namespace jnd {
 
-MachineCheck check_buttons(const ButtonBox& box);
+Check check_buttons(const ButtonBox& box);
 
 }  // namespace jnd

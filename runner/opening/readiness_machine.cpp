@@ -20,8 +20,8 @@ constexpr double kRigTest_s = 0.25;
 constexpr std::int64_t kDay_ns = 86'400'000'000'000;
 constexpr double kSoon_days = 7;
 
-MachineCheck item(const char* name) {
-  return {.name = name, .verdict = Verdict::ok, .found = "", .what_to_do = ""};
+Check item(const char* name) {
+  return {.what = name, .verdict = Verdict::ok};
 }
 
 void add(std::string& list, const std::string& entry) {
@@ -45,8 +45,8 @@ class NoTelemetry {
   bool before_;
 };
 
-DeviceChecks test_models(const RigSpec& spec) {
-  DeviceChecks checks;
+Checks test_models(const RigSpec& spec) {
+  Checks checks;
   for (const DeviceSpec& device : spec.devices) {
     check_limits(device, checks);
     if (device.model == DeviceModel::rrs3)
@@ -59,7 +59,7 @@ DeviceChecks test_models(const RigSpec& spec) {
 }
 
 // Engaged, read and written at the loop's rate, without any cue, and to rest again.
-void test_rig(Rig& rig, MachineCheck& check) {
+void test_rig(Rig& rig, Check& check) {
   if (rig.stop.latched()) {
     check.verdict = Verdict::bad;
     add(check.found, fmt::format("the emergency stop is set ({})", to_string(rig.stop.source())));
@@ -84,15 +84,15 @@ void test_rig(Rig& rig, MachineCheck& check) {
 
 }  // namespace
 
-MachineCheck check_devices(const RigSpec& spec, Rig& rig) {
-  MachineCheck check = item("devices");
-  const DeviceChecks checks = test_models(spec);
-  const auto passed = std::count_if(checks.begin(), checks.end(), [](const DeviceCheck& one) { return one.ok; });
+Check check_devices(const RigSpec& spec, Rig& rig) {
+  Check check = item("devices");
+  const Checks checks = test_models(spec);
+  const auto passed = std::count_if(checks.begin(), checks.end(), [](const Check& one) { return one.passed(); });
   check.found = fmt::format("{}: {} of {} checks of its description passed", spec.name, passed, checks.size());
-  for (const DeviceCheck& one : checks) {
-    if (one.ok) continue;
+  for (const Check& one : checks) {
+    if (one.passed()) continue;
     check.verdict = Verdict::bad;
-    add(check.found, fmt::format("{}, {}: {}, not {}", one.device, one.what, one.measured, one.expected));
+    add(check.found, fmt::format("{}, {}: {}, not {}", one.device, one.what, one.found, one.limit));
   }
   if (check.verdict == Verdict::bad)
     check.what_to_do = fmt::format("do not use this rig (jnd device test {} says more)", spec.name);
@@ -100,8 +100,8 @@ MachineCheck check_devices(const RigSpec& spec, Rig& rig) {
   return check;
 }
 
-MachineCheck check_description(const RigSpec& spec) {
-  MachineCheck check = item(kLimitsItem);
+Check check_description(const RigSpec& spec) {
+  Check check = item(kLimitsItem);
   check.found = limits_text(spec);
   const std::string other = not_shipped_text(spec);
   if (other.empty()) return check;
@@ -111,8 +111,8 @@ MachineCheck check_description(const RigSpec& spec) {
   return check;
 }
 
-MachineCheck check_calibration(const RigSpec& spec, std::int64_t utc_ns) {
-  MachineCheck check = item("calibration");
+Check check_calibration(const RigSpec& spec, std::int64_t utc_ns) {
+  Check check = item("calibration");
   for (const DeviceSpec& device : spec.devices) {
     if (!device.calibration) {
       add(check.found, fmt::format("{}: its description states none", device.name));
@@ -145,15 +145,15 @@ MachineCheck check_calibration(const RigSpec& spec, std::int64_t utc_ns) {
   return check;
 }
 
-MachineCheck check_loop_jitter(RealtimePolicy policy) {
-  MachineCheck check = judge_jitter(probe_jitter_on_thread(policy, kJitter_s, interrupt_requested()));
-  check.found = check.name + ": " + check.found;
-  check.name = "loop";
+Check check_loop_jitter(RealtimePolicy policy) {
+  Check check = judge_jitter(probe_jitter_on_thread(policy, kJitter_s, interrupt_requested()));
+  check.found = check.what + ": " + check.found;
+  check.what = "loop";
   return check;
 }
 
-MachineCheck check_keyboard(bool is_terminal) {
-  MachineCheck check = item("keyboard");
+Check check_keyboard(bool is_terminal) {
+  Check check = item("keyboard");
   check.found = is_terminal ? "a terminal" : "not a terminal: keys come from a pipe or a file";
   if (is_terminal) return check;
   check.verdict = Verdict::warn;

@@ -21,11 +21,11 @@ constexpr double kTicks_per_s = 1000;
 constexpr double kReach_s = 2;  // to the object, before an interval's time begins to count
 constexpr std::int64_t kFirstPlausible_utc_ns = 1'735'689'600LL * 1'000'000'000;  // 2025-01-01
 
-MachineCheck item(const char* name, std::string found) {
-  return {.name = name, .verdict = Verdict::ok, .found = std::move(found), .what_to_do = ""};
+Check item(const char* name, std::string found) {
+  return {.what = name, .verdict = Verdict::ok, .found = std::move(found)};
 }
 
-void complain(MachineCheck& check, Verdict verdict, const std::string& why, const std::string& what_to_do) {
+void complain(Check& check, Verdict verdict, const std::string& why, const std::string& what_to_do) {
   check.verdict = std::max(check.verdict, verdict);
   check.found += (check.found.empty() ? "" : "; ") + why;
   check.what_to_do += (check.what_to_do.empty() ? "" : "; ") + what_to_do;
@@ -36,7 +36,7 @@ struct Classes {
 };
 
 // Cells are counted, not named: the operator is not to know what comes.
-void judge_cells(const Protocol& protocol, const Plan& plan, MachineCheck& check) {
+void judge_cells(const Protocol& protocol, const Plan& plan, Check& check) {
   std::map<std::pair<int, int>, Classes> cells;  // by series and condition
   for (const Trial& trial : plan.trials) {
     if (trial.practice) continue;
@@ -70,21 +70,20 @@ double telemetry_bytes(const Protocol& protocol, const Plan& plan, const RigSpec
   return seconds * kTicks_per_s * devices * kBytesPerTick;
 }
 
-MachineCheck check_session_storage(const std::filesystem::path& study, double needed_bytes, SessionKind kind) {
-  MachineCheck check = check_storage(study, {.root = "/",
-                                             .is_network = is_network_file_system,
-                                             .syncs = 5,
-                                             .real = kind == SessionKind::real,
-                                             .needed_bytes = needed_bytes});
-  check.name = kStorageItem;
+Check check_session_storage(const std::filesystem::path& study, double needed_bytes, SessionKind kind) {
+  Check check = check_storage(study, {.root = "/",
+                                      .is_network = is_network_file_system,
+                                      .syncs = 5,
+                                      .real = kind == SessionKind::real,
+                                      .needed_bytes = needed_bytes});
+  check.what = kStorageItem;
   return check;
 }
 
-MachineCheck check_plan_balance(const Protocol& protocol, const Plan& plan) {
+Check check_plan_balance(const Protocol& protocol, const Plan& plan) {
   const int planned = protocol.design.participants;
-  MachineCheck check =
-      item("plan", fmt::format("participant {} of {} planned, session {} of {}, {} trials", plan.participant, planned,
-                               plan.session, protocol.design.sessions, main_trial_count(plan)));
+  Check check = item("plan", fmt::format("participant {} of {} planned, session {} of {}, {} trials", plan.participant,
+                                         planned, plan.session, protocol.design.sessions, main_trial_count(plan)));
   if (!plan.explorations.empty()) check.found += fmt::format(", {} free interactions", plan.explorations.size());
   if (plan.participant > planned)
     complain(check, Verdict::warn, "more participants than the protocol plans",
@@ -100,8 +99,8 @@ MachineCheck check_plan_balance(const Protocol& protocol, const Plan& plan) {
   return check;
 }
 
-MachineCheck check_study(const Study& study) {
-  MachineCheck check = item("study", "");
+Check check_study(const Study& study) {
+  Check check = item("study", "");
   try {
     check.found = fmt::format("every hash of its {} events agrees", require_whole_chains(study).events);
   } catch (const BrokenChain& error) {
@@ -110,9 +109,9 @@ MachineCheck check_study(const Study& study) {
   return check;
 }
 
-MachineCheck check_participant(const std::vector<SessionInfo>& sessions, const std::string& participant,
-                               SessionKind kind, const Plan& plan, int planned_sessions) {
-  MachineCheck check = item(kParticipantItem, fmt::format("{}, number {}", participant, plan.participant));
+Check check_participant(const std::vector<SessionInfo>& sessions, const std::string& participant, SessionKind kind,
+                        const Plan& plan, int planned_sessions) {
+  Check check = item(kParticipantItem, fmt::format("{}, number {}", participant, plan.participant));
   bool excluded = false;
   for (const SessionInfo& session : sessions) {
     if (session.kind != kind) continue;
@@ -136,9 +135,9 @@ MachineCheck check_participant(const std::vector<SessionInfo>& sessions, const s
   return check;
 }
 
-MachineCheck check_clock(const std::vector<SessionInfo>& sessions, std::int64_t utc_ns) {
+Check check_clock(const std::vector<SessionInfo>& sessions, std::int64_t utc_ns) {
   const std::string now = to_iso8601(utc_ns);
-  MachineCheck check = item("clock", now.substr(0, now.find('.')) + " UTC");
+  Check check = item("clock", now.substr(0, now.find('.')) + " UTC");
   const char* set = "set the clock (timedatectl set-ntp true, or date as root)";
   if (utc_ns < kFirstPlausible_utc_ns) complain(check, Verdict::bad, "that is long past", set);
   std::string last;  // ISO 8601 in UTC: the order of the texts is that of the times

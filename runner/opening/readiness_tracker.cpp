@@ -46,7 +46,7 @@ double missed(Rig& rig, std::string& missing) {
   return looks > 0 ? static_cast<double>(gone) / looks : 0;
 }
 
-void complain(MachineCheck& check, Verdict verdict, const std::string& why, const char* what_to_do) {
+void complain(Check& check, Verdict verdict, const std::string& why, const char* what_to_do) {
   check.verdict = std::max(check.verdict, verdict);
   check.found += "; " + why;
   check.what_to_do += (check.what_to_do.empty() ? "" : "; ") + std::string(what_to_do);
@@ -54,8 +54,8 @@ void complain(MachineCheck& check, Verdict verdict, const std::string& why, cons
 
 }  // namespace
 
-MachineCheck check_tracker(Rig& rig) {
-  MachineCheck check{.name = "tracker", .verdict = Verdict::ok, .found = "", .what_to_do = ""};
+Check check_tracker(Rig& rig) {
+  Check check{.what = "tracker", .verdict = Verdict::ok};
   std::string missing;
   const bool came = comes(rig, missing);
   const double share = came ? missed(rig, missing) : 1;

@@ -8,6 +8,7 @@
 
 #include "devices/clock.h"
 #include "devices/machine/boot_id.h"
+#include "protocols/words.h"
 
 namespace jnd {
 
@@ -39,7 +40,7 @@ void judge_gap_since_same_start(double went_on_s, double suspended_s, double wal
   }
 }
 
-// Another run of the machine, or nobody knows: only the wall clock is left.
+// Another run of the machine, or an unknown one: only the wall clock is left.
 void judge_gap_by_wall_clock(double wall_s, ResumeCheck& check) {
   if (wall_s >= 0) {
     check.clock = GapClock::wall;
@@ -66,15 +67,9 @@ ResumeMoment resume_moment(bool fast) {
 }
 
 std::string_view to_string(GapClock clock) noexcept {
-  switch (clock) {
-    case GapClock::monotonic:
-      return "monotonic";
-    case GapClock::wall:
-      return "wall";
-    case GapClock::none:
-      return "none";
-  }
-  return "none";
+  constexpr auto kWords =
+      words<GapClock>({{"monotonic", GapClock::monotonic}, {"wall", GapClock::wall}, {"none", GapClock::none}});
+  return word_of(kWords, clock);
 }
 
 ResumeCheck check_resume(const SessionState& state, const ResumePolicy& policy, const ResumeMoment& now) {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "protocols/rigs/rig_spec.h"
+#include "protocols/rigs/rig_description.h"
 
 namespace jnd {
 

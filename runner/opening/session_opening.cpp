@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "data/log/event_body.h"
-#include "data/study/study_care.h"
+#include "data/study/study_admin.h"
 #include "runner/session/simulate.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/terminal.h"

@@ -1,5 +1,5 @@
 // Which session `jnd run` runs: a new one, or one that was interrupted; and everything that must be refused before
-// anybody wears a device, with what to do instead.
+// a device is put on, with what to do instead.
 #pragma once
 
 #include <cstdint>

@@ -12,12 +12,12 @@ bool of_the_devices(Fault fault) {
 
 }  // namespace
 
-DeviceHealth health_of(const LoopGlimpse& glimpse) {
+DeviceHealth health_of(const LoopSnapshot& snapshot) {
   DeviceHealth health;
   health.presenting = true;
-  health.contact = glimpse.contact;
-  health.rate_hz = glimpse.elapsed_s > 0 ? static_cast<double>(glimpse.ticks) / glimpse.elapsed_s : 0;
-  health.lateness_max_us = glimpse.lateness_max_us;
+  health.contact = snapshot.contact;
+  health.rate_hz = snapshot.elapsed_s > 0 ? static_cast<double>(snapshot.ticks) / snapshot.elapsed_s : 0;
+  health.lateness_max_us = snapshot.lateness_max_us;
   return health;
 }
 

@@ -6,7 +6,7 @@
 
 namespace jnd {
 
-DeviceHealth health_of(const LoopGlimpse& glimpse);        // while it goes on
+DeviceHealth health_of(const LoopSnapshot& snapshot);      // while it goes on
 DeviceHealth health_of(const Presentation& presentation);  // when it is over, with the devices at rest
 
 }  // namespace jnd

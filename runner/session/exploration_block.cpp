@@ -98,11 +98,11 @@ bool ExplorationBlock::ready(const ExplorationSlot& slot, int attempt) {
   outline.devices = condition.devices;
   outline.duration_s = slot.duration_s;
   outline.attempt = attempt;
-  const OperatorWish wish =
+  const OperatorRequest wish =
       settle(parts_, recorder_, slots_done(), [&] { return parts_.view.ready_to_explore(outline); });
-  if (wish.wish == Wish::end_block) end_block(slot.block, wish.text);
-  if (wish.wish == Wish::take_break) pause_session(parts_, recorder_, "break", wish.text, slots_done());
-  return wish.wish == Wish::go_on;
+  if (wish.request == Request::end_block) end_block(slot.block, wish.text);
+  if (wish.request == Request::take_break) pause_session(parts_, recorder_, "break", wish.text, slots_done());
+  return wish.request == Request::go_on;
 }
 
 void ExplorationBlock::attempt(const ExplorationSlot& slot, int attempt) {
@@ -140,10 +140,10 @@ ExplorationBlock::PieceEnd ExplorationBlock::render_piece(ExplorationRecord& rec
   request.id = {record.slot.index, record.attempt, static_cast<int>(record.presentations.size())};
   request.object = record.object;
   const double left_s = record.slot.duration_s - record.duration_s;
-  parts_.rig.watch([&](const LoopGlimpse& glimpse) {
-    parts_.view.health(health_of(glimpse));
+  parts_.rig.watch([&](const LoopSnapshot& snapshot) {
+    parts_.view.health(health_of(snapshot));
     // What the operator wishes is heard at once: the object lets go, and goes on after it.
-    if (!still_exploring(left_s - glimpse.elapsed_s)) parts_.rig.stop.latch(StopSource::program);
+    if (!still_exploring(left_s - snapshot.elapsed_s)) parts_.rig.stop.latch(StopSource::program);
   });
   record.presentations.push_back(parts_.rig.present(request));
   parts_.rig.watch({});
@@ -193,26 +193,26 @@ ExplorationBlock::PieceEnd ExplorationBlock::heed(ExplorationRecord& record) {
     heed_interrupts(parts_, recorder_, slots_done());
     if (!asked_) return PieceEnd::go_on;
     asked_ = false;
-    const OperatorWish wish = parts_.view.meanwhile();
-    switch (wish.wish) {
-      case Wish::pause:
-      case Wish::take_break:
-        pause_session(parts_, recorder_, wish.wish == Wish::pause ? "key" : "break", wish.text, slots_done());
+    const OperatorRequest wish = parts_.view.meanwhile();
+    switch (wish.request) {
+      case Request::pause:
+      case Request::take_break:
+        pause_session(parts_, recorder_, wish.request == Request::pause ? "key" : "break", wish.text, slots_done());
         return PieceEnd::go_on;
-      case Wish::note:
+      case Request::note:
         recorder_.note(wish.text, slots_done());
         return PieceEnd::go_on;
-      case Wish::repeat_trial:
+      case Request::repeat_trial:
         record.words = wish.text;
         void_attempt(record, "repeated", true);
         return PieceEnd::voided;
-      case Wish::end_block:
+      case Request::end_block:
         record.ended_early = true;
         record.words = wish.text;
         return PieceEnd::enough;
-      case Wish::end_for_now:
-      case Wish::end_for_good:
-        throw SessionEnds{wish.wish == Wish::end_for_good, "operator", wish.text};
+      case Request::end_for_now:
+      case Request::end_for_good:
+        throw SessionEnds{wish.request == Request::end_for_good, "operator", wish.text};
       default:
         return PieceEnd::go_on;
     }

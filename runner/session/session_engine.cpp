@@ -206,24 +206,24 @@ SessionEngine::BlockEnd SessionEngine::run_block(const std::vector<Trial>& block
 bool SessionEngine::ready(const Trial& next, const TrialOutline& outline, const std::vector<Trial>& left,
                           BlockEnd& end) {
   for (;;) {
-    const OperatorWish wish = settle(parts_, recorder_, after_trial(), [&] {
+    const OperatorRequest wish = settle(parts_, recorder_, after_trial(), [&] {
       (void)conductor_.rested();  // a note or a pause leaves its rest
       return parts_.view.ready(outline);
     });
     heed_interrupts(parts_, recorder_, after_trial());
-    if (wish.wish == Wish::go_on) {
+    if (wish.request == Request::go_on) {
       // However soon the operator goes on, the time between trials passes. A stop that is still latched is one that
       // nobody clears, and ends the session when something is to be presented.
       if (parts_.rig.stop.latched() || conductor_.rested()) return true;
       continue;
     }
-    if (wish.wish == Wish::take_break) break_on_request(wish.text);
-    if (wish.wish == Wish::end_block) {
+    if (wish.request == Request::take_break) break_on_request(wish.text);
+    if (wish.request == Request::end_block) {
       end_block(left, wish.text);
       return false;
     }
     const TrialRecord* last = progress_.last_answer(next);
-    if (wish.wish == Wish::void_last && last != nullptr) {
+    if (wish.request == Request::void_last && last != nullptr) {
       if (last->trial.block != next.block) end = BlockEnd::reordered;
       take_back_last(TrialRecord(*last), wish.text);
       return false;
@@ -346,9 +346,9 @@ Replies SessionEngine::replies_to(const std::vector<AskedQuestion>& page) {
     const std::optional<Replies> replies = parts_.responder.reply_all(page);
     if (replies && !parts_.interrupts.end) return *replies;
     heed_interrupts(parts_, recorder_, after_trial());
-    const OperatorWish wish = parts_.view.meanwhile();
-    if (!parts_.person || wish.wish != Wish::go_on)
-      throw SessionEnds{wish.wish == Wish::end_for_good, "operator", wish.text};
+    const OperatorRequest wish = parts_.view.meanwhile();
+    if (!parts_.person || wish.request != Request::go_on)
+      throw SessionEnds{wish.request == Request::end_for_good, "operator", wish.text};
   }
 }
 

@@ -58,20 +58,21 @@ void SessionRecorder::note(const std::string& text, int after_trial) const {
   append(event_kind::kNote, {{"text", text}, {"by", "operator"}, {"after_trial", after_trial}});
 }
 
-bool fulfilled(const SessionParts& parts, const SessionRecorder& recorder, int after_trial, const OperatorWish& wish) {
-  switch (wish.wish) {
-    case Wish::note:
+bool fulfilled(const SessionParts& parts, const SessionRecorder& recorder, int after_trial,
+               const OperatorRequest& wish) {
+  switch (wish.request) {
+    case Request::note:
       recorder.note(wish.text, after_trial);
       return true;
-    case Wish::pause:
+    case Request::pause:
       // One by Ctrl-C is heeded before the next asking, and its stop of the rig is taken back.
       if (!parts.interrupts.pause) pause_session(parts, recorder, "key", wish.text, after_trial);
       return true;
-    case Wish::stopped:
+    case Request::stopped:
       return true;  // heeded before the next asking
-    case Wish::end_for_now:
+    case Request::end_for_now:
       throw SessionEnds{false, "operator", wish.text};
-    case Wish::end_for_good:
+    case Request::end_for_good:
       throw SessionEnds{true, "operator", wish.text};
     default:
       return false;
@@ -107,10 +108,10 @@ void pause_session(const SessionParts& parts, const SessionRecorder& recorder, c
   const std::int64_t began = parts.clock.now_ns();
   recorder.append(event_kind::kPaused, {{"cause", cause}, {"reason", reason}, {"after_trial", after_trial}});
   for (;;) {
-    const OperatorWish wish = parts.view.paused(cause);
+    const OperatorRequest wish = parts.view.paused(cause);
     if (parts.interrupts.end) throw SessionEnds{false, "signal", {}};
-    if (wish.wish == Wish::stopped) break;  // the stop takes the pause's place
-    if (wish.wish == Wish::pause || !fulfilled(parts, recorder, after_trial, wish)) break;
+    if (wish.request == Request::stopped) break;  // the stop takes the pause's place
+    if (wish.request == Request::pause || !fulfilled(parts, recorder, after_trial, wish)) break;
   }
   forget_pause();
   // A Ctrl-C during the pause asked for what was already there; its stop goes with it.
@@ -125,7 +126,7 @@ void heed_interrupts(const SessionParts& parts, const SessionRecorder& recorder,
 
 void recover_from_stop(const SessionParts& parts, const SessionRecorder& recorder, const std::string& stopped_by,
                        int after_trial) {
-  OperatorWish wish;
+  OperatorRequest wish;
   do {
     heed_signals(parts, recorder, after_trial);
     wish = parts.view.recover(stopped_by);

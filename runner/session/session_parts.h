@@ -62,12 +62,13 @@ class SessionRecorder {
 
 // Does what the operator wishes at any time that is not a trial's: notes, pauses; throws SessionEnds for an end. False:
 // the wish is the caller's to fulfil (go_on, repeat_trial, void_last, end_block, take_break).
-bool fulfilled(const SessionParts& parts, const SessionRecorder& recorder, int after_trial, const OperatorWish& wish);
+bool fulfilled(const SessionParts& parts, const SessionRecorder& recorder, int after_trial,
+               const OperatorRequest& wish);
 
 // Asks the operator until a wish is the caller's. Between two askings stops and signals are heeded. ask: gives the
 // operator's wish.
 template <typename Ask>
-OperatorWish settle(const SessionParts& parts, const SessionRecorder& recorder, int after_trial, Ask&& ask);
+OperatorRequest settle(const SessionParts& parts, const SessionRecorder& recorder, int after_trial, Ask&& ask);
 
 // Devices neutral, until the operator goes on or stops them. cause: "key", "ctrl-c". Throws SessionEnds where the
 // session ends.
@@ -90,10 +91,10 @@ bool wait_until(const SessionParts& parts, std::int64_t deadline_ns, OperatorHea
 void wait_out(const SessionParts& parts, const SessionRecorder& recorder, std::int64_t deadline_ns, int after_trial);
 
 template <typename Ask>
-OperatorWish settle(const SessionParts& parts, const SessionRecorder& recorder, int after_trial, Ask&& ask) {
+OperatorRequest settle(const SessionParts& parts, const SessionRecorder& recorder, int after_trial, Ask&& ask) {
   for (;;) {
     heed_interrupts(parts, recorder, after_trial);
-    OperatorWish wish = ask();
+    OperatorRequest wish = ask();
     if (!fulfilled(parts, recorder, after_trial, wish)) return wish;
   }
 }

@@ -10,7 +10,7 @@
 
 #include "protocols/protocol.h"
 #include "protocols/vocabulary.h"
-#include "runner/session/operator_wish.h"
+#include "runner/session/operator_request.h"
 
 namespace jnd {
 
@@ -66,12 +66,12 @@ class SessionView {
   virtual ~SessionView() = default;
   // Before a trial: go_on presents it; anything else is done, and this is asked again where a trial is still to come.
   // Whatever asks for a wish may return stopped; it is asked again once the stop is cleared.
-  virtual OperatorWish ready(const TrialOutline&) { return {}; }
+  virtual OperatorRequest ready(const TrialOutline&) { return {}; }
   // What the operator asked for during a presentation, or instead of an answer: repeat_trial, or an end.
-  virtual OperatorWish meanwhile() { return {}; }
+  virtual OperatorRequest meanwhile() { return {}; }
   // The session stands still, with the devices neutral. go_on ends the pause; note, end_for_now and end_for_good do
   // what they say.
-  virtual OperatorWish paused(const std::string& /*cause*/) { return {Wish::end_for_now, {}}; }
+  virtual OperatorRequest paused(const std::string& /*cause*/) { return {Request::end_for_now, {}}; }
   virtual void progress(const std::vector<ConditionProgress>&) {}
   virtual void health(const DeviceHealth&) {}
   virtual void cue(CuePlace, const CueSignal&) {}
@@ -85,24 +85,24 @@ class SessionView {
   virtual void took_back(bool /*will_repeat*/) {}
   // After an emergency stop, with the devices at rest: go_on clears it, its text is the operator's reason; an end ends
   // the session here.
-  virtual OperatorWish recover(const std::string& /*stopped_by*/) { return {Wish::end_for_now, {}}; }
+  virtual OperatorRequest recover(const std::string& /*stopped_by*/) { return {Request::end_for_now, {}}; }
   // Something of the rig is missing, such as a device that was unplugged; `what` is in the operator's words. Returns
   // go_on as soon as back() is true, which it asks some times a second, or what the operator wishes meanwhile; at once
   // for views without a person.
-  virtual OperatorWish missing(const std::string& /*what*/, const std::function<bool()>& /*back*/) { return {}; }
+  virtual OperatorRequest missing(const std::string& /*what*/, const std::function<bool()>& /*back*/) { return {}; }
   // The log cannot be written just now: true tries again, false ends the session, and what was not saved is lost.
   virtual bool storage_trouble(const std::string& /*message*/) { return false; }
   virtual void feedback(bool /*correct*/) {}
   virtual void practice_over(int /*rounds*/, double /*share_correct*/, bool /*passed*/) {}
   virtual void break_begins(const Break&, bool /*asked_by_operator*/) {}
   // Returns when the break is over: at once for views without a person.
-  virtual OperatorWish break_over(const Break&) { return {}; }
+  virtual OperatorRequest break_over(const Break&) { return {}; }
   // A page to read out or to show; in the participant's language.
-  virtual OperatorWish instruct(const Instruction&) { return {}; }
+  virtual OperatorRequest instruct(const Instruction&) { return {}; }
   // Whether the participant consents; nothing where a signal or a stop came first.
   virtual std::optional<bool> consent(const std::string& /*text*/) { return true; }
   // Before free interaction with an object.
-  virtual OperatorWish ready_to_explore(const ExplorationOutline&) { return {}; }
+  virtual OperatorRequest ready_to_explore(const ExplorationOutline&) { return {}; }
   // It goes on; called some times a second. False ends it (see meanwhile()).
   virtual bool exploring(double /*left_s*/) { return true; }
   // After its transaction is committed, and not before.

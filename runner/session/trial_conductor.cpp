@@ -25,7 +25,7 @@ bool saturated(const Presentation& presentation) {
 
 TrialConductor::TrialConductor(const SessionParts& parts, const SessionRecorder& recorder)
     : parts_(parts), recorder_(recorder) {
-  parts_.rig.watch([this](const LoopGlimpse& glimpse) { parts_.view.health(health_of(glimpse)); });
+  parts_.rig.watch([this](const LoopSnapshot& snapshot) { parts_.view.health(health_of(snapshot)); });
 }
 
 TrialConductor::~TrialConductor() {
@@ -114,16 +114,16 @@ bool TrialConductor::voided_after(const Attempt& attempt, int interval, const Pr
 }
 
 bool TrialConductor::voided_by_wish(const Attempt& attempt, Outcome& outcome) {
-  const OperatorWish wish = parts_.view.meanwhile();
-  switch (wish.wish) {
-    case Wish::repeat_trial:
+  const OperatorRequest wish = parts_.view.meanwhile();
+  switch (wish.request) {
+    case Request::repeat_trial:
       void_attempt(attempt, "repeated", wish.text, true, outcome);
       return true;
-    case Wish::end_for_now:
-    case Wish::end_for_good:
+    case Request::end_for_now:
+    case Request::end_for_good:
       void_interrupted(attempt, "interrupted");
-      throw SessionEnds{wish.wish == Wish::end_for_good, "operator", wish.text};
-    case Wish::note:
+      throw SessionEnds{wish.request == Request::end_for_good, "operator", wish.text};
+    case Request::note:
       recorder_.note(wish.text, attempt.after_trial);
       return false;
     default:

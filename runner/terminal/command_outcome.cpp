@@ -23,7 +23,7 @@ int failed(int code, const std::string& message) {
   return code;
 }
 
-// Of an exception that nobody has put into words for users.
+// Of an exception without words for users.
 int failed_otherwise(const std::exception& error) {
   return failed(exit_code::kStorage,
                 fmt::format("{} (an error that this command does not foresee: the studies it read are as they were; "

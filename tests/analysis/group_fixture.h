@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -13,18 +12,12 @@
 
 #include "analysis/group/within_table.h"
 #include "analysis/numerics/special_values.h"
+#include "analysis/selftest/reference_numbers.h"
 
 namespace jnd {
 
 inline const nlohmann::json& group_reference() {
-  static const nlohmann::json reference =
-      nlohmann::json::parse(std::ifstream(JND_SOURCE_DIR "/tests/analysis/group_reference.json"));
-  return reference;
-}
-
-// A number, or "inf".
-inline double number_of(const nlohmann::json& value) {
-  return value.is_string() ? kInf : value.get<double>();
+  return reference_numbers("group");
 }
 
 inline WithinTable table_of(const nlohmann::json& data) {

@@ -123,7 +123,7 @@ inline void raw_sql(const std::filesystem::path& path, const std::string& sql) {
   database.exec(sql);
 }
 
-// The same as somebody who hides it: triggers are out of the way meanwhile, and stand there again afterwards.
+// The same, hidden: triggers are out of the way meanwhile, and stand there again afterwards.
 inline void hidden_sql(const std::filesystem::path& path, const std::string& sql) {
   std::string drop, restore;
   {

@@ -11,8 +11,8 @@
 #include "devices/rigs/fingertip_rig.h"
 #include "devices/rigs/rig_factory.h"
 #include "devices/rrs3/rrs3_device.h"
-#include "protocols/rigs/device_spec.h"
-#include "protocols/rigs/rig_spec.h"
+#include "protocols/rigs/device_description.h"
+#include "protocols/rigs/rig_description.h"
 
 namespace jnd::testing {
 

@@ -1,4 +1,4 @@
-// The latch: the first source stays, a person's word outranks the program's, and nobody clears another's stop.
+// The latch: the first source stays, a person's word outranks the program's, and no source clears the stop of another.
 #include "devices/emergency_stop.h"
 
 #include "tests/catch.h"

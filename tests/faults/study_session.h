@@ -52,7 +52,7 @@ class StudySession {
   Phase phase() const noexcept { return phase_; }
 
   // Everything that must hold whenever the program is not running. Empty where it does, or what does not. A study that
-  // is not there is whole as long as nobody was told of an answer. table: every answered trial, by index.
+  // is not there is whole as long as no answer was acknowledged. table: every answered trial, by index.
   std::string check(const std::map<int, Judgement>& acknowledged, std::map<int, TableRow>* table = nullptr) const;
   // What the table must be at the end.
   std::map<int, TableRow> expected_table() const;

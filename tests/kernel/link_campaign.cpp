@@ -27,10 +27,10 @@
 #include "devices/hid/hidapi_bus.h"
 #include "devices/hid/link/fingertip_link.h"
 #include "devices/hid/link/hid_fingertip.h"
-#include "devices/hid/page_talk.h"
+#include "devices/hid/page_exchange.h"
 #include "devices/hid/report_counter.h"
 #include "devices/realtime.h"
-#include "protocols/rigs/device_spec.h"
+#include "protocols/rigs/device_description.h"
 
 namespace jnd {
 
@@ -55,7 +55,7 @@ int round_trips(const std::string& serial, int count) {
     else
       ++strange;
   };
-  PageTalk talk(*handle, serial, hear, PagePatience{.read_ms = 2000, .write_ms = 2000, .tries = 1});
+  PageExchange talk(*handle, serial, hear, PagePatience{.read_ms = 2000, .write_ms = 2000, .tries = 1});
   const PageData expected = talk.read(JND_PAGE_IDENTITY);
   const SteadyClock clock;
   std::vector<std::int64_t> took_ns;

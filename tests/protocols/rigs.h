@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "protocols/rigs/rig_spec.h"
+#include "protocols/rigs/rig_description.h"
 
 namespace jnd::test {
 

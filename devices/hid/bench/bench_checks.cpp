@@ -59,12 +59,12 @@ struct StopWatch {
 // Ready, then `disturb` each tick until the device has stopped or has had ten times its time.
 template <typename Disturb>
 void check_stop(BenchLink& link, const jnd_identity& identity, const std::string& what, const Disturb& disturb,
-                BenchChecks& checks) {
-  BenchCheck check{.what = what, .measured = "", .expected = "", .ok = false};
-  check.expected = fmt::format("stopped by its watchdog within {} ms", identity.watchdog_ms + kSlack_ms);
+                Checks& checks) {
+  Check check{.what = what, .verdict = Verdict::bad};
+  check.limit = fmt::format("stopped by its watchdog within {} ms", identity.watchdog_ms + kSlack_ms);
   if (!link.make_ready()) {
-    check.measured = fmt::format("did not become active: {}, faults: {}", state_word(link.telemetry().state),
-                                 none_or(fault_words(link.telemetry().faults)));
+    check.found = fmt::format("did not become active: {}, faults: {}", state_word(link.telemetry().state),
+                              none_or(fault_words(link.telemetry().faults)));
     checks.push_back(check);
     (void)link.rest();
     return;
@@ -73,55 +73,45 @@ void check_stop(BenchLink& link, const jnd_identity& identity, const std::string
   link.watch([&watch](const BenchSample& sample) { watch.look(sample.telemetry); });
   for (int i = 0; i < 10 * identity.watchdog_ms && !watch.stopped; ++i) disturb(i);
   link.watch({});
-  check.measured = watch.stopped
-                       ? fmt::format("stopped after {:.1f} ms ({})", watch.after_ms, fault_words(watch.faults))
-                       : std::string("did not stop");
-  check.ok =
-      watch.stopped && watch.after_ms <= identity.watchdog_ms + kSlack_ms && (watch.faults & JND_FAULT_WATCHDOG) != 0;
+  check.found = watch.stopped ? fmt::format("stopped after {:.1f} ms ({})", watch.after_ms, fault_words(watch.faults))
+                              : std::string("did not stop");
+  if (watch.stopped && watch.after_ms <= identity.watchdog_ms + kSlack_ms && (watch.faults & JND_FAULT_WATCHDOG) != 0)
+    check.verdict = Verdict::ok;
   checks.push_back(check);
   const bool rests = link.rest();
-  checks.push_back({.what = what + ": then rest",
-                    .measured = fmt::format("{}, faults: {}", state_word(link.telemetry().state),
-                                            none_or(fault_words(link.telemetry().faults))),
-                    .expected = "at rest, faults: none",
-                    .ok = rests && link.telemetry().faults == 0});
+  checks.push_back(measured(
+      what + ": then rest",
+      fmt::format("{}, faults: {}", state_word(link.telemetry().state), none_or(fault_words(link.telemetry().faults))),
+      "at rest, faults: none", rests && link.telemetry().faults == 0));
 }
 
 }  // namespace
 
-void check_description(const HidInfo& info, const jnd_identity& identity, const jnd_limits& limits,
-                       BenchChecks& checks) {
+void check_description(const HidInfo& info, const jnd_identity& identity, const jnd_limits& limits, Checks& checks) {
   checks.push_back(
-      {.what = "report protocol",
-       .measured = fmt::format("versions {} to {}", identity.lowest_version, identity.highest_version),
-       .expected = fmt::format("version {}", JND_PROTOCOL_VERSION),
-       .ok = identity.lowest_version <= JND_PROTOCOL_VERSION && identity.highest_version >= JND_PROTOCOL_VERSION});
+      measured("report protocol", fmt::format("versions {} to {}", identity.lowest_version, identity.highest_version),
+               fmt::format("version {}", JND_PROTOCOL_VERSION),
+               identity.lowest_version <= JND_PROTOCOL_VERSION && identity.highest_version >= JND_PROTOCOL_VERSION));
   const std::string serial = serial_of(identity);
-  checks.push_back({.what = "serial number",
-                    .measured = serial,
-                    .expected = info.serial.empty() ? "any (USB names none)" : info.serial + ", as USB says",
-                    .ok = info.serial.empty() || serial == info.serial});
-  checks.push_back({.what = "watchdog",
-                    .measured = fmt::format("{} ms", identity.watchdog_ms),
-                    .expected = fmt::format("1 to {} ms", kLongestWatchdog_ms),
-                    .ok = identity.watchdog_ms >= 1 && identity.watchdog_ms <= kLongestWatchdog_ms});
+  checks.push_back(measured("serial number", serial,
+                            info.serial.empty() ? "any (USB names none)" : info.serial + ", as USB says",
+                            info.serial.empty() || serial == info.serial));
+  checks.push_back(measured("watchdog", fmt::format("{} ms", identity.watchdog_ms),
+                            fmt::format("1 to {} ms", kLongestWatchdog_ms),
+                            identity.watchdog_ms >= 1 && identity.watchdog_ms <= kLongestWatchdog_ms));
   constexpr int kLeastRate_hz = 200;
-  checks.push_back({.what = "rate that it names",
-                    .measured = fmt::format("{} Hz", identity.loop_rate_hz),
-                    .expected = fmt::format("at least {} Hz", kLeastRate_hz),
-                    .ok = identity.loop_rate_hz >= kLeastRate_hz});
-  checks.push_back({.what = "force that it gives at most",
-                    .measured = fmt::format("{:g} N", kMicro * limits.most_force_un),
-                    .expected = fmt::format("at least the {:g} N of this test", kTestForce_n),
-                    .ok = kMicro * limits.most_force_un >= kTestForce_n});
+  checks.push_back(measured("rate that it names", fmt::format("{} Hz", identity.loop_rate_hz),
+                            fmt::format("at least {} Hz", kLeastRate_hz), identity.loop_rate_hz >= kLeastRate_hz));
+  checks.push_back(measured("force that it gives at most", fmt::format("{:g} N", kMicro * limits.most_force_un),
+                            fmt::format("at least the {:g} N of this test", kTestForce_n),
+                            kMicro * limits.most_force_un >= kTestForce_n));
 }
 
-void check_stream(BenchLink& link, const jnd_identity& identity, double seconds, BenchChecks& checks) {
+void check_stream(BenchLink& link, const jnd_identity& identity, double seconds, Checks& checks) {
   const bool rests = link.rest();
-  checks.push_back({.what = "state at first",
-                    .measured = link.heard() ? std::string(state_word(link.telemetry().state)) : "no telemetry",
-                    .expected = "at rest",
-                    .ok = rests});
+  checks.push_back(measured("state at first",
+                            link.heard() ? std::string(state_word(link.telemetry().state)) : "no telemetry", "at rest",
+                            rests));
   const std::int64_t taken = link.counter().taken(), missing = link.counter().missing(), damaged = link.damaged();
   ClockLine line;
   bool backwards = false;
@@ -145,34 +135,28 @@ void check_stream(BenchLink& link, const jnd_identity& identity, double seconds,
   const double took_s = 1e-9 * static_cast<double>(last_ns - first_ns);
   const double rate_hz = took_s > 0 ? static_cast<double>(link.counter().taken() - taken - 1) / took_s : 0;
   constexpr double kMostRateError = 0.05;
-  checks.push_back({.what = "rate of telemetry",
-                    .measured = fmt::format("{:.1f} Hz over {:.1f} s", rate_hz, took_s),
-                    .expected = fmt::format("{} Hz -+ {:g} %", identity.loop_rate_hz, 100 * kMostRateError),
-                    .ok = std::abs(rate_hz / identity.loop_rate_hz - 1) <= kMostRateError});
-  checks.push_back({.what = "reports missing, damaged",
-                    .measured = fmt::format("{}, {} of {}", link.counter().missing() - missing,
-                                            link.damaged() - damaged, link.counter().taken() - taken),
-                    .expected = "0, 0",
-                    .ok = link.counter().missing() == missing && link.damaged() == damaged});
+  checks.push_back(measured("rate of telemetry", fmt::format("{:.1f} Hz over {:.1f} s", rate_hz, took_s),
+                            fmt::format("{} Hz -+ {:g} %", identity.loop_rate_hz, 100 * kMostRateError),
+                            std::abs(rate_hz / identity.loop_rate_hz - 1) <= kMostRateError));
+  checks.push_back(measured("reports missing, damaged",
+                            fmt::format("{}, {} of {}", link.counter().missing() - missing, link.damaged() - damaged,
+                                        link.counter().taken() - taken),
+                            "0, 0", link.counter().missing() == missing && link.damaged() == damaged));
   // The protocol asks for 100 ppm; over seconds the arrivals' own spread is more than that.
   constexpr double kMostDrift_ppm = 2000;
   const double drift_ppm = 1e6 * (line.slope() - 1);
-  checks.push_back(
-      {.what = "its clock",
-       .measured = fmt::format("{}, {:+.0f} ppm", backwards ? "went backwards" : "rises", std::round(drift_ppm) + 0.0),
-       .expected = fmt::format("rises, within {:g} ppm over {:g} s", kMostDrift_ppm, seconds),
-       .ok = line.n > 1 && !backwards && std::abs(drift_ppm) <= kMostDrift_ppm});
+  checks.push_back(measured(
+      "its clock", fmt::format("{}, {:+.0f} ppm", backwards ? "went backwards" : "rises", std::round(drift_ppm) + 0.0),
+      fmt::format("rises, within {:g} ppm over {:g} s", kMostDrift_ppm, seconds),
+      line.n > 1 && !backwards && std::abs(drift_ppm) <= kMostDrift_ppm));
   const jnd_telemetry& now = link.telemetry();
   std::string care;
   if (now.temperature_cdeg != JND_TEMPERATURE_NONE) care += fmt::format(", {:.1f} C", 0.01 * now.temperature_cdeg);
   if (now.battery_percent != JND_BATTERY_NONE) care += fmt::format(", battery {} %", now.battery_percent);
-  checks.push_back({.what = "faults",
-                    .measured = none_or(fault_words(now.faults)) + care,
-                    .expected = "none",
-                    .ok = now.faults == 0});
+  checks.push_back(measured("faults", none_or(fault_words(now.faults)) + care, "none", now.faults == 0));
 }
 
-void check_round_trip(BenchLink& link, BenchChecks& checks) {
+void check_round_trip(BenchLink& link, Checks& checks) {
   constexpr int kCommands = 200, kPatience_ticks = 100;
   std::vector<double> trips_ms;
   int lost = 0;
@@ -196,20 +180,20 @@ void check_round_trip(BenchLink& link, BenchChecks& checks) {
   std::sort(trips_ms.begin(), trips_ms.end());
   constexpr double kMostTrip_ms = 10;  // half of what poses and readings may be old
   const double median_ms = trips_ms.empty() ? 0 : trips_ms[trips_ms.size() / 2];
-  checks.push_back({.what = "command to its echo",
-                    .measured = trips_ms.empty() ? std::string("no echo")
-                                                 : fmt::format("median {:.1f} ms, longest {:.1f} ms; {} of {} lost",
-                                                               median_ms, trips_ms.back(), lost, kCommands),
-                    .expected = fmt::format("median at most {:g} ms, in steps of 1 ms; 0 lost", kMostTrip_ms),
-                    .ok = lost == 0 && median_ms <= kMostTrip_ms});
+  checks.push_back(measured("command to its echo",
+                            trips_ms.empty() ? std::string("no echo")
+                                             : fmt::format("median {:.1f} ms, longest {:.1f} ms; {} of {} lost",
+                                                           median_ms, trips_ms.back(), lost, kCommands),
+                            fmt::format("median at most {:g} ms, in steps of 1 ms; 0 lost", kMostTrip_ms),
+                            lost == 0 && median_ms <= kMostTrip_ms));
 }
 
-void check_watchdog(BenchLink& link, const jnd_identity& identity, BenchChecks& checks) {
+void check_watchdog(BenchLink& link, const jnd_identity& identity, Checks& checks) {
   check_stop(
       link, identity, "no more commands", [&link](int) { link.silence(); }, checks);
 }
 
-void check_refusals(BenchLink& link, const jnd_identity& identity, BenchChecks& checks) {
+void check_refusals(BenchLink& link, const jnd_identity& identity, Checks& checks) {
   // Damaged ones, each with one bit of its CRC wrong: none of them may keep the device going.
   int sent = 0;
   unsigned before = 0;
@@ -226,10 +210,9 @@ void check_refusals(BenchLink& link, const jnd_identity& identity, BenchChecks& 
       },
       checks);
   const unsigned refused = (link.telemetry().rejected - before) & 0xFFFFU;
-  checks.push_back({.what = "damaged commands refused",
-                    .measured = fmt::format("{} of {}", refused, sent),
-                    .expected = sent > 0 ? fmt::format("{} of {}", sent, sent) : std::string("all of some"),
-                    .ok = sent > 0 && refused == static_cast<unsigned>(sent)});
+  checks.push_back(measured("damaged commands refused", fmt::format("{} of {}", refused, sent),
+                            sent > 0 ? fmt::format("{} of {}", sent, sent) : std::string("all of some"),
+                            sent > 0 && refused == static_cast<unsigned>(sent)));
   // And one good command again and again: its number is not newer than itself.
   Report again{};
   check_stop(
@@ -277,13 +260,9 @@ bool ramp(BenchLink& link, double from_n, double to_n, int ticks) {
 
 }  // namespace
 
-void check_force(BenchLink& link, BenchChecks& checks) {
+void check_force(BenchLink& link, Checks& checks) {
   constexpr int kRamp_ticks = 1000, kSettle_ticks = 300, kHold_ticks = 300;
   constexpr double kTolerance_n = 0.1, kNothing_n = 0.05, kMostOver_n = 0.2;
-  BenchCheck check{.what = fmt::format("force of {:g} N", kTestForce_n),
-                   .measured = "",
-                   .expected = fmt::format("{:g} N -+ {:g} N, on a finger or a reference", kTestForce_n, kTolerance_n),
-                   .ok = false};
   ForceWatch all, held;
   link.watch([&all](const BenchSample& sample) { all.look(sample.telemetry); });
   bool well = link.make_ready();
@@ -296,21 +275,21 @@ void check_force(BenchLink& link, BenchChecks& checks) {
   well = well && ramp(link, kTestForce_n, kTestForce_n, kHold_ticks);
   link.watch({});
   well = well && ramp(link, kTestForce_n, 0, kRamp_ticks / 4);
-  check.measured = well ? fmt::format("{:.3f} N", held.mean()) : trouble(link);
-  check.ok = well && std::abs(held.mean() - kTestForce_n) <= kTolerance_n;
+  Check check = measured(fmt::format("force of {:g} N", kTestForce_n),
+                         well ? fmt::format("{:.3f} N", held.mean()) : trouble(link),
+                         fmt::format("{:g} N -+ {:g} N, on a finger or a reference", kTestForce_n, kTolerance_n),
+                         well && std::abs(held.mean() - kTestForce_n) <= kTolerance_n);
   if (well && std::abs(held.mean()) < kNothing_n) {
-    check.measured += ": it met nothing";
-    check.judged = false;
-    check.ok = true;
+    check.found += ": it met nothing";
+    check.verdict = Verdict::not_judged;
   }
   checks.push_back(check);
-  checks.push_back({.what = "largest force meanwhile",
-                    .measured = fmt::format("{:.3f} N", all.largest),
-                    .expected = fmt::format("at most {:g} N", kTestForce_n + kMostOver_n),
-                    .ok = all.largest <= kTestForce_n + kMostOver_n});
+  checks.push_back(measured("largest force meanwhile", fmt::format("{:.3f} N", all.largest),
+                            fmt::format("at most {:g} N", kTestForce_n + kMostOver_n),
+                            all.largest <= kTestForce_n + kMostOver_n));
 }
 
-void check_vibration(BenchLink& link, BenchChecks& checks) {
+void check_vibration(BenchLink& link, Checks& checks) {
   constexpr int kBurst_ticks = 100, kLast_ticks = 30, kAfter_ticks = 300;
   constexpr double kTolerance = 0.25;
   const DeviceSpec& spec = link.spec();
@@ -328,15 +307,13 @@ void check_vibration(BenchLink& link, BenchChecks& checks) {
   link.watch({});
   well = well && ramp(link, 0, 0, kAfter_ticks);
   after_g = kMilli * link.telemetry().vibration_mg;
-  checks.push_back(
-      {.what = "vibration burst of 100 ms",
-       .measured = well ? fmt::format("{:.3f} g, {:.3f} g afterwards", last_g, after_g) : trouble(link),
-       .expected = fmt::format("{:.3f} g -+ {:g} %, then below {:g} g", command.vibration_g, 100 * kTolerance,
-                               spec.min_vibration_g),
-       .ok = well && std::abs(last_g / command.vibration_g - 1) <= kTolerance && after_g < spec.min_vibration_g});
+  checks.push_back(measured(
+      "vibration burst of 100 ms", well ? fmt::format("{:.3f} g, {:.3f} g afterwards", last_g, after_g) : trouble(link),
+      fmt::format("{:.3f} g -+ {:g} %, then below {:g} g", command.vibration_g, 100 * kTolerance, spec.min_vibration_g),
+      well && std::abs(last_g / command.vibration_g - 1) <= kTolerance && after_g < spec.min_vibration_g));
 }
 
-void check_rest(BenchLink& link, BenchChecks& checks) {
+void check_rest(BenchLink& link, Checks& checks) {
   constexpr int kSettle_ticks = 300;
   constexpr double kMostForce_n = 0.1;
   const bool rests = link.rest();
@@ -344,15 +321,15 @@ void check_rest(BenchLink& link, BenchChecks& checks) {
   const jnd_telemetry& now = link.telemetry();
   const double force_n = kMicro * now.force_un;
   checks.push_back(
-      {.what = "back at rest",
-       .measured = fmt::format("{}, {:.3f} N, {:.3f} g, platform at {:.2f} mm", state_word(now.state), force_n,
-                               kMilli * now.vibration_mg, 1e-6 * now.height_nm),
-       .expected = fmt::format("at rest, within {:g} N of zero, no vibration", kMostForce_n),
-       .ok = rests && now.state == JND_STATE_REST && std::abs(force_n) <= kMostForce_n && now.vibration_mg == 0});
+      measured("back at rest",
+               fmt::format("{}, {:.3f} N, {:.3f} g, platform at {:.2f} mm", state_word(now.state), force_n,
+                           kMilli * now.vibration_mg, 1e-6 * now.height_nm),
+               fmt::format("at rest, within {:g} N of zero, no vibration", kMostForce_n),
+               rests && now.state == JND_STATE_REST && std::abs(force_n) <= kMostForce_n && now.vibration_mg == 0));
 }
 
 void check_poses(HidHandle& handle, Clock& clock, double seconds, const std::atomic<bool>& interrupted,
-                 BenchChecks& checks) {
+                 Checks& checks) {
   struct Finger {
     int poses = 0, seen = 0;
   };
@@ -395,19 +372,15 @@ void check_poses(HidHandle& handle, Clock& clock, double seconds, const std::ato
     if (one.poses == 0) continue;
     any = true;
     const double rate_hz = one.poses / seconds;
-    checks.push_back(
-        {.what = fmt::format("poses of the {} finger", finger_word(finger)),
-         .measured = fmt::format("{:.1f} a second, seen in {:.1f} %", rate_hz, 100.0 * one.seen / one.poses),
-         .expected = fmt::format("at least {:g} a second", kLeastRate_hz),
-         .ok = rate_hz >= kLeastRate_hz});
+    checks.push_back(measured(fmt::format("poses of the {} finger", finger_word(finger)),
+                              fmt::format("{:.1f} a second, seen in {:.1f} %", rate_hz, 100.0 * one.seen / one.poses),
+                              fmt::format("at least {:g} a second", kLeastRate_hz), rate_hz >= kLeastRate_hz));
   }
-  if (!any) checks.push_back({.what = "poses", .measured = "none", .expected = "of a finger at least", .ok = false});
-  checks.push_back({.what = "reports missing, damaged",
-                    .measured = fmt::format("{}, {} of {}", counter.missing(), damaged, counter.taken()),
-                    .expected = "0, 0",
-                    .ok = counter.missing() == 0 && damaged == 0});
-  checks.push_back(
-      {.what = "its clock", .measured = backwards ? "went backwards" : "rises", .expected = "rises", .ok = !backwards});
+  if (!any) checks.push_back(measured("poses", "none", "of a finger at least", false));
+  checks.push_back(measured("reports missing, damaged",
+                            fmt::format("{}, {} of {}", counter.missing(), damaged, counter.taken()), "0, 0",
+                            counter.missing() == 0 && damaged == 0));
+  checks.push_back(measured("its clock", backwards ? "went backwards" : "rises", "rises", !backwards));
 }
 
 }  // namespace jnd

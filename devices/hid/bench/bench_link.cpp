@@ -57,7 +57,7 @@ BenchLink::~BenchLink() {
 }
 
 void BenchLink::wait() {
-  // A late tick skips what it missed: two commands at once would help nobody.
+  // A late tick skips what it missed: two commands at once would not help.
   next_tick_ns_ = std::max(next_tick_ns_ + kTick_ns, clock_.now_ns());
   clock_.sleep_until_ns(next_tick_ns_);
   if (interrupted_) throw BenchInterrupted();

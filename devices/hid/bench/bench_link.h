@@ -14,7 +14,7 @@
 #include "devices/hid/hid_bus.h"
 #include "devices/hid/report_counter.h"
 #include "devices/loop/governor.h"
-#include "protocols/rigs/device_spec.h"
+#include "protocols/rigs/device_description.h"
 
 namespace jnd {
 
@@ -23,7 +23,7 @@ inline constexpr double kMicro = 1e-6, kMilli = 1e-3;
 // What the pages of a 3RRS device say, as the governor and the checks read it. most_force_n: a lower cap for the bench.
 DeviceSpec spec_of(const jnd_limits& limits, const jnd_geometry& geometry, double most_force_n);
 
-// Somebody wants to end it. The device is at rest.
+// It was interrupted. The device is at rest.
 class BenchInterrupted : public std::runtime_error {
  public:
   BenchInterrupted() : std::runtime_error("interrupted; the device was told to rest") {}
@@ -47,7 +47,7 @@ class BenchLink {
   BenchLink(const BenchLink&) = delete;
   BenchLink& operator=(const BenchLink&) = delete;
 
-  // Each telemetry as it comes; empty: nobody.
+  // Called with each telemetry as it comes; empty: not watched.
   void watch(std::function<void(const BenchSample&)> look) { look_ = std::move(look); }
 
   // One tick of 1 ms: wait for it, read all that came, govern, send. While a fault holds the governor nothing is sent,

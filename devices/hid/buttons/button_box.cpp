@@ -80,15 +80,15 @@ ButtonsHeard ButtonBox::hear() {
   return heard;
 }
 
-std::vector<BoxNews> ButtonBox::take_news() {
+std::vector<BoxEvent> ButtonBox::take_events() {
   const std::scoped_lock lock(mutex_);
-  std::vector<BoxNews> news = std::exchange(news_, {});
-  if (!std::exchange(told_stop_, true)) news.push_back({true, "STOP by the button: the devices give nothing"});
+  std::vector<BoxEvent> events = std::exchange(events_, {});
+  if (!std::exchange(told_stop_, true)) events.push_back({true, "STOP by the button: the devices give nothing"});
   if (strange_bytes_ != 0 && !understood_ && !std::exchange(told_strange_, true))
-    news.push_back({true, fmt::format("the button box sends reports of {} bytes, where its buttons were learnt in "
-                                      "reports of {}: learn them again (jnd device learn-buttons)",
-                                      strange_bytes_, mapping_.report_bytes)});
-  return news;
+    events.push_back({true, fmt::format("the button box sends reports of {} bytes, where its buttons were learnt in "
+                                        "reports of {}: learn them again (jnd device learn-buttons)",
+                                        strange_bytes_, mapping_.report_bytes)});
+  return events;
 }
 
 void ButtonBox::stop_with(EmergencyStop* stop) {
@@ -101,7 +101,7 @@ void ButtonBox::connected(const HidInfo& /*info*/, HidHandle& /*handle*/) {
   const std::scoped_lock lock(mutex_);
   decoder_.opened(SteadyClock().now_ns());
   answers_.forget();
-  if (was_there_) news_.push_back({false, "the button box is there again"});
+  if (was_there_) events_.push_back({false, "the button box is there again"});
   there_ = was_there_ = true;
   changed_.notify_all();
 }
@@ -126,7 +126,7 @@ void ButtonBox::lost(const std::string& why) {
   refused_ = why;
   if (!std::exchange(there_, false)) return;
   answers_.forget();
-  news_.push_back({true, "the button box has gone: the keys answer until it is plugged in again"});
+  events_.push_back({true, "the button box has gone: the keys answer until it is plugged in again"});
 }
 
 }  // namespace jnd

@@ -25,7 +25,7 @@ struct ButtonsHeard {
   bool stopped = false;  // the stop button was pressed since the question
 };
 
-struct BoxNews {
+struct BoxEvent {
   bool warning = false;
   std::string text;  // printable
 };
@@ -50,7 +50,7 @@ class ButtonBox final : private HidListener {
   void ask();
   ButtonsHeard hear();
   // What happened to the box since the last call.
-  std::vector<BoxNews> take_news();
+  std::vector<BoxEvent> take_events();
 
   // From now on the stop button latches `stop`, at once, from the box's thread; now, where it is down. Null: no more.
   // `stop` must live until then.
@@ -75,7 +75,7 @@ class ButtonBox final : private HidListener {
   bool understood_ = false, told_strange_ = false;  // a report that the mapping speaks of has come
   std::size_t strange_bytes_ = 0;                   // of a report that it does not
   std::string refused_;                             // why it could not be opened
-  std::vector<BoxNews> news_;
+  std::vector<BoxEvent> events_;
 
   HidReader reader_;  // last: it calls the rest
 };

@@ -11,24 +11,27 @@
 #include "protocols/input/json_reader.h"
 #include "protocols/input/read_file.h"
 #include "protocols/input/sha256.h"
+#include "protocols/words.h"
 
 namespace jnd {
 
 namespace {
 
-constexpr std::array<std::string_view, kButtonMeanings> kWords = {"same", "different", "stop"};
-constexpr std::array<std::string_view, kButtonMeanings> kShouted = {"SAME", "DIFFERENT", "STOP"};
+constexpr auto kWords = words<ButtonMeaning>(
+    {{"same", ButtonMeaning::same}, {"different", ButtonMeaning::different}, {"stop", ButtonMeaning::stop}});
+constexpr auto kShouted = words<ButtonMeaning>(
+    {{"SAME", ButtonMeaning::same}, {"DIFFERENT", ButtonMeaning::different}, {"STOP", ButtonMeaning::stop}});
 // A keyboard says so in every place of its array where more keys are down than it can tell (HID usage tables, 0x07).
 constexpr std::uint8_t kErrorRollOver = 0x01;
 
 }  // namespace
 
 std::string_view to_string(ButtonMeaning meaning) noexcept {
-  return kWords[static_cast<std::size_t>(meaning)];
+  return word_of(kWords, meaning);
 }
 
 std::string_view shouted(ButtonMeaning meaning) noexcept {
-  return kShouted[static_cast<std::size_t>(meaning)];
+  return word_of(kShouted, meaning);
 }
 
 bool ButtonMapping::is(const HidInfo& info) const {
@@ -145,9 +148,7 @@ void read_buttons(const JsonNode& list, Reading& reading, ButtonMapping& mapping
   for (const JsonNode& item : list.items) {
     JsonReader reader(item, reading.diagnostics, reading.file);
     MappedButton button;
-    button.meaning = reader.one_of<ButtonMeaning>(
-        "meaning",
-        {{"same", ButtonMeaning::same}, {"different", ButtonMeaning::different}, {"stop", ButtonMeaning::stop}});
+    button.meaning = reader.one_of("meaning", kWords);
     if (item.find("any_of_bytes") != nullptr || item.find("code") != nullptr)
       button.where = read_code(reader, mapping.report_bytes, reading);
     else

@@ -166,7 +166,7 @@ StiffnessRecord take_stiffness(BenchLink& link, const ForceTable& former, const 
   return record;
 }
 
-void store_calibration(PageTalk& pages, const ForceTable& table, const jnd_certificate& certificate) {
+void store_calibration(PageExchange& pages, const ForceTable& table, const jnd_certificate& certificate) {
   const jnd_force_table former_table = pages.force_table();
   const jnd_certificate former_certificate = pages.certificate();
   try {

@@ -8,17 +8,17 @@
 
 #include "devices/hid/bench/bench_link.h"
 #include "devices/hid/calibration/calibration_certificate.h"
-#include "devices/hid/page_talk.h"
+#include "devices/hid/page_exchange.h"
 
 namespace jnd {
 
-// Whoever stands beside the device. Thread rule: the handle's thread.
+// The person beside the device. Thread rule: the handle's thread.
 class CalibrationOperator {
  public:
   virtual ~CalibrationOperator() = default;
   virtual void ask(const std::string& question) = 0;
   // The line that was typed since; none yet. Never waits: the device is driven meanwhile. Throws InputError where
-  // nobody will ever type again.
+  // the input has ended.
   virtual std::optional<std::string> answer() = 0;
   virtual void say(const std::string& text) = 0;
 };
@@ -42,6 +42,6 @@ StiffnessRecord take_stiffness(BenchLink& link, const ForceTable& former, const 
 
 // Table, then certificate; each read back and compared. Where that fails the former ones are put back; DeviceError
 // says so.
-void store_calibration(PageTalk& pages, const ForceTable& table, const jnd_certificate& certificate);
+void store_calibration(PageExchange& pages, const ForceTable& table, const jnd_certificate& certificate);
 
 }  // namespace jnd

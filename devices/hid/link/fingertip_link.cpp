@@ -11,7 +11,7 @@
 #include "devices/device_error.h"
 #include "devices/hid/device_fit.h"
 #include "devices/hid/our_devices.h"
-#include "devices/hid/page_talk.h"
+#include "devices/hid/page_exchange.h"
 #include "devices/hid/report_words.h"
 #include "devices/machine/io_thread.h"
 
@@ -79,7 +79,7 @@ void FingertipLink::assign(std::uint32_t connection, const std::string& path) {
 
 void FingertipLink::connected(const HidInfo& info, HidHandle& handle) {
   const std::string name = fmt::format("device {} for the {} finger", target_.serial, target_.finger);
-  PageTalk pages(handle, name);
+  PageExchange pages(handle, name);
   const jnd_identity identity = pages.identity();
   if (const std::string serial = serial_of(identity); serial != target_.serial)
     throw DeviceError(fmt::format("{} is device {}, not {}", info.path, serial, target_.serial));
@@ -215,8 +215,8 @@ int FingertipLink::clock_steps() const {
 
 namespace {
 
-// Commands of mode rest after a connection: they begin the numbering anew, leave the device at rest whoever used it
-// before, and their echoes tell how its clock runs.
+// Commands of mode rest after a connection: they begin the numbering anew, leave the device at rest after any former
+// use, and their echoes tell how its clock runs.
 constexpr int kFirstCommands = 20;
 constexpr std::chrono::milliseconds kBetweenFirst{2};
 

@@ -22,7 +22,7 @@
 #include "devices/loop/newest_slot.h"
 #include "devices/machine/clock_sync.h"
 #include "devices/rigs/rig_link.h"
-#include "protocols/rigs/device_spec.h"
+#include "protocols/rigs/device_description.h"
 
 namespace jnd {
 

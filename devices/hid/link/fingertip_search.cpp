@@ -7,7 +7,7 @@
 #include "devices/device_error.h"
 #include "devices/hid/firmware/jnd_report.h"
 #include "devices/hid/our_devices.h"
-#include "devices/hid/page_talk.h"
+#include "devices/hid/page_exchange.h"
 #include "devices/hid/report_words.h"
 #include "protocols/input/input_error.h"
 
@@ -21,7 +21,7 @@ std::vector<FoundFingertip> find_fingertips(HidBus& bus) {
     one.path = info.path;
     try {
       const std::unique_ptr<HidHandle> handle = bus.open(info.path);
-      const jnd_identity identity = PageTalk(*handle, info.path).identity();
+      const jnd_identity identity = PageExchange(*handle, info.path).identity();
       one.serial = serial_of(identity);
       one.finger = finger_word(identity.finger);
     } catch (const DeviceError& error) {

@@ -16,7 +16,7 @@
 #include "devices/rigs/fingertip_scene.h"
 #include "protocols/input/input_error.h"
 #include "protocols/input/sha256.h"
-#include "protocols/rigs/rig_spec.h"
+#include "protocols/rigs/rig_description.h"
 
 namespace jnd {
 

@@ -15,7 +15,7 @@
 namespace jnd {
 
 // What the rig below says of itself; the log keeps it. With a simulated hand, or poses from a file, it is simulated:
-// nobody's finger is where the devices think.
+// no real finger is where the devices take it to be.
 RigInfo hid_rig_info(const Protocol& protocol, const RigSpec& spec);
 
 // Devices and tracker by the rig file, an empty one for whatever is connected. Waits at most 5 s for all of them.

@@ -8,7 +8,7 @@
 #include "devices/device_error.h"
 #include "devices/hid/firmware/jnd_report.h"
 #include "devices/hid/our_devices.h"
-#include "devices/hid/page_talk.h"
+#include "devices/hid/page_exchange.h"
 #include "devices/hid/report_words.h"
 
 namespace jnd {
@@ -80,7 +80,7 @@ std::string HidTracker::missing() const {
 
 // Poses that come while its identity is asked are not missed: nothing rests on them yet.
 void HidTracker::connected(const HidInfo& info, HidHandle& handle) {
-  const jnd_identity identity = PageTalk(handle, name_of(info)).identity();
+  const jnd_identity identity = PageExchange(handle, name_of(info)).identity();
   const std::string serial = serial_of(identity);
   if (identity.model != JND_MODEL_TRACKER)
     throw DeviceError(
@@ -97,7 +97,7 @@ void HidTracker::connected(const HidInfo& info, HidHandle& handle) {
 }
 
 void HidTracker::report(std::span<const std::uint8_t> bytes, std::int64_t time_ns) noexcept {
-  if (bytes.empty() || bytes[0] == JND_REPORT_PAGE) return;  // an answer to somebody else's question
+  if (bytes.empty() || bytes[0] == JND_REPORT_PAGE) return;  // an answer to a question of another program
   jnd_pose pose{};
   if (jnd_decode_pose(bytes.data(), bytes.size(), &pose) == JND_DECODE_OK && pose.time_us <= kLongestTime_us)
     (void)feed_.take(line_of(pose), PoseClock::source, time_ns);

@@ -24,11 +24,11 @@ namespace fs = std::filesystem;
 constexpr const char* kConnect = "connect it and switch it on (jnd device list shows what is there)";
 constexpr const char* kUdev = "install the udev rule that jnd device list prints, and connect it again";
 
-MachineCheck good(const char* name, std::string found) {
-  return {.name = name, .verdict = Verdict::ok, .found = std::move(found), .what_to_do = ""};
+Check good(const char* name, std::string found) {
+  return {.what = name, .verdict = Verdict::ok, .found = std::move(found)};
 }
-MachineCheck bad(const char* name, std::string found, std::string what_to_do) {
-  return {.name = name, .verdict = Verdict::bad, .found = std::move(found), .what_to_do = std::move(what_to_do)};
+Check bad(const char* name, std::string found, std::string what_to_do) {
+  return {.what = name, .verdict = Verdict::bad, .found = std::move(found), .what_to_do = std::move(what_to_do)};
 }
 
 // A finding has one line.
@@ -46,12 +46,12 @@ const SeenHid* find(const std::vector<SeenHid>& seen, const std::function<bool(c
   return found;
 }
 
-// An empty serial number is anybody's.
+// An empty serial number fits every device.
 bool has_serial(const HidInfo& info, const std::string& serial) {
   return serial.empty() || info.serial == serial;
 }
 
-MachineCheck check_devices(const RigFile& file, const std::vector<SeenHid>& seen) {
+Check check_devices(const RigFile& file, const std::vector<SeenHid>& seen) {
   std::string there, missing, refused;
   for (const WornDevice& device : file.devices) {
     const SeenHid* const found =
@@ -65,7 +65,7 @@ MachineCheck check_devices(const RigFile& file, const std::vector<SeenHid>& seen
   return good("devices", there + " connected");
 }
 
-MachineCheck check_buttons(const RigFile& file, const std::vector<SeenHid>& seen) {
+Check check_buttons(const RigFile& file, const std::vector<SeenHid>& seen) {
   try {
     const ButtonMapping mapping = load_button_mapping(file.buttons);
     const SeenHid* const found = find(seen, [&](const HidInfo& info) { return mapping.is(info); });
@@ -91,7 +91,7 @@ fs::path program_at(const std::string& name, const fs::path& folder) {
   return {};
 }
 
-MachineCheck check_hid_tracker(const RigFile* file, const std::vector<SeenHid>& seen) {
+Check check_hid_tracker(const RigFile* file, const std::vector<SeenHid>& seen) {
   const std::string serial = file != nullptr ? file->tracker.serial : "";
   const SeenHid* const found =
       find(seen, [&](const HidInfo& info) { return is_tracker(info) && has_serial(info, serial); });
@@ -104,7 +104,7 @@ MachineCheck check_hid_tracker(const RigFile* file, const std::vector<SeenHid>& 
   return good("tracker", fmt::format("\"hid\": {} connected", name_of(found->info)));
 }
 
-MachineCheck check_process_tracker(const TrackerSource& source) {
+Check check_process_tracker(const TrackerSource& source) {
   if (source.command.empty())
     return bad("tracker", "\"process\": the rig file does not say which program", "give its \"tracker\" a \"command\"");
   const fs::path program = program_at(source.command.front(), source.folder);
@@ -114,7 +114,7 @@ MachineCheck check_process_tracker(const TrackerSource& source) {
   return good("tracker", fmt::format("\"process\": {}", program.string()));
 }
 
-MachineCheck check_replay_tracker(const TrackerSource& source, const std::vector<std::string>& fingers) {
+Check check_replay_tracker(const TrackerSource& source, const std::vector<std::string>& fingers) {
   if (source.replay.empty())
     return bad("tracker", "\"replay\": the rig file does not say which file", "give its \"tracker\" a \"replay\"");
   try {
@@ -125,12 +125,12 @@ MachineCheck check_replay_tracker(const TrackerSource& source, const std::vector
   }
 }
 
-MachineCheck check_tracker(const RigRequest& asked, const RigFile* file, const std::vector<SeenHid>& seen) {
+Check check_tracker(const RigRequest& asked, const RigFile* file, const std::vector<SeenHid>& seen) {
   if (asked.tracker == "hid") return check_hid_tracker(file, seen);
   if (asked.tracker != "process" && asked.tracker != "replay")
     return good("tracker", fmt::format("\"{}\": part of the program or the device", asked.tracker));
   if (file == nullptr)
-    return {.name = "tracker",
+    return {.what = "tracker",
             .verdict = Verdict::warn,
             .found = fmt::format("\"{}\": a rig file says which, and none was given", asked.tracker),
             .what_to_do = "give the one of jnd run here too: --rig FILE"};
@@ -140,8 +140,8 @@ MachineCheck check_tracker(const RigRequest& asked, const RigFile* file, const s
 
 }  // namespace
 
-std::vector<MachineCheck> check_rig(const RigRequest* asked, const RigFile* file, const std::vector<SeenHid>& seen) {
-  std::vector<MachineCheck> checks;
+Checks check_rig(const RigRequest* asked, const RigFile* file, const std::vector<SeenHid>& seen) {
+  Checks checks;
   if (file != nullptr && !file->devices.empty()) checks.push_back(check_devices(*file, seen));
   if (asked != nullptr) checks.push_back(check_tracker(*asked, file, seen));
   if (file != nullptr && !file->buttons.empty()) checks.push_back(check_buttons(*file, seen));

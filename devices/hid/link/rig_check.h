@@ -19,6 +19,6 @@ struct SeenHid {
 
 // asked: $.rig of a protocol; null: none, and nothing is said of a tracker. file: null where none was given. Findings:
 // "devices" and "buttons" where the rig file names some, "tracker". Bad is what a session would be refused for.
-std::vector<MachineCheck> check_rig(const RigRequest* asked, const RigFile* file, const std::vector<SeenHid>& seen);
+Checks check_rig(const RigRequest* asked, const RigFile* file, const std::vector<SeenHid>& seen);
 
 }  // namespace jnd

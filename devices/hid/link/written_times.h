@@ -1,4 +1,4 @@
-// When the last commands were written, for whoever sees their echoes.
+// When the last commands were written, to compare with their echoes.
 #pragma once
 
 #include <array>

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "protocols/input/input_error.h"
+#include "protocols/input/number_from.h"
 
 namespace jnd {
 
@@ -60,11 +60,8 @@ std::vector<std::string_view> words_of(std::string_view text) {
 
 // Empty where the text is no finite number from least to most.
 std::optional<double> number_of(std::string_view text, double least, double most) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  if (!(value >= least && value <= most)) return std::nullopt;
-  return value;
+  const std::optional<double> value = number_from<double>(text);
+  return value && *value >= least && *value <= most ? value : std::nullopt;
 }
 
 [[noreturn]] void refuse(std::string_view text, std::string_view why) {

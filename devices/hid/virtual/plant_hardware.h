@@ -15,7 +15,7 @@
 #include "devices/hid/firmware/jnd_hardware.h"
 #include "devices/rrs3/rrs3_platform.h"
 #include "devices/rrs3/vibration_motor.h"
-#include "protocols/rigs/device_spec.h"
+#include "protocols/rigs/device_description.h"
 
 namespace jnd {
 

@@ -16,7 +16,7 @@ class ReportOutlet {
   // stream: the id of the report that comes by itself: telemetry, or poses. Only it is dropped or damaged.
   ReportOutlet(std::uint8_t stream, InputReport port);
 
-  // False where nobody takes it. A dropped report counts as taken.
+  // False where the host has not opened the device. A dropped report counts as taken.
   bool send(std::span<const std::uint8_t, JND_REPORT_SIZE> report);
   bool obey(const DeviceOrder& order) noexcept;
 

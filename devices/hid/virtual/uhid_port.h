@@ -30,12 +30,12 @@ class UhidPort {
   void plug(const HidDescription& description);
   void unplug();
   bool plugged() const noexcept { return plugged_; }
-  bool opened() const noexcept { return opened_; }  // somebody has it open
+  bool opened() const noexcept { return opened_; }  // by the host
   int fd() const noexcept { return fd_; }
 
   // Deals with one event of the kernel; false: there was none. An output report goes to `output`, its id first.
   bool serve(const std::function<void(std::span<const std::uint8_t>)>& output);
-  // An input report, its id first where reports are numbered. False where nobody has the device open.
+  // An input report, its id first where reports are numbered. False where the device is not open.
   bool send(std::span<const std::uint8_t> report) const noexcept;
 
  private:

@@ -14,7 +14,7 @@
 
 namespace jnd {
 
-// An input report, its id first where reports are numbered. False: nobody takes it.
+// An input report, its id first where reports are numbered. False: the host has not opened the device.
 using InputReport = std::function<bool(std::span<const std::uint8_t>)>;
 
 class VirtualDevice {

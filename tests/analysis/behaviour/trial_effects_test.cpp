@@ -118,7 +118,7 @@ TEST_CASE("response bias: criterion with its interval, and the share of \"differ
   CHECK(found.said_different.k == 52);
   CHECK(found.said_different.ci_low == Approx(0.38951373394028815).epsilon(1e-10));
   CHECK(found.p == Approx(0.7729885295985343).epsilon(1e-12));
-  // Whoever always says "same" leans far, whatever the pairs were.
+  // An observer who always says "same" leans far, whatever the pairs were.
   const ResponseBias constant = response_bias(Counts{20, 0, 20, 0}, 0.5);
   CHECK(constant.status == RateStatus::no_information);
   CHECK(constant.criterion > 1.9);

@@ -5,7 +5,6 @@
 #pragma once
 
 #include <cmath>
-#include <fstream>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -13,29 +12,17 @@
 
 #include "analysis/detection/counts.h"
 #include "analysis/numerics/special_values.h"
+#include "analysis/selftest/reference_numbers.h"
 #include "tests/catch.h"
 
 namespace jnd::testing {
 
 inline const nlohmann::json& detection_reference() {
-  static const nlohmann::json cases = [] {
-    std::ifstream file(std::string(JND_SOURCE_DIR) + "/tests/analysis/signal_detection_reference.json");
-    return nlohmann::json::parse(file);
-  }();
-  return cases;
+  return reference_numbers("signal_detection");
 }
 
 inline Counts counts_of(const nlohmann::json& one) {
   return {one.at("n_diff"), one.at("hits"), one.at("n_same"), one.at("false_alarms")};
-}
-
-inline double number_of(const nlohmann::json& value) {
-  if (!value.is_string()) return value.get<double>();
-  const std::string word = value;
-  if (word == "Inf") return kInf;
-  if (word == "-Inf") return -kInf;
-  REQUIRE((word == "NaN" || word == "NA"));
-  return kNaN;
 }
 
 // Equal, both infinite alike, both undefined, or within an absolute tolerance.
@@ -44,7 +31,7 @@ inline bool agrees(double ours, double reference, double tolerance) {
   return ours == reference || std::abs(ours - reference) <= tolerance;
 }
 inline bool agrees(double ours, const nlohmann::json& reference, double tolerance) {
-  return agrees(ours, number_of(reference), tolerance);
+  return agrees(ours, reference_number(reference), tolerance);
 }
 
 // Runs check on every case of the reference that has trials of both classes.

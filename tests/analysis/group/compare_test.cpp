@@ -13,11 +13,11 @@ TEST_CASE("a comparison agrees with R in every part", "[analysis]") {
   for (const auto& dataset : group_reference().at("datasets")) {
     CAPTURE(dataset["id"].dump());
     const Comparison found = compare(table_of(dataset["data"]));
-    CHECK(found.status == TestStatus::ok);
+    CHECK(found.status == StatisticStatus::ok);
     REQUIRE(found.conditions.size() == 3);
     for (std::size_t j = 0; j < 3; ++j) {
       const ConditionSummary& of = found.conditions[j];
-      CHECK(of.status == TestStatus::ok);
+      CHECK(of.status == StatisticStatus::ok);
       CHECK(of.n == static_cast<int>(dataset["data"].size()));
       CHECK(relative(of.mean, dataset["mean"][j]) <= 1e-13);
       CHECK(relative(of.sd, dataset["sd"][j]) <= 1e-13);
@@ -67,7 +67,7 @@ TEST_CASE("with two conditions the within-subject interval is the paired t's", "
   const Comparison found = compare({4, 2, {3, 5, 4, 9, 6, 6, 8, 11}});
   const double within = found.conditions[0].ci_within_high - found.conditions[0].mean;
   CHECK(within * std::sqrt(2.0) == Approx((found.pairs[0].t.ci_high - found.pairs[0].t.ci_low) / 2).epsilon(1e-12));
-  CHECK(found.anova.effect.mauchly.status == TestStatus::not_applicable);
+  CHECK(found.anova.effect.mauchly.status == StatisticStatus::not_applicable);
   CHECK(found.anova.effect.p == Approx(found.pairs[0].t.p).epsilon(1e-12));
   CHECK(found.pairs[0].tukey.p == Approx(found.pairs[0].t.p).epsilon(1e-12));
   CHECK(found.pairs[0].t_p_holm == found.pairs[0].t.p);
@@ -76,15 +76,15 @@ TEST_CASE("with two conditions the within-subject interval is the paired t's", "
 TEST_CASE("a comparison of too little", "[analysis]") {
   for (const WithinTable& table : {WithinTable{0, 3, {}}, WithinTable{1, 3, {1, 2, 3}}, WithinTable{3, 1, {1, 2, 3}}}) {
     const Comparison found = compare(table);
-    CHECK(found.status == TestStatus::too_few);
+    CHECK(found.status == StatisticStatus::too_few);
     CHECK(found.conditions.size() == table.k);
     CHECK(found.pairs.size() == table.k * (table.k - 1) / 2);
     CHECK(std::isnan(found.anova.effect.f));
     CHECK(std::isnan(found.friedman.p));
     for (const PairComparison& pair : found.pairs) {
-      CHECK(pair.t.status == TestStatus::too_few);
+      CHECK(pair.t.status == StatisticStatus::too_few);
       CHECK(std::isnan(pair.t_p_holm));
-      CHECK(pair.tukey.status != TestStatus::ok);
+      CHECK(pair.tukey.status != StatisticStatus::ok);
     }
   }
   const ConditionSummary single = compare({1, 3, {1, 2, 3}}).conditions[1];
@@ -92,23 +92,23 @@ TEST_CASE("a comparison of too little", "[analysis]") {
   CHECK(single.median == 2);
   CHECK(std::isnan(single.sd));
   CHECK(std::isnan(single.ci_within_low));
-  CHECK(single.status == TestStatus::too_few);
+  CHECK(single.status == StatisticStatus::too_few);
 }
 
 TEST_CASE("a comparison of constants", "[analysis]") {
   const Comparison found = compare({4, 3, std::vector<double>(12, 7.3)});
   CHECK(found.conditions[0].mean == 7.3);
   CHECK(found.conditions[0].sd == 0);
-  CHECK(found.conditions[0].shapiro.status == TestStatus::no_variance);
-  CHECK(found.residuals.status == TestStatus::no_variance);
-  CHECK(found.anova.status == TestStatus::no_variance);
-  CHECK(found.friedman.status == TestStatus::no_variance);
+  CHECK(found.conditions[0].shapiro.status == StatisticStatus::no_variance);
+  CHECK(found.residuals.status == StatisticStatus::no_variance);
+  CHECK(found.anova.status == StatisticStatus::no_variance);
+  CHECK(found.friedman.status == StatisticStatus::no_variance);
   for (const PairComparison& pair : found.pairs) {
     CHECK(pair.mean_difference == 0);
-    CHECK(pair.t.status == TestStatus::no_variance);
-    CHECK(pair.games_howell.status == TestStatus::no_variance);
-    CHECK(pair.tukey.status == TestStatus::no_variance);
-    CHECK(pair.wilcoxon.status == TestStatus::no_variance);
+    CHECK(pair.t.status == StatisticStatus::no_variance);
+    CHECK(pair.games_howell.status == StatisticStatus::no_variance);
+    CHECK(pair.tukey.status == StatisticStatus::no_variance);
+    CHECK(pair.wilcoxon.status == StatisticStatus::no_variance);
     CHECK(std::isnan(pair.wilcoxon_p_holm));
   }
 }
@@ -117,8 +117,8 @@ TEST_CASE("every undefined number of a comparison has a status", "[analysis]") {
   REQUIRE(rc::check("whatever the table", [] {
     WithinTable table = random_table(1, 1, *rc::gen::inRange(0, 4));
     const Comparison found = compare(table);
-    const auto agrees = [](TestStatus status, double value) {
-      return (status == TestStatus::ok) == !std::isnan(value);
+    const auto agrees = [](StatisticStatus status, double value) {
+      return (status == StatisticStatus::ok) == !std::isnan(value);
     };
     for (const ConditionSummary& of : found.conditions) {
       RC_ASSERT(agrees(of.status, of.sd));

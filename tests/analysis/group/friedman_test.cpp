@@ -14,7 +14,7 @@ TEST_CASE("Friedman agrees with R, with and without ties", "[analysis]") {
     CAPTURE(dataset["id"].dump());
     const auto& reference = dataset["friedman"];
     const Friedman found = friedman(table_of(dataset["data"]));
-    CHECK(found.status == TestStatus::ok);
+    CHECK(found.status == StatisticStatus::ok);
     CHECK(relative(found.chi2, reference["chi2"]) <= 1e-12);
     CHECK(found.df == reference["df"].get<int>());
     CHECK(std::abs(found.p - reference["p"].get<double>()) <= 1e-12);
@@ -33,18 +33,18 @@ TEST_CASE("Friedman: perfect agreement, no agreement, nothing to rank", "[analys
   CHECK(friedman(balanced).chi2 == 0);
   CHECK(friedman(balanced).p == 1);
   const WithinTable tied{3, 3, {1, 1, 1, 2, 2, 2, 3, 3, 3}};
-  CHECK(friedman(tied).status == TestStatus::no_variance);
+  CHECK(friedman(tied).status == StatisticStatus::no_variance);
   CHECK(std::isnan(friedman(tied).chi2));
-  CHECK(friedman({1, 3, {1, 2, 3}}).status == TestStatus::too_few);
-  CHECK(friedman({3, 1, {1, 2, 3}}).status == TestStatus::too_few);
-  CHECK(friedman({0, 0, {}}).status == TestStatus::too_few);
+  CHECK(friedman({1, 3, {1, 2, 3}}).status == StatisticStatus::too_few);
+  CHECK(friedman({3, 1, {1, 2, 3}}).status == StatisticStatus::too_few);
+  CHECK(friedman({0, 0, {}}).status == StatisticStatus::too_few);
 }
 
 TEST_CASE("Friedman sees only the order within each participant", "[analysis]") {
   REQUIRE(rc::check("", [] {
     const WithinTable table = random_table(2, 2, 5);
     const Friedman found = friedman(table);
-    RC_PRE(found.status == TestStatus::ok);
+    RC_PRE(found.status == StatisticStatus::ok);
     RC_ASSERT(found.kendall_w >= 0);
     RC_ASSERT(found.kendall_w <= 1 + 1e-12);
     WithinTable changed = table;  // each participant with an own origin and unit

@@ -1,4 +1,4 @@
-// Group means and intervals against R 4.2.2, and that nobody is dropped silently.
+// Group means and intervals against R 4.2.2, and that no participant is dropped silently.
 #include "analysis/group/group.h"
 
 #include <cmath>
@@ -114,7 +114,7 @@ TEST_CASE("a median at the ceiling is a status and no number", "[analysis]") {
   CHECK(jnd_group(all).median_status == JndStatus::ceiling);
   CHECK(std::isnan(jnd_group(all).median_jnd));
   CHECK(jnd_group(all).median_n == 2);
-  // Half of the way between nothing and a JND is nobody's JND.
+  // Half of the way between nothing and a JND is the JND of no participant.
   const std::vector<JndEstimate> half = {estimate(JndStatus::ceiling, inf), estimate(JndStatus::ok, 1.0 / 200)};
   CHECK(jnd_group(half).median_status == JndStatus::ceiling);
   CHECK(std::isnan(jnd_group(half).median_jnd));

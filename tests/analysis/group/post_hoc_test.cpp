@@ -22,7 +22,7 @@ TEST_CASE("post hoc tests agree with R", "[analysis]") {
         const std::vector<double> x = table.column(a), y = table.column(b);
         const auto& t_reference = dataset["paired_t"][pair];
         const PairedT t = paired_t(x, y);
-        CHECK(t.status == TestStatus::ok);
+        CHECK(t.status == StatisticStatus::ok);
         CHECK(relative(t.mean_difference, t_reference["diff"]) <= 1e-12);
         CHECK(relative(t.t, t_reference["t"]) <= 1e-12);
         CHECK(t.df == t_reference["df"].get<double>());
@@ -34,7 +34,7 @@ TEST_CASE("post hoc tests agree with R", "[analysis]") {
 
         const auto& gh_reference = dataset["games_howell"][pair];
         const GamesHowell gh = games_howell(x, y, 3);
-        CHECK(gh.status == TestStatus::ok);
+        CHECK(gh.status == StatisticStatus::ok);
         CHECK(relative(gh.q, gh_reference["q"]) <= 1e-12);
         CHECK(relative(gh.df, gh_reference["df"]) <= 1e-12);
         CHECK(relative(gh.se, gh_reference["se_welch"]) <= 1e-12);
@@ -59,22 +59,22 @@ TEST_CASE("post hoc tests agree with R", "[analysis]") {
 
 TEST_CASE("post hoc tests: undefined where nothing varies", "[analysis]") {
   const std::vector<double> one = {3}, constant = {5, 5, 5}, shifted = {6.1, 6.1, 6.1}, some = {1, 2, 4};
-  CHECK(paired_t(one, one).status == TestStatus::too_few);
-  CHECK(games_howell(one, one, 3).status == TestStatus::too_few);
-  CHECK(paired_t(constant, shifted).status == TestStatus::no_variance);
+  CHECK(paired_t(one, one).status == StatisticStatus::too_few);
+  CHECK(games_howell(one, one, 3).status == StatisticStatus::too_few);
+  CHECK(paired_t(constant, shifted).status == StatisticStatus::no_variance);
   CHECK(paired_t(constant, shifted).mean_difference == Approx(-1.1));
   CHECK(std::isnan(paired_t(constant, shifted).t));
   CHECK(std::isnan(paired_t(constant, shifted).ci_low));
-  CHECK(games_howell(constant, shifted, 3).status == TestStatus::no_variance);
+  CHECK(games_howell(constant, shifted, 3).status == StatisticStatus::no_variance);
   CHECK(std::isnan(games_howell_half_width(games_howell(constant, shifted, 3), 3)));
-  CHECK(tukey(1, 0, 5, 8, 3).status == TestStatus::no_variance);
+  CHECK(tukey(1, 0, 5, 8, 3).status == StatisticStatus::no_variance);
   CHECK(std::isnan(tukey(1, 0, 5, 8, 3).p));
-  CHECK(tukey(1, 1, 1, 0, 3).status == TestStatus::too_few);
+  CHECK(tukey(1, 1, 1, 0, 3).status == StatisticStatus::too_few);
   // One of the two varies: Welch has the degrees of freedom of that one.
-  CHECK(games_howell(constant, some, 3).status == TestStatus::ok);
+  CHECK(games_howell(constant, some, 3).status == StatisticStatus::ok);
   CHECK(games_howell(constant, some, 3).df == Approx(2));
   // The same values twice: no difference at all is no variance of differences, too.
-  CHECK(paired_t(some, some).status == TestStatus::no_variance);
+  CHECK(paired_t(some, some).status == StatisticStatus::no_variance);
   CHECK(games_howell(some, some, 3).p == 1);
 }
 
@@ -83,7 +83,7 @@ TEST_CASE("post hoc tests: unit, origin and order of the participants are irrele
     const WithinTable table = random_table(3, 2, 30);
     const std::vector<double> x = table.column(0), y = table.column(1);
     const PairedT t = paired_t(x, y);
-    RC_PRE(t.status == TestStatus::ok);
+    RC_PRE(t.status == StatisticStatus::ok);
     std::vector<double> x2, y2;
     for (const std::size_t i : random_order(table.n)) {
       x2.push_back(2.5 * x[i] + 40);
@@ -97,7 +97,7 @@ TEST_CASE("post hoc tests: unit, origin and order of the participants are irrele
     RC_ASSERT((t.ci_low > 0 || t.ci_high < 0) == (t.p < 0.05));
     const GamesHowell gh = games_howell(x, y, 4), moved = games_howell(y2, x2, 4);
     RC_ASSERT(gh.status == moved.status);
-    if (gh.status == TestStatus::ok) {
+    if (gh.status == StatisticStatus::ok) {
       RC_ASSERT(std::abs(gh.q - moved.q) < 1e-10 * (1 + gh.q));
       RC_ASSERT(std::abs(gh.df - moved.df) < 1e-9 * gh.df);
       RC_ASSERT(gh.p <= 1);

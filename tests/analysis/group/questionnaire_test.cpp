@@ -25,20 +25,20 @@ TEST_CASE("the interval of a median: places and coverage", "[analysis]") {
     CHECK(found.ci_high == n + 1 - r);
     CHECK(found.median == (n + 1) / 2);
     CHECK(std::abs(found.coverage - one["coverage"].get<double>()) <= 1e-13);
-    CHECK(found.status == (found.coverage >= 0.95 ? TestStatus::ok : TestStatus::too_few));
+    CHECK(found.status == (found.coverage >= 0.95 ? StatisticStatus::ok : StatisticStatus::too_few));
   }
 }
 
 TEST_CASE("the interval of a median of few", "[analysis]") {
-  CHECK(median_interval({}).status == TestStatus::too_few);
+  CHECK(median_interval({}).status == StatisticStatus::too_few);
   CHECK(std::isnan(median_interval({}).median));
   CHECK(std::isnan(median_interval({}).coverage));
   const std::vector<double> one = {4}, five = {5, 1, 2, 2, 3};
   CHECK(median_interval(one).ci_low == 4);
   CHECK(median_interval(one).coverage == 0);
   CHECK(median_interval(five).coverage == 0.9375);
-  CHECK(median_interval(five).status == TestStatus::too_few);
-  CHECK(median_interval(five, 0.9).status == TestStatus::ok);
+  CHECK(median_interval(five).status == StatisticStatus::too_few);
+  CHECK(median_interval(five, 0.9).status == StatisticStatus::ok);
   CHECK(median_interval(five, 0.5).ci_low == 2);
 }
 
@@ -79,7 +79,7 @@ TEST_CASE("paired items: exact p with ties, corrected over all pairs of all item
   CHECK(found.items[0].conditions[0].median == 7);
   CHECK(found.items[0].pairs[0].median_difference == 3);
   for (const ItemPair& pair : found.items[1].pairs) {
-    CHECK(pair.test.status == TestStatus::no_variance);
+    CHECK(pair.test.status == StatisticStatus::no_variance);
     CHECK(std::isnan(pair.p));
     CHECK(std::isnan(pair.p_holm));
     CHECK(pair.median_difference == 0);
@@ -97,14 +97,14 @@ TEST_CASE("paired items: missing answers leave only their own pairs", "[analysis
   CHECK(first.pairs[0].test.n == 3);
   CHECK(first.pairs[2].test.n == 2);
   CHECK(first.friedman.n == 2);
-  CHECK(found.items[1].friedman.status == TestStatus::not_applicable);
+  CHECK(found.items[1].friedman.status == StatisticStatus::not_applicable);
   CHECK(std::isnan(found.items[1].friedman.p));
   CHECK(found.items[1].pairs.size() == 1);
   CHECK(found.items[1].pairs[0].test.n == 2);
   CHECK(found.family == 4);
   CHECK(paired_questionnaire({}).items.empty());
   const std::vector<PairedItem> nobody = {{"QB3", {2, 2, {kMissing, 1, 2, kMissing}}}};
-  CHECK(paired_questionnaire(nobody).items[0].pairs[0].test.status == TestStatus::too_few);
+  CHECK(paired_questionnaire(nobody).items[0].pairs[0].test.status == StatisticStatus::too_few);
   CHECK(std::isnan(paired_questionnaire(nobody).items[0].pairs[0].median_difference));
 }
 
@@ -115,9 +115,9 @@ TEST_CASE("a median of few ratings, with its true coverage", "[analysis]") {
   CHECK(found.ci_low == 6);
   CHECK(found.ci_high == 9);
   CHECK(found.coverage == 1 - 2.0 / 128);
-  CHECK(found.status == TestStatus::ok);
+  CHECK(found.status == StatisticStatus::ok);
   CHECK(median_interval({}).n == 0);
-  CHECK(median_interval({}).status == TestStatus::too_few);
+  CHECK(median_interval({}).status == StatisticStatus::too_few);
 }
 
 }  // namespace

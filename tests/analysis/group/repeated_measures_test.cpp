@@ -26,7 +26,7 @@ TEST_CASE("repeated measures agree with R", "[analysis]") {
     const auto p_near = [&](double value, const nlohmann::json& p) {
       CHECK(std::abs(value - p.get<double>()) <= kAbsoluteP);
     };
-    CHECK(found.status == TestStatus::ok);
+    CHECK(found.status == StatisticStatus::ok);
     near(effect.ss, "SS_cond");
     near(effect.ss_error, "SS_error");
     near(found.ss_subjects, "SS_subjects");
@@ -56,13 +56,13 @@ TEST_CASE("repeated measures agree with R", "[analysis]") {
     CHECK(relative(effect.p_gg, car["p_gg"]) <= 1e-9);
     CHECK(relative(effect.p_hf, car["p_hf"]) <= 1e-9);
 
-    CHECK(effect.mauchly.status == TestStatus::ok);
+    CHECK(effect.mauchly.status == StatisticStatus::ok);
     CHECK(relative(effect.mauchly.w, dataset["mauchly"]["W"]) <= kRelative);
     for (const char* name : {"p", "p_exact_k3", "p_chisq_first_order"})  // R's W itself is off by 5e-13
       CHECK(std::abs(effect.mauchly.p - dataset["mauchly"][name].get<double>()) <= 1e-11);
 
     const auto& manova = dataset["rm_manova"];
-    CHECK(effect.hotelling_status == TestStatus::ok);
+    CHECK(effect.hotelling_status == StatisticStatus::ok);
     CHECK(relative(effect.hotelling_t2, manova["T2"]) <= kRelative);
     CHECK(relative(effect.hotelling_f, manova["F"]) <= kRelative);
     CHECK(effect.hotelling_df1 == manova["df1"].get<double>());
@@ -104,12 +104,12 @@ TEST_CASE("two conditions: F is t squared, and sphericity is no question", "[ana
     const RepeatedMeasures found = repeated_measures(table);
     const PairedT t = paired_t(table.column(0), table.column(1));
     RC_ASSERT(found.status == t.status);
-    RC_PRE(t.status == TestStatus::ok);
+    RC_PRE(t.status == StatisticStatus::ok);
     RC_ASSERT(std::abs(found.effect.f - t.t * t.t) <= 1e-10 * (1 + t.t * t.t));
     RC_ASSERT(std::abs(found.effect.p - t.p) < 1e-10);
     RC_ASSERT(found.effect.epsilon_gg == 1);
     RC_ASSERT(found.effect.epsilon_hf == 1);
-    RC_ASSERT(found.effect.mauchly.status == TestStatus::not_applicable);
+    RC_ASSERT(found.effect.mauchly.status == StatisticStatus::not_applicable);
     RC_ASSERT(std::isnan(found.effect.mauchly.p));
   }));
 }
@@ -118,7 +118,7 @@ TEST_CASE("repeated measures: unit, origin, participants' level and every order 
   REQUIRE(rc::check("", [] {
     const WithinTable table = random_table(3, 3, 30);
     const WithinEffect found = repeated_measures(table).effect;
-    RC_PRE(found.status == TestStatus::ok);
+    RC_PRE(found.status == StatisticStatus::ok);
     RC_ASSERT(found.epsilon_gg <= 1);
     RC_ASSERT(found.epsilon_gg * found.df1 >= 1 - 1e-12);
     WithinTable changed = permuted(table, random_order(table.n), random_order(table.k));
@@ -132,14 +132,14 @@ TEST_CASE("repeated measures: unit, origin, participants' level and every order 
     RC_ASSERT(std::abs(again.p - found.p) < 1e-8);
     RC_ASSERT(std::abs(again.epsilon_gg - found.epsilon_gg) < 1e-9);
     RC_ASSERT(again.mauchly.status == found.mauchly.status);
-    if (found.mauchly.status == TestStatus::ok) RC_ASSERT(std::abs(again.mauchly.w - found.mauchly.w) < 1e-9);
+    if (found.mauchly.status == StatisticStatus::ok) RC_ASSERT(std::abs(again.mauchly.w - found.mauchly.w) < 1e-9);
   }));
 }
 
 TEST_CASE("repeated measures: statuses where something is undefined", "[analysis]") {
   SECTION("too few") {
     const RepeatedMeasures found = repeated_measures({1, 3, {1, 2, 3}});
-    CHECK(found.status == TestStatus::too_few);
+    CHECK(found.status == StatisticStatus::too_few);
     CHECK(std::isnan(found.effect.f));
     CHECK(std::isnan(found.effect.mauchly.w));
     CHECK(found.effect.df1 == 2);
@@ -147,29 +147,29 @@ TEST_CASE("repeated measures: statuses where something is undefined", "[analysis
   SECTION("everybody differs alike: F is infinite or 0/0") {
     // 0.1 + 0.2 is not 0.3: the differences are equal up to rounding only.
     const RepeatedMeasures found = repeated_measures({3, 3, {0.1, 0.2, 0.3, 0.2, 0.3, 0.4, 0.7, 0.8, 0.9}});
-    CHECK(found.status == TestStatus::no_variance);
+    CHECK(found.status == StatisticStatus::no_variance);
     CHECK(std::isnan(found.effect.f));
     CHECK(std::isnan(found.effect.p_gg));
-    CHECK(found.effect.mauchly.status == TestStatus::no_variance);
+    CHECK(found.effect.mauchly.status == StatisticStatus::no_variance);
     CHECK(found.effect.eta2_partial == Approx(1).epsilon(1e-12));
-    CHECK(repeated_measures({3, 3, {5, 5, 5, 5, 5, 5, 5, 5, 5}}).status == TestStatus::no_variance);
+    CHECK(repeated_measures({3, 3, {5, 5, 5, 5, 5, 5, 5, 5, 5}}).status == StatisticStatus::no_variance);
   }
   SECTION("two participants: one direction of variance") {
     const WithinEffect effect = repeated_measures({2, 3, {1, 2, 4, 2, 5, 3}}).effect;
-    CHECK(effect.status == TestStatus::ok);
+    CHECK(effect.status == StatisticStatus::ok);
     CHECK(effect.f > 0);
     CHECK(effect.epsilon_gg == Approx(0.5).epsilon(1e-12));
     CHECK(std::isnan(effect.epsilon_hf));
     CHECK(std::isnan(effect.p_hf));
-    CHECK(effect.mauchly.status == TestStatus::too_few);
-    CHECK(effect.hotelling_status == TestStatus::too_few);
+    CHECK(effect.mauchly.status == StatisticStatus::too_few);
+    CHECK(effect.hotelling_status == StatisticStatus::too_few);
   }
   SECTION("a condition that is the mean of the two others") {
     const WithinEffect effect = repeated_measures({5, 3, {1, 2, 3, 4, 6, 8, 2, 5, 8, 7, 7.5, 8, 3, 3, 3}}).effect;
-    CHECK(effect.status == TestStatus::ok);
-    CHECK(effect.mauchly.status == TestStatus::singular);
+    CHECK(effect.status == StatisticStatus::ok);
+    CHECK(effect.mauchly.status == StatisticStatus::singular);
     CHECK(std::isnan(effect.mauchly.w));
-    CHECK(effect.hotelling_status == TestStatus::singular);
+    CHECK(effect.hotelling_status == StatisticStatus::singular);
     CHECK(effect.epsilon_gg == Approx(0.5).epsilon(1e-12));
   }
 }

@@ -12,7 +12,7 @@ namespace {
 void check_shapiro(const std::vector<double>& values, const nlohmann::json& reference) {
   CAPTURE(reference.dump());
   const ShapiroWilk found = shapiro_wilk(values);
-  CHECK(found.status == TestStatus::ok);
+  CHECK(found.status == StatisticStatus::ok);
   CHECK(found.n == static_cast<int>(values.size()));
   CHECK(std::abs(found.w - reference.at("W").get<double>()) <= 1e-12);
   CHECK(std::abs(found.p - reference.at("p").get<double>()) <= 1e-10);
@@ -45,15 +45,15 @@ TEST_CASE("Shapiro-Wilk says where it is undefined", "[analysis]") {
     std::vector<double> values;
     for (std::size_t i = 0; i < n; ++i) values.push_back(constant ? 0.1 : static_cast<double>(i % 17));
     const ShapiroWilk found = shapiro_wilk(values);
-    CHECK((found.status == TestStatus::ok) == !std::isnan(found.w));
-    CHECK((found.status == TestStatus::ok) == !std::isnan(found.p));
+    CHECK((found.status == StatisticStatus::ok) == !std::isnan(found.w));
+    CHECK((found.status == StatisticStatus::ok) == !std::isnan(found.p));
     return found.status;
   };
-  CHECK(status(0, false) == TestStatus::too_few);
-  CHECK(status(2, false) == TestStatus::too_few);
-  CHECK(status(3, true) == TestStatus::no_variance);
-  CHECK(status(5000, false) == TestStatus::ok);
-  CHECK(status(5001, false) == TestStatus::too_many);
+  CHECK(status(0, false) == StatisticStatus::too_few);
+  CHECK(status(2, false) == StatisticStatus::too_few);
+  CHECK(status(3, true) == StatisticStatus::no_variance);
+  CHECK(status(5000, false) == StatisticStatus::ok);
+  CHECK(status(5001, false) == StatisticStatus::too_many);
 }
 
 TEST_CASE("Shapiro-Wilk keeps digits far from zero and in the tail", "[analysis]") {
@@ -74,7 +74,7 @@ TEST_CASE("Shapiro-Wilk does not see shift, scale, sign or order", "[analysis]")
   REQUIRE(rc::check("", [] {
     const WithinTable table = random_table(1, 4, 40);
     const ShapiroWilk found = shapiro_wilk(table.values);
-    RC_PRE(found.status == TestStatus::ok);
+    RC_PRE(found.status == StatisticStatus::ok);
     RC_ASSERT(found.w > 0);
     RC_ASSERT(found.w <= 1);
     RC_ASSERT(found.p >= 0);

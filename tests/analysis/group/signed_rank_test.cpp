@@ -15,7 +15,7 @@ namespace {
 void check(const std::vector<double>& x, const std::vector<double>& y, const nlohmann::json& reference) {
   CAPTURE(reference.dump());
   const SignedRank found = signed_rank(x, y);
-  CHECK(found.status == TestStatus::ok);
+  CHECK(found.status == StatisticStatus::ok);
   CHECK(found.n == reference.at("n").get<int>());
   CHECK(found.zeros == reference.at("n_zero").get<int>());
   CHECK(found.ties == reference.at("ties").get<bool>());
@@ -76,7 +76,7 @@ TEST_CASE("the exact permutation p is a count of sign changes", "[analysis]") {
     std::vector<double> differences;
     for (int i = 0; i < n; ++i) differences.push_back(*rc::gen::inRange(-4, 5));
     const SignedRank found = signed_rank(differences);
-    RC_PRE(found.status == TestStatus::ok);
+    RC_PRE(found.status == StatisticStatus::ok);
     RC_ASSERT(found.p_exact_permutation == enumerated_p(differences));
     RC_ASSERT(found.exact == (!found.ties && found.zeros == 0));
     RC_ASSERT(found.p >= 0);
@@ -120,14 +120,14 @@ TEST_CASE("where the exact p ends and the normal one begins", "[analysis]") {
 
 TEST_CASE("signed ranks without a difference", "[analysis]") {
   const std::vector<double> none, zeros(7, 0.0), one = {-2.0};
-  CHECK(signed_rank(none).status == TestStatus::too_few);
-  CHECK(signed_rank(zeros).status == TestStatus::no_variance);
+  CHECK(signed_rank(none).status == StatisticStatus::too_few);
+  CHECK(signed_rank(zeros).status == StatisticStatus::no_variance);
   CHECK(signed_rank(zeros).zeros == 7);
   CHECK(signed_rank(zeros).v == 0);
   CHECK(std::isnan(signed_rank(zeros).p));
   CHECK(std::isnan(signed_rank(zeros).p_exact_permutation));
-  CHECK(pratt_signed_rank(zeros).status == TestStatus::no_variance);
-  CHECK(pratt_signed_rank(none).status == TestStatus::too_few);
+  CHECK(pratt_signed_rank(zeros).status == StatisticStatus::no_variance);
+  CHECK(pratt_signed_rank(none).status == StatisticStatus::too_few);
   CHECK(signed_rank(one).p == 1);
   CHECK(signed_rank(one).rank_biserial == -1);
 }
@@ -142,7 +142,7 @@ TEST_CASE("signed ranks: swapping the conditions mirrors V, monotone units chang
       cubed.push_back(0.5 * d * d * d);
     }
     const SignedRank a = signed_rank(forward), b = signed_rank(backward), c = signed_rank(cubed);
-    RC_PRE(a.status == TestStatus::ok);
+    RC_PRE(a.status == StatisticStatus::ok);
     RC_ASSERT(a.p == b.p);
     RC_ASSERT(a.p_exact_permutation == b.p_exact_permutation || std::isnan(a.p_exact_permutation));
     RC_ASSERT(a.rank_biserial == -b.rank_biserial);

@@ -18,13 +18,13 @@ TEST_CASE("two-way within agrees with sums of squares of cell means", "[analysis
     for (const auto& row : participant)
       for (const auto& value : row) table.values.push_back(value);
   const TwoWayWithin found = two_way_within(table);
-  CHECK(found.status == TestStatus::ok);
+  CHECK(found.status == StatisticStatus::ok);
   CHECK(relative(found.ss_subjects, reference["ss_subjects"]) <= 1e-11);
   const auto check = [&](const TwoWayEffect& one, const char* name) {
     CAPTURE(name);
     const auto& expected = reference[name];
     const WithinEffect& effect = one.effect;
-    CHECK(effect.status == TestStatus::ok);
+    CHECK(effect.status == StatisticStatus::ok);
     CHECK(effect.df1 == expected["df1"].get<double>());
     CHECK(effect.df2 == expected["df2"].get<double>());
     CHECK(relative(effect.ss, expected["ss"]) <= 1e-11);
@@ -62,7 +62,7 @@ TEST_CASE("a main effect is the one-way analysis of the means over the other fac
     }
     const TwoWayWithin found = two_way_within(table), mirrored = two_way_within(swapped);
     const WithinEffect one_way = repeated_measures(means).effect;
-    RC_PRE(one_way.status == TestStatus::ok && found.ab.effect.status == TestStatus::ok);
+    RC_PRE(one_way.status == StatisticStatus::ok && found.ab.effect.status == StatisticStatus::ok);
     RC_ASSERT(std::abs(found.a.effect.f - one_way.f) <= 1e-9 * (1 + one_way.f));
     RC_ASSERT(std::abs(found.a.effect.epsilon_gg - one_way.epsilon_gg) < 1e-9);
     RC_ASSERT(std::abs(found.a.effect.ss - static_cast<double>(b) * one_way.ss) <= 1e-9 * (1 + found.a.effect.ss));
@@ -79,13 +79,13 @@ TEST_CASE("a main effect is the one-way analysis of the means over the other fac
 }
 
 TEST_CASE("two-way within: too few, and no variance", "[analysis]") {
-  CHECK(two_way_within({1, 2, 2, {1, 2, 3, 4}}).status == TestStatus::too_few);
-  CHECK(two_way_within({2, 1, 2, {1, 2, 3, 4}}).status == TestStatus::too_few);
+  CHECK(two_way_within({1, 2, 2, {1, 2, 3, 4}}).status == StatisticStatus::too_few);
+  CHECK(two_way_within({2, 1, 2, {1, 2, 3, 4}}).status == StatisticStatus::too_few);
   CHECK(std::isnan(two_way_within({1, 2, 2, {1, 2, 3, 4}}).ab.effect.f));
   const TwoWayWithin additive = two_way_within({3, 2, 2, {1, 2, 3, 4, 3, 4, 5, 6, 9, 10, 11, 12}});
-  CHECK(additive.status == TestStatus::ok);
-  CHECK(additive.a.effect.status == TestStatus::no_variance);
-  CHECK(additive.ab.effect.status == TestStatus::no_variance);
+  CHECK(additive.status == StatisticStatus::ok);
+  CHECK(additive.a.effect.status == StatisticStatus::no_variance);
+  CHECK(additive.ab.effect.status == StatisticStatus::no_variance);
   CHECK(std::isnan(additive.ab.effect.p));
 }
 

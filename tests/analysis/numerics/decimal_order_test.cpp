@@ -82,7 +82,7 @@ TEST_CASE("Friedman's ties are those of decimals, in every unit", "[analysis]") 
   // Means of three ratings: equal, but for the order in which they were added.
   const double up = (0.1 + 0.2 + 0.3) / 3, down = (0.3 + 0.2 + 0.1) / 3;
   REQUIRE(up != down);
-  CHECK(friedman({2, 2, {up, down, 5, 5}}).status == TestStatus::no_variance);
+  CHECK(friedman({2, 2, {up, down, 5, 5}}).status == StatisticStatus::no_variance);
 }
 
 TEST_CASE("a questionnaire's pairs tie as decimals", "[analysis]") {

@@ -5,7 +5,7 @@
 
 #include "analysis/numerics/ranks.h"
 #include "analysis/numerics/special_values.h"
-#include "analysis/numerics/test_tails.h"
+#include "analysis/numerics/tail_probabilities.h"
 #include "tests/analysis/group_fixture.h"
 #include "tests/catch.h"
 

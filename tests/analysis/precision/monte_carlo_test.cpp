@@ -31,7 +31,7 @@ TEST_CASE("experiments are the same for a seed, in any order, and others for ano
   CHECK(first == second);
   again.slopes(8, 3, other);
   CHECK(first != other);
-  // More participants change nobody else's.
+  // More participants change no number of the others.
   StudyModel more = published_study();
   more.participants = 20;
   std::vector<double> of_more(60);

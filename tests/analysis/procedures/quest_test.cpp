@@ -1,70 +1,32 @@
 #include "analysis/procedures/quest.h"
 
-#include <array>
 #include <cmath>
 
+#include "analysis/selftest/reference_numbers.h"
 #include "protocols/planning/random_stream.h"
 #include "tests/catch.h"
 
 using namespace jnd;
 
-namespace {
-
-QuestParameters reference_parameters() {
-  QuestParameters parameters;
-  parameters.t_guess = -1;
-  parameters.t_guess_sd = 2;
-  parameters.p_threshold = 0.82;
-  parameters.beta = 3.5;
-  parameters.delta = 0.01;
-  parameters.gamma = 0.5;
-  parameters.grain = 0.01;
-  parameters.range = 4;
-  return parameters;
-}
-
-struct ReferenceTrial {
-  double x;
-  bool correct;
-  double mean, mode, median, sd;
-};
-
-// An independent implementation in numpy of Watson & Pelli (1983); 15 digits.
-constexpr std::array<ReferenceTrial, 12> kReference = {{
-    {-1, true, -1.29780870768666, -1.22, -1.41, 1.03178643169503},
-    {-1.2, true, -1.55617420347526, -1.4, -1.68, 0.94163472740927},
-    {-1.5, false, -0.639933331755656, -1.27, -0.87, 0.741781939185287},
-    {-1.3, true, -0.78989653961547, -1.33, -1.07, 0.737955150529601},
-    {-1.4, false, -0.567795836180984, -1.24, -0.79, 0.703003508374739},
-    {-1.25, true, -0.699752945893864, -1.28, -1.01, 0.692710662699126},
-    {-1.3, true, -0.824312263674283, -1.31, -1.14, 0.665815671864371},
-    {-1.35, true, -0.933335933354017, -1.33, -1.22, 0.627811703096758},
-    {-1.45, false, -0.821966877921406, -1.3, -1.14, 0.657162911524633},
-    {-1.3, true, -0.940511396770216, -1.32, -1.22, 0.609197953613208},
-    {-1.35, true, -1.03540643090119, -1.33, -1.26, 0.55623132875072},
-    {-1.4, true, -1.10759250947965, -1.35, -1.29, 0.50609097455264},
-}};
-
-}  // namespace
-
 TEST_CASE("the reference run is met to the last digits") {
-  const QuestParameters parameters = reference_parameters();
-  CHECK(quest_threshold_shift(parameters) == Approx(0.00483943710518652).epsilon(1e-13));
+  const nlohmann::json& reference = reference_numbers("adaptive").at("quest");
+  const QuestParameters parameters = reference_quest();
+  CHECK(quest_threshold_shift(parameters) == Approx(reference_number(reference.at("threshold_shift"))).epsilon(1e-13));
   CHECK(quest_grid_size(parameters) == 401);
   Quest run(parameters);
-  for (const ReferenceTrial& trial : kReference) {
-    run.answer(trial.x, trial.correct);
+  for (const nlohmann::json& trial : reference.at("trials")) {
+    run.answer(trial.at("x"), trial.at("correct"));
     const QuestEstimate estimate = run.estimate();
-    CHECK(estimate.mean == Approx(trial.mean).margin(1e-13));
-    CHECK(estimate.sd == Approx(trial.sd).margin(1e-13));
-    CHECK(estimate.mode == Approx(trial.mode).margin(1e-13));
-    CHECK(estimate.median == Approx(trial.median).margin(1e-13));
+    CHECK(estimate.mean == Approx(reference_number(trial.at("mean"))).margin(1e-13));
+    CHECK(estimate.sd == Approx(reference_number(trial.at("sd"))).margin(1e-13));
+    CHECK(estimate.mode == Approx(reference_number(trial.at("mode"))).margin(1e-13));
+    CHECK(estimate.median == Approx(reference_number(trial.at("median"))).margin(1e-13));
   }
-  CHECK(run.answers() == static_cast<int>(kReference.size()));
+  CHECK(run.answers() == 12);
 }
 
 TEST_CASE("before any answer the posterior is the prior") {
-  QuestParameters parameters = reference_parameters();
+  QuestParameters parameters = reference_quest();
   parameters.t_guess_sd = 0.3;
   const QuestEstimate estimate = Quest(parameters).estimate();
   CHECK(estimate.mean == Approx(-1).margin(1e-12));
@@ -75,7 +37,7 @@ TEST_CASE("before any answer the posterior is the prior") {
 
 TEST_CASE("psi is p_threshold at threshold and between gamma and the lapses elsewhere") {
   for (const double gamma : {0.0, 0.1, 0.5}) {
-    QuestParameters parameters = reference_parameters();
+    QuestParameters parameters = reference_quest();
     parameters.gamma = gamma;
     const double shift = quest_threshold_shift(parameters);
     CHECK(quest_probability(parameters, shift, 2.5, 2.5) == Approx(0.82).margin(1e-13));
@@ -85,7 +47,7 @@ TEST_CASE("psi is p_threshold at threshold and between gamma and the lapses else
 }
 
 TEST_CASE("a posterior moves against the answer, however many there are") {
-  Quest up(reference_parameters()), down(reference_parameters());
+  Quest up(reference_quest()), down(reference_quest());
   double before_up = up.estimate().mean, before_down = before_up;
   for (int i = 0; i < 50; ++i) {
     up.answer(up.estimate().mean, false);
@@ -102,7 +64,7 @@ TEST_CASE("a posterior moves against the answer, however many there are") {
 }
 
 TEST_CASE("an answer that no threshold allows changes nothing") {
-  QuestParameters parameters = reference_parameters();
+  QuestParameters parameters = reference_quest();
   parameters.delta = 0;
   Quest run(parameters);
   const QuestEstimate before = run.estimate();
@@ -114,7 +76,7 @@ TEST_CASE("an answer that no threshold allows changes nothing") {
 // Thresholds drawn from the prior, and observers with the assumed psychometric function: then the mean squared error of
 // the posterior mean is the mean posterior variance, and the error shrinks with the trials.
 TEST_CASE("estimates converge on the threshold of known observers") {
-  QuestParameters parameters = reference_parameters();
+  QuestParameters parameters = reference_quest();
   parameters.t_guess_sd = 0.5;
   const double shift = quest_threshold_shift(parameters);
   constexpr int kRuns = 500;
@@ -144,7 +106,7 @@ TEST_CASE("estimates converge on the threshold of known observers") {
 }
 
 TEST_CASE("a grid of whole steps is not made larger by rounding") {
-  QuestParameters parameters = reference_parameters();
+  QuestParameters parameters = reference_quest();
   parameters.range = 0.6;
   parameters.grain = 0.1;
   CHECK(quest_grid_size(parameters) == 7);
@@ -153,9 +115,9 @@ TEST_CASE("a grid of whole steps is not made larger by rounding") {
 }
 
 TEST_CASE("parameters that cannot be used say why") {
-  CHECK(problem_of(reference_parameters()).empty());
+  CHECK(problem_of(reference_quest()).empty());
   const auto broken = [](auto change) {
-    QuestParameters parameters = reference_parameters();
+    QuestParameters parameters = reference_quest();
     change(parameters);
     return !problem_of(parameters).empty();
   };

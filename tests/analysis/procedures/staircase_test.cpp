@@ -1,10 +1,14 @@
 #include "analysis/procedures/staircase.h"
 
+#include <array>
 #include <cmath>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include <rapidcheck.h>
 
+#include "analysis/selftest/reference_numbers.h"
 #include "protocols/planning/random_stream.h"
 #include "tests/catch.h"
 
@@ -56,33 +60,21 @@ double settled_level(const StaircaseRule& rule, double threshold, double width, 
 
 }  // namespace
 
-// Worked through by an independent implementation.
 TEST_CASE("reference staircases are met exactly") {
-  const std::string_view answers = "111111011010111101110011110111";
-  {
-    StaircaseRule rule = rule_of(400, 1, 2, 50, 50);
-    rule.clamp = std::array<double, 2>{10, 1000};
-    rule.halve_after = {};
-    const Levels found = levels_of(rule, answers);
-    CHECK(found.levels == std::vector<double>{400, 400, 350, 350, 300, 300, 250, 300, 300, 250,
-                                              300, 300, 350, 350, 300, 300, 250, 300, 300, 250,
-                                              250, 300, 350, 350, 300, 300, 250, 300, 300, 250});
-    CHECK(found.reversals == std::vector<double>{250, 300, 250, 350, 250, 300, 250, 350, 250, 300});
-    CHECK(found.next == 250);
-    CHECK(staircase_target(rule) == Approx(0.707106781186548).epsilon(1e-13));
+  const nlohmann::json& reference = reference_numbers("adaptive").at("staircases");
+  int runs = 0;
+  for (const nlohmann::json& run : reference.at("runs")) {
+    StaircaseRule rule = rule_of(reference.at("start"), run.at("up"), run.at("down"), run.at("step"), run.at("step"));
+    rule.clamp = reference.at("clamp").get<std::array<double, 2>>();
+    rule.halve_after = run.at("halve_after").get<std::vector<int>>();
+    const Levels found = levels_of(rule, reference.at("answers").get<std::string>());
+    CHECK(found.levels == run.at("levels").get<std::vector<double>>());
+    CHECK(found.reversals == run.at("reversals").get<std::vector<double>>());
+    CHECK(found.next == run.at("next").get<double>());
+    CHECK(staircase_target(rule) == Approx(reference_number(run.at("target"))).epsilon(1e-13));
+    ++runs;
   }
-  {
-    StaircaseRule rule = rule_of(400, 1, 3, 80, 80);
-    rule.clamp = std::array<double, 2>{10, 1000};
-    rule.halve_after = {1, 2};
-    const Levels found = levels_of(rule, answers);
-    CHECK(found.levels == std::vector<double>{400, 400, 400, 320, 320, 320, 240, 280, 280, 280,
-                                              320, 320, 360, 360, 360, 340, 340, 360, 360, 360,
-                                              340, 360, 380, 380, 380, 360, 360, 380, 380, 380});
-    CHECK(found.reversals == std::vector<double>{240, 360, 340, 360, 340, 380, 360, 380});
-    CHECK(found.next == 360);
-    CHECK(staircase_target(rule) == Approx(0.7937005259841).epsilon(1e-13));
-  }
+  CHECK(runs == 2);
 }
 
 TEST_CASE("wrong and correct answers count in a row only") {

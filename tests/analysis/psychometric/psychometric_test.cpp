@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/numerics/special_values.h"
+#include "analysis/selftest/reference_numbers.h"
 #include "tests/analysis/psychometric/psychometric_fixtures.h"
 #include "tests/catch.h"
 
@@ -35,8 +36,7 @@ PsychometricFit fit_of(const std::vector<PsychometricLevel>& levels,
 
 TEST_CASE("every reference fit agrees with R in parameters, errors, likelihood, deviance and thresholds",
           "[psychometric]") {
-  std::ifstream file(std::string(JND_SOURCE_DIR) + "/tests/analysis/psychometric_reference.json");
-  const json reference = json::parse(file);
+  const json& reference = reference_numbers("psychometric");
   int fits = 0;
   for (const json& data : reference.at("cases")) {
     std::vector<PsychometricLevel> levels;

@@ -1,12 +1,12 @@
 // Every method of a threshold against independent numbers (jnd_reference.json: numpy model with two optimisers, glm of
 // R 4.2.2), and single series against sensR 1.5-3.
 #include <cmath>
-#include <fstream>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "analysis/numerics/special_values.h"
+#include "analysis/selftest/reference_numbers.h"
 #include "analysis/thresholds/jnd.h"
 #include "analysis/thresholds/jnd_closed.h"
 #include "tests/catch.h"
@@ -16,16 +16,8 @@ namespace {
 
 using json = nlohmann::json;
 
-json cases() {
-  std::ifstream file(JND_SOURCE_DIR "/tests/analysis/jnd_reference.json");
-  return json::parse(file).at("cases");
-}
-
-double number(const json& value) {
-  if (!value.is_string()) return value.get<double>();
-  if (value == "Inf") return kInf;
-  if (value == "-Inf") return -kInf;
-  return std::nan("");
+const json& cases() {
+  return reference_numbers("jnd").at("cases");
 }
 
 // Equal, both undefined, or within a relative tolerance.
@@ -52,19 +44,20 @@ TEST_CASE("closed forms of the JND agree with an independent model to 1e-10", "[
       const JndEstimate found = estimate(one, method);
       const json& expected = one.at(method);
       // The reference prints a mean over a pole; the product refuses it.
-      const double jnd = expected.value("defined", true) ? number(expected.at("jnd")) : std::nan("");
+      const double jnd = expected.value("defined", true) ? reference_number(expected.at("jnd")) : std::nan("");
       CHECK(to_string(found.method) == method);
       CHECK(agrees(found.jnd, jnd, 1e-10));
       CHECK(found.status == (std::isnan(jnd) ? JndStatus::no_sensitivity : JndStatus::ok));
-      if (expected.contains("slope")) CHECK(agrees(found.slope, number(expected.at("slope")), 1e-10));
-      if (expected.contains("weber")) CHECK(agrees(found.weber, number(expected.at("weber")), 1e-10));
+      if (expected.contains("slope")) CHECK(agrees(found.slope, reference_number(expected.at("slope")), 1e-10));
+      if (expected.contains("weber")) CHECK(agrees(found.weber, reference_number(expected.at("weber")), 1e-10));
       CHECK(std::isnan(found.ci_low));
       CHECK(std::isnan(found.ci_high));
       CHECK(std::isnan(found.log_likelihood));
     }
     std::size_t place = 0;
     for (const SeriesCounts& series : series_of(one))
-      CHECK(agrees(std::sqrt(loglinear_variance(series.counts)), number(one.at("se_dprime")[place++]), 1e-10));
+      CHECK(
+          agrees(std::sqrt(loglinear_variance(series.counts)), reference_number(one.at("se_dprime")[place++]), 1e-10));
   }
 }
 
@@ -77,16 +70,16 @@ TEST_CASE("joint maximum likelihood agrees with an independent model, slope 1e-6
       const JndEstimate found = estimate(one, method);
       const json& expected = one.at(method);
       CHECK(to_string(found.status) == expected.at("status"));
-      CHECK(agrees(found.slope, number(expected.at("slope")), 1e-6));
-      CHECK(agrees(found.jnd, number(expected.at("jnd")), 1e-6));
-      CHECK(agrees(found.slope_ci_low, number(expected.at("slope_ci_low")), 1e-5));
-      CHECK(agrees(found.slope_ci_high, number(expected.at("slope_ci_high")), 1e-5));
-      CHECK(agrees(found.ci_low, number(expected.at("ci_low")), 1e-5));
-      CHECK(agrees(found.ci_high, number(expected.at("ci_high")), 1e-5));
-      CHECK(std::abs(found.log_likelihood - number(expected.at("log_likelihood"))) < 1e-10);
+      CHECK(agrees(found.slope, reference_number(expected.at("slope")), 1e-6));
+      CHECK(agrees(found.jnd, reference_number(expected.at("jnd")), 1e-6));
+      CHECK(agrees(found.slope_ci_low, reference_number(expected.at("slope_ci_low")), 1e-5));
+      CHECK(agrees(found.slope_ci_high, reference_number(expected.at("slope_ci_high")), 1e-5));
+      CHECK(agrees(found.ci_low, reference_number(expected.at("ci_low")), 1e-5));
+      CHECK(agrees(found.ci_high, reference_number(expected.at("ci_high")), 1e-5));
+      CHECK(std::abs(found.log_likelihood - reference_number(expected.at("log_likelihood"))) < 1e-10);
       // At the ceiling glm iterates towards infinity until it gives up; elsewhere it is another implementation.
       if (expected.contains("glm_slope") && found.status == JndStatus::ok)
-        CHECK(agrees(found.slope, number(expected.at("glm_slope")), 1e-6));
+        CHECK(agrees(found.slope, reference_number(expected.at("glm_slope")), 1e-6));
     }
   }
 }

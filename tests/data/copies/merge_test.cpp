@@ -4,7 +4,7 @@
 #include <sys/stat.h>
 
 #include "data/study/schema.h"
-#include "data/study/study_care.h"
+#include "data/study/study_admin.h"
 #include "protocols/input/input_error.h"
 #include "tests/data/damage_fixture.h"
 
@@ -96,7 +96,7 @@ TEST_CASE("exclusions, notes and unblindings of the sources go on to hold", "[da
   const MergeReport report = merge({a, b}, folder / "merged.jnd", kLater);
   CHECK_FALSE(report.sources[0].unblinded);
   CHECK(report.sources[1].unblinded);
-  CHECK(report.sources[0].carried == 2);
+  CHECK(report.sources[0].imported == 2);
   const auto study = Study::open(folder / "merged.jnd", Study::Access::read_only);
   CHECK(is_unblinded(*study));
   REQUIRE(excluded_from(*study).size() == 1);

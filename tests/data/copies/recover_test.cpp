@@ -11,12 +11,10 @@
 #include "data/copies/damaged_file.h"
 #include "data/copies/salvage.h"
 #include "data/study/schema.h"
-#include "data/study/study_care.h"
+#include "data/study/study_admin.h"
 #include "data/verify/verify.h"
 #include "protocols/input/read_file.h"
 #include "tests/data/damage_fixture.h"
-#include "tests/data/version_1_study.h"
-#include "tests/data/version_2_study.h"
 
 namespace jnd {
 namespace {
@@ -299,19 +297,6 @@ TEST_CASE("a file that ends early says how many of its pages are missing", "[dat
   write_bytes(path, headless);
   CHECK_THAT(recover(path, folder / "headless.jnd", std::nullopt, kLater).doubts.at(0),
              Catch::Contains("header is damaged"));
-}
-
-TEST_CASE("studies of earlier versions are recovered, in doubt only where a session is open", "[data]") {
-  const TemporaryFolder folder;
-  write_version_1_study(folder / "1.jnd");
-  write_version_2_study(folder / "2.jnd");
-  for (const char* name : {"1.jnd", "2.jnd"}) {
-    CAPTURE(name);
-    const RecoveryReport report = recover(folder / name, folder / (std::string("new-") + name), std::nullopt, kLater);
-    REQUIRE(report.doubts.size() == 1);
-    CHECK_THAT(report.doubts[0], Catch::Contains("a session is open"));
-    CHECK_FALSE(report.own.cut);
-  }
 }
 
 TEST_CASE("of two events that both follow, the one written last is kept", "[data]") {

@@ -1,7 +1,7 @@
 // When a study is blinded, by every fact that decides it.
 #include "data/study/blinding.h"
 
-#include "data/study/study_care.h"
+#include "data/study/study_admin.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
 

@@ -1,11 +1,11 @@
-// What somebody with the sqlite3 shell does without computing a hash anew is found, by verify and by whoever computes
-// results.
+// What is done with the sqlite3 shell without computing a hash anew is found, by verify and before results are
+// computed.
 #include "data/verify/chain_check.h"
 
 #include "data/copies/recover.h"
 #include "data/results/study_results.h"
 #include "data/study/schema.h"
-#include "data/study/study_care.h"
+#include "data/study/study_admin.h"
 #include "data/study/trial_rows.h"
 #include "data/verify/verify.h"
 #include "data/verify/verify_deep.h"
@@ -78,7 +78,7 @@ TEST_CASE("a session knows what the study's own chain was when it began and ende
     CHECK_FALSE(nlohmann::ordered_json::parse(study->events("P02-simulated")[0].body).contains("study_head"));
     CHECK(verify(*study).problems == std::vector<Problem>{});
   }
-  // Also by somebody who knows of the count.
+  // Also where the count is lowered.
   hidden_sql(path, "DELETE FROM event WHERE kind = 'participant.excluded'; UPDATE tally SET events = events - 1");
   CHECK_THAT(problems_of(path), Catch::StartsWith("Session P03-real, event 1 (session.opened): names an event of the "
                                                   "study itself that is not there"));

@@ -133,12 +133,12 @@ TEST_CASE("an answer after its time-out, and a block before its turn, are found"
 TEST_CASE("the file's mode and what was left beside it are told", "[data]") {
   const TemporaryFolder folder;
   const auto path = filled_study(folder);
-  const auto remarks = [&] { return verify_deep(*Study::open(path, Study::Access::read_only)).remarks; };
-  CHECK(remarks().empty());
+  const auto findings = [&] { return verify_deep(*Study::open(path, Study::Access::read_only)).findings; };
+  CHECK(findings().empty());
   ::chmod(path.c_str(), 0644);
   write_bytes(folder / "study.jnd.lock", "1");
   write_bytes(folder / "study.jnd.jnd-draft-abc123", "half");
-  CHECK(remarks().size() == 3);
+  CHECK(findings().size() == 3);
   ::chmod(path.c_str(), 0666);
   CHECK_THAT(deep_problems(*Study::open(path, Study::Access::read_only)), Catch::Contains("others may write"));
 }

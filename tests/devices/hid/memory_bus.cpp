@@ -27,7 +27,7 @@ std::int64_t machine_ns() {
 
 struct MemoryBus::Handle {
   std::deque<HidReport> unread;
-  bool reads = false;    // somebody does
+  bool reads = false;    // a thread does
   bool waiting = false;  // in a read, for more
 };
 
@@ -98,7 +98,7 @@ MemoryBus::~MemoryBus() {
 std::vector<HidInfo> MemoryBus::list() {
   const std::lock_guard lock(mutex_);
   std::vector<HidInfo> found;
-  HidInfo other;  // of somebody else
+  HidInfo other;  // of another device
   other.path = "/dev/hidraw-keyboard";
   other.usage_page = 1;
   other.usage = 6;
@@ -183,7 +183,7 @@ void MemoryBus::run() noexcept {
 
 void MemoryBus::drive(bool commands) noexcept {
   constexpr std::int64_t kHeld_ns = 200'000'000;
-  // A machine may be too busy to let the writing thread run for as long as that; a device that nobody commands yet, or
+  // A machine may be too busy to let the writing thread run for as long as that; a device without commands yet, or
   // no more, does not keep the loop.
   constexpr milliseconds kBusy(1000), kIdle(20);
   const auto await_commands = [this](Lock& lock, milliseconds patience, bool of_commanded) {

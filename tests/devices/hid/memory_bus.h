@@ -84,7 +84,7 @@ class MemoryBus final : public HidBus, public Clock {
   std::condition_variable changed_;
   std::vector<std::unique_ptr<Slot>> slots_;
   std::atomic<std::int64_t> now_ns_{1'000'000'000'000};
-  // The thread leaves time to whoever drives it, and for a while after.
+  // The thread leaves time to the test that drives it, and for a while after.
   int driving_ = 0;
   std::int64_t driven_until_ns_ = 0;  // of the machine's clock
   bool refuses_ = false;

@@ -1,6 +1,6 @@
 // Whatever a description says, and whatever is asked: no force above the model's hard limit, by the governor or past
 // it.
-#include "protocols/rigs/hard_limits.h"
+#include "protocols/rigs/device_models.h"
 
 #include <cmath>
 

@@ -51,12 +51,12 @@ TEST_CASE("a machine that shows nothing is no failure, and says so") {
   const Machine machine;
   for (const auto& check : {check_kernel(machine.root), check_processors(machine.root), check_frequency(machine.root),
                             check_clock_source(machine.root)}) {
-    CAPTURE(check.name);
+    CAPTURE(check.what);
     CHECK(check.verdict == Verdict::ok);
     CHECK(contains(check.found, "not readable"));
     CHECK(check.what_to_do.empty());
   }
-  const MachineCheck hid = check_hid(machine.root);
+  const Check hid = check_hid(machine.root);
   CHECK(hid.verdict == Verdict::ok);
   CHECK(contains(hid.found, "none connected"));
 }
@@ -81,7 +81,7 @@ TEST_CASE("processors and their load") {
   machine.put("sys/devices/system/cpu/online", "0-3\n");
   machine.put("sys/devices/system/cpu/isolated", "2-3\n");
   machine.put("proc/loadavg", "1.25 0.5 0.4 1/200 1234\n");
-  MachineCheck check = check_processors(machine.root);
+  Check check = check_processors(machine.root);
   CHECK(check.verdict == Verdict::ok);
   CHECK(check.found == "4, of them isolated 2-3, load 1.25");
   machine.put("proc/loadavg", "4.50 0.5 0.4 1/200 1234\n");
@@ -104,7 +104,7 @@ TEST_CASE("frequency governors, grouped, in the order of the processors") {
   CHECK(check_frequency(machine.root).verdict == Verdict::ok);
   CHECK(check_frequency(machine.root).found == "governor performance on 0-11");
   machine.put("sys/devices/system/cpu/cpu3/cpufreq/scaling_governor", "powersave\n");
-  const MachineCheck check = check_frequency(machine.root);
+  const Check check = check_frequency(machine.root);
   CHECK(check.verdict == Verdict::warn);
   CHECK(contains(check.found, "performance on 0-2,4-11, powersave on 3"));
   CHECK(contains(check.what_to_do, "cpupower frequency-set -g performance"));
@@ -131,7 +131,7 @@ TEST_CASE("HID devices: those that may be used, those that may not, and the rule
   machine.put("dev/hidraw0", "");
   machine.put("sys/class/hidraw/hidraw0/device/uevent",
               "DRIVER=hid\nHID_ID=0003:0000ABCD:00000012\nHID_NAME=Thing 1\n");
-  MachineCheck check = check_hid(machine.root);
+  Check check = check_hid(machine.root);
   CHECK(check.verdict == Verdict::ok);
   CHECK(check.found == "1 connected; usable: hidraw0 (Thing 1)");
   // One that nobody may use, root either: a name that leads nowhere. What it is, it does not say.
@@ -161,7 +161,7 @@ TEST_CASE("HID devices of ours are known by their usage, with serial number") {
   fs::create_symlink("nowhere", machine.root / "dev/hidraw4");
   machine.put("sys/class/hidraw/hidraw4/device/uevent", "HID_ID=0005:00001209:00005AFE\nHID_UNIQ=TR-1\n");
   machine.put("sys/class/hidraw/hidraw4/device/report_descriptor", "\x06\x4A\xFF\x09\x02\xA1\x01");
-  const MachineCheck check = check_hid(machine.root);
+  const Check check = check_hid(machine.root);
   CHECK(check.verdict == Verdict::warn);
   CHECK(contains(check.found, "by this login: hidraw4 (tracker TR-1)"));
   CHECK(contains(check.what_to_do, "\"0005:1209:5AFE.*\""));
@@ -222,7 +222,7 @@ TEST_CASE("where studies go, judged by its figures") {
   const auto changed = [&](auto change) {
     StorageFigures figures = fine;
     change(figures);
-    const MachineCheck check = judge_storage(figures);
+    const Check check = judge_storage(figures);
     CHECK_FALSE(check.what_to_do.empty());
     return check.verdict;
   };
@@ -267,7 +267,7 @@ TEST_CASE("where studies go, measured") {
                                          "-other rw - wrong none rw\n");
   StorageProbe probe{.root = machine.root, .is_network = [](long) { return false; }, .syncs = 3};
   for (const fs::path& asked : {machine.root, machine.root / "study.sqlite"}) {
-    const MachineCheck check = check_storage(asked, probe);
+    const Check check = check_storage(asked, probe);
     CAPTURE(check.found);
     CHECK(contains(check.found, folder + " (madeupfs)"));
     CHECK(contains(check.found, "saving a trial takes"));
@@ -276,7 +276,7 @@ TEST_CASE("where studies go, measured") {
   for (const auto& entry : fs::directory_iterator(machine.root)) CHECK(entry.path().filename() == "proc");  // no rest
   probe.is_network = [](long) { return true; };
   CHECK(check_storage(machine.root, probe).verdict == Verdict::bad);
-  const MachineCheck missing = check_storage(machine.root / "no" / "such" / "study.sqlite", probe);
+  const Check missing = check_storage(machine.root / "no" / "such" / "study.sqlite", probe);
   CHECK(missing.verdict == Verdict::bad);
   CHECK(contains(missing.found, "no such folder"));
   CHECK_FALSE(missing.what_to_do.empty());
@@ -284,8 +284,7 @@ TEST_CASE("where studies go, measured") {
 
 TEST_CASE("a folder that cannot be written is bad, with the reason") {
   // /proc/self exists on every Linux and takes no files, not even from root.
-  const MachineCheck check =
-      check_storage("/proc/self", {.root = "/", .is_network = [](long) { return false; }, .syncs = 1});
+  const Check check = check_storage("/proc/self", {.root = "/", .is_network = [](long) { return false; }, .syncs = 1});
   CHECK(check.verdict == Verdict::bad);
   CHECK(contains(check.found, "cannot be written"));
 }

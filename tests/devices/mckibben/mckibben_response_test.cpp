@@ -173,7 +173,7 @@ TEST_CASE("an integral gain ends at the reference, and the steady state says so"
   CHECK(response.final_n == Approx(5).epsilon(1e-12));
   CHECK(response.steady_error_n == Approx(0).margin(1e-9));
   CHECK(response.force_n.back() == Approx(5).margin(0.01));
-  CHECK(std::string(to_text(response.verdict)) == "stable");
+  CHECK(to_string(response.verdict) == "stable");
   // A reference that the supply cannot reach: the steady state is the supply's.
   const StepResponse beyond =
       step_response(kTable1, {.loop = {.gains = {.kp = 0.1, .ki = 3}}, .angle_rad = 0.6, .from_n = 0, .to_n = 900});

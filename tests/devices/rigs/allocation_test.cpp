@@ -14,7 +14,7 @@
 #include "devices/rrs3/rrs3_device.h"
 #include "devices/trackers/pose_feed.h"
 #include "devices/trackers/replay_tracker.h"
-#include "protocols/rigs/rig_spec.h"
+#include "protocols/rigs/rig_description.h"
 #include "tests/catch.h"
 #include "tests/counted_heap.h"
 #include "tests/devices/tracker_fixtures.h"
@@ -29,7 +29,7 @@ bool skipped() {
   return true;
 }
 
-// The compiler may leave out an allocation that nobody looks at; somebody looks at this one.
+// The compiler may leave out an allocation that is not used; this one is.
 template <typename T>
 T* kept(T* pointer) noexcept {
   asm volatile("" : "+r"(pointer) : : "memory");
@@ -96,7 +96,7 @@ struct CountedFingers {
   SimulatedHand hand{HandHabits{}, 2, 1, 1};
   CountingClock clock;
   TelemetryRing telemetry{64};  // soon full: dropping must not allocate either
-  LatestGlimpse glimpse;
+  LatestSnapshot snapshot;
   LoopScene scene{.object = sphere_object({.radius_m = HandHabits{}.sphere_radius_m}), .joint = std::nullopt};
   ControlLoop loop;
   EmergencyStop stop;
@@ -104,7 +104,7 @@ struct CountedFingers {
   CountedFingers()
       : thumb(std::make_unique<Rrs3Device>(spec, Rrs3DeviceOptions{})),
         index(std::make_unique<Rrs3Device>(spec, Rrs3DeviceOptions{})),
-        loop({device(thumb, 0), device(index, 1)}, hand, clock, scene, &telemetry, &glimpse) {}
+        loop({device(thumb, 0), device(index, 1)}, hand, clock, scene, &telemetry, &snapshot) {}
 
   LoopDevice device(CountingDevice& counted, int finger) const {
     LoopDevice one;
@@ -156,7 +156,7 @@ TEST_CASE("from the first read to the last write of an interval nothing is alloc
     REQUIRE(fingers.thumb.reads == given.ticks);
     CHECK(fingers.thumb.largest_n > 1);  // it was felt
     CHECK(fingers.telemetry.take_dropped() > 1000);
-    CHECK(fingers.glimpse.look().ticks > 1000);
+    CHECK(fingers.snapshot.look().ticks > 1000);
     CHECK(fingers.thumb.counted() == 0);
     CHECK(fingers.index.counted() == 0);
   }

@@ -55,7 +55,7 @@ class FaultyDevice final : public FingertipDevice {
     if (!(command.force_n <= 1e9)) told_nonsense = true;
     if (command.force_n != 0 || command.vibration_g != 0) last_action_ns = now_ns;
     if (fails(DeviceFault::disconnect)) return DeviceStatus::lost;
-    if (fails(DeviceFault::drop) || fails(DeviceFault::freeze)) return DeviceStatus::ok;  // nobody hears it
+    if (fails(DeviceFault::drop) || fails(DeviceFault::freeze)) return DeviceStatus::ok;  // without a word
     if (fails(DeviceFault::delay)) {
       const DeviceStatus status = inner_.write(delayed_[place_], now_ns);
       delayed_[place_] = command;

@@ -173,7 +173,7 @@ TEST_CASE("poses go from the tracker's frame to the world's") {
   line.orientation = Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX());
   line.flexion_rad = 0.4;
   REQUIRE(feed.take(line, PoseClock::monotonic, 10));
-  REQUIRE(feed.take(pose_at(kIndex, 5), PoseClock::monotonic, 10));  // nobody wears it
+  REQUIRE(feed.take(pose_at(kIndex, 5), PoseClock::monotonic, 10));  // no device is on this finger
   FingerPose pose;
   CHECK_FALSE(feed.read(1, pose));
   REQUIRE(feed.read(0, pose));

@@ -67,8 +67,8 @@ TEST_CASE("the lines of the documentation are read") {
     CAPTURE(line);
     CHECK(parse_pose_line(line, why));
   }
-  for (const char* const line : {"", "  \t\r", "# a comment", "   # another"}) CHECK(says_nothing(line));
-  CHECK_FALSE(says_nothing("index 1 lost # no comment here"));
+  for (const char* const line : {"", "  \t\r", "# a comment", "   # another"}) CHECK(is_blank_or_comment(line));
+  CHECK_FALSE(is_blank_or_comment("index 1 lost # no comment here"));
 }
 
 TEST_CASE("the lines that the README shows are what it says") {

@@ -36,7 +36,7 @@ std::size_t lines_of(const std::filesystem::path& path) {
   return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
 }
 
-// Neither gone nor a zombie that somebody else has to reap.
+// Neither gone nor a zombie that another process has to reap.
 bool runs(const std::string& pid) {
   const std::string stat = read_file("/proc/" + pid + "/stat");
   const std::size_t name_end = stat.rfind(')');

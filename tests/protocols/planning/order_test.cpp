@@ -45,14 +45,14 @@ TEST_CASE("three series and three conditions: participant 6r + s takes series or
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     Protocol protocol = small_protocol(3, 3, 4, Sampling::balanced);
     protocol.design.series_order = protocol.design.condition_order = Order::permuted;
-    const OrderDeal deal(protocol, seed);
-    CHECK(deal.group_size() == 6);
-    CHECK(deal.pair_count() == 36);
+    const OrderAssignment assignment(protocol, seed);
+    CHECK(assignment.group_size() == 6);
+    CHECK(assignment.pair_count() == 36);
     for (int r = 0; r < 12; ++r) {
       for (int s = 0; s < 6; ++s) {
         const int participant = 6 * r + s + 1;
-        CHECK(deal.series_place(participant) == s);
-        CHECK(deal.condition_place(participant) == (s + r) % 6);
+        CHECK(assignment.series_place(participant) == s);
+        CHECK(assignment.condition_place(participant) == (s + r) % 6);
       }
     }
   }
@@ -78,28 +78,28 @@ TEST_CASE("the deal: groups are balanced, all pairs occur before any repeats") {
       Protocol protocol = small_protocol(one.series, one.conditions, 4, Sampling::balanced);
       protocol.design.series_order = one.series_order;
       protocol.design.condition_order = one.condition_order;
-      const OrderDeal deal(protocol, seed);
-      REQUIRE(static_cast<int>(deal.series_list().size()) == one.series_orders);
-      REQUIRE(static_cast<int>(deal.condition_list().size()) == one.condition_orders);
-      CHECK(deal.group_size() == std::lcm(one.series_orders, one.condition_orders));
-      CHECK(deal.pair_count() == one.series_orders * one.condition_orders);
+      const OrderAssignment assignment(protocol, seed);
+      REQUIRE(static_cast<int>(assignment.series_list().size()) == one.series_orders);
+      REQUIRE(static_cast<int>(assignment.condition_list().size()) == one.condition_orders);
+      CHECK(assignment.group_size() == std::lcm(one.series_orders, one.condition_orders));
+      CHECK(assignment.pair_count() == one.series_orders * one.condition_orders);
 
       // What participants really get, not where they stand in the lists.
       std::map<std::pair<std::vector<int>, std::vector<int>>, int> pairs;
       std::map<std::vector<int>, int> series, conditions;
-      for (int participant = 1; participant <= deal.pair_count(); ++participant) {
-        const auto series_order = deal.series_order(participant);
-        const auto condition_order = deal.condition_orders(participant, series_order).front();
+      for (int participant = 1; participant <= assignment.pair_count(); ++participant) {
+        const auto series_order = assignment.series_order(participant);
+        const auto condition_order = assignment.condition_orders(participant, series_order).front();
         CHECK(++pairs[{series_order, condition_order}] == 1);
         ++series[series_order];
         ++conditions[condition_order];
-        if (participant % deal.group_size() != 0) continue;
+        if (participant % assignment.group_size() != 0) continue;
         REQUIRE(static_cast<int>(series.size()) == one.series_orders);
         REQUIRE(static_cast<int>(conditions.size()) == one.condition_orders);
         for (const auto& [order, count] : series) CHECK(count == participant / one.series_orders);
         for (const auto& [order, count] : conditions) CHECK(count == participant / one.condition_orders);
       }
-      CHECK(static_cast<int>(pairs.size()) == deal.pair_count());
+      CHECK(static_cast<int>(pairs.size()) == assignment.pair_count());
     }
   }
 }
@@ -110,10 +110,10 @@ TEST_CASE("seeds shuffle the lists") {
   protocol.design.condition_order = Order::williams;
   std::map<std::vector<int>, int> first_series, first_conditions;
   for (std::uint64_t seed = 0; seed < 600; ++seed) {
-    const OrderDeal deal(protocol, seed);
-    const auto series = deal.series_order(1);
+    const OrderAssignment assignment(protocol, seed);
+    const auto series = assignment.series_order(1);
     ++first_series[series];
-    ++first_conditions[deal.condition_orders(1, series).front()];
+    ++first_conditions[assignment.condition_orders(1, series).front()];
   }
   // Each of 6 orders 100 times, SD 9.1.
   CHECK(first_series.size() == 6);
@@ -131,12 +131,12 @@ TEST_CASE("one condition order serves all series unless per_series") {
     CHECK(plan.condition_orders == std::vector<std::vector<int>>(3, plan.condition_orders.front()));
   }
   protocol.design.per_series = true;
-  const OrderDeal deal(protocol, 5);
+  const OrderAssignment assignment(protocol, 5);
   for (int participant = 1; participant <= 40; ++participant) {
     const Plan plan = make_plan(protocol, participant, 5);
-    const auto& list = deal.condition_list();
+    const auto& list = assignment.condition_list();
     for (std::size_t j = 0; j < 3; ++j) {
-      const auto place = static_cast<std::size_t>(deal.condition_place(participant)) + j;
+      const auto place = static_cast<std::size_t>(assignment.condition_place(participant)) + j;
       CHECK(plan.condition_orders[j] == list[place % list.size()]);
     }
   }

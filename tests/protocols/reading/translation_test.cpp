@@ -87,7 +87,7 @@ TEST_CASE("what a translation leaves out stays as it is, and is warned about") {
   CHECK(leaves_out("$.questions[1].options[1]"));
   CHECK(leaves_out("$.instructions[2].text"));
   CHECK_FALSE(leaves_out("$.consent"));
-  CHECK_FALSE(leaves_out("$.title"));              // nobody needs these in another language:
+  CHECK_FALSE(leaves_out("$.title"));              // these are not translated:
   CHECK_FALSE(leaves_out("$.checklist[0].text"));  // they are the operator's
   const ProtocolCheck check = check_protocol(complete().bytes, "p.json");
   const auto warned = std::count_if(check.warnings.begin(), check.warnings.end(), [](const Diagnostic& warning) {

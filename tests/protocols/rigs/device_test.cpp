@@ -1,6 +1,6 @@
 // Specifications of devices and rigs.
 #include "protocols/input/sha256.h"
-#include "protocols/rigs/rig_spec.h"
+#include "protocols/rigs/rig_description.h"
 #include "tests/catch.h"
 #include "tests/protocols/examples.h"
 #include "tests/protocols/rigs.h"

@@ -1,5 +1,5 @@
 // No description of a device raises a limit above its model's hard one.
-#include "protocols/rigs/hard_limits.h"
+#include "protocols/rigs/device_models.h"
 
 #include <cmath>
 

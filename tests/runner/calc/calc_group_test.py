@@ -11,7 +11,8 @@ import unittest
 
 JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
 HERE = os.path.dirname(os.path.abspath(__file__))
-with open(os.path.join(HERE, "..", "..", "analysis", "group_reference.json"), encoding="utf-8") as reference_file:
+ANALYSIS = os.path.join(HERE, "..", "..", "..", "analysis")
+with open(os.path.join(ANALYSIS, "selftest", "group_reference.json"), encoding="utf-8") as reference_file:
     REFERENCE = json.load(reference_file)
 
 

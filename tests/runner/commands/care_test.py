@@ -165,6 +165,27 @@ class Care(unittest.TestCase):
             refused = self.jnd(arguments[0], "s.sqlite", *arguments[1:], code=5).stderr
             self.assertIn("is not a study of this program: it has a trigger z that no study has; it was not changed", refused)
 
+    def test_a_study_from_before_the_release_is_refused_by_every_command(self):
+        self.simulate("other.sqlite", 6)
+        with sqlite3.connect(self.path("s.sqlite")) as study:
+            study.execute(f"PRAGMA application_id = {0x6A6E6473}")
+            study.execute("PRAGMA user_version = 4")
+        with open(self.path("s.sqlite"), "rb") as file:
+            before = file.read()
+        for arguments in (("status", "s.sqlite"), ("verify", "s.sqlite"), ("verify", "s.sqlite", "--deep"), ("analyze", "s.sqlite", "--no-methods"),
+                          ("export", "s.sqlite", "--to", "out"), ("report", "s.sqlite", "--to", "r.html"), ("note", "s.sqlite", "hello"),
+                          ("exclude", "s.sqlite", "--participant", "P01", "--reason", "ill"), ("unblind", "s.sqlite", "--reason", "safety"),
+                          ("plan", "--study", "s.sqlite", "--participant", "1"), ("backup", "s.sqlite", "--to", "b.sqlite"),
+                          ("recover", "s.sqlite", "--to", "b.sqlite"), ("merge", "s.sqlite", "other.sqlite", "--to", "b.sqlite"),
+                          ("simulate", "tutorial", "--participants", "2", "--study", "s.sqlite"),
+                          ("run", "tutorial", "--study", "s.sqlite", "--participant", "P09", "--responder", "chinello2017", "--fast")):
+            refused = self.jnd(*arguments, code=3 if arguments[0] == "merge" else 5).stderr
+            self.assertIn("s.sqlite: was written by a jnd from before its first release, whose files this program does not read; "
+                          "it was not changed. Simulate or run the study again", refused)
+            with open(self.path("s.sqlite"), "rb") as file:
+                self.assertEqual(file.read(), before, arguments)
+        self.assertEqual(sorted(os.listdir(self.folder)), ["other.sqlite", "s.sqlite"])
+
     def test_a_session_that_is_closed_and_cut_is_not_whole(self):
         study = sqlite3.connect(self.path("s.sqlite"))
         session, last = study.execute("SELECT session, max(seq) FROM event WHERE session <> 'study' GROUP BY session").fetchone()

@@ -300,6 +300,16 @@ class CommandLine(unittest.TestCase):
                 self.assertIn(error, self.jnd(*command, code=3).stderr)
             self.assertFalse(os.path.exists(os.path.join(self.path, "unfit.sqlite")))
 
+    def test_check_and_run_refuse_an_object_of_free_interaction_that_does_not_exist(self):
+        def with_ghost(protocol):
+            protocol["explore"]["objects"][1] = "ghost"
+        path = self.variant("chinello2017-experiment2", "ghost.json", with_ghost)
+        words = "$.explore.objects[1]: no object called 'ghost' is shipped"
+        self.assertIn(words, self.jnd("check", path, code=3).stdout)
+        run = ("run", path, "--participant", "P01", "--responder", "chinello2017", "--fast", "--study", "ghost.sqlite")
+        self.assertIn(words, self.jnd(*run, code=3).stderr)
+        self.assertFalse(os.path.exists(os.path.join(self.path, "ghost.sqlite")))
+
     def test_sessions_are_not_counted_as_participants(self):
         def twice(protocol):
             protocol["design"]["sessions"] = 2

@@ -158,24 +158,26 @@ TEST_CASE("Numbers are kept as plain decimals") {
 }
 
 TEST_CASE("The protocol's answer keys win, and the operator's move to another key") {
-  const auto action = [](const KeyMap& keys, char32_t c) { return keys.action_of({KeyName::character, c, 0}); };
+  const auto meaning = [](const KeyMap& keys, char32_t c) {
+    return keys.binding_of({KeyName::character, c, 0}).value().meaning;
+  };
   Timeline timeline;
   KeyMap keys = question_keys(timeline);
-  CHECK(action(keys, 's') == Action::answer_same);
-  CHECK(action(keys, 'r') == Action::repeat_trial);
-  CHECK(action(keys, 'x') == Action::stop);
-  CHECK(action(keys, 'X') == Action::stop);
+  CHECK(meaning(keys, 's') == KeyMeaning(Judgement::same));
+  CHECK(meaning(keys, 'r') == KeyMeaning(Request::repeat_trial));
+  CHECK(meaning(keys, 'x') == KeyMeaning(Request::stopped));
+  CHECK(meaning(keys, 'X') == KeyMeaning(Request::stopped));
   timeline.key_same = 'r';
   timeline.key_different = 'n';
   keys = question_keys(timeline);
-  CHECK(action(keys, 'r') == Action::answer_same);
-  CHECK(action(keys, 'n') == Action::answer_different);
-  CHECK(action(keys, 'R') == Action::repeat_trial);
-  CHECK(action(keys, 'N') == Action::note);
+  CHECK(meaning(keys, 'r') == KeyMeaning(Judgement::same));
+  CHECK(meaning(keys, 'n') == KeyMeaning(Judgement::different));
+  CHECK(meaning(keys, 'R') == KeyMeaning(Request::repeat_trial));
+  CHECK(meaning(keys, 'N') == KeyMeaning(Request::note));
   timeline.key_different = 'R';
   keys = question_keys(timeline);
-  CHECK(action(keys, 'R') == Action::answer_different);
-  CHECK(action(keys, '0') == Action::repeat_trial);
+  CHECK(meaning(keys, 'R') == KeyMeaning(Judgement::different));
+  CHECK(meaning(keys, '0') == KeyMeaning(Request::repeat_trial));
 }
 
 TEST_CASE("The stop key is explained as what it is, also where it is no key of the scene") {
@@ -187,7 +189,7 @@ TEST_CASE("The stop key is explained as what it is, also where it is no key of t
 
 TEST_CASE("Keys can be left out of those that are shown") {
   const KeyMap keys = question_keys(Timeline());
-  const std::vector<KeyHint> hints = keys.without({Action::answer_same, Action::help}).hints();
+  const std::vector<KeyHint> hints = keys.without({Judgement::same, HelpWanted{}}).hints();
   CHECK(hints.size() == keys.hints().size() - 2);
   for (const KeyHint& hint : hints) CHECK((hint.key != "s" && hint.key != "?"));
 }
@@ -197,10 +199,10 @@ TEST_CASE("Wrong keys are explained") {
   CHECK(keys.explanation({KeyName::character, 'S', 0}).find("Caps Lock") != std::string::npos);
   CHECK(keys.explanation({KeyName::character, 'z', 0}).find("[s] same, [d] different") != std::string::npos);
   CHECK(keys.explanation({KeyName::control, 'z', 0}).find("background") != std::string::npos);
-  CHECK(keys.action_of(named(KeyName::up)) == std::nullopt);
-  CHECK(ready_keys(false).action_of({KeyName::character, 'u', 0}) == std::nullopt);
-  CHECK(ready_keys(true).action_of({KeyName::character, 'u', 0}) == Action::void_last);
-  CHECK(ready_keys(true).action_of(named(KeyName::enter)) == Action::go_on);
+  CHECK(!keys.binding_of(named(KeyName::up)));
+  CHECK(!ready_keys(false).binding_of({KeyName::character, 'u', 0}));
+  CHECK(ready_keys(true).binding_of({KeyName::character, 'u', 0}).value().asks(Request::void_last));
+  CHECK(ready_keys(true).binding_of(named(KeyName::enter)).value().asks(Request::go_on));
 }
 
 }  // namespace

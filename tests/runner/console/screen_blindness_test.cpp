@@ -10,7 +10,7 @@
 #include "devices/loop/telemetry_ring.h"
 #include "devices/rigs/fingertip_rig.h"
 #include "devices/rigs/rig_factory.h"
-#include "protocols/rigs/rig_spec.h"
+#include "protocols/rigs/rig_description.h"
 #include "runner/console/screen_parts.h"
 #include "runner/session/device_health.h"
 #include "tests/catch.h"
@@ -21,11 +21,11 @@ namespace {
 
 const std::string kSource = JND_SOURCE_DIR;
 constexpr int kIntervals = 100;           // of each class
-constexpr std::int64_t kLook_ticks = 25;  // between two glimpses of the loop
+constexpr std::int64_t kLook_ticks = 25;  // between two snapshots of the loop
 constexpr double kHabit_m = 0.005;        // depth of the shipped hand
 constexpr double kForce_n = 3.6;          // of a hand that presses everything equally hard: 4 mm at 900 N/m, 9 at 400
 
-// An interval as it could be shown: at every glimpse, whether there is contact, and how deep it is.
+// An interval as it could be shown: at every snapshot, whether there is contact, and how deep it is.
 struct Shown {
   std::vector<bool> contact;
   std::vector<int> depth;  // 0 none, 1 light, 2 medium, 3 deep: thirds of the expected press
@@ -172,12 +172,12 @@ TEST_CASE("From what the screen shows neither the stiffness nor the condition of
 
 // The same finger, whatever is rendered to it: the same rows, letter by letter.
 TEST_CASE("The row of the devices is the same at every stiffness and in every condition") {
-  const Paper paper;
+  const Area area;
   const auto rows = [&](const Cues& cues, double stiffness) {
     std::string text;
     for (const bool contact : present(cues, stiffness, Hand::shipped, 7).contact) {
-      LoopGlimpse glimpse{.ticks = 25, .elapsed_s = 0.025, .contact = contact};
-      for (const Span& part : health_row(paper, health_of(glimpse))) text += part.text + " ";
+      LoopSnapshot snapshot{.ticks = 25, .elapsed_s = 0.025, .contact = contact};
+      for (const Span& part : health_row(area, health_of(snapshot))) text += part.text + " ";
       text += "\n";
     }
     return text;
@@ -190,7 +190,7 @@ TEST_CASE("The row of the devices is the same at every stiffness and in every co
 }
 
 TEST_CASE("What a presentation delivered leaves no trace on the screen when it is over") {
-  const Paper paper;
+  const Area area;
   const auto row_of = [&](double force_n, double saturated_share, Fault fault) {
     Presentation given;
     given.ticks = 3000;
@@ -201,7 +201,7 @@ TEST_CASE("What a presentation delivered leaves no trace on the screen when it i
     finger.saturated_share = saturated_share;
     given.fingers = {finger};
     std::string text;
-    for (const Span& part : health_row(paper, health_of(given))) text += part.text + " ";
+    for (const Span& part : health_row(area, health_of(given))) text += part.text + " ";
     return text;
   };
   const std::string rest = row_of(0, 0, Fault::none);

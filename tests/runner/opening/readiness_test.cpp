@@ -92,9 +92,9 @@ class StudyFolder {
   fs::path path_;
 };
 
-const MachineCheck& item(const Readiness& readiness, const char* name) {
+const Check& item(const Readiness& readiness, const char* name) {
   const auto found = std::find_if(readiness.items.begin(), readiness.items.end(),
-                                  [&](const MachineCheck& check) { return check.name == name; });
+                                  [&](const Check& check) { return check.what == name; });
   REQUIRE(found != readiness.items.end());
   return *found;
 }
@@ -133,14 +133,14 @@ TEST_CASE("a calibration holds for as long as the description says") {
   CHECK(check_calibration(calibrated(30, 90), kToday_ns).verdict == Verdict::ok);
   CHECK(check_calibration(calibrated(85, 90), kToday_ns).verdict == Verdict::warn);
   CHECK(check_calibration(calibrated(90, 90), kToday_ns).verdict == Verdict::warn);
-  const MachineCheck late = check_calibration(calibrated(91, 90), kToday_ns);
+  const Check late = check_calibration(calibrated(91, 90), kToday_ns);
   CHECK(late.verdict == Verdict::bad);
   CHECK(contains(late.found, "rrs3: 2025-11-17, 91 days ago, holds 90, out of date"));
   CHECK(contains(late.what_to_do, "calibrate the rrs3"));
   // One that is renewed before every session is not always about to end.
   CHECK(check_calibration(calibrated(0, 1), kToday_ns).verdict == Verdict::ok);
   CHECK(check_calibration(calibrated(-1, 90), kToday_ns).verdict == Verdict::ok);
-  const MachineCheck ahead = check_calibration(calibrated(-3, 90), kToday_ns);
+  const Check ahead = check_calibration(calibrated(-3, 90), kToday_ns);
   CHECK(ahead.verdict == Verdict::bad);
   CHECK(contains(ahead.found, "which is to come"));
 }
@@ -148,7 +148,7 @@ TEST_CASE("a calibration holds for as long as the description says") {
 TEST_CASE("every device of a rig has a calibration of its own") {
   RigSpec spec = load_rig_spec(JND_SOURCE_DIR "/devices/specs/rrs3+mckibben.json");
   spec.devices[1].calibration = Calibration{std::chrono::sys_days(std::chrono::days(20'000)), 100};
-  const MachineCheck check = check_calibration(spec, kToday_ns);
+  const Check check = check_calibration(spec, kToday_ns);
   CHECK(check.verdict == Verdict::bad);
   CHECK(contains(check.found, "rrs3: its description states none; mckibben: "));
 }
@@ -157,7 +157,7 @@ TEST_CASE("the plan is the participant's own, balanced, and within the cohort") 
   const Protocol protocol = published();
   const Plan plan = make_plan(protocol, 1, 7);
   CHECK(check_plan_balance(protocol, plan).verdict == Verdict::ok);
-  const MachineCheck beyond = check_plan_balance(protocol, make_plan(protocol, protocol.design.participants + 1, 7));
+  const Check beyond = check_plan_balance(protocol, make_plan(protocol, protocol.design.participants + 1, 7));
   CHECK(beyond.verdict == Verdict::warn);
   CHECK(contains(beyond.found, "more participants than the protocol plans"));
 
@@ -165,7 +165,7 @@ TEST_CASE("the plan is the participant's own, balanced, and within the cohort") 
   const auto main =
       std::find_if(tampered.trials.begin(), tampered.trials.end(), [](const Trial& trial) { return !trial.practice; });
   main->same = !main->same;
-  const MachineCheck unequal = check_plan_balance(protocol, tampered);
+  const Check unequal = check_plan_balance(protocol, tampered);
   CHECK(unequal.verdict == Verdict::bad);
   CHECK(contains(unequal.found, "1 of 9 cells"));
   // Practice does not count.
@@ -176,13 +176,13 @@ TEST_CASE("the plan is the participant's own, balanced, and within the cohort") 
   random.design.sampling = Sampling::random;
   Plan one_sided = plan;
   for (Trial& trial : one_sided.trials) trial.same = true;
-  const MachineCheck lopsided = check_plan_balance(random, one_sided);
+  const Check lopsided = check_plan_balance(random, one_sided);
   CHECK(lopsided.verdict == Verdict::warn);
   CHECK(contains(lopsided.found, "9 of 9 cells have same or different trials only"));
 
   Protocol five = protocol;
   five.design.participants = 5;
-  const MachineCheck uneven = check_plan_balance(five, plan);
+  const Check uneven = check_plan_balance(five, plan);
   CHECK(uneven.verdict == Verdict::warn);
   CHECK(contains(uneven.what_to_do, "plan 6 participants"));
 }
@@ -192,7 +192,7 @@ TEST_CASE("nothing about the plan tells the operator a condition's name") {
   for (Condition& condition : protocol.conditions) condition.name = condition.label = "secret";
   Plan plan = make_plan(protocol, 1, 7);
   for (Trial& trial : plan.trials) trial.same = true;
-  const MachineCheck check = check_plan_balance(protocol, plan);
+  const Check check = check_plan_balance(protocol, plan);
   CHECK(check.verdict == Verdict::bad);
   CHECK_FALSE(contains(check.found + check.what_to_do, "secret"));
 }
@@ -203,7 +203,7 @@ TEST_CASE("who has finished, is excluded, or has another's number does not begin
   };
   CHECK(check({}).verdict == Verdict::ok);
   CHECK(check({session("P01", 1, "open", SessionKind::real)}).verdict == Verdict::ok);
-  const MachineCheck done = check({session("P01", 1, "closed", SessionKind::real)});
+  const Check done = check({session("P01", 1, "closed", SessionKind::real)});
   CHECK(done.verdict == Verdict::bad);
   CHECK(contains(done.found, "has finished session 1 of 2"));
   CHECK(contains(done.what_to_do, "next session"));
@@ -225,7 +225,7 @@ TEST_CASE("who has finished, is excluded, or has another's number does not begin
   other.excluded = other.replaced = true;  // its number is free again
   CHECK(check({other}).verdict == Verdict::ok);
 
-  const MachineCheck unfinished = check({session("P03", 3, "open", SessionKind::real)});
+  const Check unfinished = check({session("P03", 3, "open", SessionKind::real)});
   CHECK(unfinished.verdict == Verdict::warn);
   CHECK(contains(unfinished.found, "the session of P03 is not finished"));
 }
@@ -255,7 +255,7 @@ TEST_CASE("telemetry of every tick has room") {
 TEST_CASE("the rig itself is tried, without a cue, and leaves no ticks behind") {
   TestRig rig;
   rig.keeps_ticks = true;
-  const MachineCheck check = check_devices(rrs3(), rig);
+  const Check check = check_devices(rrs3(), rig);
   CHECK(check.verdict == Verdict::ok);
   CHECK(contains(check.found, "checks of its description passed"));
   CHECK(contains(check.found, "250 ticks without a fault"));
@@ -273,7 +273,7 @@ TEST_CASE("the rig itself is tried, without a cue, and leaves no ticks behind") 
 TEST_CASE("a rig that does not answer, one that is stopped, and one that is not what it says are not used") {
   TestRig rig;
   rig.fault = Fault::device_lost;
-  const MachineCheck lost = check_devices(rrs3(), rig);
+  const Check lost = check_devices(rrs3(), rig);
   CHECK(lost.verdict == Verdict::bad);
   CHECK(contains(lost.found, "device_lost"));
   CHECK(contains(lost.what_to_do, "cables"));
@@ -287,7 +287,7 @@ TEST_CASE("a rig that does not answer, one that is stopped, and one that is not 
   RigSpec wrong = rrs3();
   wrong.devices[0].l1_m *= 1.2;
   TestRig other;
-  const MachineCheck check = check_devices(wrong, other);
+  const Check check = check_devices(wrong, other);
   CHECK(check.verdict == Verdict::bad);
   CHECK(contains(check.what_to_do, "do not use this rig"));
 }
@@ -361,15 +361,14 @@ TEST_CASE("a real session is looked at with everything, and what a reason sets a
 
 TEST_CASE("the text is one line where all is well, and never a command to the terminal") {
   Readiness readiness;
-  readiness.items = {{.name = "plan", .verdict = Verdict::ok, .found = "fine", .what_to_do = ""},
-                     {.name = "loop", .verdict = Verdict::ok, .found = "fine", .what_to_do = ""}};
+  readiness.items = {{.what = "plan", .verdict = Verdict::ok, .found = "fine"},
+                     {.what = "loop", .verdict = Verdict::ok, .found = "fine"}};
   CHECK(readiness_text(readiness) == "Ready: plan, loop.\n");
   // What the devices may do is said in any case.
-  readiness.items.push_back(
-      {.name = "limits", .verdict = Verdict::ok, .found = "rrs3 at most 4.7 N", .what_to_do = ""});
+  readiness.items.push_back({.what = "limits", .verdict = Verdict::ok, .found = "rrs3 at most 4.7 N"});
   CHECK(readiness_text(readiness) == "Ready: plan, loop, limits.\nLimits: rrs3 at most 4.7 N.\n");
   readiness.items.pop_back();
-  readiness.items[1] = {.name = "loop", .verdict = Verdict::warn, .found = "\x1b[2Jlate", .what_to_do = "be\x07 quiet"};
+  readiness.items[1] = {.what = "loop", .verdict = Verdict::warn, .found = "\x1b[2Jlate", .what_to_do = "be\x07 quiet"};
   const std::string text = readiness_text(readiness);
   CHECK(contains(text, "late"));
   CHECK_FALSE(contains(text, "\x1b[2J"));

@@ -45,8 +45,8 @@ TEST_CASE("a stream for every finger is ready, even where it begins late") {
   TrackedRig rig;
   rig.misses_first = 20;
   rig.report.latency_p99_ms = 4.25;
-  const MachineCheck check = check_tracker(rig);
-  CHECK(check.name == "tracker");
+  const Check check = check_tracker(rig);
+  CHECK(check.what == "tracker");
   CHECK(check.verdict == Verdict::ok);
   CHECK(contains(check.found, "process bridge: 200 poses a second"));
   CHECK(check.what_to_do.empty());
@@ -55,13 +55,13 @@ TEST_CASE("a stream for every finger is ready, even where it begins late") {
 TEST_CASE("a stream that never comes, or mostly does not, is bad") {
   TrackedRig never;
   never.misses_first = 1'000'000;
-  const MachineCheck check = check_tracker(never);
+  const Check check = check_tracker(never);
   CHECK(check.verdict == Verdict::bad);
   CHECK(contains(check.found, "no pose of the thumb has come yet"));
   CHECK(contains(check.what_to_do, "hold the fingers"));
   TrackedRig often;
   often.misses_each = 3;
-  const MachineCheck third = check_tracker(often);
+  const Check third = check_tracker(often);
   CHECK(third.verdict == Verdict::bad);
   CHECK(contains(third.found, "does not see the thumb"));
 }
@@ -69,7 +69,7 @@ TEST_CASE("a stream that never comes, or mostly does not, is bad") {
 TEST_CASE("a stream that fails now and then is a warning") {
   TrackedRig rig;
   rig.misses_each = 15;
-  const MachineCheck check = check_tracker(rig);
+  const Check check = check_tracker(rig);
   CHECK(check.verdict == Verdict::warn);
   CHECK(contains(check.found, "now and then"));
 }
@@ -77,7 +77,7 @@ TEST_CASE("a stream that fails now and then is a warning") {
 TEST_CASE("a stream below 50 poses a second is bad") {
   TrackedRig rig;
   rig.report.rate_hz = 49.9;
-  const MachineCheck check = check_tracker(rig);
+  const Check check = check_tracker(rig);
   CHECK(check.verdict == Verdict::bad);
   CHECK(contains(check.found, "fewer than 50 poses a second"));
   rig.report.rate_hz = 50;
@@ -88,7 +88,7 @@ TEST_CASE("refused lines are a warning, with the first of them") {
   TrackedRig rig;
   rig.report.refused = 3;
   rig.report.trouble = "of bridge this line was refused: \"x\"";
-  const MachineCheck check = check_tracker(rig);
+  const Check check = check_tracker(rig);
   CHECK(check.verdict == Verdict::warn);
   CHECK(contains(check.found, "3 lines or reports were refused: of bridge"));
   CHECK(contains(check.what_to_do, "trackers/README.md"));

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "protocols/rigs/rig_spec.h"
+#include "protocols/rigs/rig_description.h"
 #include "runner/opening/readiness_items.h"
 #include "runner/opening/rig_limits.h"
 #include "tests/catch.h"
@@ -82,7 +82,7 @@ TEST_CASE("a description that is not the shipped one to the byte is called so, w
   std::string weaker = shipped_rrs3();
   weaker.replace(weaker.find("4.7"), 3, "3.0");
   WorkingFolder::put("other.json", weaker);
-  const MachineCheck other = check_description(load_rig_spec("other.json"));
+  const Check other = check_description(load_rig_spec("other.json"));
   CHECK(other.verdict == Verdict::warn);
   CHECK(other.found == "rrs3 at most 3 N, 2000 N/m; not the shipped rrs3");
   CHECK_FALSE(other.what_to_do.empty());

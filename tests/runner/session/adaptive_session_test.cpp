@@ -23,7 +23,9 @@ using test::staircase;
 class EndBefore final : public SessionView {
  public:
   explicit EndBefore(int trials) : left_(trials) {}
-  OperatorWish ready(const TrialOutline&) override { return {left_-- > 0 ? Wish::go_on : Wish::end_for_now, {}}; }
+  OperatorRequest ready(const TrialOutline&) override {
+    return {left_-- > 0 ? Request::go_on : Request::end_for_now, {}};
+  }
 
  private:
   int left_;
@@ -199,7 +201,7 @@ TEST_CASE("The share of catch trials is kept all along, and both stiffnesses are
 TEST_CASE("The outline counts down what may still come") {
   class Watcher final : public SessionView {
    public:
-    OperatorWish ready(const TrialOutline& outline) override {
+    OperatorRequest ready(const TrialOutline& outline) override {
       CHECK(outline.at_most);
       CHECK(outline.number == ++trials);
       CHECK(outline.total <= last_total);

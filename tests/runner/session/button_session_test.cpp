@@ -130,13 +130,13 @@ TEST_CASE("The stop pedal at the question voids the trial too") {
 
 TEST_CASE("Readiness names the box that answers, and is bad where it has gone") {
   ButtonBench bench;
-  const MachineCheck fine = check_buttons(bench.box);
-  CHECK(fine.name == "buttons");
+  const Check fine = check_buttons(bench.box);
+  CHECK(fine.what == "buttons");
   CHECK(fine.verdict == Verdict::ok);
   CHECK(fine.found.find("Foot pedal (05f3:00ff), same, different and stop") != std::string::npos);
   bench.bus.unplug();
   for (int i = 0; i < 100 && bench.box.there(); ++i) bench.wait_ms(50);
-  const MachineCheck gone = check_buttons(bench.box);
+  const Check gone = check_buttons(bench.box);
   CHECK(gone.verdict == Verdict::bad);
   CHECK_FALSE(gone.what_to_do.empty());
 }

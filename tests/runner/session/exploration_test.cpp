@@ -37,7 +37,7 @@ Protocol exploring(const json& changes = {}) {
 // An operator who follows a script: by the n-th asking, from 1.
 class ScriptedVisit final : public SessionView {
  public:
-  OperatorWish ready_to_explore(const ExplorationOutline& outline) override {
+  OperatorRequest ready_to_explore(const ExplorationOutline& outline) override {
     outlines.push_back(outline);
     return at(before, static_cast<int>(outlines.size()));
   }
@@ -45,23 +45,23 @@ class ScriptedVisit final : public SessionView {
     left.push_back(left_s);
     return !during.contains(static_cast<int>(left.size()));
   }
-  OperatorWish meanwhile() override { return at(during, static_cast<int>(left.size())); }
-  OperatorWish paused(const std::string&) override { return in_pause; }
-  OperatorWish recover(const std::string& stopped_by) override {
+  OperatorRequest meanwhile() override { return at(during, static_cast<int>(left.size())); }
+  OperatorRequest paused(const std::string&) override { return in_pause; }
+  OperatorRequest recover(const std::string& stopped_by) override {
     stops.push_back(stopped_by);
     return in_recovery;
   }
 
-  std::map<int, OperatorWish> before, during;
-  OperatorWish in_pause{Wish::go_on, {}}, in_recovery{Wish::go_on, "all well"};
+  std::map<int, OperatorRequest> before, during;
+  OperatorRequest in_pause{Request::go_on, {}}, in_recovery{Request::go_on, "all well"};
   std::vector<ExplorationOutline> outlines;
   std::vector<double> left;
   std::vector<std::string> stops;
 
  private:
-  static OperatorWish at(const std::map<int, OperatorWish>& script, int asking) {
+  static OperatorRequest at(const std::map<int, OperatorRequest>& script, int asking) {
     const auto found = script.find(asking);
-    return found == script.end() ? OperatorWish{} : found->second;
+    return found == script.end() ? OperatorRequest{} : found->second;
   }
 };
 
@@ -167,7 +167,7 @@ TEST_CASE("After an emergency stop only the operator's word goes on") {
     return request.id.trial == 1 && request.id.attempt == 1 ? Fault::emergency_stop : Fault::none;
   };
   ScriptedVisit view;
-  view.in_recovery = {Wish::end_for_now, "call the engineer"};
+  view.in_recovery = {Request::end_for_now, "call the engineer"};
   REQUIRE(bench.run(view) == SessionEnd::interrupted);
   CHECK(view.stops == std::vector<std::string>{"key"});
   CHECK(bodies(bench.log, event_kind::kExplorationVoided).size() == 1);
@@ -184,13 +184,13 @@ TEST_CASE("A stop before an exploration is cleared first, and uses no attempt up
   class Pressing final : public SessionView {
    public:
     explicit Pressing(Bench& bench) : bench_(bench) {}
-    OperatorWish ready_to_explore(const ExplorationOutline&) override {
+    OperatorRequest ready_to_explore(const ExplorationOutline&) override {
       if (++asked_ <= 3) bench_.rig.stop.latch(StopSource::key);
       return {};
     }
-    OperatorWish recover(const std::string& stopped_by) override {
+    OperatorRequest recover(const std::string& stopped_by) override {
       stops.push_back(stopped_by);
-      return {Wish::go_on, "all well"};
+      return {Request::go_on, "all well"};
     }
     std::vector<std::string> stops;
 
@@ -210,7 +210,7 @@ TEST_CASE("A stop before an exploration is cleared first, and uses no attempt up
 TEST_CASE("The stop key counts with bare hands too") {
   Bench bench(exploring());
   ScriptedVisit view;
-  view.before[3] = {Wish::note, "bare hands now"};
+  view.before[3] = {Request::note, "bare hands now"};
   bool latched = false;
   bench.rig.fault = [](const PresentRequest&) { return Fault::none; };
   struct Stopping final : public SessionView {
@@ -222,13 +222,13 @@ TEST_CASE("The stop key counts with bare hands too") {
       }
       return true;
     }
-    OperatorWish ready_to_explore(const ExplorationOutline& outline) override {
+    OperatorRequest ready_to_explore(const ExplorationOutline& outline) override {
       devices_over = !outline.devices;
       return {};
     }
-    OperatorWish recover(const std::string& by) override {
+    OperatorRequest recover(const std::string& by) override {
       stopped_by = by;
-      return {Wish::go_on, "fine again"};
+      return {Request::go_on, "fine again"};
     }
     Bench& bench;
     bool& latched;
@@ -246,8 +246,8 @@ TEST_CASE("A pause takes nothing from the time") {
   Bench bench(exploring());
   bench.person = true;
   ScriptedVisit view;
-  view.during[1] = {Wish::pause, "drinks water"};
-  view.during[40] = {Wish::pause, "again"};  // bare hands
+  view.during[1] = {Request::pause, "drinks water"};
+  view.during[40] = {Request::pause, "again"};  // bare hands
   REQUIRE(bench.run(view) == SessionEnd::completed);
   check_whole(bench.log);
   CHECK(bodies(bench.log, event_kind::kPaused).size() == 2);
@@ -259,8 +259,8 @@ TEST_CASE("What the operator repeats or ends is logged with the reason") {
   Bench bench(exploring());
   bench.person = true;
   ScriptedVisit view;
-  view.during[1] = {Wish::repeat_trial, "strap slipped"};
-  view.during[2] = {Wish::end_block, "has had enough"};  // of the second attempt, after one piece
+  view.during[1] = {Request::repeat_trial, "strap slipped"};
+  view.during[2] = {Request::end_block, "has had enough"};  // of the second attempt, after one piece
   REQUIRE(bench.run(view) == SessionEnd::completed);
   const std::vector<json> voided = bodies(bench.log, event_kind::kExplorationVoided);
   REQUIRE(voided.size() == 1);
@@ -277,7 +277,7 @@ TEST_CASE("A block that the operator gives up is not explored, its questions com
   Bench bench(exploring());
   bench.person = true;
   ScriptedVisit view;
-  view.before[2] = {Wish::end_block, "device broken"};
+  view.before[2] = {Request::end_block, "device broken"};
   REQUIRE(bench.run(view) == SessionEnd::completed);
   CHECK(bodies(bench.log, event_kind::kBlockEnded)[0].at("reason") == "device broken");
   CHECK(bodies(bench.log, event_kind::kExploration).size() == 3);
@@ -290,7 +290,7 @@ TEST_CASE("An end in the middle voids what was felt, without using up an attempt
   bench.person = true;
   for (int times = 1; times <= 5; ++times) {
     ScriptedVisit view;
-    view.during[1] = {Wish::end_for_now, "later"};
+    view.during[1] = {Request::end_for_now, "later"};
     REQUIRE(bench.run(view) == SessionEnd::interrupted);
     CHECK(view.outlines[0].attempt == times);
   }

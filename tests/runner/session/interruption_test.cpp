@@ -30,7 +30,7 @@ TEST_CASE("Ctrl-C in a presentation pauses: the stimulus that was felt comes aga
   class Clearing final : public SessionView {
    public:
     Clearing(Scripted& inner, Interrupts& interrupts) : inner_(inner), interrupts_(interrupts) {}
-    OperatorWish paused(const std::string& cause) override {
+    OperatorRequest paused(const std::string& cause) override {
       interrupts_.pause = false;
       return inner_.paused(cause);
     }
@@ -55,13 +55,13 @@ TEST_CASE("Ctrl-C before a trial is one pause, and leaves no stop behind it") {
   class Pressing final : public SessionView {
    public:
     explicit Pressing(Bench& bench) : bench_(bench) {}
-    OperatorWish ready(const TrialOutline&) override {
+    OperatorRequest ready(const TrialOutline&) override {
       if (++asked != 3) return {};
       bench_.interrupts.pause = true;  // as the signal's handler does
       bench_.rig.stop.latch(StopSource::signal);
-      return {Wish::pause, {}};
+      return {Request::pause, {}};
     }
-    OperatorWish paused(const std::string& cause) override {
+    OperatorRequest paused(const std::string& cause) override {
       causes.push_back(cause);
       bench_.interrupts.pause = false;
       return {};
@@ -146,7 +146,7 @@ TEST_CASE("Interruptions never use up a trial's attempts") {
 TEST_CASE("Where the protocol says so an interrupted block begins anew, in its planned order") {
   Bench bench(small_protocol());
   Scripted first;
-  first.before[7] = {Wish::end_for_now, {}};  // two trials of block 2 are done
+  first.before[7] = {Request::end_for_now, {}};  // two trials of block 2 are done
   REQUIRE(with_person(bench).run(first) == SessionEnd::interrupted);
   bench.steps.redo_block = true;
   Scripted second;
@@ -168,7 +168,7 @@ TEST_CASE("After a long gap the last practice round comes again, before the main
     return std::optional(q.trial.same ? Judgement::same : Judgement::different);
   };
   Scripted first;
-  first.before[8] = {Wish::end_for_now, {}};  // four of practice, three of the main part
+  first.before[8] = {Request::end_for_now, {}};  // four of practice, three of the main part
   REQUIRE(with_person(bench).run(first) == SessionEnd::interrupted);
   bench.steps.practice_again = true;
   Scripted second;
@@ -185,13 +185,13 @@ TEST_CASE("The stop key outlives a Ctrl-C before it: a person clears it, and the
    public:
     explicit Pressing(Bench& bench) : bench_(bench) {}
     void voided(const TrialOutline&, const std::string&, bool) override { bench_.rig.stop.latch(StopSource::key); }
-    OperatorWish paused(const std::string&) override {
+    OperatorRequest paused(const std::string&) override {
       bench_.interrupts.pause = false;
       return {};
     }
-    OperatorWish recover(const std::string& stopped_by) override {
+    OperatorRequest recover(const std::string& stopped_by) override {
       recovered.push_back(stopped_by);
-      return {Wish::go_on, "looked at it"};
+      return {Request::go_on, "looked at it"};
     }
     std::vector<std::string> recovered;
 
@@ -216,14 +216,14 @@ TEST_CASE("Ctrl-C in a pause that a key began leaves no stop behind it") {
   class Pressing final : public SessionView {
    public:
     explicit Pressing(Bench& bench) : bench_(bench) {}
-    OperatorWish ready(const TrialOutline&) override {
-      return ++asked_ == 3 ? OperatorWish{Wish::pause, {}} : OperatorWish{};
+    OperatorRequest ready(const TrialOutline&) override {
+      return ++asked_ == 3 ? OperatorRequest{Request::pause, {}} : OperatorRequest{};
     }
-    OperatorWish paused(const std::string&) override {
+    OperatorRequest paused(const std::string&) override {
       bench_.rig.stop.latch(StopSource::signal);
       return {};
     }
-    OperatorWish recover(const std::string& stopped_by) override {
+    OperatorRequest recover(const std::string& stopped_by) override {
       recovered.push_back(stopped_by);
       return {};
     }
@@ -240,7 +240,7 @@ TEST_CASE("Ctrl-C in a pause that a key began leaves no stop behind it") {
 
 TEST_CASE("The operator's end from the checklist is kept with its words, and closes the session where it is for good") {
   const json checklist = {{"checklist", {{{"id", "mask"}, {"text", "Masking noise on"}, {"kind", "confirm"}}}}};
-  for (const Wish wish : {Wish::end_for_now, Wish::end_for_good}) {
+  for (const Request wish : {Request::end_for_now, Request::end_for_good}) {
     Bench bench(small_protocol(checklist));
     class Leaving final : public Responder {
      public:
@@ -252,7 +252,7 @@ TEST_CASE("The operator's end from the checklist is kept with its words, and clo
     view.after_presentation[1] = {wish, "feels ill"};
     const SessionParts parts{bench.protocol,   bench.plan,           bench.rig, leaving, bench.log, bench.clock, view,
                              bench.interrupts, RecordPolicy::events, true};
-    const bool for_good = wish == Wish::end_for_good;
+    const bool for_good = wish == Request::end_for_good;
     CHECK(SessionEngine(parts).run({}) == (for_good ? SessionEnd::closed_early : SessionEnd::interrupted));
     const std::vector<json> left = bodies(bench, event_kind::kLeft);
     REQUIRE(left.size() == 1);
@@ -268,8 +268,8 @@ TEST_CASE("The operator's end from the checklist is kept with its words, and clo
 TEST_CASE("An answer is taken back once, also with an interruption in between") {
   Bench bench(small_protocol());
   Scripted first;
-  first.before[4] = {Wish::void_last, "a slip"};
-  first.before[5] = {Wish::end_for_now, {}};
+  first.before[4] = {Request::void_last, "a slip"};
+  first.before[5] = {Request::end_for_now, {}};
   REQUIRE(with_person(bench).run(first) == SessionEnd::interrupted);
   Scripted second;
   REQUIRE(bench.run(second) == SessionEnd::completed);
@@ -285,12 +285,12 @@ TEST_CASE("Practice that a resume asked for is due until some of it was answered
     return std::optional(q.trial.same ? Judgement::same : Judgement::different);
   };
   Scripted first;
-  first.before[8] = {Wish::end_for_now, {}};
+  first.before[8] = {Request::end_for_now, {}};
   REQUIRE(with_person(bench).run(first) == SessionEnd::interrupted);
   // Killed when the resume was logged, and again right after the answers were taken back.
   bench.log.append(event_kind::kSessionResumed, {{"practice_again", true}}, {1, 1});
   Scripted second;
-  second.before[1] = {Wish::end_for_now, {}};
+  second.before[1] = {Request::end_for_now, {}};
   REQUIRE(bench.run(second) == SessionEnd::interrupted);
   CHECK(bodies(bench, event_kind::kTrialVoided).size() == 4);
   bench.log.append(event_kind::kSessionResumed, {{"practice_again", true}}, {2, 2});

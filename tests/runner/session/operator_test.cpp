@@ -19,7 +19,7 @@ using test::with_person;
 TEST_CASE("A pause stands still until the operator goes on, and is logged with its reason and length") {
   Bench bench(small_protocol());
   Scripted person;
-  person.before[3] = {Wish::pause, "the participant coughs"};
+  person.before[3] = {Request::pause, "the participant coughs"};
   REQUIRE(with_person(bench).run(person) == SessionEnd::completed);
   CHECK(person.pauses == std::vector<std::string>{"key"});
   REQUIRE(bodies(bench, event_kind::kPaused).size() == 1);
@@ -32,8 +32,8 @@ TEST_CASE("A pause stands still until the operator goes on, and is logged with i
 TEST_CASE("A note is an event of its own, whatever is going on") {
   Bench bench(small_protocol());
   Scripted person;
-  person.before[2] = {Wish::note, "door slammed"};
-  person.after_presentation[5] = {Wish::note, "device creaks"};
+  person.before[2] = {Request::note, "door slammed"};
+  person.after_presentation[5] = {Request::note, "device creaks"};
   REQUIRE(with_person(bench).run(person) == SessionEnd::completed);
   const std::vector<json> notes = bodies(bench, event_kind::kNote);
   REQUIRE(notes.size() == 2);
@@ -46,7 +46,7 @@ TEST_CASE("A note is an event of its own, whatever is going on") {
 TEST_CASE("A trial that the operator repeats is voided with the reason, and comes again at the end of its block") {
   Bench bench(small_protocol());
   Scripted person;
-  person.after_presentation[3] = {Wish::repeat_trial, "she looked"};  // the second trial's first interval
+  person.after_presentation[3] = {Request::repeat_trial, "she looked"};  // the second trial's first interval
   REQUIRE(with_person(bench).run(person) == SessionEnd::completed);
   const std::vector<json> voids = bodies(bench, event_kind::kTrialVoided);
   REQUIRE(voids.size() == 1);
@@ -61,8 +61,8 @@ TEST_CASE("A trial that the operator repeats is voided with the reason, and come
 TEST_CASE("The last answer can be taken back once: its trial comes again, and the answer stays in the log") {
   Bench bench(small_protocol());
   Scripted person;
-  person.before[3] = {Wish::void_last, "mistyped"};
-  person.before[4] = {Wish::void_last, "again"};  // only the last answer, not the one before
+  person.before[3] = {Request::void_last, "mistyped"};
+  person.before[4] = {Request::void_last, "again"};  // only the last answer, not the one before
   REQUIRE(with_person(bench).run(person) == SessionEnd::completed);
   CHECK(person.taken_back == std::vector<bool>{true});
   const std::vector<int> order = order_of(bench);
@@ -81,7 +81,7 @@ TEST_CASE("The last answer can be taken back once: its trial comes again, and th
 TEST_CASE("The last answer of a block can still be taken back in the next one") {
   Bench bench(small_protocol());
   Scripted person;
-  person.before[5] = {Wish::void_last, "mistyped"};  // before the first trial of block 2
+  person.before[5] = {Request::void_last, "mistyped"};  // before the first trial of block 2
   REQUIRE(with_person(bench).run(person) == SessionEnd::completed);
   const std::vector<int> order = order_of(bench);
   CHECK(std::vector<int>(order.begin(), order.begin() + 5) == std::vector<int>{1, 2, 3, 4, 5});
@@ -92,7 +92,7 @@ TEST_CASE("The last answer of a block can still be taken back in the next one") 
 TEST_CASE("A session ended at any point after answers were taken back goes on as an undisturbed one") {
   const auto script = [](Scripted& person, int shift) {
     for (const int place : {3, 8, 9})
-      if (place > shift) person.before[place - shift] = {Wish::void_last, "mistyped"};
+      if (place > shift) person.before[place - shift] = {Request::void_last, "mistyped"};
   };
   Bench undisturbed(small_protocol());
   Scripted one;
@@ -102,7 +102,7 @@ TEST_CASE("A session ended at any point after answers were taken back goes on as
     Bench bench(small_protocol());
     Scripted first;
     script(first, 0);
-    first.before[k] = {Wish::end_for_now, {}};
+    first.before[k] = {Request::end_for_now, {}};
     REQUIRE(with_person(bench).run(first) == SessionEnd::interrupted);
     Scripted second;
     script(second, k);
@@ -117,7 +117,7 @@ TEST_CASE("A session ended at any point after answers were taken back goes on as
 TEST_CASE("A block that is given up leaves its trials, in one event, and nothing of it comes again") {
   Bench bench(small_protocol());
   Scripted person;
-  person.before[7] = {Wish::end_block, "strap broken"};  // two trials of block 2 are done
+  person.before[7] = {Request::end_block, "strap broken"};  // two trials of block 2 are done
   REQUIRE(with_person(bench).run(person) == SessionEnd::completed);
   const std::vector<json> ended = bodies(bench, event_kind::kBlockEnded);
   REQUIRE(ended.size() == 1);
@@ -133,7 +133,7 @@ TEST_CASE("A block that is given up leaves its trials, in one event, and nothing
 TEST_CASE("A session that is ended for good says why, and is not the same as one that is left") {
   Bench bench(small_protocol());
   Scripted person;
-  person.before[4] = {Wish::end_for_good, "withdrew"};
+  person.before[4] = {Request::end_for_good, "withdrew"};
   REQUIRE(with_person(bench).run(person) == SessionEnd::closed_early);
   const std::vector<json> left = bodies(bench, event_kind::kLeft);
   REQUIRE(left.size() == 1);
@@ -154,7 +154,7 @@ TEST_CASE("Without consent there is no session") {
 TEST_CASE("A break on request is logged as one, and a break that was due at the same place is not taken twice") {
   Bench bench(small_protocol({{"breaks", {{{"after", "trials"}, {"trials", 4}, {"duration_s", 5}}}}}));
   Scripted person;
-  person.before[2] = {Wish::take_break, "tired"};
+  person.before[2] = {Request::take_break, "tired"};
   REQUIRE(with_person(bench).run(person) == SessionEnd::completed);
   const std::vector<json> breaks = bodies(bench, event_kind::kBreakTaken);
   REQUIRE(breaks.size() == 4);  // after 1 on request; after 4, 8 and 12

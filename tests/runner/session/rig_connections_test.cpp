@@ -49,9 +49,9 @@ class PluggedRig final : public Rig {
 class Waiting final : public SessionView {
  public:
   Waiting(Clock& clock, bool ends) : clock_(clock), ends_(ends) {}
-  OperatorWish missing(const std::string& what, const std::function<bool()>& back) override {
+  OperatorRequest missing(const std::string& what, const std::function<bool()>& back) override {
     told.push_back(what);
-    if (ends_) return {Wish::end_for_now, "lunch"};
+    if (ends_) return {Request::end_for_now, "lunch"};
     while (!back()) clock_.sleep_until_ns(clock_.now_ns() + 50'000'000);
     return {};
   }
@@ -169,7 +169,7 @@ TEST_CASE("A second Ctrl-C or a signal ends the waiting too") {
   class Signalled final : public SessionView {
    public:
     explicit Signalled(Interrupts& interrupts) : interrupts_(interrupts) {}
-    OperatorWish missing(const std::string&, const std::function<bool()>&) override {
+    OperatorRequest missing(const std::string&, const std::function<bool()>&) override {
       interrupts_.end = true;
       return {};
     }

@@ -16,16 +16,16 @@ using nlohmann::json;
 // An operator who follows a script: what to wish for before the n-th asking of ready(), from 1.
 class Scripted final : public SessionView {
  public:
-  OperatorWish ready(const TrialOutline& outline) override {
+  OperatorRequest ready(const TrialOutline& outline) override {
     outlines.push_back(outline);
     const auto found = before.find(static_cast<int>(outlines.size()));
-    return found == before.end() ? OperatorWish{} : found->second;
+    return found == before.end() ? OperatorRequest{} : found->second;
   }
-  OperatorWish meanwhile() override {
+  OperatorRequest meanwhile() override {
     const auto found = after_presentation.find(++presentations);
-    return found == after_presentation.end() ? OperatorWish{} : found->second;
+    return found == after_presentation.end() ? OperatorRequest{} : found->second;
   }
-  OperatorWish paused(const std::string& cause) override {
+  OperatorRequest paused(const std::string& cause) override {
     pauses.push_back(cause);
     return in_pause;
   }
@@ -33,13 +33,13 @@ class Scripted final : public SessionView {
     troubles.push_back(message);
     return tries_again;
   }
-  OperatorWish recover(const std::string&) override { return {Wish::go_on, "the strap had slipped"}; }
+  OperatorRequest recover(const std::string&) override { return {Request::go_on, "the strap had slipped"}; }
   void took_back(bool will_repeat) override { taken_back.push_back(will_repeat); }
   std::optional<bool> consent(const std::string&) override { return consents; }
   void progress(const std::vector<ConditionProgress>& conditions) override { last_progress = conditions; }
 
-  std::map<int, OperatorWish> before, after_presentation;
-  OperatorWish in_pause{Wish::go_on, {}};
+  std::map<int, OperatorRequest> before, after_presentation;
+  OperatorRequest in_pause{Request::go_on, {}};
   bool tries_again = true, consents = true;
   std::vector<TrialOutline> outlines;
   int presentations = 0;

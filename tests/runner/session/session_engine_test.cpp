@@ -44,7 +44,9 @@ TEST_CASE("A session that is interrupted after any answer ends with the same tri
   class EndBefore final : public SessionView {
    public:
     explicit EndBefore(int trials) : left_(trials) {}
-    OperatorWish ready(const TrialOutline&) override { return {left_-- > 0 ? Wish::go_on : Wish::end_for_now, {}}; }
+    OperatorRequest ready(const TrialOutline&) override {
+      return {left_-- > 0 ? Request::go_on : Request::end_for_now, {}};
+    }
 
    private:
     int left_;

@@ -7,7 +7,7 @@
 #include "devices/participants/simulated_hand.h"
 #include "devices/rigs/fingertip_rig.h"
 #include "devices/rigs/rig_factory.h"
-#include "protocols/rigs/rig_spec.h"
+#include "protocols/rigs/rig_description.h"
 #include "runner/session/record_policy.h"
 #include "runner/session/session_engine.h"
 #include "tests/catch.h"
@@ -23,9 +23,9 @@ using test::small_protocol;
 class Operator final : public SessionView {
  public:
   explicit Operator(bool clears) : clears_(clears) {}
-  OperatorWish recover(const std::string& stopped_by) override {
+  OperatorRequest recover(const std::string& stopped_by) override {
     asked.push_back(stopped_by);
-    return {clears_ ? Wish::go_on : Wish::end_for_now, {}};
+    return {clears_ ? Request::go_on : Request::end_for_now, {}};
   }
   std::vector<std::string> asked;
 

@@ -26,25 +26,25 @@ class Acting final : public SessionView {
     if (++looks_ % 2 == 0 && in_wait) act(in_wait);
     return !wants_something;
   }
-  OperatorWish meanwhile() override {
+  OperatorRequest meanwhile() override {
     if (after_interval) act(after_interval);
     return {};
   }
-  OperatorWish break_over(const Break&) override {
+  OperatorRequest break_over(const Break&) override {
     if (in_break) act(in_break);
     return {};
   }
-  OperatorWish ready(const TrialOutline&) override {
+  OperatorRequest ready(const TrialOutline&) override {
     if (wants_something) note("ready");
     wants_something = false;
     return {};
   }
-  OperatorWish paused(const std::string& cause) override {
+  OperatorRequest paused(const std::string& cause) override {
     note("paused by " + cause);
     bench_.interrupts.pause = false;
     return {};
   }
-  OperatorWish recover(const std::string& by) override {
+  OperatorRequest recover(const std::string& by) override {
     note("stopped by " + by);
     return {};
   }
@@ -181,11 +181,11 @@ TEST_CASE("Consent that a pause or a stop came before is asked again, and is nei
       if (asked == 2) bench_.interrupts.pause = true;
       return asked < 3 ? std::nullopt : std::optional(true);
     }
-    OperatorWish recover(const std::string&) override {
+    OperatorRequest recover(const std::string&) override {
       ++recovered;
       return {};
     }
-    OperatorWish paused(const std::string&) override {
+    OperatorRequest paused(const std::string&) override {
       ++pauses;
       bench_.interrupts.pause = false;
       return {};

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "devices/device_error.h"
-#include "devices/hid/page_talk.h"
+#include "devices/hid/page_exchange.h"
 #include "tests/catch.h"
 #include "tests/devices/hid/bench/bench_firmware.h"
 
@@ -26,7 +26,7 @@ struct Bench {
   BenchFirmware device;
   jnd_identity identity = device.config.identity;
   DeviceSpec spec = spec_of(device.config.limits, device.config.geometry, kTestForce_n);
-  BenchChecks checks;
+  Checks checks;
 
   void run() {
     BenchLink link(device, device, spec, kGoesOn);
@@ -41,13 +41,13 @@ struct Bench {
   // The names of what failed.
   std::string failed() const {
     std::string names;
-    for (const BenchCheck& check : checks)
-      if (!check.ok) names += check.what + ";";
+    for (const Check& check : checks)
+      if (!check.passed()) names += check.what + ";";
     return names;
   }
-  const BenchCheck& named(const std::string& what) const {
+  const Check& named(const std::string& what) const {
     const auto found =
-        std::find_if(checks.begin(), checks.end(), [&](const BenchCheck& check) { return check.what == what; });
+        std::find_if(checks.begin(), checks.end(), [&](const Check& check) { return check.what == what; });
     REQUIRE(found != checks.end());
     return *found;
   }
@@ -59,17 +59,17 @@ TEST_CASE("a sound device passes every check, and rests afterwards") {
   Bench bench;
   check_description(listed("FT-0001"), bench.identity, bench.device.config.limits, bench.checks);
   bench.run();
-  for (const BenchCheck& check : bench.checks) INFO(check.what << ": " << check.measured);
+  for (const Check& check : bench.checks) INFO(check.what << ": " << check.found);
   CHECK(bench.failed().empty());
   CHECK(bench.checks.size() == 22);
-  for (const BenchCheck& check : bench.checks) {
-    CHECK(check.judged);
-    CHECK_FALSE(check.measured.empty());
-    CHECK_FALSE(check.expected.empty());
+  for (const Check& check : bench.checks) {
+    CHECK(check.verdict != Verdict::not_judged);
+    CHECK_FALSE(check.found.empty());
+    CHECK_FALSE(check.limit.empty());
   }
-  CHECK(bench.named("force of 0.5 N").measured == "0.500 N");
-  CHECK(bench.named("rate of telemetry").measured.find("1000.0 Hz") == 0);
-  CHECK(bench.named("damaged commands refused").measured == bench.named("damaged commands refused").expected);
+  CHECK(bench.named("force of 0.5 N").found == "0.500 N");
+  CHECK(bench.named("rate of telemetry").found.find("1000.0 Hz") == 0);
+  CHECK(bench.named("damaged commands refused").found == bench.named("damaged commands refused").limit);
   CHECK(bench.device.fingertip.state == JND_STATE_REST);
   // No command of the whole test asks for more than its cap.
   for (const auto& report : bench.device.written) {
@@ -84,7 +84,7 @@ TEST_CASE("a device without a watchdog fails where it should have stopped") {
   bench.device.ignores_watchdog = true;
   bench.run();
   CHECK(bench.failed() == "no more commands;damaged commands only;one command repeated;");
-  CHECK(bench.named("no more commands").measured == "did not stop");
+  CHECK(bench.named("no more commands").found == "did not stop");
 }
 
 TEST_CASE("a late watchdog is found") {
@@ -93,7 +93,7 @@ TEST_CASE("a late watchdog is found") {
   bench.device.start();
   bench.run();
   CHECK(bench.failed() == "no more commands;damaged commands only;one command repeated;");
-  CHECK(bench.named("no more commands").measured.find("stopped after 6") == 0);
+  CHECK(bench.named("no more commands").found.find("stopped after 6") == 0);
 }
 
 TEST_CASE("a wrong force is found, one that meets nothing is only said") {
@@ -105,7 +105,7 @@ TEST_CASE("a wrong force is found, one that meets nothing is only said") {
   nothing.device.contact = false;
   nothing.run();
   CHECK(nothing.failed().empty());
-  CHECK_FALSE(nothing.named("force of 0.5 N").judged);
+  CHECK(nothing.named("force of 0.5 N").verdict == Verdict::not_judged);
 }
 
 TEST_CASE("lost and damaged telemetry are counted") {
@@ -122,7 +122,7 @@ TEST_CASE("lost and damaged telemetry are counted") {
   }
   CHECK(bench.failed() == "reports missing, damaged;");
   // Three were lost before anybody listened for gaps, or within: the damaged one is missing as well.
-  CHECK(bench.named("reports missing, damaged").measured.find(", 1 of ") != std::string::npos);
+  CHECK(bench.named("reports missing, damaged").found.find(", 1 of ") != std::string::npos);
 }
 
 TEST_CASE("a wrong clock, and a rate that is not kept, are found") {
@@ -211,8 +211,8 @@ TEST_CASE("a tracker's poses: rate, gaps, what was seen") {
     Bench bench;
     check_poses(tracker, tracker, 2, kGoesOn, bench.checks);
     REQUIRE(bench.checks.size() == 4);
-    CHECK(bench.checks[0].measured == "125.0 a second, seen in 100.0 %");
-    CHECK(bench.checks[1].measured == "125.0 a second, seen in 50.0 %");
+    CHECK(bench.checks[0].found == "125.0 a second, seen in 100.0 %");
+    CHECK(bench.checks[1].found == "125.0 a second, seen in 50.0 %");
     return bench.failed();
   };
   Tracker sound;

@@ -108,7 +108,7 @@ TEST_CASE("known forces that are typed make the device say what is true") {
   const CalibrationRecord record = lab.record_of(forces);
   CHECK(passed(findings_of(record)));
   const nlohmann::ordered_json certificate = certificate_of(record);
-  PageTalk pages(lab.device, "it");
+  PageExchange pages(lab.device, "it");
   store_calibration(pages, record.fit.table, stored_certificate(certificate));
   CHECK(calibration_id_of(pages.identity()) == certificate["id"].get<std::string>());
   CHECK(date_text(pages.identity().calibration_date) == "2026-03-01");
@@ -121,7 +121,7 @@ TEST_CASE("a second calibration sees through the table of the first") {
   Lab lab;
   lab.device.sensor_gain = 1.3;
   Typist typist(lab.device, {});
-  PageTalk pages(lab.device, "it");
+  PageExchange pages(lab.device, "it");
   jnd_force_table wrong{};
   wrong.points = 2;
   wrong.force_un[1] = 2'000'000;
@@ -155,7 +155,7 @@ TEST_CASE("nothing before the platform is no stiffness") {
 
 TEST_CASE("an aborted calibration leaves the device as it was, and at rest") {
   Lab lab;
-  PageTalk pages(lab.device, "it");
+  PageExchange pages(lab.device, "it");
   const PageData table = pages.read(JND_PAGE_FORCE_TABLE), certificate = pages.read(JND_PAGE_CERTIFICATE);
   {
     Typist typist(lab.device, {"1.0"});  // then the input ends, while the device presses
@@ -177,7 +177,7 @@ TEST_CASE("where the certificate cannot be stored the former calibration comes b
     return lab.record_of(take_forces(lab.link, {}, pushes({0.5, 2, 4}), false, typist));
   }();
   const jnd_certificate certificate = stored_certificate(certificate_of(record));
-  PageTalk pages(lab.device, "it", {}, {.read_ms = 50, .write_ms = 50, .tries = 3});
+  PageExchange pages(lab.device, "it", {}, {.read_ms = 50, .write_ms = 50, .tries = 3});
   store_calibration(pages, record.fit.table, certificate);
   const PageData former = pages.read(JND_PAGE_FORCE_TABLE);
   // The certificate gets lost on its way: its write is answered, but another one is read back.

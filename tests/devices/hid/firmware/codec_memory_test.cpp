@@ -20,7 +20,7 @@ namespace {
 
 using jnd::codec::Vector;
 
-// A page of memory between two that nobody may touch.
+// A page of memory between two that may not be touched.
 class LonelyPage {
  public:
   LonelyPage() : size_(static_cast<std::size_t>(sysconf(_SC_PAGESIZE))) {

@@ -11,7 +11,7 @@
 #include "devices/hid/firmware/jnd_report.h"
 #include "devices/hid/link/streamed_tracker.h"
 #include "protocols/input/input_error.h"
-#include "protocols/rigs/rig_spec.h"
+#include "protocols/rigs/rig_description.h"
 #include "tests/catch.h"
 #include "tests/devices/hid/buttons/made_up_box.h"
 #include "tests/devices/tracker_fixtures.h"
@@ -76,7 +76,7 @@ jnd_identity identity_of(const std::string& serial) {
   return identity;
 }
 
-// Shows its identity page to whoever asks.
+// Shows its identity page when asked.
 jnd::test::MadeUpBus::Answers shows(const jnd_identity& identity) {
   return [identity](std::span<const std::uint8_t> bytes) -> std::vector<std::uint8_t> {
     jnd_request request{};
@@ -195,7 +195,7 @@ TEST_CASE("gaps and damage are counted exactly") {
   send(std::vector<std::uint8_t>(64, 0x55));
   auto page = std::vector<std::uint8_t>(64);
   page[0] = JND_REPORT_PAGE;
-  bench.bus.send(page);  // an answer to somebody else
+  bench.bus.send(page);  // an answer to another program
   send(next(22));
   auto report = bench.tracker.report();
   CHECK(report->refused == 3);

@@ -7,7 +7,7 @@
 
 #include "devices/fingertip_device.h"
 #include "devices/hid/link/fingertip_link.h"
-#include "protocols/rigs/device_spec.h"
+#include "protocols/rigs/device_description.h"
 #include "tests/devices/hid/memory_bus.h"
 
 namespace jnd::testing {

@@ -35,14 +35,14 @@ RigRequest asked(const std::string& tracker) {
 }
 
 // The only finding.
-MachineCheck of(const RigRequest& request, const RigFile* file, const std::vector<SeenHid>& seen = {}) {
-  const std::vector<MachineCheck> checks = check_rig(&request, file, seen);
+Check of(const RigRequest& request, const RigFile* file, const std::vector<SeenHid>& seen = {}) {
+  const Checks checks = check_rig(&request, file, seen);
   REQUIRE(checks.size() == 1);
   CHECK((checks[0].verdict == Verdict::ok) == checks[0].what_to_do.empty());
   return checks[0];
 }
 
-bool says(const MachineCheck& check, const std::string& part) {
+bool says(const Check& check, const std::string& part) {
   INFO(check.found);
   return check.found.find(part) != std::string::npos;
 }
@@ -58,10 +58,10 @@ TEST_CASE("a tracker on HID must be connected and usable, and the one of the rig
   CHECK(of(asked("encoder"), nullptr).verdict == Verdict::ok);
   CHECK(says(of(asked("hid"), nullptr), "none is connected"));
   CHECK(of(asked("hid"), nullptr, {seen(JND_USAGE_FINGERTIP, "FT-1")}).verdict == Verdict::bad);
-  const MachineCheck refused = of(asked("hid"), nullptr, {tracker("TR-1", false)});
+  const Check refused = of(asked("hid"), nullptr, {tracker("TR-1", false)});
   CHECK(refused.verdict == Verdict::bad);
   CHECK(says(refused, "may not use TR-1"));
-  const MachineCheck found = of(asked("hid"), nullptr, {tracker("TR-1", false), tracker("TR-2")});
+  const Check found = of(asked("hid"), nullptr, {tracker("TR-1", false), tracker("TR-2")});
   CHECK(found.verdict == Verdict::ok);
   CHECK(found.found == "\"hid\": TR-2 connected");
   RigFile file;
@@ -100,7 +100,7 @@ TEST_CASE("a replay is read to its end") {
                                         "thumb 0.000 0 0 0 1 0 0 0\nthumb 0.005 0 0 0 1 0 0 0\n";
   CHECK(says(of(asked("replay"), &file), "2 poses"));
   std::ofstream(file.tracker.replay, std::ios::app) << "thumb 0.010 0 0 0 1 0 0\nthumb 0.015 0\n";
-  const MachineCheck wrong = of(asked("replay"), &file);
+  const Check wrong = of(asked("replay"), &file);
   CHECK(wrong.verdict == Verdict::bad);
   CHECK(says(wrong, "poses.txt:4:1: seven finite numbers"));
   CHECK(says(wrong, "; "));
@@ -111,7 +111,7 @@ TEST_CASE("the rig file's devices must be connected and usable") {
   RigFile file;
   file.devices = {{.finger = "thumb", .serial = "FT-1"}, {.finger = "index", .serial = "FT-2"}};
   const auto check = [&file](const std::vector<SeenHid>& seen) {
-    const std::vector<MachineCheck> checks = check_rig(nullptr, &file, seen);
+    const Checks checks = check_rig(nullptr, &file, seen);
     REQUIRE(checks.size() == 1);
     return checks[0];
   };
@@ -126,9 +126,9 @@ TEST_CASE("the rig file's buttons must be learnt and connected") {
   RigFile file;
   file.buttons = folder.path / "pedals.json";
   const auto check = [&file](const std::vector<SeenHid>& seen) {
-    const std::vector<MachineCheck> checks = check_rig(nullptr, &file, seen);
+    const Checks checks = check_rig(nullptr, &file, seen);
     REQUIRE(checks.size() == 1);
-    CHECK(checks[0].name == "buttons");
+    CHECK(checks[0].what == "buttons");
     return checks[0];
   };
   CHECK(check({}).verdict == Verdict::bad);

@@ -14,7 +14,7 @@
 #include "devices/hid/firmware/jnd_fingertip_state.h"
 #include "devices/hid/virtual/plant_hardware.h"
 #include "devices/hid/virtual/virtual_device.h"
-#include "protocols/rigs/device_spec.h"
+#include "protocols/rigs/device_description.h"
 
 namespace jnd::testing {
 

@@ -1,0 +1,146 @@
+// jnd note, exclude and unblind: what is said about a study outside its sessions.
+#include <set>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "data/study/blinding.h"
+#include "data/study/study_admin.h"
+#include "runner/commands/commands.h"
+#include "runner/commands/stamp_now.h"
+#include "runner/keys/interrupt.h"
+#include "runner/opening/study_access.h"
+#include "runner/terminal/exit_code.h"
+#include "runner/terminal/json_output.h"
+#include "runner/terminal/terminal.h"
+
+namespace jnd {
+
+namespace {
+
+struct NoteOptions {
+  std::string study, text;
+  std::optional<std::string> participant;
+  bool json = false;
+};
+
+struct ExcludeOptions {
+  std::string study, participant, reason;
+  std::optional<std::string> kind;  // of sessions; the only one that the participant has, where not given
+  bool replace = false;             // the number is free again
+  bool json = false;
+};
+
+struct UnblindOptions {
+  std::string study, reason;
+  bool json = false;
+};
+
+SessionKind kind_of_participant(const Study& study, const ExcludeOptions& options) {
+  if (options.kind) return *session_kind_from(*options.kind);
+  std::set<SessionKind> kinds;
+  for (const SessionInfo& session : study.sessions())
+    if (session.participant == options.participant) kinds.insert(session.kind);
+  if (kinds.size() > 1) {
+    std::string named;
+    for (const SessionKind kind : kinds) named += fmt::format("{}{}", named.empty() ? "" : ", ", to_string(kind));
+    throw UsageError(fmt::format("participant {} has sessions of several kinds ({}): say which with --kind",
+                                 options.participant, named));
+  }
+  return kinds.empty() ? SessionKind::real : *kinds.begin();
+}
+
+int command_note(const NoteOptions& options) {
+  const HoldInterrupts hold;
+  const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_write);
+  add_note(*study, options.text, stamp_now(), options.participant);
+  const Event event = study->study_events().back();
+  study->close();
+  if (options.json)
+    print_json({{"study", options.study}, {"event", event.seq}, {"head", event.hash}});
+  else
+    fmt::print("{}: the note is event {} of the study\n", printable(options.study), event.seq);
+  return exit_code::kDone;
+}
+
+int command_exclude(const ExcludeOptions& options) {
+  const HoldInterrupts hold;
+  const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_write);
+  const SessionKind kind = kind_of_participant(*study, options);
+  exclude_participant(*study, options.participant, kind, options.reason, options.replace, stamp_now());
+  const Event event = study->study_events().back();
+  const int next = next_participant_number(study->sessions(), kind);
+  study->close();
+  if (options.json) {
+    print_json({{"study", options.study},
+                {"participant", options.participant},
+                {"kind", to_string(kind)},
+                {"replace", options.replace},
+                {"next_participant_number", next},
+                {"event", event.seq},
+                {"head", event.hash}});
+    return exit_code::kDone;
+  }
+  fmt::print("{}: participant {} ({} sessions) is excluded, with your reason, as event {} of the study\n",
+             printable(options.study), printable(options.participant), to_string(kind), event.seq);
+  fmt::print("  Every analysis, export and report leaves this participant out from now on; nothing is deleted.\n");
+  if (options.replace)
+    fmt::print("  The number is free again: the next newcomer gets number {}.\n", next);
+  else
+    fmt::print("  The number stays taken; the next newcomer gets number {}.\n", next);
+  return exit_code::kDone;
+}
+
+int command_unblind(const UnblindOptions& options) {
+  const HoldInterrupts hold;
+  const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_write);
+  if (!is_unblinded(*study) && !blinding_of(*study, protocol_of(*study), SessionKind::real).blinded)
+    throw UsageError(fmt::format("{}: nothing in this study is blinded: its results are shown as they are",
+                                 printable(options.study)));
+  unblind(*study, options.reason, stamp_now());
+  const Event event = study->study_events().back();
+  study->close();
+  if (options.json) {
+    print_json({{"study", options.study}, {"unblinded", true}, {"event", event.seq}, {"head", event.hash}});
+    return exit_code::kDone;
+  }
+  fmt::print("{}: is unblinded, with your reason, as event {} of the study\n", printable(options.study), event.seq);
+  fmt::print(
+      "  From now on everybody who opens it sees conditions, stimuli and results of real sessions by name.\n"
+      "  It cannot be taken back, and reports say that it was done before the study was complete.\n");
+  return exit_code::kDone;
+}
+
+}  // namespace
+
+void add_note(CommandTree& tree) {
+  const auto [command, options] = tree.add("note", "Write a note into a study",
+                                           "jnd note s.sqlite \"lab repainted\" --participant P01", command_note);
+  command.add_flag("--json", options.json, "machine-readable");
+  command.add_option("STUDY", options.study, "the study's file")->required();
+  command.add_option("TEXT", options.text, "what there is to say")->required();
+  command.add_option("--participant", options.participant, "the participant that it is about");
+}
+
+void add_exclude(CommandTree& tree) {
+  const auto [command, options] =
+      tree.add("exclude", "Leave a participant out of every analysis; nothing is deleted",
+               "jnd exclude s.sqlite --participant P03 --reason \"felt ill\" --replace", command_exclude);
+  command.add_flag("--json", options.json, "machine-readable");
+  command.add_option("STUDY", options.study, "the study's file")->required();
+  command.add_option("--participant", options.participant, "the participant's code")->required();
+  command.add_option("--reason", options.reason, "why, in a few words")->required();
+  command.add_option("--kind", options.kind, "kind of sessions (default: the only one that the participant has)")
+      ->check(CLI::IsMember({"real", "pilot", "simulated"}));
+  command.add_flag("--replace", options.replace, "the number is free again: the next newcomer gets the same plan");
+}
+
+void add_unblind(CommandTree& tree) {
+  const auto [command, options] = tree.add("unblind", "Show real results as they are, before the study is complete",
+                                           "jnd unblind s.sqlite --reason \"interim safety check\"", command_unblind);
+  command.add_flag("--json", options.json, "machine-readable");
+  command.add_option("STUDY", options.study, "the study's file")->required();
+  command.add_option("--reason", options.reason, "why, in a few words")->required();
+}
+
+}  // namespace jnd
