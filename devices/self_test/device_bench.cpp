@@ -70,4 +70,17 @@ bool DeviceBench::lets_go() const {
   return false;
 }
 
+Checks self_test_of(const RigSpec& rig) {
+  Checks checks;
+  for (const DeviceSpec& device : rig.devices) {
+    check_limits(device, checks);
+    if (device.model == DeviceModel::rrs3)
+      check_platform(device, checks);
+    else
+      check_joint(device, checks);
+  }
+  check_loop(rig, checks);
+  return checks;
+}
+
 }  // namespace jnd

@@ -70,7 +70,10 @@ class DeviceBench {
 // The device alone, and the finger that moves it, for the loop.
 std::unique_ptr<FingertipDevice> make_device(const DeviceSpec& spec, const FingerFlexion& finger);
 
-// What is checked, by subject.
+// Everything that is checked of a rig's models.
+Checks self_test_of(const RigSpec& rig);
+
+// By subject.
 void check_limits(const DeviceSpec& spec, Checks& checks);    // governor and device, any device
 void check_loop(const RigSpec& rig, Checks& checks);          // the control loop with all the rig's devices
 void check_platform(const DeviceSpec& spec, Checks& checks);  // 3RRS

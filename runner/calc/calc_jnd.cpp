@@ -217,10 +217,9 @@ void add_calc_jnd(CommandTree& tree) {
   const auto [command, options] =
       tree.add("jnd", "JND and Weber fraction from the counts of several series, method by method",
                "jnd calc jnd counts.csv --reference 900", run_jnd);
-  add_input(
-      command, options.input,
-      "participant, condition, delta, n_diff, hits, n_same, false_alarms: a line a series (the same delta "
-      "twice in a condition is two series)");
+  add_input(command, options.input,
+            "participant, condition, delta, n_diff, hits, n_same, false_alarms: a line a series (the same delta "
+            "twice in a condition is two series)");
   command.add_option("--reference", options.reference, "base of the Weber fraction, in the unit of delta, above 0")
       ->required()
       ->check([](const std::string& text) {

@@ -32,15 +32,7 @@ int command_device_test(const TestOptions& options) {
     return hid_device_test(bus, options.rig, options.json, options.yes);
   }
   const RigSpec rig = rig_named(options.rig);
-  Checks checks;
-  for (const DeviceSpec& spec : rig.devices) {
-    check_limits(spec, checks);
-    if (spec.model == DeviceModel::rrs3)
-      check_platform(spec, checks);
-    else
-      check_joint(spec, checks);
-  }
-  check_loop(rig, checks);
+  const Checks checks = self_test_of(rig);
   const auto failed = std::count_if(checks.begin(), checks.end(), [](const Check& check) { return !check.passed(); });
   const int code = failed == 0 ? exit_code::kDone : exit_code::kDevice;
   if (options.json) {

@@ -45,19 +45,6 @@ class NoTelemetry {
   bool before_;
 };
 
-Checks test_models(const RigSpec& spec) {
-  Checks checks;
-  for (const DeviceSpec& device : spec.devices) {
-    check_limits(device, checks);
-    if (device.model == DeviceModel::rrs3)
-      check_platform(device, checks);
-    else
-      check_joint(device, checks);
-  }
-  check_loop(spec, checks);
-  return checks;
-}
-
 // Engaged, read and written at the loop's rate, without any cue, and to rest again.
 void test_rig(Rig& rig, Check& check) {
   if (rig.stop.latched()) {
@@ -86,7 +73,7 @@ void test_rig(Rig& rig, Check& check) {
 
 Check check_devices(const RigSpec& spec, Rig& rig) {
   Check check = item("devices");
-  const Checks checks = test_models(spec);
+  const Checks checks = self_test_of(spec);
   const auto passed = std::count_if(checks.begin(), checks.end(), [](const Check& one) { return one.passed(); });
   check.found = fmt::format("{}: {} of {} checks of its description passed", spec.name, passed, checks.size());
   for (const Check& one : checks) {
