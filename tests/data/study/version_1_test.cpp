@@ -1,5 +1,6 @@
 // Studies of file version 1 can be read as they are, and become current ones when a session goes on.
 #include "data/export/export.h"
+#include "data/log/replay.h"
 #include "data/results/study_analysis.h"
 #include "data/study/schema.h"
 #include "data/study/study_impl.h"

@@ -1,4 +1,5 @@
 // Studies of file version 2 can be read as they are, and become current ones when a session goes on.
+#include "data/log/replay.h"
 #include "data/results/study_analysis.h"
 #include "data/study/schema.h"
 #include "data/study/study_impl.h"
