@@ -2,10 +2,11 @@
 // log stand at the same place after every event, and jnd verify, which tells the course a second time, finds nothing.
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <optional>
+#include <random>
 #include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <rapidcheck.h>
@@ -27,17 +28,16 @@ using nlohmann::json;
 using test::IdealRig;
 using test::RuleResponder;
 
-// Draws of one example, in order. Where they run out, or are 0, nothing is out of the ordinary: so a counterexample
-// shrinks to what it needs, and every history comes to an end.
+// Draws of one example. They run out, and then nothing is out of the ordinary: so every history comes to an end.
 class Chance {
  public:
-  explicit Chance(std::vector<int> draws) : draws_(std::move(draws)) {}
-  int below(int n) { return next_ < draws_.size() ? draws_[next_++] % n : 0; }
+  explicit Chance(std::uint64_t seed) : engine_(seed) {}
+  int below(int n) { return left_-- > 0 ? static_cast<int>(engine_() % static_cast<unsigned>(n)) : 0; }
   bool one_in(int n) { return below(n) == n - 1; }
 
  private:
-  std::vector<int> draws_;
-  std::size_t next_ = 0;
+  std::mt19937_64 engine_;
+  int left_ = 1500;
 };
 
 json rating(const std::string& id, const char* when, bool per_condition = false) {
@@ -150,8 +150,8 @@ std::string difference(const SessionState& a, const SessionState& b) {
 // One session, over as many starts of the program as it takes.
 class Story {
  public:
-  explicit Story(std::vector<int> draws)
-      : chance_(std::move(draws)),
+  explicit Story(std::uint64_t seed)
+      : chance_(seed),
         protocol_(random_protocol(chance_)),
         participant_(1 + chance_.below(6)),
         plan_(make_plan(protocol_, participant_, kStudySeed)),
@@ -177,7 +177,7 @@ class Story {
   }
 
   // What verify and verify --deep say of the study that holds this session; empty: nothing.
-  std::string problems_of_study() const {
+  std::string problems_of_study() {
     const TemporaryFolder folder;
     const auto study = Study::create(folder / "study.sqlite", protocol_.name, protocol_.bytes, kStudySeed,
                                      {1'700'000'000'000'000'000, 1});
@@ -195,8 +195,10 @@ class Story {
         log->append(event.kind, nlohmann::ordered_json::parse(event.body), event.stamp);
     study->close_session(session.id, {clock_.utc_ns(), clock_.now_ns() + 1});
     for (const Problem& problem : verify(*study).problems) return problem.text;
-    for (const Problem& problem : verify_deep(*study).problems)
+    for (const Problem& problem : verify_deep(*study).problems) {
       if (!known(problem.text)) return problem.text;
+      excused_ = true;
+    }
     return "";
   }
 
@@ -214,6 +216,7 @@ class Story {
   }
   const Protocol& protocol() const { return protocol_; }
   bool completed() const { return completed_; }
+  bool excused() const { return excused_; }
   int kills() const { return kills_; }
 
  private:
@@ -362,13 +365,14 @@ class Story {
   MemoryLog log_;
   SessionState replayed_;
   const SessionEngine* engine_ = nullptr;
-  bool over_ = false, completed_ = false;
+  bool over_ = false, completed_ = false, excused_ = false;
   int kills_ = 0;
 };
 
 bool engine_and_replay_agree(const char* what) {
   return rc::check(what, [] {
-    Story story(*rc::gen::container<std::vector<int>>(1500, rc::gen::inRange(0, 3600)));
+    // A smaller seed is no simpler story: what failed is told as it is.
+    Story story(*rc::gen::noShrink(rc::gen::arbitrary<std::uint64_t>()));
     std::string problem;
     try {
       story.play();
@@ -379,6 +383,7 @@ bool engine_and_replay_agree(const char* what) {
     if (!problem.empty()) RC_LOG(story.protocol().bytes + "\n" + story.told());
     RC_CLASSIFY(story.kills() > 0, "killed");
     RC_CLASSIFY(story.completed(), "completed");
+    RC_CLASSIFY(story.excused(), "with breaks that verify counts otherwise");
     RC_ASSERT(problem == "");
   });
 }
