@@ -30,7 +30,8 @@ WINGS = {
         ".": "",
         "input": "",
         "planning": ". input",
-        "reading": ". input planning",
+        "course": ". planning",
+        "reading": ". input planning course",
         "rigs": ". input reading",
     },
     "data": {

@@ -144,13 +144,6 @@ Json question_body(const Question& question, std::string_view condition, const s
   return body;
 }
 
-std::string question_key(std::string_view id, std::string_view condition, int after_trial) {
-  std::string key(id);
-  if (!condition.empty()) key.append("/").append(condition);
-  if (after_trial > 0) key.append("@").append(std::to_string(after_trial));
-  return key;
-}
-
 std::string_view to_string(Question::When when) noexcept {
   switch (when) {
     case Question::When::before_session:

@@ -1,15 +1,14 @@
 // Records to event bodies and back. The keys are part of the file format: data/README.md describes them.
 #pragma once
 
-#include <map>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "data/log/session_log.h"
+#include "protocols/course/session_state.h"
 #include "protocols/protocol.h"
 #include "protocols/vocabulary.h"
 
@@ -58,6 +57,9 @@ inline constexpr std::string_view kCalibration =
 inline constexpr std::string_view kRealtime = "rig.realtime";  // body: policy, items of what, ok, detail, why_not
 }  // namespace event_kind
 
+// The reason of a trial.voided that takes the last answer back, by the operator's word.
+inline constexpr std::string_view kTakenBack = "taken_back";
+
 nlohmann::ordered_json to_body(const TrialRecord& record);          // trial.completed
 TrialRecord trial_record_from(const nlohmann::ordered_json& body);  // throws StorageError
 Trial trial_from(const nlohmann::ordered_json& body);  // of a completed, voided or abandoned trial; throws StorageError
@@ -78,47 +80,10 @@ nlohmann::ordered_json question_body(std::string_view id, std::string_view when,
 // The same with the question's text and kind, so that the log can be read without the protocol.
 nlohmann::ordered_json question_body(const Question& question, std::string_view condition,
                                      const std::optional<std::string>& answer, int after_trial);
-// Which asking of a question an answer belongs to: "id", "id/condition", and "@n" behind it where the question comes
-// again in a session (n: main trials planned up to there; 0 before and after the session, where nothing is added).
-std::string question_key(std::string_view id, std::string_view condition, int after_trial);
 std::string_view to_string(Question::When when) noexcept;
 std::string_view to_string(Question::Kind kind) noexcept;
 
 // The text of a body as it is stored. Text that is not UTF-8 keeps its readable part (U+FFFD for the rest).
 std::string body_text(const nlohmann::ordered_json& body);
-
-// A stimulus that was presented to a person and has no answer.
-struct PendingTrial {
-  int index = 0;
-  int attempt = 1;
-};
-
-// What a log says has happened: where a session goes on.
-struct SessionState {
-  bool opened = false;
-  bool closed = false;
-  std::vector<TrialRecord> completed;  // in order; without those that were voided afterwards
-  std::map<int, int> attempts;         // trial index -> attempts made so far, whatever became of them
-  std::map<int, int> voided;           // trial index -> attempts used up: voided ones that count
-  std::set<int> abandoned;             // trial indices whose attempts were used up, or whose block was ended
-  std::vector<int>
-      void_order;  // trial indices in the order in which they were voided (last time each); not those that come anew
-  std::optional<PendingTrial> pending;  // began, with neither answer nor void
-  bool practice_ended = false;
-  bool practice_due = false;         // a resume asked for practice again, and none was answered since
-  bool taken_back = false;           // the last answer was, and no other was given since
-  std::set<std::string> answered;    // question_key of each
-  std::set<std::string> instructed;  // instructions, by id
-  bool consented = false;
-  std::set<int> breaks_after;  // main trials done when a break was taken
-  std::set<int> explored;      // ExplorationSlot::index of those completed
-  // How it was left.
-  bool left = false;            // ended by the operator; otherwise the program was killed, or the machine
-  bool ended_for_good = false;  // by the operator, or without consent: nothing of it is still to do but to close it
-  std::string boot_id;          // of the machine's run in which the last part of the session ran; empty where unknown
-  std::int64_t last_monotonic_ns = 0;
-  std::int64_t last_utc_ns = 0;
-};
-SessionState replay(const std::vector<Event>& events);
 
 }  // namespace jnd

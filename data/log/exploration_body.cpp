@@ -1,13 +1,8 @@
 #include "data/log/exploration_body.h"
 
-#include <algorithm>
-
-#include <fmt/format.h>
-
 #include "data/log/body_numbers.h"
 #include "data/log/event_body.h"
 #include "data/log/presentation_body.h"
-#include "data/log/storage_error.h"
 
 namespace jnd {
 
@@ -19,24 +14,6 @@ Json head_of(const ExplorationRecord& record) {
   return {{"index", record.slot.index},          {"attempt", record.attempt},      {"block", record.slot.block},
           {"condition", record.condition},       {"object", record.object},        {"devices", record.devices},
           {"planned_s", record.slot.duration_s}, {"duration_s", record.duration_s}};
-}
-
-void read(const Event& event, ExplorationHistory& history) {
-  const bool began = event.kind == event_kind::kExplorationBegan;
-  const bool voided = event.kind == event_kind::kExplorationVoided;
-  if (!began && !voided && event.kind != event_kind::kExploration) return;
-  const Json body = Json::parse(event.body);
-  const int index = whole_at(body, "index");
-  int& attempts = history.attempts[index];
-  attempts = std::max(attempts, whole_at(body, "attempt"));
-  if (began) {
-    history.pending = index;
-    return;
-  }
-  if (history.pending == index) history.pending.reset();
-  if (!voided) return;
-  if (body.value("counts", true)) ++history.used[index];
-  if (!body.value("will_repeat", true)) history.given_up.insert(index);
 }
 
 }  // namespace
@@ -98,19 +75,6 @@ ExplorationRecord exploration_from(const Json& body, StiffnessUnit unit) {
   record.words = body.value("words", std::string());
   for (const Json& piece : body.at("presentations")) record.presentations.push_back(presentation_from(piece, unit));
   return record;
-}
-
-ExplorationHistory exploration_history(const std::vector<Event>& events) {
-  ExplorationHistory history;
-  for (const Event& event : events) {
-    try {
-      read(event, history);
-    } catch (const nlohmann::json::exception& error) {
-      throw StorageError(fmt::format("session {}, event {} ({}): the body cannot be read: {}; run jnd verify",
-                                     event.session, event.seq, event.kind, error.what()));
-    }
-  }
-  return history;
 }
 
 }  // namespace jnd

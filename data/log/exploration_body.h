@@ -1,16 +1,12 @@
 // What an exploration.* event holds: free interaction with one object in one condition.
 #pragma once
 
-#include <map>
-#include <optional>
-#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
-#include "data/log/session_log.h"
 #include "protocols/planning/plan.h"
 #include "protocols/protocol.h"
 #include "protocols/vocabulary.h"
@@ -42,14 +38,5 @@ nlohmann::ordered_json voided_body(const ExplorationRecord& record, StiffnessUni
                                    bool counts, bool will_repeat);
 // Of a completed one. Throws nlohmann::json::exception and StorageError.
 ExplorationRecord exploration_from(const nlohmann::ordered_json& body, StiffnessUnit unit);
-
-// What a log says of the attempts so far.
-struct ExplorationHistory {
-  std::map<int, int> attempts;  // slot index -> highest attempt that began
-  std::map<int, int> used;      // slot index -> attempts that count against the protocol's most
-  std::set<int> given_up;       // slot indices that do not come again
-  std::optional<int> pending;   // slot index that began, and neither ended nor was voided
-};
-ExplorationHistory exploration_history(const std::vector<Event>& events);  // throws StorageError
 
 }  // namespace jnd

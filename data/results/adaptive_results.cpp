@@ -8,6 +8,7 @@
 
 #include "analysis/numerics/special_values.h"
 #include "data/log/event_body.h"
+#include "data/log/replay.h"
 #include "data/log/storage_error.h"
 #include "data/results/study_analysis.h"
 #include "protocols/planning/adaptive_run.h"

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "protocols/planning/duration.h"
+#include "protocols/course/duration.h"
 #include "protocols/planning/exploration_assignment.h"
 #include "protocols/planning/order.h"
 #include "protocols/planning/planned_precision.h"

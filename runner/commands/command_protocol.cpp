@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 
 #include "data/files/draft.h"
+#include "protocols/course/duration.h"
 #include "protocols/input/read_file.h"
 #include "protocols/input/resources.h"
-#include "protocols/planning/duration.h"
 #include "protocols/planning/plan.h"
 #include "protocols/reading/protocol_json.h"
 #include "protocols/rigs/rig_description.h"

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "data/log/event_body.h"
+#include "data/log/replay.h"
 #include "data/log/storage_error.h"
 #include "devices/hid/buttons/button_box.h"
 #include "devices/rigs/rig_factory.h"

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "data/log/event_body.h"
+#include "data/log/replay.h"
 #include "data/study/study_admin.h"
 #include "runner/session/simulate.h"
 #include "runner/terminal/exit_code.h"

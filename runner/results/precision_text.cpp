@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "protocols/planning/duration.h"
+#include "protocols/course/duration.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/text_table.h"
 

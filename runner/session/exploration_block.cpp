@@ -2,11 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
-#include <vector>
+#include <map>
 
-#include "data/log/exploration_body.h"
-#include "data/log/telemetry.h"
 #include "devices/loop/telemetry_ring.h"
 #include "devices/rigs/rig_factory.h"
 #include "protocols/planning/condition_codes.h"
@@ -20,71 +17,17 @@ namespace {
 constexpr double kLook_s = 0.1;    // between two looks at the operator's keys while nothing is rendered
 constexpr double kLeast_s = 1e-6;  // a rest of this is rounding
 
-class ExplorationBlock {
- public:
-  ExplorationBlock(const SessionParts& parts, const SessionRecorder& recorder, SessionState& state)
-      : parts_(parts),
-        recorder_(recorder),
-        state_(state),
-        codes_(condition_codes(parts.protocol, parts.plan.seed)),
-        history_(exploration_history(parts.log.events())) {}
-  ~ExplorationBlock() { parts_.rig.watch({}); }
-  ExplorationBlock(const ExplorationBlock&) = delete;
-  ExplorationBlock& operator=(const ExplorationBlock&) = delete;
+}  // namespace
 
-  void settle_pending();
-  // Until the slot is explored or given up.
-  void explore(const ExplorationSlot& slot);
+ExplorationBlock::ExplorationBlock(const SessionParts& parts, const CourseRecorder& recorder)
+    : parts_(parts), recorder_(recorder), codes_(condition_codes(parts.protocol, parts.plan.seed)) {}
 
- private:
-  enum class PieceEnd { go_on, enough, voided };
-
-  bool over(const ExplorationSlot& slot) const;
-  bool ready(const ExplorationSlot& slot, int attempt);
-  void attempt(const ExplorationSlot& slot, int attempt);
-  PieceEnd render_piece(ExplorationRecord& record, double length_s);
-  PieceEnd bare_hands(ExplorationRecord& record);
-  PieceEnd heed(ExplorationRecord& record);
-  PieceEnd stopped(ExplorationRecord& record, const std::string& reason, const std::string& stopped_by,
-                   bool counts = true);
-  void void_attempt(const ExplorationRecord& record, const std::string& reason, bool counts);
-  [[noreturn]] void leave(const ExplorationRecord& record, const SessionEnds& end);
-  void end_block(int block, const std::string& reason);
-  void keep_ticks(const Presentation& presentation);
-  std::vector<TelemetryBlob> take_ticks();
-  bool still_exploring(double left_s);
-  StiffnessUnit unit() const { return parts_.protocol.stimulus.unit; }
-  int slots_done() const { return static_cast<int>(state_.explored.size() + history_.given_up.size()); }
-
-  const SessionParts& parts_;
-  const SessionRecorder& recorder_;
-  SessionState& state_;
-  std::vector<std::string> codes_;
-  ExplorationHistory history_;
-  bool asked_ = false;  // the view wants the operator's wish to be heard
-  Telemetry ticks_;     // of the present attempt
-};
-
-// The program was killed while somebody explored: that attempt is over, and it comes again.
-void ExplorationBlock::settle_pending() {
-  if (!history_.pending) return;
-  const int index = *history_.pending;
-  for (const ExplorationSlot& slot : parts_.plan.explorations) {
-    if (slot.index != index) continue;
-    void_attempt(exploration_of(parts_.protocol, slot, history_.attempts[index]), "interrupted", false);
-  }
-  history_.pending.reset();
+void ExplorationBlock::settle_attempt(const step::SettleExploration& due) {
+  void_attempt(exploration_of(parts_.protocol, due.slot, due.attempt), "interrupted", false);
 }
 
-bool ExplorationBlock::over(const ExplorationSlot& slot) const {
-  return state_.explored.contains(slot.index) || history_.given_up.contains(slot.index);
-}
-
-void ExplorationBlock::explore(const ExplorationSlot& slot) {
-  while (!over(slot)) {
-    const int next = history_.attempts[slot.index] + 1;
-    if (ready(slot, next)) attempt(slot, next);
-  }
+void ExplorationBlock::explore(const step::Explore& due) {
+  if (ready(due.slot, due.attempt)) attempt(due.slot, due.attempt);
 }
 
 // The operator's word before an attempt. False: the slot may be over.
@@ -111,8 +54,7 @@ void ExplorationBlock::attempt(const ExplorationSlot& slot, int attempt) {
   await_rig(parts_, recorder_, slots_done());
   // A stop that came before it: nothing is felt, and nothing counted, before a person has cleared it.
   heed_interrupts(parts_, recorder_, slots_done());
-  recorder_.mark(event_kind::kExplorationBegan, {{"index", slot.index}, {"attempt", attempt}});
-  history_.attempts[slot.index] = attempt;
+  recorder_.record_mark(ExplorationBegan{slot.index, attempt}, {{"index", slot.index}, {"attempt", attempt}});
   ExplorationRecord record = exploration_of(parts_.protocol, slot, attempt);
   PieceEnd end = PieceEnd::go_on;
   while (end == PieceEnd::go_on) {
@@ -125,8 +67,7 @@ void ExplorationBlock::attempt(const ExplorationSlot& slot, int attempt) {
   nlohmann::ordered_json body = to_body(record, unit());
   const std::vector<TelemetryBlob> ticks = take_ticks();
   if (!ticks.empty()) body["telemetry"] = telemetry_body(ticks);
-  recorder_.append(event_kind::kExploration, body, ticks);
-  state_.explored.insert(slot.index);
+  recorder_.record(ExplorationEnded{slot.index, attempt}, body, ticks);
   parts_.view.explored();
 }
 
@@ -232,15 +173,14 @@ ExplorationBlock::PieceEnd ExplorationBlock::stopped(ExplorationRecord& record, 
 
 void ExplorationBlock::void_attempt(const ExplorationRecord& record, const std::string& reason, bool counts) {
   const int index = record.slot.index;
-  const int used = history_.used[index] + (counts ? 1 : 0);
+  const std::map<int, int>& so_far = recorder_.course().state().exploration.used;
+  const int used = (so_far.contains(index) ? so_far.at(index) : 0) + (counts ? 1 : 0);
   const bool will_repeat = used < parts_.protocol.timeline.max_attempts;
   nlohmann::ordered_json body = voided_body(record, unit(), reason, counts, will_repeat);
   const std::vector<TelemetryBlob> ticks = take_ticks();
   if (!ticks.empty()) body["telemetry"] = telemetry_body(ticks);
   parts_.rig.neutral();
-  recorder_.append(event_kind::kExplorationVoided, body, ticks);
-  history_.used[index] = used;
-  if (!will_repeat) history_.given_up.insert(index);
+  recorder_.record(ExplorationVoided{index, record.attempt, counts, will_repeat}, body, ticks);
 }
 
 // Felt, but ended by us: it comes again from its beginning, and the log knows that it was felt. Nobody was there to
@@ -252,14 +192,15 @@ void ExplorationBlock::leave(const ExplorationRecord& record, const SessionEnds&
 }
 
 void ExplorationBlock::end_block(int block, const std::string& reason) {
-  recorder_.append(
-      event_kind::kBlockEnded,
+  recorder_.record(
+      BlockEnded{},
       {{"block", block}, {"practice", false}, {"reason", reason}, {"trials", nlohmann::ordered_json::array()}});
   for (const ExplorationSlot& slot : parts_.plan.explorations) {
-    if (slot.block != block || over(slot)) continue;
-    const ExplorationRecord record = exploration_of(parts_.protocol, slot, history_.attempts[slot.index] + 1);
-    recorder_.append(event_kind::kExplorationVoided, voided_body(record, unit(), "block_ended", false, false));
-    history_.given_up.insert(slot.index);
+    if (slot.block != block || recorder_.course().exploration_over(slot.index)) continue;
+    const ExplorationRecord record =
+        exploration_of(parts_.protocol, slot, recorder_.course().next_exploration_attempt(slot.index));
+    recorder_.record(ExplorationVoided{slot.index, record.attempt, false, false},
+                     voided_body(record, unit(), "block_ended", false, false));
   }
 }
 
@@ -278,24 +219,6 @@ std::vector<TelemetryBlob> ExplorationBlock::take_ticks() {
   if (!ticks_.channels.empty()) blobs.push_back(encode_telemetry(0, ticks_));
   ticks_ = {};
   return blobs;
-}
-
-}  // namespace
-
-void run_explorations(const SessionParts& parts, const SessionRecorder& recorder, SessionState& state,
-                      const std::function<void(int condition, int slots_done)>& after_condition,
-                      const std::function<void(int slots_done, bool last)>& after_block) {
-  ExplorationBlock block(parts, recorder, state);
-  block.settle_pending();
-  const std::vector<ExplorationSlot>& slots = parts.plan.explorations;
-  for (std::size_t i = 0; i < slots.size(); ++i) {
-    block.explore(slots[i]);
-    const bool last = i + 1 == slots.size();
-    if (!last && slots[i + 1].block == slots[i].block) continue;
-    const int done = static_cast<int>(i + 1);
-    after_condition(slots[i].condition, done);
-    after_block(done, last);
-  }
 }
 
 }  // namespace jnd

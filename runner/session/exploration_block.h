@@ -1,21 +1,56 @@
-// Free interaction: every condition's turn with its objects, each for its time.
+// Free interaction: one attempt at one object in one condition. What comes when says the course.
 #pragma once
 
-#include <functional>
+#include <string>
+#include <vector>
 
-#include "data/log/event_body.h"
+#include "data/log/exploration_body.h"
+#include "data/log/telemetry.h"
+#include "protocols/course/course.h"
+#include "runner/session/course_recorder.h"
 #include "runner/session/session_parts.h"
 
 namespace jnd {
 
-// Conducts Plan::explorations from the first that state has not. after_condition(condition, slots_done) is called when
-// all objects of a block were explored or given up, after_block(slots_done, last) after it; slots_done counts the
-// planned slots so far, however often they were repeated, and a session that goes on calls both for its earlier blocks
-// too. An attempt that ends in a fault or an emergency stop comes again, until the protocol's most attempts are used
-// up; a pause takes nothing from its time; what the operator ends early counts, with the time it really had. Throws
-// SessionEnds, StorageError.
-void run_explorations(const SessionParts& parts, const SessionRecorder& recorder, SessionState& state,
-                      const std::function<void(int condition, int slots_done)>& after_condition,
-                      const std::function<void(int slots_done, bool last)>& after_block);
+class ExplorationBlock {
+ public:
+  // Both must outlive it.
+  ExplorationBlock(const SessionParts& parts, const CourseRecorder& recorder);
+  ~ExplorationBlock() { parts_.rig.watch({}); }
+  ExplorationBlock(const ExplorationBlock&) = delete;
+  ExplorationBlock& operator=(const ExplorationBlock&) = delete;
+
+  // The program was killed during the attempt: it is over, and the object comes again.
+  void settle_attempt(const step::SettleExploration& due);
+  // Asks the operator, and conducts the attempt where the word is to go on. An attempt that ends in a fault or an
+  // emergency stop comes again, until the protocol's most attempts are used up; a pause takes nothing from its time;
+  // what the operator ends early counts, with the time it really had. Throws SessionEnds, StorageError.
+  void explore(const step::Explore& due);
+
+ private:
+  enum class PieceEnd { go_on, enough, voided };
+
+  bool ready(const ExplorationSlot& slot, int attempt);
+  void attempt(const ExplorationSlot& slot, int attempt);
+  PieceEnd render_piece(ExplorationRecord& record, double length_s);
+  PieceEnd bare_hands(ExplorationRecord& record);
+  PieceEnd heed(ExplorationRecord& record);
+  PieceEnd stopped(ExplorationRecord& record, const std::string& reason, const std::string& stopped_by,
+                   bool counts = true);
+  void void_attempt(const ExplorationRecord& record, const std::string& reason, bool counts);
+  [[noreturn]] void leave(const ExplorationRecord& record, const SessionEnds& end);
+  void end_block(int block, const std::string& reason);
+  void keep_ticks(const Presentation& presentation);
+  std::vector<TelemetryBlob> take_ticks();
+  bool still_exploring(double left_s);
+  StiffnessUnit unit() const { return parts_.protocol.stimulus.unit; }
+  int slots_done() const { return recorder_.course().explorations_done(); }
+
+  const SessionParts& parts_;
+  const CourseRecorder& recorder_;
+  std::vector<std::string> codes_;
+  bool asked_ = false;  // the view wants the operator's wish to be heard
+  Telemetry ticks_;     // of the present attempt
+};
 
 }  // namespace jnd

@@ -2,19 +2,17 @@
 //
 // The engine owns nothing durable. Every answer is one committed event, and the state it starts from is a replay of the
 // events so far: kill it anywhere, run it again with the replayed state, and it goes on at the next unanswered trial.
-// How a trial goes is in trial_conductor.h, what is still to do in session_progress.h; what people are asked around the
-// trials is in session_questions.cpp.
+// What comes when says the course (protocols/course/course.h); the engine carries out one step after the other. How a
+// trial goes is in trial_conductor.h, how free interaction goes in exploration_block.h.
 #pragma once
 
-#include <cstdint>
-#include <deque>
 #include <string>
 #include <vector>
 
-#include "data/log/event_body.h"
-#include "protocols/planning/condition_codes.h"
+#include "protocols/course/course.h"
+#include "runner/session/course_recorder.h"
+#include "runner/session/exploration_block.h"
 #include "runner/session/session_parts.h"
-#include "runner/session/session_progress.h"
 #include "runner/session/trial_conductor.h"
 
 namespace jnd {
@@ -38,43 +36,43 @@ class SessionEngine {
   // state: replay of the log's events. Throws StorageError where an event cannot be written (nothing is lost: what was
   // said to be saved is saved).
   SessionEnd run(const SessionState& state, ResumeSteps steps = {});
+  // Where it stands.
+  const Course& course() const noexcept { return course_; }
 
  private:
-  enum class BlockEnd { over, reordered };  // reordered: a trial of an earlier block is open again
+  void go_through();
+  void carry_out(const step::TakeBack& due);
+  void carry_out(const step::SettleTrial& due);
+  void carry_out(const step::CheckList& due);
+  void carry_out(const step::Instruct& due);
+  void carry_out(const step::AskConsent& due);
+  void carry_out(const step::Ask& due);
+  void carry_out(const step::Present& due);
+  void carry_out(const step::GiveUp& due);
+  void carry_out(const step::EndPractice& due);
+  void carry_out(const step::TakeBreak& due);
+  void carry_out(const step::SettleExploration& due) { explorations_.settle_attempt(due); }
+  void carry_out(const step::Explore& due) { explorations_.explore(due); }
+  void carry_out(const step::Done&) {}
 
-  void open_session(ResumeSteps steps);
-  void settle_pending(bool in_its_place);  // or at the end of its block
-  void redo_interrupted_block();
-  void practise_again();
-  void take_back(const Trial& trial, int attempt, bool anew, const std::string& reason);
   Replies replies_to(const std::vector<AskedQuestion>& page);
-  void check_list();
-  void instruct(Instruction::When when);
-  void consent();
-  void ask(Question::When when, int condition, int after_trial);
-  void run_practice();
-  bool run_main();  // false: some block is open again
-  BlockEnd run_block(const std::vector<Trial>& block);
-  // The operator's word before a trial. False: the queue of trials has changed.
-  bool ready(const Trial& next, const TrialOutline& outline, const std::vector<Trial>& left, BlockEnd& end);
-  void end_block(const std::vector<Trial>& left, const std::string& reason);
+  // The operator's word before a trial. False: what is next has changed.
+  bool ready(const Trial& next, const TrialOutline& outline);
+  void end_block(const Trial& next, const std::string& reason);
   void take_back_last(const TrialRecord& last, const std::string& words);
-  void give_up(const Trial& trial);
-  void take_breaks_within_block();
-  void take_breaks(int planned, bool series_over);
-  void take_break(const Break& pause, int after_trial);
   void break_on_request(const std::string& reason);
   void say_progress();
-  std::vector<std::vector<Trial>> main_blocks() const;
+  std::vector<ConditionProgress> by_condition() const;
   TrialOutline outline_of(const Trial& trial) const;
-  int after_trial() const noexcept { return progress_.main_done(); }
+  int after_trial() const noexcept { return course_.main_done(); }
 
   const SessionParts& parts_;
   const Protocol& protocol_;
   const Plan& plan_;
-  SessionRecorder recorder_;
+  Course course_;
+  CourseRecorder recorder_;
+  ExplorationBlock explorations_;
   TrialConductor conductor_;
-  SessionProgress progress_;
   std::vector<std::string> codes_;  // of the conditions
   int blocks_ = 0;
   double seconds_in_trials_ = 0;  // of this run, for the time left

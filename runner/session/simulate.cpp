@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "data/log/event_body.h"
+#include "data/log/replay.h"
 #include "devices/rigs/rig_factory.h"
 #include "protocols/input/input_error.h"
 #include "protocols/input/sha256.h"

@@ -23,7 +23,7 @@ bool saturated(const Presentation& presentation) {
 
 }  // namespace
 
-TrialConductor::TrialConductor(const SessionParts& parts, const SessionRecorder& recorder)
+TrialConductor::TrialConductor(const SessionParts& parts, const CourseRecorder& recorder)
     : parts_(parts), recorder_(recorder) {
   parts_.rig.watch([this](const LoopSnapshot& snapshot) { parts_.view.health(health_of(snapshot)); });
 }
@@ -32,63 +32,59 @@ TrialConductor::~TrialConductor() {
   parts_.rig.watch({});
 }
 
-TrialConductor::Outcome TrialConductor::conduct(const Trial& trial, const TrialOutline& outline, int attempts_used,
-                                                int after_trial) {
-  const Attempt attempt{trial, outline, attempts_used, after_trial};
+std::optional<double> TrialConductor::conduct(const Trial& trial, const TrialOutline& outline) {
+  const Attempt attempt{trial, outline};
   const Protocol& protocol = parts_.protocol;
   ticks_.clear();
-  await_rig(parts_, recorder_, after_trial);
+  await_rig(parts_, recorder_, after_trial());
   // A stop that came meanwhile: nothing is presented before a person has cleared it.
-  heed_interrupts(parts_, recorder_, after_trial);
-  recorder_.mark(event_kind::kTrialBegan, {{"index", trial.index}, {"attempt", outline.attempt}});
+  heed_interrupts(parts_, recorder_, after_trial());
+  recorder_.record_mark(TrialBegan{trial.index, outline.attempt},
+                        {{"index", trial.index}, {"attempt", outline.attempt}});
   const std::int64_t began = parts_.clock.now_ns();
-  Outcome outcome;
-  TrialRecord& record = outcome.record;
+  TrialRecord record;
   record.trial = trial;
   record.attempt = outline.attempt;
   record.condition_name = protocol.conditions[static_cast<std::size_t>(trial.condition)].name;
   record.series_name = protocol.series[static_cast<std::size_t>(trial.series)].name;
 
   for (int interval = 0; interval < 2; ++interval) {
-    if (interval == 1 && !wait_until(parts_, after_s(protocol.timeline.gap_s)) &&
-        voided_by_interruption(attempt, outcome))
-      return outcome;
-    if (!cue(attempt, interval == 0 ? CuePlace::first : CuePlace::second, outcome)) return outcome;
+    if (interval == 1 && !wait_until(parts_, after_s(protocol.timeline.gap_s)) && voided_by_interruption(attempt))
+      return std::nullopt;
+    if (!cue(attempt, interval == 0 ? CuePlace::first : CuePlace::second)) return std::nullopt;
     Presentation& presentation = record.presentations[static_cast<std::size_t>(interval)];
     presentation = present(attempt, interval);
-    if (voided_after(attempt, interval, presentation, outcome)) return outcome;
+    if (voided_after(attempt, interval, presentation)) return std::nullopt;
   }
   if (protocol.stimulus.on_saturation == OnSaturation::repeat &&
       (saturated(record.presentations[0]) || saturated(record.presentations[1]))) {
-    void_attempt(attempt, "saturated", {}, true, outcome);
-    return outcome;
+    void_attempt(attempt, "saturated", {}, true);
+    return std::nullopt;
   }
 
-  if (!cue(attempt, CuePlace::question, outcome)) return outcome;
+  if (!cue(attempt, CuePlace::question)) return std::nullopt;
   const TrialQuestion question{trial, outline.attempt, record.presentations, protocol.timeline.answer_time_out_s};
   const std::optional<Answer> answer = parts_.responder.judge(question);
   if (!answer) {
-    voided_unanswered(attempt, outcome);
-    return outcome;
+    voided_unanswered(attempt);
+    return std::nullopt;
   }
   // An answer that was given is kept, also where a stop came with it.
   record.answer = *answer;
   record.duration_s = static_cast<double>(parts_.clock.now_ns() - began) * 1e-9;
   nlohmann::ordered_json body = to_body(record);
   if (!ticks_.empty()) body["telemetry"] = telemetry_body(ticks_);
-  recorder_.append(event_kind::kTrialCompleted, body, ticks_);
+  recorder_.record(TrialAnswered{record}, body, ticks_);
   ticks_.clear();
   // From here on the answer is safe; only now is anyone told.
-  outcome.answered = true;
   parts_.view.saved(outline, *answer);
   const Feedback feedback = trial.practice ? protocol.practice->feedback : protocol.feedback;
   if (feedback == Feedback::correctness) parts_.view.feedback(trial.same == (answer->judgement == Judgement::same));
   wait_between_trials();
-  return outcome;
+  return record.duration_s;
 }
 
-bool TrialConductor::voided_after(const Attempt& attempt, int interval, const Presentation& presentation,
-                                  Outcome& outcome) {
+bool TrialConductor::voided_after(const Attempt& attempt, int interval, const Presentation& presentation) {
   // A stop that only makes way for a pause is no fault of the devices.
   const bool pausing = parts_.interrupts.pause && presentation.stopped_by == to_string(StopSource::signal);
   const bool device = presentation.fault != Fault::none && presentation.fault != Fault::no_contact;
@@ -103,61 +99,59 @@ bool TrialConductor::voided_after(const Attempt& attempt, int interval, const Pr
     throw SessionEnds{false, "signal", {}};
   }
   if (parts_.interrupts.pause) {  // the pause itself comes before the next trial
-    void_attempt(attempt, "paused", {}, false, outcome);
+    void_attempt(attempt, "paused", {}, false);
     return true;
   }
-  if (presentation.fault == Fault::none) return voided_by_wish(attempt, outcome);
-  void_attempt(attempt, std::string(to_string(presentation.fault)), {}, counts, outcome);
+  if (presentation.fault == Fault::none) return voided_by_wish(attempt);
+  void_attempt(attempt, std::string(to_string(presentation.fault)), {}, counts);
   if (presentation.fault == Fault::emergency_stop)
-    recover_from_stop(parts_, recorder_, presentation.stopped_by, attempt.after_trial);
+    recover_from_stop(parts_, recorder_, presentation.stopped_by, after_trial());
   return true;
 }
 
-bool TrialConductor::voided_by_wish(const Attempt& attempt, Outcome& outcome) {
+bool TrialConductor::voided_by_wish(const Attempt& attempt) {
   const OperatorRequest wish = parts_.view.meanwhile();
   switch (wish.request) {
     case Request::repeat_trial:
-      void_attempt(attempt, "repeated", wish.text, true, outcome);
+      void_attempt(attempt, "repeated", wish.text, true);
       return true;
     case Request::end_for_now:
     case Request::end_for_good:
       void_interrupted(attempt, "interrupted");
       throw SessionEnds{wish.request == Request::end_for_good, "operator", wish.text};
     case Request::note:
-      recorder_.note(wish.text, attempt.after_trial);
+      recorder_.note(wish.text, after_trial());
       return false;
     default:
       return false;  // pauses, and what concerns other trials, wait for the next ready()
   }
 }
 
-bool TrialConductor::voided_by_interruption(const Attempt& attempt, Outcome& outcome) {
+bool TrialConductor::voided_by_interruption(const Attempt& attempt) {
   if (parts_.interrupts.end) {
     void_interrupted(attempt, "interrupted");
     throw SessionEnds{false, "signal", {}};
   }
   if (parts_.interrupts.pause) {
-    void_attempt(attempt, "paused", {}, false, outcome);
+    void_attempt(attempt, "paused", {}, false);
     return true;
   }
   const StopSource source = parts_.rig.stop.source();
   if (source == StopSource::none) return false;
-  void_attempt(attempt, std::string(to_string(Fault::emergency_stop)), {}, true, outcome);
-  recover_from_stop(parts_, recorder_, std::string(to_string(source)), attempt.after_trial);
+  void_attempt(attempt, std::string(to_string(Fault::emergency_stop)), {}, true);
+  recover_from_stop(parts_, recorder_, std::string(to_string(source)), after_trial());
   return true;
 }
 
-void TrialConductor::voided_unanswered(const Attempt& attempt, Outcome& outcome) {
-  if (voided_by_interruption(attempt, outcome) || voided_by_wish(attempt, outcome)) return;
-  void_attempt(attempt, "no_answer", {}, true, outcome);
+void TrialConductor::voided_unanswered(const Attempt& attempt) {
+  if (voided_by_interruption(attempt) || voided_by_wish(attempt)) return;
+  void_attempt(attempt, "no_answer", {}, true);
 }
 
 void TrialConductor::void_attempt(const Attempt& attempt, const std::string& reason, const std::string& words,
-                                  bool counts, Outcome& outcome) {
-  outcome.answered = false;
-  outcome.counts = counts;
+                                  bool counts) {
   log_void(attempt.trial, attempt.outline.attempt, reason, words, counts);
-  const int used = attempt.attempts_used + (counts ? 1 : 0);
+  const int used = recorder_.course().attempts_used(attempt.trial.index);
   parts_.view.voided(attempt.outline, reason, used < parts_.protocol.timeline.max_attempts);
   wait_between_trials();
 }
@@ -173,11 +167,11 @@ void TrialConductor::log_void(const Trial& trial, int attempt, const std::string
   if (!words.empty()) body["words"] = words;
   if (anew) body["anew"] = true;
   if (!ticks_.empty()) body["telemetry"] = telemetry_body(ticks_);
-  recorder_.append(event_kind::kTrialVoided, body, ticks_);
+  recorder_.record(TrialVoided{trial.index, attempt, counts, anew, reason == kTakenBack}, body, ticks_);
   ticks_.clear();
 }
 
-bool TrialConductor::cue(const Attempt& attempt, CuePlace place, Outcome& outcome) {
+bool TrialConductor::cue(const Attempt& attempt, CuePlace place) {
   const Timeline& timeline = parts_.protocol.timeline;
   const CueSignal& signal = place == CuePlace::first    ? timeline.first_cue
                             : place == CuePlace::second ? timeline.second_cue
@@ -195,7 +189,7 @@ bool TrialConductor::cue(const Attempt& attempt, CuePlace place, Outcome& outcom
     ring->drain(ticks);
     ring->take_dropped();
   }
-  return given.fault == Fault::none || !voided_after(attempt, interval, given, outcome);
+  return given.fault == Fault::none || !voided_after(attempt, interval, given);
 }
 
 Presentation TrialConductor::present(const Attempt& attempt, int interval) {

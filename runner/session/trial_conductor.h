@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "data/log/event_body.h"
+#include "runner/session/course_recorder.h"
 #include "runner/session/session_parts.h"
 
 namespace jnd {
@@ -13,18 +15,14 @@ namespace jnd {
 class TrialConductor {
  public:
   // Both must outlive it.
-  TrialConductor(const SessionParts& parts, const SessionRecorder& recorder);
+  TrialConductor(const SessionParts& parts, const CourseRecorder& recorder);
   ~TrialConductor();
   TrialConductor(const TrialConductor&) = delete;
   TrialConductor& operator=(const TrialConductor&) = delete;
 
-  struct Outcome {
-    bool answered = false;
-    TrialRecord record;   // of an answered trial, as committed
-    bool counts = false;  // a voided attempt: it uses up one of the trial's attempts
-  };
-  // trial: with its stimuli known. attempts_used: so far. Once rested(). Throws SessionEnds, StorageError.
-  Outcome conduct(const Trial& trial, const TrialOutline& outline, int attempts_used, int after_trial);
+  // trial: with its stimuli known. Once rested(). How long it took, from the first cue to the answer; none where the
+  // attempt was voided. Throws SessionEnds, StorageError.
+  std::optional<double> conduct(const Trial& trial, const TrialOutline& outline);
 
   // Waits for what is left of the time between trials, also where something came first before. False: something does
   // again, which is to be seen to.
@@ -40,29 +38,27 @@ class TrialConductor {
   struct Attempt {
     const Trial& trial;
     const TrialOutline& outline;
-    int attempts_used = 0;
-    int after_trial = 0;
   };
   // A cue to the participant, on the devices where the protocol says tap. False: the tap failed, and the attempt was
   // voided.
-  bool cue(const Attempt& attempt, CuePlace place, Outcome& outcome);
+  bool cue(const Attempt& attempt, CuePlace place);
   Presentation present(const Attempt& attempt, int interval);
   void keep_ticks(const Trial& trial, int interval, const Presentation& presentation);
   // Why the attempt ends here: nothing, or it was voided.
-  bool voided_after(const Attempt& attempt, int interval, const Presentation& presentation, Outcome& outcome);
-  bool voided_by_wish(const Attempt& attempt, Outcome& outcome);
+  bool voided_after(const Attempt& attempt, int interval, const Presentation& presentation);
+  bool voided_by_wish(const Attempt& attempt);
   // By a signal or a stop, just now.
-  bool voided_by_interruption(const Attempt& attempt, Outcome& outcome);
-  void voided_unanswered(const Attempt& attempt, Outcome& outcome);
-  void void_attempt(const Attempt& attempt, const std::string& reason, const std::string& words, bool counts,
-                    Outcome& outcome);
+  bool voided_by_interruption(const Attempt& attempt);
+  void voided_unanswered(const Attempt& attempt);
+  void void_attempt(const Attempt& attempt, const std::string& reason, const std::string& words, bool counts);
   // Felt, but ended by us: it comes again, and the log knows that it was felt.
   void void_interrupted(const Attempt& attempt, const std::string& reason);
+  int after_trial() const noexcept { return recorder_.course().main_done(); }
   std::int64_t after_s(double seconds) const;  // of the session's clock
   void wait_between_trials();
 
   const SessionParts& parts_;
-  const SessionRecorder& recorder_;
+  const CourseRecorder& recorder_;
   std::vector<TelemetryBlob> ticks_;  // of the present trial's intervals
   std::int64_t earliest_ns_ = 0;      // of the next attempt, of the session's clock
 };

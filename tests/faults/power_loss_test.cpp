@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "data/log/replay.h"
 #include "data/verify/verify.h"
 #include "tests/catch.h"
 #include "tests/data/older_study.h"

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "data/log/event_body.h"
+#include "data/log/replay.h"
 #include "data/verify/verify.h"
 
 namespace jnd::test {

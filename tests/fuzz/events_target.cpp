@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "data/log/event_body.h"
+#include "data/log/replay.h"
 #include "data/log/storage_error.h"
 #include "data/log/trial_body.h"
 #include "tests/fuzz/fuzz_target.h"

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "data/log/event_body.h"
+#include "data/log/replay.h"
 #include "data/log/session_log.h"
 #include "devices/clock.h"
 #include "devices/responder.h"

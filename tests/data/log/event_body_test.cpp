@@ -4,6 +4,7 @@
 #include <rapidcheck.h>
 
 #include "data/log/body_numbers.h"
+#include "data/log/replay.h"
 #include "data/log/storage_error.h"
 #include "data/log/trial_body.h"
 #include "tests/catch.h"

@@ -7,6 +7,7 @@
 #include "analysis/numerics/special_values.h"
 #include "data/export/questionnaire_columns.h"
 #include "data/log/exploration_body.h"
+#include "data/log/replay.h"
 #include "data/results/methods_text.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
@@ -205,13 +206,13 @@ TEST_CASE("the history of a log says which attempt comes next", "[data]") {
     log.append(event_kind::kExplorationBegan, {{"index", 1}, {"attempt", attempt}}, {});
   };
   began(1);
-  CHECK(exploration_history(log.events()).pending == 1);
+  CHECK(replay(log.events()).exploration.pending == 1);
   log.append(event_kind::kExplorationVoided, voided_body(first, StiffnessUnit::n_per_m, "interrupted", false, true),
              {});
   began(2);
   log.append(event_kind::kExplorationVoided, voided_body(second, StiffnessUnit::n_per_m, "device_lost", true, false),
              {});
-  const ExplorationHistory history = exploration_history(log.events());
+  const ExplorationHistory history = replay(log.events()).exploration;
   CHECK_FALSE(history.pending);
   CHECK(history.attempts.at(1) == 2);
   CHECK(history.used.at(1) == 1);

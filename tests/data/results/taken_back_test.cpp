@@ -1,4 +1,5 @@
 // Answers that are taken back: they stay in the log and count nowhere.
+#include "data/log/replay.h"
 #include "data/results/study_analysis.h"
 #include "data/study/study_impl.h"
 #include "data/verify/verify.h"

@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "data/log/replay.h"
 #include "data/study/study.h"
 #include "data/verify/verify.h"
 #include "tests/catch.h"

@@ -9,6 +9,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include "data/log/replay.h"
 #include "data/study/study_impl.h"
 #include "data/verify/verify.h"
 #include "tests/catch.h"

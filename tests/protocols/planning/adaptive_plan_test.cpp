@@ -7,10 +7,10 @@
 #include <nlohmann/json.hpp>
 #include <rapidcheck.h>
 
+#include "protocols/course/duration.h"
 #include "protocols/planning/adaptive_run.h"
 #include "protocols/planning/catch_trials.h"
 #include "protocols/planning/cohort.h"
-#include "protocols/planning/duration.h"
 #include "protocols/planning/plan.h"
 #include "protocols/reading/protocol_json.h"
 #include "protocols/rigs/device_lint.h"

@@ -3,9 +3,9 @@
 #include <set>
 #include <stdexcept>
 
+#include "protocols/course/duration.h"
 #include "protocols/input/input_error.h"
 #include "protocols/planning/cohort.h"
-#include "protocols/planning/duration.h"
 #include "protocols/planning/exploration_assignment.h"
 #include "protocols/planning/plan.h"
 #include "protocols/reading/protocol_json.h"

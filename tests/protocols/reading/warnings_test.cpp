@@ -1,7 +1,7 @@
 // What `check` warns about, and how long a session takes.
 #include <algorithm>
 
-#include "protocols/planning/duration.h"
+#include "protocols/course/duration.h"
 #include "protocols/planning/planned_precision.h"
 #include "protocols/reading/protocol_json.h"
 #include "tests/catch.h"

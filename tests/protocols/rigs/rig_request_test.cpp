@@ -1,6 +1,6 @@
 // What a protocol asks of its rig, as it arrives in the record.
+#include "protocols/course/duration.h"
 #include "protocols/planning/cohort.h"
-#include "protocols/planning/duration.h"
 #include "protocols/planning/plan.h"
 #include "protocols/reading/protocol_json.h"
 #include "tests/catch.h"

@@ -1,5 +1,6 @@
 // Sessions answered by pedals, with an operator at the keys and everything of the engine between.
 #include "data/log/event_body.h"
+#include "data/log/replay.h"
 #include "runner/opening/readiness_buttons.h"
 #include "runner/session/session_engine.h"
 #include "tests/catch.h"

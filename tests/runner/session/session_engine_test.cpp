@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "data/log/storage_error.h"
+#include "protocols/planning/condition_codes.h"
 #include "tests/catch.h"
 #include "tests/runner/engine_fixture.h"
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "data/log/replay.h"
 #include "data/log/telemetry.h"
 #include "devices/participants/simulated_hand.h"
 #include "devices/rigs/fingertip_rig.h"
