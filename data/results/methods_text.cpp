@@ -411,7 +411,7 @@ std::string methods_text(const Study& study, const Protocol& protocol, const Stu
   text += "\n## Estimates\n\n" + estimate_paragraph(protocol, results) + "\n" + exclusion_paragraph(protocol, results);
   text += "\n## Tests\n\n" + test_paragraph(protocol, results);
   add_list(text, "Deviations from the registered plan", results.deviations, "None.");
-  add_list(text, "Warnings", results.warnings, "None.");
+  add_list(text, "Cautions", results.cautions, "None.");
   text += reproduction(study, protocol, results);
   return text + references_of(text);
 }

@@ -33,7 +33,7 @@ void add_tests(StudyResults& results, const Protocol& protocol) {
 
 void add_remarks(StudyResults& results, const Protocol& protocol) {
   results.deviations = deviations_of(results.analysis, results.comparisons, protocol);
-  results.warnings = warnings_of(results.analysis, results.comparisons, protocol);
+  results.cautions = cautions_of(results.analysis, results.comparisons, protocol);
 }
 
 // Of a protocol with a procedure: thresholds of its own kind, compared over the conditions like any other outcome.

@@ -36,7 +36,7 @@ struct StudyResults {
   std::vector<QuestionnaireItem> items;        // means and medians of ratings and numbers, in the protocol's order
   PairedQuestionnaire ratings;                 // tests of those that were answered for each condition
   std::vector<std::string> deviations;         // from what was registered
-  std::vector<std::string> warnings;           // where the design cannot carry the number
+  std::vector<std::string> cautions;           // where the design cannot carry the number
 };
 
 // Checks the chains of the study first: throws BrokenChain where it is not what was recorded.

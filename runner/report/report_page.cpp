@@ -164,7 +164,7 @@ std::string report_page(const StudyResults& results, const Protocol& protocol, c
   html += "<main>\n<h2 id=\"summary\">Summary</h2>\n" + summary_html(results, protocol);
   html += alert_html("state", "State of the study", state_of(analysis, facts));
   html += alert_html("deviations", "Deviations from what was registered", results.deviations);
-  html += alert_html("warnings", "Warnings", results.warnings);
+  html += alert_html("cautions", "Cautions", results.cautions);
   html += contents_html(figures, tables, !methods_markdown.empty());
   if (!figures.empty()) html += "<h2 id=\"figures\">Figures</h2>\n";
   for (std::size_t i = 0; i < figures.size(); ++i) html += figure_html(figures[i], static_cast<int>(i) + 1);

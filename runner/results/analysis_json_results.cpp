@@ -236,7 +236,7 @@ Json explore_json(const StudyResults& results, const Protocol& protocol) {
   Json out = {{"kind", to_string(results.analysis.kind)}, {"protocol_sha256", protocol.sha256}};
   out["questionnaire"] = to_json(*results.questionnaire, protocol);
   out["deviations"] = results.deviations;
-  out["warnings"] = results.warnings;
+  out["cautions"] = results.cautions;
   add_chains(out, results.chains);
   out["heads"] = Json::array();
   for (const SessionHead& head : results.analysis.heads)
@@ -274,7 +274,7 @@ nlohmann::ordered_json to_json(const StudyResults& results, const Protocol& prot
   out["cue_strategy"] = cue_strategy_json(results.behaviour, protocol);
   out["ratings"] = ratings_json(results, protocol);
   out["deviations"] = results.deviations;
-  out["warnings"] = results.warnings;
+  out["cautions"] = results.cautions;
   return out;
 }
 

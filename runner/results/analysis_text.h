@@ -12,7 +12,7 @@ namespace jnd {
 
 std::string text_of(const ResultTable& table);  // ends with an empty line
 void print_table(const ResultTable& table);
-// Deviations from the plan, then warnings; nothing where there are none.
+// Deviations from the plan, then cautions; nothing where there are none.
 void print_remarks(const StudyResults& results);
 
 nlohmann::ordered_json to_json(const MeanEstimate& estimate);

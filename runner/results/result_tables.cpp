@@ -18,7 +18,7 @@ std::string cautions_text(const JndEstimate& estimate) {
   std::string text;
   if (estimate.status != JndStatus::ok) text = to_string(estimate.status);
   for (const Caution caution : estimate.cautions) {
-    // Every participant of a short design has too few trials; a warning says it once.
+    // Every participant of a short design has too few trials; a caution of the study says it once.
     if (caution != Caution::few_trials) text = joined(text, std::string(to_string(caution)));
   }
   return text;

@@ -135,7 +135,7 @@ TEST_CASE("tests on the JND are refused where somebody has none, by name; the sl
   CHECK(kept.comparisons.front().refused.empty());
   CHECK(kept.deviations.empty());
   bool said = false;
-  for (const std::string& warning : kept.warnings) said = said || warning.find("1 of 15") != std::string::npos;
+  for (const std::string& caution : kept.cautions) said = said || caution.find("1 of 15") != std::string::npos;
   CHECK(said);
 }
 
