@@ -15,7 +15,6 @@ void print_table(const ResultTable& table);
 // Deviations from the plan, then cautions; nothing where there are none.
 void print_remarks(const StudyResults& results);
 
-nlohmann::ordered_json to_json(const MeanEstimate& estimate);
 nlohmann::ordered_json to_json(const StudyAnalysis& analysis, const Protocol& protocol);
 nlohmann::ordered_json to_json(const StudyResults& results, const Protocol& protocol);
 nlohmann::ordered_json to_json(const StudyModels& models, const Protocol& protocol);

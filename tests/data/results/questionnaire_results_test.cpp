@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "analysis/numerics/special_values.h"
-#include "data/export/questionnaire_columns.h"
+#include "data/export/result_columns.h"
 #include "data/log/exploration_body.h"
 #include "data/results/methods_text.h"
 #include "tests/catch.h"
@@ -159,15 +159,13 @@ TEST_CASE("a study of free interaction is read out of its log", "[data]") {
   const std::string methods = methods_text(*study, experiment2(), results);
   CHECK(methods.find("17 items were answered for each condition") != std::string::npos);
   CHECK(methods.find("d'") == std::string::npos);
-  std::vector<ResultFile> files;
-  add_items_file(files, all.items, experiment2());
-  REQUIRE(files.size() == 1);
-  CHECK(files[0].name == "items.csv");
-  CHECK(files[0].text.find("\nQB1,QB,It is easy to use.,C,3,7,1,4.5158") != std::string::npos);
-  CHECK(files[0].text.find(",7,6,8,0.75,1,9,") != std::string::npos);
-  for (ResultFile& file : questionnaire_files(all, experiment2())) files.push_back(std::move(file));
-  REQUIRE(files.size() == 3);
-  CHECK(files[1].text.find("preference,,wearing the devices,2,3,") != std::string::npos);
+  std::map<std::string, std::string> files;
+  for (const ResultFile& file : result_files(results, experiment2(), nullptr)) files[file.name] = file.text;
+  REQUIRE(files.size() == 4);  // ratings.csv has the tests, exposure.csv the times
+  CHECK(files["items.csv"].find("\nQB1,QB,It is easy to use.,C,3,7,1,4.5158") != std::string::npos);
+  CHECK(files["items.csv"].find(",7,6,8,0.75,1,9,") != std::string::npos);
+  CHECK(files["choices.csv"].find("preference,,wearing the devices,2,3,") != std::string::npos);
+  CHECK(files.contains("exposure.csv"));
 }
 
 TEST_CASE("an exploration comes back from its event", "[data]") {
