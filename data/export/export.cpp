@@ -119,7 +119,7 @@ std::vector<std::string> export_csv(const Study& study, const Protocol& protocol
   const std::vector<SessionInfo> sessions = sessions_of(study, analysis.kind);
   auto not_counted = taken_back_of(study);
 
-  const bool has_trials = !results.questionnaire, has_thresholds = has_trials && !results.adaptive;
+  const bool has_trials = protocol.paradigm != Paradigm::explore, has_thresholds = has_trials && !results.adaptive;
   const auto trials_columns = trial_columns(protocol, device_places(study, protocol, sessions));
   const auto cells_columns = csv_columns(cell_fields(protocol));
   const auto reports_columns = csv_columns(threshold_fields(protocol));

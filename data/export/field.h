@@ -1,6 +1,6 @@
-// A number or word of the results, said once: what it is called, what it means, how many digits it deserves and where it
-// comes from. JSON, the columns of CSV files, their dictionary and the tables of people are all written from it, so that
-// none of them can say anything else than the others.
+// A number or word of the results, said once: what it is called, what it means, how many digits it deserves and where
+// it comes from. JSON, the columns of CSV files, their dictionary and the tables for people are all written from it, so
+// that none of them can say anything else than the others.
 //
 // A block of results (cells, group, ...) is a list of fields in the order of its CSV columns; JSON and tables name the
 // fields that they show, in their own order.

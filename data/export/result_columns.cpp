@@ -42,7 +42,9 @@ std::vector<ResultFile> result_files(const StudyResults& results, const Protocol
   std::vector<BehaviourRow> behaviour = results.behaviour.conditions;
   append(behaviour, results.behaviour.participants);
   std::vector<ScoreRow> scores;
-  for (const QuestionnaireItem& item : results.items) append(scores, score_rows(item, protocol));
+  for (const QuestionnaireItem& item : results.questionnaire.items) append(scores, score_rows(item, protocol));
+  std::vector<OptionRow> options;
+  for (const ChoiceResult& choice : results.questionnaire.choices) append(options, option_rows(choice, protocol));
 
   std::vector<ResultFile> files;
   if (results.adaptive) add_file(files, "tracks.csv", track_fields(protocol), results.adaptive->rows);
@@ -51,14 +53,10 @@ std::vector<ResultFile> result_files(const StudyResults& results, const Protocol
   add_file(files, "sensitivity.csv", sensitivity_fields(protocol), sensitivity);
   add_file(files, "behaviour.csv", behaviour_fields(protocol), behaviour);
   add_file(files, "items.csv", score_fields(protocol), scores);
-  add_file(files, "ratings.csv", rating_fields(protocol), rating_rows(results.ratings));
+  add_file(files, "ratings.csv", rating_fields(protocol), rating_rows(results.questionnaire.tests));
   if (models != nullptr) add_file(files, "models.csv", model_fields(protocol), models->thresholds);
-  if (results.questionnaire) {
-    std::vector<OptionRow> options;
-    for (const ChoiceResult& choice : results.questionnaire->choices) append(options, option_rows(choice, protocol));
-    add_file(files, "choices.csv", option_fields(protocol), options);
-    add_file(files, "exposure.csv", exposure_fields(protocol), results.questionnaire->exposure);
-  }
+  add_file(files, "choices.csv", option_fields(protocol), options);
+  add_file(files, "exposure.csv", exposure_fields(protocol), results.questionnaire.exposure);
   return files;
 }
 

@@ -15,8 +15,8 @@
 
 namespace jnd {
 
-// Digits that a stiffness deserves in the study's unit: those of a contact are hundreds of N/m, those of a joint tens of
-// N/rad.
+// Digits that a stiffness deserves in the study's unit: those of a contact are hundreds of N/m, those of a joint tens
+// of N/rad.
 int stiffness_decimals(const Protocol& protocol) noexcept;
 // Of slopes, so that they have digits to read: d' per 100 N/m, d' per 10 N/rad.
 int slope_step(const Protocol& protocol) noexcept;

@@ -74,10 +74,10 @@ std::string summary_html(const StudyResults& results, const Protocol& protocol) 
     return fmt::format("<p class=\"lead\">This study holds no {} session yet: there is nothing to report.</p>\n",
                        to_string(analysis.kind));
   if (results.adaptive) return adaptive_summary(results, protocol);
-  if (results.questionnaire)
+  if (protocol.paradigm == Paradigm::explore)
     return fmt::format("<p class=\"lead\">{} {} participant{} ({} planned) after free interaction. {}.</p>\n",
                        analysis.participants, to_string(analysis.kind), analysis.participants == 1 ? "" : "s",
-                       protocol.design.participants, escape_markup(questionnaire_summary(*results.questionnaire)));
+                       protocol.design.participants, escape_markup(questionnaire_summary(results.questionnaire)));
   std::string html = fmt::format(
       "<p class=\"lead\">{} {} participant{} ({} planned). JND: {}, through the origin of the {} stiffness "
       "differences; "

@@ -122,9 +122,9 @@ Json ratings_json(const StudyResults& results, const Protocol& protocol) {
   const auto pairs = rating_fields(protocol);
   const std::vector<std::string> answers = {"n",      "mean",    "mean_ci_low", "mean_ci_high", "median",
                                             "ci_low", "ci_high", "coverage",    "status"};
-  Json out = {{"family", results.ratings.family}, {"items", Json::array()}, {"once", Json::array()}};
-  auto tested = results.ratings.items.begin();  // of the paired items, in the same order
-  for (const QuestionnaireItem& item : results.items) {
+  Json out = {{"family", results.questionnaire.tests.family}, {"items", Json::array()}, {"once", Json::array()}};
+  auto tested = results.questionnaire.tests.items.begin();  // of the paired items, in the same order
+  for (const QuestionnaireItem& item : results.questionnaire.items) {
     const std::vector<ScoreRow> rows = score_rows(item, protocol);
     Json one = json_of(scores, rows.front(), {"item"});
     if (!item.paired) {
@@ -156,7 +156,7 @@ void add_chains(Json& out, const ChainReport& chains) {
 // Of the paradigm explore.
 Json explore_json(const StudyResults& results, const Protocol& protocol) {
   Json out = {{"kind", to_string(results.analysis.kind)}, {"protocol_sha256", protocol.sha256}};
-  out["questionnaire"] = to_json(*results.questionnaire, protocol);
+  out["questionnaire"] = to_json(results.questionnaire, protocol);
   out["deviations"] = results.deviations;
   out["cautions"] = results.cautions;
   add_chains(out, results.chains);
@@ -170,7 +170,7 @@ Json explore_json(const StudyResults& results, const Protocol& protocol) {
 }  // namespace
 
 nlohmann::ordered_json to_json(const StudyResults& results, const Protocol& protocol) {
-  if (results.questionnaire) return explore_json(results, protocol);
+  if (protocol.paradigm == Paradigm::explore) return explore_json(results, protocol);
   Json out = results.adaptive ? to_json(*results.adaptive, protocol) : to_json(results.analysis, protocol);
   add_chains(out, results.chains);
   out["contrasts"] = Json::array();

@@ -156,7 +156,7 @@ ResultTable group_table(const StudyResults& results, const Protocol& protocol) {
 }
 
 std::vector<ResultTable> result_tables(const StudyResults& results, const Protocol& protocol) {
-  if (results.questionnaire) return questionnaire_tables(*results.questionnaire, protocol);
+  if (protocol.paradigm == Paradigm::explore) return questionnaire_tables(results.questionnaire, protocol);
   std::vector<ResultTable> tables;
   if (results.adaptive) {
     tables.push_back(adaptive_rows_table(*results.adaptive, protocol, true));

@@ -107,7 +107,7 @@ ResultTable items_table(const StudyResults& results, const Protocol& protocol) {
                     {},
                     {}};
   std::vector<ScoreRow> rows;
-  for (const QuestionnaireItem& item : results.items) {
+  for (const QuestionnaireItem& item : results.questionnaire.items) {
     for (const ScoreRow& row : score_rows(item, protocol)) rows.push_back(row);
     table.remarks.push_back(question_note(protocol.questions[static_cast<std::size_t>(item.question)]));
   }
@@ -132,7 +132,7 @@ ResultTable ratings_table(const StudyResults& results, const Protocol& protocol)
              "Answers compared between conditions",
              fmt::format("Wilcoxon signed ranks with the exact permutation p; Holm and Benjamini-Hochberg over {} "
                          "test{}",
-                         results.ratings.family, results.ratings.family == 1 ? "" : "s"),
+                         results.questionnaire.tests.family, results.questionnaire.tests.family == 1 ? "" : "s"),
              {},
              {},
              {}},
@@ -140,7 +140,7 @@ ResultTable ratings_table(const StudyResults& results, const Protocol& protocol)
              of.words("pair", [&](const RatingRow& row) { return of.text("a", row) + " - " + of.text("b", row); }),
              of.words("medians", medians, true), of("n"), of("zeros"), of("v"), of("p"), of("p_holm"), of("p_bh"),
              of("rank_biserial")},
-            rating_rows(results.ratings));
+            rating_rows(results.questionnaire.tests));
 }
 
 }  // namespace jnd

@@ -28,14 +28,14 @@ int place_of(const std::string& id) {
 }
 
 // Participants x (C, N).
-RatedItem paired(const std::string& id, const std::vector<double>& ratings) {
+RatedQuestion paired(const std::string& id, const std::vector<double>& ratings) {
   return {place_of(id), true, ratings};
 }
 
-const RatedItem kUntied = paired("QB1", {2, 1, 4, 2, 6, 3, 8, 4, 8, 3, 9, 3});  // C - N: 1, 2, 3, 4, 5, 6
-const RatedItem kTied = paired("QB2", {2, 1, 3, 2, 4, 3, 5, 4, 6, 5, 6, 7});    // 1, 1, 1, 1, 1, -1
-const RatedItem kEqual = paired("QB3", {5, 5, 4, 4, 3, 3, 2, 2, 1, 1, 9, 9});   // no difference
-const RatedItem kMissing = paired("QB4", {5, 4, kNaN, 4, 3, 2, 2, kNaN, 1, 2, 9, 8});
+const RatedQuestion kUntied = paired("QB1", {2, 1, 4, 2, 6, 3, 8, 4, 8, 3, 9, 3});  // C - N: 1, 2, 3, 4, 5, 6
+const RatedQuestion kTied = paired("QB2", {2, 1, 3, 2, 4, 3, 5, 4, 6, 5, 6, 7});    // 1, 1, 1, 1, 1, -1
+const RatedQuestion kEqual = paired("QB3", {5, 5, 4, 4, 3, 3, 2, 2, 1, 1, 9, 9});   // no difference
+const RatedQuestion kMissing = paired("QB4", {5, 4, kNaN, 4, 3, 2, 2, kNaN, 1, 2, 9, 8});
 
 TEST_CASE("the tests of the items are Wilcoxon's, by hand", "[data]") {
   const QuestionnaireResults results = questionnaire_of({kUntied, kTied}, 6, experiment2());
@@ -126,8 +126,7 @@ TEST_CASE("a study of free interaction is read out of its log", "[data]") {
   run_session(*study, 2, 7, 4, "wearing the devices");
   run_session(*study, 3, 6, 5, "bare hands", 60);
   const StudyResults results = results_of(*study, experiment2(), SessionKind::simulated);
-  REQUIRE(results.questionnaire);
-  const QuestionnaireResults& all = *results.questionnaire;
+  const QuestionnaireResults& all = results.questionnaire;
   CHECK(all.participants == 3);
   CHECK(all.items.size() == 22);
   CHECK(all.tests.items.size() == 17);
@@ -150,7 +149,7 @@ TEST_CASE("a study of free interaction is read out of its log", "[data]") {
     CHECK(row.shortest_s == 60);
     CHECK(row.ended_early == 1);
   }
-  CHECK(std::count_if(results.items.begin(), results.items.end(),
+  CHECK(std::count_if(results.questionnaire.items.begin(), results.questionnaire.items.end(),
                       [](const QuestionnaireItem& item) { return !item.paired; }) == 5);
   bool said = false;
   for (const std::string& one : results.deviations) said = said || one.find("ended early") != std::string::npos;
