@@ -12,6 +12,7 @@
 #include "data/export/export_tables.h"
 #include "data/export/export_telemetry.h"
 #include "data/export/result_columns.h"
+#include "data/export/result_fields.h"
 #include "data/log/body_numbers.h"
 #include "data/log/event_body.h"
 #include "data/log/utc_time.h"
@@ -118,10 +119,10 @@ std::vector<std::string> export_csv(const Study& study, const Protocol& protocol
   const std::vector<SessionInfo> sessions = sessions_of(study, analysis.kind);
   auto not_counted = taken_back_of(study);
 
-  const bool has_trials = !results.questionnaire, has_thresholds = has_trials && !results.adaptive;
+  const bool has_trials = protocol.paradigm != Paradigm::explore, has_thresholds = has_trials && !results.adaptive;
   const auto trials_columns = trial_columns(protocol, device_places(study, protocol, sessions));
-  const auto cells_columns = cell_columns(protocol);
-  const auto reports_columns = report_columns(protocol);
+  const auto cells_columns = csv_columns(cell_fields(protocol));
+  const auto reports_columns = csv_columns(threshold_fields(protocol));
   const auto ticks_columns =
       telemetry_columns(protocol, telemetry ? telemetry->limit_names : std::vector<std::string>{});
   const std::set<std::string> lost = telemetry && !sealed ? lost_in_recovery(study) : std::set<std::string>();
@@ -152,9 +153,9 @@ std::vector<std::string> export_csv(const Study& study, const Protocol& protocol
     files.write(name, csv_table(columns, rows));
     describe(name, columns, dictionary);
   };
-  if (has_thresholds) write("group.csv", group_columns(protocol, analysis.kind), analysis.group);
+  if (has_thresholds) write("group.csv", csv_columns(group_fields(protocol, analysis.kind)), analysis.group);
   if (const std::vector<ContrastRow> contrasts = contrasts_of(results, protocol); !contrasts.empty())
-    write("contrasts.csv", contrast_columns(protocol, analysis.kind), contrasts);
+    write("contrasts.csv", csv_columns(contrast_fields(protocol, analysis.kind)), contrasts);
   for (const ResultFile& file : result_files(results, protocol, nullptr)) {
     files.write(file.name, file.text);
     dictionary.insert(dictionary.end(), file.dictionary.begin(), file.dictionary.end());

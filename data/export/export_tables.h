@@ -1,4 +1,5 @@
-// The tables of an export: which columns each file has, what they mean, and where their cells come from.
+// The tables of an export that hold what was recorded: which columns each file has, what they mean, and where their
+// cells come from.
 #pragma once
 
 #include <optional>
@@ -7,8 +8,8 @@
 
 #include "data/export/csv_writer.h"
 #include "data/export/device_places.h"
-#include "data/results/study_analysis.h"
-#include "data/results/study_contrasts.h"
+#include "data/study/study.h"
+#include "data/study/trial_rows.h"
 #include "protocols/protocol.h"
 
 namespace jnd {
@@ -30,10 +31,6 @@ struct ExportAnswer {
 };
 
 std::vector<CsvColumn<ExportTrial>> trial_columns(const Protocol& protocol, const std::vector<DevicePlace>& places);
-std::vector<CsvColumn<CellResult>> cell_columns(const Protocol& protocol);
-std::vector<CsvColumn<ThresholdResult>> report_columns(const Protocol& protocol);
-std::vector<CsvColumn<GroupResult>> group_columns(const Protocol& protocol, SessionKind kind);
-std::vector<CsvColumn<ContrastRow>> contrast_columns(const Protocol& protocol, SessionKind kind);
 std::vector<CsvColumn<ExportAnswer>> answer_columns();
 // seed: empty where it is sealed.
 std::vector<CsvColumn<SessionInfo>> session_columns(const std::string& seed, const std::string& study_head,

@@ -275,11 +275,11 @@ std::string other_tests(const StudyResults& results, bool any_registered) {
                                        : "The analysis of variance, Friedman's test (Friedman 1937) and pairwise tests "
                                          "were computed for",
                         list_of(others));
-  if (results.ratings.family > 0)
+  if (results.questionnaire.tests.family > 0)
     text += fmt::format(
         " Pairs of conditions were also compared by the answers to questions, with signed-rank tests (Wilcoxon 1945) "
         "and the corrections of Holm 1979 and of Benjamini and Hochberg 1995 over the {} test{}.",
-        results.ratings.family, plural(results.ratings.family));
+        results.questionnaire.tests.family, plural(results.questionnaire.tests.family));
   return text;
 }
 
@@ -356,14 +356,14 @@ std::string exploration_design(const Protocol& protocol, const StudyResults& res
       "lasted {:g} s, divided equally among the objects. The order of conditions and objects was dealt per participant "
       "from the study's seed with counter-based random streams ({}, Salmon et al. 2011). Objects had a "
       "stiffness of {:g} {}. Time in which the session was paused does not count.\n",
-      results.questionnaire->participants, to_string(results.analysis.kind),
-      results.questionnaire->participants == 1 ? "" : "s", objects, plural(objects), list_of(names),
+      results.questionnaire.participants, to_string(results.analysis.kind),
+      results.questionnaire.participants == 1 ? "" : "s", objects, plural(objects), list_of(names),
       protocol.conditions.size(), plural(protocol.conditions.size()), list_of(conditions), explore.duration_s,
       kGeneratorName, protocol.stimulus.reference, to_string(protocol.stimulus.unit));
 }
 
 std::string questionnaire_tests(const StudyResults& results) {
-  const QuestionnaireResults& all = *results.questionnaire;
+  const QuestionnaireResults& all = results.questionnaire;
   const auto paired = static_cast<std::size_t>(
       std::count_if(all.items.begin(), all.items.end(), [](const QuestionnaireItem& item) { return item.paired; }));
   const std::size_t once = all.items.size() - paired;
@@ -400,7 +400,7 @@ std::string methods_text(const Study& study, const Protocol& protocol, const Stu
   if (!protocol.source.citation.empty())
     text += fmt::format("After: {}{}\n\n", markdown_text(protocol.source.citation),
                         protocol.source.doi.empty() ? "" : " https://doi.org/" + markdown_text(protocol.source.doi));
-  if (results.questionnaire) {
+  if (protocol.paradigm == Paradigm::explore) {
     text += "## Design\n\n" + exploration_design(protocol, results);
     text += "\n## Tests\n\n" + questionnaire_tests(results);
     add_list(text, "Deviations from the registered plan", results.deviations, "None.");
@@ -411,7 +411,7 @@ std::string methods_text(const Study& study, const Protocol& protocol, const Stu
   text += "\n## Estimates\n\n" + estimate_paragraph(protocol, results) + "\n" + exclusion_paragraph(protocol, results);
   text += "\n## Tests\n\n" + test_paragraph(protocol, results);
   add_list(text, "Deviations from the registered plan", results.deviations, "None.");
-  add_list(text, "Warnings", results.warnings, "None.");
+  add_list(text, "Cautions", results.cautions, "None.");
   text += reproduction(study, protocol, results);
   return text + references_of(text);
 }

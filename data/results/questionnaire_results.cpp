@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
 #include <utility>
 
@@ -13,7 +12,7 @@
 #include "data/log/event_body.h"
 #include "data/log/exploration_body.h"
 #include "data/log/storage_error.h"
-#include "data/results/rating_answers.h"
+#include "data/results/study_analysis.h"
 
 namespace jnd {
 
@@ -37,11 +36,11 @@ ItemScore score_of(const std::vector<double>& column, int condition, const Quest
   return score;
 }
 
-std::size_t columns_of(const RatedItem& item, const Protocol& protocol) {
+std::size_t columns_of(const RatedQuestion& item, const Protocol& protocol) {
   return item.paired ? protocol.conditions.size() : 1;
 }
 
-std::vector<double> column_of(const RatedItem& item, std::size_t columns, std::size_t column) {
+std::vector<double> column_of(const RatedQuestion& item, std::size_t columns, std::size_t column) {
   std::vector<double> values;
   for (std::size_t i = column; i < item.ratings.size(); i += columns) values.push_back(item.ratings[i]);
   return values;
@@ -58,35 +57,6 @@ TestCount count_below(const PairedQuestionnaire& tests, double alpha) {
     }
   }
   return count;
-}
-
-// The rows of sessions, by participant: one row each.
-class Rows {
- public:
-  explicit Rows(const std::vector<SessionInfo>& sessions) {
-    for (const SessionInfo& session : sessions)
-      places_.push_back(rows_.try_emplace(session.participant, rows_.size()).first->second);
-  }
-  std::size_t size() const noexcept { return rows_.size(); }
-  std::size_t of(std::size_t session) const { return places_[session]; }
-
- private:
-  std::map<std::string, std::size_t> rows_;
-  std::vector<std::size_t> places_;  // by session
-};
-
-// By participant: the mean over their sessions.
-std::vector<double> by_participant(const std::vector<double>& by_session, std::size_t columns, const Rows& rows) {
-  std::vector<double> sums(rows.size() * columns, 0.0);
-  std::vector<int> counts(sums.size(), 0);
-  for (std::size_t i = 0; i < by_session.size(); ++i) {
-    if (std::isnan(by_session[i])) continue;
-    const std::size_t place = rows.of(i / columns) * columns + i % columns;
-    sums[place] += by_session[i];
-    ++counts[place];
-  }
-  for (std::size_t i = 0; i < sums.size(); ++i) sums[i] = counts[i] > 0 ? sums[i] / counts[i] : kNaN;
-  return sums;
 }
 
 // What the events say beside the ratings.
@@ -198,13 +168,13 @@ class EventReader {
 
 }  // namespace
 
-QuestionnaireResults questionnaire_of(const std::vector<RatedItem>& items, std::size_t participants,
+QuestionnaireResults questionnaire_of(const std::vector<RatedQuestion>& items, std::size_t participants,
                                       const Protocol& protocol) {
   QuestionnaireResults results;
   results.participants = static_cast<int>(participants);
   results.alpha = protocol.analysis.tests.alpha;
   std::vector<PairedItem> paired;
-  for (const RatedItem& rated : items) {
+  for (const RatedQuestion& rated : items) {
     const Question& question = protocol.questions[static_cast<std::size_t>(rated.question)];
     QuestionnaireItem item{rated.question, rated.paired, {}};
     const std::size_t columns = columns_of(rated, protocol);
@@ -237,17 +207,14 @@ std::vector<std::string> exposure_deviations(const QuestionnaireResults& results
 
 QuestionnaireResults questionnaire_results(const Study& study, const Protocol& protocol,
                                            const std::vector<SessionInfo>& sessions) {
-  const Rows rows(sessions);
-  std::vector<RatedItem> items;
-  for (const RatedQuestion& rated : read_ratings(study, protocol, sessions)) {
-    RatedItem item{rated.question, rated.paired, {}};
-    item.ratings = by_participant(rated.ratings, columns_of(item, protocol), rows);
-    items.push_back(std::move(item));
+  const std::size_t participants = participants_of(sessions).size();
+  QuestionnaireResults results = questionnaire_of(read_ratings(study, protocol, sessions), participants, protocol);
+  EventReader reader(protocol, participants);
+  std::size_t row = 0;
+  for (std::size_t i = 0; i < sessions.size(); ++i) {
+    if (i > 0 && sessions[i].participant != sessions[i - 1].participant) ++row;
+    for (const Event& event : study.events(sessions[i].id)) reader.read(event, row);
   }
-  QuestionnaireResults results = questionnaire_of(items, rows.size(), protocol);
-  EventReader reader(protocol, rows.size());
-  for (std::size_t i = 0; i < sessions.size(); ++i)
-    for (const Event& event : study.events(sessions[i].id)) reader.read(event, rows.of(i));
   results.choices = reader.choices();
   results.exposure = reader.exposure();
   return results;

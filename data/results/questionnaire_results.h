@@ -1,5 +1,5 @@
-// The questionnaires of a study of free interaction: ratings by condition with their tests, ratings given once,
-// choices, and how long everybody really explored.
+// What was answered to questions: ratings and numbers by condition with their tests, those given once; of a study of
+// free interaction also choices, and how long everybody really explored.
 #pragma once
 
 #include <cstddef>
@@ -10,6 +10,7 @@
 #include "analysis/group/group.h"
 #include "analysis/group/questionnaire.h"
 #include "analysis/numerics/exact_proportion.h"
+#include "data/results/rating_answers.h"
 #include "data/study/study.h"
 #include "protocols/protocol.h"
 
@@ -59,21 +60,15 @@ struct QuestionnaireResults {
   int participants = 0;
   std::vector<QuestionnaireItem> items;  // in the protocol's order
   PairedQuestionnaire tests;             // of the paired items, in the same order; their family is all of them
+  // Of free interaction:
   std::vector<ChoiceResult> choices;
   std::vector<Exposure> exposure;  // by condition, object
   double alpha = 0.05;
   TestCount below_alpha;
 };
 
-// Ratings, or numbers, of one item: participants x conditions (paired), or participants x 1; NaN where an answer is
-// missing.
-struct RatedItem {
-  int question = 0;
-  bool paired = false;
-  std::vector<double> ratings;
-};
 // What follows from the ratings alone: scores, tests and their count. participants: the rows.
-QuestionnaireResults questionnaire_of(const std::vector<RatedItem>& items, std::size_t participants,
+QuestionnaireResults questionnaire_of(const std::vector<RatedQuestion>& items, std::size_t participants,
                                       const Protocol& protocol);
 
 // One sentence for each object of a condition that some participants explored for less than planned, or not at all.

@@ -23,10 +23,9 @@ int condition_place_of(const Protocol& protocol, const std::string& name) {
   return -1;
 }
 
-}  // namespace
-
-std::vector<RatedQuestion> read_ratings(const Study& study, const Protocol& protocol,
-                                        const std::vector<SessionInfo>& sessions) {
+// A row for each session.
+std::vector<RatedQuestion> ratings_by_session(const Study& study, const Protocol& protocol,
+                                              const std::vector<SessionInfo>& sessions) {
   std::vector<RatedQuestion> questions;
   std::unordered_map<std::string, std::size_t> by_id;
   std::vector<std::vector<Tally>> tallies;
@@ -72,9 +71,11 @@ std::vector<RatedQuestion> read_ratings(const Study& study, const Protocol& prot
   return questions;
 }
 
-std::vector<RatedQuestion> read_pooled_ratings(const Study& study, const Protocol& protocol,
-                                               const std::vector<SessionInfo>& sessions) {
-  std::vector<RatedQuestion> questions = read_ratings(study, protocol, sessions);
+}  // namespace
+
+std::vector<RatedQuestion> read_ratings(const Study& study, const Protocol& protocol,
+                                        const std::vector<SessionInfo>& sessions) {
+  std::vector<RatedQuestion> questions = ratings_by_session(study, protocol, sessions);
   for (RatedQuestion& question : questions) {
     const std::size_t columns = question.paired ? protocol.conditions.size() : 1;
     std::vector<Tally> tallies;

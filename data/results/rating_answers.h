@@ -8,20 +8,18 @@
 
 namespace jnd {
 
-// One such question with its answers, by session (the places in the list that was asked for).
+// One such question with its answers, by participant (in the order of participants_of).
 struct RatedQuestion {
   int question = 0;     // place in Protocol::questions
   bool paired = false;  // answered for each condition, or once
-  // sessions x conditions (paired), or sessions x 1. Where a question came more than once in a condition: the mean of
-  // its answers. NaN where there is none.
+  // participants x conditions (paired), or participants x 1. Where a question came more than once in a condition of a
+  // session: the mean of its answers; over several sessions of a participant the mean of those. NaN where there is
+  // none.
   std::vector<double> ratings;
 };
 
-// Every question of kind rating or number, in the protocol's order.
+// Every question of kind rating or number, in the protocol's order. sessions: those of a participant stand together.
 std::vector<RatedQuestion> read_ratings(const Study& study, const Protocol& protocol,
                                         const std::vector<SessionInfo>& sessions);
-// The same with a row for each participant, in the order of participants_of: the mean over the participant's sessions.
-std::vector<RatedQuestion> read_pooled_ratings(const Study& study, const Protocol& protocol,
-                                               const std::vector<SessionInfo>& sessions);
 
 }  // namespace jnd

@@ -49,7 +49,7 @@ void add_cell_deviations(const StudyAnalysis& analysis, std::vector<std::string>
         fmt::format("{} trial{} excluded by the registered rule {}.", trials, trials == 1 ? " was" : "s were", reason));
 }
 
-void add_rate_warnings(const StudyAnalysis& analysis, std::vector<std::string>& out) {
+void add_rate_cautions(const StudyAnalysis& analysis, std::vector<std::string>& out) {
   int cells = 0, extreme = 0, negative = 0, few = 0;
   for (const CellResult& cell : analysis.cells) {
     if (cell.yes_no.status == RateStatus::missing) continue;
@@ -69,7 +69,7 @@ void add_rate_warnings(const StudyAnalysis& analysis, std::vector<std::string>& 
   if (20 * negative > cells) out.push_back(fmt::format("{} cells have a d' of 0 or below.", share(negative, cells)));
 }
 
-void add_threshold_warnings(const StudyAnalysis& analysis, const Protocol& protocol, std::vector<std::string>& out) {
+void add_threshold_cautions(const StudyAnalysis& analysis, const Protocol& protocol, std::vector<std::string>& out) {
   if (analysis.thresholds.empty()) return;
   int thresholds = 0, extrapolated = 0, ok = 0;
   for (const ThresholdResult& row : analysis.thresholds) {
@@ -94,7 +94,7 @@ void add_threshold_warnings(const StudyAnalysis& analysis, const Protocol& proto
                     not_measured, protocol.conditions.size()));
 }
 
-void add_test_warnings(const OutcomeComparison& outcome, const Protocol& protocol, std::vector<std::string>& out) {
+void add_test_cautions(const OutcomeComparison& outcome, const Protocol& protocol, std::vector<std::string>& out) {
   if (!outcome.refused.empty()) return;
   const Comparison& comparison = outcome.comparison;
   const bool anova = protocol.analysis.tests.omnibus == Omnibus::anova;
@@ -156,12 +156,12 @@ std::vector<std::string> deviations_of(const StudyAnalysis& analysis, const std:
   return out;
 }
 
-std::vector<std::string> warnings_of(const StudyAnalysis& analysis, const std::vector<OutcomeComparison>& comparisons,
+std::vector<std::string> cautions_of(const StudyAnalysis& analysis, const std::vector<OutcomeComparison>& comparisons,
                                      const Protocol& protocol) {
   std::vector<std::string> out;
-  add_rate_warnings(analysis, out);
-  add_threshold_warnings(analysis, protocol, out);
-  if (const OutcomeComparison* outcome = registered(comparisons)) add_test_warnings(*outcome, protocol, out);
+  add_rate_cautions(analysis, out);
+  add_threshold_cautions(analysis, protocol, out);
+  if (const OutcomeComparison* outcome = registered(comparisons)) add_test_cautions(*outcome, protocol, out);
   return out;
 }
 

@@ -18,7 +18,7 @@ std::vector<std::string> deviations_of(const StudyAnalysis& analysis, const std:
 
 // One sentence each: too few trials, rates of 0 and 1, participants without a JND, JNDs outside the tested differences,
 // saturated stimuli, distributions that the registered test does not suit.
-std::vector<std::string> warnings_of(const StudyAnalysis& analysis, const std::vector<OutcomeComparison>& comparisons,
+std::vector<std::string> cautions_of(const StudyAnalysis& analysis, const std::vector<OutcomeComparison>& comparisons,
                                      const Protocol& protocol);
 
 }  // namespace jnd

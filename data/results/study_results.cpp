@@ -11,14 +11,10 @@ namespace {
 void add_ratings(StudyResults& results, const Study& study, const Protocol& protocol,
                  const std::vector<SessionInfo>& sessions) {
   const std::vector<std::string> participants = participants_of(sessions);
-  std::vector<RatedItem> items;
-  for (RatedQuestion& rated : read_pooled_ratings(study, protocol, sessions)) {
+  const std::vector<RatedQuestion> ratings = read_ratings(study, protocol, sessions);
+  for (const RatedQuestion& rated : ratings)
     if (rated.paired) results.comparisons.push_back(compare_ratings(rated, participants, protocol));
-    items.push_back({rated.question, rated.paired, std::move(rated.ratings)});
-  }
-  QuestionnaireResults all = questionnaire_of(items, participants.size(), protocol);
-  results.items = std::move(all.items);
-  results.ratings = std::move(all.tests);
+  results.questionnaire = questionnaire_of(ratings, participants.size(), protocol);
 }
 
 // What follows from the thresholds alone.
@@ -33,7 +29,7 @@ void add_tests(StudyResults& results, const Protocol& protocol) {
 
 void add_remarks(StudyResults& results, const Protocol& protocol) {
   results.deviations = deviations_of(results.analysis, results.comparisons, protocol);
-  results.warnings = warnings_of(results.analysis, results.comparisons, protocol);
+  results.cautions = cautions_of(results.analysis, results.comparisons, protocol);
 }
 
 // Of a protocol with a procedure: thresholds of its own kind, compared over the conditions like any other outcome.
@@ -63,13 +59,10 @@ StudyResults explore_results_of(const Study& study, const Protocol& protocol, Se
   for (const SessionInfo& session : sessions)
     results.analysis.heads.push_back({session.participant, session.id, session.head, kind, session.state == "closed"});
   results.questionnaire = questionnaire_results(study, protocol, sessions);
-  results.analysis.participants = results.questionnaire->participants;
+  results.analysis.participants = results.questionnaire.participants;
   results.by_series.refused = "there are no trials";
-  results.items = results.questionnaire->items;
-  results.ratings = results.questionnaire->tests;
   add_remarks(results, protocol);
-  for (const std::string& one : exposure_deviations(*results.questionnaire, protocol))
-    results.deviations.push_back(one);
+  for (const std::string& one : exposure_deviations(results.questionnaire, protocol)) results.deviations.push_back(one);
   return results;
 }
 
@@ -102,7 +95,7 @@ StudyResults results_of(const Study& study, const Protocol& protocol, SessionKin
 }
 
 std::vector<ContrastRow> contrasts_of(const StudyResults& results, const Protocol& protocol) {
-  if (results.questionnaire) return {};
+  if (protocol.paradigm == Paradigm::explore) return {};
   return contrast_rows(results.analysis, results.comparisons.front(), protocol);
 }
 

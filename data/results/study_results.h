@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "analysis/group/questionnaire.h"
 #include "data/results/adaptive_results.h"
 #include "data/results/questionnaire_results.h"
 #include "data/results/study_analysis.h"
@@ -26,17 +25,15 @@ struct StudyResults {
   // Where the answers set the levels, thresholds are the procedure's: cells, thresholds, group and what rests on them
   // are then empty, and the registered tests are on these.
   std::optional<AdaptiveResults> adaptive;
-  // Of the paradigm explore, which has no trials: then this, items, ratings and the remarks are all there is.
-  std::optional<QuestionnaireResults> questionnaire;
   std::vector<OutcomeComparison> comparisons;  // the registered one first, then times, then ratings
   SeriesComparison by_series;                  // condition x series
   bool detailed = true;                        // what follows was computed; not above kMostInDetail participants
   std::vector<SensitivityRow> sensitivity;     // the registered method first
   StudyBehaviour behaviour;                    // order effect, bias, drift, cue strategy
-  std::vector<QuestionnaireItem> items;        // means and medians of ratings and numbers, in the protocol's order
-  PairedQuestionnaire ratings;                 // tests of those that were answered for each condition
-  std::vector<std::string> deviations;         // from what was registered
-  std::vector<std::string> warnings;           // where the design cannot carry the number
+  // Of the paradigm explore, which has no trials, this and the remarks are all there is.
+  QuestionnaireResults questionnaire;
+  std::vector<std::string> deviations;  // from what was registered
+  std::vector<std::string> cautions;    // where the design cannot carry the number
 };
 
 // Checks the chains of the study first: throws BrokenChain where it is not what was recorded.

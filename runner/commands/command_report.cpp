@@ -78,7 +78,7 @@ int command_report(const ReportOptions& options) {
   if (!figures.empty())
     fmt::print("{}: its {} figures, each an SVG file\n", printable(files.folder.string()), figures.size());
   for (const std::string& text : results.deviations) fmt::print("{}\n", warn("deviation: " + printable(text)));
-  for (const std::string& text : results.warnings) fmt::print("{}\n", warn("warning: " + printable(text)));
+  for (const std::string& text : results.cautions) fmt::print("{}\n", warn("caution: " + printable(text)));
   say_other_kinds(*study, kind);
   return exit_code::kDone;
 }

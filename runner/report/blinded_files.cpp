@@ -76,12 +76,13 @@ void add_trials(const Study& study, const SessionInfo& session, const std::vecto
 // Writes the results, and adds what their columns mean.
 void write_results(ExportFolder& files, const BlindedResults& results, const Protocol& protocol,
                    std::vector<DictionaryRow>& dictionary) {
-  const auto write = [&](const std::string& name, const auto& columns, const auto& rows) {
+  const auto write = [&](const std::string& name, const auto& fields, const auto& rows) {
+    const auto columns = csv_columns(fields);
     files.write(name, csv_table(columns, rows));
     describe(name, columns, dictionary);
   };
-  write("monitoring.csv", blinded_participant_columns(), results.participants);
-  if (!results.groups.empty()) write("coded.csv", blinded_group_columns(protocol), results.groups);
+  write("monitoring.csv", blinded_participant_fields(), results.participants);
+  if (!results.groups.empty()) write("coded.csv", blinded_group_fields(protocol), results.groups);
 }
 
 void write_dictionary(ExportFolder& files, std::vector<DictionaryRow>& dictionary) {

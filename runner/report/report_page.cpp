@@ -74,10 +74,10 @@ std::string summary_html(const StudyResults& results, const Protocol& protocol) 
     return fmt::format("<p class=\"lead\">This study holds no {} session yet: there is nothing to report.</p>\n",
                        to_string(analysis.kind));
   if (results.adaptive) return adaptive_summary(results, protocol);
-  if (results.questionnaire)
+  if (protocol.paradigm == Paradigm::explore)
     return fmt::format("<p class=\"lead\">{} {} participant{} ({} planned) after free interaction. {}.</p>\n",
                        analysis.participants, to_string(analysis.kind), analysis.participants == 1 ? "" : "s",
-                       protocol.design.participants, escape_markup(questionnaire_summary(*results.questionnaire)));
+                       protocol.design.participants, escape_markup(questionnaire_summary(results.questionnaire)));
   std::string html = fmt::format(
       "<p class=\"lead\">{} {} participant{} ({} planned). JND: {}, through the origin of the {} stiffness "
       "differences; "
@@ -164,7 +164,7 @@ std::string report_page(const StudyResults& results, const Protocol& protocol, c
   html += "<main>\n<h2 id=\"summary\">Summary</h2>\n" + summary_html(results, protocol);
   html += alert_html("state", "State of the study", state_of(analysis, facts));
   html += alert_html("deviations", "Deviations from what was registered", results.deviations);
-  html += alert_html("warnings", "Warnings", results.warnings);
+  html += alert_html("cautions", "Cautions", results.cautions);
   html += contents_html(figures, tables, !methods_markdown.empty());
   if (!figures.empty()) html += "<h2 id=\"figures\">Figures</h2>\n";
   for (std::size_t i = 0; i < figures.size(); ++i) html += figure_html(figures[i], static_cast<int>(i) + 1);

@@ -33,7 +33,7 @@ void print_table(const ResultTable& table) {
 
 void print_remarks(const StudyResults& results) {
   for (const std::string& one : results.deviations) fmt::print("{}\n", warn("deviation: " + printable(one)));
-  for (const std::string& one : results.warnings) fmt::print("{}\n", warn("caution: " + printable(one)));
+  for (const std::string& one : results.cautions) fmt::print("{}\n", warn("caution: " + printable(one)));
 }
 
 }  // namespace jnd

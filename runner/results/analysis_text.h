@@ -12,10 +12,9 @@ namespace jnd {
 
 std::string text_of(const ResultTable& table);  // ends with an empty line
 void print_table(const ResultTable& table);
-// Deviations from the plan, then warnings; nothing where there are none.
+// Deviations from the plan, then cautions; nothing where there are none.
 void print_remarks(const StudyResults& results);
 
-nlohmann::ordered_json to_json(const MeanEstimate& estimate);
 nlohmann::ordered_json to_json(const StudyAnalysis& analysis, const Protocol& protocol);
 nlohmann::ordered_json to_json(const StudyResults& results, const Protocol& protocol);
 nlohmann::ordered_json to_json(const StudyModels& models, const Protocol& protocol);

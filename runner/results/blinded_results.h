@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "data/export/csv_writer.h"
+#include "data/export/field.h"
 #include "data/results/study_analysis.h"
 #include "data/study/blinding.h"
 #include "data/verify/chain_check.h"
@@ -56,7 +56,7 @@ std::vector<ResultTable> blinded_tables(const BlindedResults& results, const Pro
 nlohmann::ordered_json to_json(const BlindedResults& results, const Protocol& protocol);
 nlohmann::ordered_json to_json(const BlindingState& state);
 
-std::vector<CsvColumn<BlindedParticipant>> blinded_participant_columns();
-std::vector<CsvColumn<BlindedGroup>> blinded_group_columns(const Protocol& protocol);
+Fields<BlindedParticipant> blinded_participant_fields();
+Fields<BlindedGroup> blinded_group_fields(const Protocol& protocol);
 
 }  // namespace jnd

@@ -2,10 +2,6 @@
 
 namespace jnd {
 
-int stiffness_decimals(const Protocol& protocol) noexcept {
-  return protocol.stimulus.unit == StiffnessUnit::n_per_m ? 1 : 2;
-}
-
 std::string stiffness_text(double value, const Protocol& protocol) {
   return number_text(value, stiffness_decimals(protocol));
 }
@@ -17,10 +13,6 @@ std::string median_text(JndStatus status, double median, const Protocol& protoco
 
 std::string_view unit_of(const Protocol& protocol) noexcept {
   return to_string(protocol.stimulus.unit);
-}
-
-int slope_step(const Protocol& protocol) noexcept {
-  return protocol.stimulus.unit == StiffnessUnit::n_per_m ? 100 : 10;
 }
 
 const std::string& condition_text(const Protocol& protocol, int place) {

@@ -4,21 +4,18 @@
 #include <string>
 #include <string_view>
 
+#include "data/export/result_fields.h"
 #include "data/results/study_analysis.h"
 #include "protocols/protocol.h"
 #include "runner/terminal/number_text.h"
 
 namespace jnd {
 
-// In the study's unit, with the digits that it deserves: stiffnesses of a contact are hundreds of N/m, those of a joint
-// tens of N/rad.
-int stiffness_decimals(const Protocol& protocol) noexcept;
+// In the study's unit, with the digits that it deserves.
 std::string stiffness_text(double value, const Protocol& protocol);
 // Of a median of JNDs: the number, "inf" where no sensitivity stands in the middle, else the status in words.
 std::string median_text(JndStatus status, double median, const Protocol& protocol);
 std::string_view unit_of(const Protocol& protocol) noexcept;
-// Of slopes, so that they have digits to read: d' per 100 N/m, d' per 10 N/rad.
-int slope_step(const Protocol& protocol) noexcept;
 
 const std::string& condition_text(const Protocol& protocol, int place);  // its name
 std::string joined(const std::string& a, const std::string& b);          // "a, b", or the one that is not empty

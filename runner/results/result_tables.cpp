@@ -5,7 +5,9 @@
 
 #include <fmt/format.h>
 
+#include "data/export/result_fields.h"
 #include "data/results/threshold_method.h"
+#include "runner/results/field_output.h"
 #include "runner/results/result_format.h"
 #include "runner/results/result_table_parts.h"
 #include "runner/results/result_tables_questionnaire.h"
@@ -18,7 +20,7 @@ std::string cautions_text(const JndEstimate& estimate) {
   std::string text;
   if (estimate.status != JndStatus::ok) text = to_string(estimate.status);
   for (const Caution caution : estimate.cautions) {
-    // Every participant of a short design has too few trials; a warning says it once.
+    // Every participant of a short design has too few trials; a caution of the study says it once.
     if (caution != Caution::few_trials) text = joined(text, std::string(to_string(caution)));
   }
   return text;
@@ -77,110 +79,84 @@ ResultTable participants_table(const StudyResults& results, const Protocol& prot
   const StudyAnalysis& analysis = results.analysis;
   ResultTable table{"participants", "Participants", method_note(analysis, protocol), {}, {}, {}};
   if (analysis.intervals) table.note += "; " + interval_note(analysis);
-  table.columns = {{"participant"},
-                   {"condition"},
-                   {fmt::format("d' per {} {}", slope_step(protocol), unit_of(protocol)), true},
-                   {fmt::format("JND {}", unit_of(protocol)), true},
-                   {"95 % CI", true},
-                   {"Weber", true},
-                   {"s a trial", true},
-                   {"remarks"}};
-  std::string last;
-  for (const ThresholdResult& row : analysis.thresholds) {
-    table.rows.push_back({row.participant == last ? "" : row.participant, condition_text(protocol, row.condition),
-                          number_text(slope_step(protocol) * row.jnd.slope, 3), stiffness_text(row.jnd.jnd, protocol),
-                          range_text(row.jnd.ci_low, row.jnd.ci_high, stiffness_decimals(protocol)),
-                          percent_text(row.jnd.weber), number_text(row.mean_trial_s, 1),
-                          joined(cautions_text(row.jnd), source_remark(row.difference_source, analysis))});
-    last = row.participant;
-  }
+  const TableMaker of(threshold_fields(protocol));
+  table = of(std::move(table),
+             {of("participant"), of("condition"), of("slope"), of("jnd"), of.range("ci_low", "ci_high"), of("weber"),
+              of("mean_trial_s"),
+              of.words("remarks",
+                       [&](const ThresholdResult& row) {
+                         return joined(cautions_text(row.jnd), source_remark(row.difference_source, analysis));
+                       })},
+             analysis.thresholds);
+  // A participant is named once.
+  for (std::size_t i = table.rows.size(); i-- > 1;)
+    if (table.rows[i].front() == table.rows[i - 1].front()) table.rows[i].front().clear();
   return table;
 }
 
 ResultTable cells_table(const StudyResults& results, const Protocol& protocol) {
   const StudyAnalysis& analysis = results.analysis;
-  ResultTable table{
-      "cells",
-      "Cells",
-      fmt::format("yes-no d' = z(H) - z(F) on {} rates, raw rates beside them; 95 % CI after Gourevitch "
-                  "and Galanter; c > 0 leans to \"same\"; stiffness differences as asked and as delivered",
-                  protocol.analysis.correction),
-      {},
-      {},
-      {}};
-  table.columns = {{"participant"},
-                   {"condition"},
-                   {"series"},
-                   {fmt::format("asked {}", unit_of(protocol)), true},
-                   {"delivered", true},
-                   {"hits", true},
-                   {"false alarms", true},
-                   {"raw H", true},
-                   {"raw F", true},
-                   {"H", true},
-                   {"F", true},
-                   {"z(H)", true},
-                   {"z(F)", true},
-                   {"d'", true},
-                   {"95 % CI", true},
-                   {"c", true},
-                   {"remarks"}};
-  for (const CellResult& cell : analysis.cells) {
-    const YesNo& d = cell.yes_no;
-    std::string note = d.status == RateStatus::ok ? "" : std::string(to_string(d.status));
+  const auto remarks = [&](const CellResult& cell) {
+    std::string note = cell.yes_no.status == RateStatus::ok ? "" : std::string(to_string(cell.yes_no.status));
     if (cell.excluded > 0) note = joined(note, fmt::format("{} excluded", cell.excluded));
     if (cell.missing > 0) note = joined(note, fmt::format("{} not done", cell.missing));
     if (cell.without_fit > 0 && cell.delivered_difference.n > 0)
       note = joined(note, fmt::format("{} without a delivered difference", cell.without_fit));
-    note = joined(note, source_remark(cell.difference_source, analysis));
-    const Series& series = protocol.series[static_cast<std::size_t>(cell.series)];
-    table.rows.push_back({cell.participant, condition_text(protocol, cell.condition), series.name,
-                          stiffness_text(std::abs(series.pair[1] - series.pair[0]), protocol),
-                          stiffness_text(cell.delivered_difference.mean, protocol),
-                          fmt::format("{}/{}", cell.counts.hits, cell.counts.n_diff),
-                          fmt::format("{}/{}", cell.counts.false_alarms, cell.counts.n_same),
-                          number_text(d.raw_hit_rate, 3), number_text(d.raw_false_alarm_rate, 3),
-                          number_text(d.hit_rate, 3), number_text(d.false_alarm_rate, 3), number_text(d.z_hit, 3),
-                          number_text(d.z_false_alarm, 3), number_text(d.dprime, 3), range_text(d.ci_low, d.ci_high, 2),
-                          number_text(d.criterion, 3), note});
-  }
-  return table;
+    return joined(note, source_remark(cell.difference_source, analysis));
+  };
+  const TableMaker of(cell_fields(protocol));
+  return of({"cells",
+             "Cells",
+             fmt::format("yes-no d' = z(H) - z(F) on {} rates, raw rates beside them; 95 % CI after Gourevitch "
+                         "and Galanter; c > 0 leans to \"same\"; stiffness differences as asked and as delivered",
+                         protocol.analysis.correction),
+             {},
+             {},
+             {}},
+            {of("participant"), of("condition"), of("series"), of(in_unit("difference_", protocol)),
+             of(in_unit("delivered_difference_", protocol)), of.share("hits", "n_diff", "hits", "/"),
+             of.share("false_alarms", "n_same", "false alarms", "/"), of("raw_hit_rate"), of("raw_false_alarm_rate"),
+             of("hit_rate"), of("false_alarm_rate"), of("z_hit"), of("z_false_alarm"), of("dprime"),
+             of.range("ci_low", "ci_high"), of("criterion"), of.words("remarks", remarks)},
+            analysis.cells);
 }
 
 ResultTable group_table(const StudyResults& results, const Protocol& protocol) {
   const StudyAnalysis& analysis = results.analysis;
-  ResultTable table{"group",
-                    fmt::format("Group ({}, {} participants)", to_string(analysis.kind), analysis.participants),
-                    method_note(analysis, protocol),
-                    {},
-                    {},
-                    left_out_remarks(analysis, protocol)};
-  table.columns = {{"condition"},           {"n used", true},        {"mean JND", true},     {"95 % CI", true},
-                   {"median", true},        {"exp(mean log)", true}, {"1/mean slope", true}, {"mean Weber", true},
-                   {"published JND", true}, {"Weber", true}};
-  for (const GroupResult& row : analysis.group) {
-    const std::string& condition = condition_text(protocol, row.condition);
-    const JndGroup& jnd = row.jnd;
-    const PublishedValue* weber = published(protocol, condition, "weber");
-    table.rows.push_back({condition, fmt::format("{} of {}", jnd.mean_jnd.n, jnd.n),
-                          stiffness_text(jnd.mean_jnd.mean, protocol),
-                          range_text(jnd.mean_jnd.ci_low, jnd.mean_jnd.ci_high, stiffness_decimals(protocol)),
-                          median_text(jnd.median_status, jnd.median_jnd, protocol),
-                          stiffness_text(std::exp(jnd.mean_log_jnd.mean), protocol),
-                          stiffness_text(jnd.inverse_mean_slope, protocol), percent_text(jnd.mean_weber.mean),
-                          published_jnd(protocol, condition), weber == nullptr ? "" : percent_text(weber->value)});
+  const TableMaker of(group_fields(protocol, analysis.kind));
+  using Row = GroupResult;
+  const auto median = [&](const Row& row) { return median_text(row.jnd.median_status, row.jnd.median_jnd, protocol); };
+  const auto geometric = [&](const Row& row) { return stiffness_text(std::exp(row.jnd.mean_log_jnd.mean), protocol); };
+  const auto source_jnd = [&](const Row& row) { return published_jnd(protocol, of.text("condition", row)); };
+  const auto source_weber = [&](const Row& row) {
+    const PublishedValue* weber = published(protocol, of.text("condition", row), "weber");
+    return weber == nullptr ? "" : percent_text(weber->value);
+  };
+  std::vector<TableColumn<Row>> columns = {of("condition"),
+                                           of.share("n_used", "n", "n used"),
+                                           of("jnd.mean"),
+                                           of.range("jnd.ci_low", "jnd.ci_high"),
+                                           of.words("median", median, true),
+                                           of.words("exp(mean log)", geometric, true),
+                                           of("inverse_mean_slope"),
+                                           of("weber.mean")};
+  const auto has = [](const auto& words) { return [words](const Row& row) { return !words(row).empty(); }; };
+  if (std::any_of(analysis.group.begin(), analysis.group.end(), has(source_jnd)) ||
+      std::any_of(analysis.group.begin(), analysis.group.end(), has(source_weber))) {
+    columns.push_back(of.words("published JND", source_jnd, true));
+    columns.push_back(of.words("Weber", source_weber, true));
   }
-  const bool any_published = std::any_of(table.rows.begin(), table.rows.end(),
-                                         [](const auto& row) { return !row[8].empty() || !row[9].empty(); });
-  if (!any_published) {
-    table.columns.resize(8);
-    for (auto& row : table.rows) row.resize(8);
-  }
-  return table;
+  return of({"group",
+             fmt::format("Group ({}, {} participants)", to_string(analysis.kind), analysis.participants),
+             method_note(analysis, protocol),
+             {},
+             {},
+             left_out_remarks(analysis, protocol)},
+            columns, analysis.group);
 }
 
 std::vector<ResultTable> result_tables(const StudyResults& results, const Protocol& protocol) {
-  if (results.questionnaire) return questionnaire_tables(*results.questionnaire, protocol);
+  if (protocol.paradigm == Paradigm::explore) return questionnaire_tables(results.questionnaire, protocol);
   std::vector<ResultTable> tables;
   if (results.adaptive) {
     tables.push_back(adaptive_rows_table(*results.adaptive, protocol, true));

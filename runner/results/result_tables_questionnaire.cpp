@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "data/export/answer_fields.h"
+#include "runner/results/field_output.h"
 #include "runner/terminal/number_text.h"
 
 namespace jnd {
@@ -16,10 +18,6 @@ std::string mean_text(const MeanEstimate& mean) {
   if (mean.n == 0) return "-";
   if (mean.n < 2) return number_text(mean.mean, 1);
   return number_text(mean.mean, 1) + " ± " + number_text(mean.sd, 1);
-}
-
-std::string side_text(const ItemScore& score, int ItemScore::Sides::*side) {
-  return score.sides ? std::to_string(*score.sides.*side) : "";
 }
 
 std::string median_text(const MedianInterval& median) {
@@ -113,38 +111,27 @@ std::string decided(const ItemPair& pair, double alpha) {
   return text;
 }
 
-ResultTable tests_table(const QuestionnaireResults& results, const Names& names) {
-  ResultTable table{
-      "ratings",
-      "Wilcoxon signed-rank tests of the ratings",
-      fmt::format("p: as R's wilcox.test; exact: permutation p with midranks; Holm and Benjamini-Hochberg correct the "
-                  "exact p over {} test{}; r: rank-biserial; zeros: equal ratings, dropped",
-                  results.tests.family, results.tests.family == 1 ? "" : "s"),
-      {{"item"},
-       {"pair"},
-       {"n", true},
-       {"zeros", true},
-       {"V", true},
-       {"p", true},
-       {"exact", true},
-       {"Holm", true},
-       {"BH", true},
-       {"r", true},
-       {fmt::format("below {:g}", results.alpha)}},
-      {},
-      {}};
-  for (const PairedItemResult& item : results.tests.items)
-    for (const ItemPair& pair : item.pairs)
-      table.rows.push_back({item.id, names[pair.a] + " - " + names[pair.b], std::to_string(pair.test.n),
-                            std::to_string(pair.test.zeros), number_text(pair.test.v, 1), p_value_text(pair.test.p),
-                            p_value_text(pair.p), p_value_text(pair.p_holm), p_value_text(pair.p_bh),
-                            number_text(pair.test.rank_biserial, 2), decided(pair, results.alpha)});
+ResultTable tests_table(const QuestionnaireResults& results, const Protocol& protocol) {
+  const TableMaker of(rating_fields(protocol));
   const TestCount& below = results.below_alpha;
-  table.remarks.push_back(
-      fmt::format("Of {} tests, below {:g}: {} as R, {} by the exact p, {} with Holm's correction, {} with "
-                  "Benjamini-Hochberg's.",
-                  results.tests.family, results.alpha, below.as_r, below.exact, below.holm, below.bh));
-  return table;
+  return of(
+      {"ratings",
+       "Wilcoxon signed-rank tests of the ratings",
+       fmt::format("p: as R's wilcox.test; exact: permutation p with midranks; Holm and Benjamini-Hochberg correct the "
+                   "exact p over {} test{}; r: rank-biserial; zeros: equal ratings, dropped",
+                   results.tests.family, results.tests.family == 1 ? "" : "s"),
+       {},
+       {},
+       {fmt::format("Of {} tests, below {:g}: {} as R, {} by the exact p, {} with Holm's correction, {} with "
+                    "Benjamini-Hochberg's.",
+                    results.tests.family, results.alpha, below.as_r, below.exact, below.holm, below.bh)}},
+      {of("item"),
+       of.words("pair", [&](const RatingRow& row) { return of.text("a", row) + " - " + of.text("b", row); }), of("n"),
+       of("zeros"), of("v"), of("p_r"), of("p", "exact"), of("p_holm", "Holm"), of("p_bh", "BH"),
+       of("rank_biserial", "r"),
+       of.words(fmt::format("below {:g}", results.alpha),
+                [&](const RatingRow& row) { return decided(*row.pair, results.alpha); })},
+      rating_rows(results.tests));
 }
 
 ResultTable once_table(const QuestionnaireResults& results, const Protocol& protocol) {
@@ -152,72 +139,55 @@ ResultTable once_table(const QuestionnaireResults& results, const Protocol& prot
                     "Ratings given once",
                     "no test, as there is no pair; counts of ratings below, on and above the middle of the scale" +
                         scale_text(results.items, false, protocol),
-                    {{"item"},
-                     {"n", true},
-                     {"mean", true},
-                     {"median", true},
-                     {"coverage", true},
-                     {"published", true},
-                     {"below", true},
-                     {"middle", true},
-                     {"above", true}},
+                    {},
                     {},
                     {}};
+  std::vector<ScoreRow> rows;
   for (const QuestionnaireItem& item : results.items) {
     if (item.paired) continue;
-    const Question& question = question_of(item.question, protocol);
-    const ItemScore& score = item.scores.front();
-    table.rows.push_back({question.id, std::to_string(score.mean.n), mean_text(score.mean), median_text(score.median),
-                          percent_text(score.median.coverage), published_once(question.id, protocol),
-                          side_text(score, &ItemScore::Sides::below), side_text(score, &ItemScore::Sides::at),
-                          side_text(score, &ItemScore::Sides::above)});
-    table.remarks.push_back(question_line(question));
+    rows.push_back(score_rows(item, protocol).front());
+    table.remarks.push_back(question_line(*rows.back().question));
   }
+  const TableMaker of(score_fields(protocol));
+  table = of(std::move(table),
+             {of("item"), of("n"),
+              of.words(
+                  "mean", [](const ScoreRow& row) { return mean_text(row.score->mean); }, true),
+              of.words(
+                  "median", [](const ScoreRow& row) { return median_text(row.score->median); }, true),
+              of("coverage"),
+              of.words(
+                  "published", [&](const ScoreRow& row) { return published_once(row.question->id, protocol); }, true),
+              of("below"), of("middle"), of("above")},
+             rows);
   drop_empty_columns(table);
   return table;
 }
 
-ResultTable choices_table(const QuestionnaireResults& results, const Protocol& protocol, const Names& names) {
-  ResultTable table{"choices",
-                    "Choices",
-                    "share with its exact binomial interval (Clopper and Pearson)",
-                    {{"question"}, {"answer"}, {"count", true}, {"share", true}, {"95 % CI", true}},
-                    {},
-                    {}};
+ResultTable choices_table(const QuestionnaireResults& results, const Protocol& protocol) {
+  ResultTable table{"choices", "Choices", "share with its exact binomial interval (Clopper and Pearson)", {}, {}, {}};
+  std::vector<OptionRow> rows;
   for (const ChoiceResult& choice : results.choices) {
-    const Question& question = question_of(choice.question, protocol);
-    const std::string of = choice.condition < 0 ? "" : ", " + names[static_cast<std::size_t>(choice.condition)];
-    for (std::size_t i = 0; i < choice.options.size(); ++i) {
-      const ExactProportion& option = choice.options[i];
-      table.rows.push_back({question.id + of, question.options[i], fmt::format("{} of {}", option.k, option.n),
-                            percent_text(option.share),
-                            percent_text(option.ci_low) + " .. " + percent_text(option.ci_high)});
-    }
-    if (choice.condition <= 0) table.remarks.push_back(question_line(question));
+    for (const OptionRow& row : option_rows(choice, protocol)) rows.push_back(row);
+    if (choice.condition <= 0) table.remarks.push_back(question_line(question_of(choice.question, protocol)));
   }
-  return table;
+  const TableMaker of(option_fields(protocol));
+  const auto question = [&](const OptionRow& row) {
+    const std::string condition = of.text("condition", row);
+    return row.question->id + (condition.empty() ? "" : ", " + condition);
+  };
+  return of(std::move(table),
+            {of.words("question", question), of("option"), of.share("count", "n", "count"), of("share"),
+             of.range("ci_low", "ci_high")},
+            rows);
 }
 
-ResultTable exposure_table(const QuestionnaireResults& results, const Protocol& protocol, const Names& names) {
-  ResultTable table{"exposure",
-                    "Free interaction",
-                    "time with each object, without pauses",
-                    {{"condition"},
-                     {"object"},
-                     {"n", true},
-                     {"planned s", true},
-                     {"mean s", true},
-                     {"shortest s", true},
-                     {"ended early", true},
-                     {"given up", true}},
-                    {},
-                    {}};
-  for (const Exposure& row : results.exposure)
-    table.rows.push_back({names[static_cast<std::size_t>(row.condition)],
-                          protocol.explore->objects[static_cast<std::size_t>(row.object)], std::to_string(row.n),
-                          number_text(row.planned_s, 1), number_text(row.mean_s, 1), number_text(row.shortest_s, 1),
-                          std::to_string(row.ended_early), std::to_string(row.given_up)});
-  return table;
+ResultTable exposure_table(const QuestionnaireResults& results, const Protocol& protocol) {
+  const TableMaker of(exposure_fields(protocol));
+  return of({"exposure", "Free interaction", "time with each object, without pauses", {}, {}, {}},
+            {of("condition"), of("object"), of("n"), of("planned_s"), of("mean_s"), of("shortest_s"), of("ended_early"),
+             of("given_up")},
+            results.exposure);
 }
 
 }  // namespace
@@ -230,9 +200,9 @@ Names condition_names(const Protocol& protocol) {
 
 std::vector<ResultTable> questionnaire_tables(const QuestionnaireResults& results, const Protocol& protocol) {
   const Names names = condition_names(protocol);
-  std::vector<ResultTable> tables = {exposure_table(results, protocol, names), once_table(results, protocol),
-                                     scores_table(results, protocol, names), tests_table(results, names),
-                                     choices_table(results, protocol, names)};
+  std::vector<ResultTable> tables = {exposure_table(results, protocol), once_table(results, protocol),
+                                     scores_table(results, protocol, names), tests_table(results, protocol),
+                                     choices_table(results, protocol)};
   std::erase_if(tables, [](const ResultTable& table) { return table.rows.empty(); });
   return tables;
 }

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "analysis/numerics/special_values.h"
-#include "data/export/questionnaire_columns.h"
+#include "data/export/result_columns.h"
 #include "data/log/exploration_body.h"
 #include "data/log/replay.h"
 #include "data/results/methods_text.h"
@@ -29,14 +29,14 @@ int place_of(const std::string& id) {
 }
 
 // Participants x (C, N).
-RatedItem paired(const std::string& id, const std::vector<double>& ratings) {
+RatedQuestion paired(const std::string& id, const std::vector<double>& ratings) {
   return {place_of(id), true, ratings};
 }
 
-const RatedItem kUntied = paired("QB1", {2, 1, 4, 2, 6, 3, 8, 4, 8, 3, 9, 3});  // C - N: 1, 2, 3, 4, 5, 6
-const RatedItem kTied = paired("QB2", {2, 1, 3, 2, 4, 3, 5, 4, 6, 5, 6, 7});    // 1, 1, 1, 1, 1, -1
-const RatedItem kEqual = paired("QB3", {5, 5, 4, 4, 3, 3, 2, 2, 1, 1, 9, 9});   // no difference
-const RatedItem kMissing = paired("QB4", {5, 4, kNaN, 4, 3, 2, 2, kNaN, 1, 2, 9, 8});
+const RatedQuestion kUntied = paired("QB1", {2, 1, 4, 2, 6, 3, 8, 4, 8, 3, 9, 3});  // C - N: 1, 2, 3, 4, 5, 6
+const RatedQuestion kTied = paired("QB2", {2, 1, 3, 2, 4, 3, 5, 4, 6, 5, 6, 7});    // 1, 1, 1, 1, 1, -1
+const RatedQuestion kEqual = paired("QB3", {5, 5, 4, 4, 3, 3, 2, 2, 1, 1, 9, 9});   // no difference
+const RatedQuestion kMissing = paired("QB4", {5, 4, kNaN, 4, 3, 2, 2, kNaN, 1, 2, 9, 8});
 
 TEST_CASE("the tests of the items are Wilcoxon's, by hand", "[data]") {
   const QuestionnaireResults results = questionnaire_of({kUntied, kTied}, 6, experiment2());
@@ -127,8 +127,7 @@ TEST_CASE("a study of free interaction is read out of its log", "[data]") {
   run_session(*study, 2, 7, 4, "wearing the devices");
   run_session(*study, 3, 6, 5, "bare hands", 60);
   const StudyResults results = results_of(*study, experiment2(), SessionKind::simulated);
-  REQUIRE(results.questionnaire);
-  const QuestionnaireResults& all = *results.questionnaire;
+  const QuestionnaireResults& all = results.questionnaire;
   CHECK(all.participants == 3);
   CHECK(all.items.size() == 22);
   CHECK(all.tests.items.size() == 17);
@@ -151,7 +150,7 @@ TEST_CASE("a study of free interaction is read out of its log", "[data]") {
     CHECK(row.shortest_s == 60);
     CHECK(row.ended_early == 1);
   }
-  CHECK(std::count_if(results.items.begin(), results.items.end(),
+  CHECK(std::count_if(results.questionnaire.items.begin(), results.questionnaire.items.end(),
                       [](const QuestionnaireItem& item) { return !item.paired; }) == 5);
   bool said = false;
   for (const std::string& one : results.deviations) said = said || one.find("ended early") != std::string::npos;
@@ -160,15 +159,13 @@ TEST_CASE("a study of free interaction is read out of its log", "[data]") {
   const std::string methods = methods_text(*study, experiment2(), results);
   CHECK(methods.find("17 items were answered for each condition") != std::string::npos);
   CHECK(methods.find("d'") == std::string::npos);
-  std::vector<ResultFile> files;
-  add_items_file(files, all.items, experiment2());
-  REQUIRE(files.size() == 1);
-  CHECK(files[0].name == "items.csv");
-  CHECK(files[0].text.find("\nQB1,QB,It is easy to use.,C,3,7,1,4.5158") != std::string::npos);
-  CHECK(files[0].text.find(",7,6,8,0.75,1,9,") != std::string::npos);
-  for (ResultFile& file : questionnaire_files(all, experiment2())) files.push_back(std::move(file));
-  REQUIRE(files.size() == 3);
-  CHECK(files[1].text.find("preference,,wearing the devices,2,3,") != std::string::npos);
+  std::map<std::string, std::string> files;
+  for (const ResultFile& file : result_files(results, experiment2(), nullptr)) files[file.name] = file.text;
+  REQUIRE(files.size() == 4);  // ratings.csv has the tests, exposure.csv the times
+  CHECK(files["items.csv"].find("\nQB1,QB,It is easy to use.,C,3,7,1,4.5158") != std::string::npos);
+  CHECK(files["items.csv"].find(",7,6,8,0.75,1,9,") != std::string::npos);
+  CHECK(files["choices.csv"].find("preference,,wearing the devices,2,3,") != std::string::npos);
+  CHECK(files.contains("exposure.csv"));
 }
 
 TEST_CASE("an exploration comes back from its event", "[data]") {

@@ -135,7 +135,7 @@ TEST_CASE("tests on the JND are refused where somebody has none, by name; the sl
   CHECK(kept.comparisons.front().refused.empty());
   CHECK(kept.deviations.empty());
   bool said = false;
-  for (const std::string& warning : kept.warnings) said = said || warning.find("1 of 15") != std::string::npos;
+  for (const std::string& caution : kept.cautions) said = said || caution.find("1 of 15") != std::string::npos;
   CHECK(said);
 }
 
@@ -203,8 +203,8 @@ TEST_CASE("a study's results hold ratings, times and the manner of answering", "
   CHECK(last.outcome == rating->id);
   CHECK(last.table.at(2, 1) == 4);
   CHECK(results.comparisons[1].outcome == "trial_time");
-  REQUIRE(results.ratings.items.size() == 1);
-  CHECK(results.ratings.items[0].conditions[0].median == 2);
+  REQUIRE(results.questionnaire.tests.items.size() == 1);
+  CHECK(results.questionnaire.tests.items[0].conditions[0].median == 2);
   CHECK(results.behaviour.participants.size() == 3);
   CHECK(results.behaviour.conditions.size() == tutorial().conditions.size());
   int trials = 0;
@@ -247,14 +247,14 @@ TEST_CASE("answers to questions of kind number have a mean, an interval and the 
     log->append(event_kind::kQuestionAnswered, question_body(age, "", std::to_string(20 + number), 0), {9, 9});
   }
   const StudyResults results = results_of(*study, protocol, SessionKind::simulated);
-  REQUIRE(results.items.size() == 2);
-  CHECK(results.items[0].paired);
-  CHECK(results.items[0].scores[0].mean.mean == Approx(200));
-  CHECK(results.items[0].scores[0].mean.ci_low == Approx(200 - 248.4138).epsilon(1e-5));
-  CHECK_FALSE(results.items[0].scores[0].sides);
-  CHECK(results.items[1].scores[0].mean.mean == Approx(22));
-  REQUIRE(results.ratings.items.size() == 1);
-  CHECK(results.ratings.items[0].pairs[0].test.n == 3);
+  REQUIRE(results.questionnaire.items.size() == 2);
+  CHECK(results.questionnaire.items[0].paired);
+  CHECK(results.questionnaire.items[0].scores[0].mean.mean == Approx(200));
+  CHECK(results.questionnaire.items[0].scores[0].mean.ci_low == Approx(200 - 248.4138).epsilon(1e-5));
+  CHECK_FALSE(results.questionnaire.items[0].scores[0].sides);
+  CHECK(results.questionnaire.items[1].scores[0].mean.mean == Approx(22));
+  REQUIRE(results.questionnaire.tests.items.size() == 1);
+  CHECK(results.questionnaire.tests.items[0].pairs[0].test.n == 3);
   CHECK(results.comparisons.back().outcome == "guess");
   CHECK(results.comparisons.back().refused.empty());
   bool listed = false;

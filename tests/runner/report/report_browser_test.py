@@ -124,7 +124,7 @@ class Report:
         document = self.browse("--dump-dom")
         for part in ('<figure id="fig-jnd">', '<figure id="fig-slopes">', '<figure id="fig-time">', '<figure id="fig-rating-1">',
                      '<figure id="fig-sensitivity">', 'id="table-participants"', 'id="table-group"', 'id="methods"',
-                     'id="provenance"', "Warnings"):
+                     'id="provenance"', "Cautions"):
             assert part in document, f"{part} is not in the page as the browser understood it"
         assert document.count("<svg") == 5 and document.count("</svg>") == 5
         assert "<script" not in document

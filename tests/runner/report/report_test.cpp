@@ -130,7 +130,7 @@ TEST_CASE("what must be said stands before the figures") {
   const Protocol protocol = published_protocol();
   StudyResults results = invented_study(protocol, 4);
   CHECK(page_of(results, protocol).find("class=\"alert\"") == std::string::npos);
-  results.warnings = {"too few <trials>"};
+  results.cautions = {"too few <trials>"};
   results.deviations = {"another analysis"};
   results.analysis.heads[0].closed = false;
   ReportFacts others = facts();
@@ -177,7 +177,7 @@ TEST_CASE("text of users is never markup") {
   std::vector<CellCounts> cells = invented_counts(protocol, 3, 5);
   for (CellCounts& cell : cells) cell.participant = attack + cell.participant;
   StudyResults results = invented_results(protocol, cells);
-  results.warnings = results.deviations = {attack};
+  results.cautions = results.deviations = {attack};
   ReportFacts hostile = facts();
   hostile.study_file = attack;
   const std::vector<ResultTable> tables = {{attack, attack, attack, {{attack, true}}, {{attack}}, {attack}}};

@@ -1,0 +1,126 @@
+// A number or word of the results, said once: what it is called, what it means, how many digits it deserves and where
+// it comes from. JSON, the columns of CSV files, their dictionary and the tables for people are all written from it, so
+// that none of them can say anything else than the others.
+//
+// A block of results (cells, group, ...) is a list of fields in the order of its CSV columns; JSON and tables name the
+// fields that they show, in their own order.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "data/export/csv_writer.h"
+#include "protocols/protocol.h"
+
+namespace jnd {
+
+// Nothing: null in JSON, empty elsewhere. A double may be NaN (undefined) or infinite.
+using FieldValue = std::variant<std::monostate, bool, std::int64_t, double, std::string>;
+
+template <typename T>
+FieldValue field_value(const T& value) {
+  if constexpr (std::is_same_v<T, bool> || std::is_floating_point_v<T> || std::is_same_v<T, FieldValue>)
+    return value;
+  else if constexpr (std::is_enum_v<T>)
+    return std::string(to_string(value));
+  else if constexpr (std::is_integral_v<T>)
+    return static_cast<std::int64_t>(value);
+  else if constexpr (std::is_convertible_v<T, std::string_view>)
+    return std::string(std::string_view(value));
+  else
+    return value ? field_value(*value) : FieldValue();  // optional
+}
+template <typename T>
+inline constexpr bool kIsNumber = std::is_arithmetic_v<T> && !std::is_same_v<T, bool>;
+template <typename T>
+inline constexpr bool kIsNumber<std::optional<T>> = kIsNumber<T>;
+
+// How a table shows a number.
+enum class Shown {
+  number,   // with the field's digits
+  percent,  // of a fraction
+  p_value,
+  compact  // four digits that count, for numbers of any size
+};
+
+// What need not be said of every field.
+struct FieldTraits {
+  std::optional<std::string> column{};  // of CSV files, where it is not the key; "" where they leave the field out
+  std::string unit{};
+  std::string levels{};                // of texts and flags: the values that occur, separated by blanks
+  std::optional<std::string> title{};  // above a column of a table, where it is not the key
+  int digits = 3;                      // of numbers in a table
+  Shown shown = Shown::number;
+  double factor = 1;  // of the number in a table: slopes are read per 100 N/m
+};
+
+template <typename Row>
+struct Field {
+  // get: a member of the row, or a function of it.
+  template <typename Get>
+  Field(std::string name, std::string means, Get get, FieldTraits traits = {})
+      : key(std::move(name)),
+        column(traits.column.value_or(key)),
+        title(traits.title.value_or(key)),
+        meaning(std::move(means)),
+        unit(std::move(traits.unit)),
+        levels(std::move(traits.levels)),
+        number(kIsNumber<std::remove_cvref_t<std::invoke_result_t<Get, const Row&>>>),
+        digits(traits.digits),
+        shown(traits.shown),
+        factor(traits.factor),
+        of([get](const Row& row) { return field_value(std::invoke(get, row)); }) {}
+
+  std::string key;  // dots lead into objects of JSON
+  std::string column, title, meaning, unit, levels;
+  bool number;
+  int digits;
+  Shown shown;
+  double factor;
+  std::function<FieldValue(const Row&)> of;
+};
+
+// What JSON and tables have and CSV files have not.
+template <typename Row, typename Get>
+Field<Row> beside(std::string key, Get get, FieldTraits traits = {}) {
+  traits.column = "";
+  return {std::move(key), "", get, std::move(traits)};
+}
+
+template <typename Row>
+using Fields = std::vector<Field<Row>>;
+
+template <typename Row>
+const Field<Row>& field_of(const Fields<Row>& fields, std::string_view key) {
+  const auto found = std::find_if(fields.begin(), fields.end(), [&](const auto& field) { return field.key == key; });
+  if (found == fields.end()) throw std::logic_error("there is no field " + std::string(key));
+  return *found;
+}
+
+std::string csv_value(const FieldValue& value);
+
+template <typename Row>
+std::vector<CsvColumn<Row>> csv_columns(const Fields<Row>& fields) {
+  std::vector<CsvColumn<Row>> columns;
+  for (const Field<Row>& field : fields)
+    if (!field.column.empty())
+      columns.push_back({field.column, field.meaning, field.unit, field.levels,
+                         [get = field.of](const Row& row) { return csv_value(get(row)); }});
+  return columns;
+}
+
+// Empty where the place is that of no condition, -1.
+inline std::string condition_of(const Protocol& protocol, int place) {
+  return place < 0 ? std::string() : protocol.conditions[static_cast<std::size_t>(place)].name;
+}
+
+}  // namespace jnd
