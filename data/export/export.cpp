@@ -109,17 +109,18 @@ std::vector<Row> rows_of(const std::vector<Row>& rows, const std::string& partic
 std::vector<std::string> export_csv(const Study& study, const Protocol& protocol, const StudyResults& results,
                                     const std::filesystem::path& folder, bool replace,
                                     const std::optional<TelemetryExport>& telemetry) {
-  const StudyAnalysis& analysis = results.analysis;
+  const SessionKind kind = attendance_of(results).kind;
+  const auto* constant = std::get_if<ConstantResults>(&results.measured);
   // Trial by trial, and answer by answer with the block's condition, pilot and simulated sessions would show the plans
   // that people of a blinded study have too.
   const bool sealed = plan_sealed(study, protocol);
   ExportFolder files(folder, replace);
   std::vector<SessionInfo> listed = study.sessions();  // with those of excluded participants
-  std::erase_if(listed, [&](const SessionInfo& session) { return session.kind != analysis.kind; });
-  const std::vector<SessionInfo> sessions = sessions_of(study, analysis.kind);
+  std::erase_if(listed, [&](const SessionInfo& session) { return session.kind != kind; });
+  const std::vector<SessionInfo> sessions = sessions_of(study, kind);
   auto not_counted = taken_back_of(study);
 
-  const bool has_trials = protocol.paradigm != Paradigm::explore, has_thresholds = has_trials && !results.adaptive;
+  const bool has_trials = !std::holds_alternative<ExplorationResults>(results.measured);
   const auto trials_columns = trial_columns(protocol, device_places(study, protocol, sessions));
   const auto cells_columns = csv_columns(cell_fields(protocol));
   const auto reports_columns = csv_columns(threshold_fields(protocol));
@@ -137,14 +138,14 @@ std::vector<std::string> export_csv(const Study& study, const Protocol& protocol
       if (telemetry && !sealed) write_telemetry(study, *session, lost, sub, ticks_columns, tick_files, files);
     }
     if (has_trials && !sealed) files.write(sub + "trials.csv", csv_table(trials_columns, trials));
-    if (!has_thresholds) continue;
-    files.write(sub + "cells.csv", csv_table(cells_columns, rows_of(analysis.cells, participant)));
-    files.write(sub + "report.csv", csv_table(reports_columns, rows_of(analysis.thresholds, participant)));
+    if (constant == nullptr) continue;
+    files.write(sub + "cells.csv", csv_table(cells_columns, rows_of(constant->analysis.cells, participant)));
+    files.write(sub + "report.csv", csv_table(reports_columns, rows_of(constant->analysis.thresholds, participant)));
   }
 
   std::vector<DictionaryRow> dictionary;
   if (has_trials && !sealed) describe("sub-*/trials.csv", trials_columns, dictionary);
-  if (has_thresholds) {
+  if (constant != nullptr) {
     describe("sub-*/cells.csv", cells_columns, dictionary);
     describe("sub-*/report.csv", reports_columns, dictionary);
   }
@@ -153,16 +154,16 @@ std::vector<std::string> export_csv(const Study& study, const Protocol& protocol
     files.write(name, csv_table(columns, rows));
     describe(name, columns, dictionary);
   };
-  if (has_thresholds) write("group.csv", csv_columns(group_fields(protocol, analysis.kind)), analysis.group);
+  if (constant != nullptr) write("group.csv", csv_columns(group_fields(protocol, kind)), constant->analysis.group);
   if (const std::vector<ContrastRow> contrasts = contrasts_of(results, protocol); !contrasts.empty())
-    write("contrasts.csv", csv_columns(contrast_fields(protocol, analysis.kind)), contrasts);
+    write("contrasts.csv", csv_columns(contrast_fields(protocol, kind)), contrasts);
   for (const ResultFile& file : result_files(results, protocol, nullptr)) {
     files.write(file.name, file.text);
     dictionary.insert(dictionary.end(), file.dictionary.begin(), file.dictionary.end());
   }
   if (!answers.empty() && !sealed) write("answers.csv", answer_columns(), answers);
   write("sessions.csv", session_columns(seed_text(study, protocol, ""), results.chains.study_head, protocol), listed);
-  std::vector<LogRow> rows = log_rows(study, analysis.kind, listed);
+  std::vector<LogRow> rows = log_rows(study, kind, listed);
   if (sealed)  // what was said in one trial of the common plan hints at its stimuli
     for (LogRow& row : rows)
       if (row.event == kTakenBackEvent) row.subject.clear();

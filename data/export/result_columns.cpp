@@ -36,18 +36,24 @@ std::vector<ResultFile> result_files(const StudyResults& results, const Protocol
     for (const PairComparison& pair : outcome.comparison.pairs) pairs.push_back({&outcome, &pair});
   }
   std::vector<MethodRow> sensitivity;
-  for (const SensitivityRow& row : results.sensitivity)
-    for (std::size_t condition = 0; condition < protocol.conditions.size(); ++condition)
-      sensitivity.push_back({&row, condition});
-  std::vector<BehaviourRow> behaviour = results.behaviour.conditions;
-  append(behaviour, results.behaviour.participants);
+  std::vector<BehaviourRow> behaviour;
+  if (const auto* constant = std::get_if<ConstantResults>(&results.measured)) {
+    for (const SensitivityRow& row : constant->sensitivity)
+      for (std::size_t condition = 0; condition < protocol.conditions.size(); ++condition)
+        sensitivity.push_back({&row, condition});
+    append(behaviour, constant->behaviour.conditions);
+    append(behaviour, constant->behaviour.participants);
+  }
   std::vector<ScoreRow> scores;
   for (const QuestionnaireItem& item : results.questionnaire.items) append(scores, score_rows(item, protocol));
+  const auto* exploration = std::get_if<ExplorationResults>(&results.measured);
   std::vector<OptionRow> options;
-  for (const ChoiceResult& choice : results.questionnaire.choices) append(options, option_rows(choice, protocol));
+  if (exploration != nullptr)
+    for (const ChoiceResult& choice : exploration->choices) append(options, option_rows(choice, protocol));
 
   std::vector<ResultFile> files;
-  if (results.adaptive) add_file(files, "tracks.csv", track_fields(protocol), results.adaptive->rows);
+  if (const auto* adaptive = std::get_if<AdaptiveResults>(&results.measured))
+    add_file(files, "tracks.csv", track_fields(protocol), adaptive->rows);
   add_file(files, "tests.csv", test_fields(), tests);
   add_file(files, "pairs.csv", pair_fields(protocol), pairs);
   add_file(files, "sensitivity.csv", sensitivity_fields(protocol), sensitivity);
@@ -56,19 +62,20 @@ std::vector<ResultFile> result_files(const StudyResults& results, const Protocol
   add_file(files, "ratings.csv", rating_fields(protocol), rating_rows(results.questionnaire.tests));
   if (models != nullptr) add_file(files, "models.csv", model_fields(protocol), models->thresholds);
   add_file(files, "choices.csv", option_fields(protocol), options);
-  add_file(files, "exposure.csv", exposure_fields(protocol), results.questionnaire.exposure);
+  if (exploration != nullptr) add_file(files, "exposure.csv", exposure_fields(protocol), exploration->exposure);
   return files;
 }
 
 void write_results(ExportFolder& files, const StudyResults& results, const Protocol& protocol,
                    const StudyModels* models) {
-  const StudyAnalysis& analysis = results.analysis;
   std::vector<ResultFile> all;
-  // Those of an adaptive study are empty, and so left out.
-  add_file(all, "thresholds.csv", threshold_fields(protocol), analysis.thresholds);
-  add_file(all, "cells.csv", cell_fields(protocol), analysis.cells);
-  add_file(all, "group.csv", group_fields(protocol, analysis.kind), analysis.group);
-  add_file(all, "contrasts.csv", contrast_fields(protocol, analysis.kind), contrasts_of(results, protocol));
+  const SessionKind kind = attendance_of(results).kind;
+  if (const auto* constant = std::get_if<ConstantResults>(&results.measured)) {
+    add_file(all, "thresholds.csv", threshold_fields(protocol), constant->analysis.thresholds);
+    add_file(all, "cells.csv", cell_fields(protocol), constant->analysis.cells);
+    add_file(all, "group.csv", group_fields(protocol, kind), constant->analysis.group);
+  }
+  add_file(all, "contrasts.csv", contrast_fields(protocol, kind), contrasts_of(results, protocol));
   for (ResultFile& file : result_files(results, protocol, models)) all.push_back(std::move(file));
   std::vector<DictionaryRow> dictionary;
   for (const ResultFile& file : all) {

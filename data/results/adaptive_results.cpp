@@ -143,8 +143,8 @@ std::vector<AdaptiveGroup> adaptive_group(const std::vector<AdaptiveRow>& rows, 
 
 AdaptiveResults adaptive_results(const Study& study, const Protocol& protocol, SessionKind kind) {
   AdaptiveResults results;
-  results.kind = kind;
   const std::vector<SessionInfo> sessions = sessions_of(study, kind);
+  results.attendance = attendance_of(study, kind, sessions);
   for (const std::string& participant : participants_of(sessions)) {
     std::vector<std::vector<Event>> events;
     for (const SessionInfo& session : sessions)

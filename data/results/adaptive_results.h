@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "analysis/thresholds/adaptive_threshold.h"
+#include "data/results/study_analysis.h"
 #include "data/study/study.h"
 #include "protocols/protocol.h"
 
@@ -36,7 +37,7 @@ struct AdaptiveGroup {
 };
 
 struct AdaptiveResults {
-  SessionKind kind = SessionKind::simulated;
+  Attendance attendance;
   std::vector<AdaptiveRow> rows;     // by participant, condition; tracks first, then all
   std::vector<AdaptiveGroup> group;  // by condition
 };

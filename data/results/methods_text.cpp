@@ -38,11 +38,11 @@ std::string task_words(const Protocol& protocol, const StudyResults& results) {
   std::vector<std::string> conditions;
   for (const Condition& one : protocol.conditions)
     conditions.push_back(fmt::format("{} ({})", markdown_text(one.name), markdown_text(one.label)));
-  const auto participants = static_cast<std::size_t>(results.analysis.participants);
+  const auto participants = static_cast<std::size_t>(attendance_of(results).participants);
   return fmt::format(
       "{} {} participant{} judged whether two stimuli were the same or different in stiffness (same-different, two "
       "intervals) under {} feedback condition{}: {}. ",
-      participants, to_string(results.analysis.kind), plural(participants), conditions.size(),
+      participants, to_string(attendance_of(results).kind), plural(participants), conditions.size(),
       plural(conditions.size()), list_of(conditions));
 }
 
@@ -208,9 +208,7 @@ std::string adaptive_paragraph(const AdaptiveProcedure& procedure) {
   return text;
 }
 
-std::string estimate_paragraph(const Protocol& protocol, const StudyResults& results) {
-  if (protocol.design.procedure) return adaptive_paragraph(*protocol.design.procedure);
-  const StudyAnalysis& analysis = results.analysis;
+std::string estimate_paragraph(const Protocol& protocol, const StudyAnalysis& analysis) {
   return fmt::format(
       "{}{}{}; JND = 1/m, the difference at d' = 1, and the Weber fraction is JND / {:g} {}. Differences are the {} "
       "ones.{} Estimates with m <= 1e-9 have no JND (status no_sensitivity), nor have those whose m is infinite "
@@ -303,9 +301,7 @@ std::string test_paragraph(const Protocol& protocol, const StudyResults& results
   return text + other_tests(results, !tests.empty()) + "\n";
 }
 
-std::string exclusion_paragraph(const Protocol& protocol, const StudyResults& results) {
-  if (protocol.design.procedure)
-    return "No answered trial was excluded: an excluded answer would have moved the levels all the same.\n";
+std::string exclusion_paragraph(const Protocol& protocol, const StudyAnalysis& analysis) {
   const Exclusions& rules = protocol.analysis.exclude;
   std::vector<std::string> words;
   if (rules.response_time_below_s)
@@ -316,7 +312,7 @@ std::string exclusion_paragraph(const Protocol& protocol, const StudyResults& re
     words.push_back(fmt::format("more than {:g} of the contact time at the force limit", *rules.saturated_share_above));
   if (words.empty()) return "No trial was excluded by a registered rule.\n";
   std::string counts;
-  for (const auto& [reason, trials] : results.analysis.exclusions)
+  for (const auto& [reason, trials] : analysis.exclusions)
     counts += fmt::format("{}{} by {}", counts.empty() ? ": " : ", ", trials, reason);
   return fmt::format("Trials were excluded by the registered rules ({}){}.\n", list_of(words),
                      counts.empty() ? ": none" : counts);
@@ -335,8 +331,8 @@ std::string reproduction(const Study& study, const Protocol& protocol, const Stu
       "of their chains:\n",
       kVersion, markdown_text(protocol.name), protocol.sha256,
       seed_text(study, protocol, "sealed while the study is blinded"), chain_line(results.chains),
-      results.analysis.heads.size());
-  for (const SessionHead& head : results.analysis.heads)
+      attendance_of(results).heads.size());
+  for (const SessionHead& head : attendance_of(results).heads)
     text += fmt::format("  - {} `{}`{}\n", head.participant, head.hash, head.closed ? "" : " (not finished)");
   return text;
 }
@@ -356,13 +352,13 @@ std::string exploration_design(const Protocol& protocol, const StudyResults& res
       "lasted {:g} s, divided equally among the objects. The order of conditions and objects was dealt per participant "
       "from the study's seed with counter-based random streams ({}, Salmon et al. 2011). Objects had a "
       "stiffness of {:g} {}. Time in which the session was paused does not count.\n",
-      results.questionnaire.participants, to_string(results.analysis.kind),
-      results.questionnaire.participants == 1 ? "" : "s", objects, plural(objects), list_of(names),
+      attendance_of(results).participants, to_string(attendance_of(results).kind),
+      attendance_of(results).participants == 1 ? "" : "s", objects, plural(objects), list_of(names),
       protocol.conditions.size(), plural(protocol.conditions.size()), list_of(conditions), explore.duration_s,
       kGeneratorName, protocol.stimulus.reference, to_string(protocol.stimulus.unit));
 }
 
-std::string questionnaire_tests(const StudyResults& results) {
+std::string questionnaire_tests(const StudyResults& results, const ExplorationResults& exploration) {
   const QuestionnaireResults& all = results.questionnaire;
   const auto paired = static_cast<std::size_t>(
       std::count_if(all.items.begin(), all.items.end(), [](const QuestionnaireItem& item) { return item.paired; }));
@@ -385,33 +381,51 @@ std::string questionnaire_tests(const StudyResults& results) {
         "\n{} item{} {} answered once. They have no pair and no test: mean, standard deviation, and "
         "the median with its distribution-free interval (Conover 1999, section 3.2).\n",
         once, plural(once), once == 1 ? "was" : "were");
-  if (!all.choices.empty())
+  if (!exploration.choices.empty())
     text += "\nChoices are counts, with exact binomial intervals of each share (Clopper and Pearson 1934).\n";
   return text;
 }
+
+// What depends on the kind of study: design, estimates and tests.
+struct Sections {
+  const Protocol& protocol;
+  const StudyResults& results;
+
+  std::string operator()(const ConstantResults& measured) const {
+    return with_estimates(estimate_paragraph(protocol, measured.analysis),
+                          exclusion_paragraph(protocol, measured.analysis));
+  }
+  std::string operator()(const AdaptiveResults&) const {
+    return with_estimates(
+        adaptive_paragraph(*protocol.design.procedure),
+        "No answered trial was excluded: an excluded answer would have moved the levels all the same.\n");
+  }
+  std::string operator()(const ExplorationResults& measured) const {
+    return "## Design\n\n" + exploration_design(protocol, results) + "\n## Tests\n\n" +
+           questionnaire_tests(results, measured);
+  }
+
+ private:
+  std::string with_estimates(const std::string& estimates, const std::string& exclusions) const {
+    return "## Design\n\n" + design_paragraph(protocol, results) + "\n## Estimates\n\n" + estimates + "\n" +
+           exclusions + "\n## Tests\n\n" + test_paragraph(protocol, results);
+  }
+};
 
 }  // namespace
 
 std::string methods_text(const Study& study, const Protocol& protocol, const StudyResults& results) {
   std::string text = fmt::format("# Methods: {}\n\n", markdown_text(protocol.title));
-  if (results.analysis.kind != SessionKind::real)
+  if (attendance_of(results).kind != SessionKind::real)
     text += fmt::format("**These are {} data, not those of a study with participants.**\n\n",
-                        to_string(results.analysis.kind));
+                        to_string(attendance_of(results).kind));
   if (!protocol.source.citation.empty())
     text += fmt::format("After: {}{}\n\n", markdown_text(protocol.source.citation),
                         protocol.source.doi.empty() ? "" : " https://doi.org/" + markdown_text(protocol.source.doi));
-  if (protocol.paradigm == Paradigm::explore) {
-    text += "## Design\n\n" + exploration_design(protocol, results);
-    text += "\n## Tests\n\n" + questionnaire_tests(results);
-    add_list(text, "Deviations from the registered plan", results.deviations, "None.");
-    text += reproduction(study, protocol, results);
-    return text + references_of(text);
-  }
-  text += "## Design\n\n" + design_paragraph(protocol, results);
-  text += "\n## Estimates\n\n" + estimate_paragraph(protocol, results) + "\n" + exclusion_paragraph(protocol, results);
-  text += "\n## Tests\n\n" + test_paragraph(protocol, results);
+  text += std::visit(Sections{protocol, results}, results.measured);
   add_list(text, "Deviations from the registered plan", results.deviations, "None.");
-  add_list(text, "Cautions", results.cautions, "None.");
+  if (!std::holds_alternative<ExplorationResults>(results.measured))
+    add_list(text, "Cautions", results.cautions, "None.");
   text += reproduction(study, protocol, results);
   return text + references_of(text);
 }

@@ -189,7 +189,7 @@ QuestionnaireResults questionnaire_of(const std::vector<RatedQuestion>& items, s
   return results;
 }
 
-std::vector<std::string> exposure_deviations(const QuestionnaireResults& results, const Protocol& protocol) {
+std::vector<std::string> exposure_deviations(const ExplorationResults& results, const Protocol& protocol) {
   std::vector<std::string> sentences;
   for (const Exposure& row : results.exposure) {
     const std::string& condition = protocol.conditions[static_cast<std::size_t>(row.condition)].name;
@@ -205,11 +205,11 @@ std::vector<std::string> exposure_deviations(const QuestionnaireResults& results
   return sentences;
 }
 
-QuestionnaireResults questionnaire_results(const Study& study, const Protocol& protocol,
-                                           const std::vector<SessionInfo>& sessions) {
-  const std::size_t participants = participants_of(sessions).size();
-  QuestionnaireResults results = questionnaire_of(read_ratings(study, protocol, sessions), participants, protocol);
-  EventReader reader(protocol, participants);
+ExplorationResults exploration_results(const Study& study, const Protocol& protocol, SessionKind kind) {
+  const std::vector<SessionInfo> sessions = sessions_of(study, kind);
+  ExplorationResults results;
+  results.attendance = attendance_of(study, kind, sessions);
+  EventReader reader(protocol, static_cast<std::size_t>(results.attendance.participants));
   std::size_t row = 0;
   for (std::size_t i = 0; i < sessions.size(); ++i) {
     if (i > 0 && sessions[i].participant != sessions[i - 1].participant) ++row;

@@ -11,6 +11,7 @@
 #include "analysis/group/questionnaire.h"
 #include "analysis/numerics/exact_proportion.h"
 #include "data/results/rating_answers.h"
+#include "data/results/study_analysis.h"
 #include "data/study/study.h"
 #include "protocols/protocol.h"
 
@@ -60,11 +61,15 @@ struct QuestionnaireResults {
   int participants = 0;
   std::vector<QuestionnaireItem> items;  // in the protocol's order
   PairedQuestionnaire tests;             // of the paired items, in the same order; their family is all of them
-  // Of free interaction:
-  std::vector<ChoiceResult> choices;
-  std::vector<Exposure> exposure;  // by condition, object
   double alpha = 0.05;
   TestCount below_alpha;
+};
+
+// Of free interaction, beside what was answered to questions.
+struct ExplorationResults {
+  Attendance attendance;
+  std::vector<ChoiceResult> choices;
+  std::vector<Exposure> exposure;  // by condition, object
 };
 
 // What follows from the ratings alone: scores, tests and their count. participants: the rows.
@@ -72,11 +77,9 @@ QuestionnaireResults questionnaire_of(const std::vector<RatedQuestion>& items, s
                                       const Protocol& protocol);
 
 // One sentence for each object of a condition that some participants explored for less than planned, or not at all.
-std::vector<std::string> exposure_deviations(const QuestionnaireResults& results, const Protocol& protocol);
+std::vector<std::string> exposure_deviations(const ExplorationResults& results, const Protocol& protocol);
 
-// Of these sessions. A participant with several has the mean of their ratings, and the choice of the last. Throws
-// StorageError.
-QuestionnaireResults questionnaire_results(const Study& study, const Protocol& protocol,
-                                           const std::vector<SessionInfo>& sessions);
+// Sessions of one kind; a participant with several has the choice of the last. Throws StorageError.
+ExplorationResults exploration_results(const Study& study, const Protocol& protocol, SessionKind kind);
 
 }  // namespace jnd

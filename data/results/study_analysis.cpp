@@ -141,22 +141,24 @@ void estimate(StudyAnalysis& analysis, std::vector<ParticipantData> participants
   analysis.intervals = participants.size() <= kMostInDetail;
   const int conditions = static_cast<int>(protocol.conditions.size()),
             series = static_cast<int>(protocol.series.size());
-  analysis.participants = static_cast<int>(participants.size());
+  analysis.attendance.participants = static_cast<int>(participants.size());
   for (ParticipantData& data : participants) {
     for (int condition = 0; condition < conditions; ++condition) {
       std::vector<SeriesCounts> of_series;
       std::vector<DifferenceSource> sources;  // of the series in the fit
       for (int one = 0; one < series; ++one) {
         const ParticipantData::Cell& cell = data.cells[place(condition * series + one)];
-        CellResult result{data.participant, analysis.kind, condition,    one,
-                          cell.counts,      cell.excluded, cell.missing, yes_no(cell.counts, rate_correction)};
+        CellResult result{data.participant, analysis.attendance.kind,
+                          condition,        one,
+                          cell.counts,      cell.excluded,
+                          cell.missing,     yes_no(cell.counts, rate_correction)};
         set_difference(result, cell.delivered, protocol, analysis.by);
         of_series.push_back({result.difference, cell.counts});
         if (result.yes_no.status != RateStatus::missing) sources.push_back(result.difference_source);
         analysis.cells.push_back(std::move(result));
       }
       ParticipantData::Times& times = data.times[place(condition)];
-      analysis.thresholds.push_back({data.participant, analysis.kind, condition,
+      analysis.thresholds.push_back({data.participant, analysis.attendance.kind, condition,
                                      estimate_threshold(of_series, protocol, method, analysis.intervals, seed),
                                      median(std::move(times.response_times_s)),
                                      times.trials > 0 ? times.sum_s / times.trials : std::nan(""), combined(sources)});
@@ -216,6 +218,13 @@ std::vector<ExcludedParticipant> excluded_of(const Study& study, SessionKind kin
   return excluded;
 }
 
+Attendance attendance_of(const Study& study, SessionKind kind, const std::vector<SessionInfo>& sessions) {
+  Attendance attendance{kind, static_cast<int>(participants_of(sessions).size()), {}, excluded_of(study, kind)};
+  for (const SessionInfo& session : sessions)
+    attendance.heads.push_back({session.participant, session.id, session.head, kind, session.state == "closed"});
+  return attendance;
+}
+
 StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by) {
   const std::vector<SessionInfo> sessions = sessions_of(study, kind);
   return analyze(study, protocol, kind, by, sessions, read_counted_trials(study, protocol, sessions));
@@ -224,16 +233,14 @@ StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind 
 StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by,
                       const std::vector<SessionInfo>& sessions, const std::vector<CountedTrial>& trials) {
   StudyAnalysis analysis;
-  analysis.kind = kind;
+  analysis.attendance = attendance_of(study, kind, sessions);
   analysis.by = by;
-  analysis.excluded = excluded_of(study, kind);
   std::vector<ParticipantData> participants;
   std::vector<std::size_t> participant_of;  // session -> place in participants
   for (const SessionInfo& session : sessions) {
     if (participants.empty() || participants.back().participant != session.participant)
       participants.push_back(empty_data(session.participant, protocol));
     participant_of.push_back(participants.size() - 1);
-    analysis.heads.push_back({session.participant, session.id, session.head, kind, session.state == "closed"});
   }
 
   const std::size_t series = protocol.series.size();
@@ -271,7 +278,7 @@ std::vector<SessionKind> kinds_in(const Study& study) {
 
 StudyAnalysis analyze_counts(const std::vector<CellCounts>& cells, const Protocol& protocol, SessionKind kind) {
   StudyAnalysis analysis;
-  analysis.kind = kind;
+  analysis.attendance.kind = kind;
   std::map<std::string, std::size_t> places;
   std::vector<ParticipantData> participants;  // in the order of their first cell
   for (const CellCounts& cell : cells) {

@@ -88,21 +88,26 @@ struct SessionHead {
 // left to studies of an ordinary size.
 inline constexpr std::size_t kMostInDetail = 200;
 
-struct StudyAnalysis {
+// Who took part, in a study of whatever kind.
+struct Attendance {
   SessionKind kind = SessionKind::simulated;
+  int participants = 0;
+  std::vector<SessionHead> heads;             // by participant
+  std::vector<ExcludedParticipant> excluded;  // nothing of theirs is in the results
+};
+
+struct StudyAnalysis {
+  Attendance attendance;
   DifferenceSource by = DifferenceSource::nominal;  // what was asked for: nominal or delivered
   ThresholdMethod method;                           // the registered one, behind every slope and JND here
   // Whether thresholds carry intervals: of the fit itself (maximum likelihood), or a bootstrap of least squares, which
   // is left out above 500 participants.
   bool intervals = true;
-  int participants = 0;
   std::vector<CellResult> cells;            // by participant, condition, series
   std::vector<ThresholdResult> thresholds;  // by participant, condition
   std::vector<GroupResult> group;           // by condition
   std::vector<ContrastResult> contrasts;
-  std::vector<SessionHead> heads;             // by participant
-  std::map<std::string, int> exclusions;      // reason -> trials
-  std::vector<ExcludedParticipant> excluded;  // nothing of theirs is in here
+  std::map<std::string, int> exclusions;  // reason -> trials
 };
 
 // Sessions of one kind only: the three kinds are never pooled. by: nominal or delivered; without it, the registered
@@ -114,6 +119,8 @@ StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind 
                       const std::vector<SessionInfo>& sessions, const std::vector<CountedTrial>& trials);
 // What counts: without the sessions of excluded participants. By participant number, then the participant's session.
 std::vector<SessionInfo> sessions_of(const Study& study, SessionKind kind);
+// sessions: those of sessions_of.
+Attendance attendance_of(const Study& study, SessionKind kind, const std::vector<SessionInfo>& sessions);
 // Each once, in the order of the sessions.
 std::vector<std::string> participants_of(const std::vector<SessionInfo>& sessions);
 // Those of one kind, in the order in which they were excluded.

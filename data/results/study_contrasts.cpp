@@ -16,7 +16,7 @@ MeanEstimate difference_of(const WithinTable& table, const Contrast& contrast) {
 
 }  // namespace
 
-std::vector<ContrastRow> contrast_rows(const StudyAnalysis& analysis, const OutcomeComparison& registered,
+std::vector<ContrastRow> contrast_rows(const std::vector<ContrastResult>& jnds, const OutcomeComparison& registered,
                                        const Protocol& protocol) {
   const std::vector<Contrast>& contrasts = protocol.analysis.contrasts;
   const std::string jnd(to_string(Outcome::jnd));
@@ -29,8 +29,8 @@ std::vector<ContrastRow> contrast_rows(const StudyAnalysis& analysis, const Outc
     row.b = contrasts[i].b;
     row.participants = static_cast<int>(registered.table.n + registered.left_out.size());
     // Of an adaptive study there is no other scale than its thresholds'.
-    const bool has_jnds = i < analysis.contrasts.size();
-    if (has_jnds) row.difference_source = analysis.contrasts[i].difference_source;
+    const bool has_jnds = i < jnds.size();
+    if (has_jnds) row.difference_source = jnds[i].difference_source;
 
     ContrastRow tested = row;
     tested.outcome = registered.outcome;
@@ -38,15 +38,15 @@ std::vector<ContrastRow> contrast_rows(const StudyAnalysis& analysis, const Outc
     tested.registered = true;
     tested.refused = registered.refused;
     // Where tests on the JND are refused the differences of those who have both are there all the same.
-    tested.difference = registered.outcome == jnd && has_jnds ? analysis.contrasts[i].difference
-                                                              : difference_of(registered.table, contrasts[i]);
+    tested.difference =
+        registered.outcome == jnd && has_jnds ? jnds[i].difference : difference_of(registered.table, contrasts[i]);
     if (i < p.size()) tested.p = p[i];
     rows.push_back(std::move(tested));
     if (registered.outcome == jnd || !has_jnds) continue;
 
     row.outcome = jnd;
     row.unit = to_string(protocol.stimulus.unit);
-    row.difference = analysis.contrasts[i].difference;
+    row.difference = jnds[i].difference;
     rows.push_back(std::move(row));
   }
   return rows;

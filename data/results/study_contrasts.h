@@ -27,7 +27,7 @@ struct ContrastRow {
 
 // By contrast: the registered scale, then the JND where that is another one. registered: the comparison of the
 // registered outcome.
-std::vector<ContrastRow> contrast_rows(const StudyAnalysis& analysis, const OutcomeComparison& registered,
+std::vector<ContrastRow> contrast_rows(const std::vector<ContrastResult>& jnds, const OutcomeComparison& registered,
                                        const Protocol& protocol);
 
 }  // namespace jnd

@@ -118,50 +118,54 @@ void add_test_cautions(const OutcomeComparison& outcome, const Protocol& protoco
 
 }  // namespace
 
-std::vector<std::string> deviations_of(const StudyAnalysis& analysis, const std::vector<OutcomeComparison>& comparisons,
-                                       const Protocol& protocol) {
+std::vector<std::string> deviations_of(const StudyResults& results, const Protocol& protocol) {
   std::vector<std::string> out;
-  if (!protocol.design.procedure && analysis.by != registered_source(protocol))
+  const Attendance& attendance = attendance_of(results);
+  const auto* constant = std::get_if<ConstantResults>(&results.measured);
+  if (constant != nullptr && constant->analysis.by != registered_source(protocol))
     out.push_back(fmt::format("The protocol registers slopes over {} stiffness differences; these are over {} ones.",
-                              to_string(registered_source(protocol)), to_string(analysis.by)));
+                              to_string(registered_source(protocol)), to_string(constant->analysis.by)));
   const Exclusions& rules = protocol.analysis.exclude;
   if (protocol.design.procedure &&
       (rules.response_time_below_s || rules.response_time_above_s || rules.saturated_share_above))
     out.emplace_back(
         "The registered exclusions are not applied: an excluded answer has moved the levels all the same.");
-  if (!analysis.excluded.empty()) {
+  if (!attendance.excluded.empty()) {
     std::string who;
-    for (const ExcludedParticipant& one : analysis.excluded)
+    for (const ExcludedParticipant& one : attendance.excluded)
       who += fmt::format("{}{} ({})", who.empty() ? "" : ", ", one.participant, one.reason);
     out.push_back(fmt::format("Participants excluded: {}.", who));
   }
   int open = 0;
-  for (const SessionHead& head : analysis.heads) open += head.closed ? 0 : 1;
+  for (const SessionHead& head : attendance.heads) open += head.closed ? 0 : 1;
   if (open > 0)
     out.push_back(fmt::format("{} of {} sessions {} not finished: these numbers are not final.", open,
-                              analysis.heads.size(), open == 1 ? "is" : "are"));
-  if (analysis.kind == SessionKind::real && analysis.participants != protocol.design.participants)
-    out.push_back(fmt::format("{} participant{} took part; {} {} planned.", analysis.participants,
-                              plural(analysis.participants), protocol.design.participants,
+                              attendance.heads.size(), open == 1 ? "is" : "are"));
+  if (attendance.kind == SessionKind::real && attendance.participants != protocol.design.participants)
+    out.push_back(fmt::format("{} participant{} took part; {} {} planned.", attendance.participants,
+                              plural(attendance.participants), protocol.design.participants,
                               protocol.design.participants == 1 ? "was" : "were"));
-  add_cell_deviations(analysis, out);
-  if (const OutcomeComparison* outcome = registered(comparisons)) {
+  if (constant != nullptr) add_cell_deviations(constant->analysis, out);
+  if (const OutcomeComparison* outcome = registered(results.comparisons)) {
     if (!outcome->refused.empty())
       out.push_back(
           fmt::format("The registered tests on the {} were refused: {}.", outcome->outcome, outcome->refused));
     else if (!outcome->left_out.empty())
       out.push_back(fmt::format("The registered tests leave out {} of {} participants: {}.", outcome->left_out.size(),
-                                analysis.participants, names(outcome->left_out)));
+                                attendance.participants, names(outcome->left_out)));
   }
+  if (const auto* exploration = std::get_if<ExplorationResults>(&results.measured))
+    for (const std::string& one : exposure_deviations(*exploration, protocol)) out.push_back(one);
   return out;
 }
 
-std::vector<std::string> cautions_of(const StudyAnalysis& analysis, const std::vector<OutcomeComparison>& comparisons,
-                                     const Protocol& protocol) {
+std::vector<std::string> cautions_of(const StudyResults& results, const Protocol& protocol) {
   std::vector<std::string> out;
-  add_rate_cautions(analysis, out);
-  add_threshold_cautions(analysis, protocol, out);
-  if (const OutcomeComparison* outcome = registered(comparisons)) add_test_cautions(*outcome, protocol, out);
+  if (const auto* constant = std::get_if<ConstantResults>(&results.measured)) {
+    add_rate_cautions(constant->analysis, out);
+    add_threshold_cautions(constant->analysis, protocol, out);
+  }
+  if (const OutcomeComparison* outcome = registered(results.comparisons)) add_test_cautions(*outcome, protocol, out);
   return out;
 }
 

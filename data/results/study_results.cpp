@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "data/results/rating_answers.h"
+#include "data/results/study_remarks.h"
 
 namespace jnd {
 
@@ -17,75 +18,80 @@ void add_ratings(StudyResults& results, const Study& study, const Protocol& prot
   results.questionnaire = questionnaire_of(ratings, participants.size(), protocol);
 }
 
-// What follows from the thresholds alone.
-void add_tests(StudyResults& results, const Protocol& protocol) {
-  const StudyAnalysis& analysis = results.analysis;
-  results.comparisons.push_back(compare_thresholds(analysis.thresholds, protocol, protocol.analysis.tests.outcome));
-  results.comparisons.back().registered = true;
-  results.by_series = compare_series(analysis.cells, protocol);
-  results.detailed = static_cast<std::size_t>(analysis.participants) <= kMostInDetail;
-  if (results.detailed) results.sensitivity = study_sensitivity(analysis, protocol);
+void add_registered(StudyResults& results, OutcomeComparison comparison) {
+  comparison.registered = true;
+  results.comparisons.push_back(std::move(comparison));
 }
 
 void add_remarks(StudyResults& results, const Protocol& protocol) {
-  results.deviations = deviations_of(results.analysis, results.comparisons, protocol);
-  results.cautions = cautions_of(results.analysis, results.comparisons, protocol);
+  results.deviations = deviations_of(results, protocol);
+  results.cautions = cautions_of(results, protocol);
 }
 
-// Of a protocol with a procedure: thresholds of its own kind, compared over the conditions like any other outcome.
-StudyResults adaptive_results_of(const Study& study, const Protocol& protocol, SessionKind kind) {
-  StudyResults results;
-  const std::vector<SessionInfo> sessions = sessions_of(study, kind);
-  results.analysis.kind = kind;
-  for (const SessionInfo& session : sessions)
-    results.analysis.heads.push_back({session.participant, session.id, session.head, kind, session.state == "closed"});
-  results.analysis.participants = static_cast<int>(participants_of(sessions).size());
-  results.analysis.excluded = excluded_of(study, kind);
-  results.adaptive = adaptive_results(study, protocol, kind);
-  results.by_series.refused = "the answers set the levels: there are no series";
-  results.comparisons.push_back(compare_adaptive(results.adaptive->rows, protocol));
-  results.comparisons.back().registered = true;
-  add_ratings(results, study, protocol, sessions);
-  add_remarks(results, protocol);
+// With what follows from the thresholds alone.
+ConstantResults constant_results(StudyAnalysis analysis, const Protocol& protocol) {
+  ConstantResults results;
+  results.analysis = std::move(analysis);
+  results.by_series = compare_series(results.analysis.cells, protocol);
+  results.detailed = static_cast<std::size_t>(results.analysis.attendance.participants) <= kMostInDetail;
+  if (results.detailed) results.sensitivity = study_sensitivity(results.analysis, protocol);
   return results;
 }
 
-// Of the paradigm explore: questionnaires alone.
-StudyResults explore_results_of(const Study& study, const Protocol& protocol, SessionKind kind) {
+StudyResults constant_results_of(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by) {
   StudyResults results;
   const std::vector<SessionInfo> sessions = sessions_of(study, kind);
-  results.analysis.kind = kind;
-  results.analysis.excluded = excluded_of(study, kind);
-  for (const SessionInfo& session : sessions)
-    results.analysis.heads.push_back({session.participant, session.id, session.head, kind, session.state == "closed"});
-  results.questionnaire = questionnaire_results(study, protocol, sessions);
-  results.analysis.participants = results.questionnaire.participants;
-  results.by_series.refused = "there are no trials";
-  add_remarks(results, protocol);
-  for (const std::string& one : exposure_deviations(results.questionnaire, protocol)) results.deviations.push_back(one);
+  const std::vector<CountedTrial> trials = read_counted_trials(study, protocol, sessions);
+  ConstantResults measured = constant_results(analyze(study, protocol, kind, by, sessions, trials), protocol);
+  const std::vector<ThresholdResult>& thresholds = measured.analysis.thresholds;
+  add_registered(results, compare_thresholds(thresholds, protocol, protocol.analysis.tests.outcome));
+  results.comparisons.push_back(compare_times(thresholds, protocol));
+  add_ratings(results, study, protocol, sessions);
+  if (measured.detailed) measured.behaviour = study_behaviour(protocol, sessions, trials);
+  results.measured = std::move(measured);
+  return results;
+}
+
+// Thresholds of the procedure's own kind, compared over the conditions like any other outcome.
+StudyResults adaptive_results_of(const Study& study, const Protocol& protocol, SessionKind kind) {
+  StudyResults results;
+  AdaptiveResults measured = adaptive_results(study, protocol, kind);
+  add_registered(results, compare_adaptive(measured.rows, protocol));
+  add_ratings(results, study, protocol, sessions_of(study, kind));
+  results.measured = std::move(measured);
+  return results;
+}
+
+StudyResults exploration_results_of(const Study& study, const Protocol& protocol, SessionKind kind) {
+  StudyResults results;
+  const std::vector<SessionInfo> sessions = sessions_of(study, kind);
+  results.questionnaire =
+      questionnaire_of(read_ratings(study, protocol, sessions), participants_of(sessions).size(), protocol);
+  results.measured = exploration_results(study, protocol, kind);
   return results;
 }
 
 StudyResults computed_results_of(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by) {
-  if (protocol.paradigm == Paradigm::explore) return explore_results_of(study, protocol, kind);
+  if (protocol.paradigm == Paradigm::explore) return exploration_results_of(study, protocol, kind);
   if (protocol.design.procedure) return adaptive_results_of(study, protocol, kind);
-  StudyResults results;
-  const std::vector<SessionInfo> sessions = sessions_of(study, kind);
-  const std::vector<CountedTrial> trials = read_counted_trials(study, protocol, sessions);
-  results.analysis = analyze(study, protocol, kind, by, sessions, trials);
-  add_tests(results, protocol);
-  results.comparisons.push_back(compare_times(results.analysis.thresholds, protocol));
-  add_ratings(results, study, protocol, sessions);
-  if (results.detailed) results.behaviour = study_behaviour(protocol, sessions, trials);
-  add_remarks(results, protocol);
-  return results;
+  return constant_results_of(study, protocol, kind, by);
 }
 
 }  // namespace
 
+const Attendance& attendance_of(const StudyResults& results) {
+  struct Found {
+    const Attendance& operator()(const ConstantResults& measured) const { return measured.analysis.attendance; }
+    const Attendance& operator()(const AdaptiveResults& measured) const { return measured.attendance; }
+    const Attendance& operator()(const ExplorationResults& measured) const { return measured.attendance; }
+  };
+  return std::visit(Found{}, results.measured);
+}
+
 StudyResults results_of(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by) {
   ChainReport chains = require_whole_chains(study);
   StudyResults results = computed_results_of(study, protocol, kind, by);
+  add_remarks(results, protocol);
   results.chains = std::move(chains);
   return results;
 }
@@ -95,14 +101,16 @@ StudyResults results_of(const Study& study, const Protocol& protocol, SessionKin
 }
 
 std::vector<ContrastRow> contrasts_of(const StudyResults& results, const Protocol& protocol) {
-  if (protocol.paradigm == Paradigm::explore) return {};
-  return contrast_rows(results.analysis, results.comparisons.front(), protocol);
+  if (results.comparisons.empty()) return {};
+  const auto* constant = std::get_if<ConstantResults>(&results.measured);
+  return contrast_rows(constant == nullptr ? std::vector<ContrastResult>() : constant->analysis.contrasts,
+                       results.comparisons.front(), protocol);
 }
 
 StudyResults results_of(StudyAnalysis analysis, const Protocol& protocol) {
   StudyResults results;
-  results.analysis = std::move(analysis);
-  add_tests(results, protocol);
+  add_registered(results, compare_thresholds(analysis.thresholds, protocol, protocol.analysis.tests.outcome));
+  results.measured = constant_results(std::move(analysis), protocol);
   add_remarks(results, protocol);
   return results;
 }

@@ -2,8 +2,8 @@
 // `report` draws. Computed once, from the log alone.
 #pragma once
 
-#include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "data/results/adaptive_results.h"
@@ -12,36 +12,40 @@
 #include "data/results/study_behaviour.h"
 #include "data/results/study_comparisons.h"
 #include "data/results/study_contrasts.h"
-#include "data/results/study_remarks.h"
 #include "data/results/study_sensitivity.h"
 #include "data/verify/chain_check.h"
 #include "protocols/protocol.h"
 
 namespace jnd {
 
-struct StudyResults {
-  ChainReport chains;      // of the whole study, read before anything was computed; empty where counts alone were given
-  StudyAnalysis analysis;  // cells, thresholds, group, contrasts
-  // Where the answers set the levels, thresholds are the procedure's: cells, thresholds, group and what rests on them
-  // are then empty, and the registered tests are on these.
-  std::optional<AdaptiveResults> adaptive;
-  std::vector<OutcomeComparison> comparisons;  // the registered one first, then times, then ratings
-  SeriesComparison by_series;                  // condition x series
-  bool detailed = true;                        // what follows was computed; not above kMostInDetail participants
-  std::vector<SensitivityRow> sensitivity;     // the registered method first
-  StudyBehaviour behaviour;                    // order effect, bias, drift, cue strategy
-  // Of the paradigm explore, which has no trials, this and the remarks are all there is.
-  QuestionnaireResults questionnaire;
-  std::vector<std::string> deviations;  // from what was registered
-  std::vector<std::string> cautions;    // where the design cannot carry the number
+// Where the protocol sets the levels.
+struct ConstantResults {
+  StudyAnalysis analysis;                   // cells, thresholds, group, contrasts
+  SeriesComparison by_series;               // condition x series
+  bool detailed = true;                     // what follows was computed; not above kMostInDetail participants
+  std::vector<SensitivityRow> sensitivity;  // the registered method first
+  StudyBehaviour behaviour;                 // order effect, bias, drift, cue strategy
 };
+
+struct StudyResults {
+  ChainReport chains;  // of the whole study, read before anything was computed; empty where counts alone were given
+  // What was measured: JNDs over given levels, thresholds where the answers set the levels, or free interaction.
+  std::variant<ConstantResults, AdaptiveResults, ExplorationResults> measured;
+  std::vector<OutcomeComparison> comparisons;  // the registered one first, then times, then ratings; none of free
+                                               // interaction
+  QuestionnaireResults questionnaire;          // what was answered to questions
+  std::vector<std::string> deviations;         // from what was registered
+  std::vector<std::string> cautions;           // where the design cannot carry the number
+};
+
+const Attendance& attendance_of(const StudyResults& results);
 
 // Checks the chains of the study first: throws BrokenChain where it is not what was recorded.
 StudyResults results_of(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by);
 StudyResults results_of(const Study& study, const Protocol& protocol, SessionKind kind);  // by what is registered
 // The rows of contrasts.csv and its like; empty where none is registered, or there are no trials.
 std::vector<ContrastRow> contrasts_of(const StudyResults& results, const Protocol& protocol);
-// Of counts alone: without behaviour and ratings, and no times.
+// Of counts alone: without behaviour, ratings and times.
 StudyResults results_of(StudyAnalysis analysis, const Protocol& protocol);
 
 }  // namespace jnd

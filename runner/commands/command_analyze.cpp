@@ -68,7 +68,8 @@ void print_results(const StudyResults& results, const Protocol& protocol, const 
   std::stable_partition(tables.begin(), tables.end(), [&](const ResultTable& table) { return !conclusion(table); });
   for (const ResultTable& table : tables)
     if (table.id != "cells" || options.cells) print_table(table);
-  if (!results.detailed)
+  const auto* constant = std::get_if<ConstantResults>(&results.measured);
+  if (constant != nullptr && !constant->detailed)
     fmt::print("{}\n", dim(fmt::format("Above {} participants other methods and the manner of answering are left out.",
                                        kMostInDetail)));
   print_remarks(results);
@@ -105,9 +106,10 @@ int command_analyze(const AnalyzeOptions& options) {
   const SessionKind kind = kind_to_analyse(*study, options.kind);
   if (blinding_of(*study, protocol, kind).blinded) return analyze_blinded(*study, protocol, options);
   const StudyResults results = results_of(*study, protocol, kind, source_to_analyse(protocol, options.by));
-  // Nothing but the procedure's own threshold exists where the answers set the levels.
-  const bool all_models = options.models == "all" && !results.adaptive;
-  const StudyModels models = all_models ? study_models(results.analysis, protocol) : StudyModels{};
+  // Only JNDs over given levels have other models.
+  const auto* constant = std::get_if<ConstantResults>(&results.measured);
+  const bool all_models = options.models == "all" && constant != nullptr;
+  const StudyModels models = all_models ? study_models(constant->analysis, protocol) : StudyModels{};
   const HoldInterrupts hold;
   // Its place is taken last: where something else that was asked for cannot be written, nothing stays behind.
   std::optional<ExportFolder> csv;
@@ -126,7 +128,7 @@ int command_analyze(const AnalyzeOptions& options) {
                dim(fmt::format("protocol {}, seed {}", protocol.sha256.substr(0, 12),
                                seed_text(*study, protocol, "sealed while real sessions are blinded"))),
                dim(chain_line(results.chains)));
-    if (results.analysis.participants == 0) {
+    if (attendance_of(results).participants == 0) {
       fmt::print("  no {} session yet\n", to_string(kind));
     } else {
       if (all_models) print_table(models_table(models, protocol));
@@ -134,7 +136,7 @@ int command_analyze(const AnalyzeOptions& options) {
       say_other_kinds(*study, kind);
     }
   }
-  if (results.analysis.participants > 0 && !options.no_methods)
+  if (attendance_of(results).participants > 0 && !options.no_methods)
     write_methods_file(options, methods_text(*study, protocol, results));
   if (csv) {
     csv->publish();

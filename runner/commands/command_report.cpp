@@ -74,7 +74,7 @@ int command_report(const ReportOptions& options) {
   for (const Figure& figure : figures) files.figures.emplace_back(figure.id + ".svg", figure.svg.file());
   write_report(files, options.replace);
   fmt::print("{}: {} {} participant{}; one page that needs nothing else\n", bold(printable(files.page.string())),
-             results.analysis.participants, to_string(kind), results.analysis.participants == 1 ? "" : "s");
+             attendance_of(results).participants, to_string(kind), attendance_of(results).participants == 1 ? "" : "s");
   if (!figures.empty())
     fmt::print("{}: its {} figures, each an SVG file\n", printable(files.folder.string()), figures.size());
   for (const std::string& text : results.deviations) fmt::print("{}\n", warn("deviation: " + printable(text)));
@@ -86,7 +86,7 @@ int command_report(const ReportOptions& options) {
 }  // namespace
 
 void add_report(CommandTree& tree) {
-  const auto [command, options] = tree.add("report", "Write a page for people: figures, tables, warnings, methods",
+  const auto [command, options] = tree.add("report", "Write a page for people: figures, tables, cautions, methods",
                                            "jnd report s.sqlite", command_report);
   command.add_option("STUDY", options.study, "the study's file")->required();
   command.add_option("--to", options.file, "the page (default: the study's name with -report.html, beside it)");

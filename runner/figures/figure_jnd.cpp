@@ -58,8 +58,7 @@ ConditionColumn column_of(const StudyAnalysis& analysis, const GroupResult& row,
   return column;
 }
 
-std::string caption_of(const StudyResults& results, const Protocol& protocol, std::size_t complete) {
-  const StudyAnalysis& analysis = results.analysis;
+std::string caption_of(const StudyAnalysis& analysis, const Protocol& protocol, std::size_t complete) {
   std::string text = fmt::format(
       "JND ({}) of every participant by condition, with the mean and its 95 % confidence interval (Student t) over "
       "those who have a JND. Method: {}, through the origin of the {} stiffness differences. ",
@@ -69,7 +68,7 @@ std::string caption_of(const StudyResults& results, const Protocol& protocol, st
         "The within-subject interval (Cousineau-Morey) is for comparing conditions; it rests on the {} of {} "
         "participants "
         "with a JND under every condition. ",
-        complete, analysis.participants);
+        complete, analysis.attendance.participants);
   text +=
       "The median counts participants without sensitivity as infinite and those at the ceiling as below every JND. "
       "Participants without a JND stand at the edge, counted.";
@@ -94,7 +93,9 @@ std::string description_of(const StudyAnalysis& analysis, const Protocol& protoc
 }  // namespace
 
 std::vector<Figure> jnd_figures(const StudyResults& results, const Protocol& protocol) {
-  const StudyAnalysis& analysis = results.analysis;
+  const auto* constant = std::get_if<ConstantResults>(&results.measured);
+  if (constant == nullptr) return {};
+  const StudyAnalysis& analysis = constant->analysis;
   if (analysis.thresholds.empty()) return {};
   ConditionFigure figure;
   figure.id = "jnd";
@@ -119,7 +120,7 @@ std::vector<Figure> jnd_figures(const StudyResults& results, const Protocol& pro
     }
   }
   return {
-      {figure.id, figure.title, caption_of(results, protocol, complete.n), draw_condition_figure(figure, protocol)}};
+      {figure.id, figure.title, caption_of(analysis, protocol, complete.n), draw_condition_figure(figure, protocol)}};
 }
 
 }  // namespace jnd

@@ -80,7 +80,9 @@ std::string description_of(const std::vector<SensitivityRow>& rows, const Protoc
 }  // namespace
 
 std::vector<Figure> sensitivity_figures(const StudyResults& results, const Protocol& protocol) {
-  const std::vector<SensitivityRow>& rows = results.sensitivity;
+  const auto* constant = std::get_if<ConstantResults>(&results.measured);
+  if (constant == nullptr) return {};
+  const std::vector<SensitivityRow>& rows = constant->sensitivity;
   if (rows.empty()) return {};
   const std::string title = "Median JND under every model and method";
   std::vector<LegendEntry> legend;

@@ -90,7 +90,9 @@ std::vector<SlopePanel> by_condition(const std::vector<SlopePanel>& people, cons
 }  // namespace
 
 std::vector<Figure> slope_figures(const StudyResults& results, const Protocol& protocol) {
-  const StudyAnalysis& analysis = results.analysis;
+  const auto* constant = std::get_if<ConstantResults>(&results.measured);
+  if (constant == nullptr) return {};
+  const StudyAnalysis& analysis = constant->analysis;
   const std::vector<SlopePanel> people = slope_panels(analysis, protocol);
   if (people.empty()) return {};
   const SlopeScales scales = slope_scales(people);

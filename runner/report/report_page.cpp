@@ -51,42 +51,52 @@ std::string group_sentence(const GroupResult& row, const Protocol& protocol) {
   return text + fmt::format("; {} of {} participants", jnd.mean_jnd.n, jnd.n);
 }
 
-// Where the answers set the levels.
-std::string adaptive_summary(const StudyResults& results, const Protocol& protocol) {
-  const ResultTable table = adaptive_group_table(*results.adaptive, protocol);
-  std::string html =
-      fmt::format("<p class=\"lead\">{} {} participant{} ({} planned). {}.</p>\n<ul>\n", results.analysis.participants,
-                  to_string(results.analysis.kind), results.analysis.participants == 1 ? "" : "s",
-                  protocol.design.participants, escape_markup(table.note));
-  for (const AdaptiveGroup& row : results.adaptive->group)
-    html += fmt::format(
-        "<li><strong>{}</strong>: mean threshold <strong>{} {}</strong>, Weber fraction {}, false alarms {}; "
-        "{} of {} participants</li>\n",
-        escape_markup(condition_text(protocol, row.condition)), stiffness_text(row.mean, protocol),
-        escape_markup(unit_of(protocol)), percent_text(row.mean / protocol.stimulus.reference),
-        percent_text(row.false_alarms), row.n, row.of);
-  return html + "</ul>\n";
-}
+// What was found, in a few sentences.
+struct SummaryHtml {
+  const StudyResults& results;
+  const Protocol& protocol;
+
+  std::string operator()(const ConstantResults& measured) const {
+    const StudyAnalysis& analysis = measured.analysis;
+    std::string html = fmt::format(
+        "<p class=\"lead\">{}. JND: {}, through the origin of the {} stiffness differences; Weber fraction = JND / {:g} "
+        "{}. The means are over those who have a JND.</p>\n<ul>\n",
+        who(), escape_markup(describe(analysis.method)), to_string(analysis.by), protocol.stimulus.reference,
+        escape_markup(unit_of(protocol)));
+    for (const GroupResult& row : analysis.group) html += "<li>" + group_sentence(row, protocol) + "</li>\n";
+    return html + "</ul>\n";
+  }
+  std::string operator()(const AdaptiveResults& measured) const {
+    const ResultTable table = adaptive_group_table(measured, protocol);
+    std::string html = fmt::format("<p class=\"lead\">{}. {}.</p>\n<ul>\n", who(), escape_markup(table.note));
+    for (const AdaptiveGroup& row : measured.group)
+      html += fmt::format(
+          "<li><strong>{}</strong>: mean threshold <strong>{} {}</strong>, Weber fraction {}, false alarms {}; "
+          "{} of {} participants</li>\n",
+          escape_markup(condition_text(protocol, row.condition)), stiffness_text(row.mean, protocol),
+          escape_markup(unit_of(protocol)), percent_text(row.mean / protocol.stimulus.reference),
+          percent_text(row.false_alarms), row.n, row.of);
+    return html + "</ul>\n";
+  }
+  std::string operator()(const ExplorationResults&) const {
+    return fmt::format("<p class=\"lead\">{} after free interaction. {}.</p>\n", who(),
+                       escape_markup(questionnaire_summary(results.questionnaire)));
+  }
+
+ private:
+  std::string who() const {
+    const Attendance& attendance = attendance_of(results);
+    return fmt::format("{} {} participant{} ({} planned)", attendance.participants, to_string(attendance.kind),
+                       attendance.participants == 1 ? "" : "s", protocol.design.participants);
+  }
+};
 
 std::string summary_html(const StudyResults& results, const Protocol& protocol) {
-  const StudyAnalysis& analysis = results.analysis;
-  if (analysis.participants == 0)
+  const Attendance& attendance = attendance_of(results);
+  if (attendance.participants == 0)
     return fmt::format("<p class=\"lead\">This study holds no {} session yet: there is nothing to report.</p>\n",
-                       to_string(analysis.kind));
-  if (results.adaptive) return adaptive_summary(results, protocol);
-  if (protocol.paradigm == Paradigm::explore)
-    return fmt::format("<p class=\"lead\">{} {} participant{} ({} planned) after free interaction. {}.</p>\n",
-                       analysis.participants, to_string(analysis.kind), analysis.participants == 1 ? "" : "s",
-                       protocol.design.participants, escape_markup(questionnaire_summary(results.questionnaire)));
-  std::string html = fmt::format(
-      "<p class=\"lead\">{} {} participant{} ({} planned). JND: {}, through the origin of the {} stiffness "
-      "differences; "
-      "Weber fraction = JND / {:g} {}. The means are over those who have a JND.</p>\n<ul>\n",
-      analysis.participants, to_string(analysis.kind), analysis.participants == 1 ? "" : "s",
-      protocol.design.participants, escape_markup(describe(analysis.method)), to_string(analysis.by),
-      protocol.stimulus.reference, escape_markup(unit_of(protocol)));
-  for (const GroupResult& row : analysis.group) html += "<li>" + group_sentence(row, protocol) + "</li>\n";
-  return html + "</ul>\n";
+                       to_string(attendance.kind));
+  return std::visit(SummaryHtml{results, protocol}, results.measured);
 }
 
 std::string alert_html(std::string_view id, std::string_view title, const std::vector<std::string>& items) {
@@ -95,13 +105,13 @@ std::string alert_html(std::string_view id, std::string_view title, const std::v
                      title, list_html(items));
 }
 
-std::vector<std::string> state_of(const StudyAnalysis& analysis, const ReportFacts& facts) {
+std::vector<std::string> state_of(const Attendance& attendance, const ReportFacts& facts) {
   std::vector<std::string> items;
-  const auto open =
-      std::count_if(analysis.heads.begin(), analysis.heads.end(), [](const SessionHead& head) { return !head.closed; });
+  const auto open = std::count_if(attendance.heads.begin(), attendance.heads.end(),
+                                  [](const SessionHead& head) { return !head.closed; });
   if (open > 0)
     items.push_back(
-        fmt::format("{} of {} sessions are not finished: these numbers are not final.", open, analysis.heads.size()));
+        fmt::format("{} of {} sessions are not finished: these numbers are not final.", open, attendance.heads.size()));
   for (const std::string& kind : facts.other_kinds)
     items.push_back(fmt::format("This study also has {} sessions; they are not in these numbers.", kind));
   return items;
@@ -139,11 +149,11 @@ std::string provenance_html(const StudyResults& results, const Protocol& protoco
       "<dt>Chains of events</dt><dd class=\"hash\">{}</dd>\n{}</dl>\n",
       escape_markup(facts.program_version), user_text(facts.study_file),
       facts.study_seed ? std::to_string(*facts.study_seed) : "sealed while the study is blinded",
-      user_text(protocol.name), escape_markup(protocol.sha256), to_string(results.analysis.kind),
+      user_text(protocol.name), escape_markup(protocol.sha256), to_string(attendance_of(results).kind),
       escape_markup(chain_line(results.chains)), source_html(protocol.source));
   ResultTable heads{"heads", "Session heads", "the last hash of each session's chain of events", {}, {}, {}};
   heads.columns = {{"participant"}, {"session"}, {"state"}, {"head"}};
-  for (const SessionHead& head : results.analysis.heads)
+  for (const SessionHead& head : attendance_of(results).heads)
     heads.rows.push_back({head.participant, head.session, head.closed ? "finished" : "not finished", head.hash});
   if (!heads.rows.empty()) html += table_html(heads);
   return html;
@@ -154,15 +164,14 @@ std::string provenance_html(const StudyResults& results, const Protocol& protoco
 std::string report_page(const StudyResults& results, const Protocol& protocol, const std::vector<ResultTable>& tables,
                         const std::vector<Figure>& figures, const std::string& methods_markdown,
                         const ReportFacts& facts) {
-  const StudyAnalysis& analysis = results.analysis;
   std::string html = head_html(protocol, facts);
   html += fmt::format(
       "<body>\n<a class=\"skip\" href=\"#summary\">Skip to the results</a>\n<header>\n<p class=\"eyebrow\">Report of "
       "{} "
       "<span class=\"kind\">{}</span></p>\n<h1>{}</h1>\n</header>\n",
-      user_text(facts.study_file), to_string(analysis.kind), user_text(protocol.title));
+      user_text(facts.study_file), to_string(attendance_of(results).kind), user_text(protocol.title));
   html += "<main>\n<h2 id=\"summary\">Summary</h2>\n" + summary_html(results, protocol);
-  html += alert_html("state", "State of the study", state_of(analysis, facts));
+  html += alert_html("state", "State of the study", state_of(attendance_of(results), facts));
   html += alert_html("deviations", "Deviations from what was registered", results.deviations);
   html += alert_html("cautions", "Cautions", results.cautions);
   html += contents_html(figures, tables, !methods_markdown.empty());

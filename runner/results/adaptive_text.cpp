@@ -20,7 +20,7 @@ std::string to_text(const AdaptiveResults& results, const Protocol& protocol, bo
 
 Json to_json(const AdaptiveResults& results, const Protocol& protocol) {
   const AdaptiveProcedure& procedure = *protocol.design.procedure;
-  Json out = {{"kind", to_string(results.kind)},
+  Json out = {{"kind", to_string(results.attendance.kind)},
               {"protocol_sha256", protocol.sha256},
               {"unit", to_string(protocol.stimulus.unit)},
               {"reference", protocol.stimulus.reference},

@@ -27,8 +27,16 @@ Json published_json(const Protocol& protocol, const std::string& condition) {
 
 }  // namespace
 
+Json heads_json(const Attendance& attendance) {
+  Json out = Json::array();
+  for (const SessionHead& head : attendance.heads)
+    out.push_back(
+        {{"participant", head.participant}, {"session", head.session}, {"closed", head.closed}, {"hash", head.hash}});
+  return out;
+}
+
 Json to_json(const StudyAnalysis& analysis, const Protocol& protocol) {
-  Json out = {{"kind", to_string(analysis.kind)},
+  Json out = {{"kind", to_string(analysis.attendance.kind)},
               {"protocol_sha256", protocol.sha256},
               {"model", protocol.analysis.model},
               {"correction", protocol.analysis.correction},
@@ -40,10 +48,10 @@ Json to_json(const StudyAnalysis& analysis, const Protocol& protocol) {
               {"participants", Json::array()},
               {"group", Json::array()},
               {"exclusions", analysis.exclusions},
-              {"heads", Json::array()}};
+              {"heads", heads_json(analysis.attendance)}};
   const auto cells = cell_fields(protocol);
   const auto thresholds = threshold_fields(protocol);
-  const auto groups = group_fields(protocol, analysis.kind);
+  const auto groups = group_fields(protocol, analysis.attendance.kind);
   // Cells come in the same order as thresholds: by participant, then condition.
   auto cell = analysis.cells.begin();
   for (const ThresholdResult& row : analysis.thresholds) {
@@ -94,9 +102,6 @@ Json to_json(const StudyAnalysis& analysis, const Protocol& protocol) {
     group["published"] = published_json(protocol, condition_name(protocol, row.condition));
     out["group"].push_back(group);
   }
-  for (const SessionHead& head : analysis.heads)
-    out["heads"].push_back(
-        {{"participant", head.participant}, {"session", head.session}, {"closed", head.closed}, {"hash", head.hash}});
   return out;
 }
 

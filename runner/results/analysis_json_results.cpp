@@ -153,44 +153,61 @@ void add_chains(Json& out, const ChainReport& chains) {
   out["study_head"] = chains.study_head;
 }
 
-// Of the paradigm explore.
-Json explore_json(const StudyResults& results, const Protocol& protocol) {
-  Json out = {{"kind", to_string(results.analysis.kind)}, {"protocol_sha256", protocol.sha256}};
-  out["questionnaire"] = to_json(results.questionnaire, protocol);
+void add_remarks(Json& out, const StudyResults& results) {
   out["deviations"] = results.deviations;
   out["cautions"] = results.cautions;
-  add_chains(out, results.chains);
-  out["heads"] = Json::array();
-  for (const SessionHead& head : results.analysis.heads)
-    out["heads"].push_back(
-        {{"participant", head.participant}, {"session", head.session}, {"closed", head.closed}, {"hash", head.hash}});
-  return out;
 }
+
+struct ResultsJson {
+  const StudyResults& results;
+  const Protocol& protocol;
+
+  Json operator()(const ConstantResults& measured) const {
+    return with_tests(to_json(measured.analysis, protocol), measured);
+  }
+  Json operator()(const AdaptiveResults& measured) const {
+    // What needs given levels is there all the same, and empty.
+    ConstantResults none;
+    none.by_series.refused = "the answers set the levels: there are no series";
+    return with_tests(to_json(measured, protocol), none);
+  }
+  Json operator()(const ExplorationResults& measured) const {
+    Json out = {{"kind", to_string(measured.attendance.kind)}, {"protocol_sha256", protocol.sha256}};
+    out["questionnaire"] = to_json(results.questionnaire, measured, protocol);
+    add_remarks(out, results);
+    add_chains(out, results.chains);
+    out["heads"] = heads_json(measured.attendance);
+    return out;
+  }
+
+ private:
+  Json with_tests(Json out, const ConstantResults& measured) const {
+    add_chains(out, results.chains);
+    out["contrasts"] = Json::array();
+    const auto contrasts = contrast_fields(protocol, attendance_of(results).kind);
+    for (const ContrastRow& row : contrasts_of(results, protocol))
+      out["contrasts"].push_back(json_of(contrasts, row,
+                                         {"a", "b", "outcome", "unit", "registered", "participants", "difference.*",
+                                          "p", "refused", "difference_source"}));
+    out["comparisons"] = Json::array();
+    for (const OutcomeComparison& outcome : results.comparisons)
+      out["comparisons"].push_back(outcome_json(outcome, protocol));
+    out["condition_by_series"] = series_json(measured.by_series);
+    out["sensitivity"] = Json::array();
+    for (const SensitivityRow& row : measured.sensitivity)
+      out["sensitivity"].push_back(sensitivity_json(row, protocol));
+    out["behaviour"] = behaviour_json(measured.behaviour, protocol);
+    out["cue_strategy"] = cue_strategy_json(measured.behaviour, protocol);
+    out["ratings"] = ratings_json(results, protocol);
+    add_remarks(out, results);
+    return out;
+  }
+};
 
 }  // namespace
 
 nlohmann::ordered_json to_json(const StudyResults& results, const Protocol& protocol) {
-  if (protocol.paradigm == Paradigm::explore) return explore_json(results, protocol);
-  Json out = results.adaptive ? to_json(*results.adaptive, protocol) : to_json(results.analysis, protocol);
-  add_chains(out, results.chains);
-  out["contrasts"] = Json::array();
-  const auto contrasts = contrast_fields(protocol, results.analysis.kind);
-  for (const ContrastRow& row : contrasts_of(results, protocol))
-    out["contrasts"].push_back(json_of(contrasts, row,
-                                       {"a", "b", "outcome", "unit", "registered", "participants", "difference.*", "p",
-                                        "refused", "difference_source"}));
-  out["comparisons"] = Json::array();
-  for (const OutcomeComparison& outcome : results.comparisons)
-    out["comparisons"].push_back(outcome_json(outcome, protocol));
-  out["condition_by_series"] = series_json(results.by_series);
-  out["sensitivity"] = Json::array();
-  for (const SensitivityRow& row : results.sensitivity) out["sensitivity"].push_back(sensitivity_json(row, protocol));
-  out["behaviour"] = behaviour_json(results.behaviour, protocol);
-  out["cue_strategy"] = cue_strategy_json(results.behaviour, protocol);
-  out["ratings"] = ratings_json(results, protocol);
-  out["deviations"] = results.deviations;
-  out["cautions"] = results.cautions;
-  return out;
+  return std::visit(ResultsJson{results, protocol}, results.measured);
 }
 
 nlohmann::ordered_json to_json(const StudyModels& models, const Protocol& protocol) {

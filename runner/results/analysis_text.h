@@ -15,6 +15,8 @@ void print_table(const ResultTable& table);
 // Deviations from the plan, then cautions; nothing where there are none.
 void print_remarks(const StudyResults& results);
 
+// Of every session: how its chain of events ends.
+nlohmann::ordered_json heads_json(const Attendance& attendance);
 nlohmann::ordered_json to_json(const StudyAnalysis& analysis, const Protocol& protocol);
 nlohmann::ordered_json to_json(const StudyResults& results, const Protocol& protocol);
 nlohmann::ordered_json to_json(const StudyModels& models, const Protocol& protocol);

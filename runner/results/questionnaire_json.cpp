@@ -38,7 +38,7 @@ Json items_json(const QuestionnaireResults& results, const Protocol& protocol) {
 
 }  // namespace
 
-Json to_json(const QuestionnaireResults& results, const Protocol& protocol) {
+Json to_json(const QuestionnaireResults& results, const ExplorationResults& exploration, const Protocol& protocol) {
   const auto options = option_fields(protocol);
   const auto exposure = exposure_fields(protocol);
   Json out = {{"participants", results.participants},
@@ -52,7 +52,7 @@ Json to_json(const QuestionnaireResults& results, const Protocol& protocol) {
               {"items", items_json(results, protocol)},
               {"choices", Json::array()},
               {"exposure", Json::array()}};
-  for (const ChoiceResult& choice : results.choices) {
+  for (const ChoiceResult& choice : exploration.choices) {
     const std::vector<OptionRow> rows = option_rows(choice, protocol);
     Json one = json_of(options, rows.front(), {"question", "text", "condition", "n"});
     one["options"] = Json::array();
@@ -60,7 +60,7 @@ Json to_json(const QuestionnaireResults& results, const Protocol& protocol) {
       one["options"].push_back(json_of(options, row, {"option", "count", "share", "ci_low", "ci_high"}));
     out["choices"].push_back(std::move(one));
   }
-  for (const Exposure& row : results.exposure) out["exposure"].push_back(json_of(exposure, row, {"*"}));
+  for (const Exposure& row : exploration.exposure) out["exposure"].push_back(json_of(exposure, row, {"*"}));
   return out;
 }
 

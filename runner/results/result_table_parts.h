@@ -6,22 +6,22 @@
 namespace jnd {
 
 // result_tables.cpp
-ResultTable cells_table(const StudyResults& results, const Protocol& protocol);
-ResultTable participants_table(const StudyResults& results, const Protocol& protocol);
-ResultTable group_table(const StudyResults& results, const Protocol& protocol);
+ResultTable cells_table(const StudyAnalysis& analysis, const Protocol& protocol);
+ResultTable participants_table(const StudyAnalysis& analysis, const Protocol& protocol);
+ResultTable group_table(const StudyAnalysis& analysis, const Protocol& protocol);
 ResultTable contrasts_table(const StudyResults& results, const Protocol& protocol);
 // result_tables_tests.cpp
 ResultTable omnibus_table(const StudyResults& results, const Protocol& protocol);
 ResultTable pairs_table(const StudyResults& results, const Protocol& protocol);
-ResultTable series_table(const StudyResults& results, const Protocol& protocol);
-ResultTable sensitivity_table(const StudyResults& results, const Protocol& protocol);
+ResultTable series_table(const ConstantResults& results, const Protocol& protocol);
+ResultTable sensitivity_table(const ConstantResults& results, const Protocol& protocol);
 // result_tables_adaptive.cpp: in the place of participants and group where the answers set the levels. tracks: with a
 // line for each track.
 ResultTable adaptive_group_table(const AdaptiveResults& results, const Protocol& protocol);
 ResultTable adaptive_rows_table(const AdaptiveResults& results, const Protocol& protocol, bool tracks);
 // result_tables_answers.cpp
-ResultTable behaviour_table(const StudyResults& results, const Protocol& protocol);
-ResultTable cues_table(const StudyResults& results, const Protocol& protocol);
+ResultTable behaviour_table(const ConstantResults& results, const Protocol& protocol);
+ResultTable cues_table(const ConstantResults& results, const Protocol& protocol);
 ResultTable ratings_table(const StudyResults& results, const Protocol& protocol);
 ResultTable items_table(const StudyResults& results, const Protocol& protocol);
 

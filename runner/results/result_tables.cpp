@@ -75,8 +75,7 @@ std::vector<std::string> left_out_remarks(const StudyAnalysis& analysis, const P
 
 }  // namespace
 
-ResultTable participants_table(const StudyResults& results, const Protocol& protocol) {
-  const StudyAnalysis& analysis = results.analysis;
+ResultTable participants_table(const StudyAnalysis& analysis, const Protocol& protocol) {
   ResultTable table{"participants", "Participants", method_note(analysis, protocol), {}, {}, {}};
   if (analysis.intervals) table.note += "; " + interval_note(analysis);
   const TableMaker of(threshold_fields(protocol));
@@ -94,8 +93,7 @@ ResultTable participants_table(const StudyResults& results, const Protocol& prot
   return table;
 }
 
-ResultTable cells_table(const StudyResults& results, const Protocol& protocol) {
-  const StudyAnalysis& analysis = results.analysis;
+ResultTable cells_table(const StudyAnalysis& analysis, const Protocol& protocol) {
   const auto remarks = [&](const CellResult& cell) {
     std::string note = cell.yes_no.status == RateStatus::ok ? "" : std::string(to_string(cell.yes_no.status));
     if (cell.excluded > 0) note = joined(note, fmt::format("{} excluded", cell.excluded));
@@ -121,9 +119,8 @@ ResultTable cells_table(const StudyResults& results, const Protocol& protocol) {
             analysis.cells);
 }
 
-ResultTable group_table(const StudyResults& results, const Protocol& protocol) {
-  const StudyAnalysis& analysis = results.analysis;
-  const TableMaker of(group_fields(protocol, analysis.kind));
+ResultTable group_table(const StudyAnalysis& analysis, const Protocol& protocol) {
+  const TableMaker of(group_fields(protocol, analysis.attendance.kind));
   using Row = GroupResult;
   const auto median = [&](const Row& row) { return median_text(row.jnd.median_status, row.jnd.median_jnd, protocol); };
   const auto geometric = [&](const Row& row) { return stiffness_text(std::exp(row.jnd.mean_log_jnd.mean), protocol); };
@@ -147,7 +144,8 @@ ResultTable group_table(const StudyResults& results, const Protocol& protocol) {
     columns.push_back(of.words("Weber", source_weber, true));
   }
   return of({"group",
-             fmt::format("Group ({}, {} participants)", to_string(analysis.kind), analysis.participants),
+             fmt::format("Group ({}, {} participants)", to_string(analysis.attendance.kind),
+                         analysis.attendance.participants),
              method_note(analysis, protocol),
              {},
              {},
@@ -155,23 +153,40 @@ ResultTable group_table(const StudyResults& results, const Protocol& protocol) {
             columns, analysis.group);
 }
 
+namespace {
+
+// In the order in which they are read.
+struct TablesOf {
+  const StudyResults& results;
+  const Protocol& protocol;
+
+  std::vector<ResultTable> operator()(const ConstantResults& measured) const {
+    const StudyAnalysis& analysis = measured.analysis;
+    return {
+        participants_table(analysis, protocol), group_table(analysis, protocol),     contrasts_table(results, protocol),
+        omnibus_table(results, protocol),       pairs_table(results, protocol),      series_table(measured, protocol),
+        sensitivity_table(measured, protocol),  behaviour_table(measured, protocol), cues_table(measured, protocol),
+        items_table(results, protocol),         ratings_table(results, protocol),    cells_table(analysis, protocol)};
+  }
+  std::vector<ResultTable> operator()(const AdaptiveResults& measured) const {
+    return {adaptive_rows_table(measured, protocol, true),
+            adaptive_group_table(measured, protocol),
+            contrasts_table(results, protocol),
+            omnibus_table(results, protocol),
+            pairs_table(results, protocol),
+            items_table(results, protocol),
+            ratings_table(results, protocol)};
+  }
+  std::vector<ResultTable> operator()(const ExplorationResults& measured) const {
+    return questionnaire_tables(results.questionnaire, measured, protocol);
+  }
+};
+
+}  // namespace
+
 std::vector<ResultTable> result_tables(const StudyResults& results, const Protocol& protocol) {
-  if (protocol.paradigm == Paradigm::explore) return questionnaire_tables(results.questionnaire, protocol);
-  std::vector<ResultTable> tables;
-  if (results.adaptive) {
-    tables.push_back(adaptive_rows_table(*results.adaptive, protocol, true));
-    tables.push_back(adaptive_group_table(*results.adaptive, protocol));
-    for (const auto make : {contrasts_table, omnibus_table, pairs_table, items_table, ratings_table}) {
-      ResultTable table = make(results, protocol);
-      if (!table.rows.empty()) tables.push_back(std::move(table));
-    }
-    return tables;
-  }
-  for (const auto make : {participants_table, group_table, contrasts_table, omnibus_table, pairs_table, series_table,
-                          sensitivity_table, behaviour_table, cues_table, items_table, ratings_table, cells_table}) {
-    ResultTable table = make(results, protocol);
-    if (!table.rows.empty()) tables.push_back(std::move(table));
-  }
+  std::vector<ResultTable> tables = std::visit(TablesOf{results, protocol}, results.measured);
+  std::erase_if(tables, [](const ResultTable& table) { return table.rows.empty(); });
   return tables;
 }
 

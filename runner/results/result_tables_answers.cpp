@@ -39,7 +39,7 @@ bool anything_measured(const CueRow& row) {
 
 }  // namespace
 
-ResultTable behaviour_table(const StudyResults& results, const Protocol& protocol) {
+ResultTable behaviour_table(const ConstantResults& results, const Protocol& protocol) {
   const TableMaker of(behaviour_fields(protocol));
   const auto or_all = [&of](const char* key) {
     return of.words(key, [&of, key](const BehaviourRow& row) {
@@ -69,7 +69,7 @@ ResultTable behaviour_table(const StudyResults& results, const Protocol& protoco
       rows);
 }
 
-ResultTable cues_table(const StudyResults& results, const Protocol& protocol) {
+ResultTable cues_table(const ConstantResults& results, const Protocol& protocol) {
   using Row = CueFitRow;
   const TableMaker of(cue_fields(protocol));
   const auto fit = [](const Row& row) -> const CueFit& { return row.row->strategy.cues[row.cue]; };

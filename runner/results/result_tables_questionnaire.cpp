@@ -164,7 +164,7 @@ ResultTable once_table(const QuestionnaireResults& results, const Protocol& prot
   return table;
 }
 
-ResultTable choices_table(const QuestionnaireResults& results, const Protocol& protocol) {
+ResultTable choices_table(const ExplorationResults& results, const Protocol& protocol) {
   ResultTable table{"choices", "Choices", "share with its exact binomial interval (Clopper and Pearson)", {}, {}, {}};
   std::vector<OptionRow> rows;
   for (const ChoiceResult& choice : results.choices) {
@@ -182,7 +182,7 @@ ResultTable choices_table(const QuestionnaireResults& results, const Protocol& p
             rows);
 }
 
-ResultTable exposure_table(const QuestionnaireResults& results, const Protocol& protocol) {
+ResultTable exposure_table(const ExplorationResults& results, const Protocol& protocol) {
   const TableMaker of(exposure_fields(protocol));
   return of({"exposure", "Free interaction", "time with each object, without pauses", {}, {}, {}},
             {of("condition"), of("object"), of("n"), of("planned_s"), of("mean_s"), of("shortest_s"), of("ended_early"),
@@ -198,11 +198,12 @@ Names condition_names(const Protocol& protocol) {
   return names;
 }
 
-std::vector<ResultTable> questionnaire_tables(const QuestionnaireResults& results, const Protocol& protocol) {
+std::vector<ResultTable> questionnaire_tables(const QuestionnaireResults& results,
+                                              const ExplorationResults& exploration, const Protocol& protocol) {
   const Names names = condition_names(protocol);
-  std::vector<ResultTable> tables = {exposure_table(results, protocol), once_table(results, protocol),
+  std::vector<ResultTable> tables = {exposure_table(exploration, protocol), once_table(results, protocol),
                                      scores_table(results, protocol, names), tests_table(results, protocol),
-                                     choices_table(results, protocol)};
+                                     choices_table(exploration, protocol)};
   std::erase_if(tables, [](const ResultTable& table) { return table.rows.empty(); });
   return tables;
 }

@@ -16,8 +16,10 @@ namespace jnd {
 std::vector<std::string> condition_names(const Protocol& protocol);
 
 // Tables without rows are left out.
-std::vector<ResultTable> questionnaire_tables(const QuestionnaireResults& results, const Protocol& protocol);
-nlohmann::ordered_json to_json(const QuestionnaireResults& results, const Protocol& protocol);
+std::vector<ResultTable> questionnaire_tables(const QuestionnaireResults& results,
+                                              const ExplorationResults& exploration, const Protocol& protocol);
+nlohmann::ordered_json to_json(const QuestionnaireResults& results, const ExplorationResults& exploration,
+                               const Protocol& protocol);
 
 // What was found, in one sentence of plain text.
 std::string questionnaire_summary(const QuestionnaireResults& results);

@@ -76,10 +76,11 @@ ResultTable contrasts_table(const StudyResults& results, const Protocol& protoco
   const std::vector<ContrastRow> rows = contrasts_of(results, protocol);
   if (rows.empty()) return table;
   const OutcomeComparison& tested = results.comparisons.front();
+  const auto* constant = std::get_if<ConstantResults>(&results.measured);
   table.note = fmt::format(
       "paired differences with Student's interval, each row on one scale; p: {}, on the registered scale (*)",
       post_hoc_name(protocol.analysis.tests.post_hoc));
-  const TableMaker of(contrast_fields(protocol, results.analysis.kind));
+  const TableMaker of(contrast_fields(protocol, attendance_of(results).kind));
   using Row = ContrastRow;
   const auto mean = [&](const Row& row) {
     const ScaleText scale = scale_text(row, protocol);
@@ -91,7 +92,8 @@ ResultTable contrasts_table(const StudyResults& results, const Protocol& protoco
   };
   const auto p = [&](const Row& row) { return row.registered ? of.text("p", row) : ""; };
   const auto remarks = [&](const Row& row) {
-    return joined(source_remark(row.difference_source, results.analysis), row.refused.empty() ? "" : "refused");
+    return joined(constant == nullptr ? "" : source_remark(row.difference_source, constant->analysis),
+                  row.refused.empty() ? "" : "refused");
   };
   table = of(std::move(table),
              {of.words("contrast",
@@ -155,7 +157,7 @@ ResultTable pairs_table(const StudyResults& results, const Protocol& protocol) {
       rows);
 }
 
-ResultTable series_table(const StudyResults& results, const Protocol& protocol) {
+ResultTable series_table(const ConstantResults& results, const Protocol& protocol) {
   ResultTable table{"series", "Condition x series", "", {}, {}, {}};
   const SeriesComparison& series = results.by_series;
   if (protocol.conditions.size() < 2 || protocol.series.size() < 2) return table;
@@ -176,7 +178,7 @@ ResultTable series_table(const StudyResults& results, const Protocol& protocol) 
             rows);
 }
 
-ResultTable sensitivity_table(const StudyResults& results, const Protocol& protocol) {
+ResultTable sensitivity_table(const ConstantResults& results, const Protocol& protocol) {
   using Row = MethodRow;
   const TableMaker of(sensitivity_fields(protocol));
   std::vector<TableColumn<Row>> columns = {

@@ -279,7 +279,7 @@ AdaptiveResults simulate_thresholds(const Simulation& simulation) {
   };
   for_each_place(simulation, simulation.participants, trials, total, work, [](int) {});
   AdaptiveResults results;
-  results.kind = SessionKind::simulated;
+  results.attendance = {SessionKind::simulated, simulation.participants, {}, {}};
   if (interrupt_requested()) return results;
   for (const auto& one : rows) results.rows.insert(results.rows.end(), one.begin(), one.end());
   results.group = adaptive_group(results.rows, simulation.protocol);

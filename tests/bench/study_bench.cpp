@@ -127,7 +127,7 @@ int main(int argc, char** argv) {
     int participants = 0;
     const double analysing = seconds_of([&] {
       const auto study = Study::open(path, Study::Access::read_only);
-      participants = results_of(*study, protocol, SessionKind::simulated).analysis.participants;
+      participants = attendance_of(results_of(*study, protocol, SessionKind::simulated)).participants;
     });
     fmt::print("{:9} {:14} {:12.3f} {:10.2f} {:16.3f} {:7.2f}\n", written, participants, analysing,
                1e6 * analysing / written, reading, analysing / reading);

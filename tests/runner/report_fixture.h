@@ -8,6 +8,7 @@
 
 #include "data/results/study_results.h"
 #include "protocols/reading/protocol_json.h"
+#include "tests/data/constant_results.h"
 
 namespace jnd {
 
@@ -53,15 +54,15 @@ inline std::vector<CellCounts> invented_counts(const Protocol& protocol, int par
 // The results over those counts, with times and the protocol's paired rating invented.
 inline StudyResults invented_results(const Protocol& protocol, const std::vector<CellCounts>& cells) {
   StudyResults results;
-  results.analysis = analyze_counts(cells, protocol, SessionKind::simulated);
-  StudyAnalysis& analysis = results.analysis;
+  constant(results).analysis = analyze_counts(cells, protocol, SessionKind::simulated);
+  StudyAnalysis& analysis = constant(results).analysis;
   InventedNumbers numbers(77);
   std::vector<std::string> participants;
   for (ThresholdResult& row : analysis.thresholds) {
     row.mean_trial_s = 9 + 3 * numbers.next();
     if (row.condition == 0) {
       participants.push_back(row.participant);
-      analysis.heads.push_back(
+      analysis.attendance.heads.push_back(
           {row.participant, "session-" + row.participant, std::string(64, 'a'), SessionKind::simulated, true});
     }
   }
@@ -77,7 +78,7 @@ inline StudyResults invented_results(const Protocol& protocol, const std::vector
       rated.ratings.push_back(1 + numbers.successes(8, 0.6));
     results.comparisons.push_back(compare_ratings(rated, participants, protocol));
   }
-  results.sensitivity = study_sensitivity(analysis, protocol);
+  constant(results).sensitivity = study_sensitivity(analysis, protocol);
   return results;
 }
 

@@ -14,6 +14,7 @@
 #include "data/export/export_folder.h"
 #include "data/export/export_log.h"
 #include "tests/catch.h"
+#include "tests/data/constant_results.h"
 #include "tests/data/export/export_fixture.h"
 #include "tests/data/study_fixture.h"
 
@@ -138,7 +139,7 @@ TEST_CASE("an export holds every trial and result, and its dictionary every colu
   CHECK(answers[1][10] == "'=1+1, \"both\"\nhands");
   CHECK(answers[2][9] == "0");
   CHECK(answers[2][10].empty());
-  CHECK(files.at("sessions.csv").find(results.analysis.heads[0].hash) != std::string::npos);
+  CHECK(files.at("sessions.csv").find(constant(results).analysis.attendance.heads[0].hash) != std::string::npos);
   CHECK(files.at("sessions.csv").find(std::to_string(kSeed)) != std::string::npos);
 }
 

@@ -138,12 +138,13 @@ TEST_CASE("a study of free interaction is read out of its log", "[data]") {
     CHECK(item.pairs.front().p_holm == 1);
     CHECK(item.pairs.front().p_bh == Approx(2.0 / 8));
   }
-  REQUIRE(all.choices.size() == 1);  // what is asked before the session is no result
-  CHECK(all.choices.front().n == 3);
-  CHECK(all.choices.front().options[0].k == 2);
-  CHECK(all.choices.front().options[1].ci_low == Approx(0.008403759).epsilon(1e-6));  // R: binom.test(1, 3)
-  REQUIRE(all.exposure.size() == 4);
-  for (const Exposure& row : all.exposure) {
+  const auto& exploration = std::get<ExplorationResults>(results.measured);
+  REQUIRE(exploration.choices.size() == 1);  // what is asked before the session is no result
+  CHECK(exploration.choices.front().n == 3);
+  CHECK(exploration.choices.front().options[0].k == 2);
+  CHECK(exploration.choices.front().options[1].ci_low == Approx(0.008403759).epsilon(1e-6));  // R: binom.test(1, 3)
+  REQUIRE(exploration.exposure.size() == 4);
+  for (const Exposure& row : exploration.exposure) {
     CHECK(row.n == 3);
     CHECK(row.planned_s == 150);
     CHECK(row.mean_s == Approx(120));

@@ -24,7 +24,7 @@ TEST_CASE("counts are those of the answered main trials, in a cell for everythin
   const auto study = new_study(folder / "study.jnd", chinello());
   for (int number = 1; number <= 3; ++number) run_whole_session(*study, chinello(), number);
   const StudyAnalysis analysis = analyze(*study, chinello(), SessionKind::simulated);
-  CHECK(analysis.participants == 3);
+  CHECK(analysis.attendance.participants == 3);
   CHECK(analysis.cells.size() == 3 * 3 * 3);
   CHECK(analysis.thresholds.size() == 3 * 3);
   CHECK(analysis.group.size() == 3);
@@ -79,14 +79,14 @@ TEST_CASE("kinds are never pooled, and open sessions show what is missing", "[da
   const StudyAnalysis real = analyze(*study, tutorial(), SessionKind::real);
   CHECK(sum(real, counted) == 5);
   CHECK(sum(real, missing) == 11);
-  CHECK(real.heads.size() == 1);
-  CHECK_FALSE(real.heads[0].closed);
+  CHECK(real.attendance.heads.size() == 1);
+  CHECK_FALSE(real.attendance.heads[0].closed);
   const StudyAnalysis simulated = analyze(*study, tutorial(), SessionKind::simulated);
   CHECK(sum(simulated, counted) == 16);
-  CHECK(simulated.heads[0].closed);
-  CHECK(simulated.heads[0].hash == study->events("P01-simulated").back().hash);
+  CHECK(simulated.attendance.heads[0].closed);
+  CHECK(simulated.attendance.heads[0].hash == study->events("P01-simulated").back().hash);
   const StudyAnalysis pilot = analyze(*study, tutorial(), SessionKind::pilot);
-  CHECK(pilot.participants == 0);
+  CHECK(pilot.attendance.participants == 0);
   CHECK(pilot.cells.empty());
   CHECK(pilot.group.size() == 2);
   CHECK(pilot.group[0].jnd.n == 0);
@@ -169,7 +169,7 @@ TEST_CASE("the same counts give the same results without a study; contrasts use 
   Protocol protocol = chinello();
   protocol.analysis.contrasts = {{0, 1}, {1, 2}};
   const StudyAnalysis analysis = analyze_counts(cells, protocol, SessionKind::simulated);
-  CHECK(analysis.participants == 2);
+  CHECK(analysis.attendance.participants == 2);
   CHECK(analysis.thresholds[0].jnd.jnd == Approx(190.266907183593).epsilon(1e-10));
   CHECK(analysis.thresholds[3].jnd.status == JndStatus::no_information);
   CHECK(analysis.group[0].jnd.n == 2);

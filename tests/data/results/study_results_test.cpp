@@ -7,6 +7,7 @@
 #include "data/results/methods_text.h"
 #include "data/results/rating_answers.h"
 #include "tests/catch.h"
+#include "tests/data/constant_results.h"
 #include "tests/data/study_fixture.h"
 
 namespace jnd {
@@ -56,7 +57,7 @@ TEST_CASE("the registered tests run on the slope, and contrasts are Holm's over 
   CHECK(slope.table.n == 5);
   for (std::size_t row = 0; row < 5; ++row)
     for (std::size_t condition = 0; condition < 3; ++condition)
-      CHECK(slope.table.at(row, condition) == results.analysis.thresholds[row * 3 + condition].jnd.slope);
+      CHECK(slope.table.at(row, condition) == constant(results).analysis.thresholds[row * 3 + condition].jnd.slope);
   const std::vector<double> p = contrast_p(slope.comparison, chinello().analysis);
   REQUIRE(p.size() == 3);
   // All three pairs are registered: the family is the comparison's own.
@@ -88,7 +89,7 @@ TEST_CASE("a row of the contrasts is on one scale: the registered one with its p
   CHECK(rows[0].p == pair.t.p);
   CHECK(rows[1].outcome == "jnd");
   CHECK(rows[1].unit == "N/m");
-  CHECK(rows[1].difference.mean == results.analysis.contrasts[0].difference.mean);
+  CHECK(rows[1].difference.mean == constant(results).analysis.contrasts[0].difference.mean);
   CHECK(std::isnan(rows[1].p));
 
   protocol.analysis.tests.outcome = Outcome::jnd;
@@ -107,7 +108,7 @@ TEST_CASE("a method that has a value for nobody has a status as its median", "[d
       cells.push_back(cell);
   const StudyResults results = results_of(analyze_counts(cells, chinello(), SessionKind::real), chinello());
   bool found = false;
-  for (const SensitivityRow& row : results.sensitivity) {
+  for (const SensitivityRow& row : constant(results).sensitivity) {
     if (row.method.method != JndMethod::least_squares || row.method.correction != Correction::none) continue;
     found = true;
     CHECK(row.n == 0);
@@ -128,7 +129,7 @@ TEST_CASE("tests on the JND are refused where somebody has none, by name; the sl
   CHECK(jnd.refused.find("P02 (V: no_sensitivity)") != std::string::npos);
   REQUIRE(refused.deviations.size() == 1);
   CHECK(refused.deviations[0].find("refused") != std::string::npos);
-  for (const SensitivityRow& row : refused.sensitivity) CHECK_FALSE(row.same_conclusion);
+  for (const SensitivityRow& row : constant(refused).sensitivity) CHECK_FALSE(row.same_conclusion);
 
   const StudyResults kept = results_of(analyze_counts(cells, chinello(), SessionKind::simulated), chinello());
   CHECK(kept.comparisons.front().table.n == 5);
@@ -141,12 +142,12 @@ TEST_CASE("tests on the JND are refused where somebody has none, by name; the sl
 
 TEST_CASE("a sensitivity row is the registered analysis under another method", "[data]") {
   const StudyResults results = results_of(analyze_counts(group_counts(), chinello(), SessionKind::real), chinello());
-  REQUIRE(results.sensitivity.size() == 11);
-  const SensitivityRow& registered = results.sensitivity.front();
+  REQUIRE(constant(results).sensitivity.size() == 11);
+  const SensitivityRow& registered = constant(results).sensitivity.front();
   CHECK(registered.registered);
   CHECK(registered.same_conclusion);
   CHECK(registered.omnibus_p == omnibus_p(results.comparisons.front().comparison, chinello().analysis));
-  for (const SensitivityRow& row : results.sensitivity) {
+  for (const SensitivityRow& row : constant(results).sensitivity) {
     Protocol other = chinello();
     other.analysis.model = row.method.model;
     other.analysis.correction = std::string(to_string(row.method.correction));
@@ -171,12 +172,12 @@ TEST_CASE("condition by series leaves out who has no finite d' in a cell", "[dat
   std::vector<CellCounts> cells = group_counts();
   cells[0].counts = {0, 0, 20, 3};
   const StudyResults results = results_of(analyze_counts(cells, chinello(), SessionKind::real), chinello());
-  CHECK(results.by_series.n == 4);
-  REQUIRE(results.by_series.left_out.size() == 1);
-  CHECK(results.by_series.left_out[0].participant == "P01");
-  CHECK(results.by_series.left_out[0].reason.find("missing") != std::string::npos);
-  CHECK(results.by_series.test.b.effect.df1 == 2);
-  CHECK(results.by_series.test.ab.effect.df1 == 4);
+  CHECK(constant(results).by_series.n == 4);
+  REQUIRE(constant(results).by_series.left_out.size() == 1);
+  CHECK(constant(results).by_series.left_out[0].participant == "P01");
+  CHECK(constant(results).by_series.left_out[0].reason.find("missing") != std::string::npos);
+  CHECK(constant(results).by_series.test.b.effect.df1 == 2);
+  CHECK(constant(results).by_series.test.ab.effect.df1 == 4);
 }
 
 TEST_CASE("a study's results hold ratings, times and the manner of answering", "[data]") {
@@ -205,15 +206,16 @@ TEST_CASE("a study's results hold ratings, times and the manner of answering", "
   CHECK(results.comparisons[1].outcome == "trial_time");
   REQUIRE(results.questionnaire.tests.items.size() == 1);
   CHECK(results.questionnaire.tests.items[0].conditions[0].median == 2);
-  CHECK(results.behaviour.participants.size() == 3);
-  CHECK(results.behaviour.conditions.size() == tutorial().conditions.size());
+  CHECK(constant(results).behaviour.participants.size() == 3);
+  CHECK(constant(results).behaviour.conditions.size() == tutorial().conditions.size());
   int trials = 0;
-  for (const BehaviourRow& row : results.behaviour.participants) trials += row.bias.said_different.n;
+  for (const BehaviourRow& row : constant(results).behaviour.participants) trials += row.bias.said_different.n;
   CHECK(trials == 3 * 16);  // practice is not counted
 
   const std::string text = methods_text(*study, tutorial(), results);
-  for (const std::string& part : {tutorial().sha256, std::to_string(kSeed), results.analysis.heads[2].hash,
-                                  std::string("least-squares line"), std::string("simulated data")})
+  for (const std::string& part :
+       {tutorial().sha256, std::to_string(kSeed), constant(results).analysis.attendance.heads[2].hash,
+        std::string("least-squares line"), std::string("simulated data")})
     CHECK(text.find(part) != std::string::npos);
   CHECK(text.back() == '\n');
   CHECK(text == methods_text(*study, tutorial(), results_of(*study, tutorial(), SessionKind::simulated)));

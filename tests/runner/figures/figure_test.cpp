@@ -141,7 +141,7 @@ TEST_CASE("a usual study has every figure, with every participant in it") {
   CHECK(count_of(figure_named(figures, "time").svg.file(), "class=\"point\"") == 18 * 3);
   CHECK(count_of(figure_named(figures, "rating-1").svg.file(), "class=\"point\"") == 18 * 3);
   const std::string models = figure_named(figures, "sensitivity").svg.file();
-  for (const SensitivityRow& row : results.sensitivity)
+  for (const SensitivityRow& row : constant(results).sensitivity)
     CHECK(models.find(escape_markup(describe(row.method).substr(0, 20))) != std::string::npos);
 }
 
@@ -154,7 +154,7 @@ TEST_CASE("who has no JND stands at the edge, counted") {
   }
   const StudyResults results = invented_results(protocol, cells);
   const std::string svg = figure_named(jnd_figures(results, protocol), "jnd").svg.file();
-  for (const GroupResult& row : results.analysis.group) {
+  for (const GroupResult& row : constant(results).analysis.group) {
     const std::string name = protocol.conditions[static_cast<std::size_t>(row.condition)].name;
     CHECK(svg.find(name + ": " + std::to_string(row.jnd.no_sensitivity) + " no sensitivity") != std::string::npos);
     CHECK(svg.find(name + ": " + std::to_string(row.jnd.no_information) + " no information") != std::string::npos);
@@ -163,7 +163,7 @@ TEST_CASE("who has no JND stands at the edge, counted") {
   }
   // Nobody is drawn twice or not at all: points, arrows of values off the scale, and the counted edges.
   std::size_t drawn = count_of(svg, "class=\"point\"");
-  for (const ThresholdResult& row : results.analysis.thresholds)
+  for (const ThresholdResult& row : constant(results).analysis.thresholds)
     if (row.jnd.status == JndStatus::ok)
       drawn -= svg.find("<title>" + row.participant + ", " +
                         protocol.conditions[static_cast<std::size_t>(row.condition)].name + ": ") != std::string::npos;
@@ -251,21 +251,21 @@ TEST_CASE("studies at the limits still have figures") {
 TEST_CASE("large studies: panels on pages, then one panel a condition, everyone drawn") {
   const Protocol protocol = published_protocol();
   StudyResults results;
-  results.analysis = analyze_counts(invented_counts(protocol, 50, 9), protocol, SessionKind::simulated);
+  constant(results).analysis = analyze_counts(invented_counts(protocol, 50, 9), protocol, SessionKind::simulated);
   std::vector<Figure> figures = slope_figures(results, protocol);
   check_figures(figures);
   REQUIRE(figures.size() == 3);
   std::size_t panels = 0;
   for (const Figure& figure : figures) panels += count_of(figure.svg.file(), "class=\"panel\"");
   CHECK(panels == 50);
-  results.analysis = analyze_counts(invented_counts(protocol, 200, 9), protocol, SessionKind::simulated);
+  constant(results).analysis = analyze_counts(invented_counts(protocol, 200, 9), protocol, SessionKind::simulated);
   figures = study_figures(results, protocol);
   check_figures(figures);
   const std::string slopes = figure_named(figures, "slopes").svg.file();
   CHECK(count_of(slopes, "class=\"panel\"") == 3);
   CHECK(count_of(slopes, "<circle") >= 200 * 3);  // condition S: every series of everyone
   std::size_t points = count_of(figure_named(figures, "jnd").svg.file(), "class=\"point\""), have = 0;
-  for (const GroupResult& row : results.analysis.group) have += static_cast<std::size_t>(row.jnd.mean_jnd.n);
+  for (const GroupResult& row : constant(results).analysis.group) have += static_cast<std::size_t>(row.jnd.mean_jnd.n);
   CHECK(points <= have);
   CHECK(points + 30 > have);  // a few stand off the scale
 }

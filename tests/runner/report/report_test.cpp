@@ -132,7 +132,7 @@ TEST_CASE("what must be said stands before the figures") {
   CHECK(page_of(results, protocol).find("class=\"alert\"") == std::string::npos);
   results.cautions = {"too few <trials>"};
   results.deviations = {"another analysis"};
-  results.analysis.heads[0].closed = false;
+  constant(results).analysis.attendance.heads[0].closed = false;
   ReportFacts others = facts();
   others.other_kinds = {"pilot"};
   const std::string page = report_page(results, protocol, {}, study_figures(results, protocol), "", others);
@@ -158,13 +158,13 @@ TEST_CASE("the summary counts who has no JND") {
 TEST_CASE("a study without sessions, and a large one, have pages too") {
   const Protocol protocol = published_protocol();
   StudyResults empty;
-  empty.analysis.kind = SessionKind::real;
+  constant(empty).analysis.attendance.kind = SessionKind::real;
   const std::string page = report_page(empty, protocol, {}, study_figures(empty, protocol), "", facts());
   check_self_contained(page);
   CHECK(page.find("no real session yet") != std::string::npos);
   CHECK(page.find("id=\"figures\"") == std::string::npos);
   StudyResults many;
-  many.analysis = analyze_counts(invented_counts(protocol, 200, 2), protocol, SessionKind::simulated);
+  constant(many).analysis = analyze_counts(invented_counts(protocol, 200, 2), protocol, SessionKind::simulated);
   check_self_contained(page_of(many, protocol));
 }
 
