@@ -140,7 +140,7 @@ std::string Study::Impl::rescue(StudyFiles::State state, const char* fate) {
         std::string why = "it cannot be read any more";
         if (!copy.verified.problems.empty()) {
           const Problem& first = copy.verified.problems.front();
-          why += ": " + (first.reveals == Problem::Reveals::nothing ? first.text : first.where);
+          why += ": " + (first.reveals == Reveals::nothing ? first.text : first.where);
         }
         throw hopeless(why);
       }

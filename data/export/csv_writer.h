@@ -10,6 +10,8 @@
 #include <string_view>
 #include <vector>
 
+#include "data/study/reveals.h"
+
 namespace jnd {
 
 // A number's shortest decimal form that reads back the same (std::to_chars); NaN is an empty cell, infinities are Inf
@@ -39,7 +41,15 @@ struct CsvColumn {
   std::string unit;    // empty for text and counts
   std::string levels;  // of text columns: the values that occur, or empty
   std::function<std::string(const Row&)> cell;
+  Reveals reveals = Reveals::plan;  // of a blinded study
 };
+
+// Those that may be seen while the study is blinded.
+template <typename Row>
+std::vector<CsvColumn<Row>> blinded(std::vector<CsvColumn<Row>> columns) {
+  std::erase_if(columns, [](const CsvColumn<Row>& column) { return column.reveals != Reveals::nothing; });
+  return columns;
+}
 
 template <typename Row>
 std::string csv_table(const std::vector<CsvColumn<Row>>& columns, const std::vector<Row>& rows) {

@@ -4,15 +4,11 @@
 #include <ostream>
 #include <string>
 
+#include "data/study/reveals.h"
+
 namespace jnd {
 
 struct Problem {
-  // What the text gives away. A problem is sealed unless it is made with `nothing`.
-  enum class Reveals {
-    nothing,  // of conditions, stimuli, answers and the seed
-    plan
-  };
-
   std::string where;  // "Session P01, event 7": may always be said
   std::string text;   // the whole sentence
   Reveals reveals = Reveals::plan;

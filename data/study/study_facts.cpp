@@ -70,15 +70,14 @@ class Gathering {
       try {
         take(seq, kind, Json::parse(query.getColumn(2).getString()));
       } catch (const Json::exception& error) {
-        problem(seq, kind, fmt::format("the body cannot be read: {}", error.what()), Problem::Reveals::plan);
+        problem(seq, kind, fmt::format("the body cannot be read: {}", error.what()), Reveals::plan);
       }
     }
     return std::move(facts_);
   }
 
  private:
-  void problem(std::int64_t seq, std::string_view kind, const std::string& what,
-               Problem::Reveals reveals = Problem::Reveals::nothing) {
+  void problem(std::int64_t seq, std::string_view kind, const std::string& what, Reveals reveals = Reveals::nothing) {
     const std::string where = fmt::format("Session {}, event {} ({})", kStudyChain, seq, kind);
     problems_.push_back({where, fmt::format("{}: {}.", where, what), reveals});
   }
@@ -91,7 +90,7 @@ class Gathering {
       if (!facts_.heads.emplace(session, body.at("head").get<std::string>()).second)
         problems_.push_back({"Session " + session,
                              fmt::format("Session {}: was closed twice in the study's own events.", session),
-                             Problem::Reveals::nothing});
+                             Reveals::nothing});
     } else if (tells_of_origin(kind)) {
       take_origin(seq, kind, body);
     } else if (kind == event_kind::kReworded) {
@@ -106,17 +105,16 @@ class Gathering {
 
   // The tables beside the chain say the same.
   void check_created(const Json& body) {
-    const auto differ = [&](std::string_view what, const std::string& stored, const char* key,
-                            Problem::Reveals reveals) {
+    const auto differ = [&](std::string_view what, const std::string& stored, const char* key, Reveals reveals) {
       const auto created = body.at(key).get<std::string>();
       if (stored != created)
         problems_.push_back({"The study",
                              fmt::format("The study's {} {}, but study.created says {}.", what, stored, created),
                              reveals});
     };
-    differ("seed is", std::to_string(info_.seed), "seed", Problem::Reveals::plan);
-    differ("protocol is", info_.protocol_sha256, "protocol_sha256", Problem::Reveals::nothing);
-    differ("protocol is called", info_.protocol_name, "protocol_name", Problem::Reveals::nothing);
+    differ("seed is", std::to_string(info_.seed), "seed", Reveals::plan);
+    differ("protocol is", info_.protocol_sha256, "protocol_sha256", Reveals::nothing);
+    differ("protocol is called", info_.protocol_name, "protocol_name", Reveals::nothing);
   }
 
   void take_origin(std::int64_t seq, const std::string& kind, const Json& body) {

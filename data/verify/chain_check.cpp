@@ -120,7 +120,7 @@ class Walk {
   template <typename... Arguments>
   void problem(const std::string& where, fmt::format_string<Arguments...> text, Arguments&&... arguments) {
     report_.problems.push_back(
-        {where, where + fmt::format(text, std::forward<Arguments>(arguments)...), Problem::Reveals::nothing});
+        {where, where + fmt::format(text, std::forward<Arguments>(arguments)...), Reveals::nothing});
   }
 
   void take(std::vector<ChainRow>& rows) {
@@ -212,7 +212,7 @@ class Walk {
 
 // In words that anybody may read.
 std::string open_words(const Problem& problem) {
-  return problem.reveals == Problem::Reveals::nothing ? problem.text : problem.where + ": cannot be read.";
+  return problem.reveals == Reveals::nothing ? problem.text : problem.where + ": cannot be read.";
 }
 
 }  // namespace
@@ -232,7 +232,7 @@ ChainReport require_whole_chains(const Study& study) {
     ChainReport found;
     check_chains(impl.database(), facts, {}, found);
     if (sha256_hex(impl.info.protocol_bytes) != impl.info.protocol_sha256)
-      problems.push_back({"The study", "The study: its protocol was changed.", Problem::Reveals::nothing});
+      problems.push_back({"The study", "The study: its protocol was changed.", Reveals::nothing});
     found.problems.insert(found.problems.end(), problems.begin(), problems.end());
     reading.commit();
     return found;

@@ -128,7 +128,7 @@ class Verifier {
   template <typename... Arguments>
   void problem(const std::string& where, fmt::format_string<Arguments...> text, Arguments&&... arguments) {
     report_.problems.push_back(
-        {where, where + fmt::format(text, std::forward<Arguments>(arguments)...), Problem::Reveals::nothing});
+        {where, where + fmt::format(text, std::forward<Arguments>(arguments)...), Reveals::nothing});
   }
   // The same of what names the seed, or quotes an event.
   template <typename... Arguments>

@@ -79,12 +79,12 @@ class Course {
 
   template <typename... Arguments>
   void problem(fmt::format_string<Arguments...> text, Arguments&&... arguments) {
-    tell_(*event_, fmt::format(text, std::forward<Arguments>(arguments)...), Problem::Reveals::plan);
+    tell_(*event_, fmt::format(text, std::forward<Arguments>(arguments)...), Reveals::plan);
   }
   // The same of places, numbers of attempts and times, which give nothing away.
   template <typename... Arguments>
   void open_problem(fmt::format_string<Arguments...> text, Arguments&&... arguments) {
-    tell_(*event_, fmt::format(text, std::forward<Arguments>(arguments)...), Problem::Reveals::nothing);
+    tell_(*event_, fmt::format(text, std::forward<Arguments>(arguments)...), Reveals::nothing);
   }
 
   // An attempt at a trial begins here.

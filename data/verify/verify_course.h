@@ -13,7 +13,7 @@
 namespace jnd {
 
 // Called with the event that a rule does not allow, why, and what that gives away.
-using TellCourse = std::function<void(const Event&, const std::string&, Problem::Reveals)>;
+using TellCourse = std::function<void(const Event&, const std::string&, Reveals)>;
 
 // Throws nlohmann::json::exception and StorageError where a body is not what its kind says; verify says so too.
 void check_course(const Protocol& protocol, const Plan& plan, const std::vector<Event>& events,

@@ -43,7 +43,7 @@ class DeepVerifier {
   }
 
  private:
-  void problem(const Event& event, const std::string& what, Problem::Reveals reveals = Problem::Reveals::plan) {
+  void problem(const Event& event, const std::string& what, Reveals reveals = Reveals::plan) {
     const std::string where = fmt::format("Session {}, event {} ({})", event.session, event.seq, event.kind);
     report_.problems.push_back({where, fmt::format("{}: {}.", where, what), reveals});
   }
@@ -51,7 +51,7 @@ class DeepVerifier {
   template <typename... Arguments>
   void of_file(fmt::format_string<Arguments...> text, Arguments&&... arguments) {
     report_.problems.push_back(
-        {"The file", fmt::format(text, std::forward<Arguments>(arguments)...), Problem::Reveals::nothing});
+        {"The file", fmt::format(text, std::forward<Arguments>(arguments)...), Reveals::nothing});
   }
 
   // Through SQLite's own handle: closing another descriptor of this file would drop the locks of this process.
@@ -114,10 +114,9 @@ class DeepVerifier {
     if (events.empty()) return;
     try {
       const Plan plan = make_plan(protocol, session.participant_number, seed_of(events.front()), session.number);
-      check_course(protocol, plan, events,
-                   [this](const Event& event, const std::string& what, Problem::Reveals reveals) {
-                     problem(event, what, reveals);
-                   });
+      check_course(protocol, plan, events, [this](const Event& event, const std::string& what, Reveals reveals) {
+        problem(event, what, reveals);
+      });
       ++report_.sessions;
       for (const Event& event : events) check_telemetry(protocol, event);
     } catch (const std::invalid_argument& error) {

@@ -20,7 +20,7 @@ bool within(int place, std::size_t size) noexcept {
 
 }  // namespace
 
-void SessionCheck::add(const Event& event, const std::string& what, Problem::Reveals reveals) {
+void SessionCheck::add(const Event& event, const std::string& what, Reveals reveals) {
   const std::string where = fmt::format("Session {}, event {}", session_, event.seq);
   report_.problems.push_back({where, fmt::format("{}: {}", where, what), reveals});
 }

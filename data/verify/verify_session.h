@@ -48,14 +48,14 @@ class SessionCheck {
 
   template <typename... Arguments>
   void problem(const Event& event, fmt::format_string<Arguments...> text, Arguments&&... arguments) {
-    add(event, fmt::format(text, std::forward<Arguments>(arguments)...), Problem::Reveals::plan);
+    add(event, fmt::format(text, std::forward<Arguments>(arguments)...), Reveals::plan);
   }
   // The same of what gives nothing of the plan away.
   template <typename... Arguments>
   void open_problem(const Event& event, fmt::format_string<Arguments...> text, Arguments&&... arguments) {
-    add(event, fmt::format(text, std::forward<Arguments>(arguments)...), Problem::Reveals::nothing);
+    add(event, fmt::format(text, std::forward<Arguments>(arguments)...), Reveals::nothing);
   }
-  void add(const Event& event, const std::string& what, Problem::Reveals reveals);
+  void add(const Event& event, const std::string& what, Reveals reveals);
 
   void open(const Event& event, const nlohmann::ordered_json& body);
   void make_the_plan();

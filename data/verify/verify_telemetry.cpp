@@ -40,7 +40,7 @@ void TelemetryCheck::check(const Event& event, const nlohmann::ordered_json& bod
     const auto problem = [&](std::string_view what) {
       const std::string where = fmt::format("Session {}, event {} ({})", event.session, event.seq, event.kind);
       problems.push_back({where, fmt::format("{}: the telemetry of interval {} {}.", where, one.interval + 1, what),
-                          Problem::Reveals::nothing});
+                          Reveals::nothing});
     };
     named_.push_back(telemetry_key(event.session, event.seq, one.interval));
     SQLite::Statement query(
@@ -74,7 +74,7 @@ void TelemetryCheck::finish(std::vector<Problem>& problems) {
     const std::string where = fmt::format("Session {}, event {}", session, seq);
     problems.push_back(
         {where, fmt::format("{}: there is telemetry of interval {} that the event does not name.", where, interval + 1),
-         Problem::Reveals::nothing});
+         Reveals::nothing});
   }
 }
 

@@ -20,7 +20,7 @@ bool is_sealed(const Study& study) {
 std::vector<std::string> texts_of(const std::vector<Problem>& problems, bool in_words) {
   std::vector<std::string> texts;
   for (const Problem& problem : problems)
-    texts.push_back(in_words || problem.reveals == Problem::Reveals::nothing
+    texts.push_back(in_words || problem.reveals == Reveals::nothing
                         ? problem.text
                         : problem.where +
                               ": contradicts the plan or the rest of the study; what exactly is sealed "

@@ -19,57 +19,32 @@ namespace jnd {
 
 namespace {
 
-// What may be seen of one answered trial. Its place and time say nothing about its stimuli; forces, saturation and
-// answers would, and so would the number of its attempts, where trials at a device's limit are repeated.
-struct CodedTrial {
-  std::string session, utc, code;
-  int index = 0, block = 0;
-  bool practice = false, by_participant = false;
-  double response_time_s = 0, duration_s = 0;
-};
-
-std::vector<CsvColumn<CodedTrial>> coded_trial_columns() {
-  using R = CodedTrial;
-  return {
-      {"session", "identifier of the session", "", "", [](const R& r) { return csv_text(r.session); }},
-      {"utc", "when the answer was saved, ISO 8601", "", "", [](const R& r) { return r.utc; }},
-      {"trial", "place in the plan, from 1", "", "", [](const R& r) { return csv_number(r.index); }},
-      {"block", "block of the main part, from 1; 0 in practice", "", "",
-       [](const R& r) { return csv_number(r.block); }},
-      {"practice", "whether it is practice", "", "0 1", [](const R& r) { return csv_flag(r.practice); }},
+// What may be seen of answered trials: place and time say nothing about the stimuli; forces, saturation and answers
+// would, and so would the number of attempts, where trials at a device's limit are repeated. And the condition's code.
+// codes: by condition.
+std::vector<CsvColumn<ExportTrial>> coded_trial_columns(const Protocol& protocol,
+                                                        const std::vector<std::string>& codes) {
+  std::vector<CsvColumn<ExportTrial>> columns = blinded(trial_columns(protocol, {}));
+  columns.push_back(
       {"condition_code",
        "letter of the condition on the operator's console; empty in practice, whose order would name the letters", "",
-       "", [](const R& r) { return r.code; }},
-      {"entered_by", "who pressed the key", "", "participant operator",
-       [](const R& r) {
-         return std::string(to_string(r.by_participant ? EnteredBy::participant : EnteredBy::operator_));
-       }},
-      {"response_time_s", "from the question to the key", "s", "",
-       [](const R& r) { return csv_number(r.response_time_s); }},
-      {"duration_s", "from the first cue to the answer", "s", "", [](const R& r) { return csv_number(r.duration_s); }}};
-}
-
-std::vector<CsvColumn<SessionInfo>> coded_session_columns(const BlindedResults& results, const Protocol& protocol) {
-  std::vector<CsvColumn<SessionInfo>> columns = session_columns("", results.chains.study_head, protocol);
-  std::erase_if(columns, [](const auto& column) { return column.name == "seed"; });
+       "", [codes](const ExportTrial& row) {
+         const Trial& trial = row.record.trial;
+         return trial.practice ? std::string() : codes.at(static_cast<std::size_t>(trial.condition));
+       }});
   return columns;
 }
 
 // not_counted: seq of the answers that were taken back.
-void add_trials(const Study& study, const SessionInfo& session, const std::vector<std::string>& codes,
-                const std::set<std::int64_t>& not_counted, std::vector<CodedTrial>& rows) {
+void add_trials(const Study& study, const SessionInfo& session, const std::set<std::int64_t>& not_counted,
+                std::vector<ExportTrial>& rows) {
   for (const Event& event : study.events(session.id)) {
     if (event.kind != event_kind::kTrialCompleted || not_counted.contains(event.seq)) continue;
     const auto body = nlohmann::ordered_json::parse(event.body, nullptr, false);
     if (body.is_discarded())
       throw StorageError(fmt::format("session {}, event {} ({}): the body cannot be read; run jnd verify", session.id,
                                      event.seq, event.kind));
-    const TrialRecord record = trial_record_from(body);
-    const Trial& trial = record.trial;
-    rows.push_back({session.id, to_iso8601(event.stamp.utc_ns),
-                    trial.practice ? std::string() : codes.at(static_cast<std::size_t>(trial.condition)), trial.index,
-                    trial.block, trial.practice, record.answer.entered_by == EnteredBy::participant,
-                    record.answer.response_time_s, record.duration_s});
+    rows.push_back({session, event.seq, to_iso8601(event.stamp.utc_ns), trial_record_from(body), {}});
   }
 }
 
@@ -103,13 +78,12 @@ std::vector<std::string> export_blinded(const Study& study, const Protocol& prot
   ExportFolder files(folder, replace);
   std::vector<SessionInfo> sessions = study.sessions();
   std::erase_if(sessions, [](const SessionInfo& session) { return session.kind != SessionKind::real; });
-  const std::vector<std::string> codes = condition_codes(protocol, study.info().seed);
-  const auto trial_columns = coded_trial_columns();
-  const auto sessions_columns = coded_session_columns(results, protocol);
-  std::map<std::string, std::vector<CodedTrial>> trials;  // by participant
+  const auto trial_columns = coded_trial_columns(protocol, condition_codes(protocol, study.info().seed));
+  const auto sessions_columns = blinded(session_columns("", results.chains.study_head, protocol));
+  std::map<std::string, std::vector<ExportTrial>> trials;  // by participant
   std::map<std::string, std::set<std::int64_t>> not_counted = taken_back_of(study);
   for (const SessionInfo& session : sessions)
-    if (!session.excluded) add_trials(study, session, codes, not_counted[session.id], trials[session.participant]);
+    if (!session.excluded) add_trials(study, session, not_counted[session.id], trials[session.participant]);
   std::erase_if(trials, [](const auto& entry) { return entry.second.empty(); });
   for (const auto& [participant, rows] : trials)
     files.write("sub-" + participant + "/trials.csv", csv_table(trial_columns, rows));

@@ -195,7 +195,7 @@ TEST_CASE("an event that an export could not read is found", "[data]") {
 }
 
 TEST_CASE("a problem is sealed unless whoever makes it says that it gives nothing away", "[data]") {
-  CHECK(Problem{}.reveals == Problem::Reveals::plan);
+  CHECK(Problem{}.reveals == Reveals::plan);
   const TemporaryFolder folder;
   const auto study = new_study(folder / "study.jnd");
   const auto log = study->open_session(new_session(1));
@@ -212,7 +212,7 @@ TEST_CASE("a problem is sealed unless whoever makes it says that it gives nothin
                                     [&](const Problem& one) { return one.text.find(words) != std::string::npos; });
     REQUIRE(found != problems.end());
     CHECK(found->text.starts_with(found->where));
-    return found->reveals == Problem::Reveals::plan;
+    return found->reveals == Reveals::plan;
   };
   CHECK(sealed("practice ended with a share correct of"));
   CHECK(sealed("presented 450 and 900"));
