@@ -106,7 +106,7 @@ def longest_pause_s(study, unplugged_s):
     return max(pauses)
 
 
-def judge_unplug(results, part="unplug", count=20):
+def judge_unplug(results, part="unplug", count=8):
     link = DeviceLog(results, f"{part}-U1.log")
     judge_watchdog(results, link, least_stops=1)
     unplugged = judge_unplugs(results, link)

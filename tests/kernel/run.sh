@@ -50,9 +50,10 @@ run_guest() {
   [ "$flavour" = full ] && modules="$modules usbhid libcomposite usb_f_hid dummy_hcd"
   kernel=$("$here/fetch.sh" "$flavour") || return $?
   printf '%s\n' "$@" > "$work/$name.parts"
+  echo "$length" > "$work/$name.length"
   python3 "$here/readme_virtual.py" > "$work/$name.readme" || return 1
   # shellcheck disable=SC2086
-  "$here/build.sh" "$work/$name" $kernel "$modules" "${files[@]}" "$work/$name.parts=/guest/parts" "$work/$name.readme=/guest/readme_commands" \
+  "$here/build.sh" "$work/$name" $kernel "$modules" "${files[@]}" "$work/$name.parts=/guest/parts" "$work/$name.length=/guest/length" "$work/$name.readme=/guest/readme_commands" \
     "$here/session.json=/guest/session.json" || return 1
   "$here/boot.sh" "$work/$name" "$work/$name.results" "$limit"
   local status=$?

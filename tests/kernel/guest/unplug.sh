@@ -1,3 +1,3 @@
 # Devices unplugged at random instants.
 . /guest/campaigns.sh
-campaign_of_unplugs 20 30 120
+campaign_of_unplugs 8 12 60
