@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/numerics/moments.h"
 #include "analysis/thresholds/jnd_bootstrap.h"
 #include "data/results/threshold_method.h"
 #include "data/study/trial_rows.h"
@@ -66,14 +67,6 @@ struct ParticipantData {
   std::vector<Cell> cells;   // conditions x series
   std::vector<Times> times;  // conditions
 };
-
-double median(std::vector<double> values) {
-  if (values.empty()) return std::nan("");
-  const auto upper = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), upper, values.end());
-  if (values.size() % 2 == 1) return *upper;
-  return 0.5 * (*std::max_element(values.begin(), upper) + *upper);
-}
 
 ParticipantData empty_data(std::string participant, const Protocol& protocol) {
   ParticipantData data;
@@ -160,7 +153,7 @@ void estimate(StudyAnalysis& analysis, std::vector<ParticipantData> participants
       ParticipantData::Times& times = data.times[place(condition)];
       analysis.thresholds.push_back({data.participant, analysis.attendance.kind, condition,
                                      estimate_threshold(of_series, protocol, method, analysis.intervals, seed),
-                                     median(std::move(times.response_times_s)),
+                                     median_of(times.response_times_s),
                                      times.trials > 0 ? times.sum_s / times.trials : std::nan(""), combined(sources)});
     }
   }

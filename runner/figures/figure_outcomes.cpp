@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/numerics/moments.h"
 #include "runner/figures/figure.h"
 #include "runner/figures/figure_conditions.h"
 #include "runner/results/result_format.h"
@@ -16,7 +17,7 @@ ConditionColumn column_of(const OutcomeComparison& outcome, std::size_t place) {
   ConditionColumn column;
   column.condition = static_cast<int>(place);
   column.participants = static_cast<int>(outcome.table.n + outcome.left_out.size());
-  std::vector<double> values = outcome.table.column(place);
+  const std::vector<double> values = outcome.table.column(place);
   for (std::size_t i = 0; i < values.size(); ++i) column.points.push_back({values[i], outcome.participants[i]});
   column.edges = {{EdgeCount::Side::none, static_cast<int>(outcome.left_out.size()), "left out"}};
   const MeanEstimate mean = mean_with_ci(values);
@@ -27,10 +28,7 @@ ConditionColumn column_of(const OutcomeComparison& outcome, std::size_t place) {
     if (std::isfinite(summary.ci_within_low))
       column.within = {summary.mean, summary.ci_within_low, summary.ci_within_high};
   }
-  if (!values.empty()) {
-    std::sort(values.begin(), values.end());
-    column.median = 0.5 * (values[(values.size() - 1) / 2] + values[values.size() / 2]);
-  }
+  if (!values.empty()) column.median = median_of(values);
   return column;
 }
 

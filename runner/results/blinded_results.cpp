@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "analysis/numerics/moments.h"
 #include "analysis/numerics/special_values.h"
 #include "data/log/event_body.h"
 #include "data/results/adaptive_results.h"
@@ -11,13 +12,6 @@
 namespace jnd {
 
 namespace {
-
-double median(std::vector<double> values) {
-  if (values.empty()) return kNaN;
-  std::sort(values.begin(), values.end());
-  const std::size_t middle = values.size() / 2;
-  return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
-}
 
 // What is added up over the sessions of one participant.
 struct Tally {
@@ -62,7 +56,7 @@ BlindedParticipant summed(Tally tally, const Protocol& protocol) {
                                                          : "not finished";
   row.said_different = tally.different / answers;
   row.mean_trial_s = tally.seconds / answers;
-  row.median_response_time_s = median(std::move(tally.response_times));
+  row.median_response_time_s = median_of(tally.response_times);
   return row;
 }
 
