@@ -56,8 +56,8 @@ struct Answer {
 enum class Fault {
   none,
   no_contact,
-  stale_pose,     // the tracker has no news of the finger
-  stale_reading,  // nor the device of itself
+  stale_pose,     // no new pose of the finger from the tracker
+  stale_reading,  // no new reading from the device
   command_gap,    // the loop itself came too late
   non_finite,
   sensor_stuck,  // the measured force does not follow what is given

@@ -88,7 +88,7 @@ struct SessionHead {
   bool closed = false;
 };
 
-// Beyond this many participants nobody reads a table of everybody: what takes a fit or a bootstrap for each of them is
+// Beyond this many participants a table of them all is too long to be read: what takes a fit or a bootstrap for each of them is
 // left to studies of an ordinary size.
 inline constexpr std::size_t kMostInDetail = 200;
 
