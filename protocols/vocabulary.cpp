@@ -15,17 +15,6 @@ constexpr auto kChannels = words<Channel>({{"cutaneous", Channel::cutaneous}, {"
 constexpr auto kJudgements = words<Judgement>({{"same", Judgement::same}, {"different", Judgement::different}});
 constexpr auto kEnteredBy =
     words<EnteredBy>({{"participant", EnteredBy::participant}, {"operator", EnteredBy::operator_}});
-constexpr auto kFaults = words<Fault>({{"none", Fault::none},
-                                       {"no_contact", Fault::no_contact},
-                                       {"stale_pose", Fault::stale_pose},
-                                       {"stale_reading", Fault::stale_reading},
-                                       {"command_gap", Fault::command_gap},
-                                       {"non_finite", Fault::non_finite},
-                                       {"sensor_stuck", Fault::sensor_stuck},
-                                       {"device_lost", Fault::device_lost},
-                                       {"device_fault", Fault::device_fault},
-                                       {"emergency_stop", Fault::emergency_stop},
-                                       {"interrupted", Fault::interrupted}});
 
 }  // namespace
 
@@ -62,7 +51,7 @@ std::string_view to_string(EnteredBy who) noexcept {
 }
 
 std::string_view to_string(Fault fault) noexcept {
-  return word_of(kFaults, fault);
+  return word_of(kFaultWords, fault);
 }
 
 std::optional<SessionKind> session_kind_from(std::string_view text) noexcept {
@@ -77,8 +66,12 @@ std::optional<Channel> channel_from(std::string_view text) noexcept {
   return value_of(kChannels, text);
 }
 
+std::optional<EnteredBy> entered_by_from(std::string_view text) noexcept {
+  return value_of(kEnteredBy, text);
+}
+
 std::optional<Fault> fault_from(std::string_view text) noexcept {
-  return value_of(kFaults, text);
+  return value_of(kFaultWords, text);
 }
 
 std::optional<RenderingMode> rendering_mode_from(std::string_view text) noexcept {

@@ -56,8 +56,8 @@ struct Answer {
 enum class Fault {
   none,
   no_contact,
-  stale_pose,     // the tracker has no news of the finger
-  stale_reading,  // nor the device of itself
+  stale_pose,     // no new pose of the finger from the tracker
+  stale_reading,  // no new reading from the device
   command_gap,    // the loop itself came too late
   non_finite,
   sensor_stuck,  // the measured force does not follow what is given
@@ -165,10 +165,22 @@ inline constexpr auto kRenderingModeWords = words<RenderingMode>(
 std::string_view to_string(RenderingMode mode) noexcept;
 std::string_view to_string(Judgement judgement) noexcept;
 std::string_view to_string(EnteredBy who) noexcept;  // "participant", "operator"
+inline constexpr auto kFaultWords = words<Fault>({{"none", Fault::none},
+                                                  {"no_contact", Fault::no_contact},
+                                                  {"stale_pose", Fault::stale_pose},
+                                                  {"stale_reading", Fault::stale_reading},
+                                                  {"command_gap", Fault::command_gap},
+                                                  {"non_finite", Fault::non_finite},
+                                                  {"sensor_stuck", Fault::sensor_stuck},
+                                                  {"device_lost", Fault::device_lost},
+                                                  {"device_fault", Fault::device_fault},
+                                                  {"emergency_stop", Fault::emergency_stop},
+                                                  {"interrupted", Fault::interrupted}});
 std::string_view to_string(Fault fault) noexcept;
 std::optional<SessionKind> session_kind_from(std::string_view text) noexcept;
 std::optional<StiffnessUnit> stiffness_unit_from(std::string_view text) noexcept;  // "N/m", "N/rad"
 std::optional<Channel> channel_from(std::string_view text) noexcept;
+std::optional<EnteredBy> entered_by_from(std::string_view text) noexcept;
 std::optional<Fault> fault_from(std::string_view text) noexcept;
 std::optional<RenderingMode> rendering_mode_from(std::string_view text) noexcept;
 std::optional<Judgement> judgement_from(std::string_view text) noexcept;

@@ -45,14 +45,10 @@ Column interval_column(std::size_t interval, const std::string& quantity, const 
           levels, [interval, cell](const ExportTrial& row) { return cell(row.record.presentations[interval]); }};
 }
 
-// Every word of Fault, in its order.
 std::string fault_names() {
   std::string names;
-  for (int i = 0;; ++i) {
-    const std::string_view name = to_string(static_cast<Fault>(i));
-    if (fault_from(name) != static_cast<Fault>(i)) return names;
-    names.append(names.empty() ? "" : " ").append(name);
-  }
+  for (const auto& [word, fault] : kFaultWords) names.append(names.empty() ? "" : " ").append(word);
+  return names;
 }
 
 void add_interval(std::vector<Column>& columns, std::size_t i) {

@@ -272,8 +272,8 @@ StorageError Draft::kept(const fs::path& old, int error) const {
       place_.string(), std::strerror(error), name.string()));
 }
 
-// The output has its name by now. Whether that is flushed is not for every file system to say, nor may everybody who
-// may write into a folder also open it.
+// The output has its name by now. Not every file system can say whether that is flushed, and a folder that may be
+// written into need not be one that may be opened.
 void Draft::finish() {
   const int folder = ::open(folder_of(place_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (folder < 0 && errno == EACCES) return;

@@ -8,12 +8,25 @@
 #include "data/log/body_numbers.h"
 #include "data/log/presentation_body.h"
 #include "data/log/storage_error.h"
+#include "protocols/words.h"
 
 namespace jnd {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
+using When = Question::When;
+using QuestionKind = Question::Kind;
+
+constexpr auto kWhens = words<When>({{"before_session", When::before_session},
+                                     {"after_condition", When::after_condition},
+                                     {"after_series", When::after_series},
+                                     {"after_session", When::after_session}});
+constexpr auto kQuestionKinds = words<QuestionKind>({{"rating", QuestionKind::rating},
+                                                     {"number", QuestionKind::number},
+                                                     {"choice", QuestionKind::choice},
+                                                     {"text", QuestionKind::text},
+                                                     {"confirm", QuestionKind::confirm}});
 
 void add_trial(Json& body, const Trial& trial, int attempt) {
   body["index"] = trial.index;
@@ -73,9 +86,9 @@ TrialRecord trial_record_from(const Json& body) {
     if (!judgement) throw StorageError(fmt::format("unknown answer \"{}\"", answer));
     record.answer.judgement = *judgement;
     const auto who = body.at("entered_by").get<std::string>();
-    if (who != to_string(EnteredBy::participant) && who != to_string(EnteredBy::operator_))
-      throw StorageError(fmt::format("answer entered by unknown \"{}\"", who));
-    record.answer.entered_by = who == to_string(EnteredBy::participant) ? EnteredBy::participant : EnteredBy::operator_;
+    const std::optional<EnteredBy> entered_by = entered_by_from(who);
+    if (!entered_by) throw StorageError(fmt::format("answer entered by unknown \"{}\"", who));
+    record.answer.entered_by = *entered_by;
     record.answer.response_time_s = number_at(body, "response_time_s");
     record.duration_s = number_at(body, "duration_s");
     const Json& presentations = body.at("presentations");
@@ -145,33 +158,11 @@ Json question_body(const Question& question, std::string_view condition, const s
 }
 
 std::string_view to_string(Question::When when) noexcept {
-  switch (when) {
-    case Question::When::before_session:
-      return "before_session";
-    case Question::When::after_condition:
-      return "after_condition";
-    case Question::When::after_series:
-      return "after_series";
-    case Question::When::after_session:
-      return "after_session";
-  }
-  return "";
+  return word_of(kWhens, when);
 }
 
 std::string_view to_string(Question::Kind kind) noexcept {
-  switch (kind) {
-    case Question::Kind::rating:
-      return "rating";
-    case Question::Kind::number:
-      return "number";
-    case Question::Kind::choice:
-      return "choice";
-    case Question::Kind::text:
-      return "text";
-    case Question::Kind::confirm:
-      return "confirm";
-  }
-  return "";
+  return word_of(kQuestionKinds, kind);
 }
 
 std::string body_text(const Json& body) {

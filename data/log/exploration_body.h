@@ -26,7 +26,7 @@ struct ExplorationRecord {
   std::string words;                        // the operator's, where there are any
 };
 
-// Of a slot that nobody has tried yet.
+// Of a slot without an attempt so far.
 ExplorationRecord exploration_of(const Protocol& protocol, const ExplorationSlot& slot, int attempt);
 
 // exploration.completed.

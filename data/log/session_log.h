@@ -48,7 +48,7 @@ class SessionLog {
   virtual void append(std::string_view kind, const nlohmann::ordered_json& body, Stamp stamp,
                       const std::vector<TelemetryBlob>& telemetry);
   // One transaction that is not flushed: it survives the end of the program, not a power cut, until the next append.
-  // For marks that lose nobody's answer (trial.began), so that a trial costs one flush.
+  // For marks whose loss costs no answer (trial.began), so that a trial costs one flush.
   virtual void mark(std::string_view kind, const nlohmann::ordered_json& body, Stamp stamp) {
     append(kind, body, stamp);
   }

@@ -1,5 +1,5 @@
 // What was answered to questions: ratings and numbers by condition with their tests, those given once; of a study of
-// free interaction also choices, and how long everybody really explored.
+// free interaction also choices, and how long each participant really explored.
 #pragma once
 
 #include <cstddef>

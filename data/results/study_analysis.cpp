@@ -173,15 +173,7 @@ void estimate(StudyAnalysis& analysis, std::vector<ParticipantData> participants
 }  // namespace
 
 std::string_view to_string(DifferenceSource source) noexcept {
-  switch (source) {
-    case DifferenceSource::nominal:
-      return "nominal";
-    case DifferenceSource::delivered:
-      return "delivered";
-    case DifferenceSource::mixed:
-      return "mixed";
-  }
-  return "";
+  return word_of(kDifferenceSourceWords, source);
 }
 
 DifferenceSource registered_source(const Protocol& protocol) noexcept {

@@ -19,12 +19,16 @@
 #include "data/study/study_admin.h"
 #include "data/study/trial_rows.h"
 #include "protocols/protocol.h"
+#include "protocols/words.h"
 
 namespace jnd {
 
 // Which stiffness difference stands on the x axis of the fit: the one asked, or the one that the devices delivered.
 // mixed: some of several cells had nothing delivered to measure and fell back on the nominal difference.
 enum class DifferenceSource { nominal, delivered, mixed };
+inline constexpr auto kDifferenceSourceWords = words<DifferenceSource>({{"nominal", DifferenceSource::nominal},
+                                                                        {"delivered", DifferenceSource::delivered},
+                                                                        {"mixed", DifferenceSource::mixed}});
 std::string_view to_string(DifferenceSource source) noexcept;
 // What the protocol's analysis plan registers: nominal or delivered.
 DifferenceSource registered_source(const Protocol& protocol) noexcept;
@@ -84,7 +88,7 @@ struct SessionHead {
   bool closed = false;
 };
 
-// Beyond this many participants nobody reads a table of everybody: what takes a fit or a bootstrap for each of them is
+// Beyond this many participants a table of them all is too long to be read: what takes a fit or a bootstrap for each of them is
 // left to studies of an ordinary size.
 inline constexpr std::size_t kMostInDetail = 200;
 

@@ -8,6 +8,7 @@
 
 #include "analysis/group/p_adjust.h"
 #include "analysis/numerics/special_values.h"
+#include "protocols/words.h"
 
 namespace jnd {
 
@@ -69,15 +70,9 @@ std::string joined_names(const std::vector<LeftOut>& left_out) {
 }  // namespace
 
 std::string_view to_string(Outcome outcome) noexcept {
-  switch (outcome) {
-    case Outcome::slope:
-      return "slope";
-    case Outcome::jnd:
-      return "jnd";
-    case Outcome::log_jnd:
-      return "log_jnd";
-  }
-  return "";
+  constexpr auto kWords =
+      words<Outcome>({{"slope", Outcome::slope}, {"jnd", Outcome::jnd}, {"log_jnd", Outcome::log_jnd}});
+  return word_of(kWords, outcome);
 }
 
 OutcomeComparison compare_thresholds(const std::vector<ThresholdResult>& thresholds, const Protocol& protocol,

@@ -43,10 +43,10 @@ struct SeriesComparison {
 std::string_view to_string(Outcome outcome) noexcept;  // "slope", "jnd", "log_jnd"
 
 // Slopes of thresholds[participant * conditions + condition]. Tests on the slope leave out whose slope is not finite;
-// those on the JND or its logarithm are refused where anybody has none (a mean over the rest would be biased).
+// those on the JND or its logarithm are refused where a participant has none (a mean over the rest would be biased).
 OutcomeComparison compare_thresholds(const std::vector<ThresholdResult>& thresholds, const Protocol& protocol,
                                      Outcome outcome);
-// Of an adaptive study; tests are refused where anybody has no threshold. rows: of adaptive_results.
+// Of an adaptive study; tests are refused where a participant has no threshold. rows: of adaptive_results.
 OutcomeComparison compare_adaptive(const std::vector<AdaptiveRow>& rows, const Protocol& protocol);
 OutcomeComparison compare_times(const std::vector<ThresholdResult>& thresholds, const Protocol& protocol);
 // participants: one for each session that the ratings were read for.

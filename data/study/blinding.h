@@ -24,7 +24,7 @@ struct BlindingState {
 // and a session is unfinished or fewer participants have finished than are planned.
 BlindingState blinding_of(const Study& study, const Protocol& protocol, SessionKind kind);
 
-// Whether stimuli, orders and seed are secret for everybody: the study is blinded for real data, and it has a real or
+// Whether stimuli, orders and seed are kept secret: the study is blinded for real data, and it has a real or
 // pilot session, or none of any kind yet. Then outputs about its pilot and simulated sessions leave the plan out too,
 // because participant n of every kind has the same plan. A study of simulations alone has no secrets.
 bool plan_sealed(const Study& study, const Protocol& protocol);

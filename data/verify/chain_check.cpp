@@ -210,7 +210,7 @@ class Walk {
   std::map<std::string, End> ends_;  // of every session that was found
 };
 
-// In words that anybody may read.
+// In words that give nothing away.
 std::string open_words(const Problem& problem) {
   return problem.reveals == Reveals::nothing ? problem.text : problem.where + ": cannot be read.";
 }

@@ -7,6 +7,7 @@
 #include "data/log/body_numbers.h"
 #include "data/log/event_body.h"
 #include "data/log/storage_error.h"
+#include "protocols/words.h"
 
 namespace jnd {
 
@@ -83,9 +84,12 @@ bool fits(Type type, const Json& value) {
   return false;
 }
 
-constexpr std::string_view name_of(Type type) {
-  return std::array<std::string_view, 4>{"text", "a whole number", "a number", "true or false"}.at(
-      static_cast<std::size_t>(type));
+constexpr std::string_view name_of(Type type) noexcept {
+  constexpr auto kWords = words<Type>({{"text", Type::text},
+                                       {"a whole number", Type::whole},
+                                       {"a number", Type::number},
+                                       {"true or false", Type::flag}});
+  return word_of(kWords, type);
 }
 
 }  // namespace

@@ -58,7 +58,7 @@ class SurfaceSlide {
   double least_radius_m() const noexcept { return least_radius_m_; }
   const Round& round(int primitive) const noexcept { return rounds_[static_cast<std::size_t>(primitive)]; }
 
-  // Keeps in mind the primitives that reach within a distance of a point; a slide heeds no others, so the distance must
+  // Keeps in mind the primitives that reach within a distance of a point; a slide looks at no others, so the distance must
   // be at least as long as the slide's way can be. Returns the primitive whose surface is nearest, -1 if there is none.
   int look(const Eigen::Vector3d& point_m, double reach_m) noexcept;
   // Straight from a point outside toward the target, to the first surface. True: it stands at the target.

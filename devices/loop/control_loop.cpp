@@ -111,7 +111,7 @@ Fault ControlLoop::read(std::int64_t now_ns) noexcept {
     const std::int64_t age_ns = now_ns - one.reading.time_ns;
     if (age_ns > kMaxAge_ns || age_ns < -kMaxAge_ns) return Fault::stale_reading;
   }
-  // Without news the old pose grows stale, which the governor sees.
+  // Without a new pose the old one grows stale, which the governor sees.
   for (std::size_t i = 0; i < fingers_.size(); ++i) (void)tracker_.read(static_cast<int>(i), now_ns, fingers_[i].pose);
   return Fault::none;
 }

@@ -1,4 +1,4 @@
-// The control loop's last words about itself, for whoever looks.
+// The control loop's latest state, for readers on other threads.
 #pragma once
 
 #include "devices/loop/newest_slot.h"

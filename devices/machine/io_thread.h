@@ -1,4 +1,4 @@
-// A thread that talks to a device.
+// A thread that exchanges reports with a device.
 #pragma once
 
 #include <functional>

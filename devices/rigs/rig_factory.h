@@ -32,7 +32,7 @@ std::unique_ptr<Rig> make_simulated_rig(const Protocol& protocol, const RigDescr
                                         const ParticipantProfile& profile, int participant, std::uint64_t seed,
                                         Clock& clock, const RigOptions& options = {});
 
-// Free interaction is presented in pieces of at most this, s: between them the operator's keys are heeded, and records
+// Free interaction is presented in pieces of at most this, s: between them the operator's keys are handled, and records
 // stay bounded.
 inline constexpr double kLongestFreePiece_s = 10;
 

@@ -58,7 +58,7 @@ class PoseFeed {
 
   // -- the loop's thread ----------------------------------------------------------------------------------------------
 
-  // The newest pose, with the time it was true: it grows stale without news. False where there has been none.
+  // The newest pose, with the time it was true: it grows stale without a newer one. False where there has been none.
   bool read(int finger, FingerPose& pose) noexcept;
 
   // -- any thread -----------------------------------------------------------------------------------------------------

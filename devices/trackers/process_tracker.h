@@ -64,7 +64,7 @@ class ProcessTracker final : public Tracker {
   bool refused_any_ = false;
 
   mutable std::mutex mutex_;  // never the loop's
-  std::string trouble_;       // why there are no poses; empty while it runs and talks as it should
+  std::string trouble_;       // why there are no poses; empty while it runs and writes as it should
   std::string refused_;       // the first line of this run that was none, and why
   bool running_ = false;
 

@@ -25,7 +25,7 @@ struct PlanOptions {
   std::string protocol;
   std::optional<std::string> study;  // its protocol and seed, instead of those here
   int participant = 1;
-  int session = 1;  // of that participant, or of everybody's
+  int session = 1;  // of that participant, or of all of them
   std::optional<int> cohort;
   std::optional<std::uint64_t> seed;  // 1 where not given
   bool json = false;

@@ -1,4 +1,4 @@
-// The commands that deal with protocols and studies. Each adds itself to the program in its own command_*.cpp;
+// The commands for protocols and studies. Each adds itself to the program in its own command_*.cpp;
 // runner/command_line.cpp collects them.
 #pragma once
 

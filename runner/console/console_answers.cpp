@@ -93,7 +93,7 @@ std::optional<std::string> SessionConsole::reply(const Question& question, int c
 
 std::optional<Replies> SessionConsole::reply_all(const std::vector<AskedQuestion>& page) {
   if (page.empty()) return Replies{};
-  if (!keys_.anybody()) return std::nullopt;
+  if (!keys_.has_keyboard()) return std::nullopt;
   std::vector<QuestionnairePage::Item> items;
   std::vector<std::string> ids;
   for (const AskedQuestion& asked : page) {

@@ -43,11 +43,11 @@ std::string SessionConsole::ask_text(const std::string& question) {
   return keys_.line(printable(question)).value_or("");
 }
 
-std::optional<OperatorRequest> SessionConsole::with_reason(Request wish, const std::string& label) {
+std::optional<OperatorRequest> SessionConsole::with_reason(Request request, const std::string& label) {
   std::optional<std::string> reason = keys_.line(label);
   // At the end of the keys what was asked for is still done, without a reason.
   if (!reason && !keys_.ended()) return std::nullopt;
-  return OperatorRequest{wish, reason.value_or("")};
+  return OperatorRequest{request, reason.value_or("")};
 }
 
 // q twice ends for now.
@@ -63,31 +63,31 @@ std::optional<OperatorRequest> SessionConsole::ask_end() {
 
 std::optional<OperatorRequest> SessionConsole::request_of(const KeyBinding& key, const KeyMap& keys) {
   if (key.meaning == KeyMeaning(HelpWanted{})) help(keys);
-  const Request* const wish = std::get_if<Request>(&key.meaning);
-  if (wish == nullptr) return std::nullopt;
-  if (!key.reason.empty()) return with_reason(*wish, key.reason);
-  switch (*wish) {
+  const Request* const request = std::get_if<Request>(&key.meaning);
+  if (request == nullptr) return std::nullopt;
+  if (!key.reason.empty()) return with_reason(*request, key.reason);
+  switch (*request) {
     case Request::go_on:
     case Request::stopped:
-      return OperatorRequest{*wish, {}};
+      return OperatorRequest{*request, {}};
     case Request::pause:
-      return with_reason(*wish, "Pause. Reason, or Enter");
+      return with_reason(*request, "Pause. Reason, or Enter");
     case Request::repeat_trial:
-      return with_reason(*wish, "It comes again later. Reason, or Enter (Esc: no)");
+      return with_reason(*request, "It comes again later. Reason, or Enter (Esc: no)");
     case Request::take_break:
-      return with_reason(*wish, "Break. Reason, or Enter (Esc: no break)");
+      return with_reason(*request, "Break. Reason, or Enter (Esc: no break)");
     case Request::note: {
       const std::optional<std::string> text = keys_.line("Note");
       if (!text || text->empty()) return std::nullopt;
       display_->tell(Tone::quiet, fmt::format("note: {}", printable(*text)));
-      return OperatorRequest{*wish, *text};
+      return OperatorRequest{*request, *text};
     }
     case Request::void_last:
       if (!confirm("Take back the last answer? Its trial comes again.")) return std::nullopt;
-      return with_reason(*wish, "Takes it back. Reason, or Enter (Esc: no)");
+      return with_reason(*request, "Takes it back. Reason, or Enter (Esc: no)");
     case Request::end_block:
       if (!confirm("Give up the rest of this block? Its trials are left out.")) return std::nullopt;
-      return with_reason(*wish, "Ends the block. Reason, or Enter (Esc: no)");
+      return with_reason(*request, "Ends the block. Reason, or Enter (Esc: no)");
     case Request::end_for_now:
     case Request::end_for_good:
       return ask_end();
@@ -139,7 +139,8 @@ void SessionConsole::note_requests(const std::vector<Key>& keys, const KeyMap& m
     if (!binding) continue;
     const bool noted = std::any_of(noted_.begin(), noted_.end(),
                                    [&](const KeyBinding& earlier) { return earlier.meaning == binding->meaning; });
-    const bool later = std::any_of(kLater.begin(), kLater.end(), [&](Request wish) { return binding->asks(wish); });
+    const bool later =
+        std::any_of(kLater.begin(), kLater.end(), [&](Request request) { return binding->asks(request); });
     if (later && !noted) noted_.push_back(*binding);
   }
 }
@@ -149,7 +150,7 @@ std::optional<OperatorRequest> SessionConsole::noted_request(const KeyMap& keys)
     const KeyBinding key = noted_.front();
     noted_.erase(noted_.begin());
     if (key.asks(Request::repeat_trial)) continue;  // its trial is over
-    if (std::optional<OperatorRequest> wish = request_of(key, keys)) return wish;
+    if (std::optional<OperatorRequest> request = request_of(key, keys)) return request;
   }
   return std::nullopt;
 }

@@ -20,7 +20,7 @@ class PromptKeys {
   PromptKeys(Keyboard* keyboard, const Interrupts& interrupts, Display& display, const EmergencyStop* stop) noexcept
       : keyboard_(keyboard), interrupts_(interrupts), display_(display), stop_(stop) {}
 
-  bool anybody() const noexcept { return keyboard_ != nullptr; }
+  bool has_keyboard() const noexcept { return keyboard_ != nullptr; }
   // The session is to end: a signal, or there will be no more keys.
   bool ended() const noexcept { return interrupts_.end || (keyboard_ != nullptr && keyboard_->at_end()); }
   bool pause_asked() const noexcept { return interrupts_.pause; }

@@ -39,7 +39,7 @@ struct KeyBinding {
   bool brief = true;
   std::string reason{};  // how it asks for the operator's reason; empty: as usual
 
-  bool asks(Request wish) const noexcept { return meaning == KeyMeaning(wish); }
+  bool asks(Request request) const noexcept { return meaning == KeyMeaning(request); }
 };
 
 class KeyMap {

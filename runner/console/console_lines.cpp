@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "protocols/input/utf8.h"
+#include "protocols/words.h"
 #include "runner/keys/interrupt.h"
 #include "runner/terminal/terminal.h"
 
@@ -77,15 +78,11 @@ void put_review(const QuestionnairePage& page) {
 }  // namespace
 
 std::string kind_banner(SessionKind kind) {
-  switch (kind) {
-    case SessionKind::real:
-      return "REAL SESSION: this counts as data";
-    case SessionKind::pilot:
-      return "REHEARSAL on simulated devices (kind pilot: never counted as real data)";
-    case SessionKind::simulated:
-      return "DEMONSTRATION with a simulated participant (kind simulated)";
-  }
-  return "";
+  constexpr auto kWords = words<SessionKind>(
+      {{"REAL SESSION: this counts as data", SessionKind::real},
+       {"REHEARSAL on simulated devices (kind pilot: never counted as real data)", SessionKind::pilot},
+       {"DEMONSTRATION with a simulated participant (kind simulated)", SessionKind::simulated}});
+  return std::string(word_of(kWords, kind));
 }
 
 std::string card_line(const SessionCard& card) {

@@ -126,7 +126,7 @@ void SessionConsole::end(const std::string& last_words) {
 void SessionConsole::show(const Scene& scene) {
   display_->countdown_over();  // of what this takes the place of
   scene_ = scene;
-  if (!keys_.anybody()) scene_.keys.clear();
+  if (!keys_.has_keyboard()) scene_.keys.clear();
   display_->scene(scene_);
 }
 
@@ -136,7 +136,7 @@ void SessionConsole::explain(const KeyMap& keys, const Key& pressed) {
 
 OperatorRequest SessionConsole::request_at(const Scene& scene, const KeyMap& keys, bool pausable,
                                            const std::function<bool()>& over) {
-  if (!keys_.anybody()) {
+  if (!keys_.has_keyboard()) {
     show(scene);
     return {keys_.ended() ? Request::end_for_now : Request::go_on, {}};
   }
@@ -145,7 +145,7 @@ OperatorRequest SessionConsole::request_at(const Scene& scene, const KeyMap& key
   with_keys.keys = keys.hints();
   show(with_keys);
   if (pausable) {
-    if (const std::optional<OperatorRequest> wish = noted_request(keys)) return *wish;
+    if (const std::optional<OperatorRequest> request = noted_request(keys)) return *request;
   }
   for (;;) {
     tell_events();
@@ -161,7 +161,7 @@ OperatorRequest SessionConsole::request_at(const Scene& scene, const KeyMap& key
       continue;
     }
     if (scene.to_read && binding->asks(Request::go_on) && still_to_read(true)) continue;
-    if (const std::optional<OperatorRequest> wish = request_of(*binding, keys)) return *wish;
+    if (const std::optional<OperatorRequest> request = request_of(*binding, keys)) return *request;
     if (keys_.ended()) continue;
     if (binding->meaning == KeyMeaning(HelpWanted{}) && !display_->by_lines()) {
       keys_.prompt();
@@ -187,7 +187,7 @@ OperatorRequest SessionConsole::ready(const TrialOutline& outline) {
   // An end that was asked for at the question, where a stop came in between, is still meant; a request about that trial
   // has nothing left to be about.
   if (const auto decided = std::exchange(decided_, std::nullopt);
-      decided && (decided->request == Request::end_for_now || decided->request == Request::end_for_good))
+      decided && (decided->kind == Request::end_for_now || decided->kind == Request::end_for_good))
     return *decided;
   TrialOutline shown = outline;
   // Where a limit voids a trial, an attempt of its own would say that one of the two objects is stiff.
@@ -196,21 +196,21 @@ OperatorRequest SessionConsole::ready(const TrialOutline& outline) {
   Scene scene;
   outline_scene(shown, scene);
   scene.task = "Wait until the participant is ready";
-  OperatorRequest wish = request_at(scene, ready_keys(outline.can_void_last), true);
-  if (wish.request == Request::go_on) {
+  OperatorRequest request = request_at(scene, ready_keys(outline.can_void_last), true);
+  if (request.kind == Request::go_on) {
     noted_.clear();
   }
-  return wish;
+  return request;
 }
 
 // After an interval, after free interaction that exploring() has broken off, or where judge() returned nothing.
 OperatorRequest SessionConsole::meanwhile() {
   if (decided_) return *std::exchange(decided_, std::nullopt);
   if (broken_off_by_) {
-    OperatorRequest wish = request_of(*broken_off_by_, exploring_keys()).value_or(OperatorRequest{});
+    OperatorRequest request = request_of(*broken_off_by_, exploring_keys()).value_or(OperatorRequest{});
     broken_off_by_.reset();
-    if (wish.request == Request::go_on) show(scene_);
-    return wish;
+    if (request.kind == Request::go_on) show(scene_);
+    return request;
   }
   hear_in_trial();
   const auto repeat = std::find_if(noted_.begin(), noted_.end(), asks_to_repeat);
@@ -253,7 +253,7 @@ void SessionConsole::cue(CuePlace place, const CueSignal& cue) {
     cue_shown_ns_ = clock_.now_ns();
     return;
   }
-  if (keys_.anybody()) display_->working_keys(presentation_keys(protocol_.timeline).hints());
+  if (keys_.has_keyboard()) display_->working_keys(presentation_keys(protocol_.timeline).hints());
   display_->say(place, words, aloud, beep);
 }
 
@@ -264,7 +264,7 @@ void SessionConsole::saved(const TrialOutline& outline, const Answer& answer) {
 }
 
 void SessionConsole::voided(const TrialOutline& outline, const std::string& reason, bool will_repeat) {
-  if (keys_.anybody()) display_->working_keys(between_trials_keys(protocol_.timeline).hints());
+  if (keys_.has_keyboard()) display_->working_keys(between_trials_keys(protocol_.timeline).hints());
   display_->tell(Tone::warning,
                  fmt::format("{} not counted ({}); {}", full_name_of(outline), reason_text(reason),
                              will_repeat ? "it comes again at the end of this block" : "its attempts are used up"));
@@ -280,7 +280,7 @@ void SessionConsole::took_back(bool will_repeat) {
 }
 
 bool SessionConsole::waiting(double left_s, double total_s) {
-  if (!keys_.anybody()) return true;
+  if (!keys_.has_keyboard()) return true;
   tell_events();
   // In a quick rehearsal the session's clock runs ahead of keys and eyes.
   const std::int64_t now_ns = SteadyClock().now_ns();
@@ -304,31 +304,31 @@ OperatorRequest SessionConsole::recover(const std::string& stopped_by) {
               "",
               "See to the participant and the devices. A trial that was under way comes again later.",
               {}};
-  if (!keys_.anybody()) {
+  if (!keys_.has_keyboard()) {
     show(scene);
     return {Request::end_for_now, {}};
   }
   keys_.see_to_stop(true);
-  OperatorRequest wish = request_at(scene, stopped_keys(), true);
+  OperatorRequest request = request_at(scene, stopped_keys(), true);
   // A pause in it is still in it.
-  if (wish.request == Request::go_on) keys_.see_to_stop(false);
-  return wish;
+  if (request.kind == Request::go_on) keys_.see_to_stop(false);
+  return request;
 }
 
 OperatorRequest SessionConsole::missing(const std::string& what, const std::function<bool()>& back) {
-  OperatorRequest wish =
+  OperatorRequest request =
       request_at({Tone::warning,
                   "Something is missing.",
                   "",
                   printable(what) + "\nThe devices are at rest. It goes on by itself as soon as all is there again.",
                   {}},
                  missing_keys(), true, back);
-  if (wish.request == Request::go_on && keys_.anybody()) display_->tell(Tone::quiet, "all is there again");
-  return wish;
+  if (request.kind == Request::go_on && keys_.has_keyboard()) display_->tell(Tone::quiet, "all is there again");
+  return request;
 }
 
 bool SessionConsole::storage_trouble(const std::string& message) {
-  if (!keys_.anybody()) return false;
+  if (!keys_.has_keyboard()) return false;
   // A stop has to wait here: what comes of it could not be written, and the devices give nothing anyway.
   const SeeingToStop first(keys_);
   const KeyMap keys = storage_keys();
@@ -368,7 +368,7 @@ void SessionConsole::break_begins(const Break& pause, bool asked_by_operator) {
   scene.heading = "Break";
   scene.beside = asked_by_operator ? "at your wish" : fmt::format("of at least {}", duration_text(pause.duration_s));
   if (!pause.say.empty()) scene.text = "Say: " + printable(pause.say);
-  if (keys_.anybody() && pause.duration_s > 0) scene.keys = break_keys(false).hints();
+  if (keys_.has_keyboard() && pause.duration_s > 0) scene.keys = break_keys(false).hints();
   note_requests(keys_.prompt(), question_keys_);
   show(scene);
   break_scene_ = scene;
@@ -392,12 +392,12 @@ OperatorRequest SessionConsole::break_over(const Break& pause) {
                                                    duration_text(static_cast<double>(break_ends_ns_ - now) * 1e-9)));
         continue;
       }
-      if (const std::optional<OperatorRequest> wish = request_of(*binding, keys)) return *wish;
+      if (const std::optional<OperatorRequest> request = request_of(*binding, keys)) return *request;
     }
     clock_.sleep_until_ns(std::min(break_ends_ns_, clock_.now_ns() + static_cast<std::int64_t>(kLook_s * 1e9)));
   }
   display_->countdown_over();
-  if (!keys_.anybody()) return {keys_.ended() ? Request::end_for_now : Request::go_on, {}};
+  if (!keys_.has_keyboard()) return {keys_.ended() ? Request::end_for_now : Request::go_on, {}};
   return request_at({Tone::strong, "The break may end", "", "", {}}, break_keys(true), true);
 }
 
@@ -410,7 +410,7 @@ OperatorRequest SessionConsole::instruct(const Instruction& instruction) {
 }
 
 std::optional<bool> SessionConsole::consent(const std::string& text) {
-  if (!keys_.anybody()) return !keys_.ended();
+  if (!keys_.has_keyboard()) return !keys_.ended();
   const KeyMap keys = consent_keys();
   keys_.prompt();
   show({.heading = "Consent",
@@ -444,13 +444,13 @@ OperatorRequest SessionConsole::ready_to_explore(const ExplorationOutline& outli
       fmt::format("Object: {}. {}", printable(outline.object),
                   outline.devices ? "The participant wears the devices." : "Bare hands: take the devices off.");
   exploring_s_ = outline.duration_s;
-  OperatorRequest wish = request_at(scene, ready_to_explore_keys(), true);
-  if (wish.request == Request::go_on && keys_.anybody()) {
+  OperatorRequest request = request_at(scene, ready_to_explore_keys(), true);
+  if (request.kind == Request::go_on && keys_.has_keyboard()) {
     scene.keys = exploring_keys().hints();
     scene.text.clear();
     show(scene);
   }
-  return wish;
+  return request;
 }
 
 // What the operator presses lets the object go; meanwhile() then asks what it is about, and it goes on.

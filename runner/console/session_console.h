@@ -66,7 +66,7 @@ class SessionConsole final : public Console, private Responder {
   void acknowledge(const std::string& heading, const std::string& text);
   // What a key asks for, after its dialog; none where the operator thought better of it.
   std::optional<OperatorRequest> request_of(const KeyBinding& key, const KeyMap& keys);
-  std::optional<OperatorRequest> with_reason(Request wish, const std::string& label);
+  std::optional<OperatorRequest> with_reason(Request request, const std::string& label);
   std::optional<OperatorRequest> ask_end();
   // One of the keys; 0 for Escape and where the session is to end.
   char32_t choose(const std::string& question, const std::vector<KeyHint>& keys);

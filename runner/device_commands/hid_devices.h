@@ -1,4 +1,4 @@
-// Real devices for the device commands: which are connected, which is meant, and a thread to talk to one.
+// Real devices for the device commands: which are connected, which is meant, and a thread to exchange reports with one.
 #pragma once
 
 #include <functional>

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "runner/figures/figure_look.h"
+#include "runner/figures/figure_style.h"
 #include "runner/terminal/plot.h"
 
 namespace jnd {
@@ -16,10 +16,10 @@ namespace {
 constexpr double kTick = 4;
 constexpr double kTickText = 11;
 
-TextLook tick_look(std::string_view anchor) {
-  TextLook look = anchored(kLabel, anchor);
-  look.size = kTickText;
-  return look;
+TextStyle tick_style(std::string_view anchor) {
+  TextStyle style = anchored(kLabel, anchor);
+  style.size = kTickText;
+  return style;
 }
 
 double widest(const std::vector<std::string>& labels) {
@@ -86,12 +86,12 @@ void draw_y_axis(Svg& svg, const Panel& panel, const Scale& scale, const std::st
   for (std::size_t i = 0; i < ticks.size(); ++i) {
     const double y = scale.at(ticks[i]);
     svg.line(panel.left - kTick, y, panel.left, y, kFrame);
-    svg.text(panel.left - kTick - 4, y + 4, labels[i], tick_look("end"));
+    svg.text(panel.left - kTick - 4, y + 4, labels[i], tick_style("end"));
   }
   if (title.empty()) return;
-  TextLook look = anchored(kLabel, "middle");
-  look.upwards = true;
-  svg.text(panel.left - kTick - 14 - widest(labels), (panel.top + panel.bottom) / 2, title, look);
+  TextStyle style = anchored(kLabel, "middle");
+  style.upwards = true;
+  svg.text(panel.left - kTick - 14 - widest(labels), (panel.top + panel.bottom) / 2, title, style);
 }
 
 void draw_x_axis(Svg& svg, const Panel& panel, const Scale& scale, const std::string& title, int wanted) {
@@ -100,7 +100,7 @@ void draw_x_axis(Svg& svg, const Panel& panel, const Scale& scale, const std::st
   for (std::size_t i = 0; i < ticks.size(); ++i) {
     const double x = scale.at(ticks[i]);
     svg.line(x, panel.bottom, x, panel.bottom + kTick, kFrame);
-    svg.text(x, panel.bottom + kTick + 12, labels[i], tick_look("middle"));
+    svg.text(x, panel.bottom + kTick + 12, labels[i], tick_style("middle"));
   }
   if (!title.empty())
     svg.text((panel.left + panel.right) / 2, panel.bottom + kTick + 30, title, anchored(kLabel, "middle"));
@@ -117,11 +117,11 @@ void draw_right_axis(Svg& svg, const Panel& panel, const Scale& scale, double fa
     labels[i] += suffix;
     const double y = named.at(ticks[i]);
     svg.line(panel.right, y, panel.right + kTick, y, kFrame);
-    svg.text(panel.right + kTick + 4, y + 4, labels[i], tick_look("start"));
+    svg.text(panel.right + kTick + 4, y + 4, labels[i], tick_style("start"));
   }
-  TextLook look = anchored(kLabel, "middle");
-  look.upwards = true;
-  svg.text(panel.right + kTick + 20 + widest(labels), (panel.top + panel.bottom) / 2, title, look);
+  TextStyle style = anchored(kLabel, "middle");
+  style.upwards = true;
+  svg.text(panel.right + kTick + 20 + widest(labels), (panel.top + panel.bottom) / 2, title, style);
 }
 
 }  // namespace jnd

@@ -7,7 +7,7 @@
 
 #include "runner/figures/figure_axis.h"
 #include "runner/figures/figure_conditions.h"
-#include "runner/figures/figure_look.h"
+#include "runner/figures/figure_style.h"
 
 namespace jnd {
 

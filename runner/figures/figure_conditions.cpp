@@ -75,12 +75,12 @@ std::vector<Drawing::Placed> Drawing::place_points(std::size_t place) const {
 
 void Drawing::draw_points(std::size_t place, const std::vector<Placed>& points) {
   const ConditionColumn& column = figure_.columns[place];
-  Look look = condition_fill(column.condition);
-  look.opacity = 0.8;
+  ShapeStyle style = condition_fill(column.condition);
+  style.opacity = 0.8;
   for (const Placed& placed : points) {
     svg_.begin("point", fmt::format("{}, {}: {:.{}f}{}", placed.point->participant, condition(column).name,
                                     placed.point->value, figure_.decimals, figure_.unit));
-    draw_marker(svg_, column.condition, placed.x, placed.y, radius(points.size()), look);
+    draw_marker(svg_, column.condition, placed.x, placed.y, radius(points.size()), style);
     svg_.end();
   }
   if (!column.median || !scale_.inside(*column.median)) return;
@@ -99,13 +99,13 @@ void Drawing::draw_joins(const std::vector<std::vector<Placed>>& placed) {
 }
 
 void Drawing::draw_interval(double x, const PlottedInterval& interval, bool within) {
-  const Look& look = within ? kWithin : kInk;
+  const ShapeStyle& style = within ? kWithin : kInk;
   const double cap = within ? 3.5 : 5;
   const double low = scale_.clipped(interval.low), high = scale_.clipped(interval.high);
-  svg_.line(x, low, x, high, look);
+  svg_.line(x, low, x, high, style);
   // No cap where the interval goes on beyond the scale.
-  if (scale_.inside(interval.low)) svg_.line(x - cap, low, x + cap, low, look);
-  if (scale_.inside(interval.high)) svg_.line(x - cap, high, x + cap, high, look);
+  if (scale_.inside(interval.low)) svg_.line(x - cap, low, x + cap, low, style);
+  if (scale_.inside(interval.high)) svg_.line(x - cap, high, x + cap, high, style);
 }
 
 void Drawing::draw_summary(std::size_t place) {
@@ -150,9 +150,9 @@ void Drawing::draw_edge(const ConditionColumn& column, const EdgeCount& edge, do
                  edge.what == kOffTheScale ? condition_fill(column.condition) : condition_hollow(column.condition));
   }
   svg_.end();
-  const TextLook look = anchored(kMuted, "middle");
+  const TextStyle style = anchored(kMuted, "middle");
   svg_.text(middle, top ? panel_.top - 23 : panel_.bottom + 32,
-            fitted(fmt::format("{} {}", edge.count, edge.what), look.size, width - 2), look);
+            fitted(fmt::format("{} {}", edge.count, edge.what), style.size, width - 2), style);
 }
 
 void Drawing::draw_edges(std::size_t place, bool top) {
@@ -172,10 +172,10 @@ void Drawing::draw_foot(std::size_t place) {
   const ConditionColumn& column = figure_.columns[place];
   const Condition& named = condition(column);
   double y = panel_.bottom + layout_.strip_below + 18;
-  TextLook name = strong(anchored(kLabel, "middle"));
+  TextStyle name = strong(anchored(kLabel, "middle"));
   name.size = 13;
   svg_.text(centre(place), y, fitted(named.name, name.size, slot_ - 8), name);
-  const TextLook muted = anchored(kMuted, "middle");
+  const TextStyle muted = anchored(kMuted, "middle");
   svg_.text(centre(place), y += 16, fmt::format("n = {} of {}", column.points.size(), column.participants), muted);
   for (const std::string& line : label_lines(named, slot_)) svg_.text(centre(place), y += 15, line, muted);
 }

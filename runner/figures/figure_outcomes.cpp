@@ -48,7 +48,7 @@ ConditionFigure figure_of(const OutcomeComparison& outcome, const Protocol& prot
   return figure;
 }
 
-// "Left out: P03 (no answer), P07 (no answer)." Empty where nobody is.
+// "Left out: P03 (no answer), P07 (no answer)." Empty where none is.
 std::string left_out_text(const OutcomeComparison& outcome) {
   constexpr std::size_t kMostNamed = 20;
   std::string names;
@@ -59,7 +59,7 @@ std::string left_out_text(const OutcomeComparison& outcome) {
   return names.empty() ? names : " Left out: " + names + ".";
 }
 
-bool nobody(const OutcomeComparison& outcome) {
+bool has_no_participants(const OutcomeComparison& outcome) {
   return outcome.table.n + outcome.left_out.size() == 0 || outcome.table.k == 0;
 }
 
@@ -71,7 +71,7 @@ constexpr std::string_view kMarks =
 
 std::vector<Figure> threshold_figures(const StudyResults& results, const Protocol& protocol) {
   for (const OutcomeComparison& outcome : results.comparisons) {
-    if (outcome.outcome != "threshold" || outcome.question || nobody(outcome)) continue;
+    if (outcome.outcome != "threshold" || outcome.question || has_no_participants(outcome)) continue;
     ConditionFigure figure = figure_of(outcome, protocol, stiffness_decimals(protocol));
     figure.id = "threshold";
     figure.title = "Threshold by condition";
@@ -87,7 +87,7 @@ std::vector<Figure> threshold_figures(const StudyResults& results, const Protoco
 
 std::vector<Figure> time_figures(const StudyResults& results, const Protocol& protocol) {
   for (const OutcomeComparison& outcome : results.comparisons) {
-    if (outcome.outcome != "trial_time" || outcome.question || nobody(outcome)) continue;
+    if (outcome.outcome != "trial_time" || outcome.question || has_no_participants(outcome)) continue;
     ConditionFigure figure = figure_of(outcome, protocol, 2);
     figure.id = "time";
     figure.title = "Time per trial by condition";
@@ -103,7 +103,7 @@ std::vector<Figure> time_figures(const StudyResults& results, const Protocol& pr
 std::vector<Figure> rating_figures(const StudyResults& results, const Protocol& protocol) {
   std::vector<Figure> figures;
   for (const OutcomeComparison& outcome : results.comparisons) {
-    if (!outcome.question || nobody(outcome)) continue;
+    if (!outcome.question || has_no_participants(outcome)) continue;
     const auto question = std::find_if(protocol.questions.begin(), protocol.questions.end(),
                                        [&](const Question& one) { return one.id == outcome.outcome; });
     ConditionFigure figure = figure_of(outcome, protocol, 1);

@@ -6,7 +6,7 @@
 
 #include "runner/figures/figure.h"
 #include "runner/figures/figure_axis.h"
-#include "runner/figures/figure_look.h"
+#include "runner/figures/figure_style.h"
 #include "runner/results/result_format.h"
 
 namespace jnd {
@@ -36,7 +36,7 @@ Range range_of(const std::vector<SensitivityRow>& rows) {
 
 void draw_row(Svg& svg, const SensitivityRow& row, const Panel& panel, const Scale& x, double y) {
   if (row.registered) svg.rectangle(8, y - kSensitivityRow / 2, svg.width() - 16, kSensitivityRow, kBand);
-  TextLook name = anchored(kLabel, "end");
+  TextStyle name = anchored(kLabel, "end");
   name.bold = row.registered;
   name.size = 11;
   svg.text(panel.left - 10, y + 4, fitted(describe(row.method), name.size, kNames - 24), name);
@@ -56,7 +56,7 @@ void draw_row(Svg& svg, const SensitivityRow& row, const Panel& panel, const Sca
       svg.end();
     }
   }
-  TextLook verdict = kMuted;
+  TextStyle verdict = kMuted;
   verdict.bold = row.registered;
   std::string used;
   for (const int n : row.n_ok) used += fmt::format("{}{}", used.empty() ? "" : "/", n);

@@ -115,14 +115,14 @@ void draw_slope_panel(Svg& svg, const Panel& panel, const SlopePanel& content, c
   const double radius = content.curves.size() > 60 ? 1.8 : parts.points_named ? 3.1 : 2.4;
   for (const SlopeCurve& curve : content.curves) {
     if (std::isnan(curve.slope)) continue;
-    Look look = condition_line(curve.condition);
-    if (curve.status == JndStatus::no_sensitivity) look.dash = "4 3";
+    ShapeStyle style = condition_line(curve.condition);
+    if (curve.status == JndStatus::no_sensitivity) style.dash = "4 3";
     if (!parts.points_named) {
-      look.stroke_width = 0.7;
-      look.opacity = 0.45;
+      style.stroke_width = 0.7;
+      style.opacity = 0.45;
     }
     const auto [end_x, end_y] = line_end(curve.slope, x, y);
-    svg.line(x.at(0), y.at(0), end_x, end_y, look);
+    svg.line(x.at(0), y.at(0), end_x, end_y, style);
   }
   int person = 0;
   for (const SlopeCurve& curve : content.curves) {
@@ -139,9 +139,9 @@ void draw_slope_panel(Svg& svg, const Panel& panel, const SlopePanel& content, c
   svg.text(panel.left, panel.top - 6, fitted(content.title, kLabel.size, panel.width()), strong(kLabel));
   const double used = text_width(content.title, kLabel.size) * 1.1 + 8;
   if (!content.remark.empty() && used < panel.width() - 30) {
-    TextLook look = anchored(kMuted, "end");
-    look.size = 9.5;
-    svg.text(panel.right, panel.top - 6, fitted(content.remark, look.size, panel.width() - used), look);
+    TextStyle style = anchored(kMuted, "end");
+    style.size = 9.5;
+    svg.text(panel.right, panel.top - 6, fitted(content.remark, style.size, panel.width() - used), style);
   }
   svg.end();
 }

@@ -7,7 +7,7 @@
 #include "data/results/study_analysis.h"
 #include "protocols/protocol.h"
 #include "runner/figures/figure_axis.h"
-#include "runner/figures/figure_look.h"
+#include "runner/figures/figure_style.h"
 
 namespace jnd {
 

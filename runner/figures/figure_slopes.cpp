@@ -55,7 +55,7 @@ Svg draw_grid(const std::vector<SlopePanel>& panels, const SlopeScales& scales, 
   const double middle_x = kLeft + 0.5 * (static_cast<double>(columns) * (wide + kGapX) - kGapX);
   svg.text(middle_x, bottom + 42, fmt::format("stiffness difference ({})", unit_of(protocol)),
            anchored(kLabel, "middle"));
-  TextLook upwards = anchored(kLabel, "middle");
+  TextStyle upwards = anchored(kLabel, "middle");
   upwards.upwards = true;
   svg.text(18, (top + bottom) / 2, fmt::format("d' ({} model)", protocol.analysis.model), upwards);
   return svg;

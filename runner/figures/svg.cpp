@@ -49,14 +49,14 @@ std::string number_attribute(std::string_view name, double value) {
   return fmt::format(" {}=\"{}\"", name, svg_number(value));
 }
 
-std::string attributes(const Look& look) {
+std::string attributes(const ShapeStyle& style) {
   std::string text;
-  if (!look.css_class.empty()) text += attribute("class", look.css_class);
-  if (!look.fill.empty()) text += attribute("fill", look.fill);
-  if (!look.stroke.empty()) text += attribute("stroke", look.stroke);
-  if (look.stroke_width > 0) text += number_attribute("stroke-width", look.stroke_width);
-  if (!look.dash.empty()) text += attribute("stroke-dasharray", look.dash);
-  if (look.opacity < 1) text += number_attribute("opacity", look.opacity);
+  if (!style.css_class.empty()) text += attribute("class", style.css_class);
+  if (!style.fill.empty()) text += attribute("fill", style.fill);
+  if (!style.stroke.empty()) text += attribute("stroke", style.stroke);
+  if (style.stroke_width > 0) text += number_attribute("stroke-width", style.stroke_width);
+  if (!style.dash.empty()) text += attribute("stroke-dasharray", style.dash);
+  if (style.opacity < 1) text += number_attribute("opacity", style.opacity);
   return text;
 }
 
@@ -101,45 +101,45 @@ Svg::Svg(std::string id, double width, double height, std::string title, std::st
       width_(width),
       height_(height) {}
 
-void Svg::rectangle(double x, double y, double width, double height, const Look& look) {
+void Svg::rectangle(double x, double y, double width, double height, const ShapeStyle& style) {
   body_ += fmt::format("<rect{}{}{}{}{}/>\n", number_attribute("x", x), number_attribute("y", y),
-                       number_attribute("width", width), number_attribute("height", height), attributes(look));
+                       number_attribute("width", width), number_attribute("height", height), attributes(style));
 }
 
-void Svg::line(double x1, double y1, double x2, double y2, const Look& look) {
+void Svg::line(double x1, double y1, double x2, double y2, const ShapeStyle& style) {
   body_ += fmt::format("<line{}{}{}{}{}/>\n", number_attribute("x1", x1), number_attribute("y1", y1),
-                       number_attribute("x2", x2), number_attribute("y2", y2), attributes(look));
+                       number_attribute("x2", x2), number_attribute("y2", y2), attributes(style));
 }
 
-void Svg::circle(double x, double y, double radius, const Look& look) {
+void Svg::circle(double x, double y, double radius, const ShapeStyle& style) {
   body_ += fmt::format("<circle{}{}{}{}/>\n", number_attribute("cx", x), number_attribute("cy", y),
-                       number_attribute("r", radius), attributes(look));
+                       number_attribute("r", radius), attributes(style));
 }
 
-void Svg::points(std::string_view tag, const std::vector<SvgPoint>& points, const Look& look) {
+void Svg::points(std::string_view tag, const std::vector<SvgPoint>& points, const ShapeStyle& style) {
   std::string list;
   for (const auto& [x, y] : points) list += (list.empty() ? "" : " ") + svg_number(x) + "," + svg_number(y);
-  body_ += fmt::format("<{} points=\"{}\"{}/>\n", tag, list, attributes(look));
+  body_ += fmt::format("<{} points=\"{}\"{}/>\n", tag, list, attributes(style));
 }
 
-void Svg::polygon(const std::vector<SvgPoint>& corners, const Look& look) {
-  points("polygon", corners, look);
+void Svg::polygon(const std::vector<SvgPoint>& corners, const ShapeStyle& style) {
+  points("polygon", corners, style);
 }
 
-void Svg::polyline(const std::vector<SvgPoint>& corners, const Look& look) {
-  Look open = look;
+void Svg::polyline(const std::vector<SvgPoint>& corners, const ShapeStyle& style) {
+  ShapeStyle open = style;
   open.fill = "none";
   points("polyline", corners, open);
 }
 
-void Svg::text(double x, double y, std::string_view content, const TextLook& look) {
+void Svg::text(double x, double y, std::string_view content, const TextStyle& style) {
   std::string turn;
-  if (look.upwards) turn = fmt::format(" transform=\"rotate(-90 {} {})\"", svg_number(x), svg_number(y));
+  if (style.upwards) turn = fmt::format(" transform=\"rotate(-90 {} {})\"", svg_number(x), svg_number(y));
   body_ += fmt::format("<text{}{}{}{}{}{}{}{}>{}</text>\n", number_attribute("x", x), number_attribute("y", y),
-                       attribute("class", look.css_class), attribute("fill", look.fill),
-                       number_attribute("font-size", look.size),
-                       look.anchor == "start" ? std::string() : attribute("text-anchor", look.anchor),
-                       look.bold ? attribute("font-weight", "bold") : std::string(), turn, escape_markup(content));
+                       attribute("class", style.css_class), attribute("fill", style.fill),
+                       number_attribute("font-size", style.size),
+                       style.anchor == "start" ? std::string() : attribute("text-anchor", style.anchor),
+                       style.bold ? attribute("font-weight", "bold") : std::string(), turn, escape_markup(content));
 }
 
 void Svg::begin(std::string_view css_class, std::string_view label) {

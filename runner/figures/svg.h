@@ -21,7 +21,7 @@ std::string escape_markup(std::string_view text);
 std::string svg_number(double value);
 
 // How a mark looks. Empty fields are not written: SVG then fills black and strokes nothing.
-struct Look {
+struct ShapeStyle {
   std::string_view css_class;
   std::string_view fill;    // "#0072b2", "none"
   std::string_view stroke;  // the same
@@ -30,7 +30,7 @@ struct Look {
   double opacity = 1;       // of fill and stroke, 0..1
 };
 
-struct TextLook {
+struct TextStyle {
   std::string_view css_class = "ink";
   std::string_view fill = "#1a1a1a";
   double size = 12;
@@ -46,12 +46,12 @@ class Svg {
   // id: of letters, digits and '-', unique in a page. title and description are what a screen reader says.
   Svg(std::string id, double width, double height, std::string title, std::string description);
 
-  void rectangle(double x, double y, double width, double height, const Look& look);
-  void line(double x1, double y1, double x2, double y2, const Look& look);
-  void circle(double x, double y, double radius, const Look& look);
-  void polygon(const std::vector<SvgPoint>& corners, const Look& look);
-  void polyline(const std::vector<SvgPoint>& corners, const Look& look);  // never filled
-  void text(double x, double y, std::string_view content, const TextLook& look);
+  void rectangle(double x, double y, double width, double height, const ShapeStyle& style);
+  void line(double x1, double y1, double x2, double y2, const ShapeStyle& style);
+  void circle(double x, double y, double radius, const ShapeStyle& style);
+  void polygon(const std::vector<SvgPoint>& corners, const ShapeStyle& style);
+  void polyline(const std::vector<SvgPoint>& corners, const ShapeStyle& style);  // never filled
+  void text(double x, double y, std::string_view content, const TextStyle& style);
   // Marks until the matching end() belong together; label, where not empty, is the tooltip of them.
   void begin(std::string_view css_class, std::string_view label = {});
   void end();
@@ -63,7 +63,7 @@ class Svg {
 
  private:
   std::string markup(bool alone) const;
-  void points(std::string_view tag, const std::vector<SvgPoint>& points, const Look& look);
+  void points(std::string_view tag, const std::vector<SvgPoint>& points, const ShapeStyle& style);
 
   std::string id_, title_, description_, body_;
   double width_, height_;

@@ -11,6 +11,7 @@
 #include "protocols/input/resources.h"
 #include "protocols/reading/protocol_difference.h"
 #include "protocols/reading/protocol_json.h"
+#include "protocols/words.h"
 #include "runner/opening/protocol_fitness.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/terminal.h"
@@ -104,8 +105,9 @@ void say_other_kinds(const Study& study, SessionKind analysed) {
 
 DifferenceSource source_to_analyse(const Protocol& protocol, const std::optional<std::string>& named) {
   if (!named) return registered_source(protocol);
-  for (const DifferenceSource source : {DifferenceSource::nominal, DifferenceSource::delivered})
-    if (*named == to_string(source)) return source;
+  // Mixed is what an analysis finds, not what can be asked for.
+  const std::optional<DifferenceSource> source = value_of(kDifferenceSourceWords, *named);
+  if (source && *source != DifferenceSource::mixed) return *source;
   throw UsageError(fmt::format("'{}': --by takes nominal or delivered", *named));
 }
 

@@ -23,7 +23,7 @@ fs::path plain_path(const fs::path& path) {
   return whole.has_filename() ? whole : whole.parent_path();
 }
 
-// What an earlier report wrote, and nobody has changed since. Throw StorageError otherwise.
+// What an earlier report wrote and has not been changed since. Throw StorageError otherwise.
 void page_may_go(const fs::path& page) {
   require_sealed(page, kCommand);
 }

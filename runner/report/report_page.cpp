@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "runner/figures/figure_look.h"
+#include "runner/figures/figure_style.h"
 #include "runner/report/report_html.h"
 #include "runner/report/report_markdown.h"
 #include "runner/report/report_style.h"

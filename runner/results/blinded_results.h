@@ -28,7 +28,7 @@ struct BlindedParticipant {
   double mean_trial_s = 0;            // NaN without one
 };
 
-// One condition, of everybody together.
+// One condition, all participants together.
 struct BlindedGroup {
   std::string code;
   int n = 0, of = 0;  // participants with a threshold, and with any data
@@ -36,7 +36,7 @@ struct BlindedGroup {
   double ci_low = 0, ci_high = 0;  // 95 %; NaN where there is none
 };
 
-// A mean of fewer would be somebody's own result.
+// A mean of fewer would tell a participant's own result.
 inline constexpr int kFewestTogether = 3;
 
 struct BlindedResults {

@@ -80,7 +80,7 @@ nlohmann::ordered_json precision_json(const PlannedPrecision& planned, const Pro
   out["unit"] = to_string(protocol.stimulus.unit);
   out["differences"] = question.design.differences;
   out["trials_per_cell"] = question.design.trials;
-  out["sampling"] = question.design.class_sizes == ClassSizes::balanced ? "balanced" : "random";
+  out["sampling"] = to_string(question.design.class_sizes);
   out["participants"] = question.participants;
   out["between_cv"] = question.between_cv;
   out["wanted_cv"] = question.wanted_cv;

@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "protocols/course/duration.h"
+#include "protocols/words.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/text_table.h"
 
@@ -189,10 +190,10 @@ std::string sources_of(const PlannedPrecision& planned, const Protocol& protocol
 std::string assumptions(const PlannedPrecision& planned, const Protocol& protocol) {
   const PrecisionQuestion& question = planned.precision.question;
   const CountsDesign& design = question.design;
-  std::string text = fmt::format("{} trials a cell, {} classes; differences {:g} {}; {} participant{}\n", design.trials,
-                                 design.class_sizes == ClassSizes::balanced ? "balanced" : "random",
-                                 fmt::join(design.differences, ", "), to_string(protocol.stimulus.unit),
-                                 question.participants, question.participants == 1 ? "" : "s");
+  std::string text =
+      fmt::format("{} trials a cell, {} classes; differences {:g} {}; {} participant{}\n", design.trials,
+                  to_string(design.class_sizes), fmt::join(design.differences, ", "), to_string(protocol.stimulus.unit),
+                  question.participants, question.participants == 1 ? "" : "s");
   text += fmt::format("true JND: {}\n", sources_of(planned, protocol));
   text += fmt::format("yes-no d' of {} rates, criterion at half of the difference; least-squares JND\n",
                       to_string(design.correction));
@@ -202,6 +203,11 @@ std::string assumptions(const PlannedPrecision& planned, const Protocol& protoco
 }
 
 }  // namespace
+
+std::string_view to_string(ClassSizes sizes) noexcept {
+  constexpr auto kWords = words<ClassSizes>({{"random", ClassSizes::random}, {"balanced", ClassSizes::balanced}});
+  return word_of(kWords, sizes);
+}
 
 std::string precision_text(const PlannedPrecision& planned, const Protocol& protocol, TableStyle style) {
   const Precision& precision = planned.precision;

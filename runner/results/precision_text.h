@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "analysis/precision/precision.h"
@@ -15,6 +16,8 @@ struct PlannedPrecision {
   Precision precision;
   std::vector<JndSource> sources;
 };
+
+std::string_view to_string(ClassSizes sizes) noexcept;  // "random", "balanced"
 
 enum class TableStyle { terminal, markdown };
 

@@ -1,4 +1,4 @@
-// Tables of a study whose answers set the levels: thresholds of the conditions, and of everybody.
+// Tables of a study whose answers set the levels: thresholds of the conditions, and of every participant.
 #include <cmath>
 
 #include <fmt/format.h>

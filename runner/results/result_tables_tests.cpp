@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "data/export/result_fields.h"
+#include "protocols/words.h"
 #include "runner/results/field_output.h"
 #include "runner/results/result_format.h"
 #include "runner/results/result_table_parts.h"
@@ -14,17 +15,11 @@ namespace jnd {
 namespace {
 
 std::string_view post_hoc_name(PostHoc post_hoc) noexcept {
-  switch (post_hoc) {
-    case PostHoc::holm_t:
-      return "paired t, Holm over the contrasts";
-    case PostHoc::games_howell:
-      return "Games-Howell";
-    case PostHoc::tukey:
-      return "Tukey";
-    case PostHoc::wilcoxon:
-      return "Wilcoxon signed ranks, Holm over the contrasts";
-  }
-  return "";
+  constexpr auto kWords = words<PostHoc>({{"paired t, Holm over the contrasts", PostHoc::holm_t},
+                                          {"Games-Howell", PostHoc::games_howell},
+                                          {"Tukey", PostHoc::tukey},
+                                          {"Wilcoxon signed ranks, Holm over the contrasts", PostHoc::wilcoxon}});
+  return word_of(kWords, post_hoc);
 }
 
 std::string contrast_name(const Contrast& contrast, const Protocol& protocol) {

@@ -4,7 +4,7 @@ namespace jnd {
 
 namespace {
 
-// Others are an end of the presentation that somebody asked for, or the participant's doing.
+// Others are an end of the presentation that was asked for, or the participant's doing.
 bool of_the_devices(Fault fault) {
   return fault != Fault::none && fault != Fault::no_contact && fault != Fault::emergency_stop &&
          fault != Fault::interrupted;

@@ -41,11 +41,11 @@ bool ExplorationBlock::ready(const ExplorationSlot& slot, int attempt) {
   outline.devices = condition.devices;
   outline.duration_s = slot.duration_s;
   outline.attempt = attempt;
-  const OperatorRequest wish =
+  const OperatorRequest request =
       settle(parts_, recorder_, slots_done(), [&] { return parts_.view.ready_to_explore(outline); });
-  if (wish.request == Request::end_block) end_block(slot.block, wish.text);
-  if (wish.request == Request::take_break) pause_session(parts_, recorder_, "break", wish.text, slots_done());
-  return wish.request == Request::go_on;
+  if (request.kind == Request::end_block) end_block(slot.block, request.text);
+  if (request.kind == Request::take_break) pause_session(parts_, recorder_, "break", request.text, slots_done());
+  return request.kind == Request::go_on;
 }
 
 void ExplorationBlock::attempt(const ExplorationSlot& slot, int attempt) {
@@ -53,7 +53,7 @@ void ExplorationBlock::attempt(const ExplorationSlot& slot, int attempt) {
   asked_ = false;
   await_rig(parts_, recorder_, slots_done());
   // A stop that came before it: nothing is felt, and nothing counted, before a person has cleared it.
-  heed_interrupts(parts_, recorder_, slots_done());
+  handle_interrupts(parts_, recorder_, slots_done());
   recorder_.record_mark(ExplorationBegan{slot.index, attempt}, {{"index", slot.index}, {"attempt", attempt}});
   ExplorationRecord record = exploration_of(parts_.protocol, slot, attempt);
   PieceEnd end = PieceEnd::go_on;
@@ -83,7 +83,7 @@ ExplorationBlock::PieceEnd ExplorationBlock::render_piece(ExplorationRecord& rec
   const double left_s = record.slot.duration_s - record.duration_s;
   parts_.rig.watch([&](const LoopSnapshot& snapshot) {
     parts_.view.health(health_of(snapshot));
-    // What the operator wishes is heard at once: the object lets go, and goes on after it.
+    // What the operator asks for is heard at once: the object lets go, and goes on after it.
     if (!still_exploring(left_s - snapshot.elapsed_s)) parts_.rig.stop.latch(StopSource::program);
   });
   record.presentations.push_back(parts_.rig.present(request));
@@ -105,7 +105,7 @@ ExplorationBlock::PieceEnd ExplorationBlock::render_piece(ExplorationRecord& rec
                    piece.fault == Fault::emergency_stop ? piece.stopped_by : std::string(),
                    counts_as_attempt(parts_, piece.fault));
   (void)still_exploring(record.slot.duration_s - record.duration_s);
-  return heed(record);
+  return handle_requests(record);
 }
 
 // Without devices time passes; the operator's keys and the stop are looked at all the same.
@@ -119,7 +119,7 @@ ExplorationBlock::PieceEnd ExplorationBlock::bare_hands(ExplorationRecord& recor
     if (!pausing) return stopped(record, std::string(to_string(Fault::emergency_stop)), std::string(to_string(source)));
   }
   (void)still_exploring(record.slot.duration_s - record.duration_s);
-  return heed(record);
+  return handle_requests(record);
 }
 
 bool ExplorationBlock::still_exploring(double left_s) {
@@ -127,33 +127,33 @@ bool ExplorationBlock::still_exploring(double left_s) {
   return !asked_;
 }
 
-// What the operator wished meanwhile, and what signals ask for.
-ExplorationBlock::PieceEnd ExplorationBlock::heed(ExplorationRecord& record) {
+// What the operator asked for meanwhile, and what signals ask for.
+ExplorationBlock::PieceEnd ExplorationBlock::handle_requests(ExplorationRecord& record) {
   if (parts_.interrupts.end) leave(record, SessionEnds{false, "signal", {}});
   try {
-    heed_interrupts(parts_, recorder_, slots_done());
+    handle_interrupts(parts_, recorder_, slots_done());
     if (!asked_) return PieceEnd::go_on;
     asked_ = false;
-    const OperatorRequest wish = parts_.view.meanwhile();
-    switch (wish.request) {
+    const OperatorRequest request = parts_.view.meanwhile();
+    switch (request.kind) {
       case Request::pause:
       case Request::take_break:
-        pause_session(parts_, recorder_, wish.request == Request::pause ? "key" : "break", wish.text, slots_done());
+        pause_session(parts_, recorder_, request.kind == Request::pause ? "key" : "break", request.text, slots_done());
         return PieceEnd::go_on;
       case Request::note:
-        recorder_.note(wish.text, slots_done());
+        recorder_.note(request.text, slots_done());
         return PieceEnd::go_on;
       case Request::repeat_trial:
-        record.words = wish.text;
+        record.words = request.text;
         void_attempt(record, "repeated", true);
         return PieceEnd::voided;
       case Request::end_block:
         record.ended_early = true;
-        record.words = wish.text;
+        record.words = request.text;
         return PieceEnd::enough;
       case Request::end_for_now:
       case Request::end_for_good:
-        throw SessionEnds{wish.request == Request::end_for_good, "operator", wish.text};
+        throw SessionEnds{request.kind == Request::end_for_good, "operator", request.text};
       default:
         return PieceEnd::go_on;
     }
@@ -183,8 +183,8 @@ void ExplorationBlock::void_attempt(const ExplorationRecord& record, const std::
   recorder_.record(ExplorationVoided{index, record.attempt, counts, will_repeat}, body, ticks);
 }
 
-// Felt, but ended by us: it comes again from its beginning, and the log knows that it was felt. Nobody was there to
-// feel it where no person is.
+// Felt, but ended by us: it comes again from its beginning, and the log knows that it was felt. Without
+// a person nothing was felt.
 void ExplorationBlock::leave(const ExplorationRecord& record, const SessionEnds& end) {
   parts_.rig.neutral();
   if (parts_.person) void_attempt(record, "interrupted", false);

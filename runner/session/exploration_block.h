@@ -34,7 +34,7 @@ class ExplorationBlock {
   void attempt(const ExplorationSlot& slot, int attempt);
   PieceEnd render_piece(ExplorationRecord& record, double length_s);
   PieceEnd bare_hands(ExplorationRecord& record);
-  PieceEnd heed(ExplorationRecord& record);
+  PieceEnd handle_requests(ExplorationRecord& record);
   PieceEnd stopped(ExplorationRecord& record, const std::string& reason, const std::string& stopped_by,
                    bool counts = true);
   void void_attempt(const ExplorationRecord& record, const std::string& reason, bool counts);
@@ -49,7 +49,7 @@ class ExplorationBlock {
   const SessionParts& parts_;
   const CourseRecorder& recorder_;
   std::vector<std::string> codes_;
-  bool asked_ = false;  // the view wants the operator's wish to be heard
+  bool asked_ = false;  // the view wants the operator's request to be heard
   Telemetry ticks_;     // of the present attempt
 };
 

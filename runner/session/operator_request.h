@@ -19,7 +19,7 @@ enum class Request {
 };
 
 struct OperatorRequest {
-  Request request = Request::go_on;
+  Request kind = Request::go_on;
   std::string text;  // the reason, or the note
 };
 

@@ -2,26 +2,24 @@
 
 #include <fmt/format.h>
 
+#include "protocols/words.h"
 #include "runner/terminal/exit_code.h"
 
 namespace jnd {
 
+namespace {
+
+constexpr auto kPolicies =
+    words<RecordPolicy>({{"off", RecordPolicy::off}, {"events", RecordPolicy::events}, {"full", RecordPolicy::full}});
+
+}  // namespace
+
 std::string_view to_string(RecordPolicy policy) noexcept {
-  switch (policy) {
-    case RecordPolicy::off:
-      return "off";
-    case RecordPolicy::events:
-      return "events";
-    case RecordPolicy::full:
-      return "full";
-  }
-  return "";
+  return word_of(kPolicies, policy);
 }
 
 std::optional<RecordPolicy> record_policy_from(std::string_view text) noexcept {
-  for (const RecordPolicy policy : {RecordPolicy::off, RecordPolicy::events, RecordPolicy::full})
-    if (text == to_string(policy)) return policy;
-  return std::nullopt;
+  return value_of(kPolicies, text);
 }
 
 RecordPolicy record_policy_of(const std::string& text) {

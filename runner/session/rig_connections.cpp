@@ -60,7 +60,7 @@ void await_rig(const SessionParts& parts, const SessionRecorder& recorder, int a
     return parts.rig.missing().empty();
   };
   while (!missing.empty()) {
-    heed_interrupts(parts, recorder, after_trial);
+    handle_interrupts(parts, recorder, after_trial);
     if (parts.person)
       settle(parts, recorder, after_trial, [&] { return parts.view.missing(missing, back); });
     else if (parts.clock.now_ns() - began_ns > static_cast<std::int64_t>(1e9 * kLongestWait_s))

@@ -13,12 +13,12 @@ namespace jnd {
 void note_connections(const SessionParts& parts, const SessionRecorder& recorder, std::string_view when);
 
 // rig.calibration for each device that carries a calibration: its certificate, from the first of the folders that has
-// it, so that whoever has the study can recompute it.
+// it, so that it can be recomputed from the study alone.
 void note_calibrations(const SessionParts& parts, const SessionRecorder& recorder,
                        const std::vector<std::filesystem::path>& folders);
 
 // Whether an attempt that this fault ended uses up one of the trial's attempts. Not where a device is unplugged, or the
-// tracker gone, just now: nobody is to blame, and it is waited for. A device that comes and goes within the attempt, or
+// tracker gone, just now: the session waits for it. A device that comes and goes within the attempt, or
 // that stops itself, does use it up: otherwise it could go on for ever.
 bool counts_as_attempt(const SessionParts& parts, Fault fault);
 

@@ -94,25 +94,25 @@ void SessionEngine::carry_out(const step::Present& due) {
 
 bool SessionEngine::ready(const Trial& next, const TrialOutline& outline) {
   for (;;) {
-    const OperatorRequest wish = settle(parts_, recorder_, after_trial(), [&] {
+    const OperatorRequest request = settle(parts_, recorder_, after_trial(), [&] {
       (void)conductor_.rested();  // a note or a pause leaves its rest
       return parts_.view.ready(outline);
     });
-    heed_interrupts(parts_, recorder_, after_trial());
-    if (wish.request == Request::go_on) {
+    handle_interrupts(parts_, recorder_, after_trial());
+    if (request.kind == Request::go_on) {
       // However soon the operator goes on, the time between trials passes. A stop that is still latched is one that
-      // nobody clears, and ends the session when something is to be presented.
+      // was not cleared, and ends the session when something is to be presented.
       if (parts_.rig.stop.latched() || conductor_.rested()) return true;
       continue;
     }
-    if (wish.request == Request::take_break) break_on_request(wish.text);
-    if (wish.request == Request::end_block) {
-      end_block(next, wish.text);
+    if (request.kind == Request::take_break) break_on_request(request.text);
+    if (request.kind == Request::end_block) {
+      end_block(next, request.text);
       return false;
     }
     const TrialRecord* last = course_.last_answer(next);
-    if (wish.request == Request::void_last && last != nullptr) {
-      take_back_last(TrialRecord(*last), wish.text);
+    if (request.kind == Request::void_last && last != nullptr) {
+      take_back_last(TrialRecord(*last), request.text);
       return false;
     }
   }
@@ -151,7 +151,7 @@ void SessionEngine::carry_out(const step::EndPractice& due) {
 
 void SessionEngine::carry_out(const step::TakeBreak& due) {
   const Break& pause = protocol_.breaks[static_cast<std::size_t>(due.place)];
-  heed_interrupts(parts_, recorder_, due.after_trial);
+  handle_interrupts(parts_, recorder_, due.after_trial);
   const std::int64_t began = parts_.clock.now_ns();
   parts_.view.break_begins(pause, false);
   settle(parts_, recorder_, due.after_trial, [&] { return parts_.view.break_over(pause); });
@@ -227,13 +227,13 @@ TrialOutline SessionEngine::outline_of(const Trial& trial) const {
 // A page is answered as a whole. Ctrl-C: a pause, then the page again.
 Replies SessionEngine::replies_to(const std::vector<AskedQuestion>& page) {
   for (;;) {
-    heed_interrupts(parts_, recorder_, after_trial());
+    handle_interrupts(parts_, recorder_, after_trial());
     const std::optional<Replies> replies = parts_.responder.reply_all(page);
     if (replies && !parts_.interrupts.end) return *replies;
-    heed_interrupts(parts_, recorder_, after_trial());
-    const OperatorRequest wish = parts_.view.meanwhile();
-    if (!parts_.person || wish.request != Request::go_on)
-      throw SessionEnds{wish.request == Request::end_for_good, "operator", wish.text};
+    handle_interrupts(parts_, recorder_, after_trial());
+    const OperatorRequest request = parts_.view.meanwhile();
+    if (!parts_.person || request.kind != Request::go_on)
+      throw SessionEnds{request.kind == Request::end_for_good, "operator", request.text};
   }
 }
 
@@ -259,7 +259,7 @@ void SessionEngine::carry_out(const step::Instruct& due) {
 void SessionEngine::carry_out(const step::AskConsent&) {
   std::optional<bool> given;
   while (!given) {
-    heed_interrupts(parts_, recorder_, after_trial());
+    handle_interrupts(parts_, recorder_, after_trial());
     given = parts_.view.consent(protocol_.consent);
   }
   nlohmann::ordered_json body = {{"language", protocol_.language}, {"text", protocol_.consent}, {"by", "operator"}};

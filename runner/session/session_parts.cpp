@@ -59,21 +59,21 @@ void SessionRecorder::note(const std::string& text, int after_trial) const {
 }
 
 bool fulfilled(const SessionParts& parts, const SessionRecorder& recorder, int after_trial,
-               const OperatorRequest& wish) {
-  switch (wish.request) {
+               const OperatorRequest& request) {
+  switch (request.kind) {
     case Request::note:
-      recorder.note(wish.text, after_trial);
+      recorder.note(request.text, after_trial);
       return true;
     case Request::pause:
-      // One by Ctrl-C is heeded before the next asking, and its stop of the rig is taken back.
-      if (!parts.interrupts.pause) pause_session(parts, recorder, "key", wish.text, after_trial);
+      // One by Ctrl-C is handled before the next asking, and its stop of the rig is taken back.
+      if (!parts.interrupts.pause) pause_session(parts, recorder, "key", request.text, after_trial);
       return true;
     case Request::stopped:
-      return true;  // heeded before the next asking
+      return true;  // handled before the next asking
     case Request::end_for_now:
-      throw SessionEnds{false, "operator", wish.text};
+      throw SessionEnds{false, "operator", request.text};
     case Request::end_for_good:
-      throw SessionEnds{true, "operator", wish.text};
+      throw SessionEnds{true, "operator", request.text};
     default:
       return false;
   }
@@ -87,12 +87,12 @@ bool stopped_by_person(const SessionParts& parts) {
   return parts.person && (source == StopSource::key || source == StopSource::button);
 }
 
-void heed_stop(const SessionParts& parts, const SessionRecorder& recorder, int after_trial) {
+void handle_stop(const SessionParts& parts, const SessionRecorder& recorder, int after_trial) {
   if (stopped_by_person(parts))
     recover_from_stop(parts, recorder, std::string(to_string(parts.rig.stop.source())), after_trial);
 }
 
-void heed_signals(const SessionParts& parts, const SessionRecorder& recorder, int after_trial) {
+void handle_signals(const SessionParts& parts, const SessionRecorder& recorder, int after_trial) {
   if (parts.interrupts.end) throw SessionEnds{false, "signal", {}};
   if (!parts.interrupts.pause) return;
   // Ctrl-C has latched the rig's stop too: the pause takes its place.
@@ -108,10 +108,10 @@ void pause_session(const SessionParts& parts, const SessionRecorder& recorder, c
   const std::int64_t began = parts.clock.now_ns();
   recorder.append(event_kind::kPaused, {{"cause", cause}, {"reason", reason}, {"after_trial", after_trial}});
   for (;;) {
-    const OperatorRequest wish = parts.view.paused(cause);
+    const OperatorRequest request = parts.view.paused(cause);
     if (parts.interrupts.end) throw SessionEnds{false, "signal", {}};
-    if (wish.request == Request::stopped) break;  // the stop takes the pause's place
-    if (wish.request == Request::pause || !fulfilled(parts, recorder, after_trial, wish)) break;
+    if (request.kind == Request::stopped) break;  // the stop takes the pause's place
+    if (request.kind == Request::pause || !fulfilled(parts, recorder, after_trial, request)) break;
   }
   forget_pause();
   // A Ctrl-C during the pause asked for what was already there; its stop goes with it.
@@ -119,21 +119,22 @@ void pause_session(const SessionParts& parts, const SessionRecorder& recorder, c
   recorder.append(event_kind::kContinued, {{"paused_s", seconds_since(parts, began)}});
 }
 
-void heed_interrupts(const SessionParts& parts, const SessionRecorder& recorder, int after_trial) {
-  heed_signals(parts, recorder, after_trial);
-  heed_stop(parts, recorder, after_trial);
+void handle_interrupts(const SessionParts& parts, const SessionRecorder& recorder, int after_trial) {
+  handle_signals(parts, recorder, after_trial);
+  handle_stop(parts, recorder, after_trial);
 }
 
 void recover_from_stop(const SessionParts& parts, const SessionRecorder& recorder, const std::string& stopped_by,
                        int after_trial) {
-  OperatorRequest wish;
+  OperatorRequest request;
   do {
-    heed_signals(parts, recorder, after_trial);
-    wish = parts.view.recover(stopped_by);
-  } while (fulfilled(parts, recorder, after_trial, wish));
+    handle_signals(parts, recorder, after_trial);
+    request = parts.view.recover(stopped_by);
+  } while (fulfilled(parts, recorder, after_trial, request));
   parts.rig.stop.clear();
-  recorder.append(event_kind::kStopCleared,
-                  {{"stopped_by", stopped_by}, {"reason", wish.text.empty() ? "cleared by the operator" : wish.text}});
+  recorder.append(
+      event_kind::kStopCleared,
+      {{"stopped_by", stopped_by}, {"reason", request.text.empty() ? "cleared by the operator" : request.text}});
 }
 
 bool wait_until(const SessionParts& parts, std::int64_t deadline_ns, OperatorHeard heard) {
@@ -151,7 +152,7 @@ bool wait_until(const SessionParts& parts, std::int64_t deadline_ns, OperatorHea
 
 void wait_out(const SessionParts& parts, const SessionRecorder& recorder, std::int64_t deadline_ns, int after_trial) {
   while (!wait_until(parts, deadline_ns)) {
-    heed_interrupts(parts, recorder, after_trial);
+    handle_interrupts(parts, recorder, after_trial);
     if (parts.rig.stop.latched()) return;
   }
 }

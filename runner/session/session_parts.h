@@ -34,7 +34,7 @@ struct SessionParts {
   SessionView& view;
   const Interrupts& interrupts;  // what Ctrl-C and signals have asked for
   RecordPolicy record = RecordPolicy::events;
-  bool person = false;  // somebody feels the stimuli: what was presented is marked before it is answered
+  bool person = false;  // a person feels the stimuli: what was presented is marked before it is answered
 };
 
 // Unwinds a session to its end.
@@ -49,7 +49,7 @@ class SessionRecorder {
  public:
   explicit SessionRecorder(const SessionParts& parts) noexcept : parts_(parts) {}
 
-  // Returns when the event is committed. Throws StorageError where the operator gives up, or there is nobody to ask.
+  // Returns when the event is committed. Throws StorageError where the operator gives up, or there is no operator to ask.
   void append(std::string_view kind, const nlohmann::ordered_json& body,
               const std::vector<TelemetryBlob>& telemetry = {}) const;
   // SessionLog::mark, for people only.
@@ -60,13 +60,13 @@ class SessionRecorder {
   const SessionParts& parts_;
 };
 
-// Does what the operator wishes at any time that is not a trial's: notes, pauses; throws SessionEnds for an end. False:
-// the wish is the caller's to fulfil (go_on, repeat_trial, void_last, end_block, take_break).
+// Does what the operator asks for at any time that is not a trial's: notes, pauses; throws SessionEnds for an end. False:
+// the request is the caller's to fulfil (go_on, repeat_trial, void_last, end_block, take_break).
 bool fulfilled(const SessionParts& parts, const SessionRecorder& recorder, int after_trial,
-               const OperatorRequest& wish);
+               const OperatorRequest& request);
 
-// Asks the operator until a wish is the caller's. Between two askings stops and signals are heeded. ask: gives the
-// operator's wish.
+// Asks the operator until a request is the caller's. Between two askings stops and signals are handled. ask: gives the
+// operator's request.
 template <typename Ask>
 OperatorRequest settle(const SessionParts& parts, const SessionRecorder& recorder, int after_trial, Ask&& ask);
 
@@ -77,7 +77,7 @@ void pause_session(const SessionParts& parts, const SessionRecorder& recorder, c
 
 // Pauses where Ctrl-C was pressed, ends where a signal or a second Ctrl-C asks for it, and where the rig's stop is
 // latched waits for the person who clears it. Call between steps.
-void heed_interrupts(const SessionParts& parts, const SessionRecorder& recorder, int after_trial);
+void handle_interrupts(const SessionParts& parts, const SessionRecorder& recorder, int after_trial);
 
 // The rig's stop is latched: only a person's word clears it. Throws SessionEnds where the session ends instead.
 void recover_from_stop(const SessionParts& parts, const SessionRecorder& recorder, const std::string& stopped_by,
@@ -87,15 +87,15 @@ void recover_from_stop(const SessionParts& parts, const SessionRecorder& recorde
 // is heard SessionView::waiting. False: one of them came first.
 enum class OperatorHeard { no, yes };
 bool wait_until(const SessionParts& parts, std::int64_t deadline_ns, OperatorHeard heard = OperatorHeard::no);
-// The whole of it: what came first is heeded, and the rest is waited for. Without a person a stop ends it.
+// The whole of it: what came first is handled, and the rest is waited for. Without a person a stop ends it.
 void wait_out(const SessionParts& parts, const SessionRecorder& recorder, std::int64_t deadline_ns, int after_trial);
 
 template <typename Ask>
 OperatorRequest settle(const SessionParts& parts, const SessionRecorder& recorder, int after_trial, Ask&& ask) {
   for (;;) {
-    heed_interrupts(parts, recorder, after_trial);
-    OperatorRequest wish = ask();
-    if (!fulfilled(parts, recorder, after_trial, wish)) return wish;
+    handle_interrupts(parts, recorder, after_trial);
+    OperatorRequest request = ask();
+    if (!fulfilled(parts, recorder, after_trial, request)) return request;
   }
 }
 

@@ -65,7 +65,7 @@ class SessionView {
  public:
   virtual ~SessionView() = default;
   // Before a trial: go_on presents it; anything else is done, and this is asked again where a trial is still to come.
-  // Whatever asks for a wish may return stopped; it is asked again once the stop is cleared.
+  // Whatever asks for a request may return stopped; it is asked again once the stop is cleared.
   virtual OperatorRequest ready(const TrialOutline&) { return {}; }
   // What the operator asked for during a presentation, or instead of an answer: repeat_trial, or an end.
   virtual OperatorRequest meanwhile() { return {}; }
@@ -87,7 +87,7 @@ class SessionView {
   // the session here.
   virtual OperatorRequest recover(const std::string& /*stopped_by*/) { return {Request::end_for_now, {}}; }
   // Something of the rig is missing, such as a device that was unplugged; `what` is in the operator's words. Returns
-  // go_on as soon as back() is true, which it asks some times a second, or what the operator wishes meanwhile; at once
+  // go_on as soon as back() is true, which it asks some times a second, or what the operator asks for meanwhile; at once
   // for views without a person.
   virtual OperatorRequest missing(const std::string& /*what*/, const std::function<bool()>& /*back*/) { return {}; }
   // The log cannot be written just now: true tries again, false ends the session, and what was not saved is lost.

@@ -38,7 +38,7 @@ std::optional<double> TrialConductor::conduct(const Trial& trial, const TrialOut
   ticks_.clear();
   await_rig(parts_, recorder_, after_trial());
   // A stop that came meanwhile: nothing is presented before a person has cleared it.
-  heed_interrupts(parts_, recorder_, after_trial());
+  handle_interrupts(parts_, recorder_, after_trial());
   recorder_.record_mark(TrialBegan{trial.index, outline.attempt},
                         {{"index", trial.index}, {"attempt", outline.attempt}});
   const std::int64_t began = parts_.clock.now_ns();
@@ -102,25 +102,25 @@ bool TrialConductor::voided_after(const Attempt& attempt, int interval, const Pr
     void_attempt(attempt, "paused", {}, false);
     return true;
   }
-  if (presentation.fault == Fault::none) return voided_by_wish(attempt);
+  if (presentation.fault == Fault::none) return voided_on_request(attempt);
   void_attempt(attempt, std::string(to_string(presentation.fault)), {}, counts);
   if (presentation.fault == Fault::emergency_stop)
     recover_from_stop(parts_, recorder_, presentation.stopped_by, after_trial());
   return true;
 }
 
-bool TrialConductor::voided_by_wish(const Attempt& attempt) {
-  const OperatorRequest wish = parts_.view.meanwhile();
-  switch (wish.request) {
+bool TrialConductor::voided_on_request(const Attempt& attempt) {
+  const OperatorRequest request = parts_.view.meanwhile();
+  switch (request.kind) {
     case Request::repeat_trial:
-      void_attempt(attempt, "repeated", wish.text, true);
+      void_attempt(attempt, "repeated", request.text, true);
       return true;
     case Request::end_for_now:
     case Request::end_for_good:
       void_interrupted(attempt, "interrupted");
-      throw SessionEnds{wish.request == Request::end_for_good, "operator", wish.text};
+      throw SessionEnds{request.kind == Request::end_for_good, "operator", request.text};
     case Request::note:
-      recorder_.note(wish.text, after_trial());
+      recorder_.note(request.text, after_trial());
       return false;
     default:
       return false;  // pauses, and what concerns other trials, wait for the next ready()
@@ -144,7 +144,7 @@ bool TrialConductor::voided_by_interruption(const Attempt& attempt) {
 }
 
 void TrialConductor::voided_unanswered(const Attempt& attempt) {
-  if (voided_by_interruption(attempt) || voided_by_wish(attempt)) return;
+  if (voided_by_interruption(attempt) || voided_on_request(attempt)) return;
   void_attempt(attempt, "no_answer", {}, true);
 }
 

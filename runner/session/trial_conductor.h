@@ -1,4 +1,4 @@
-// One attempt at one trial: two presentations, a question, an answer that is committed before anybody is told.
+// One attempt at one trial: two presentations, a question, an answer that is committed before the view is told.
 #pragma once
 
 #include <cstdint>
@@ -46,7 +46,7 @@ class TrialConductor {
   void keep_ticks(const Trial& trial, int interval, const Presentation& presentation);
   // Why the attempt ends here: nothing, or it was voided.
   bool voided_after(const Attempt& attempt, int interval, const Presentation& presentation);
-  bool voided_by_wish(const Attempt& attempt);
+  bool voided_on_request(const Attempt& attempt);
   // By a signal or a stop, just now.
   bool voided_by_interruption(const Attempt& attempt);
   void voided_unanswered(const Attempt& attempt);

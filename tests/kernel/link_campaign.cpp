@@ -55,8 +55,8 @@ int round_trips(const std::string& serial, int count) {
     else
       ++strange;
   };
-  PageExchange talk(*handle, serial, hear, PagePatience{.read_ms = 2000, .write_ms = 2000, .tries = 1});
-  const PageData expected = talk.read(JND_PAGE_IDENTITY);
+  PageExchange exchange(*handle, serial, hear, PagePatience{.read_ms = 2000, .write_ms = 2000, .tries = 1});
+  const PageData expected = exchange.read(JND_PAGE_IDENTITY);
   const SteadyClock clock;
   std::vector<std::int64_t> took_ns;
   took_ns.reserve(static_cast<std::size_t>(count));
@@ -64,7 +64,7 @@ int round_trips(const std::string& serial, int count) {
   const std::int64_t began_ns = clock.now_ns();
   for (int trip = 0; trip < count; ++trip) {
     const std::int64_t asked_ns = clock.now_ns();
-    if (talk.read(JND_PAGE_IDENTITY) != expected) ++wrong;
+    if (exchange.read(JND_PAGE_IDENTITY) != expected) ++wrong;
     took_ns.push_back(clock.now_ns() - asked_ns);
   }
   const double took_s = 1e-9 * static_cast<double>(clock.now_ns() - began_ns);

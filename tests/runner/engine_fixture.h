@@ -131,7 +131,7 @@ struct Bench {
   MemoryLog log;
   Interrupts interrupts;
   std::atomic<bool>& stop = interrupts.end;
-  bool person = false;  // somebody feels the stimuli
+  bool person = false;  // a person feels the stimuli
   ResumeSteps steps;
 };
 

@@ -150,10 +150,10 @@ void check_stream(BenchLink& link, const jnd_identity& identity, double seconds,
       fmt::format("rises, within {:g} ppm over {:g} s", kMostDrift_ppm, seconds),
       line.n > 1 && !backwards && std::abs(drift_ppm) <= kMostDrift_ppm));
   const jnd_telemetry& now = link.telemetry();
-  std::string care;
-  if (now.temperature_cdeg != JND_TEMPERATURE_NONE) care += fmt::format(", {:.1f} C", 0.01 * now.temperature_cdeg);
-  if (now.battery_percent != JND_BATTERY_NONE) care += fmt::format(", battery {} %", now.battery_percent);
-  checks.push_back(measured("faults", none_or(fault_words(now.faults)) + care, "none", now.faults == 0));
+  std::string readings;
+  if (now.temperature_cdeg != JND_TEMPERATURE_NONE) readings += fmt::format(", {:.1f} C", 0.01 * now.temperature_cdeg);
+  if (now.battery_percent != JND_BATTERY_NONE) readings += fmt::format(", battery {} %", now.battery_percent);
+  checks.push_back(measured("faults", none_or(fault_words(now.faults)) + readings, "none", now.faults == 0));
 }
 
 void check_round_trip(BenchLink& link, Checks& checks) {

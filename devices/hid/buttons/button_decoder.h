@@ -24,7 +24,7 @@ class ButtonChanges {
   const ButtonChange* end() const noexcept { return changes_.data() + count_; }
   std::size_t size() const noexcept { return count_; }
 
-  // A stop button went down, be it a bounce: whoever stops cannot wait for certainty.
+  // A stop button went down, be it a bounce: a stop does not wait for certainty.
   bool stops = false;
 
  private:

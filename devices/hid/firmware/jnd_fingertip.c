@@ -46,30 +46,30 @@ static bool in_workspace(const struct jnd_fingertip* self) {
 
 static void act(struct jnd_fingertip* self, uint64_t now_us, float elapsed_s) {
   struct jnd_actuation out;
-  struct jnd_wish wish;
+  struct jnd_target target;
   const struct jnd_law_input input = {self->force_n, elapsed_s, now_us - self->active_us, in_workspace(self)};
   memset(&out, 0, sizeof out);
-  memset(&wish, 0, sizeof wish);
-  wish.mode = (enum jnd_mode)self->command.mode;
-  wish.most_pull_n = self->own.most_force_n;
-  wish.most_moment_n_m = self->own.most_force_n * self->linkage.b_m; /* the largest force at the platform's edge */
-  jnd_law_tilt(&self->own, &self->command, &wish.roll_rad, &wish.pitch_rad, &self->limits);
-  wish.force_n = jnd_law_force(&self->own, &self->command, &input, &self->limits);
-  if (wish.force_n > 0) {
-    wish.stiffness_n_per_m = jnd_law_stiffness(&self->own, &self->command, &self->limits);
-    jnd_law_normal(&self->command, wish.normal, &self->limits);
-    jnd_render(&self->linkage, &self->here, &wish, &out);
+  memset(&target, 0, sizeof target);
+  target.mode = (enum jnd_mode)self->command.mode;
+  target.most_pull_n = self->own.most_force_n;
+  target.most_moment_n_m = self->own.most_force_n * self->linkage.b_m; /* the largest force at the platform's edge */
+  jnd_law_tilt(&self->own, &self->command, &target.roll_rad, &target.pitch_rad, &self->limits);
+  target.force_n = jnd_law_force(&self->own, &self->command, &input, &self->limits);
+  if (target.force_n > 0) {
+    target.stiffness_n_per_m = jnd_law_stiffness(&self->own, &self->command, &self->limits);
+    jnd_law_normal(&self->command, target.normal, &self->limits);
+    jnd_render(&self->linkage, &self->here, &target, &out);
   }
-  out.roll_rad = wish.roll_rad;
-  out.pitch_rad = wish.pitch_rad;
-  if (!jnd_tilted_joints(&self->linkage, &self->here, wish.roll_rad, wish.pitch_rad, out.joint_rad))
+  out.roll_rad = target.roll_rad;
+  out.pitch_rad = target.pitch_rad;
+  if (!jnd_tilted_joints(&self->linkage, &self->here, target.roll_rad, target.pitch_rad, out.joint_rad))
     self->limits |= JND_LIMIT_TILT;
   jnd_burst_step(&self->burst, &self->own, &self->command, now_us, &out.vibration_g, &out.vibration_hz, &self->limits);
   if (!isfinite(out.torque_n_m[0]) || !isfinite(out.torque_n_m[1]) || !isfinite(out.torque_n_m[2])) {
     stop(self, JND_FAULT_INTERNAL);
     return;
   }
-  self->force_n = wish.force_n;
+  self->force_n = target.force_n;
   self->hardware.actuate(self->hardware.context, &out);
 }
 

@@ -17,7 +17,7 @@ struct jnd_here {
 };
 
 /* What the platform should do. */
-struct jnd_wish {
+struct jnd_target {
   enum jnd_mode mode;
   float force_n; /* >= 0 */
   float normal[3];
@@ -28,7 +28,7 @@ struct jnd_wish {
 };
 
 /* Torques and hold of `out`; the rest of it is left alone. Never presses harder than force_n. */
-void jnd_render(const struct jnd_linkage* linkage, const struct jnd_here* here, const struct jnd_wish* wish,
+void jnd_render(const struct jnd_linkage* linkage, const struct jnd_here* here, const struct jnd_target* target,
                 struct jnd_actuation* out);
 
 /* The joint angles of a tilt at the present height. False, with the present ones, where the legs do not reach it. */

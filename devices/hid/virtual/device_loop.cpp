@@ -124,7 +124,7 @@ void DeviceLoop::steps() {
   }
 }
 
-// Until the next step, order or plug; output reports and control lines are dealt with on the way.
+// Until the next step, order or plug; output reports and control lines are handled on the way.
 void DeviceLoop::wait() {
   const std::int64_t now_ns = monotonic_ns();
   std::int64_t until_ns = std::min(clock_.real_ns(next_ns_), now_ns + kLongestWait_ns);

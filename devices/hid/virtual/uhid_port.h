@@ -33,7 +33,7 @@ class UhidPort {
   bool opened() const noexcept { return opened_; }  // by the host
   int fd() const noexcept { return fd_; }
 
-  // Deals with one event of the kernel; false: there was none. An output report goes to `output`, its id first.
+  // Handles one event of the kernel; false: there was none. An output report goes to `output`, its id first.
   bool serve(const std::function<void(std::span<const std::uint8_t>)>& output);
   // An input report, its id first where reports are numbered. False where the device is not open.
   bool send(std::span<const std::uint8_t> report) const noexcept;

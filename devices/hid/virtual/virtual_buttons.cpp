@@ -11,7 +11,7 @@
 namespace jnd {
 
 namespace {
-constexpr std::uint8_t kCentre = 0x80;  // of the stick, which nobody touches
+constexpr std::uint8_t kCentre = 0x80;  // of the stick, which is never moved
 }
 
 VirtualButtons::VirtualButtons(std::string serial, InputReport port)

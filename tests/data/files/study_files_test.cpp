@@ -63,7 +63,7 @@ TEST_CASE("a session whose file is taken away stops, is rescued, and goes on in 
     } catch (const StorageTrouble& trouble) {
       CHECK_THAT(trouble.what(), Catch::Contains(one.words) && Catch::Contains(running.rescued.string()));
     }
-    CHECK(events_in(running.rescued) == 4);  // before anybody was asked: killed now, all of it is there
+    CHECK(events_in(running.rescued) == 4);  // before the operator was asked: killed now, all of it is there
     running.answer(3);
     running.answer(4);
     CHECK(running.study->path() == running.rescued);

@@ -162,7 +162,7 @@ TEST_CASE("a sensitivity row is the registered analysis under another method", "
       CHECK(row.median_jnd[condition] == again.group[condition].jnd.median_jnd);
       CHECK(row.n_ok[condition] == again.group[condition].jnd.mean_jnd.n);
     }
-    // Everybody is best with SV, whatever the model.
+    // Every participant is best with SV, whatever the model.
     CHECK(row.median_jnd[2] < row.median_jnd[0]);
     CHECK(row.median_jnd[2] < row.median_jnd[1]);
   }

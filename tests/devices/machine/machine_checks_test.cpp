@@ -134,7 +134,7 @@ TEST_CASE("HID devices: those that may be used, those that may not, and the rule
   Check check = check_hid(machine.root);
   CHECK(check.verdict == Verdict::ok);
   CHECK(check.found == "1 connected; usable: hidraw0 (Thing 1)");
-  // One that nobody may use, root either: a name that leads nowhere. What it is, it does not say.
+  // One that no user may use, root either: a name that leads nowhere. What it is, it does not say.
   fs::create_symlink("nowhere", machine.root / "dev/hidraw10");
   machine.put("sys/class/hidraw/hidraw10/device/uevent", "HID_ID=0003:0000046D:0000C52B\nHID_NAME=Thing\n");
   check = check_hid(machine.root);
@@ -144,7 +144,7 @@ TEST_CASE("HID devices: those that may be used, those that may not, and the rule
   CHECK(
       contains(check.what_to_do, "KERNELS==\"0003:046D:C52B.*\", MODE=\"0660\", GROUP=\"plugdev\", TAG+=\"uaccess\""));
   CHECK(contains(check.what_to_do, "/etc/udev/rules.d/70-jnd.rules"));
-  // It says that it is a keyboard: nobody needs it.
+  // It says that it is a keyboard, which no session needs.
   machine.put("sys/class/hidraw/hidraw10/device/report_descriptor", "\x05\x01\x09\x06\xA1\x01");
   check = check_hid(machine.root);
   CHECK(check.verdict == Verdict::ok);

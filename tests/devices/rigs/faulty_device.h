@@ -105,15 +105,15 @@ class FaultyTracker final : public Tracker {
     const bool failing = since >= 0 && since < for_ns_;
     if (failing && fault_ == TrackerFault::silent) return false;
     const std::int64_t old_time_ns = pose.time_ns;
-    const bool news = inner_.read(finger, now_ns, pose);
-    if (!failing) return news;
+    const bool fresh = inner_.read(finger, now_ns, pose);
+    if (!failing) return fresh;
     if (fault_ == TrackerFault::frozen) pose.time_ns = old_time_ns;
     if (fault_ == TrackerFault::not_a_number) pose.position_m.y() = pose.flexion_rad = std::nan("");
     if (fault_ == TrackerFault::jumps && since / 1'000'000 % 2 == 0) {
       pose.position_m *= 0.1;
       pose.flexion_rad += 0.3;
     }
-    return news;
+    return fresh;
   }
 
  private:

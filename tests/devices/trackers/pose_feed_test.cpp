@@ -152,7 +152,7 @@ TEST_CASE("times that cannot be are refused, and no pose is newer than its arriv
   REQUIRE(feed.read(0, pose));
   CHECK(pose.time_ns == 100 * kMs);
   CHECK(pose.position_m.x() == 0.2);
-  CHECK_FALSE(feed.take(pose_at(kIndex, 120 * kMs, 0.3), PoseClock::monotonic, 121 * kMs));  // no news
+  CHECK_FALSE(feed.take(pose_at(kIndex, 120 * kMs, 0.3), PoseClock::monotonic, 121 * kMs));  // nothing new
   CHECK_FALSE(feed.take(pose_at(kIndex, 110 * kMs, 0.3), PoseClock::monotonic, 121 * kMs));  // out of order
   CHECK(feed.take(pose_at(kIndex, 121 * kMs, 0.4), PoseClock::monotonic, 122 * kMs));
   REQUIRE(feed.read(0, pose));

@@ -170,7 +170,7 @@ TEST_CASE("a flood is taken in to its last line") {
   CHECK(tracker.report()->gaps == 0);
 }
 
-TEST_CASE("a program that does not heed SIGTERM is killed, with what it started") {
+TEST_CASE("a program that ignores SIGTERM is killed, with what it started") {
   const ScratchFile pids("pids", "");
   std::string leader, child;
   const auto began = std::chrono::steady_clock::now();

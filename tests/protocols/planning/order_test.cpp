@@ -58,7 +58,7 @@ TEST_CASE("three series and three conditions: participant 6r + s takes series or
   }
 }
 
-TEST_CASE("the deal: groups are balanced, all pairs occur before any repeats") {
+TEST_CASE("assigned orders: groups are balanced, all pairs occur before any repeats") {
   struct Case {
     int series, conditions;
     Order series_order, condition_order;

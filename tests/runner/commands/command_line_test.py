@@ -198,7 +198,7 @@ class CommandLine(unittest.TestCase):
             self.assertEqual(done.returncode, 5, f"{arguments}: {done.stderr}")
             self.assertIn("could not be written in full: No space left on device", done.stderr)
         shell = lambda words: subprocess.run(["bash", "-c", f'"$0" {words}', JND], capture_output=True, text=True, cwd=self.path)
-        # A message that nobody can read changes nothing else.
+        # A message that cannot be written changes nothing else.
         self.assertEqual(shell("status nothing.sqlite 2>/dev/full").returncode, 5)
         self.assertEqual(shell("status nothing.sqlite 2>&-").returncode, 5)
         self.assertEqual(shell(f"simulate {self.small} --participants 1 --seed 1 --study lost.sqlite 2>/dev/full").returncode, 0)

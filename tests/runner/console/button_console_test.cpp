@@ -91,7 +91,7 @@ TEST_CASE("The stop pedal latches at once, from the box's own thread, and ends t
   const StopOnButton stopping(&bench.box, stop);
   bench.display.question = [&] {
     bench.pedals(kStopPedal);
-    for (int i = 0; i < 100 && !stop.latched(); ++i) bench.wait_ms(50);  // while nobody looks at the console
+    for (int i = 0; i < 100 && !stop.latched(); ++i) bench.wait_ms(50);  // while the console asks for nothing
     CHECK(stop.source() == StopSource::button);
     bench.pedals(static_cast<std::uint8_t>(kStopPedal | kSame));
   };

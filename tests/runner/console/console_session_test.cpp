@@ -259,28 +259,28 @@ TEST_CASE("The stop key latches from a pipe too, and ends the wait") {
   for (const std::string key : {"x", "X"}) {
     Bench bench(key + " ");
     const StopOnKey stopping(&bench.keyboard, bench.stop);
-    CHECK(bench.console.paused("operator").request == Request::stopped);
+    CHECK(bench.console.paused("operator").kind == Request::stopped);
     CHECK(bench.stop.source() == StopSource::key);
   }
   Bench bench("\x1b[x ");
   const StopOnKey stopping(&bench.keyboard, bench.stop);
-  CHECK(bench.console.paused("operator").request == Request::go_on);
+  CHECK(bench.console.paused("operator").kind == Request::go_on);
   CHECK_FALSE(bench.stop.latched());  // within a sequence
 }
 
 TEST_CASE(
     "A stop ends whatever the operator is asked, also what is being typed or confirmed; the stop itself is asked") {
   const std::vector<std::function<Request(SessionConsole&)>> waits = {
-      [](SessionConsole& console) { return console.ready(TrialOutline()).request; },
-      [](SessionConsole& console) { return console.paused("key").request; },
-      [](SessionConsole& console) { return console.instruct(Instruction()).request; },
-      [](SessionConsole& console) { return console.ready_to_explore(ExplorationOutline()).request; },
-      [](SessionConsole& console) { return console.missing("a device", [] { return false; }).request; },
+      [](SessionConsole& console) { return console.ready(TrialOutline()).kind; },
+      [](SessionConsole& console) { return console.paused("key").kind; },
+      [](SessionConsole& console) { return console.instruct(Instruction()).kind; },
+      [](SessionConsole& console) { return console.ready_to_explore(ExplorationOutline()).kind; },
+      [](SessionConsole& console) { return console.missing("a device", [] { return false; }).kind; },
       [](SessionConsole& console) {
         Break pause;
         pause.duration_s = 60;
         console.break_begins(pause, false);
-        return console.break_over(pause).request;
+        return console.break_over(pause).kind;
       },
       [](SessionConsole& console) { return console.consent("I agree.") ? Request::go_on : Request::stopped; }};
   for (const auto& wait : waits) {
@@ -294,11 +294,11 @@ TEST_CASE(
     bench.display.on_scene = [&] { bench.input->press(key); };
     TrialOutline outline;
     outline.can_void_last = true;
-    CHECK(bench.console.ready(outline).request == Request::stopped);
+    CHECK(bench.console.ready(outline).kind == Request::stopped);
   }
   Bench bench("c\n");
   bench.stop.latch(StopSource::key);
-  CHECK(bench.console.recover("key").request == Request::go_on);
+  CHECK(bench.console.recover("key").kind == Request::go_on);
 }
 
 TEST_CASE("Ctrl-C at the consent is neither consent nor refusal") {
@@ -321,7 +321,7 @@ TEST_CASE("A text takes no answer before all of it was seen") {
 
   Bench reads("   ");  // the space bar turns the page until there is no more
   reads.display.to_scroll = 2;
-  CHECK(reads.console.instruct(Instruction()).request == Request::go_on);
+  CHECK(reads.console.instruct(Instruction()).kind == Request::go_on);
   CHECK(reads.display.told == std::vector<std::string>{"scene Instructions", "scroll down", "scroll down"});
 
   Question question;
@@ -343,7 +343,7 @@ TEST_CASE("After a stop a full disk can still be tried again, and the session gi
     Bench gives_up("qy  ");
     gives_up.stop.latch(source);
     CHECK_FALSE(gives_up.console.storage_trouble("the disk is full"));
-    CHECK(gives_up.console.paused("key").request == Request::stopped);  // the stop is still to be seen to
+    CHECK(gives_up.console.paused("key").kind == Request::stopped);  // the stop is still to be seen to
   }
 }
 
@@ -360,7 +360,7 @@ TEST_CASE("The stop is among the keys of what is to be read first, and does not 
 
 TEST_CASE("While the rest of the time between trials passes, its keys and a countdown are shown") {
   Bench bench(" ");
-  CHECK(bench.console.ready(TrialOutline()).request == Request::go_on);
+  CHECK(bench.console.ready(TrialOutline()).kind == Request::go_on);
   CHECK(bench.console.waiting(118, 118));
   CHECK(bench.display.keys == "xpnq");
   CHECK(bench.display.counting);
@@ -422,17 +422,17 @@ TEST_CASE("A line of a pipe holds no control characters and has an end") {
 TEST_CASE("While something of the rig is missing it is told, and goes on by itself when it is back") {
   Bench bench;
   int asked = 0;
-  const OperatorRequest wish = bench.console.missing("device RRS3-0001 is not there", [&] { return ++asked == 4; });
-  CHECK(wish.request == Request::go_on);
+  const OperatorRequest request = bench.console.missing("device RRS3-0001 is not there", [&] { return ++asked == 4; });
+  CHECK(request.kind == Request::go_on);
   CHECK(asked == 4);
   CHECK(bench.display.told == std::vector<std::string>{"scene Something is missing."});
 }
 
 TEST_CASE("While something is missing the space bar does not go on, and the session can be left") {
   Bench bench(" qqlunch\n");
-  const OperatorRequest wish = bench.console.missing("device RRS3-0001 is not there", [] { return false; });
-  CHECK(wish.request == Request::end_for_now);
-  CHECK(wish.text == "lunch");
+  const OperatorRequest request = bench.console.missing("device RRS3-0001 is not there", [] { return false; });
+  CHECK(request.kind == Request::end_for_now);
+  CHECK(request.text == "lunch");
 }
 
 }  // namespace

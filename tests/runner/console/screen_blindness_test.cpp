@@ -64,7 +64,7 @@ Shown present(const Cues& cues, double stiffness, Hand hand, int interval) {
   return shown;
 }
 
-// What somebody could count of an interval.
+// What can be counted of an interval.
 std::vector<double> features_of_contact(const Shown& shown) {
   double looks = 0, touches = 0, first = -1, last = 0;
   for (std::size_t i = 0; i < shown.contact.size(); ++i) {

@@ -31,7 +31,7 @@ int jnd(std::vector<std::string> words) {
   return run_command_line(static_cast<int>(arguments.size()), arguments.data());
 }
 
-// Of a make that nobody has.
+// Of a make that does not exist.
 const char* const kNobodys = R"({"format": 1, "vendor": "0xfffe", "product": "0xfffe", "usage_page": "0xfffe",
   "usage": "0x0001", "name": "Nobody's", "report_id": null, "report_bytes": 1,
   "buttons": [{"meaning": "same", "byte": 0, "mask": 1, "pressed": 1},

@@ -172,7 +172,7 @@ class DeviceCommands(unittest.TestCase):
     def test_calibrate_refuses_before_it_looks_for_a_device(self):
         who = ("--operator", "A. Smith", "--reference-name", "scale 17")
         self.assertIn("connected: none", self.jnd("calibrate", "FT-0001", *who, "--yes", code=3).stderr)
-        self.jnd("calibrate", "FT-0001", code=2)  # nobody signs for it
+        self.jnd("calibrate", "FT-0001", code=2)  # without a name of who signs
         self.jnd("calibrate", *who, code=2)
         for push, code in (("1,2", 2), ("1,2,0", 2), ("1,2,x", 2), ("1,2,inf", 2), ("1,2,-3", 2)):
             self.jnd("calibrate", "FT-0001", *who, "--push", push, "--yes", code=code)

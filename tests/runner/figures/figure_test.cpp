@@ -1,4 +1,4 @@
-// The SVG writer, axes and figures: well formed, nobody dropped, nothing that is not a number.
+// The SVG writer, axes and figures: well formed, no participant dropped, nothing that is not a number.
 #include "runner/figures/figure.h"
 
 #include <cmath>
@@ -10,7 +10,7 @@
 #include "analysis/numerics/special_values.h"
 #include "runner/figures/figure_axis.h"
 #include "runner/figures/figure_conditions.h"
-#include "runner/figures/figure_look.h"
+#include "runner/figures/figure_style.h"
 #include "tests/catch.h"
 #include "tests/runner/markup_check.h"
 #include "tests/runner/report_fixture.h"
@@ -161,7 +161,7 @@ TEST_CASE("who has no JND stands at the edge, counted") {
     CHECK(svg.find("n = " + std::to_string(row.jnd.mean_jnd.n) + " of 12") != std::string::npos);
     CHECK(row.jnd.mean_jnd.n + row.jnd.no_sensitivity + row.jnd.ceiling + row.jnd.no_information == 12);
   }
-  // Nobody is drawn twice or not at all: points, arrows of values off the scale, and the counted edges.
+  // Each participant is drawn exactly once: points, arrows of values off the scale, and the counted edges.
   std::size_t drawn = count_of(svg, "class=\"point\"");
   for (const ThresholdResult& row : constant(results).analysis.thresholds)
     if (row.jnd.status == JndStatus::ok)

@@ -242,7 +242,7 @@ class Story {
     Story& story_;
   };
 
-  // Wishes anything at any time.
+  // Asks for anything at any time.
   class Erratic final : public SessionView {
    public:
     explicit Erratic(Story& story) : story_(story) {}

@@ -347,7 +347,7 @@ TEST_CASE("Killed at any event, a session goes on, and loses and repeats nothing
         CHECK(body.at("reason") == "interrupted");
         CHECK(body.at("counts") == false);
       }
-      // Where nobody feels anything, the log is the one of an undisturbed session.
+      // Without a person the log is the one of an undisturbed session.
       if (!person) CHECK(bench.kinds() == whole.kinds());
     }
   }

@@ -240,7 +240,7 @@ TEST_CASE("Ctrl-C in a pause that a key began leaves no stop behind it") {
 
 TEST_CASE("The operator's end from the checklist is kept with its words, and closes the session where it is for good") {
   const json checklist = {{"checklist", {{{"id", "mask"}, {"text", "Masking noise on"}, {"kind", "confirm"}}}}};
-  for (const Request wish : {Request::end_for_now, Request::end_for_good}) {
+  for (const Request request : {Request::end_for_now, Request::end_for_good}) {
     Bench bench(small_protocol(checklist));
     class Leaving final : public Responder {
      public:
@@ -249,10 +249,10 @@ TEST_CASE("The operator's end from the checklist is kept with its words, and clo
       std::optional<Replies> reply_all(const std::vector<AskedQuestion>&) override { return std::nullopt; }
     } leaving;
     Scripted view;
-    view.after_presentation[1] = {wish, "feels ill"};
+    view.after_presentation[1] = {request, "feels ill"};
     const SessionParts parts{bench.protocol,   bench.plan,           bench.rig, leaving, bench.log, bench.clock, view,
                              bench.interrupts, RecordPolicy::events, true};
-    const bool for_good = wish == Request::end_for_good;
+    const bool for_good = request == Request::end_for_good;
     CHECK(SessionEngine(parts).run({}) == (for_good ? SessionEnd::closed_early : SessionEnd::interrupted));
     const std::vector<json> left = bodies(bench, event_kind::kLeft);
     REQUIRE(left.size() == 1);

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Real sessions from outside, with the test program whose rig declares itself real: what only they do, and everything that is refused
-before anybody wears a device.
+before a device is worn.
 
 Usage: real_rig_test.py JND JND_WITH_REAL_RIG
 """

@@ -1,4 +1,4 @@
-// Devices that are unplugged in a session: it waits, goes on by itself, and charges nobody for it.
+// Devices that are unplugged in a session: it waits, goes on by itself, and uses up no attempt for it.
 #include "runner/session/rig_connections.h"
 
 #include <cmath>
@@ -45,7 +45,7 @@ class PluggedRig final : public Rig {
   test::IdealRig& inside_;
 };
 
-// Somebody who waits, or ends the session when something is missing.
+// An operator who waits, or ends the session when something is missing.
 class Waiting final : public SessionView {
  public:
   Waiting(Clock& clock, bool ends) : clock_(clock), ends_(ends) {}

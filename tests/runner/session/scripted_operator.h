@@ -13,7 +13,7 @@ namespace jnd::test {
 
 using nlohmann::json;
 
-// An operator who follows a script: what to wish for before the n-th asking of ready(), from 1.
+// An operator who follows a script: what to ask for before the n-th asking of ready(), from 1.
 class Scripted final : public SessionView {
  public:
   OperatorRequest ready(const TrialOutline& outline) override {

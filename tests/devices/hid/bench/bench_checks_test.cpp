@@ -121,7 +121,7 @@ TEST_CASE("lost and damaged telemetry are counted") {
     check_stream(link, bench.identity, 2, bench.checks);
   }
   CHECK(bench.failed() == "reports missing, damaged;");
-  // Three were lost before anybody listened for gaps, or within: the damaged one is missing as well.
+  // Three were lost before gaps were counted, or while they were: the damaged one is missing as well.
   CHECK(bench.named("reports missing, damaged").found.find(", 1 of ") != std::string::npos);
 }
 

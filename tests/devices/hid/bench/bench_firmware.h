@@ -20,7 +20,7 @@ namespace jnd::testing {
 
 using HidReport = std::array<std::uint8_t, JND_REPORT_SIZE>;
 
-// Handle and clock are one thing: time passes where somebody sleeps or waits for a report.
+// Handle and clock are one thing: time passes in a sleep or a wait for a report.
 class BenchFirmware final : public HidHandle, public Clock {
  public:
   explicit BenchFirmware(const char* serial = "FT-0001", jnd_finger finger = JND_INDEX) {

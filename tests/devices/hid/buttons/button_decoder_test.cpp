@@ -136,7 +136,7 @@ TEST_CASE("A tap shorter than the debounce time is a press and a release, also w
   CHECK(reports.found[1].size() == 1);  // it may still bounce
   reports.take(reports.decoder.settle(11 * kMs));
   CHECK(reports.found[1] == std::vector<Edge>{{0, true}, {6 * kMs, false}});
-  // And at the next report, where nobody asked.
+  // And at the next report, without being asked.
   Reports other;
   other.set(ButtonMeaning::different, true);
   other.feed(0);

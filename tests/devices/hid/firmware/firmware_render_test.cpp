@@ -47,22 +47,22 @@ std::optional<Scene> scene_at(const Rrs3Coordinates& xi) {
 
 struct Drawn {
   Rrs3Coordinates xi;
-  jnd_wish wish;
+  jnd_target target;
   Eigen::Vector3d normal;
 };
 
-Drawn some_wish(jnd_mode mode) {
+Drawn some_target(jnd_mode mode) {
   Drawn drawn;
   drawn.xi = {
       .pz_m = -0.0195 + 0.004 * render_share(), .roll_rad = 0.5 * render_share(), .pitch_rad = 0.4 * render_share()};
   drawn.normal = Eigen::Vector3d(0.5 * render_share(), 0.5 * render_share(), 1).normalized();
-  drawn.wish.mode = mode;
-  drawn.wish.force_n = static_cast<float>(2.36 + 2.34 * render_share());
-  for (int i = 0; i < 3; ++i) drawn.wish.normal[i] = static_cast<float>(drawn.normal[i]);
-  drawn.wish.stiffness_n_per_m = static_cast<float>(1010 + 990 * render_share());
-  drawn.wish.roll_rad = static_cast<float>(drawn.xi.roll_rad + 0.1 * render_share());
-  drawn.wish.pitch_rad = static_cast<float>(drawn.xi.pitch_rad + 0.1 * render_share());
-  drawn.wish.most_pull_n = drawn.wish.most_moment_n_m = 1000;
+  drawn.target.mode = mode;
+  drawn.target.force_n = static_cast<float>(2.36 + 2.34 * render_share());
+  for (int i = 0; i < 3; ++i) drawn.target.normal[i] = static_cast<float>(drawn.normal[i]);
+  drawn.target.stiffness_n_per_m = static_cast<float>(1010 + 990 * render_share());
+  drawn.target.roll_rad = static_cast<float>(drawn.xi.roll_rad + 0.1 * render_share());
+  drawn.target.pitch_rad = static_cast<float>(drawn.xi.pitch_rad + 0.1 * render_share());
+  drawn.target.most_pull_n = drawn.target.most_moment_n_m = 1000;
   return drawn;
 }
 
@@ -79,18 +79,18 @@ double off(const Eigen::Vector3d& ours, const Eigen::Vector3d& theirs) {
 TEST_CASE("firmware: mode wrench gives the model's torques, and never more than the force") {
   double worst = 0;
   REQUIRE(rc::check("wrench", [&] {
-    const Drawn drawn = some_wish(JND_MODE_WRENCH);
+    const Drawn drawn = some_target(JND_MODE_WRENCH);
     const auto scene = scene_at(drawn.xi);
     RC_PRE(scene.has_value());
     jnd_actuation given{};
-    jnd_render(&scene->linkage, &scene->here, &drawn.wish, &given);
+    jnd_render(&scene->linkage, &scene->here, &drawn.target, &given);
     const Eigen::Vector3d normal = scene->at.rotation.col(2);
     Wrench wrench = Wrench::Zero();
-    wrench.head<3>() = drawn.wish.force_n * std::min(1.0, normal.z() / drawn.normal.z()) * drawn.normal;
+    wrench.head<3>() = drawn.target.force_n * std::min(1.0, normal.z() / drawn.normal.z()) * drawn.normal;
     worst = std::max(worst, off(torques_of(given), joint_torques(scene->rates, wrench)));
     RC_ASSERT(off(torques_of(given), joint_torques(scene->rates, wrench)) < 1e-4);
     const double force = force_along(scene->rates, torques_of(given), normal);
-    RC_ASSERT(force <= drawn.wish.force_n * (1 + 1e-5));
+    RC_ASSERT(force <= drawn.target.force_n * (1 + 1e-5));
     RC_ASSERT(force > 0);
     RC_ASSERT(given.hold_n_per_m == 0);
   }));
@@ -101,24 +101,24 @@ TEST_CASE("firmware: mode wrench gives the model's torques, and never more than 
 TEST_CASE("firmware: mode pd sends the platform where the model sends it") {
   double worst = 0;
   REQUIRE(rc::check("pd", [&] {
-    const Drawn drawn = some_wish(JND_MODE_PD);
+    const Drawn drawn = some_target(JND_MODE_PD);
     const auto scene = scene_at(drawn.xi);
     RC_PRE(scene.has_value());
     jnd_actuation given{};
-    jnd_render(&scene->linkage, &scene->here, &drawn.wish, &given);
-    const double stiffness = drawn.wish.stiffness_n_per_m, displacement = drawn.wish.force_n / stiffness;
-    const auto desired =
-        scene->model.pose(pressed_by(scene->model.geometry(), displacement, drawn.wish.roll_rad, drawn.wish.pitch_rad));
+    jnd_render(&scene->linkage, &scene->here, &drawn.target, &given);
+    const double stiffness = drawn.target.stiffness_n_per_m, displacement = drawn.target.force_n / stiffness;
+    const auto desired = scene->model.pose(
+        pressed_by(scene->model.geometry(), displacement, drawn.target.roll_rad, drawn.target.pitch_rad));
     RC_PRE(desired.has_value());
     const Eigen::Vector3d expected = joint_torques(
-        scene->rates, position_wrench(scene->at, *desired, stiffness, static_cast<double>(drawn.wish.force_n)));
+        scene->rates, position_wrench(scene->at, *desired, stiffness, static_cast<double>(drawn.target.force_n)));
     const double scale = std::max(0.002, expected.cwiseAbs().maxCoeff());
     const double apart = (torques_of(given) - expected).cwiseAbs().maxCoeff() / scale;
     worst = std::max(worst, apart);
     RC_ASSERT(apart < 5e-4);  // of a torque that a tenth of the force needs: 20 nm of the pose count
-    RC_ASSERT(given.hold_n_per_m == drawn.wish.stiffness_n_per_m);
+    RC_ASSERT(given.hold_n_per_m == drawn.target.stiffness_n_per_m);
     RC_ASSERT(force_along(scene->rates, torques_of(given), scene->at.rotation.col(2)) <=
-              drawn.wish.force_n * (1 + 1e-4) + 1e-5);
+              drawn.target.force_n * (1 + 1e-4) + 1e-5);
   }));
   INFO("worst difference " << worst);
   CHECK(worst > 0);
@@ -127,30 +127,30 @@ TEST_CASE("firmware: mode pd sends the platform where the model sends it") {
 TEST_CASE("firmware: mode pd_literal follows (36) in the joints") {
   double worst = 0;
   REQUIRE(rc::check("pd_literal", [&] {
-    const Drawn drawn = some_wish(JND_MODE_PD_LITERAL);
+    const Drawn drawn = some_target(JND_MODE_PD_LITERAL);
     const auto scene = scene_at(drawn.xi);
     RC_PRE(scene.has_value());
     jnd_actuation given{};
-    jnd_render(&scene->linkage, &scene->here, &drawn.wish, &given);
-    const double stiffness = drawn.wish.stiffness_n_per_m, displacement = drawn.wish.force_n / stiffness;
-    const auto joints = reachable_joints(scene->model, displacement, drawn.wish.roll_rad, drawn.wish.pitch_rad);
+    jnd_render(&scene->linkage, &scene->here, &drawn.target, &given);
+    const double stiffness = drawn.target.stiffness_n_per_m, displacement = drawn.target.force_n / stiffness;
+    const auto joints = reachable_joints(scene->model, displacement, drawn.target.roll_rad, drawn.target.pitch_rad);
     RC_PRE(joints.has_value());
     Eigen::Vector3d expected =
         joint_space_torques(scene->rates, *joints - scene->model.joint_angles(scene->at), stiffness);
     const double force = force_along(scene->rates, expected, scene->at.rotation.col(2));
-    if (force > drawn.wish.force_n) expected *= drawn.wish.force_n / force;
+    if (force > drawn.target.force_n) expected *= drawn.target.force_n / force;
     const double scale = std::max(0.002, expected.cwiseAbs().maxCoeff());
     const double apart = (torques_of(given) - expected).cwiseAbs().maxCoeff() / scale;
     // At its end a leg's angle changes with the square root of the height: there the search's own micrometre counts.
-    const bool within_reach =
-        scene->model
-            .configuration(pressed_by(scene->model.geometry(), displacement, drawn.wish.roll_rad, drawn.wish.pitch_rad))
-            .has_value();
+    const bool within_reach = scene->model
+                                  .configuration(pressed_by(scene->model.geometry(), displacement,
+                                                            drawn.target.roll_rad, drawn.target.pitch_rad))
+                                  .has_value();
     RC_ASSERT(apart < (within_reach ? 2e-3 : 0.05));
     if (within_reach) worst = std::max(worst, apart);
-    RC_ASSERT(given.hold_n_per_m == drawn.wish.stiffness_n_per_m);
+    RC_ASSERT(given.hold_n_per_m == drawn.target.stiffness_n_per_m);
     RC_ASSERT(force_along(scene->rates, torques_of(given), scene->at.rotation.col(2)) <=
-              drawn.wish.force_n * (1 + 1e-4) + 1e-5);
+              drawn.target.force_n * (1 + 1e-4) + 1e-5);
   }));
   INFO("worst difference " << worst);
   CHECK(worst > 0);
@@ -160,14 +160,14 @@ TEST_CASE("firmware: a contact without a stiffness is rendered as a wrench in ev
   const auto scene = scene_at({.pz_m = -0.019});
   REQUIRE(scene);
   for (const jnd_mode mode : {JND_MODE_PD, JND_MODE_PD_LITERAL}) {
-    jnd_wish wish{};
-    wish.mode = mode;
-    wish.force_n = 2;
-    wish.normal[2] = 1;
-    wish.stiffness_n_per_m = 0.9F;
-    wish.most_pull_n = 5;
+    jnd_target target{};
+    target.mode = mode;
+    target.force_n = 2;
+    target.normal[2] = 1;
+    target.stiffness_n_per_m = 0.9F;
+    target.most_pull_n = 5;
     jnd_actuation given{};
-    jnd_render(&scene->linkage, &scene->here, &wish, &given);
+    jnd_render(&scene->linkage, &scene->here, &target, &given);
     CHECK(given.hold_n_per_m == 0);
     CHECK(force_along(scene->rates, torques_of(given), {0, 0, 1}) == Approx(2).epsilon(1e-4));
   }
@@ -177,15 +177,15 @@ TEST_CASE("firmware: a platform that lies far too deep is drawn back no harder t
   const auto scene = scene_at({.pz_m = -0.0135});
   REQUIRE(scene);
   for (const jnd_mode mode : {JND_MODE_PD, JND_MODE_PD_LITERAL}) {
-    jnd_wish wish{};
-    wish.mode = mode;
-    wish.force_n = 0.1F;
-    wish.normal[2] = 1;
-    wish.stiffness_n_per_m = 2000;
-    wish.most_pull_n = 4.7F;
-    wish.most_moment_n_m = 1;
+    jnd_target target{};
+    target.mode = mode;
+    target.force_n = 0.1F;
+    target.normal[2] = 1;
+    target.stiffness_n_per_m = 2000;
+    target.most_pull_n = 4.7F;
+    target.most_moment_n_m = 1;
     jnd_actuation given{};
-    jnd_render(&scene->linkage, &scene->here, &wish, &given);
+    jnd_render(&scene->linkage, &scene->here, &target, &given);
     CHECK(force_along(scene->rates, torques_of(given), {0, 0, 1}) == Approx(-4.7).epsilon(1e-4));
   }
 }
@@ -194,19 +194,19 @@ TEST_CASE("firmware: the moment that turns a platform is bounded, and leaves the
   const auto scene = scene_at({.pz_m = -0.0195, .roll_rad = 0.3, .pitch_rad = -0.2});
   REQUIRE(scene);
   for (const jnd_mode mode : {JND_MODE_PD, JND_MODE_PD_LITERAL}) {
-    jnd_wish wish{};
-    wish.mode = mode;
-    wish.force_n = 1.5F;
-    wish.normal[2] = 1;
-    wish.stiffness_n_per_m = 1500;
-    wish.roll_rad = -0.3F;
-    wish.pitch_rad = 0.2F;
-    wish.most_pull_n = 1000;
+    jnd_target target{};
+    target.mode = mode;
+    target.force_n = 1.5F;
+    target.normal[2] = 1;
+    target.stiffness_n_per_m = 1500;
+    target.roll_rad = -0.3F;
+    target.pitch_rad = 0.2F;
+    target.most_pull_n = 1000;
     double forces[2], moments[2];
     for (const int bounded : {0, 1}) {
-      wish.most_moment_n_m = bounded == 1 ? 0.04F : 1000;
+      target.most_moment_n_m = bounded == 1 ? 0.04F : 1000;
       jnd_actuation given{};
-      jnd_render(&scene->linkage, &scene->here, &wish, &given);
+      jnd_render(&scene->linkage, &scene->here, &target, &given);
       forces[bounded] = force_along(scene->rates, torques_of(given), scene->at.rotation.col(2));
       moments[bounded] = generalised_force(scene->rates, torques_of(given)).tail<2>().norm();
     }

@@ -84,7 +84,7 @@ void begin(ScriptedTerminal& terminal, Screens& screens) {
   screens.check("consent", terminal);
   terminal.resize(10, 40);
   terminal.wait_for("Make the window larger");
-  terminal.press_for("y", "too small to read this");  // no consent to what nobody can see
+  terminal.press_for("y", "too small to read this");  // no consent to what is not on the screen
   screens.check("consent-too-small", terminal);
   terminal.resize(24, 80);
   terminal.wait_for("giving a");

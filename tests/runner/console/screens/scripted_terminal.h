@@ -72,7 +72,7 @@ class ScriptedTerminal {
       wait_until_gone(kHeld);
     }
   }
-  // Whether the screen comes to be as wished before the time is over: it may still be half drawn.
+  // Whether the screen comes to be as asked before the time is over: it may still be half drawn.
   template <typename Condition>
   bool comes_to(Condition condition, std::chrono::milliseconds within) {
     const auto deadline = std::chrono::steady_clock::now() + within;

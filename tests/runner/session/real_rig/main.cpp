@@ -1,5 +1,5 @@
 // jnd with a rig that declares itself real: for tests of what only real sessions do. Its devices are the simulated
-// ones, nobody feels anything, and it is never installed.
+// ones, no person feels anything, and it is never installed.
 #include <cstdint>
 #include <memory>
 

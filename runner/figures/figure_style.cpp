@@ -1,4 +1,4 @@
-#include "runner/figures/figure_look.h"
+#include "runner/figures/figure_style.h"
 
 #include <algorithm>
 #include <array>
@@ -62,55 +62,55 @@ double character_width(std::string_view character) {
 
 }  // namespace
 
-TextLook anchored(TextLook look, std::string_view anchor) {
-  look.anchor = anchor;
-  return look;
+TextStyle anchored(TextStyle style, std::string_view anchor) {
+  style.anchor = anchor;
+  return style;
 }
 
-TextLook strong(TextLook look) {
-  look.bold = true;
-  return look;
+TextStyle strong(TextStyle style) {
+  style.bold = true;
+  return style;
 }
 
-Look condition_line(int condition) {
+ShapeStyle condition_line(int condition) {
   const ConditionColour& colour = colour_of(condition);
   return {.css_class = colour.line_class, .fill = {}, .stroke = colour.colour, .stroke_width = 1.5, .dash = {}};
 }
 
-Look condition_fill(int condition) {
+ShapeStyle condition_fill(int condition) {
   const ConditionColour& colour = colour_of(condition);
   return {.css_class = colour.fill_class, .fill = colour.colour, .stroke = {}, .stroke_width = 0, .dash = {}};
 }
 
-Look condition_hollow(int condition) {
+ShapeStyle condition_hollow(int condition) {
   const ConditionColour& colour = colour_of(condition);
   return {
       .css_class = colour.hollow_class, .fill = "#ffffff", .stroke = colour.colour, .stroke_width = 1.5, .dash = {}};
 }
 
-void draw_marker(Svg& svg, int condition, double x, double y, double radius, const Look& look) {
+void draw_marker(Svg& svg, int condition, double x, double y, double radius, const ShapeStyle& style) {
   constexpr double kQuarter = 3.14159265358979 / 2;
   switch (condition % kShapes) {
     case 0:
-      return svg.circle(x, y, 0.9 * radius, look);
+      return svg.circle(x, y, 0.9 * radius, style);
     case 1:
-      return svg.rectangle(x - 0.8 * radius, y - 0.8 * radius, 1.6 * radius, 1.6 * radius, look);
+      return svg.rectangle(x - 0.8 * radius, y - 0.8 * radius, 1.6 * radius, 1.6 * radius, style);
     case 2:
-      return svg.polygon(regular(x, y + 0.15 * radius, 1.2 * radius, 3, -kQuarter), look);
+      return svg.polygon(regular(x, y + 0.15 * radius, 1.2 * radius, 3, -kQuarter), style);
     case 3:
-      return svg.polygon(regular(x, y, 1.15 * radius, 4, -kQuarter), look);
+      return svg.polygon(regular(x, y, 1.15 * radius, 4, -kQuarter), style);
     case 4:
-      return svg.polygon(regular(x, y - 0.15 * radius, 1.2 * radius, 3, kQuarter), look);
+      return svg.polygon(regular(x, y - 0.15 * radius, 1.2 * radius, 3, kQuarter), style);
     case 5:
-      return svg.polygon(star(x, y, 1.3 * radius, 5, 0.45), look);
+      return svg.polygon(star(x, y, 1.3 * radius, 5, 0.45), style);
     case 6:
-      return svg.polygon(regular(x, y, 1.05 * radius, 6, 0), look);
+      return svg.polygon(regular(x, y, 1.05 * radius, 6, 0), style);
     default:
-      return svg.polygon(star(x, y, 1.3 * radius, 4, 0.4), look);
+      return svg.polygon(star(x, y, 1.3 * radius, 4, 0.4), style);
   }
 }
 
-void draw_arrow(Svg& svg, double x, double y, double radius, bool up, const Look& look) {
+void draw_arrow(Svg& svg, double x, double y, double radius, bool up, const ShapeStyle& style) {
   const double sign = up ? -1 : 1;
   svg.polygon({{x, y + sign * 1.2 * radius},
                {x + radius, y},
@@ -119,13 +119,13 @@ void draw_arrow(Svg& svg, double x, double y, double radius, bool up, const Look
                {x - 0.35 * radius, y - sign * 1.1 * radius},
                {x - 0.35 * radius, y},
                {x - radius, y}},
-              look);
+              style);
 }
 
-void draw_cross(Svg& svg, double x, double y, double radius, const Look& look) {
+void draw_cross(Svg& svg, double x, double y, double radius, const ShapeStyle& style) {
   const double arm = 0.8 * radius;
-  svg.line(x - arm, y - arm, x + arm, y + arm, look);
-  svg.line(x - arm, y + arm, x + arm, y - arm, look);
+  svg.line(x - arm, y - arm, x + arm, y + arm, style);
+  svg.line(x - arm, y + arm, x + arm, y - arm, style);
 }
 
 double text_width(std::string_view text, double size) {
@@ -225,9 +225,9 @@ double draw_legend(Svg* svg, const std::vector<LegendEntry>& entries, double x, 
     }
     if (svg != nullptr) {
       draw_symbol(*svg, entry, x + across, y + down);
-      TextLook look = kLabel;
-      look.size = kLegendSize;
-      svg->text(x + across + kSymbol, y + down + 4, text, look);
+      TextStyle style = kLabel;
+      style.size = kLegendSize;
+      svg->text(x + across + kSymbol, y + down + 4, text, style);
     }
     across += wide;
   }

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Looking after a study from outside: note, exclude, unblind, backup, merge, recover, verify --deep.
 
-Usage: care_test.py JND
+Usage: study_admin_test.py JND
 """
 import json
 import os
