@@ -1,7 +1,5 @@
 // Whatever a description says, and whatever is asked: no force above the model's hard limit, by the governor or past
 // it.
-#include "protocols/rigs/device_models.h"
-
 #include <cmath>
 
 #include <rapidcheck.h>
@@ -11,6 +9,7 @@
 #include "devices/mckibben/mckibben_device.h"
 #include "devices/rrs3/rrs3_platform.h"
 #include "protocols/input/input_error.h"
+#include "protocols/rigs/device_models.h"
 #include "tests/catch.h"
 #include "tests/devices/device_fixtures.h"
 #include "tests/units.h"

@@ -1,11 +1,10 @@
 // No description of a device raises a limit above its model's hard one.
-#include "protocols/rigs/device_models.h"
-
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "protocols/input/input_error.h"
+#include "protocols/rigs/device_models.h"
 #include "tests/catch.h"
 #include "tests/protocols/examples.h"
 #include "tests/protocols/rigs.h"
