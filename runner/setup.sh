@@ -1,7 +1,7 @@
 # Sourced by runner/demo.sh and tests/run.sh: installs what is missing on a Debian machine, and says what.
 
 packages_to_build="g++ cmake ninja-build pkg-config libboost-dev libcli11-dev libfmt-dev libeigen3-dev
-  libhidapi-dev libncurses-dev libsqlite3-dev libsqlitecpp-dev nlohmann-json3-dev librandom123-dev libsimdjson-dev libsodium-dev libzstd-dev"
+  libhidapi-dev libmd4c-dev libncurses-dev libsqlite3-dev libsqlitecpp-dev nlohmann-json3-dev librandom123-dev libsimdjson-dev libsodium-dev libzstd-dev"
 
 # install_missing PACKAGE...: asks the package manager only where something is missing.
 install_missing() {

@@ -1,150 +1,63 @@
 #include "runner/report/report_markdown.h"
 
 #include <algorithm>
-#include <cctype>
-#include <cstddef>
-#include <vector>
+#include <new>
 
 #include <fmt/format.h>
+#include <md4c.h>
 
+#include "protocols/words.h"
 #include "runner/figures/svg.h"
 
 namespace jnd {
 
 namespace {
 
-bool is_escape(std::string_view text, std::size_t place) {
-  return text[place] == '\\' && place + 1 < text.size() &&
-         std::ispunct(static_cast<unsigned char>(text[place + 1])) != 0;
-}
+// What is not named here, such as links, images and quotations, becomes no element: only its text is written.
+constexpr auto kBlocks =
+    words<MD_BLOCKTYPE>({{"p", MD_BLOCK_P}, {"ul", MD_BLOCK_UL}, {"ol", MD_BLOCK_OL}, {"li", MD_BLOCK_LI}});
+constexpr auto kSpans = words<MD_SPANTYPE>({{"code", MD_SPAN_CODE}, {"strong", MD_SPAN_STRONG}, {"em", MD_SPAN_EM}});
 
-// The place of `mark`, where no backslash takes its meaning.
-std::size_t find_mark(std::string_view text, std::string_view mark, std::size_t from) {
-  for (std::size_t place = from; place < text.size(); ++place) {
-    if (is_escape(text, place))
-      ++place;
-    else if (text.substr(place).starts_with(mark))
-      return place;
-  }
-  return std::string_view::npos;
-}
-
-// As HTML, without the backslashes.
-std::string literal_html(std::string_view text) {
-  std::string plain;
-  for (std::size_t place = 0; place < text.size(); ++place) {
-    if (is_escape(text, place)) ++place;
-    plain += text[place];
-  }
-  return escape_markup(plain);
-}
-
-// Escaped, with `code` and **strong** where both ends stand in the same text.
-std::string inline_html(std::string_view text) {
+struct MarkdownOutput {
+  int top_heading;
   std::string html;
-  while (!text.empty()) {
-    const std::size_t code = find_mark(text, "`", 0), strong = find_mark(text, "**", 0);
-    const std::size_t begin = std::min(code, strong);
-    if (begin == std::string_view::npos) break;
-    const bool is_code = code < strong;
-    const std::string_view mark = is_code ? "`" : "**";
-    const std::size_t inside_at = begin + mark.size();
-    // Backslashes mean nothing within code.
-    const std::size_t end = is_code ? text.find(mark, inside_at) : find_mark(text, mark, inside_at);
-    if (end == std::string_view::npos) break;
-    const std::string_view inside = text.substr(inside_at, end - inside_at);
-    html += literal_html(text.substr(0, begin));
-    html += is_code ? fmt::format("<code>{}</code>", escape_markup(inside))
-                    : fmt::format("<strong>{}</strong>", literal_html(inside));
-    text.remove_prefix(end + mark.size());
-  }
-  return html + literal_html(text);
-}
-
-std::string_view trimmed(std::string_view line) {
-  while (!line.empty() && (line.front() == ' ' || line.front() == '\t')) line.remove_prefix(1);
-  while (!line.empty() && (line.back() == ' ' || line.back() == '\t' || line.back() == '\r')) line.remove_suffix(1);
-  return line;
-}
-
-// How many characters open a list item: 0 where the line is none. ordered: "1. ".
-std::size_t item_mark(std::string_view line, bool& ordered) {
-  ordered = false;
-  if (line.starts_with("- ") || line.starts_with("* ")) return 2;
-  const std::size_t digits = line.find_first_not_of("0123456789");
-  if (digits == 0 || digits == std::string_view::npos || digits > 3) return 0;
-  if (line.substr(digits, 2) != ". ") return 0;
-  ordered = true;
-  return digits + 2;
-}
-
-class Writer {
- public:
-  explicit Writer(int top_heading) : top_heading_(top_heading) {}
-
-  void line(std::string_view raw) {
-    const std::string_view line = trimmed(raw);
-    if (line.empty()) return flush();
-    const std::size_t hashes = line.find_first_not_of('#');
-    if (hashes != 0 && hashes != std::string_view::npos && line[hashes] == ' ') {
-      close();
-      const int level = std::min(6, top_heading_ + static_cast<int>(hashes) - 1);
-      html_ += fmt::format("<h{0}>{1}</h{0}>\n", level, inline_html(trimmed(line.substr(hashes))));
-      return;
-    }
-    bool ordered = false;
-    const std::size_t mark = item_mark(line, ordered);
-    if (mark > 0) {
-      const std::string_view list = ordered ? "ol" : "ul";
-      flush();
-      if (list_ != list) {
-        close();
-        html_ += fmt::format("<{}>\n", list);
-        list_ = list;
-      }
-      item_ = true;
-      text_ = line.substr(mark);
-      return;
-    }
-    if (text_.empty()) close();  // a paragraph ends the list before it
-    text_ += (text_.empty() ? "" : " ") + std::string(line);
-  }
-
-  std::string finish() {
-    close();
-    return html_;
-  }
-
- private:
-  // Writes the paragraph or item that is being read.
-  void flush() {
-    if (text_.empty()) return;
-    html_ += fmt::format("<{0}>{1}</{0}>\n", item_ ? "li" : "p", inline_html(text_));
-    text_.clear();
-    item_ = false;
-  }
-  void close() {
-    flush();
-    if (!list_.empty()) html_ += fmt::format("</{}>\n", list_);
-    list_ = {};
-  }
-
-  int top_heading_;
-  std::string html_, text_;
-  std::string_view list_;  // "ul" or "ol" while one is open
-  bool item_ = false;
 };
+
+template <bool ends>
+int write_block(MD_BLOCKTYPE type, void* detail, void* user) {
+  auto& out = *static_cast<MarkdownOutput*>(user);
+  std::string element(word_of(kBlocks, type));
+  if (type == MD_BLOCK_H)
+    element = fmt::format(
+        "h{}", std::min(6, out.top_heading - 1 + static_cast<int>(static_cast<MD_BLOCK_H_DETAIL*>(detail)->level)));
+  const bool breaks = ends || type == MD_BLOCK_UL || type == MD_BLOCK_OL;
+  if (!element.empty()) out.html += fmt::format("<{}{}>{}", ends ? "/" : "", element, breaks ? "\n" : "");
+  return 0;
+}
+
+template <bool ends>
+int write_span(MD_SPANTYPE type, void* /*detail*/, void* user) {
+  const std::string_view element = word_of(kSpans, type);
+  if (!element.empty()) static_cast<MarkdownOutput*>(user)->html += fmt::format("<{}{}>", ends ? "/" : "", element);
+  return 0;
+}
+
+int write_text(MD_TEXTTYPE type, const char* text, MD_SIZE size, void* user) {
+  const bool line_ends = type == MD_TEXT_SOFTBR || type == MD_TEXT_BR;
+  static_cast<MarkdownOutput*>(user)->html += line_ends ? " " : escape_markup({text, size});
+  return 0;
+}
 
 }  // namespace
 
 std::string markdown_to_html(std::string_view markdown, int top_heading) {
-  Writer writer(top_heading);
-  while (!markdown.empty()) {
-    const std::size_t end = std::min(markdown.find('\n'), markdown.size());
-    writer.line(markdown.substr(0, end));
-    markdown.remove_prefix(std::min(end + 1, markdown.size()));
-  }
-  return writer.finish();
+  constexpr unsigned kFlags = MD_FLAG_NOHTML | MD_FLAG_NOINDENTEDCODEBLOCKS;
+  const MD_PARSER parser{
+      0,       kFlags, write_block<false>, write_block<true>, write_span<false>, write_span<true>, write_text,
+      nullptr, nullptr};
+  MarkdownOutput out{top_heading, {}};
+  if (md_parse(markdown.data(), static_cast<MD_SIZE>(markdown.size()), &parser, &out) != 0) throw std::bad_alloc();
+  return out.html;
 }
 
 }  // namespace jnd

@@ -197,7 +197,12 @@ TEST_CASE("the few words of Markdown") {
         "<h3>A</h3>\n<p>text more</p>\n<ul>\n<li>one still one</li>\n<li>two</li>\n</ul>\n"
         "<p>end <code>c&lt;</code> <strong>b</strong></p>\n");
   CHECK(markdown_to_html("1. a\n2. b\n## h", 2) == "<ol>\n<li>a</li>\n<li>b</li>\n</ol>\n<h3>h</h3>\n");
-  CHECK(markdown_to_html("<b>x</b> [l](http)", 3) == "<p>&lt;b&gt;x&lt;/b&gt; [l](http)</p>\n");
+  CHECK(markdown_to_html("<b>x</b> *y*", 3) == "<p>&lt;b&gt;x&lt;/b&gt; <em>y</em></p>\n");
+  CHECK(markdown_to_html("[l](javascript:f) <javascript:f> ![i](http://x \"t\") http://x [r] \\[e\\](x)\n\n[r]: data:y",
+                         3) == "<p>l javascript:f i http://x r [e](x)</p>\n");
+  CHECK(markdown_to_html("&lt;script&#62;", 3) == "<p>&amp;lt;script&amp;#62;</p>\n");
+  CHECK(markdown_to_html("<script>\nf()\n</script>\n\n    indented\n\n> quoted", 3) ==
+        "<p>&lt;script&gt; f() &lt;/script&gt;</p>\n<p>indented</p>\n<p>quoted</p>\n");
   CHECK(markdown_to_html("2.5 is no list, nor is # this", 3) == "<p>2.5 is no list, nor is # this</p>\n");
   CHECK(markdown_to_html("a \\`b\\` \\*\\*c\\*\\* \\\\ **d\\*** \\<b>", 3) ==
         "<p>a `b` **c** \\ <strong>d*</strong> &lt;b&gt;</p>\n");
@@ -207,7 +212,8 @@ TEST_CASE("the few words of Markdown") {
   REQUIRE(rc::check("balanced, whatever the text", [](const std::vector<std::string>& parts) {
     std::string text;
     for (const std::string& part : parts)
-      text += part + *rc::gen::element<std::string>("\n", "\n- ", "\n# ", "`", "**", "\n1. ", "\n\n");
+      text += part + *rc::gen::element<std::string>("\n", "\n- ", "\n# ", "`", "**", "\n1. ", "\n\n", "[a](b \"c\")",
+                                                    "![a](", "<", ">", "&#0;", "\n> ", "\n```\n", "*", "_");
     RC_ASSERT(markup_problem(markdown_to_html(text, 3)).empty());
   }));
 }
