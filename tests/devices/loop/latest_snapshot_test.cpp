@@ -162,5 +162,8 @@ TEST_CASE("what a watcher throws comes out of the presentation, when the devices
   rig->stop.clear();
   rig->watch({});
   asked.explore_s = asked.no_contact_time_out_s = 0.1;
-  CHECK(rig->present(asked).fault == Fault::no_contact);
+  Presentation given = rig->present(asked);
+  // A machine that is busy with something else ends it as a gap between commands.
+  for (int again = 0; given.fault == Fault::command_gap && again < 50; ++again) given = rig->present(asked);
+  CHECK(given.fault == Fault::no_contact);
 }
