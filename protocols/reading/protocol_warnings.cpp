@@ -25,7 +25,7 @@ void warn_about_counts(ProtocolReading& reading) {
   if (design.trials_per_cell < 2 * kFewTrialsOfClass) {
     reading.warn_at(
         "$.design.trials_per_cell",
-        fmt::format("{} trials a cell give about {} \"same\" and {} \"different\" ones: rates in steps of {:.0f} %",
+        fmt::format("{} trials per cell give about {} \"same\" and {} \"different\" ones: rates in steps of {:.0f} %",
                     design.trials_per_cell, design.trials_per_cell / 2,
                     design.trials_per_cell - design.trials_per_cell / 2, 200.0 / design.trials_per_cell),
         fmt::format("plan at least {} of each class, {} trials", kFewTrialsOfClass, 2 * kFewTrialsOfClass));
@@ -64,13 +64,13 @@ void warn_about_precision(ProtocolReading& reading) {
         path,
         fmt::format("a hit or false-alarm rate of 0 or 1 in some series is expected for {} of the participants",
                     shares_of(protocol, extreme)),
-        "where d' depends on the correction; more trials a cell make it rarer");
+        "where d' depends on the correction; more trials per cell make it rarer");
   }
   if (any_above(not_positive, kMuchNotPositive)) {
     reading.warn_at(path,
                     fmt::format("a d' of 0 or less in some series is expected for {} of the participants",
                                 shares_of(protocol, not_positive)),
-                    "such a series has no JND of its own; more trials a cell make it rarer");
+                    "such a series has no JND of its own; more trials per cell make it rarer");
   }
   if (any_above(variation, kMuchVariation)) {
     reading.warn_at(path,
@@ -78,7 +78,7 @@ void warn_about_precision(ProtocolReading& reading) {
                                 shares_of(protocol, variation)),
                     trials.empty()
                         ? "the differences do not fit the JND"
-                        : fmt::format("{:.0f} % takes this many trials a cell: {}; \"jnd plan --precision\" says "
+                        : fmt::format("{:.0f} % takes this many trials per cell: {}; \"jnd plan --precision\" says "
                                       "more",
                                       100 * kMuchVariation, trials));
   }

@@ -98,7 +98,7 @@ int coverage(const CoverageOptions& options) {
     return exit_code::kDone;
   }
   fmt::print("Coverage of the 95 % profile-likelihood interval of the yes-no d', in percent:\n\n");
-  fmt::print("| trials a class | c | d' = 0 | 0.5 | 1 | 1.5 | 2 |\n|---:|---:|---:|---:|---:|---:|---:|\n");
+  fmt::print("| trials per class | c | d' = 0 | 0.5 | 1 | 1.5 | 2 |\n|---:|---:|---:|---:|---:|---:|---:|\n");
   for (const int trials : options.trials) {
     const ProfileCoverage coverage(trials);
     for (const double criterion : kCriteria) {
@@ -108,7 +108,7 @@ int coverage(const CoverageOptions& options) {
     }
   }
   fmt::print("\nSize of the tests of d' = 0, in percent of experiments that have p <= 5 % and p <= 1 %:\n\n");
-  fmt::print("| trials a class | c | yes-no 5 % | yes-no 1 % | differencing 5 % | differencing 1 % |\n");
+  fmt::print("| trials per class | c | yes-no 5 % | yes-no 1 % | differencing 5 % | differencing 1 % |\n");
   fmt::print("|---:|---:|---:|---:|---:|---:|\n");
   for (const int trials : options.trials)
     for (const double criterion : kCriteria) {
@@ -129,7 +129,7 @@ void add_calc_detection(CommandTree& tree) {
   const auto [command, options] =
       tree.add("coverage", "How often the intervals and tests of sdt are right, by exact enumeration",
                "jnd calc coverage --trials 12,48", coverage);
-  command.add_option("--trials", options.trials, "trials a class, each 1..500")
+  command.add_option("--trials", options.trials, "trials per class, each 1..500")
       ->delimiter(',')
       ->check(CLI::Range(1, 500))
       ->capture_default_str();

@@ -77,7 +77,7 @@ void add_precision_options(CLI::App& plan, PrecisionOptions& options) {
                   "values, else the Weber fractions of the simulated participants)")
       ->needs(precision)
       ->allow_extra_args(false);
-  plan.add_option("--trials", options.trials, "trials a cell (default: the protocol's)")
+  plan.add_option("--trials", options.trials, "trials per cell (default: the protocol's)")
       ->needs(precision)
       ->check(CLI::Range(1, kMostTrials));
   plan.add_option("--participants", options.participants, "participants (default: the protocol's)")

@@ -113,7 +113,7 @@ void print_check(const std::string& name, const CheckedFile& result) {
   const Protocol& protocol = *result.check.protocol;
   if (protocol.explore) {
     fmt::print(
-        "{}: {}\n  {}\n  {} conditions x {:g} s with {} object{}, {} question{}, about {} a session\n  SHA-256 {}\n",
+        "{}: {}\n  {}\n  {} conditions x {:g} s with {} object{}, {} question{}, about {} per session\n  SHA-256 {}\n",
         printable(name), bold("ok"), printable(protocol.title), protocol.conditions.size(),
         protocol.explore->duration_s, protocol.explore->objects.size(),
         protocol.explore->objects.size() == 1 ? "" : "s", protocol.questions.size(),
@@ -125,10 +125,8 @@ void print_check(const std::string& name, const CheckedFile& result) {
     const AdaptiveProcedure& procedure = *protocol.design.procedure;
     const bool at_most = procedure.reversals > 0;
     fmt::print(
-        "{}: {}\n  {}\n  {} conditions x {} track{} = {}{} trials a participant, {:.0f} % of them catch trials, "
-        "{}about "
-        "{} a "
-        "session\n  SHA-256 {}\n",
+        "{}: {}\n  {}\n  {} conditions x {} track{} = {}{} trials per participant, {:.0f} % of them catch trials, "
+        "{}about {} per session\n  SHA-256 {}\n",
         printable(name), bold("ok"), printable(protocol.title), protocol.conditions.size(), procedure.starts.size(),
         procedure.starts.size() == 1 ? "" : "s", at_most ? "at most " : "", result.trials, 100 * procedure.catch_share,
         at_most ? "at most " : "", duration_text(result.duration_s), protocol.sha256);
@@ -136,7 +134,7 @@ void print_check(const std::string& name, const CheckedFile& result) {
     return;
   }
   fmt::print(
-      "{}: {}\n  {}\n  {} conditions x {} series x {} trials a cell = {} trials a participant, about {} a session\n  "
+      "{}: {}\n  {}\n  {} conditions x {} series x {} trials per cell = {} trials per participant, about {} per session\n  "
       "SHA-256 {}\n",
       printable(name), bold("ok"), printable(protocol.title), protocol.conditions.size(), protocol.series.size(),
       protocol.design.trials_per_cell, result.trials, duration_text(result.duration_s), protocol.sha256);

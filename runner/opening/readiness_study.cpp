@@ -58,7 +58,7 @@ void judge_cells(const Protocol& protocol, const Plan& plan, Check& check) {
     complain(check, Verdict::warn,
              fmt::format("{} of {} cells have same or different trials only: d' cannot be computed there", one_sided,
                          cells.size()),
-             "plan more trials a cell, or balanced sampling, in the next study");
+             "plan more trials per cell, or balanced sampling, in the next study");
 }
 
 }  // namespace

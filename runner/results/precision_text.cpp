@@ -127,7 +127,7 @@ std::string estimates(const PlannedPrecision& planned, const Protocol& protocol,
 
 std::string proposals(const Precision& precision, const Protocol& protocol, TableStyle style) {
   Table table({"condition", "CV", "spread of estimates", "width of a 95 % interval", "no upper bound",
-               fmt::format("trials a cell for a CV of {}", of_cv(precision.question.wanted_cv))});
+               fmt::format("trials per cell for a CV of {}", of_cv(precision.question.wanted_cv))});
   for (std::size_t i = 0; i < precision.participant.size(); ++i) {
     const ParticipantPrecision& one = precision.participant[i];
     table.add({name_of(protocol, i), of_cv(one.cv), of_cv(one.spread), amount(one.interval_width),
@@ -147,7 +147,7 @@ std::string session_of_proposal(const Precision& precision, const Protocol& prot
   Protocol proposed = protocol;
   proposed.design.trials_per_cell = trials;
   const std::size_t cells = protocol.conditions.size() * protocol.series.size();
-  return fmt::format("{} trials a cell in every condition are {} trials a participant, about {}.\n", trials,
+  return fmt::format("{} trials per cell in every condition are {} trials per participant, about {}.\n", trials,
                      static_cast<std::size_t>(trials) * cells, duration_text(expected_duration_s(proposed)));
 }
 
@@ -191,7 +191,7 @@ std::string assumptions(const PlannedPrecision& planned, const Protocol& protoco
   const PrecisionQuestion& question = planned.precision.question;
   const CountsDesign& design = question.design;
   std::string text =
-      fmt::format("{} trials a cell, {} classes; differences {:g} {}; {} participant{}\n", design.trials,
+      fmt::format("{} trials per cell, {} classes; differences {:g} {}; {} participant{}\n", design.trials,
                   to_string(design.class_sizes), fmt::join(design.differences, ", "), to_string(protocol.stimulus.unit),
                   question.participants, question.participants == 1 ? "" : "s");
   text += fmt::format("true JND: {}\n", sources_of(planned, protocol));
@@ -234,7 +234,7 @@ std::string precision_text(const PlannedPrecision& planned, const Protocol& prot
 
 std::string precision_summary(const PlannedPrecision& planned, const Protocol& protocol, const std::string& name) {
   Table table({"one participant", fmt::format("true JND {}", to_string(protocol.stimulus.unit)), "estimates, 5 .. 95 %",
-               "undefined", "CV", fmt::format("trials a cell for {}", of_cv(planned.precision.question.wanted_cv))});
+               "undefined", "CV", fmt::format("trials per cell for {}", of_cv(planned.precision.question.wanted_cv))});
   for (std::size_t i = 0; i < planned.precision.participant.size(); ++i) {
     const ParticipantPrecision& one = planned.precision.participant[i];
     table.add({name_of(protocol, i),

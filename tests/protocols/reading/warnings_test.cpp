@@ -26,10 +26,10 @@ int warnings_with(const std::string& bytes, const std::string& path, const std::
 
 }  // namespace
 
-TEST_CASE("few trials a class are told until there are ten") {
-  CHECK(warnings_with(base(), "$.design.trials_per_cell", "8 trials a cell give about 4") == 1);
+TEST_CASE("few trials per class are told until there are ten") {
+  CHECK(warnings_with(base(), "$.design.trials_per_cell", "8 trials per cell give about 4") == 1);
   const std::string more = replaced(base(), "\"trials_per_cell\": 8", "\"trials_per_cell\": 20");
-  CHECK(warnings_with(more, "$.design.trials_per_cell", "trials a cell give") == 0);
+  CHECK(warnings_with(more, "$.design.trials_per_cell", "trials per cell give") == 0);
 }
 
 TEST_CASE("extreme rates, d' of 0 and scatter of the published design") {

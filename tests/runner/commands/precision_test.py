@@ -88,7 +88,7 @@ class Precision(unittest.TestCase):
 
     def test_tables_for_people(self):
         out = self.jnd("plan", "chinello2017", "--precision").stdout
-        self.assertIn("trials a cell for a CV of 10 %", out)
+        self.assertIn("trials per cell for a CV of 10 %", out)
         self.assertIn("V - SV", out)
         self.assertNotIn("\x1b", out)
         self.assertNotIn("nan", out)
@@ -117,7 +117,7 @@ class Precision(unittest.TestCase):
                 if one["method"] == "enumeration":
                     self.assertEqual(one["estimate"], other["estimate"])
         text = self.jnd("check", "chinello2017").stdout
-        for part in ("d' of 0 or less in some series", "coefficient of variation", "trials a cell for 10 %", "independent draws"):
+        for part in ("d' of 0 or less in some series", "coefficient of variation", "trials per cell for 10 %", "independent draws"):
             self.assertIn(part, text)
 
     def test_a_protocol_with_errors_has_no_precision(self):
