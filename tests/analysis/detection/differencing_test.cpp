@@ -2,6 +2,8 @@
 // boundary cases, and what must hold for any counts.
 #include "analysis/detection/differencing.h"
 
+#include <rapidcheck.h>
+
 #include "analysis/detection/binomial_likelihood.h"
 #include "analysis/detection/differencing_model.h"
 #include "analysis/numerics/normal.h"

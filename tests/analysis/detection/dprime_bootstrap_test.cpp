@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <boost/math/distributions/binomial.hpp>
+#include <rapidcheck.h>
 
 #include "analysis/detection/yes_no.h"
 #include "analysis/numerics/normal.h"

@@ -2,6 +2,8 @@
 // mpmath, and what must hold for any counts.
 #include "analysis/detection/independent_observation.h"
 
+#include <rapidcheck.h>
+
 #include "analysis/detection/yes_no.h"
 #include "analysis/numerics/normal.h"
 #include "tests/analysis/detection/detection_fixtures.h"

@@ -2,6 +2,8 @@
 // arithmetic (mpmath 1.x), and what must hold for any counts.
 #include "analysis/detection/yes_no_profile.h"
 
+#include <rapidcheck.h>
+
 #include "analysis/detection/binomial_likelihood.h"
 #include "analysis/numerics/normal.h"
 #include "analysis/numerics/profile_interval.h"

@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include <rapidcheck.h>
+
 #include "tests/analysis/group_fixture.h"
 #include "tests/catch.h"
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include <rapidcheck.h>
+
 #include "analysis/numerics/special_values.h"
 #include "tests/analysis/group_fixture.h"
 #include "tests/catch.h"

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include <rapidcheck.h>
+
 #include "analysis/group/post_hoc.h"
 #include "tests/analysis/group_fixture.h"
 #include "tests/catch.h"

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <numeric>
 
+#include <rapidcheck.h>
+
 #include "analysis/numerics/ranks.h"
 #include "tests/analysis/group_fixture.h"
 #include "tests/catch.h"

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include <rapidcheck.h>
+
 #include "analysis/group/repeated_measures.h"
 #include "tests/analysis/group_fixture.h"
 #include "tests/catch.h"

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include <rapidcheck.h>
+
 #include "analysis/group/friedman.h"
 #include "analysis/group/questionnaire.h"
 #include "analysis/group/signed_rank.h"

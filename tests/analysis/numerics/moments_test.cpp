@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include <rapidcheck.h>
+
 #include "analysis/numerics/ranks.h"
 #include "analysis/numerics/special_values.h"
 #include "analysis/numerics/tail_probabilities.h"

@@ -5,6 +5,8 @@
 #include <thread>
 #include <vector>
 
+#include <rapidcheck.h>
+
 #include "analysis/numerics/special_values.h"
 #include "tests/analysis/group_fixture.h"
 #include "tests/catch.h"

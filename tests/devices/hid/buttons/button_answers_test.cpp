@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include <rapidcheck.h>
+
 #include "tests/catch.h"
 #include "tests/units.h"
 

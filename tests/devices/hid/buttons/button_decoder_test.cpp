@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 
+#include <rapidcheck.h>
+
 #include "tests/catch.h"
 #include "tests/units.h"
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include <rapidcheck.h>
+
 #include "protocols/input/input_error.h"
 #include "tests/catch.h"
 
