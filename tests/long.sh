@@ -38,6 +38,7 @@ if want numbers; then
   part "fits beside random searches" $tests/analysis_tests "[search-campaign]"
 fi
 if want faults; then
+  part "random histories of sessions" $tests/runner_tests "[course-campaign]"
   part "a million faulty devices" env JND_FAULT_CASES=1000000 $tests/devices_tests "*no fault brings force*"
   part "every write and sync fails" env JND_EVERY=1 $tests/faults_tests "*every write and sync*"
   part "bits flipped at rest" env JND_BIT_FLIPS=200 $tests/faults_tests "*flipped bit at rest*"

@@ -25,7 +25,7 @@ class CourseOfQuestions {
   // What is missing before the first trial of a block of the main part, and at the end of a session, in words.
   std::vector<std::string> missing_before(int block) const;
   std::vector<std::string> missing_at_end() const;
-  // After how many trials a break is due that was not taken.
+  // After how many trials a break is due that was not taken. main_done: answered or given up.
   std::optional<int> missing_break_within(int main_done) const;
 
  private:

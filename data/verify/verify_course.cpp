@@ -49,9 +49,9 @@ class Course {
     } else if (event.kind == event_kind::kTrialVoided) {
       take_void(body);
     } else if (event.kind == event_kind::kTrialsShort) {
-      finished_.insert(trial_from(body).index);
+      give_up(trial_from(body).index);
     } else if (event.kind == event_kind::kBlockEnded) {
-      for (const Json& index : body.at("trials")) finished_.insert(whole(index));
+      for (const Json& index : body.at("trials")) give_up(whole(index));
       if (body.value("practice", false)) practice_over_ = true;
     } else if (event.kind == event_kind::kPracticeEnded) {
       end_practice(body);
@@ -108,6 +108,11 @@ class Course {
     resumed_ = false;
   }
 
+  void give_up(int index) {
+    const auto found = planned_.find(index);
+    if (finished_.insert(index).second && found != planned_.end() && !found->second->practice) ++main_given_up_;
+  }
+
   void begin_main(const Trial& trial) {
     if (protocol_.practice && !practice_over_) open_problem("trial {}: comes before practice had ended", trial.index);
     if (person_ && !protocol_.consent.empty() && !consented_)
@@ -126,7 +131,7 @@ class Course {
                 missing);
     }
     if (marks_ && !resumed_)
-      if (const std::optional<int> due = questions_.missing_break_within(main_done_))
+      if (const std::optional<int> due = questions_.missing_break_within(main_done_ + main_given_up_))
         open_problem("trial {}: comes before the break that is due after {} trials", trial.index, *due);
   }
 
@@ -248,7 +253,8 @@ class Course {
   std::set<int> finished_, explored_;
   std::vector<Answered> answered_;
   std::optional<PendingTrial> pending_;
-  int main_done_ = 0, voided_ = 0, block_ = 0;
+  int main_done_ = 0, main_given_up_ = 0;  // answered; breaks come after so many of both
+  int voided_ = 0, block_ = 0;
   bool person_ = false, consented_ = false, practice_over_ = false, for_good_ = false, resumed_ = false;
 };
 

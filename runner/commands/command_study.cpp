@@ -123,10 +123,10 @@ int command_verify(const VerifyOptions& options) {
     fmt::print("{}\n", json_line(out));
   } else {
     for (const std::string& problem : problems) fmt::print("problem: {}\n", printable(problem));
-    fmt::print("{}: {} ({} sessions, {} events, {} trials, {} voided{})\n", printable(options.study),
+    fmt::print("{}: {} ({} session{}, {} events, {} trials, {} voided{})\n", printable(options.study),
                ok ? bold("every hash and every planned stimulus agrees")
                   : fmt::format("{} problem{}", problems.size(), problems.size() == 1 ? "" : "s"),
-               report.sessions, report.events, report.trials, report.voided,
+               report.sessions, report.sessions == 1 ? "" : "s", report.events, report.trials, report.voided,
                report.telemetry > 0 ? fmt::format(", telemetry of {} intervals", report.telemetry) : std::string());
     if (report.telemetry_lost > 0)
       fmt::print("{}\n", warn(fmt::format("  ticks of {} interval{} are said to be lost (study.recovered)",
