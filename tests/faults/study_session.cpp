@@ -12,6 +12,16 @@ namespace {
 
 constexpr const char* kSessionId = "P01-session";
 
+Judgement rule(const Trial& trial) {
+  return trial.index % 3 == 0 ? Judgement::different : trial.same ? Judgement::same : Judgement::different;
+}
+
+const SessionInfo* only_session(const std::vector<SessionInfo>& sessions) {
+  return sessions.empty() ? nullptr : &sessions.front();
+}
+
+}  // namespace
+
 NewSession first_session(SessionKind kind, const Plan& plan) {
   NewSession session;
   session.id = kSessionId;
@@ -26,16 +36,6 @@ NewSession first_session(SessionKind kind, const Plan& plan) {
   session.stamp = {1'700'000'000'000'000'000, 1};
   return session;
 }
-
-Judgement rule(const Trial& trial) {
-  return trial.index % 3 == 0 ? Judgement::different : trial.same ? Judgement::same : Judgement::different;
-}
-
-const SessionInfo* only_session(const std::vector<SessionInfo>& sessions) {
-  return sessions.empty() ? nullptr : &sessions.front();
-}
-
-}  // namespace
 
 Protocol short_protocol() {
   return small_protocol(nlohmann::json::parse(R"({

@@ -15,6 +15,9 @@ namespace jnd::test {
 
 inline constexpr std::uint64_t kStudySeed = 20170601;
 
+// The first session of P01, a person at a keyboard.
+NewSession first_session(SessionKind kind, const Plan& plan);
+
 // Two conditions, 4 main trials each, one practice round, ratings and a break: every kind of event that answers need.
 Protocol short_protocol();
 
