@@ -59,8 +59,11 @@ class CommandLine(unittest.TestCase):
         return done
 
     def study(self, name, *more, participants=3):
-        self.jnd("simulate", self.small, "--participants", str(participants), "--study", name, "--seed", "1", *more)
-        return os.path.join(self.path, name)
+        """The study is simulated once; the tests have copies of its file."""
+        kept = os.path.join(self.path, "-".join(["kept", str(participants), *more]))
+        if not os.path.exists(kept):
+            self.jnd("simulate", self.small, "--participants", str(participants), "--study", kept, "--seed", "1", *more)
+        return shutil.copy(kept, os.path.join(self.path, name))
 
     def test_help_names_every_command_and_gives_examples(self):
         overview = self.jnd("--help").stdout

@@ -5,6 +5,7 @@ Usage: study_admin_test.py JND
 """
 import json
 import os
+import shutil
 import sqlite3
 import stat
 import subprocess
@@ -16,6 +17,11 @@ JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
 
 
 class Care(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.simulated = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.simulated.cleanup)
+
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
@@ -31,7 +37,11 @@ class Care(unittest.TestCase):
         return json.loads(self.jnd(*arguments, "--json", code=code).stdout)
 
     def simulate(self, study, seed, *arguments):
-        self.jnd("simulate", "tutorial", "--participants", "2", "--study", study, "--seed", str(seed), *arguments)
+        """The study is simulated once; the tests have copies of its file."""
+        kept = os.path.join(self.simulated.name, "-".join([str(seed), *arguments]))
+        if not os.path.exists(kept):
+            self.jnd("simulate", "tutorial", "--participants", "2", "--study", kept, "--seed", str(seed), *arguments)
+        shutil.copy(kept, self.path(study))
 
     def path(self, name):
         return os.path.join(self.folder, name)
