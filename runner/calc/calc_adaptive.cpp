@@ -113,10 +113,10 @@ int quest(const QuestOptions& options) {
 
 }  // namespace
 
-void add_calc_adaptive(CommandTree& tree) {
+void add_calc_adaptive(CommandTree& calc) {
   {
     const auto [command, options] =
-        tree.add("staircase", "The levels of an up-down staircase (Levitt 1971, Kaernbach 1991)",
+        calc.add("staircase", "The levels of an up-down staircase (Levitt 1971, Kaernbach 1991)",
                  "jnd calc staircase answers.csv --start 400 --up 1 --down 2 --step-up 50 --step-down 50", staircase);
     add_input(command, options.input, "response (1 = correct, 0 = wrong)");
     StaircaseRule& rule = options.rule;
@@ -137,7 +137,7 @@ void add_calc_adaptive(CommandTree& tree) {
     command.add_option("--clamp", options.clamp, "lowest and highest level: LO,HI")->delimiter(',')->expected(2);
   }
   const auto [command, options] =
-      tree.add("quest", "A threshold by QUEST (Watson & Pelli 1983); levels are log10 of the stimulus",
+      calc.add("quest", "A threshold by QUEST (Watson & Pelli 1983); levels are log10 of the stimulus",
                "jnd calc quest answers.csv --t-guess 2.4 --t-guess-sd 0.5 --gamma 0.1", quest);
   add_input(command, options.input,
             "response (1 = correct, 0 = wrong) and, optionally, x: the level really shown (else the "

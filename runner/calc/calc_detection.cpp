@@ -121,13 +121,13 @@ int coverage(const CoverageOptions& options) {
 
 }  // namespace
 
-void add_calc_detection(CommandTree& tree) {
-  const auto [detection, counts] = tree.add("sdt", "d' of same-different counts, under every model and correction",
+void add_calc_detection(CommandTree& calc) {
+  const auto [detection, counts] = calc.add("sdt", "d' of same-different counts, under every model and correction",
                                             "jnd calc sdt counts.csv --json", sdt);
   add_input(detection, counts.input, "id, n_diff, hits, n_same, false_alarms");
 
   const auto [command, options] =
-      tree.add("coverage", "How often the intervals and tests of sdt are right, by exact enumeration",
+      calc.add("coverage", "How often the intervals and tests of sdt are right, by exact enumeration",
                "jnd calc coverage --trials 12,48", coverage);
   command.add_option("--trials", options.trials, "trials per class, each 1..500")
       ->delimiter(',')

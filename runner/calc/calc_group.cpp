@@ -127,10 +127,10 @@ const std::string kDecimals =
     "ranks\n"
     "their binary forms, unless wilcox.test is told digits.rank = 9.\n\n";
 
-void add_range(CommandTree& tree, const std::string& name, const std::string& what, const std::string& column,
+void add_range(CommandTree& calc, const std::string& name, const std::string& what, const std::string& column,
                int (*run)(const RangeOptions&)) {
   const auto [command, options] =
-      tree.add(name, what, "jnd calc " + name + " " + column + ".csv --groups 3 --df 34 --json", run);
+      calc.add(name, what, "jnd calc " + name + " " + column + ".csv --groups 3 --df 34 --json", run);
   add_input(command, options.input, column);
   command.add_option("--groups", options.groups, "how many means are compared (2 to 1000)")
       ->required()
@@ -145,22 +145,22 @@ void add_range(CommandTree& tree, const std::string& name, const std::string& wh
 
 }  // namespace
 
-void add_calc_group(CommandTree& tree) {
-  const auto [compare, compared] = tree.add("compare", "Conditions within participants: ANOVA, assumptions, every pair",
+void add_calc_group(CommandTree& calc) {
+  const auto [compare, compared] = calc.add("compare", "Conditions within participants: ANOVA, assumptions, every pair",
                                             "jnd calc compare jnds.csv --json", compare_conditions);
   add_input(compare, compared.input, "participant, condition, value (a row for every participant and condition)");
   compare.footer(kDecimals + compare.get_footer());
 
-  const auto [ranks, paired] = tree.add("wilcoxon", "Signed-rank tests of paired ratings, corrected over the items",
+  const auto [ranks, paired] = calc.add("wilcoxon", "Signed-rank tests of paired ratings, corrected over the items",
                                         "jnd calc wilcoxon ratings.csv --json", wilcoxon);
   add_input(ranks, paired.input, "x, y, and item where there are several");
   ranks.footer(kDecimals + ranks.get_footer());
 
-  add_range(tree, "ptukey", "Tail probability of the studentised range", "q", ptukey);
-  add_range(tree, "qtukey", "Quantile of the studentised range (p is the lower probability)", "p", qtukey);
+  add_range(calc, "ptukey", "Tail probability of the studentised range", "q", ptukey);
+  add_range(calc, "qtukey", "Quantile of the studentised range (p is the lower probability)", "p", qtukey);
 
   const auto [normal, values] =
-      tree.add("shapiro", "Shapiro-Wilk test of normality", "jnd calc shapiro values.csv --json", shapiro);
+      calc.add("shapiro", "Shapiro-Wilk test of normality", "jnd calc shapiro values.csv --json", shapiro);
   add_input(normal, values.input, "x");
 }
 

@@ -213,9 +213,9 @@ int run_jnd(const JndOptions& options) {
 
 }  // namespace
 
-void add_calc_jnd(CommandTree& tree) {
+void add_calc_jnd(CommandTree& calc) {
   const auto [command, options] =
-      tree.add("jnd", "JND and Weber fraction from the counts of several series, method by method",
+      calc.add("jnd", "JND and Weber fraction from the counts of several series, method by method",
                "jnd calc jnd counts.csv --reference 900", run_jnd);
   add_input(command, options.input,
             "participant, condition, delta, n_diff, hits, n_same, false_alarms: a line a series (the same delta "

@@ -144,9 +144,9 @@ int fit(const FitOptions& options) {
 
 }  // namespace
 
-void add_calc_psychometric(CommandTree& tree) {
+void add_calc_psychometric(CommandTree& calc) {
   const auto [command, options] =
-      tree.add("fit", "Psychometric functions: PSE, JND and slope of answers counted by level",
+      calc.add("fit", "Psychometric functions: PSE, JND and slope of answers counted by level",
                "jnd calc fit levels.csv --function gaussian --guess 0 --lapse free", fit);
   add_input(command, options.input, "x, n, k, and group where there are several");
   command.add_option("--function", options.function, "logistic, gaussian, weibull or gumbel")

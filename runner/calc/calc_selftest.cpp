@@ -46,8 +46,8 @@ int run_selftest(const SelftestOptions& options) {
 
 }  // namespace
 
-void add_calc_selftest(CommandTree& tree) {
-  const auto [command, options] = tree.add("selftest", "Recompute independent reference numbers on this machine",
+void add_calc_selftest(CommandTree& calc) {
+  const auto [command, options] = calc.add("selftest", "Recompute independent reference numbers on this machine",
                                            "jnd calc selftest", run_selftest);
   command.add_flag("--json", options.json, "machine-readable");
 }

@@ -91,7 +91,7 @@ Fields<BlindedParticipant> blinded_participant_fields() {
 Fields<BlindedGroup> blinded_group_fields(const Protocol& protocol) {
   using R = BlindedGroup;
   using F = Field<R>;
-  const std::string unit(unit_of(protocol));
+  std::string unit(unit_of(protocol));
   const std::string what = protocol.design.procedure ? "threshold" : "JND";
   const int digits = stiffness_decimals(protocol);
   return {F("code", "letter of the condition on the operator's console", &R::code,

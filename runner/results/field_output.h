@@ -69,7 +69,7 @@ class TableMaker {
   }
   // "5 of 9".
   TableColumn<Row> share(std::string_view part, std::string_view whole, std::string title,
-                         std::string between = " of ") const {
+                         const std::string& between = " of ") const {
     const Field<Row>&a = field_of(fields_, part), &b = field_of(fields_, whole);
     return {{std::move(title), true},
             [&a, &b, between](const Row& row) { return text(a, row) + between + text(b, row); }};

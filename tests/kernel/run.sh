@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# run.sh BUILD_DIR [short|long] [PART...]: the real programs against virtual devices in a Linux kernel of their own, in
+# run.sh BUILD_DIR [short|session|link|long] [PART...]: the real programs against virtual devices in a Linux kernel of their own, in
 # QEMU. Prints "ok" or "not ok" and a name for each check, and a summary. Exit status: 0, 1 where a check failed, 77 where
-# QEMU or a kernel cannot be had. PART: only these of the files in guest/.
+# QEMU or a kernel cannot be had. session, link: one of the two guests of the short form. PART: only these of the files in
+# guest/.
 set -uo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 source_dir=$(cd "$here/../.." && pwd)
@@ -19,8 +20,10 @@ link_parts="link unplug tracker"
 campaign_parts="campaign"
 case $length in
   short) guests=("session cloud 500 $session_parts" "link cloud 500 $link_parts") ;;
+  session) guests=("session cloud 500 $session_parts") ;;
+  link) guests=("link cloud 500 $link_parts") ;;
   long) guests=("session cloud 900 $session_parts $link_parts" "campaign cloud 2400 $campaign_parts" "gadget full 900 gadget") ;;
-  *) echo "run.sh: short or long, not '$length'" >&2; exit 2 ;;
+  *) echo "run.sh: short, session, link or long, not '$length'" >&2; exit 2 ;;
 esac
 [ $# -gt 0 ] && guests=("chosen ${JND_KERNEL_FLAVOUR:-cloud} 1200 $*")
 
@@ -63,10 +66,13 @@ run_guest() {
 }
 
 # The first download is shared: one after the other, before anything runs side by side.
+exec 9> "$work/fetching"
+flock 9
 for guest in "${guests[@]}"; do
   read -r _ flavour _ <<< "$guest"
   "$here/fetch.sh" "$flavour" >/dev/null || exit $?
 done
+exec 9>&-
 pids=()
 for guest in "${guests[@]}"; do
   read -r name flavour limit parts <<< "$guest"

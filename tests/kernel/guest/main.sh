@@ -1,7 +1,7 @@
 # Runs the parts named in /guest/parts, one after the other. Status: 0 where no check failed, otherwise 1.
 failed=0
 while read -r part; do
-  echo "# $part"
+  echo "# $part, $(cut -d. -f1 /proc/uptime) s after the start"
   (
     . /guest/lib.sh
     . "/guest/$part.sh"
