@@ -21,7 +21,7 @@ wanted=("$@")
 want() { local one; for one in "${wanted[@]}"; do [ "$one" = "$1" ] && return 0; done; return 1; }
 built() { cmake --preset "$1" "${@:2}" >/dev/null && cmake --build --preset "$1" -- --quiet; }
 
-part "release build" built release
+part "release build and its tests" tests/run.sh release
 tests=build/release/tests
 if want sanitizers; then  # every test that the gate leaves out under them too
   part "address and undefined behaviour, everything" env JND_ALL_TESTS=ON tests/run.sh asan
