@@ -385,7 +385,8 @@ Fields<MethodRow> sensitivity_fields(const Protocol& protocol) {
     const Contrast& contrast = protocol.analysis.contrasts[i];
     const std::string a = condition_of(protocol, contrast.a), b = condition_of(protocol, contrast.b);
     fields.push_back(p_field<R>(fmt::format("p_{}_{}", a, b), "p of the registered contrast, adjusted as registered",
-                                [i](const R& r) { return r.row->contrast_p[i]; }, {.title = fmt::format("p {} - {}", a, b)}));
+                                [i](const R& r) { return r.row->contrast_p[i]; },
+                                {.title = fmt::format("p {} - {}", a, b)}));
   }
   return fields;
 }
