@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The long tier: what finds faults and takes longer than a change should wait. Goes on after a failure and ends with a
 # summary; exit status 1 where a part failed. Needs root for packages only.
-# Usage: tests/long.sh [PART...]   parts in their order: sanitizers odr numbers faults kills power kernel fuzz bench tidy
+# Usage: tests/long.sh [PART...]   parts in their order: release sanitizers odr numbers faults kills power kernel fuzz bench tidy
 set -uo pipefail
 cd "$(dirname "$0")/.."
 source runner/setup.sh
@@ -17,11 +17,12 @@ part() {  # part NAME COMMAND...
   summary+=("$(printf '%-42s %6d s  %s' "$name" $((SECONDS - began)) "$status")")
 }
 wanted=("$@")
-[ $# -gt 0 ] || wanted=(sanitizers odr numbers faults kills power kernel fuzz bench tidy)
+[ $# -gt 0 ] || wanted=(release sanitizers odr numbers faults kills power kernel fuzz bench tidy)
 want() { local one; for one in "${wanted[@]}"; do [ "$one" = "$1" ] && return 0; done; return 1; }
 built() { cmake --preset "$1" "${@:2}" >/dev/null && cmake --build --preset "$1" -- --quiet; }
 
-part "release build and its tests" tests/run.sh release
+part "release build" built release
+want release && part "every test of the release" tests/run.sh release
 tests=build/release/tests
 if want sanitizers; then  # every test that the gate leaves out under them too
   part "address and undefined behaviour, everything" env JND_ALL_TESTS=ON tests/run.sh asan

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# run.sh BUILD_DIR [short|session|link|long] [PART...]: the real programs against virtual devices in a Linux kernel of their own, in
-# QEMU. Prints "ok" or "not ok" and a name for each check, and a summary. Exit status: 0, 1 where a check failed, 77 where
+# run.sh BUILD_DIR [short|session|link|long] [PART...]: the real programs against virtual devices in a Linux kernel of
+# their own, in QEMU. Prints "ok" or "not ok" and a name for each check, and a summary. Exit status: 0, 1 where a check failed, 77 where
 # QEMU or a kernel cannot be had. session, link: one of the two guests of the short form. PART: only these of the files in
 # guest/.
 set -uo pipefail
