@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # run.sh BUILD_DIR [short|session|link|long] [PART...]: the real programs against virtual devices in a Linux kernel of
-# their own, in QEMU. Prints "ok" or "not ok" and a name for each check, and a summary. Exit status: 0, 1 where a check failed, 77 where
-# QEMU or a kernel cannot be had. session, link: one of the two guests of the short form. PART: only these of the files in
-# guest/.
+# their own, in QEMU. Prints "ok" or "not ok" and a name for each check, and a summary. Exit status: 0, 1 where a check
+# failed, 77 where QEMU or a kernel cannot be had. session, link: one of the two guests of the short form. PART: only
+# these of the files in guest/.
 set -uo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 source_dir=$(cd "$here/../.." && pwd)
-build=$(cd "${1:?usage: run.sh BUILD_DIR [short|long] [PART...]}" && pwd) || exit 2
+build=$(cd "${1:?usage: run.sh BUILD_DIR [short|session|link|long] [PART...]}" && pwd) || exit 2
 length=${2:-short}
 shift $(($# > 1 ? 2 : 1))
 work=$build/kernel-tests
