@@ -118,7 +118,8 @@ void Svg::circle(double x, double y, double radius, const ShapeStyle& style) {
 
 void Svg::points(std::string_view tag, const std::vector<SvgPoint>& points, const ShapeStyle& style) {
   std::string list;
-  for (const auto& [x, y] : points) list += (list.empty() ? "" : " ") + svg_number(x) + "," + svg_number(y);
+  for (const auto& [x, y] : points)
+    list += fmt::format("{}{},{}", list.empty() ? "" : " ", svg_number(x), svg_number(y));
   body_ += fmt::format("<{} points=\"{}\"{}/>\n", tag, list, attributes(style));
 }
 
