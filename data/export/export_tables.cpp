@@ -112,7 +112,7 @@ void add_device(std::vector<Column>& columns, std::size_t i, DevicePlace place, 
       [](const F& p) { return csv_number(p.mean_speed); });
   add("contacts", "number of contacts", "", [](const F& p) { return csv_number(p.contacts); });
   add("dwell_s", "time in contact", "s", [](const F& p) { return csv_number(p.dwell_s); });
-  add("saturated_share", "share of contact time in which a limit reduced the force, 0..1", "",
+  add("saturated_share", "share of contact time in which a limit reduced the force, 0 to 1", "",
       [](const F& p) { return csv_number(p.saturated_share); });
   add("vibration_g", "amplitude of the delivered bursts; 0 without one", "g",
       [](const F& p) { return csv_number(p.vibration_g); });

@@ -200,12 +200,12 @@ Fields<ThresholdResult> threshold_fields(const Protocol& protocol) {
       F(in_unit("reference_", protocol), "base of the Weber fraction",
         [k = protocol.stimulus.reference](const R&) { return k; }, {.unit = unit}),
       F("status", "what the estimate is", [](const R& r) { return r.jnd.status; }, {.levels = kJndStatuses}),
-      F("cautions", "remarks, separated by blanks; none of them excludes anything",
+      F("cautions", "names of cautions, separated by blanks; none of them excludes anything",
         [](const R& r) { return caution_names(r.jnd); }, {.levels = "extrapolated floor few_trials series_missing"}),
       F("median_response_time_s", "median of the times that the participant entered; empty without one",
         &R::median_response_time_s, {.unit = "s"}),
       F("mean_trial_s", "mean time of a counted trial; empty without one", &R::mean_trial_s,
-        {.unit = "s", .title = "s a trial", .digits = 1})};
+        {.unit = "s", .title = "s per trial", .digits = 1})};
   add_convention(fields, protocol, true);
   return fields;
 }

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "data/results/rating_answers.h"
-#include "data/results/study_remarks.h"
+#include "data/results/study_cautions.h"
 
 namespace jnd {
 
@@ -23,7 +23,7 @@ void add_registered(StudyResults& results, OutcomeComparison comparison) {
   results.comparisons.push_back(std::move(comparison));
 }
 
-void add_remarks(StudyResults& results, const Protocol& protocol) {
+void add_cautions(StudyResults& results, const Protocol& protocol) {
   results.deviations = deviations_of(results, protocol);
   results.cautions = cautions_of(results, protocol);
 }
@@ -91,7 +91,7 @@ const Attendance& attendance_of(const StudyResults& results) {
 StudyResults results_of(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by) {
   ChainReport chains = require_whole_chains(study);
   StudyResults results = computed_results_of(study, protocol, kind, by);
-  add_remarks(results, protocol);
+  add_cautions(results, protocol);
   results.chains = std::move(chains);
   return results;
 }
@@ -111,7 +111,7 @@ StudyResults results_of(StudyAnalysis analysis, const Protocol& protocol) {
   StudyResults results;
   add_registered(results, compare_thresholds(analysis.thresholds, protocol, protocol.analysis.tests.outcome));
   results.measured = constant_results(std::move(analysis), protocol);
-  add_remarks(results, protocol);
+  add_cautions(results, protocol);
   return results;
 }
 

@@ -21,7 +21,7 @@ ForceSensor::ForceSensor(const ForceSensorOptions& options, std::uint64_t seed)
     throw InputError(fmt::format("the force sensor's resolution_n is {}: give 0 (continuous) or more newtons",
                                  options.resolution_n));
   if (!(options.min_n < options.max_n))
-    throw InputError(fmt::format("the force sensor's range {}..{} N is empty: give min_n below max_n", options.min_n,
+    throw InputError(fmt::format("the force sensor's range {} to {} N is empty: give min_n below max_n", options.min_n,
                                  options.max_n));
 }
 

@@ -6,11 +6,15 @@
 namespace jnd {
 
 std::unique_ptr<FingertipDevice> make_device(const DeviceSpec& spec, const FingerFlexion& finger) {
-  if (spec.model == DeviceModel::rrs3) {
-    Rrs3DeviceOptions options;
-    options.sensor.noise_sd_n = spec.sensors.force_noise_sd_n;
-    options.sensor.resolution_n = spec.sensors.force_resolution_n;
-    return std::make_unique<Rrs3Device>(spec, options);
+  switch (spec.model) {
+    case DeviceModel::rrs3: {
+      Rrs3DeviceOptions options;
+      options.sensor.noise_sd_n = spec.sensors.force_noise_sd_n;
+      options.sensor.resolution_n = spec.sensors.force_resolution_n;
+      return std::make_unique<Rrs3Device>(spec, options);
+    }
+    case DeviceModel::mckibben:
+      break;
   }
   return std::make_unique<MckibbenDevice>(mckibben_options(spec), finger);
 }
@@ -74,10 +78,14 @@ Checks self_test_of(const RigSpec& rig) {
   Checks checks;
   for (const DeviceSpec& device : rig.devices) {
     check_limits(device, checks);
-    if (device.model == DeviceModel::rrs3)
-      check_platform(device, checks);
-    else
-      check_joint(device, checks);
+    switch (device.model) {
+      case DeviceModel::rrs3:
+        check_platform(device, checks);
+        break;
+      case DeviceModel::mckibben:
+        check_joint(device, checks);
+        break;
+    }
   }
   check_loop(rig, checks);
   return checks;

@@ -98,7 +98,7 @@ Run run_loop(const RigSpec& rig, int latch_after_ticks, int lost_after_ticks, in
   std::vector<std::unique_ptr<WatchedDevice>> devices;
   std::vector<LoopDevice> channels;
   for (const DeviceSpec& spec : rig.devices) {
-    const bool joint = spec.model == DeviceModel::mckibben;
+    const bool joint = facts_of(spec.model).acts_on_joint;
     if (joint) {
       const double range = spec.highest_travel - spec.lowest_travel;
       flexion_rad = range / 2;

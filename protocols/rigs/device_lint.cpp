@@ -176,7 +176,7 @@ void warn_about_forces(DeviceLinting& linting, const DeviceSpec& spec) {
   if (worst <= kToldShare) return;
   const bool repeats = protocol.stimulus.on_saturation == OnSaturation::repeat;
   linting.warn(linting.press_path(),
-               fmt::format("presses of {} +- {} reach the {}'s limit of {} N: {}",
+               fmt::format("presses of {} ± {} reach the {}'s limit of {} N: {}",
                            linting.depth(protocol.stimulus.expected_press), linting.depth(expected_press_sd(protocol)),
                            spec.name, plain(spec.max_force_n), numbers),
                repeats

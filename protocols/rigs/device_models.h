@@ -25,6 +25,8 @@ struct HardLimits {
 };
 
 struct DeviceModelFacts {
+  std::string_view title;                       // "3RRS device", for messages
+  std::string_view renders;                     // what it does to the finger, in words
   bool acts_on_joint = false;                   // else it presses the pulp
   std::string_view place;                       // "pulp" or "joint", for messages
   StiffnessUnit unit = StiffnessUnit::n_per_m;  // of its stiffnesses
@@ -36,7 +38,9 @@ struct DeviceModelFacts {
 constexpr DeviceModelFacts facts_of(DeviceModel model) noexcept {
   switch (model) {
     case DeviceModel::rrs3:
-      return {.acts_on_joint = false,
+      return {.title = "3RRS device",
+              .renders = "presses and tilts on the pulp, vibrates",
+              .acts_on_joint = false,
               .place = "pulp",
               .unit = StiffnessUnit::n_per_m,
               .limits = {.force_n = 4.7,
@@ -48,7 +52,9 @@ constexpr DeviceModelFacts facts_of(DeviceModel model) noexcept {
                          .vibration_g = 1,
                          .vibration_hz = 240}};
     case DeviceModel::mckibben:
-      return {.acts_on_joint = true,
+      return {.title = "McKibben finger",
+              .renders = "resists the finger's flexion",
+              .acts_on_joint = true,
               .place = "joint",
               .unit = StiffnessUnit::n_per_rad,
               .limits = {.force_n = 30, .stiffness = 50}};

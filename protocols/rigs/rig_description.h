@@ -20,13 +20,19 @@ struct RigSpec {
   // of the joint, so that a contact stiffness k is a joint stiffness k lever_arm_m^2 (N m/rad).
   double lever_arm_m = 0;
 
-  const DeviceSpec* cutaneous() const noexcept { return of(DeviceModel::rrs3); }
-  const DeviceSpec* kinaesthetic() const noexcept { return of(DeviceModel::mckibben); }
-
- private:
+  // The device of a model, and that which presses the pulp or holds the joint; null where the rig has none.
   const DeviceSpec* of(DeviceModel model) const noexcept {
     for (const DeviceSpec& device : devices)
       if (device.model == model) return &device;
+    return nullptr;
+  }
+  const DeviceSpec* cutaneous() const noexcept { return at(false); }
+  const DeviceSpec* kinaesthetic() const noexcept { return at(true); }
+
+ private:
+  const DeviceSpec* at(bool joint) const noexcept {
+    for (const DeviceSpec& device : devices)
+      if (facts_of(device.model).acts_on_joint == joint) return &device;
     return nullptr;
   }
 };

@@ -129,7 +129,7 @@ void add_calc_detection(CommandTree& calc) {
   const auto [command, options] =
       calc.add("coverage", "How often the intervals and tests of sdt are right, by exact enumeration",
                "jnd calc coverage --trials 12,48", coverage);
-  command.add_option("--trials", options.trials, "trials per class, each 1..500")
+  command.add_option("--trials", options.trials, "trials per class, each 1 to 500")
       ->delimiter(',')
       ->check(CLI::Range(1, 500))
       ->capture_default_str();
@@ -213,7 +213,7 @@ std::string number(double value) {
 }
 
 std::string interval(double low, double high) {
-  return std::isnan(low) ? "-" : number(low) + " .. " + number(high);
+  return std::isnan(low) ? "-" : number(low) + " to " + number(high);
 }
 
 std::string yes_no_table(const std::vector<NamedDetectionRow>& rows) {

@@ -16,7 +16,7 @@ struct NamedDetectionRow {
 };
 
 nlohmann::ordered_json detection_json(const NamedDetectionRow& named);
-// Three tables: counts and the yes-no model, the other models, and remarks on what could not be estimated.
+// Three tables: counts and the yes-no model, the other models, and cautions about what could not be estimated.
 std::string detection_text(const std::vector<NamedDetectionRow>& rows);
 
 }  // namespace jnd

@@ -320,7 +320,7 @@ namespace {
 using Align = TextTable::Align;
 
 std::string interval_text(double low, double high) {
-  return std::isnan(low) ? "-" : fmt::format("{} .. {}", statistic_text(low), statistic_text(high));
+  return std::isnan(low) ? "-" : fmt::format("{} to {}", statistic_text(low), statistic_text(high));
 }
 
 std::string conditions_text(const NamedComparison& named) {
@@ -391,7 +391,7 @@ std::string unpaired_text(const NamedComparison& named) {
   return table.text();
 }
 
-std::string remarks_text(const Comparison& comparison) {
+std::string cautions_text(const Comparison& comparison) {
   std::string text;
   const RepeatedMeasures& anova = comparison.anova;
   if (anova.status == StatisticStatus::too_few)
@@ -440,8 +440,8 @@ std::string comparison_text(const NamedComparison& named) {
               "ignore the "
               "pairing. Prefer the paired tests.") +
           "\n";
-  const std::string remarks = remarks_text(comparison);
-  if (!remarks.empty()) text += "\n" + remarks;
+  const std::string cautions = cautions_text(comparison);
+  if (!cautions.empty()) text += "\n" + cautions;
   return text;
 }
 

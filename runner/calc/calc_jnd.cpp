@@ -152,7 +152,7 @@ std::string percent(double fraction) {
 }
 
 std::string interval(const JndEstimate& estimate) {
-  return std::isnan(estimate.ci_low) ? "-" : jnd_number(estimate.ci_low) + " .. " + jnd_number(estimate.ci_high);
+  return std::isnan(estimate.ci_low) ? "-" : jnd_number(estimate.ci_low) + " to " + jnd_number(estimate.ci_high);
 }
 
 // The p value to look at: of the replicates where there are any.
@@ -161,7 +161,7 @@ std::string fit_p(const std::optional<FitQuality>& quality) {
   return jnd_number(std::isnan(quality->deviance_p_bootstrap) ? quality->deviance_p : quality->deviance_p_bootstrap);
 }
 
-std::string remarks(const JndEstimate& estimate) {
+std::string cautions_of(const JndEstimate& estimate) {
   std::string text;
   if (estimate.status != JndStatus::ok) text = to_string(estimate.status);
   for (const Caution caution : estimate.cautions) text += (text.empty() ? "" : ", ") + std::string(to_string(caution));
@@ -173,7 +173,7 @@ void add_rows(TextTable& table, const Group& group, const GroupResult& result) {
     const JndEstimate& estimate = result.estimates[i];
     table.add({i == 0 ? printable(group.participant) : "", i == 0 ? printable(group.condition) : "",
                std::string(to_string(kJndMethods[i])), jnd_number(estimate.jnd), interval(estimate),
-               percent(estimate.weber), jnd_number(estimate.slope), fit_p(result.qualities[i]), remarks(estimate)});
+               percent(estimate.weber), jnd_number(estimate.slope), fit_p(result.qualities[i]), cautions_of(estimate)});
   }
 }
 
@@ -183,7 +183,7 @@ int run_jnd(const JndOptions& options) {
       options.input.file, {"participant", "condition", "delta", "n_diff", "hits", "n_same", "false_alarms"});
   const std::vector<Group> groups = groups_of(csv);
   using Align = TextTable::Align;
-  TextTable table({"participant", "condition", "method", "JND", "95 % CI", "Weber", "slope", "fit p", "remarks"},
+  TextTable table({"participant", "condition", "method", "JND", "95 % CI", "Weber", "slope", "fit p", "cautions"},
                   {Align::left, Align::left, Align::left, Align::right, Align::right, Align::right, Align::right,
                    Align::right, Align::left});
   for (const Group& group : groups) {

@@ -280,7 +280,7 @@ std::string fit_number(double value) {
 }
 
 std::string fit_interval(const ConfidenceBounds& bounds) {
-  return std::isnan(bounds.low) ? "-" : fit_number(bounds.low) + " .. " + fit_number(bounds.high);
+  return std::isnan(bounds.low) ? "-" : fit_number(bounds.low) + " to " + fit_number(bounds.high);
 }
 
 std::string with_error(const PsychometricEstimate& estimate) {
@@ -294,7 +294,7 @@ std::string p_text(double p) {
 }
 
 std::string rate_text(const char* name, const std::optional<double>& rate, double most) {
-  return rate ? fmt::format("{} {:g}", name, *rate) : fmt::format("{} free (0 .. {:g})", name, most);
+  return rate ? fmt::format("{} {:g}", name, *rate) : fmt::format("{} free (0 to {:g})", name, most);
 }
 
 std::string heading(const PsychometricModel& model) {
@@ -306,7 +306,7 @@ std::string heading(const PsychometricModel& model) {
 }
 
 // What each status means, once for all rows that have it.
-std::string remarks(const std::vector<PsychometricAnswer>& answers) {
+std::string meanings_text(const std::vector<PsychometricAnswer>& answers) {
   using Status = PsychometricStatus;
   static constexpr std::pair<Status, const char*> kMeanings[] = {
       {Status::lapse_at_bound, "the free lapse is at the end of its range; the errors take it as known"},
@@ -359,7 +359,7 @@ std::string psychometric_text(const std::vector<PsychometricAnswer>& answers) {
   text +=
       dim("PSE: F = 0.5; JND: from there to F = 0.75; slope dF/dx at the PSE; all without guess and lapse.") + "\n\n";
   text += parameters.text() + dim("± standard error from the observed information.") + "\n";
-  return text + remarks(answers);
+  return text + meanings_text(answers);
 }
 
 std::string psychometric_text(const PsychometricComparison& comparison) {

@@ -72,7 +72,7 @@ void print_results(const StudyResults& results, const Protocol& protocol, const 
   if (constant != nullptr && !constant->detailed)
     fmt::print("{}\n", dim(fmt::format("Above {} participants other methods and the manner of answering are left out.",
                                        kMostInDetail)));
-  print_remarks(results);
+  print_cautions(results);
 }
 
 int analyze_blinded(const Study& study, const Protocol& protocol, const AnalyzeOptions& options) {

@@ -60,7 +60,7 @@ Json backup_json(const BackupOptions& options, const BackupReport& report) {
   return out;
 }
 
-std::string chain_remarks(const RecoveredChain& chain) {
+std::string chain_fate(const RecoveredChain& chain) {
   std::string text = chain.events == 0 ? "lost" : chain.cut ? "its end is lost" : chain.closed ? "whole" : "open";
   if (chain.unchained > 0) text += fmt::format("; {} behind the gap left out", counted(chain.unchained, "event"));
   if (chain.telemetry_lost > 0) text += fmt::format("; ticks of {} lost", counted(chain.telemetry_lost, "interval"));
@@ -87,7 +87,7 @@ void print_recovery(const RecoverOptions& options, const RecoveryReport& report,
                   {Align::left, Align::left, Align::left, Align::right, Align::left});
   for (const RecoveredChain& chain : report.sessions)
     table.add({printable(chain.session), printable(chain.participant), printable(chain.kind),
-               std::to_string(chain.events), chain_remarks(chain)});
+               std::to_string(chain.events), chain_fate(chain)});
   fmt::print("{}", table.text());
   if (report.own.unchained > 0)
     fmt::print("{}\n", warn(fmt::format("{} of the study itself could be read but not proved: exclusions, notes or an "

@@ -119,7 +119,7 @@ int command_verify(const VerifyOptions& options) {
                      {"intervals", deep.intervals},
                      {"numbers", deep.numbers},
                      {"bytes", deep.bytes},
-                     {"remarks", deep.findings}};
+                     {"findings", deep.findings}};
     fmt::print("{}\n", json_line(out));
   } else {
     for (const std::string& problem : problems) fmt::print("problem: {}\n", printable(problem));

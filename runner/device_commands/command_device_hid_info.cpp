@@ -153,7 +153,7 @@ void print_fingertip(const DeviceDescription& device) {
               fmt::format("{:g} mm: platform at {:g} to {:g} mm, at rest {:g} mm", 1e3 * spec.stroke_m,
                           1e3 * spec.lowest_travel, 1e3 * spec.highest_travel, 1e3 * spec.rest_z_m));
   print_field(15, "roll, pitch",
-              fmt::format("-+ {}, -+ {}", angle_text(spec.max_roll_rad), angle_text(spec.max_pitch_rad)));
+              fmt::format("± {}, ± {}", angle_text(spec.max_roll_rad), angle_text(spec.max_pitch_rad)));
   print_field(15, "vibration",
               fmt::format("{:g} to {:g} g, {:g} to {:g} Hz, at most {} ms", spec.min_vibration_g, spec.max_vibration_g,
                           spec.min_vibration_hz, spec.max_vibration_hz, device.limits.most_burst_ms));

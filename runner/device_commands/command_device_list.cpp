@@ -26,18 +26,15 @@ struct InfoOptions {
   bool json = false;
 };
 
-std::string what_it_is(const DeviceSpec& device) {
-  return device.model == DeviceModel::rrs3 ? "presses and tilts on the pulp, vibrates" : "resists the finger's flexion";
-}
-
 std::string what_it_is(const RigSpec& rig) {
   std::string text;
-  for (const DeviceSpec& device : rig.devices) text += (text.empty() ? "" : "; ") + what_it_is(device);
+  for (const DeviceSpec& device : rig.devices)
+    text += fmt::format("{}{}", text.empty() ? "" : "; ", facts_of(device.model).renders);
   return text + ", simulated";
 }
 
 nlohmann::ordered_json limits_json(const DeviceSpec& device) {
-  const bool joint = device.model == DeviceModel::mckibben;
+  const bool joint = facts_of(device.model).acts_on_joint;
   nlohmann::ordered_json limits = {
       {"max_force_n", device.max_force_n},
       {std::string("max_stiffness_") + std::string(name_suffix(device.unit)), device.max_stiffness},
@@ -97,15 +94,18 @@ nlohmann::ordered_json geometry_json(const DeviceSpec& device) {
 nlohmann::ordered_json device_json(const DeviceSpec& device) {
   nlohmann::ordered_json out = {{"name", device.name},
                                 {"title", device.title},
-                                {"acts_on", device.model == DeviceModel::rrs3 ? "pulp" : "joint"},
+                                {"acts_on", facts_of(device.model).place},
                                 {"limits", limits_json(device)}};
-  if (device.model == DeviceModel::rrs3) {
-    out["geometry"] = geometry_json(device);
-  } else {
-    out["finger"] = finger_json(device.finger);
-    out["control"] = {{"kp", device.gains.kp}, {"ki", device.gains.ki}, {"kd", device.gains.kd}};
-    out["tendon"] = to_string(device.tendon);
-    out["lever_arm_m"] = device.lever_arm_m;
+  switch (device.model) {
+    case DeviceModel::rrs3:
+      out["geometry"] = geometry_json(device);
+      break;
+    case DeviceModel::mckibben:
+      out["finger"] = finger_json(device.finger);
+      out["control"] = {{"kp", device.gains.kp}, {"ki", device.gains.ki}, {"kd", device.gains.kd}};
+      out["tendon"] = to_string(device.tendon);
+      out["lever_arm_m"] = device.lever_arm_m;
+      break;
   }
   return out;
 }
@@ -133,25 +133,22 @@ void say_all(const char* what, const nlohmann::ordered_json& values) {
   if (!line.empty()) print_field(22, count < 4 ? what : "", line);
 }
 
-void print_device(const DeviceSpec& device) {
-  fmt::print("\n{}\n", bold(printable(device.name)));
-  print_field(22, "force", fmt::format("at most {:g} N on the finger", device.max_force_n));
-  print_field(22, "stiffness", fmt::format("at most {:g} {}", device.max_stiffness, to_string(device.unit)));
-  if (device.model == DeviceModel::rrs3) {
-    print_field(22, "stroke",
-                fmt::format("{:g} mm: platform at {:g} to {:g} mm, at rest {:g} mm", 1e3 * device.stroke_m,
-                            1e3 * device.lowest_travel, 1e3 * device.highest_travel, 1e3 * device.rest_z_m));
-    print_field(22, "roll", fmt::format("-+ {}", angle_text(device.max_roll_rad)));
-    print_field(22, "pitch", fmt::format("-+ {}", angle_text(device.max_pitch_rad)));
-    print_field(22, "joints",
-                fmt::format("at most {:.3f} rad/s ({:.0f} deg/s)", device.max_joint_speed_rad_per_s,
-                            device.max_joint_speed_rad_per_s * kDegreesPerRadian));
-    print_field(22, "vibration",
-                fmt::format("{:g} to {:g} g, {:g} to {:g} Hz", device.min_vibration_g, device.max_vibration_g,
-                            device.min_vibration_hz, device.max_vibration_hz));
-    say_all("geometry", geometry_json(device));
-    return;
-  }
+void print_platform(const DeviceSpec& device) {
+  print_field(22, "stroke",
+              fmt::format("{:g} mm: platform at {:g} to {:g} mm, at rest {:g} mm", 1e3 * device.stroke_m,
+                          1e3 * device.lowest_travel, 1e3 * device.highest_travel, 1e3 * device.rest_z_m));
+  print_field(22, "roll", fmt::format("± {}", angle_text(device.max_roll_rad)));
+  print_field(22, "pitch", fmt::format("± {}", angle_text(device.max_pitch_rad)));
+  print_field(22, "joints",
+              fmt::format("at most {:.3f} rad/s ({:.0f} deg/s)", device.max_joint_speed_rad_per_s,
+                          device.max_joint_speed_rad_per_s * kDegreesPerRadian));
+  print_field(22, "vibration",
+              fmt::format("{:g} to {:g} g, {:g} to {:g} Hz", device.min_vibration_g, device.max_vibration_g,
+                          device.min_vibration_hz, device.max_vibration_hz));
+  say_all("geometry", geometry_json(device));
+}
+
+void print_joint(const DeviceSpec& device) {
   print_field(22, "joint",
               fmt::format("{} to {}", angle_text(device.lowest_travel), angle_text(device.highest_travel)));
   print_field(
@@ -160,6 +157,20 @@ void print_device(const DeviceSpec& device) {
   print_field(22, "tendon", std::string(to_string(device.tendon)));
   print_field(22, "lever arm", fmt::format("{:g} m: travel of the fingertip per angle", device.lever_arm_m));
   say_all("finger", finger_json(device.finger));
+}
+
+void print_device(const DeviceSpec& device) {
+  fmt::print("\n{}\n", bold(printable(device.name)));
+  print_field(22, "force", fmt::format("at most {:g} N on the finger", device.max_force_n));
+  print_field(22, "stiffness", fmt::format("at most {:g} {}", device.max_stiffness, to_string(device.unit)));
+  switch (device.model) {
+    case DeviceModel::rrs3:
+      print_platform(device);
+      break;
+    case DeviceModel::mckibben:
+      print_joint(device);
+      break;
+  }
 }
 
 int command_device_list(const ListOptions& options) {
@@ -173,7 +184,7 @@ int command_device_list(const ListOptions& options) {
     text += fmt::format("  {}: {}{}\n", bold(printable(rig.name)), printable(rig.title),
                         other.empty() ? "" : warn(printable(" (" + other + ")")));
     for (const DeviceSpec& device : rig.devices)
-      text += fmt::format("      {}; at most {}\n", what_it_is(device), limits_text(device));
+      text += fmt::format("      {}; at most {}\n", facts_of(device.model).renders, limits_text(device));
   }
   HidapiBus bus;
   const nlohmann::ordered_json devices = hid_json(bus);

@@ -71,10 +71,9 @@ RigSpec rig_named(const std::string& name_or_path) {
 
 DeviceSpec device_named(const std::string& name_or_path, DeviceModel model) {
   const RigSpec rig = rig_named(name_or_path);
-  const DeviceSpec* device = model == DeviceModel::rrs3 ? rig.cutaneous() : rig.kinaesthetic();
+  const DeviceSpec* device = rig.of(model);
   if (device == nullptr)
-    throw UsageError(fmt::format("{} is no {}: give a description of one", name_or_path,
-                                 model == DeviceModel::rrs3 ? "3RRS device" : "McKibben finger"));
+    throw UsageError(fmt::format("{} is no {}: give a description of one", name_or_path, facts_of(model).title));
   return *device;
 }
 

@@ -26,8 +26,8 @@ std::string words_of(const CellResult& cell, double dprime, const Protocol& prot
                      cell.counts.false_alarms, cell.counts.n_same);
 }
 
-std::string remark_of(const SlopePanel& panel, const Protocol& protocol) {
-  std::string remark;
+std::string undefined_of(const SlopePanel& panel, const Protocol& protocol) {
+  std::string undefined;
   for (const JndStatus status : {JndStatus::no_sensitivity, JndStatus::ceiling, JndStatus::no_information}) {
     std::string names;
     std::size_t count = 0;
@@ -38,9 +38,9 @@ std::string remark_of(const SlopePanel& panel, const Protocol& protocol) {
       }
     if (count == 0) continue;
     const std::string_view what = to_string(status);
-    remark = joined(remark, count == panel.curves.size() ? std::string(what) : fmt::format("{} {}", names, what));
+    undefined = joined(undefined, count == panel.curves.size() ? std::string(what) : fmt::format("{} {}", names, what));
   }
-  return remark;
+  return undefined;
 }
 
 // Where the line through the origin leaves the panel.
@@ -76,7 +76,7 @@ std::vector<SlopePanel> slope_panels(const StudyAnalysis& analysis, const Protoc
     }
     panels.back().curves.push_back(std::move(curve));
   }
-  for (SlopePanel& panel : panels) panel.remark = remark_of(panel, protocol);
+  for (SlopePanel& panel : panels) panel.undefined = undefined_of(panel, protocol);
   return panels;
 }
 
@@ -138,10 +138,10 @@ void draw_slope_panel(Svg& svg, const Panel& panel, const SlopePanel& content, c
   }
   svg.text(panel.left, panel.top - 6, fitted(content.title, kLabel.size, panel.width()), strong(kLabel));
   const double used = text_width(content.title, kLabel.size) * 1.1 + 8;
-  if (!content.remark.empty() && used < panel.width() - 30) {
+  if (!content.undefined.empty() && used < panel.width() - 30) {
     TextStyle style = anchored(kMuted, "end");
     style.size = 9.5;
-    svg.text(panel.right, panel.top - 6, fitted(content.remark, style.size, panel.width() - used), style);
+    svg.text(panel.right, panel.top - 6, fitted(content.undefined, style.size, panel.width() - used), style);
   }
   svg.end();
 }

@@ -28,7 +28,7 @@ struct SlopeCurve {
 struct SlopePanel {
   std::string title;  // the participant
   std::vector<SlopeCurve> curves;
-  std::string remark = {};  // who has no JND: "V no_sensitivity"
+  std::string undefined = {};  // who has no JND: "V no_sensitivity"
 };
 
 // One for each participant, in the analysis's order.

@@ -62,7 +62,7 @@ std::string table_html(const ResultTable& table) {
                         escape_markup(column.name));
   html += "</tr></thead>\n<tbody>\n";
   for (const std::vector<std::string>& row : table.rows) html += row_html(table, row);
-  return html + "</tbody>\n</table>\n</div>\n" + list_html(table.remarks, "remarks") + "</section>\n";
+  return html + "</tbody>\n</table>\n</div>\n" + list_html(table.footnotes, "footnotes") + "</section>\n";
 }
 
 std::string figure_anchor(const Figure& figure) {

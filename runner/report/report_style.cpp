@@ -40,7 +40,7 @@ code, .hash { font-family: "DejaVu Sans Mono", "Liberation Mono", Menlo, Consola
 .eyebrow { margin: 0; color: var(--muted); font-size: 0.9rem; }
 .kind { display: inline-block; padding: 0 0.5em; border: 1px solid currentColor; border-radius: 0.3em; }
 .lead { font-size: 1.05rem; }
-.note, figcaption, .remarks { color: var(--muted); font-size: 0.88rem; }
+.note, figcaption, .footnotes { color: var(--muted); font-size: 0.88rem; }
 .skip { position: absolute; left: -999rem; }
 .skip:focus { left: 1rem; top: 1rem; padding: 0.5rem 1rem; background: var(--paper); border: 2px solid var(--link); }
 .alert { margin: 1.2rem 0; padding: 0.6rem 1.1rem; background: var(--alert-paper); border-left: 5px solid var(--alert-line); }
@@ -68,7 +68,7 @@ tbody tr:last-child > * { border-bottom: 2px solid var(--axis); }
 .wide table { font-size: 0.78rem; }
 .wide th, .wide td { padding-right: 0.45rem; }
 tbody th, tbody td:not(:last-child) { white-space: nowrap; }
-.remarks { margin: 0.5rem 0 0; padding-left: 1.2rem; }
+.footnotes { margin: 0.5rem 0 0; padding-left: 1.2rem; }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: 0.25rem 1.2rem; font-size: 0.92rem; }
 dt { color: var(--muted); }
 dd { margin: 0; }
@@ -112,7 +112,7 @@ svg .f6 { fill: var(--c6); } svg .s6 { stroke: var(--c6); } svg .h6 { fill: var(
   figure { margin: 10pt 0 14pt; }
   figure svg { max-width: min(100%, 150mm); max-height: 210mm; }
   figure#fig-sensitivity svg, figure[id^="fig-slopes"] svg { max-width: 100%; }
-  figcaption, .note, .remarks { font-size: 8.5pt; }
+  figcaption, .note, .footnotes { font-size: 8.5pt; }
   thead { display: table-header-group; }
   caption { break-after: avoid; }
   .scroll { overflow: visible; }

@@ -153,7 +153,7 @@ void add_chains(Json& out, const ChainReport& chains) {
   out["study_head"] = chains.study_head;
 }
 
-void add_remarks(Json& out, const StudyResults& results) {
+void add_cautions(Json& out, const StudyResults& results) {
   out["deviations"] = results.deviations;
   out["cautions"] = results.cautions;
 }
@@ -174,7 +174,7 @@ struct ResultsJson {
   Json operator()(const ExplorationResults& measured) const {
     Json out = {{"kind", to_string(measured.attendance.kind)}, {"protocol_sha256", protocol.sha256}};
     out["questionnaire"] = to_json(results.questionnaire, measured, protocol);
-    add_remarks(out, results);
+    add_cautions(out, results);
     add_chains(out, results.chains);
     out["heads"] = heads_json(measured.attendance);
     return out;
@@ -199,7 +199,7 @@ struct ResultsJson {
     out["behaviour"] = behaviour_json(measured.behaviour, protocol);
     out["cue_strategy"] = cue_strategy_json(measured.behaviour, protocol);
     out["ratings"] = ratings_json(results, protocol);
-    add_remarks(out, results);
+    add_cautions(out, results);
     return out;
   }
 };

@@ -23,7 +23,7 @@ std::string text_of(const ResultTable& table) {
   std::string all = bold(table.title) + "\n";
   if (!table.note.empty()) all += dim(table.note) + "\n";
   all += text.text();
-  for (const std::string& remark : table.remarks) all += fmt::format("  {}\n", printable(remark));
+  for (const std::string& note : table.footnotes) all += fmt::format("  {}\n", printable(note));
   return all + "\n";
 }
 
@@ -31,7 +31,7 @@ void print_table(const ResultTable& table) {
   fmt::print("{}", text_of(table));
 }
 
-void print_remarks(const StudyResults& results) {
+void print_cautions(const StudyResults& results) {
   for (const std::string& one : results.deviations) fmt::print("{}\n", warn("deviation: " + printable(one)));
   for (const std::string& one : results.cautions) fmt::print("{}\n", warn("caution: " + printable(one)));
 }

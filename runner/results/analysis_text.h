@@ -13,7 +13,7 @@ namespace jnd {
 std::string text_of(const ResultTable& table);  // ends with an empty line
 void print_table(const ResultTable& table);
 // Deviations from the plan, then cautions; nothing where there are none.
-void print_remarks(const StudyResults& results);
+void print_cautions(const StudyResults& results);
 
 // Of every session: how its chain of events ends.
 nlohmann::ordered_json heads_json(const Attendance& attendance);

@@ -73,19 +73,20 @@ nlohmann::ordered_json to_json(const BlindedResults& results, const Protocol& pr
 Fields<BlindedParticipant> blinded_participant_fields() {
   using R = BlindedParticipant;
   using F = Field<R>;
-  return {F("participant", "code of the participant", &R::participant),
-          F("state", "how far the participant is", &R::state,
-            {.levels = "finished \"not finished\" \"ended early\" excluded"}),
-          F("sessions", "sessions begun", &R::sessions),
-          F("trials_done", "main trials answered", &R::trials_done),
-          F("trials_total", "main trials planned", &R::trials_total),
-          F("trials_voided", "attempts voided, practice included", &R::trials_voided, {.title = "voided"}),
-          F("device_faults", "presentations that a fault stopped", &R::device_faults, {.title = "device faults"}),
-          F("said_different", "share of answers \"different\", over all stimuli", &R::said_different,
-            {.title = "said different", .shown = Shown::percent}),
-          F("median_response_time_s", "median response time of the participant's own entries",
-            &R::median_response_time_s, {.unit = "s", .title = "median response s", .digits = 2}),
-          F("mean_trial_s", "mean time per trial", &R::mean_trial_s, {.unit = "s", .title = "s a trial", .digits = 1})};
+  return {
+      F("participant", "code of the participant", &R::participant),
+      F("state", "how far the participant is", &R::state,
+        {.levels = "finished \"not finished\" \"ended early\" excluded"}),
+      F("sessions", "sessions begun", &R::sessions),
+      F("trials_done", "main trials answered", &R::trials_done),
+      F("trials_total", "main trials planned", &R::trials_total),
+      F("trials_voided", "attempts voided, practice included", &R::trials_voided, {.title = "voided"}),
+      F("device_faults", "presentations that a fault stopped", &R::device_faults, {.title = "device faults"}),
+      F("said_different", "share of answers \"different\", over all stimuli", &R::said_different,
+        {.title = "said different", .shown = Shown::percent}),
+      F("median_response_time_s", "median response time of the participant's own entries", &R::median_response_time_s,
+        {.unit = "s", .title = "median response s", .digits = 2}),
+      F("mean_trial_s", "mean time per trial", &R::mean_trial_s, {.unit = "s", .title = "s per trial", .digits = 1})};
 }
 
 Fields<BlindedGroup> blinded_group_fields(const Protocol& protocol) {

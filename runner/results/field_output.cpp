@@ -42,7 +42,7 @@ std::string value_text(const FieldValue& value, Shown shown, int digits, double 
 }
 
 std::string range_of(const std::string& low, const std::string& high) {
-  return low == "-" || high == "-" ? "-" : low + " .. " + high;
+  return low == "-" || high == "-" ? "-" : low + " to " + high;
 }
 
 void set_json(nlohmann::ordered_json& out, std::string_view key, nlohmann::ordered_json value) {

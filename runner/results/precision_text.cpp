@@ -66,7 +66,7 @@ std::string amount(double value) {
 }
 
 std::string range(double low, double high) {
-  return fmt::format("{} .. {}", amount(low), amount(high));
+  return fmt::format("{} to {}", amount(low), amount(high));
 }
 
 std::string with_sign(double value) {
@@ -83,7 +83,7 @@ std::string heading(const std::string& text, TableStyle style) {
 
 std::string tested_range(const CountsDesign& design) {
   const auto [low, high] = std::minmax_element(design.differences.begin(), design.differences.end());
-  return fmt::format("{:g} .. {:g}", *low, *high);
+  return fmt::format("{:g} to {:g}", *low, *high);
 }
 
 // How the estimates' distribution was found; conditions can differ where some have too many outcomes.
@@ -113,7 +113,7 @@ std::string method_of(const Precision& precision, const Protocol& protocol) {
 std::string estimates(const PlannedPrecision& planned, const Protocol& protocol, TableStyle style) {
   const Precision& precision = planned.precision;
   Table table({"condition", fmt::format("true JND {}", to_string(protocol.stimulus.unit)), "rate of 0 or 1", "d' <= 0",
-               "median", "5 .. 95 %", "2.5 .. 97.5 %", "bias of median", "mean of the defined", "undefined",
+               "median", "5 to 95 %", "2.5 to 97.5 %", "bias of median", "mean of the defined", "undefined",
                fmt::format("outside {}", tested_range(precision.question.design))});
   for (std::size_t i = 0; i < precision.participant.size(); ++i) {
     const ParticipantPrecision& one = precision.participant[i];
@@ -152,7 +152,7 @@ std::string session_of_proposal(const Precision& precision, const Protocol& prot
 }
 
 std::string group_table(const Precision& precision, const Protocol& protocol, TableStyle style) {
-  Table table({"condition", "mean JND, median", "5 .. 95 %", "width of its 95 % interval", "someone undefined"});
+  Table table({"condition", "mean JND, median", "5 to 95 %", "width of its 95 % interval", "someone undefined"});
   for (std::size_t i = 0; i < precision.group.size(); ++i) {
     const GroupPrecision& one = precision.group[i];
     table.add({name_of(protocol, i), amount(one.median), range(one.q05, one.q95), amount(one.ci_width),
@@ -233,7 +233,7 @@ std::string precision_text(const PlannedPrecision& planned, const Protocol& prot
 }
 
 std::string precision_summary(const PlannedPrecision& planned, const Protocol& protocol, const std::string& name) {
-  Table table({"one participant", fmt::format("true JND {}", to_string(protocol.stimulus.unit)), "estimates, 5 .. 95 %",
+  Table table({"one participant", fmt::format("true JND {}", to_string(protocol.stimulus.unit)), "estimates, 5 to 95 %",
                "undefined", "CV", fmt::format("trials per cell for {}", of_cv(planned.precision.question.wanted_cv))});
   for (std::size_t i = 0; i < planned.precision.participant.size(); ++i) {
     const ParticipantPrecision& one = planned.precision.participant[i];

@@ -23,7 +23,7 @@ std::string joined(const std::string& a, const std::string& b) {
   return a.empty() || b.empty() ? a + b : a + ", " + b;
 }
 
-std::string source_remark(DifferenceSource source, const StudyAnalysis& analysis) {
+std::string source_caution(DifferenceSource source, const StudyAnalysis& analysis) {
   if (source == analysis.by) return {};
   return source == DifferenceSource::mixed ? "nominal differences in part" : "nominal difference";
 }

@@ -20,6 +20,6 @@ std::string_view unit_of(const Protocol& protocol) noexcept;
 const std::string& condition_text(const Protocol& protocol, int place);  // its name
 std::string joined(const std::string& a, const std::string& b);          // "a, b", or the one that is not empty
 // Where the fit rests on another difference than the one asked for; empty where it does not.
-std::string source_remark(DifferenceSource source, const StudyAnalysis& analysis);
+std::string source_caution(DifferenceSource source, const StudyAnalysis& analysis);
 
 }  // namespace jnd

@@ -52,25 +52,25 @@ std::string interval_note(const StudyAnalysis& analysis) {
   return "no interval for this method";
 }
 
-std::vector<std::string> left_out_remarks(const StudyAnalysis& analysis, const Protocol& protocol) {
-  std::vector<std::string> remarks;
+std::vector<std::string> left_out_notes(const StudyAnalysis& analysis, const Protocol& protocol) {
+  std::vector<std::string> notes;
   for (const GroupResult& row : analysis.group) {
     const JndGroup& jnd = row.jnd;
     const int left_out = jnd.no_sensitivity + jnd.ceiling + jnd.no_information;
     if (left_out == 0) continue;
-    remarks.push_back(fmt::format(
+    notes.push_back(fmt::format(
         "{}: the mean leaves out {} of {} ({} no_sensitivity, {} ceiling, {} no_information); the median keeps {} of "
         "them",
         condition_text(protocol, row.condition), left_out, jnd.n, jnd.no_sensitivity, jnd.ceiling, jnd.no_information,
         jnd.no_sensitivity + jnd.ceiling));
   }
   for (const GroupResult& row : analysis.group)
-    if (const std::string remark = source_remark(row.difference_source, analysis); !remark.empty() && row.jnd.n > 0)
-      remarks.push_back(fmt::format("{}: {}: nothing was delivered that has a stiffness to fit",
-                                    condition_text(protocol, row.condition), remark));
+    if (const std::string caution = source_caution(row.difference_source, analysis); !caution.empty() && row.jnd.n > 0)
+      notes.push_back(fmt::format("{}: {}: nothing was delivered that has a stiffness to fit",
+                                  condition_text(protocol, row.condition), caution));
   for (const auto& [reason, trials] : analysis.exclusions)
-    remarks.push_back(fmt::format("excluded by the registered rule {}: {} trials", reason, trials));
-  return remarks;
+    notes.push_back(fmt::format("excluded by the registered rule {}: {} trials", reason, trials));
+  return notes;
 }
 
 }  // namespace
@@ -82,9 +82,9 @@ ResultTable participants_table(const StudyAnalysis& analysis, const Protocol& pr
   table = of(std::move(table),
              {of("participant"), of("condition"), of("slope"), of("jnd"), of.range("ci_low", "ci_high"), of("weber"),
               of("mean_trial_s"),
-              of.words("remarks",
+              of.words("cautions",
                        [&](const ThresholdResult& row) {
-                         return joined(cautions_text(row.jnd), source_remark(row.difference_source, analysis));
+                         return joined(cautions_text(row.jnd), source_caution(row.difference_source, analysis));
                        })},
              analysis.thresholds);
   // A participant is named once.
@@ -94,13 +94,13 @@ ResultTable participants_table(const StudyAnalysis& analysis, const Protocol& pr
 }
 
 ResultTable cells_table(const StudyAnalysis& analysis, const Protocol& protocol) {
-  const auto remarks = [&](const CellResult& cell) {
+  const auto cautions = [&](const CellResult& cell) {
     std::string note = cell.yes_no.status == RateStatus::ok ? "" : std::string(to_string(cell.yes_no.status));
     if (cell.excluded > 0) note = joined(note, fmt::format("{} excluded", cell.excluded));
     if (cell.missing > 0) note = joined(note, fmt::format("{} not done", cell.missing));
     if (cell.without_fit > 0 && cell.delivered_difference.n > 0)
       note = joined(note, fmt::format("{} without a delivered difference", cell.without_fit));
-    return joined(note, source_remark(cell.difference_source, analysis));
+    return joined(note, source_caution(cell.difference_source, analysis));
   };
   const TableMaker of(cell_fields(protocol));
   return of({"cells",
@@ -115,7 +115,7 @@ ResultTable cells_table(const StudyAnalysis& analysis, const Protocol& protocol)
              of(in_unit("delivered_difference_", protocol)), of.share("hits", "n_diff", "hits", "/"),
              of.share("false_alarms", "n_same", "false alarms", "/"), of("raw_hit_rate"), of("raw_false_alarm_rate"),
              of("hit_rate"), of("false_alarm_rate"), of("z_hit"), of("z_false_alarm"), of("dprime"),
-             of.range("ci_low", "ci_high"), of("criterion"), of.words("remarks", remarks)},
+             of.range("ci_low", "ci_high"), of("criterion"), of.words("cautions", cautions)},
             analysis.cells);
 }
 
@@ -149,7 +149,7 @@ ResultTable group_table(const StudyAnalysis& analysis, const Protocol& protocol)
              method_note(analysis, protocol),
              {},
              {},
-             left_out_remarks(analysis, protocol)},
+             left_out_notes(analysis, protocol)},
             columns, analysis.group);
 }
 

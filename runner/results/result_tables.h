@@ -19,7 +19,7 @@ struct ResultTable {
   std::string note;   // the convention behind the numbers; empty where there is nothing to say
   std::vector<Column> columns;
   std::vector<std::vector<std::string>> rows;
-  std::vector<std::string> remarks;  // below the table
+  std::vector<std::string> footnotes;  // below the table
 };
 
 // In the order in which they are read. Tables without rows are left out.

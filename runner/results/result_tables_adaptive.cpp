@@ -32,10 +32,10 @@ ResultTable adaptive_group_table(const AdaptiveResults& results, const Protocol&
              {of("condition"), of("threshold_mean"), of("threshold_sd"), of.words("Weber", weber, true),
               of("false_alarm_rate"), of.share("n", "of", "n used")},
              results.group);
-  table.remarks.emplace_back(
+  table.footnotes.emplace_back(
       "a threshold moves with the criterion: compare conditions where the false alarms are alike");
   if (protocol.design.procedure->catch_share == 0)
-    table.remarks.emplace_back("without catch trials there is no false-alarm rate, and no d'");
+    table.footnotes.emplace_back("without catch trials there is no false-alarm rate, and no d'");
   return table;
 }
 

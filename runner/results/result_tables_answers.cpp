@@ -18,17 +18,18 @@ std::string question_note(const Question& question) {
   const auto end = [](double value, const std::string& label) {
     return fmt::format("{:g}{}{}", value, label.empty() ? "" : " ", label);
   };
-  return fmt::format("{}: \"{}\" ({} .. {})", question.id, question.text, end(question.min, question.low_label),
+  return fmt::format("{}: \"{}\" ({} to {})", question.id, question.text, end(question.min, question.low_label),
                      end(question.max, question.high_label));
 }
 
-std::string behaviour_remarks(const BehaviourRow& row) {
+std::string behaviour_cautions(const BehaviourRow& row) {
   const bool ordered = row.order.status == OrderStatus::ok;
-  std::string remarks = ordered ? "" : std::string(to_string(row.order.status));
-  if (row.bias.status != RateStatus::ok) remarks = joined(remarks, "bias: " + std::string(to_string(row.bias.status)));
+  std::string cautions = ordered ? "" : std::string(to_string(row.order.status));
+  if (row.bias.status != RateStatus::ok)
+    cautions = joined(cautions, "bias: " + std::string(to_string(row.bias.status)));
   if (row.drift.status != RateStatus::ok)
-    remarks = joined(remarks, "drift: " + std::string(to_string(row.drift.status)));
-  return remarks;
+    cautions = joined(cautions, "drift: " + std::string(to_string(row.drift.status)));
+  return cautions;
 }
 
 // Whether a condition has any trial that a cue could be fitted to.
@@ -65,7 +66,7 @@ ResultTable behaviour_table(const ConstantResults& results, const Protocol& prot
        of.range("response_bias.ci_low", "response_bias.ci_high"), of("response_bias.said_different.value"),
        of("response_bias.p"), of("drift.dprime.difference"), of.range("drift.dprime.ci_low", "drift.dprime.ci_high"),
        of("drift.dprime.p"), of("session_drift.difference"), of("session_drift.p"),
-       of.words("remarks", behaviour_remarks)},
+       of.words("cautions", behaviour_cautions)},
       rows);
 }
 
@@ -77,7 +78,7 @@ ResultTable cues_table(const ConstantResults& results, const Protocol& protocol)
   const auto best_of = [&](const Row& row) {
     return row.row->best_of.empty() ? "-" : of.text("participants_best", row);
   };
-  const auto remarks = [&](const Row& row) {
+  const auto cautions = [&](const Row& row) {
     std::string text = fit(row).status == CueStatus::ok ? "" : of.text("status", row);
     if (fit(row).missing > 0) text = joined(text, fmt::format("{} trials without it", fit(row).missing));
     return row.row->strategy.best == fit(row).cue ? joined("explains most", text) : text;
@@ -94,7 +95,7 @@ ResultTable cues_table(const ConstantResults& results, const Protocol& protocol)
              {},
              {}},
             {of.words("condition", condition), of("cue"), of("n"), of("slope"), of("deviance_explained"), of("aic"),
-             of("beside_stiffness.p"), of.words("best of", best_of, true), of.words("remarks", remarks)},
+             of("beside_stiffness.p"), of.words("best of", best_of, true), of.words("cautions", cautions)},
             rows);
 }
 
@@ -109,7 +110,7 @@ ResultTable items_table(const StudyResults& results, const Protocol& protocol) {
   std::vector<ScoreRow> rows;
   for (const QuestionnaireItem& item : results.questionnaire.items) {
     for (const ScoreRow& row : score_rows(item, protocol)) rows.push_back(row);
-    table.remarks.push_back(question_note(protocol.questions[static_cast<std::size_t>(item.question)]));
+    table.footnotes.push_back(question_note(protocol.questions[static_cast<std::size_t>(item.question)]));
   }
   const auto question = [&](const ScoreRow& row) { return row.score->condition <= 0 ? of.text("item", row) : ""; };
   const auto condition = [&](const ScoreRow& row) {

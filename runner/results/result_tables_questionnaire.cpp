@@ -93,7 +93,7 @@ ResultTable scores_table(const QuestionnaireResults& results, const Protocol& pr
           published_text(question.id, protocol.conditions[static_cast<std::size_t>(score.condition)].name, protocol));
     }
     table.rows.push_back(std::move(row));
-    table.remarks.push_back(question_line(question));
+    table.footnotes.push_back(question_line(question));
   }
   drop_empty_columns(table);
   return table;
@@ -146,7 +146,7 @@ ResultTable once_table(const QuestionnaireResults& results, const Protocol& prot
   for (const QuestionnaireItem& item : results.items) {
     if (item.paired) continue;
     rows.push_back(score_rows(item, protocol).front());
-    table.remarks.push_back(question_line(*rows.back().question));
+    table.footnotes.push_back(question_line(*rows.back().question));
   }
   const TableMaker of(score_fields(protocol));
   table = of(std::move(table),
@@ -169,7 +169,7 @@ ResultTable choices_table(const ExplorationResults& results, const Protocol& pro
   std::vector<OptionRow> rows;
   for (const ChoiceResult& choice : results.choices) {
     for (const OptionRow& row : option_rows(choice, protocol)) rows.push_back(row);
-    if (choice.condition <= 0) table.remarks.push_back(question_line(question_of(choice.question, protocol)));
+    if (choice.condition <= 0) table.footnotes.push_back(question_line(question_of(choice.question, protocol)));
   }
   const TableMaker of(option_fields(protocol));
   const auto question = [&](const OptionRow& row) {

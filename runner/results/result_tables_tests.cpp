@@ -86,8 +86,8 @@ ResultTable contrasts_table(const StudyResults& results, const Protocol& protoco
     return range_text(scale.factor * row.difference.ci_low, scale.factor * row.difference.ci_high, scale.decimals);
   };
   const auto p = [&](const Row& row) { return row.registered ? of.text("p", row) : ""; };
-  const auto remarks = [&](const Row& row) {
-    return joined(constant == nullptr ? "" : source_remark(row.difference_source, constant->analysis),
+  const auto cautions = [&](const Row& row) {
+    return joined(constant == nullptr ? "" : source_caution(row.difference_source, constant->analysis),
                   row.refused.empty() ? "" : "refused");
   };
   table = of(std::move(table),
@@ -97,9 +97,9 @@ ResultTable contrasts_table(const StudyResults& results, const Protocol& protoco
                        }),
               of.words("scale", [&](const Row& row) { return scale_text(row, protocol).name; }),
               of.share("difference.n", "participants", "n"), of.words("mean difference", mean, true),
-              of.words("95 % CI", interval, true), of.words("p", p, true), of.words("remarks", remarks)},
+              of.words("95 % CI", interval, true), of.words("p", p, true), of.words("cautions", cautions)},
              rows);
-  if (!tested.refused.empty()) table.remarks.push_back("no tests: " + tested.refused);
+  if (!tested.refused.empty()) table.footnotes.push_back("no tests: " + tested.refused);
   if (std::all_of(table.rows.begin(), table.rows.end(), [](const auto& row) { return row.back().empty(); })) {
     table.columns.pop_back();
     for (auto& row : table.rows) row.pop_back();
@@ -118,7 +118,7 @@ ResultTable omnibus_table(const StudyResults& results, const Protocol& protocol)
     if (outcome.refused.empty())
       rows.push_back({&outcome});
     else
-      table.remarks.push_back(fmt::format("{}: no test: {}", outcome.outcome, outcome.refused));
+      table.footnotes.push_back(fmt::format("{}: no test: {}", outcome.outcome, outcome.refused));
   }
   const TableMaker of(test_fields());
   const auto effect = [](const TestRow& row) -> const WithinEffect& { return row.outcome->comparison.anova.effect; };

@@ -26,7 +26,7 @@ std::string p_value_text(double p) {
 
 std::string range_text(double low, double high, int decimals) {
   if (std::isnan(low) || std::isnan(high)) return "-";
-  return number_text(low, decimals) + " .. " + number_text(high, decimals);
+  return number_text(low, decimals) + " to " + number_text(high, decimals);
 }
 
 std::string counted(std::int64_t count, std::string_view thing) {

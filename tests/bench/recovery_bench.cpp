@@ -50,7 +50,7 @@ void recover(const std::string& name, const double (&expected)[3], int participa
       if (row.condition == condition) slopes.push_back(row.jnd.slope);
     const MeanEstimate mean = mean_with_ci(slopes);
     const double se = mean.sd / std::sqrt(mean.n) / (mean.mean * mean.mean);
-    fmt::print("  {:<3} 1/mean(m) {:7.2f} +- {:.2f} N/m   expected {:6.1f}   ratio {:.4f}\n",
+    fmt::print("  {:<3} 1/mean(m) {:7.2f} ± {:.2f} N/m   expected {:6.1f}   ratio {:.4f}\n",
                protocol.conditions[static_cast<std::size_t>(condition)].name, 1 / mean.mean, se, expected[condition],
                1 / mean.mean / expected[condition]);
   }

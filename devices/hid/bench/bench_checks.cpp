@@ -136,7 +136,7 @@ void check_stream(BenchLink& link, const jnd_identity& identity, double seconds,
   const double rate_hz = took_s > 0 ? static_cast<double>(link.counter().taken() - taken - 1) / took_s : 0;
   constexpr double kMostRateError = 0.05;
   checks.push_back(measured("rate of telemetry", fmt::format("{:.1f} Hz over {:.1f} s", rate_hz, took_s),
-                            fmt::format("{} Hz -+ {:g} %", identity.loop_rate_hz, 100 * kMostRateError),
+                            fmt::format("{} Hz ± {:g} %", identity.loop_rate_hz, 100 * kMostRateError),
                             std::abs(rate_hz / identity.loop_rate_hz - 1) <= kMostRateError));
   checks.push_back(measured("reports missing, damaged",
                             fmt::format("{}, {} of {}", link.counter().missing() - missing, link.damaged() - damaged,
@@ -277,7 +277,7 @@ void check_force(BenchLink& link, Checks& checks) {
   well = well && ramp(link, kTestForce_n, 0, kRamp_ticks / 4);
   Check check = measured(fmt::format("force of {:g} N", kTestForce_n),
                          well ? fmt::format("{:.3f} N", held.mean()) : trouble(link),
-                         fmt::format("{:g} N -+ {:g} N, on a finger or a reference", kTestForce_n, kTolerance_n),
+                         fmt::format("{:g} N ± {:g} N, on a finger or a reference", kTestForce_n, kTolerance_n),
                          well && std::abs(held.mean() - kTestForce_n) <= kTolerance_n);
   if (well && std::abs(held.mean()) < kNothing_n) {
     check.found += ": it met nothing";
@@ -309,7 +309,7 @@ void check_vibration(BenchLink& link, Checks& checks) {
   after_g = kMilli * link.telemetry().vibration_mg;
   checks.push_back(measured(
       "vibration burst of 100 ms", well ? fmt::format("{:.3f} g, {:.3f} g afterwards", last_g, after_g) : trouble(link),
-      fmt::format("{:.3f} g -+ {:g} %, then below {:g} g", command.vibration_g, 100 * kTolerance, spec.min_vibration_g),
+      fmt::format("{:.3f} g ± {:g} %, then below {:g} g", command.vibration_g, 100 * kTolerance, spec.min_vibration_g),
       well && std::abs(last_g / command.vibration_g - 1) <= kTolerance && after_g < spec.min_vibration_g));
 }
 

@@ -78,7 +78,7 @@ TEST_CASE("the published design: saturation is a warning, in its place and with 
   REQUIRE(lint.warnings.size() == 1);
   CHECK(lint.warnings[0].path == "$.stimulus.expected_press_m");
   CHECK(lint.warnings[0].line > 1);
-  CHECK(lint.warnings[0].message.find("presses of 5.00 mm +- 1.00 mm reach the rrs3's limit of 4.7 N") == 0);
+  CHECK(lint.warnings[0].message.find("presses of 5.00 mm ± 1.00 mm reach the rrs3's limit of 4.7 N") == 0);
   CHECK(lint.warnings[0].message.find("900 N/m at 5.22 mm, in 96 % of intervals and 11.8 % of contact time") !=
         std::string::npos);
 }
@@ -199,7 +199,7 @@ TEST_CASE("a joint's stiffness, force and range are held against the protocol") 
   const DeviceLint saturated = lint_against_device(fine, weak, "p.json");
   CHECK(saturated.errors.empty());
   CHECK(told(saturated.warnings, "$.stimulus.expected_press_rad",
-             "presses of 0.250 rad +- 0.050 rad reach the mckibben's limit of 8 N"));
+             "presses of 0.250 rad ± 0.050 rad reach the mckibben's limit of 8 N"));
   CHECK(told(saturated.warnings, "$.stimulus.expected_press_rad", "37 N/rad at 0.216 rad, in 94 % of intervals"));
   weak.devices[0].max_force_n = 1.5;  // 25 N/rad at 0.06 rad, within a quarter of 0.25
   CHECK(told(lint_against_device(fine, weak, "p.json").errors, "$.series[0].pair",

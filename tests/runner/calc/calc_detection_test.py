@@ -128,7 +128,7 @@ class Sdt(unittest.TestCase):
     def test_a_person_reads_tables(self):
         done = run("sdt", "-", text=HEADER + "P01,6,5,6,1\nP02,6,6,6,6\nP03,6,2,0,0\n")
         self.assertEqual(done.returncode, 0)
-        for words in ("yes-no model, log-linear correction", "1.583", "0.346 .. 3.767", "3.323", "no_information", "missing",
+        for words in ("yes-no model, log-linear correction", "1.583", "0.346 to 3.767", "3.323", "no_information", "missing",
                       "1 of 3 rows lack a class"):
             self.assertIn(words, done.stdout)
         self.assertNotIn("nan", done.stdout)

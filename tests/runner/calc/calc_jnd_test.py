@@ -155,7 +155,7 @@ class CalcJnd(unittest.TestCase):
     def test_a_table_for_people(self):
         done = run("-", "--reference", "900")
         self.assertEqual(done.returncode, 0)
-        for word in ("P1", "ml_differencing_series", "190.3", "96.31 .. 312", "ceiling", "no_information", "JND / 900"):
+        for word in ("P1", "ml_differencing_series", "190.3", "96.31 to 312", "ceiling", "no_information", "JND / 900"):
             self.assertIn(word, done.stdout)
         self.assertNotIn("\x1b", done.stdout)
         self.assertNotIn("nan", done.stdout)

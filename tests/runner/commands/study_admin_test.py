@@ -245,7 +245,7 @@ class Care(unittest.TestCase):
         self.assertTrue(report["ok"])
         self.assertEqual(report["deep"]["sessions"], 2)
         self.assertGreater(report["deep"]["numbers"], 100)
-        self.assertEqual(report["deep"]["remarks"], [])
+        self.assertEqual(report["deep"]["findings"], [])
 
 
 if __name__ == "__main__":

@@ -53,7 +53,7 @@ TEST_CASE("a table shows each number with the digits of its field") {
   CHECK(right == "lrrrrrrl");
   REQUIRE(table.rows.size() == 2);
   CHECK(table.rows[0] ==
-        std::vector<std::string>{"P01", "0.12 .. 2.00", "3.2e-07", "35.5 %", "", "12.3", "0.12/2.00", "P01!"});
+        std::vector<std::string>{"P01", "0.12 to 2.00", "3.2e-07", "35.5 %", "", "12.3", "0.12/2.00", "P01!"});
   CHECK(table.rows[1][1] == "-");
   CHECK(table.rows[1][5] == "-");
 }

@@ -116,7 +116,7 @@ TEST_CASE("Simulated participants reproduce their profile's thresholds through t
                                       Expectation{"chinello2017-differencing", {283.5, 351.0, 199.4}}}) {
     const Recovered recovered = recover(expected.profile, 12, 120);
     for (int condition = 0; condition < 3; ++condition) {
-      INFO(expected.profile << " condition " << condition << ": " << recovered.jnd[condition] << " +- "
+      INFO(expected.profile << " condition " << condition << ": " << recovered.jnd[condition] << " ± "
                             << recovered.se[condition]);
       // Log-linear rates at 60 trials a class pull d' down by less than 1 %; 4 standard errors for the draw.
       CHECK(std::abs(recovered.jnd[condition] - expected.jnd[condition]) <
@@ -162,7 +162,7 @@ TEST_CASE("Nothing leaks: a rig that renders every sphere alike brings every d' 
         if (cell.condition == condition) dprimes.push_back(cell.yes_no.dprime);
       const MeanEstimate mean = mean_with_ci(dprimes);
       const double se = mean.sd / std::sqrt(mean.n);
-      INFO(name << " condition " << condition << ": d' " << mean.mean << " +- " << se);
+      INFO(name << " condition " << condition << ": d' " << mean.mean << " ± " << se);
       CHECK(std::abs(mean.mean) < 4 * se);
       CHECK(se < 0.1);
     }

@@ -1,4 +1,4 @@
-#include "data/results/study_remarks.h"
+#include "data/results/study_cautions.h"
 
 #include <algorithm>
 #include <cmath>
