@@ -115,7 +115,7 @@ Check stale_pose(DeviceBench bench) {
     ++age;
     out = bench.tick(bench.push(bench.spec().max_force_n / 2), age * DeviceBench::kTick_ns);
   }
-  return measured("a finger that nobody tracks any more",
+  return measured("a finger that is no longer tracked",
                   fmt::format("{} after {} ms", fault_text(out.fault, out.given.force_n), age),
                   fmt::format("stale_pose, 0 N after {} ms + 1 tick", kAge_ticks),
                   out.fault == Fault::stale_pose && out.given.force_n == 0 && age <= kAge_ticks + 1);

@@ -123,7 +123,7 @@ nlohmann::ordered_json resumed_body(const ResumeCheck& check, const ResumeMoment
 
 std::string resume_text(const ResumeCheck& check, const ResumePolicy& policy) {
   std::string text = check.gap_s ? fmt::format("Interrupted for {} ({}).\n", gap_text(*check.gap_s), check.cause)
-                                 : fmt::format("Interrupted, nobody knows for how long ({}).\n", check.cause);
+                                 : fmt::format("Interrupted for an unknown time ({}).\n", check.cause);
   if (!check.warning.empty()) text += fmt::format("Warning: {}.\n", check.warning);
   if (check.too_long)
     text += fmt::format("That is longer than the protocol allows ({}).\n", gap_text(policy.longest_gap_s.value_or(0)));

@@ -170,7 +170,7 @@ TEST_CASE("the body and the text say all of it") {
   CHECK(body["reason"] == "clock battery");
   CHECK(body["too_long"] == true);
   const std::string text = resume_text(check, policy(600, 60, true));
-  for (const char* part : {"nobody knows", "Warning: the wall clock", "longer than the protocol allows (10 min)",
+  for (const char* part : {"for an unknown time", "Warning: the wall clock", "longer than the protocol allows (10 min)",
                            "practice round comes again", "block begins anew"})
     CHECK(text.find(part) != std::string::npos);
   check = check_resume(left_behind("boot a", true), {}, later(75, 75));
