@@ -85,7 +85,7 @@ class Report:
         return os.path.join(self.folder, name)
 
     def run(self, *command):
-        done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True, timeout=1200)
+        done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True, timeout=300)
         assert done.returncode == 0, f"{command}: exit {done.returncode}\n{done.stdout}{done.stderr}"
         return done
 
