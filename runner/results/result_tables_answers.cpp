@@ -13,7 +13,7 @@ namespace jnd {
 
 namespace {
 
-// "(1 not at all .. 9 completely)", or "(0 .. 40)" of a number, whose ends have no names.
+// "(1 not at all to 9 completely)", or "(0 to 40)" of a number, whose ends have no names.
 std::string question_note(const Question& question) {
   const auto end = [](double value, const std::string& label) {
     return fmt::format("{:g}{}{}", value, label.empty() ? "" : " ", label);
