@@ -19,7 +19,9 @@ part() {  # part NAME COMMAND...
 wanted=("$@")
 [ $# -gt 0 ] || wanted=(release sanitizers odr numbers faults kills power kernel fuzz bench tidy)
 want() { local one; for one in "${wanted[@]}"; do [ "$one" = "$1" ] && return 0; done; return 1; }
-built() { cmake --preset "$1" "${@:2}" >/dev/null && cmake --build --preset "$1" -- --quiet; }
+set_launcher
+built() { cmake --preset "$1" "${launcher[@]}" >/dev/null && cmake --build --preset "$1" -- --quiet; }
+kernel_long() { built dev && tests/kernel/run.sh build/dev long; }
 
 part "release build" built release
 want release && part "every test of the release" tests/run.sh release
@@ -46,7 +48,7 @@ if want faults; then
 fi
 want kills && part "sessions killed 1000 times" tests/faults/kill_sessions.py build/release/runner/jnd --kills 1000
 want power && part "1000 power cuts" env JND_POWER_LOSSES=1000 $tests/faults_tests "[power_loss]"
-want kernel && part "kernel, long" bash -c 'cmake --preset dev >/dev/null && cmake --build --preset dev -- --quiet && tests/kernel/run.sh build/dev long'
+want kernel && part "kernel, long" kernel_long
 want fuzz && part "fuzzers, a million runs each" tests/fuzz/run.sh 1000000
 if want bench; then
   part "benchmarks build" built bench

@@ -34,11 +34,7 @@ if [ "$preset" = dev ]; then
 fi
 # Instrumented programs are slow: the campaign of faulty devices runs in full without sanitizers (10,000 cases).
 case $preset in asan|tsan) export JND_FAULT_CASES=${JND_FAULT_CASES:-2000} ;; esac
-launcher=()
-# Another clone finds what was compiled here.
-export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1
-export CCACHE_SLOPPINESS=${CCACHE_SLOPPINESS:-pch_defines,time_macros}
-command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+set_launcher
 echo "Building (preset $preset)"
 step build
 cmake --preset "$preset" "${launcher[@]}" -DJND_ALL_TESTS="${JND_ALL_TESTS:-OFF}" | grep -i "do not run" || true
