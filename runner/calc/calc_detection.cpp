@@ -212,10 +212,6 @@ std::string number(double value) {
   return number_text(value, 3);
 }
 
-std::string interval(double low, double high) {
-  return std::isnan(low) ? "-" : number(low) + " to " + number(high);
-}
-
 std::string yes_no_table(const std::vector<NamedDetectionRow>& rows) {
   TextTable table({"id", "hits", "false alarms", "d'", "95 % profile", "p", "c", "ln beta", "se", "status"},
                   {Align::left, Align::right, Align::right, Align::right, Align::right, Align::right, Align::right,
@@ -223,7 +219,7 @@ std::string yes_no_table(const std::vector<NamedDetectionRow>& rows) {
   for (const auto& [id, row] : rows)
     table.add({printable(id), fmt::format("{}/{}", row.counts.hits, row.counts.n_diff),
                fmt::format("{}/{}", row.counts.false_alarms, row.counts.n_same), number(row.loglinear.dprime),
-               interval(row.profile.ci_low, row.profile.ci_high), p_value_text(row.profile.p_value),
+               range_text(row.profile.ci_low, row.profile.ci_high, 3), p_value_text(row.profile.p_value),
                number(row.loglinear.criterion), number(row.loglinear.ln_beta), number(row.loglinear.se),
                std::string(to_string(row.status))});
   return table.text();
@@ -236,8 +232,8 @@ std::string model_table(const std::vector<NamedDetectionRow>& rows) {
                    Align::right, Align::right, Align::right});
   for (const auto& [id, row] : rows)
     table.add({printable(id), number(row.none.dprime), number(row.half.dprime),
-               interval(row.bootstrap.q025, row.bootstrap.q975), number(row.differencing.fit.dprime),
-               interval(row.differencing.ci_low, row.differencing.ci_high), p_value_text(row.differencing.p_value),
+               range_text(row.bootstrap.q025, row.bootstrap.q975, 3), number(row.differencing.fit.dprime),
+               range_text(row.differencing.ci_low, row.differencing.ci_high, 3), p_value_text(row.differencing.p_value),
                number(row.differencing_loglinear.dprime), number(row.independent_loglinear.unit_slope),
                number(row.independent_loglinear.exact)});
   return table.text();

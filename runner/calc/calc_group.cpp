@@ -320,7 +320,7 @@ namespace {
 using Align = TextTable::Align;
 
 std::string interval_text(double low, double high) {
-  return std::isnan(low) ? "-" : fmt::format("{} to {}", statistic_text(low), statistic_text(high));
+  return range_text(statistic_text(low), statistic_text(high));
 }
 
 std::string conditions_text(const NamedComparison& named) {

@@ -17,6 +17,7 @@
 #include "runner/calc/csv_counts.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
+#include "runner/terminal/number_text.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/text_table.h"
 
@@ -152,7 +153,7 @@ std::string percent(double fraction) {
 }
 
 std::string interval(const JndEstimate& estimate) {
-  return std::isnan(estimate.ci_low) ? "-" : jnd_number(estimate.ci_low) + " to " + jnd_number(estimate.ci_high);
+  return range_text(jnd_number(estimate.ci_low), jnd_number(estimate.ci_high));
 }
 
 // The p value to look at: of the replicates where there are any.

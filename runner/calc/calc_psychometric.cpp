@@ -17,6 +17,7 @@
 #include "runner/calc/calc.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
+#include "runner/terminal/number_text.h"
 #include "runner/terminal/progress_bar.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/text_table.h"
@@ -280,7 +281,7 @@ std::string fit_number(double value) {
 }
 
 std::string fit_interval(const ConfidenceBounds& bounds) {
-  return std::isnan(bounds.low) ? "-" : fit_number(bounds.low) + " to " + fit_number(bounds.high);
+  return range_text(fit_number(bounds.low), fit_number(bounds.high));
 }
 
 std::string with_error(const PsychometricEstimate& estimate) {

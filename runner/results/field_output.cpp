@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "runner/terminal/json_output.h"
-#include "runner/terminal/number_text.h"
 
 namespace jnd {
 
@@ -39,10 +38,6 @@ std::string value_text(const FieldValue& value, Shown shown, int digits, double 
   if (const auto* of = std::get_if<double>(&value)) return number(*of);
   if (const auto* of = std::get_if<std::string>(&value)) return *of;
   return csv_value(value);
-}
-
-std::string range_of(const std::string& low, const std::string& high) {
-  return low == "-" || high == "-" ? "-" : low + " to " + high;
 }
 
 void set_json(nlohmann::ordered_json& out, std::string_view key, nlohmann::ordered_json value) {

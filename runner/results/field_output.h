@@ -10,14 +10,13 @@
 
 #include "data/export/field.h"
 #include "runner/results/result_tables.h"
+#include "runner/terminal/number_text.h"
 
 namespace jnd {
 
 nlohmann::ordered_json json_value(const FieldValue& value);
 // Numbers with `digits`, "-" where undefined; texts as they are; flags 0 and 1; nothing is empty.
 std::string value_text(const FieldValue& value, Shown shown, int digits, double factor);
-// "low .. high" of two such texts.
-std::string range_of(const std::string& low, const std::string& high);
 // Sets out.a.b for the key "a.b".
 void set_json(nlohmann::ordered_json& out, std::string_view key, nlohmann::ordered_json value);
 
@@ -62,10 +61,10 @@ class TableMaker {
     const Field<Row>& field = field_of(fields_, key);
     return {{std::move(title), field.number}, [&field](const Row& row) { return text(field, row); }};
   }
-  // "low .. high", "-" where either is undefined.
+  // "low to high", "-" where either is undefined.
   TableColumn<Row> range(std::string_view low, std::string_view high, std::string title = "95 % CI") const {
     const Field<Row>&a = field_of(fields_, low), &b = field_of(fields_, high);
-    return {{std::move(title), true}, [&a, &b](const Row& row) { return range_of(text(a, row), text(b, row)); }};
+    return {{std::move(title), true}, [&a, &b](const Row& row) { return range_text(text(a, row), text(b, row)); }};
   }
   // "5 of 9".
   TableColumn<Row> share(std::string_view part, std::string_view whole, std::string title,

@@ -25,8 +25,11 @@ std::string p_value_text(double p) {
 }
 
 std::string range_text(double low, double high, int decimals) {
-  if (std::isnan(low) || std::isnan(high)) return "-";
-  return number_text(low, decimals) + " to " + number_text(high, decimals);
+  return range_text(number_text(low, decimals), number_text(high, decimals));
+}
+
+std::string range_text(std::string_view low, std::string_view high) {
+  return low == "-" || high == "-" ? "-" : fmt::format("{} to {}", low, high);
 }
 
 std::string counted(std::int64_t count, std::string_view thing) {
