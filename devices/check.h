@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "protocols/words.h"
+#include "analysis/numerics/words.h"
 
 namespace jnd {
 

@@ -4,7 +4,7 @@
 #include <atomic>
 #include <string_view>
 
-#include "protocols/words.h"
+#include "analysis/numerics/words.h"
 
 namespace jnd {
 

@@ -18,8 +18,8 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "analysis/numerics/words.h"
 #include "devices/device_error.h"
-#include "protocols/words.h"
 
 namespace jnd {
 

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "analysis/numerics/words.h"
 #include "protocols/tick_record.h"
-#include "protocols/words.h"
 
 namespace jnd {
 

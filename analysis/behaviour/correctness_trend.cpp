@@ -7,6 +7,7 @@
 
 #include "analysis/numerics/normal.h"
 #include "analysis/numerics/special_values.h"
+#include "analysis/numerics/words.h"
 
 namespace jnd {
 
@@ -76,20 +77,15 @@ double separated_log_likelihood(std::span<const JudgedTrial> trials, double mome
   return saturated(correct, n);
 }
 
+constexpr auto kTrendStatusWords = words<TrendStatus>({{"ok", TrendStatus::ok},
+                                                       {"separated", TrendStatus::separated},
+                                                       {"no_variation", TrendStatus::no_variation},
+                                                       {"no_times", TrendStatus::no_times}});
+
 }  // namespace
 
 std::string_view to_string(TrendStatus status) noexcept {
-  switch (status) {
-    case TrendStatus::ok:
-      return "ok";
-    case TrendStatus::separated:
-      return "separated";
-    case TrendStatus::no_variation:
-      return "no_variation";
-    case TrendStatus::no_times:
-      return "no_times";
-  }
-  return "";
+  return word_of(kTrendStatusWords, status);
 }
 
 CorrectnessTrend correctness_trend(std::span<const JudgedTrial> trials) {

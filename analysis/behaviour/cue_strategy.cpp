@@ -9,6 +9,7 @@
 #include "analysis/numerics/box_newton.h"
 #include "analysis/numerics/normal.h"
 #include "analysis/numerics/special_values.h"
+#include "analysis/numerics/words.h"
 
 namespace jnd {
 
@@ -194,36 +195,22 @@ bool has_fit(const CueFit& fit) {
   return fit.status == CueStatus::ok || fit.status == CueStatus::separated;
 }
 
+constexpr auto kCueWords = words<Cue>(
+    {{"stiffness", Cue::stiffness}, {"peak_force", Cue::peak_force}, {"work", Cue::work}, {"dwell", Cue::dwell}});
+constexpr auto kCueStatusWords = words<CueStatus>({{"ok", CueStatus::ok},
+                                                   {"too_few_trials", CueStatus::too_few_trials},
+                                                   {"no_information", CueStatus::no_information},
+                                                   {"no_variation", CueStatus::no_variation},
+                                                   {"separated", CueStatus::separated}});
+
 }  // namespace
 
 std::string_view to_string(Cue cue) noexcept {
-  switch (cue) {
-    case Cue::stiffness:
-      return "stiffness";
-    case Cue::peak_force:
-      return "peak_force";
-    case Cue::work:
-      return "work";
-    case Cue::dwell:
-      return "dwell";
-  }
-  return "";
+  return word_of(kCueWords, cue);
 }
 
 std::string_view to_string(CueStatus status) noexcept {
-  switch (status) {
-    case CueStatus::ok:
-      return "ok";
-    case CueStatus::too_few_trials:
-      return "too_few_trials";
-    case CueStatus::no_information:
-      return "no_information";
-    case CueStatus::no_variation:
-      return "no_variation";
-    case CueStatus::separated:
-      return "separated";
-  }
-  return "";
+  return word_of(kCueStatusWords, status);
 }
 
 CueStrategy cue_strategy(std::span<const CueTrial> trials) {

@@ -4,21 +4,21 @@
 
 #include "analysis/numerics/exact_proportion.h"
 #include "analysis/numerics/special_values.h"
+#include "analysis/numerics/words.h"
 
 namespace jnd {
 
+namespace {
+
+constexpr auto kOrderStatusWords = words<OrderStatus>({{"ok", OrderStatus::ok},
+                                                       {"no_stiffer_first", OrderStatus::no_stiffer_first},
+                                                       {"no_stiffer_second", OrderStatus::no_stiffer_second},
+                                                       {"no_different_trials", OrderStatus::no_different_trials}});
+
+}  // namespace
+
 std::string_view to_string(OrderStatus status) noexcept {
-  switch (status) {
-    case OrderStatus::ok:
-      return "ok";
-    case OrderStatus::no_stiffer_first:
-      return "no_stiffer_first";
-    case OrderStatus::no_stiffer_second:
-      return "no_stiffer_second";
-    case OrderStatus::no_different_trials:
-      return "no_different_trials";
-  }
-  return "";
+  return word_of(kOrderStatusWords, status);
 }
 
 OrderEffect order_effect(int first_said, int first_n, int second_said, int second_n) {

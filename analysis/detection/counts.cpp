@@ -1,23 +1,22 @@
 #include "analysis/detection/counts.h"
 
+#include "analysis/numerics/words.h"
+
 namespace jnd {
 
+namespace {
+
+constexpr auto kCorrectionWords =
+    words<Correction>({{"none", Correction::none}, {"loglinear", Correction::loglinear}, {"half", Correction::half}});
+
+}  // namespace
+
 std::string_view to_string(Correction correction) noexcept {
-  switch (correction) {
-    case Correction::none:
-      return "none";
-    case Correction::loglinear:
-      return "loglinear";
-    case Correction::half:
-      return "half";
-  }
-  return "";
+  return word_of(kCorrectionWords, correction);
 }
 
 std::optional<Correction> correction_from(std::string_view name) noexcept {
-  for (const Correction correction : {Correction::none, Correction::loglinear, Correction::half})
-    if (name == to_string(correction)) return correction;
-  return std::nullopt;
+  return value_of(kCorrectionWords, name);
 }
 
 double corrected_rate(int k, int n, Correction correction) noexcept {

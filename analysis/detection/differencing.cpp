@@ -10,6 +10,7 @@
 #include "analysis/numerics/normal.h"
 #include "analysis/numerics/profile_interval.h"
 #include "analysis/numerics/special_values.h"
+#include "analysis/numerics/words.h"
 
 namespace jnd {
 
@@ -106,20 +107,16 @@ DifferencingFit undefined(DifferencingStatus status) noexcept {
   return fit;
 }
 
+constexpr auto kDifferencingStatusWords =
+    words<DifferencingStatus>({{"ok", DifferencingStatus::ok},
+                               {"no_sensitivity", DifferencingStatus::no_sensitivity},
+                               {"no_information", DifferencingStatus::no_information},
+                               {"missing", DifferencingStatus::missing}});
+
 }  // namespace
 
 std::string_view to_string(DifferencingStatus status) noexcept {
-  switch (status) {
-    case DifferencingStatus::ok:
-      return "ok";
-    case DifferencingStatus::no_sensitivity:
-      return "no_sensitivity";
-    case DifferencingStatus::no_information:
-      return "no_information";
-    case DifferencingStatus::missing:
-      return "missing";
-  }
-  return "";
+  return word_of(kDifferencingStatusWords, status);
 }
 
 DifferencingFit differencing_fit(const Counts& counts) noexcept {

@@ -4,6 +4,7 @@
 
 #include "analysis/numerics/normal.h"
 #include "analysis/numerics/special_values.h"
+#include "analysis/numerics/words.h"
 
 namespace jnd {
 
@@ -24,18 +25,13 @@ double variance_of_z(int k, int n, double z, Correction correction) noexcept {
   return corrected_rate(k, n, correction) * corrected_rate(n - k, n, correction) / (n * density * density);
 }
 
+constexpr auto kRateStatusWords = words<RateStatus>(
+    {{"ok", RateStatus::ok}, {"no_information", RateStatus::no_information}, {"missing", RateStatus::missing}});
+
 }  // namespace
 
 std::string_view to_string(RateStatus status) noexcept {
-  switch (status) {
-    case RateStatus::ok:
-      return "ok";
-    case RateStatus::no_information:
-      return "no_information";
-    case RateStatus::missing:
-      return "missing";
-  }
-  return "";
+  return word_of(kRateStatusWords, status);
 }
 
 YesNo yes_no(const Counts& counts, Correction correction) noexcept {

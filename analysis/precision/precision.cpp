@@ -10,6 +10,7 @@
 #include "analysis/numerics/normal.h"
 #include "analysis/numerics/sample_quantile.h"
 #include "analysis/numerics/special_values.h"
+#include "analysis/numerics/words.h"
 #include "analysis/precision/monte_carlo.h"
 #include "analysis/thresholds/jnd_series.h"
 
@@ -280,10 +281,13 @@ void set_by_simulation(ParticipantPrecision& result, Drawn& drawn, int draws) {
   result.outside_tested = 1 - drawn.within / n;
 }
 
+constexpr auto kMethodWords = words<PrecisionMethod>(
+    {{"enumeration", PrecisionMethod::enumeration}, {"simulation", PrecisionMethod::simulation}});
+
 }  // namespace
 
 std::string_view to_string(PrecisionMethod method) noexcept {
-  return method == PrecisionMethod::enumeration ? "enumeration" : "simulation";
+  return word_of(kMethodWords, method);
 }
 
 DesignRisks design_risks(const CountsDesign& design, double jnd) {

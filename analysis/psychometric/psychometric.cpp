@@ -1,12 +1,12 @@
 #include "analysis/psychometric/psychometric.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <boost/math/special_functions/gamma.hpp>
 
 #include "analysis/numerics/special_values.h"
+#include "analysis/numerics/words.h"
 #include "analysis/psychometric/psychometric_quantity.h"
 #include "analysis/psychometric/psychometric_search.h"
 #include "analysis/psychometric/psychometric_solution.h"
@@ -17,11 +17,19 @@ namespace {
 
 using Place = PsychometricLikelihood::Place;
 
-constexpr std::array<std::pair<PsychometricFunction, std::string_view>, 4> kFunctions = {
-    {{PsychometricFunction::logistic, "logistic"},
-     {PsychometricFunction::gaussian, "gaussian"},
-     {PsychometricFunction::weibull, "weibull"},
-     {PsychometricFunction::gumbel, "gumbel"}}};
+constexpr auto kFunctionWords = words<PsychometricFunction>({{"logistic", PsychometricFunction::logistic},
+                                                             {"gaussian", PsychometricFunction::gaussian},
+                                                             {"weibull", PsychometricFunction::weibull},
+                                                             {"gumbel", PsychometricFunction::gumbel}});
+constexpr auto kEstimatorWords =
+    words<PsychometricEstimator>({{"ml", PsychometricEstimator::ml}, {"map", PsychometricEstimator::map}});
+constexpr auto kStatusWords = words<PsychometricStatus>({{"ok", PsychometricStatus::ok},
+                                                         {"lapse_at_bound", PsychometricStatus::lapse_at_bound},
+                                                         {"guess_at_bound", PsychometricStatus::guess_at_bound},
+                                                         {"not_increasing", PsychometricStatus::not_increasing},
+                                                         {"separated", PsychometricStatus::separated},
+                                                         {"no_information", PsychometricStatus::no_information},
+                                                         {"not_identified", PsychometricStatus::not_identified}});
 
 bool is_free(const NewtonBox& box, std::size_t i) noexcept {
   return box.lower[i] < box.upper[i];
@@ -114,15 +122,11 @@ void forget_estimates(PsychometricSolution& solution) {
 }  // namespace
 
 std::string_view to_string(PsychometricFunction function) noexcept {
-  for (const auto& [one, name] : kFunctions)
-    if (one == function) return name;
-  return "";
+  return word_of(kFunctionWords, function);
 }
 
 std::optional<PsychometricFunction> psychometric_function_from(std::string_view name) noexcept {
-  for (const auto& [function, one] : kFunctions)
-    if (one == name) return function;
-  return std::nullopt;
+  return value_of(kFunctionWords, name);
 }
 
 std::pair<std::string_view, std::string_view> parameter_names(PsychometricFunction function) noexcept {
@@ -139,27 +143,11 @@ std::pair<std::string_view, std::string_view> parameter_names(PsychometricFuncti
 }
 
 std::string_view to_string(PsychometricEstimator estimator) noexcept {
-  return estimator == PsychometricEstimator::ml ? "ml" : "map";
+  return word_of(kEstimatorWords, estimator);
 }
 
 std::string_view to_string(PsychometricStatus status) noexcept {
-  switch (status) {
-    case PsychometricStatus::ok:
-      return "ok";
-    case PsychometricStatus::lapse_at_bound:
-      return "lapse_at_bound";
-    case PsychometricStatus::guess_at_bound:
-      return "guess_at_bound";
-    case PsychometricStatus::not_increasing:
-      return "not_increasing";
-    case PsychometricStatus::separated:
-      return "separated";
-    case PsychometricStatus::no_information:
-      return "no_information";
-    case PsychometricStatus::not_identified:
-      return "not_identified";
-  }
-  return "";
+  return word_of(kStatusWords, status);
 }
 
 bool is_estimate(PsychometricStatus status) noexcept {

@@ -7,6 +7,7 @@
 #include <boost/math/special_functions/gamma.hpp>
 
 #include "analysis/numerics/special_values.h"
+#include "analysis/numerics/words.h"
 #include "analysis/psychometric/psychometric_joint.h"
 #include "analysis/psychometric/psychometric_search.h"
 #include "analysis/psychometric/psychometric_shape.h"
@@ -145,20 +146,16 @@ SharingTest test_of(const SharingFit& simpler, const SharingFit& general) {
   return test;
 }
 
+constexpr auto kPsychometricSharingWords =
+    words<PsychometricSharing>({{"same_function", PsychometricSharing::same_function},
+                                {"own_location", PsychometricSharing::own_location},
+                                {"own_slope", PsychometricSharing::own_slope},
+                                {"own_function", PsychometricSharing::own_function}});
+
 }  // namespace
 
 std::string_view to_string(PsychometricSharing sharing) noexcept {
-  switch (sharing) {
-    case PsychometricSharing::same_function:
-      return "same_function";
-    case PsychometricSharing::own_location:
-      return "own_location";
-    case PsychometricSharing::own_slope:
-      return "own_slope";
-    case PsychometricSharing::own_function:
-      return "own_function";
-  }
-  return "";
+  return word_of(kPsychometricSharingWords, sharing);
 }
 
 PsychometricComparison compare_psychometric(Groups groups, const PsychometricModel& asked) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "analysis/numerics/special_values.h"
+#include "analysis/numerics/words.h"
 
 namespace jnd {
 namespace {
@@ -26,6 +27,11 @@ std::vector<AdaptiveThreshold> usable(const std::vector<AdaptiveThreshold>& trac
                [](const AdaptiveThreshold& track) { return track.status == AdaptiveStatus::ok; });
   return good;
 }
+
+constexpr auto kAdaptiveStatusWords = words<AdaptiveStatus>({{"ok", AdaptiveStatus::ok},
+                                                             {"too_few_reversals", AdaptiveStatus::too_few_reversals},
+                                                             {"no_trials", AdaptiveStatus::no_trials},
+                                                             {"pinned_at_clamp", AdaptiveStatus::pinned_at_clamp}});
 
 }  // namespace
 
@@ -92,17 +98,7 @@ AdaptiveThreshold combined_quests(const std::vector<AdaptiveThreshold>& tracks) 
 }
 
 std::string_view to_string(AdaptiveStatus status) noexcept {
-  switch (status) {
-    case AdaptiveStatus::ok:
-      return "ok";
-    case AdaptiveStatus::too_few_reversals:
-      return "too_few_reversals";
-    case AdaptiveStatus::no_trials:
-      return "no_trials";
-    case AdaptiveStatus::pinned_at_clamp:
-      return "pinned_at_clamp";
-  }
-  return "";
+  return word_of(kAdaptiveStatusWords, status);
 }
 
 }  // namespace jnd

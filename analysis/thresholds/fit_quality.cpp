@@ -7,6 +7,7 @@
 #include <boost/math/special_functions/gamma.hpp>
 
 #include "analysis/numerics/special_values.h"
+#include "analysis/numerics/words.h"
 #include "analysis/thresholds/counts_sampler.h"
 #include "analysis/thresholds/jnd_ml.h"
 #include "analysis/thresholds/jnd_series.h"
@@ -75,18 +76,14 @@ void bootstrap(FitQuality& quality, std::span<const SeriesCounts> series, const 
   quality.pearson_p_bootstrap = (1.0 + worse_pearson) / (1.0 + quality.replicates);
 }
 
+constexpr auto kFitStatusWords = words<FitStatus>({{"ok", FitStatus::ok},
+                                                   {"no_degrees_of_freedom", FitStatus::no_degrees_of_freedom},
+                                                   {"no_information", FitStatus::no_information}});
+
 }  // namespace
 
 std::string_view to_string(FitStatus status) noexcept {
-  switch (status) {
-    case FitStatus::ok:
-      return "ok";
-    case FitStatus::no_degrees_of_freedom:
-      return "no_degrees_of_freedom";
-    case FitStatus::no_information:
-      return "no_information";
-  }
-  return "";
+  return word_of(kFitStatusWords, status);
 }
 
 FitQuality fit_quality(std::span<const SeriesCounts> series, JndMethod method, int replicates, std::uint64_t seed) {

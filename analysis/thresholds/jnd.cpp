@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "analysis/numerics/special_values.h"
+#include "analysis/numerics/words.h"
 #include "analysis/thresholds/jnd_closed.h"
 #include "analysis/thresholds/jnd_ml.h"
 #include "analysis/thresholds/jnd_series.h"
@@ -35,64 +36,41 @@ void add_cautions(JndEstimate& result, const UsableSeries& usable) {
   if (usable.missing) result.cautions.push_back(Caution::series_missing);
 }
 
+constexpr auto kJndStatusWords = words<JndStatus>({{"ok", JndStatus::ok},
+                                                   {"no_sensitivity", JndStatus::no_sensitivity},
+                                                   {"ceiling", JndStatus::ceiling},
+                                                   {"no_information", JndStatus::no_information}});
+constexpr auto kCautionWords = words<Caution>({{"extrapolated", Caution::extrapolated},
+                                               {"floor", Caution::floor},
+                                               {"few_trials", Caution::few_trials},
+                                               {"series_missing", Caution::series_missing}});
+constexpr auto kJndMethodWords =
+    words<JndMethod>({{"least_squares", JndMethod::least_squares},
+                      {"weighted", JndMethod::weighted},
+                      {"inverse_mean_slope", JndMethod::inverse_mean_slope},
+                      {"mean_of_ratios", JndMethod::mean_of_ratios},
+                      {"ml_yes_no_common", JndMethod::ml_yes_no_common},
+                      {"ml_yes_no_series", JndMethod::ml_yes_no_series},
+                      {"ml_differencing_common", JndMethod::ml_differencing_common},
+                      {"ml_differencing_series", JndMethod::ml_differencing_series},
+                      {"least_squares_independent", JndMethod::least_squares_independent}});
+
 }  // namespace
 
 std::string_view to_string(JndStatus status) noexcept {
-  switch (status) {
-    case JndStatus::ok:
-      return "ok";
-    case JndStatus::no_sensitivity:
-      return "no_sensitivity";
-    case JndStatus::ceiling:
-      return "ceiling";
-    case JndStatus::no_information:
-      return "no_information";
-  }
-  return "";
+  return word_of(kJndStatusWords, status);
 }
 
 std::string_view to_string(Caution caution) noexcept {
-  switch (caution) {
-    case Caution::extrapolated:
-      return "extrapolated";
-    case Caution::floor:
-      return "floor";
-    case Caution::few_trials:
-      return "few_trials";
-    case Caution::series_missing:
-      return "series_missing";
-  }
-  return "";
+  return word_of(kCautionWords, caution);
 }
 
 std::string_view to_string(JndMethod method) noexcept {
-  switch (method) {
-    case JndMethod::least_squares:
-      return "least_squares";
-    case JndMethod::weighted:
-      return "weighted";
-    case JndMethod::inverse_mean_slope:
-      return "inverse_mean_slope";
-    case JndMethod::mean_of_ratios:
-      return "mean_of_ratios";
-    case JndMethod::ml_yes_no_common:
-      return "ml_yes_no_common";
-    case JndMethod::ml_yes_no_series:
-      return "ml_yes_no_series";
-    case JndMethod::ml_differencing_common:
-      return "ml_differencing_common";
-    case JndMethod::ml_differencing_series:
-      return "ml_differencing_series";
-    case JndMethod::least_squares_independent:
-      return "least_squares_independent";
-  }
-  return "";
+  return word_of(kJndMethodWords, method);
 }
 
 std::optional<JndMethod> jnd_method_from(std::string_view name) noexcept {
-  for (const JndMethod method : kJndMethods)
-    if (name == to_string(method)) return method;
-  return std::nullopt;
+  return value_of(kJndMethodWords, name);
 }
 
 bool is_maximum_likelihood(JndMethod method) noexcept {

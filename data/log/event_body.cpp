@@ -5,10 +5,10 @@
 
 #include <fmt/format.h>
 
+#include "analysis/numerics/words.h"
 #include "data/log/body_numbers.h"
 #include "data/log/presentation_body.h"
 #include "data/log/storage_error.h"
-#include "protocols/words.h"
 
 namespace jnd {
 

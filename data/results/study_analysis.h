@@ -13,13 +13,13 @@
 #include "analysis/detection/yes_no.h"
 #include "analysis/group/group.h"
 #include "analysis/numerics/special_values.h"
+#include "analysis/numerics/words.h"
 #include "analysis/thresholds/jnd.h"
 #include "data/results/threshold_method.h"
 #include "data/study/study.h"
 #include "data/study/study_admin.h"
 #include "data/study/trial_rows.h"
 #include "protocols/protocol.h"
-#include "protocols/words.h"
 
 namespace jnd {
 

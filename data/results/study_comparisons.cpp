@@ -8,7 +8,7 @@
 
 #include "analysis/group/p_adjust.h"
 #include "analysis/numerics/special_values.h"
-#include "protocols/words.h"
+#include "analysis/numerics/words.h"
 
 namespace jnd {
 

@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
+#include "analysis/numerics/words.h"
 #include "data/log/body_numbers.h"
 #include "data/log/event_body.h"
 #include "data/log/storage_error.h"
-#include "protocols/words.h"
 
 namespace jnd {
 

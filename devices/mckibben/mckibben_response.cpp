@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "analysis/numerics/words.h"
 #include "protocols/input/input_error.h"
-#include "protocols/words.h"
 
 namespace jnd {
 namespace {

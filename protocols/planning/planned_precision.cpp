@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "protocols/words.h"
+#include "analysis/numerics/words.h"
 
 namespace jnd {
 

@@ -8,10 +8,10 @@
 #include <string>
 #include <string_view>
 
+#include "analysis/numerics/words.h"
 #include "protocols/rigs/device_models.h"
 #include "protocols/rigs/mckibben_parameters.h"
 #include "protocols/vocabulary.h"
-#include "protocols/words.h"
 
 namespace jnd {
 

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "analysis/numerics/words.h"
 #include "protocols/input/utf8.h"
-#include "protocols/words.h"
 #include "runner/keys/interrupt.h"
 #include "runner/terminal/terminal.h"
 

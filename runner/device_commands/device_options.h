@@ -6,7 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "protocols/words.h"
+#include "analysis/numerics/words.h"
 #include "runner/device_commands/device_output.h"
 
 namespace jnd {

@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "analysis/numerics/words.h"
 #include "devices/clock.h"
 #include "devices/machine/boot_id.h"
-#include "protocols/words.h"
 
 namespace jnd {
 

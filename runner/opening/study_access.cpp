@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/numerics/words.h"
 #include "data/log/event_body.h"
 #include "data/results/study_analysis.h"
 #include "data/study/blinding.h"
@@ -11,7 +12,6 @@
 #include "protocols/input/resources.h"
 #include "protocols/reading/protocol_difference.h"
 #include "protocols/reading/protocol_json.h"
-#include "protocols/words.h"
 #include "runner/opening/protocol_fitness.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/terminal.h"

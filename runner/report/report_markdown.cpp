@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <md4c.h>
 
-#include "protocols/words.h"
+#include "analysis/numerics/words.h"
 #include "runner/figures/svg.h"
 
 namespace jnd {

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "analysis/numerics/words.h"
 #include "protocols/course/duration.h"
-#include "protocols/words.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/text_table.h"
 

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "analysis/numerics/words.h"
 #include "data/export/result_fields.h"
-#include "protocols/words.h"
 #include "runner/results/field_output.h"
 #include "runner/results/result_format.h"
 #include "runner/results/result_table_parts.h"

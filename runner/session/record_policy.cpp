@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "protocols/words.h"
+#include "analysis/numerics/words.h"
 #include "runner/terminal/exit_code.h"
 
 namespace jnd {

@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "analysis/numerics/words.h"
 #include "protocols/input/input_error.h"
 #include "protocols/input/json_reader.h"
 #include "protocols/input/read_file.h"
 #include "protocols/input/sha256.h"
-#include "protocols/words.h"
 
 namespace jnd {
 
