@@ -10,9 +10,18 @@ runs=${1:-1000000}
 cmake --preset fuzz >/dev/null
 cmake --build --preset fuzz --target fuzz_protocol fuzz_profile fuzz_csv fuzz_events fuzz_keys fuzz_report
 cd build/fuzz
-for target in protocol profile csv events keys report; do
-  echo "== $target: $runs executions"
+fuzz() {
+  local target=$1 status=0 log
+  log=$(mktemp)
   mkdir -p "grown/$target"
   "tests/fuzz/fuzz_$target" -runs="$runs" -max_len=16384 -timeout=20 -print_final_stats=1 -artifact_prefix="crash-$target-" \
-    "grown/$target" "../../tests/fuzz/corpus/$target" 2>&1 | tail -n 8
-done
+    "grown/$target" "../../tests/fuzz/corpus/$target" >"$log" 2>&1 || status=$?
+  echo "== $target: $runs executions asked, exit $status"
+  tail -n 8 "$log"
+  rm -f "$log"
+  return "$status"
+}
+export runs
+export -f fuzz
+# As many at a time as there are processors, the slowest first.
+printf '%s\n' protocol report profile events csv keys | xargs -P "$(nproc)" -n 1 bash -c 'fuzz "$0"'
