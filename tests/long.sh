@@ -39,9 +39,9 @@ if want sanitizers; then  # every test that the gate leaves out under them too
   part "address and undefined behaviour, everything" env JND_ALL_TESTS=ON tests/run.sh asan
   part "threads, everything" env JND_ALL_TESTS=ON tests/run.sh tsan
 fi
-if want odr; then  # two things of one name in the program: the compiler sees them only when it links
+if want odr; then  # two things of one name in two wings: the compiler sees them only when it links
   part "one definition of everything" bash -c 'cmake -S . -B build/odr -G Ninja -DCMAKE_BUILD_TYPE=Release -DJND_TESTS=OFF \
-    -DJND_UNITY=OFF -DCMAKE_CXX_FLAGS="-flto=auto -Wodr -Werror=odr -Wlto-type-mismatch -Werror=lto-type-mismatch" \
+    -DCMAKE_CXX_FLAGS="-flto=auto -Wodr -Werror=odr -Wlto-type-mismatch -Werror=lto-type-mismatch" \
     -DCMAKE_C_FLAGS="-flto=auto -Wodr -Werror=odr" -DCMAKE_AR="$(command -v gcc-ar)" -DCMAKE_RANLIB="$(command -v gcc-ranlib)" \
     >/dev/null && cmake --build build/odr --target jnd -- --quiet'
 fi
