@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """The pages say what is there: every wing of tests/layers_test.py has a row in its room's README, and every relative link
-(with its heading) and every back-quoted path of a page exists.
+(with its heading) and every back-quoted path of a page exists; and every script that begins with #! can be started.
 
 A back-quoted path is a name with a folder of this repository in front ("devices/loop/governor.h"), or the name of a source,
 script or page ("governor.h"), to be found beside the page or anywhere in its room. "*", {a,b} and NAME stand for several.
@@ -103,12 +103,16 @@ def problems(root):
             for name in re.findall(r"`([^`]+)`", line):
                 if is_path(name, tops) and not exists(name, page, files):
                     yield f"{page}:{number}: there is no {name}"
+    for path in files:
+        whole = root / path
+        if path.endswith((".py", ".sh")) and not os.access(whole, os.X_OK) and whole.read_bytes().startswith(b"#!"):
+            yield f"{path}: begins with #! and cannot be started (chmod +x)"
 
 
 def main():
     root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).resolve().parent.parent)
     found = list(problems(root))
-    print("\n".join(found) or "every wing has its row, every link and path leads somewhere")
+    print("\n".join(found) or "every wing has its row, every link and path leads somewhere, every script can be started")
     sys.exit(1 if found else 0)
 
 
