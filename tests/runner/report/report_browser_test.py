@@ -84,8 +84,8 @@ class Report:
     def path(self, name):
         return os.path.join(self.folder, name)
 
-    def run(self, *command):
-        done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True, timeout=300)
+    def run(self, *command, limit_s=None):
+        done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True, timeout=limit_s)
         assert done.returncode == 0, f"{command}: exit {done.returncode}\n{done.stdout}{done.stderr}"
         return done
 
@@ -93,7 +93,7 @@ class Report:
         """What the browser printed; its console must have stayed silent."""
         with tempfile.TemporaryDirectory() as profile:
             done = self.run(self.browser, *FLAGS, f"--user-data-dir={profile}", f"--window-size={SIZE[0]},{SIZE[1]}", *flags,
-                            "file://" + self.path("s-report.html"))
+                            "file://" + self.path("s-report.html"), limit_s=300)  # a browser may hang
         said = [line for line in done.stderr.splitlines() if "CONSOLE" in line]
         assert not said, "\n".join(said)
         return done.stdout
