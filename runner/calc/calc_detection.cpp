@@ -2,7 +2,6 @@
 #include "runner/calc/calc_detection.h"
 
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <map>
 
