@@ -15,6 +15,8 @@ std::string problem_of(const StaircaseRule& rule) {
     return rule.multiplicative ? "steps that multiply need a start above 0" : "the start must be a finite number";
   if (std::any_of(rule.halve_after.begin(), rule.halve_after.end(), [](int reversal) { return reversal < 1; }))
     return "reversals are counted from 1";
+  if (rule.accelerated && (rule.up != 1 || rule.down != 1 || !rule.halve_after.empty()))
+    return "accelerated steps follow every answer and shrink by themselves: 1 up, 1 down, and no halving";
   if (rule.clamp && !((*rule.clamp)[0] < (*rule.clamp)[1])) return "the clamp's lower end must be below its upper end";
   if (rule.clamp && (rule.start < (*rule.clamp)[0] || rule.start > (*rule.clamp)[1]))
     return "the start lies outside the clamp";
@@ -27,6 +29,16 @@ Staircase::Staircase(const StaircaseRule& rule)
 
 double Staircase::clamped(double level) const {
   return rule_.clamp ? std::clamp(level, (*rule_.clamp)[0], (*rule_.clamp)[1]) : level;
+}
+
+double Staircase::stepped(bool correct) const {
+  // A quotient of 1 leaves the bits of the step as they are.
+  const double by = !rule_.accelerated ? 1 : answers_ <= 2 ? answers_ : 2 + static_cast<double>(reversals_.size());
+  if (rule_.multiplicative) {
+    const double factor = correct ? 1 / step_down_ : step_up_;
+    return by == 1 ? (correct ? level_ / step_down_ : level_ * step_up_) : level_ * std::pow(factor, 1 / by);
+  }
+  return correct ? level_ - step_down_ / by : level_ + step_up_ / by;
 }
 
 void Staircase::answer(bool correct) {
@@ -47,10 +59,7 @@ void Staircase::answer(bool correct) {
   }
   direction_ = direction;
   const double before = level_;
-  if (rule_.multiplicative)
-    level_ = clamped(correct ? level_ / step_down_ : level_ * step_up_);
-  else
-    level_ = clamped(correct ? level_ - step_down_ : level_ + step_up_);
+  level_ = clamped(stepped(correct));
   ++steps_;
   if (level_ == before) ++swallowed_;
 }

@@ -2,7 +2,9 @@
 //
 // Levitt (1971), "Transformed up-down methods in psychoacoustics", J. Acoust. Soc. Am. 49, 467-477; steps of unequal
 // size: Kaernbach (1991), "Simple adaptive testing with the weighted up-down method", Perception & Psychophysics 49,
-// 227-229. A staircase is a pure function of its rule and the answers: replaying them gives the same levels everywhere.
+// 227-229; steps that shrink: Kesten (1958), "Accelerated stochastic approximation", Annals of Mathematical Statistics
+// 29, 41-59, as Treutwein (1995), "Adaptive psychophysical procedures", Vision Research 35, 2503-2522, writes it. A
+// staircase is a pure function of its rule and the answers: replaying them gives the same levels everywhere.
 #pragma once
 
 #include <array>
@@ -22,6 +24,11 @@ struct StaircaseRule {
   // Reversals, counted from 1, that halve both steps, beginning with the step of that reversal itself. A step that
   // multiplies is halved on its logarithm: its square root.
   std::vector<int> halve_after{};
+  // Steps are divided by n at the first two answers (n = 1, 2), then by 2 + m, where m is the number of reversals so
+  // far, one at this answer included (a step that multiplies: on its logarithm). With step_up = c p and step_down =
+  // c (1 - p) that is x - c/(2 + m) (answer - p), which goes to the level of p correct. 1-up-1-down only, and without
+  // halve_after.
+  bool accelerated = false;
   std::optional<std::array<double, 2>> clamp{};  // lowest and highest level
 };
 
@@ -48,6 +55,7 @@ class Staircase {
 
  private:
   double clamped(double level) const;
+  double stepped(bool correct) const;
 
   StaircaseRule rule_;
   double level_;

@@ -10,7 +10,7 @@
 
 namespace jnd {
 
-// "group" gives group_reference.json; "signal_detection", "jnd", "psychometric" and "adaptive" likewise.
+// "group" gives group_reference.json; every other file *_reference.json likewise.
 const nlohmann::json& reference_numbers(std::string_view subject);
 
 // JSON has no infinities and no NaN: they are the strings "Inf", "-Inf", "NaN" and R's "NA". null is NaN too.

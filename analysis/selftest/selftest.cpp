@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <string_view>
 
+#include "analysis/choice/two_interval.h"
 #include "analysis/detection/detection_row.h"
 #include "analysis/group/compare.h"
 #include "analysis/group/p_adjust.h"
@@ -14,7 +16,10 @@
 #include "analysis/procedures/quest.h"
 #include "analysis/procedures/staircase.h"
 #include "analysis/psychometric/psychometric.h"
+#include "analysis/selftest/posterior_quantities.h"
 #include "analysis/selftest/reference_numbers.h"
+#include "analysis/selftest/scaling_quantities.h"
+#include "analysis/selftest/task_quantities.h"
 #include "analysis/thresholds/jnd.h"
 
 namespace jnd {
@@ -256,6 +261,68 @@ Quantities psychometric_quantities() {
   return {parameters, errors, deviance, thresholds};
 }
 
+// ---- choices between two intervals
+
+struct ChoiceQuantities {
+  SelftestQuantity likelihood{"two-interval log-likelihood and deviance", 1e-7};
+  SelftestQuantity estimates{"two-interval PSE, s and JND (relative)", 1e-6};
+  SelftestQuantity lapse{"two-interval lapse rate", 1e-5};
+  SelftestQuantity bounds{"two-interval profile bounds (relative)", 1e-5};
+  SelftestQuantity order{"two-interval order term and its test", 1e-6};
+};
+
+void compare_bounds(SelftestQuantity& quantity, const std::optional<ChoiceBounds>& ours, const json& expected,
+                    const char* key) {
+  if (!expected.contains(key)) return;
+  const ChoiceBounds bounds = ours.value_or(ChoiceBounds{kNaN, kNaN});
+  quantity.relative(bounds.low, reference_number(expected.at(key).at(0)));
+  quantity.relative(bounds.high, reference_number(expected.at(key).at(1)));
+}
+
+void compare_choices(ChoiceQuantities& q, const std::vector<ChoiceRow>& rows, const TwoIntervalOptions& options,
+                     const json& expected) {
+  const TwoIntervalFit fit = fit_two_interval(rows, options);
+  const bool alike = word_of(kTwoIntervalStatusWords, fit.status) == expected.at("status").get<std::string>();
+  q.likelihood.absolute(alike ? fit.log_likelihood.value_or(kNaN) : kInf, number_at(expected, "loglik"));
+  q.likelihood.absolute(fit.deviance.value_or(kNaN), number_at(expected, "deviance"));
+  const double s = fit.s.value_or(kNaN);
+  const ChoiceJnds jnds = choice_jnds(options.link, s);
+  q.estimates.relative(fit.pse.value_or(kNaN), number_at(expected, "pse"));
+  q.estimates.relative(s, number_at(expected, "s"));
+  q.estimates.relative(jnds.jnd_75, number_at(expected, "jnd_75"));
+  q.estimates.relative(jnds.jnd_84, number_at(expected, "jnd_84"));
+  q.estimates.relative(jnds.jnd_dprime1, number_at(expected, "jnd_dprime1"));
+  q.lapse.absolute(fit.lapse.value_or(kNaN), number_at(expected, "lapse"));
+  const TwoIntervalIntervals intervals = two_interval_intervals(rows, options);
+  compare_bounds(q.bounds, fit.pse_range, expected, "pse_range");
+  compare_bounds(q.bounds, intervals.pse, expected, "pse_ci");
+  compare_bounds(q.bounds, intervals.s, expected, "s_ci");
+  compare_bounds(q.bounds, intervals.order_b, expected, "order_b_ci");
+  if (!options.order_term) return;
+  const OrderTermTest test = test_order_term(rows, options, fit);
+  q.order.absolute(fit.order_b.value_or(kNaN), number_at(expected, "order_b"));
+  q.order.absolute(test.lr, number_at(expected, "order_lr"));
+  q.order.absolute(test.p, number_at(expected, "order_p"));
+}
+
+Quantities two_interval_quantities() {
+  ChoiceQuantities q;
+  for (const json& one : reference_numbers("two_interval").at("cases")) {
+    const json& input = one.at("input");
+    TwoIntervalOptions options;
+    options.link = value_of(kChoiceLinkWords, input.at("link").get<std::string>()).value();
+    options.lapse.reset();
+    if (!input.at("lapse").is_string()) options.lapse = input.at("lapse").get<double>();
+    options.order_term = input.contains("order");
+    std::vector<ChoiceRow> rows;
+    for (std::size_t i = 0; i < input.at("x").size(); ++i)
+      rows.push_back({input.at("x")[i], input.at("n")[i], input.at("k")[i],
+                      options.order_term ? input.at("order")[i].get<int>() : 0});
+    compare_choices(q, rows, options, one.at("expected"));
+  }
+  return {q.likelihood, q.estimates, q.lapse, q.bounds, q.order};
+}
+
 // ---- adaptive procedures
 
 // Sequences of unequal length differ in every case.
@@ -314,7 +381,8 @@ Quantities adaptive_quantities() {
 std::vector<SelftestQuantity> selftest() {
   Quantities all;
   for (const auto part :
-       {detection_quantities, jnd_quantities, group_quantities, psychometric_quantities, adaptive_quantities}) {
+       {detection_quantities, jnd_quantities, group_quantities, psychometric_quantities, adaptive_quantities,
+        scaling_quantities, posterior_quantities, choice_quantities, two_interval_quantities, ratings_quantities}) {
     const Quantities some = part();
     all.insert(all.end(), some.begin(), some.end());
   }

@@ -29,8 +29,8 @@ struct SelftestQuantity {
   }
 };
 
-// Every quantity that the program carries references of, recomputed: signal detection, thresholds, group statistics,
-// psychometric functions, adaptive procedures.
+// Every quantity that the program carries references of, recomputed: signal detection, tasks with a right answer, ratings,
+// choices between two intervals, scaling, thresholds, group statistics, psychometric functions, adaptive procedures.
 std::vector<SelftestQuantity> selftest();
 
 }  // namespace jnd

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "analysis/selftest/reference_numbers.h"
-#include "protocols/planning/random_stream.h"
+#include "protocols/random_stream.h"
 #include "tests/catch.h"
 
 using namespace jnd;

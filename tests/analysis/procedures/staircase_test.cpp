@@ -9,7 +9,7 @@
 #include <rapidcheck.h>
 
 #include "analysis/selftest/reference_numbers.h"
-#include "protocols/planning/random_stream.h"
+#include "protocols/random_stream.h"
 #include "tests/catch.h"
 
 using namespace jnd;
@@ -184,4 +184,54 @@ TEST_CASE("whatever the answers, levels stay in the clamp and replaying gives th
     RC_ASSERT(first.reversals() == second.reversals());
     RC_ASSERT(static_cast<int>(first.reversals().size()) < std::max(1, first.steps()));
   }));
+}
+
+TEST_CASE("accelerated steps shrink with the reversals, by hand") {
+  StaircaseRule rule = rule_of(400, 1, 1, 180, 60);
+  rule.accelerated = true;
+  CHECK(problem_of(rule).empty());
+  // Divided by 1, 2, then 2 + m: 400 - 60; - 30; wrong (m = 1): + 60; wrong: + 60; correct (m = 2): - 15; wrong (3): + 36
+  const Levels found = levels_of(rule, "110010");
+  CHECK(found.levels == std::vector<double>{400, 340, 310, 370, 430, 415});
+  CHECK(found.next == 451);
+  CHECK(found.reversals == std::vector<double>{310, 430, 415});
+  // The second answer is divided by 2, whether or not it reverses.
+  CHECK(levels_of(rule, "10").next == 430);
+  rule.clamp = std::array<double, 2>{350, 420};
+  CHECK(levels_of(rule, "1100").levels == std::vector<double>{400, 350, 350, 410});
+}
+
+TEST_CASE("accelerated steps that multiply shrink on their logarithm") {
+  StaircaseRule rule = rule_of(100, 1, 1, 64, 16);
+  rule.multiplicative = rule.accelerated = true;
+  const Levels found = levels_of(rule, "101");
+  CHECK(found.levels[1] == 100.0 / 16);
+  CHECK(found.levels[2] == Approx(100.0 / 16 * 8).epsilon(1e-14));  // the square root of 64
+  CHECK(found.next == Approx(100.0 / 16 * 8 / 2).epsilon(1e-14));   // m = 2: the fourth root of 16
+}
+
+TEST_CASE("accelerated steps go to the target of the weights and stay there") {
+  StaircaseRule rule = rule_of(600, 1, 1, 540, 60);
+  rule.accelerated = true;
+  CHECK(staircase_target(rule) == Approx(0.9).epsilon(1e-12));
+  const double target = 300 + 40 * std::log(9.0);  // of the logistic: ln(p / (1 - p))
+  double squares = 0;
+  for (std::uint64_t run = 1; run <= 200; ++run) {
+    RandomStream stream(31, run, "observer");
+    Staircase track(rule);
+    for (int i = 0; i < 400; ++i) track.answer(stream.uniform() < 1 / (1 + std::exp(-(track.level() - 300) / 40)));
+    squares += (track.level() - target) * (track.level() - target) / 200;
+  }
+  CAPTURE(std::sqrt(squares));
+  CHECK(std::sqrt(squares) < 15);  // of a fixed step of 60 down and 540 up it would be far more
+}
+
+TEST_CASE("accelerated steps go with one up, one down and no halving") {
+  StaircaseRule rule = rule_of(400, 1, 2, 50, 50);
+  rule.accelerated = true;
+  CHECK_FALSE(problem_of(rule).empty());
+  rule.down = 1;
+  CHECK(problem_of(rule).empty());
+  rule.halve_after = {2};
+  CHECK_FALSE(problem_of(rule).empty());
 }

@@ -1,0 +1,251 @@
+#include "analysis/choice/two_interval.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <boost/math/special_functions/gamma.hpp>
+
+#include "analysis/choice/choice_steps.h"
+#include "analysis/choice/two_interval_solution.h"
+#include "analysis/numerics/boost_policy.h"
+#include "analysis/numerics/normal.h"
+#include "analysis/numerics/tail_probabilities.h"
+
+namespace jnd {
+
+namespace {
+
+constexpr double kNoGain = 1e-9;  // a log-likelihood better by less is not better than a limit that it runs towards
+
+bool has_both_orders(const ChoiceData& data) noexcept {
+  bool first = false, second = false;
+  for (const double o : data.o) (o < 0 ? first : second) = true;
+  return first && second;
+}
+
+// Whether the likelihood does not grow with c from the best constant: the slope there, of each order its share, against
+// its rounding.
+bool slope_is_flat(const ChoiceData& data, const ChoiceLimit& constant) noexcept {
+  double n[2] = {}, k[2] = {};
+  for (std::size_t i = 0; i < data.rows(); ++i) {
+    const std::size_t which = data.o[i] < 0 ? 1 : 0;
+    n[which] += data.n[i];
+    k[which] += data.k[i];
+  }
+  double slope = 0, size = 0;
+  for (std::size_t which = 0; which < 2; ++which) {
+    if (k[which] == 0 || k[which] == n[which]) continue;
+    const double rate = k[which] / n[which];
+    const double f = std::fmin(1, std::fmax(0, (rate - 0.5 * constant.lapse) / (1 - constant.lapse)));
+    if (f == 0 || f == 1) continue;
+    double moment = 0, absolute = 0;
+    for (std::size_t i = 0; i < data.rows(); ++i) {
+      if ((data.o[i] < 0 ? 1U : 0U) != which) continue;
+      moment += (data.k[i] - data.n[i] * rate) * data.t[i];
+      absolute += data.n[i] * std::abs(data.t[i]);
+    }
+    const double density =
+        data.link == ChoiceLink::probit ? normal_density(choice_quantile(data.link, f)) : f * (1 - f);
+    slope += density / (rate * (1 - rate)) * moment;
+    size += density / (rate * (1 - rate)) * absolute;
+  }
+  return slope <= 1e-13 * size;
+}
+
+// Without lapses, and where a lower level has the comparison chosen and a higher one not: most data, at little cost.
+bool steps_are_impossible(const ChoiceData& data, const TwoIntervalOptions& options) noexcept {
+  if (options.order_term || !options.lapse || *options.lapse != 0) return false;
+  double lowest_chosen = kInf, highest_rest = -kInf;
+  for (std::size_t i = 0; i < data.rows(); ++i) {
+    if (data.k[i] > 0) lowest_chosen = std::fmin(lowest_chosen, data.t[i]);
+    if (data.k[i] < data.n[i]) highest_rest = std::fmax(highest_rest, data.t[i]);
+  }
+  return lowest_chosen < highest_rest;
+}
+
+// Exactly the level where t is one.
+double from_axis(const ChoiceData& data, double t) noexcept {
+  for (std::size_t i = 0; i < data.rows(); ++i)
+    if (data.t[i] == t) return data.level[i];
+  return data.shift + data.scale * t;
+}
+
+void take_limit(TwoIntervalFit& fit, const ChoiceLimit& limit, const TwoIntervalOptions& options) {
+  fit.log_likelihood = limit.value;
+  if (options.order_term) fit.order_b = limit.b;
+}
+
+void take_step_limit(TwoIntervalFit& fit, const ChoiceData& data, const ChoiceLimit& step,
+                     const TwoIntervalOptions& options) {
+  fit.status = TwoIntervalStatus::separated;
+  take_limit(fit, step, options);
+  fit.lapse = options.lapse ? options.lapse : step.lapse;
+  fit.s = 0;
+  fit.pse_range = ChoiceBounds{from_axis(data, step.low), from_axis(data, step.high)};
+  if (std::isinf(step.low) != std::isinf(step.high))
+    fit.pse = std::isinf(step.low) ? step.low : step.high;
+  else if (std::isfinite(step.low))
+    fit.pse = 0.5 * (fit.pse_range->low + fit.pse_range->high);
+}
+
+// All answers of one order are the same: its b is infinite, and the other order alone has the slope.
+ChoicePeak climb_of_one_order(const ChoiceData& data, const ChoiceBox& box) {
+  ChoiceData other = data;
+  other.t.clear();
+  other.o.clear();
+  other.n.clear();
+  other.k.clear();
+  int same = 0;
+  double certain = 0, all = 0;
+  for (const int order : {-1, 1}) {
+    double n = 0, k = 0;
+    for (std::size_t i = 0; i < data.rows(); ++i) {
+      if (data.o[i] != order) continue;
+      n += data.n[i];
+      k += data.k[i];
+    }
+    if (k == 0 || k == n) {
+      same = order;
+      certain = k;
+      all = n;
+    }
+  }
+  for (std::size_t i = 0; i < data.rows(); ++i) {
+    if (data.o[i] == same) continue;
+    other.t.push_back(data.t[i]);
+    other.o.push_back(0);
+    other.n.push_back(data.n[i]);
+    other.k.push_back(data.k[i]);
+  }
+  ChoiceBox without = box;
+  without.hold(kB, 0);
+  ChoicePeak peak = solve_choice(other, without, choice_start(other, without), 0);
+  peak.value += choice_count_log(all, 1 - 0.5 * peak.place[kL]);
+  const double end = certain == 0 ? -kInf : kInf;
+  peak.place[kA] = end;
+  peak.place[kB] = same * end;
+  return peak;
+}
+
+bool one_order_is_same(const ChoiceData& data) noexcept {
+  double n[2] = {}, k[2] = {};
+  for (std::size_t i = 0; i < data.rows(); ++i) {
+    const std::size_t which = data.o[i] < 0 ? 1 : 0;
+    n[which] += data.n[i];
+    k[which] += data.k[i];
+  }
+  return n[0] > 0 && n[1] > 0 && (k[0] == 0 || k[0] == n[0] || k[1] == 0 || k[1] == n[1]);
+}
+
+void take_peak(TwoIntervalFit& fit, const ChoiceData& data, const ChoicePeak& peak, const TwoIntervalOptions& options) {
+  fit.status = TwoIntervalStatus::ok;
+  fit.log_likelihood = peak.value;
+  fit.lapse = options.lapse ? *options.lapse : peak.place[kL];
+  fit.s = data.scale / peak.place[kC];
+  fit.pse = data.shift - data.scale * (peak.place[kA] / peak.place[kC]);
+  if (options.order_term) fit.order_b = peak.place[kB];
+}
+
+void take_constant(TwoIntervalFit& fit, const ChoiceLimit& constant, const TwoIntervalOptions& options) {
+  fit.status = TwoIntervalStatus::flat;
+  take_limit(fit, constant, options);
+  fit.lapse = options.lapse;
+  fit.s = kInf;
+}
+
+// The best of the limits s -> inf and s -> 0 and of what lies between.
+void find_maximum(TwoIntervalSolution& solution) {
+  const ChoiceData& data = solution.data;
+  const TwoIntervalOptions& options = solution.options;
+  const double constant = solution.constant.value, step = solution.step.value;
+  const bool flat_slope = slope_is_flat(data, solution.constant);
+  const bool concave = options.lapse && *options.lapse == 0;
+  if (!concave || !(flat_slope || step > -kInf)) {
+    const bool one_order = options.order_term && one_order_is_same(data);
+    solution.peak = one_order ? climb_of_one_order(data, solution.box)
+                              : solve_choice(data, solution.box, choice_start(data, solution.box), 0);
+  }
+  // Where the slope at the constant is above 0, what lies between is better, by however little.
+  const double least = flat_slope ? constant + kNoGain : constant - kNoGain;
+  if (solution.peak.place[kC] > 0 && solution.peak.value > step + kNoGain && solution.peak.value > least)
+    take_peak(solution.fit, data, solution.peak, options);
+  else if (step > constant + kNoGain)
+    take_step_limit(solution.fit, data, solution.step, options);
+  else
+    take_constant(solution.fit, solution.constant, options);
+}
+
+}  // namespace
+
+ChoicePeak solve_choice(const ChoiceData& data, const ChoiceBox& box, const ChoicePlace& start, double pivot) {
+  if (box.held(kL) && box.lower[kL] == 0) return climb(data, start, box, pivot);
+  return climb_from_survey(data, start, box, pivot);
+}
+
+TwoIntervalSolution solve_two_interval(std::span<const ChoiceRow> rows, const TwoIntervalOptions& options) {
+  if (options.lapse && !(*options.lapse >= 0 && *options.lapse < 1))
+    throw std::invalid_argument("the lapse rate must lie in 0..1, 1 left out");
+  TwoIntervalSolution solution;
+  solution.options = options;
+  solution.data = choice_data(rows, options.link, options.order_term);
+  const ChoiceData& data = solution.data;
+  if (options.order_term && !has_both_orders(data)) {
+    solution.options.order_term = false;
+    std::fill(solution.data.o.begin(), solution.data.o.end(), 0.0);
+  }
+  const TwoIntervalOptions& used = solution.options;
+  TwoIntervalFit& fit = solution.fit;
+  fit.trials = static_cast<long long>(data.trials);
+  if (data.rows() == 0) return solution;
+  solution.box = choice_box(used.order_term, used.lapse);
+  solution.constant = best_constant(data, used.order_term, used.lapse);
+  if (!steps_are_impossible(data, used)) solution.step = best_step(data, used.order_term, used.lapse);
+  if (data.chosen == 0 || data.chosen == data.trials) {
+    fit.status = TwoIntervalStatus::all_same;
+    fit.log_likelihood = solution.constant.value;
+    fit.lapse = used.lapse ? used.lapse : solution.constant.lapse;
+  } else {
+    find_maximum(solution);
+  }
+  fit.deviance = std::fmax(0, 2 * (data.saturated - *fit.log_likelihood));
+  return solution;
+}
+
+TwoIntervalFit fit_two_interval(std::span<const ChoiceRow> rows, const TwoIntervalOptions& options) {
+  return solve_two_interval(rows, options).fit;
+}
+
+ChoiceJnds choice_jnds(ChoiceLink link, double s) noexcept {
+  // F^-1 at 0.75, Phi(1) and Phi(1/sqrt 2).
+  constexpr ChoiceJnds kProbit = {0.67448975019608174, 1, 0.70710678118654752};
+  constexpr ChoiceJnds kLogit = {1.0986122886681098, 1.6682678659858136, 1.1540502776126440};
+  const ChoiceJnds& unit = link == ChoiceLink::probit ? kProbit : kLogit;
+  return {unit.jnd_75 * s, unit.jnd_84 * s, unit.jnd_dprime1 * s};
+}
+
+OrderTermTest test_order_term(std::span<const ChoiceRow> rows, const TwoIntervalOptions& options,
+                              const TwoIntervalFit& fit) {
+  OrderTermTest test;
+  if (!fit.log_likelihood) return test;
+  TwoIntervalOptions without = options;
+  without.order_term = false;
+  test.log_likelihood_without = *fit_two_interval(rows, without).log_likelihood;
+  bool first = false, second = false;
+  for (const ChoiceRow& row : rows)
+    if (row.n > 0) (row.order < 0 ? first : second) = true;
+  if (!first || !second) return test;
+  test.lr = std::fmax(0, 2 * (*fit.log_likelihood - test.log_likelihood_without));
+  test.p = chi2_upper(test.lr, 1);
+  return test;
+}
+
+double log_binomial_constants(std::span<const ChoiceRow> rows) {
+  const auto log_factorial = [](long long n) { return boost::math::lgamma(static_cast<double>(n) + 1, QuietPolicy()); };
+  double sum = 0;
+  for (const ChoiceRow& row : rows)
+    sum += log_factorial(row.n) - log_factorial(row.chosen) - log_factorial(row.n - row.chosen);
+  return sum;
+}
+
+}  // namespace jnd
