@@ -161,6 +161,16 @@ CsvTable CsvTable::read(const std::string& file, const std::vector<std::string>&
 
 CsvTable CsvTable::parse(std::string text, const std::string& file, const std::vector<std::string>& required,
                          const std::vector<std::string>& optional) {
+  return scan(std::move(text), file, required, optional, Others::refused);
+}
+
+CsvTable CsvTable::read_among(const std::string& file, const std::vector<std::string>& wanted) {
+  if (file == "-") return scan(read_standard_input(kMostBytes), "standard input", wanted, {}, Others::passed_over);
+  return scan(read_input_file(file, kMostBytes), file, wanted, {}, Others::passed_over);
+}
+
+CsvTable CsvTable::scan(std::string text, const std::string& file, const std::vector<std::string>& required,
+                        const std::vector<std::string>& optional, Others others) {
   CsvTable table;
   table.file_ = file;
   table.text_ = std::make_shared<Text>();
@@ -169,7 +179,10 @@ CsvTable CsvTable::parse(std::string text, const std::string& file, const std::v
   const char named = named_separator(rest);
   table.separator_ = named != 0 ? named : separator_of(rest);
   Scanner scanner(*table.text_, rest, table.separator_, 1, file);
-  table.read_header(scanner, required, optional);
+  if (others == Others::refused)
+    table.read_header(scanner, required, optional);
+  else
+    table.find_among(scanner, required);
   table.read_rows(scanner);
   return table;
 }
@@ -199,6 +212,24 @@ void CsvTable::read_header(Scanner& scanner, const std::vector<std::string>& req
     if (!has(name))
       fail_at(file_, line, 0, "", fmt::format("there is no column {}", in_quotes(name)),
               "columns are " + listed(required));
+}
+
+void CsvTable::find_among(Scanner& scanner, const std::vector<std::string>& wanted) {
+  int line = 1;
+  std::vector<std::string_view> names;
+  if (!scanner.next(line, names))
+    fail_at(file_, 1, 0, "", "is empty", "the first line names the columns, among them " + listed(wanted));
+  for (const std::string_view view : names) header_.emplace_back(view);
+  for (const std::string& name : wanted) {
+    const auto times = std::count(header_.begin(), header_.end(), name);
+    if (times > 1)
+      fail_at(file_, line, 0, "", fmt::format("column {} is there {} times", in_quotes(name), times),
+              "give every column a name of its own");
+    if (times == 1) continue;
+    const std::string near = nearest_word(name, names);
+    fail_at(file_, line, 0, "", fmt::format("there is no column {}", in_quotes(name)),
+            near.empty() ? "its columns are " + listed(header_) : fmt::format("did you mean {}?", in_quotes(near)));
+  }
 }
 
 void CsvTable::read_rows(Scanner& scanner) {

@@ -34,6 +34,10 @@ class CsvTable {
   static CsvTable parse(std::string text, const std::string& file, const std::vector<std::string>& required,
                         const std::vector<std::string>& optional = {});
 
+  // The same of a table of another program: columns that are not asked for are passed over, whatever is
+  // in them. wanted: not empty, each a different one.
+  static CsvTable read_among(const std::string& file, const std::vector<std::string>& wanted);
+
   std::size_t rows() const noexcept { return lines_.size(); }
   bool has(std::string_view column) const noexcept;  // an optional column that the file has
 
@@ -55,8 +59,12 @@ class CsvTable {
   };
   class Scanner;
 
+  enum class Others { refused, passed_over };
+  static CsvTable scan(std::string text, const std::string& file, const std::vector<std::string>& required,
+                       const std::vector<std::string>& optional, Others others);
   void read_header(Scanner& scanner, const std::vector<std::string>& required,
                    const std::vector<std::string>& optional);
+  void find_among(Scanner& scanner, const std::vector<std::string>& wanted);
   void read_rows(Scanner& scanner);
   std::size_t place_of(std::string_view column) const;
   std::string with_point(std::size_t row, std::string_view column, std::string_view cell) const;

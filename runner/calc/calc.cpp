@@ -14,10 +14,15 @@ void add_calc_commands(CommandTree& program) {
   CommandTree calc =
       program.add_group("calc", "The statistics on any CSV, without a study", "jnd calc sdt counts.csv --json");
   add_calc_detection(calc);
+  add_calc_choice(calc);
+  add_calc_ratings(calc);
   add_calc_jnd(calc);
   add_calc_group(calc);
   add_calc_psychometric(calc);
+  add_calc_which(calc);
   add_calc_adaptive(calc);
+  add_calc_scaling(calc);
+  add_calc_posterior(calc);
   add_calc_selftest(calc);
 }
 

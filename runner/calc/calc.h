@@ -21,10 +21,15 @@ struct CalcInput {
 void add_input(CLI::App& command, CalcInput& input, const std::string& columns);
 
 void add_calc_detection(CommandTree& calc);     // sdt, coverage
+void add_calc_choice(CommandTree& calc);        // mafc, oddity, duo-trio, abx, reminder
+void add_calc_ratings(CommandTree& calc);       // identify, ratings, sureness
 void add_calc_jnd(CommandTree& calc);           // jnd
 void add_calc_group(CommandTree& calc);         // compare, wilcoxon, ptukey, qtukey, shapiro
 void add_calc_psychometric(CommandTree& calc);  // fit
+void add_calc_which(CommandTree& calc);         // which
 void add_calc_adaptive(CommandTree& calc);      // staircase, quest
+void add_calc_scaling(CommandTree& calc);       // magnitude, adjust
+void add_calc_posterior(CommandTree& calc);     // posterior
 void add_calc_selftest(CommandTree& calc);      // selftest
 
 }  // namespace jnd

@@ -134,6 +134,9 @@ void add_calc_adaptive(CommandTree& calc) {
         .add_option("--halve-after", rule.halve_after,
                     "reversals, counted from 1, that halve the steps (those that multiply: on the logarithm)")
         ->delimiter(',');
+    command.add_flag("--accelerated", rule.accelerated,
+                     "steps shrink (Kesten 1958): divided by 1 and 2 at the first answers, then by 2 + reversals; with "
+                     "--up 1 --down 1. Steps of 90 up and 10 down go to 90 % correct");
     command.add_option("--clamp", options.clamp, "lowest and highest level: LO,HI")->delimiter(',')->expected(2);
   }
   const auto [command, options] =

@@ -13,6 +13,7 @@
 #include "protocols/input/csv_table.h"
 #include "runner/calc/calc.h"
 #include "runner/calc/csv_counts.h"
+#include "runner/calc/trials_input.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
 #include "runner/terminal/number_text.h"
@@ -26,6 +27,7 @@ namespace {
 
 struct SdtOptions {
   CalcInput input;
+  TrialOptions trials;
 };
 
 // The rows of many cells: few of them have counts that no other has, and those cost a millisecond each.
@@ -44,18 +46,59 @@ class DetectionRows {
   std::map<std::array<int, 4>, DetectionRow> known_;
 };
 
-int sdt(const SdtOptions& options) {
+// A cell whose row is to come.
+struct CountedCell {
+  NamedDetectionRow named;  // without its numbers
+  Counts counts;
+};
+
+std::vector<CountedCell> counted_cells(const SdtOptions& options) {
+  refuse_trial_options(options.trials, kSameDifferentUse);
   const CsvTable table = CsvTable::read(options.input.file, {"id", "n_diff", "hits", "n_same", "false_alarms"});
+  std::vector<CountedCell> cells;
+  for (std::size_t row = 0; row < table.rows(); ++row)
+    cells.push_back({{std::string(table.text(row, "id")), {}}, counts_of(table, row)});
+  return cells;
+}
+
+// A cell for each difference; the same trials of a unit go with all of its differences.
+std::vector<CountedCell> cells_of_trials(const SdtOptions& options) {
+  const TrialTable table = read_trials(options.input.file, options.trials, kSameDifferentUse);
+  const std::vector<std::vector<TrialCount>> counts = count_trials(table);
+  std::vector<CountedCell> cells;
+  for (std::size_t unit = 0; unit < counts.size(); ++unit) {
+    const TrialUnit& of = table.units[unit];
+    Counts same;
+    for (const TrialCount& count : counts[unit])
+      if (count.level == 0) {
+        same.n_same = count.n;
+        same.false_alarms = count.k;
+      }
+    for (const TrialCount& count : counts[unit]) {
+      if (count.level == 0 && counts[unit].size() > 1) continue;
+      Counts cell = same;
+      if (count.level != 0) {
+        cell.n_diff = count.n;
+        cell.hits = count.k;
+      }
+      cells.push_back(
+          {{fmt::format("{} / {:g}", of.name(), count.level), {}, of.participant, of.condition, count.level}, cell});
+    }
+  }
+  return cells;
+}
+
+int sdt(const SdtOptions& options) {
   // The whole file is read before anything is printed: a mistake in the last row leaves no half an answer.
-  std::vector<Counts> counts;
-  for (std::size_t row = 0; row < table.rows(); ++row) counts.push_back(counts_of(table, row));
+  const std::vector<CountedCell> cells = options.trials.trials ? cells_of_trials(options) : counted_cells(options);
   std::vector<NamedDetectionRow> rows;
   DetectionRows known;
-  ProgressBar progress("rows", static_cast<std::int64_t>(counts.size()));
-  for (std::size_t row = 0; row < counts.size(); ++row) {
+  ProgressBar progress("rows", static_cast<std::int64_t>(cells.size()));
+  for (std::size_t row = 0; row < cells.size(); ++row) {
     constexpr std::size_t kRowsOfASecond = 1000;
     if (row > 0 && row % kRowsOfASecond == 0) progress.update(static_cast<std::int64_t>(row));
-    const NamedDetectionRow named{std::string(table.text(row, "id")), known.of(counts[row])};
+    NamedDetectionRow named = cells[row].named;
+    named.row = known.of(cells[row].counts);
     if (options.input.json)
       fmt::print("{}\n", json_line(detection_json(named)));
     else
@@ -124,6 +167,7 @@ void add_calc_detection(CommandTree& calc) {
   const auto [detection, counts] = calc.add("sdt", "d' of same-different counts, under every model and correction",
                                             "jnd calc sdt counts.csv --json", sdt);
   add_input(detection, counts.input, "id, n_diff, hits, n_same, false_alarms");
+  add_trial_options(detection, counts.trials, kSameDifferentUse);
 
   const auto [command, options] =
       calc.add("coverage", "How often the intervals and tests of sdt are right, by exact enumeration",
@@ -176,12 +220,15 @@ ordered_json independent_json(const IndependentObservation& result, const YesNo&
 
 ordered_json detection_json(const NamedDetectionRow& named) {
   const DetectionRow& row = named.row;
-  ordered_json out = {{"id", named.id},
-                      {"n_diff", row.counts.n_diff},
-                      {"hits", row.counts.hits},
-                      {"n_same", row.counts.n_same},
-                      {"false_alarms", row.counts.false_alarms},
-                      {"status", to_string(row.status)}};
+  ordered_json out = {{"id", named.id}};
+  if (named.participant) out["participant"] = *named.participant;
+  if (named.condition) out["condition"] = *named.condition;
+  if (named.difference) out["delta"] = *named.difference;
+  out["n_diff"] = row.counts.n_diff;
+  out["hits"] = row.counts.hits;
+  out["n_same"] = row.counts.n_same;
+  out["false_alarms"] = row.counts.false_alarms;
+  out["status"] = to_string(row.status);
   out["raw"] = {{"hit_rate", json_number(row.none.raw_hit_rate)},
                 {"false_alarm_rate", json_number(row.none.raw_false_alarm_rate)}};
   out["yes_no"] = {{"none", yes_no_json(row.none)},
@@ -215,7 +262,7 @@ std::string yes_no_table(const std::vector<NamedDetectionRow>& rows) {
   TextTable table({"id", "hits", "false alarms", "d'", "95 % profile", "p", "c", "ln beta", "se", "status"},
                   {Align::left, Align::right, Align::right, Align::right, Align::right, Align::right, Align::right,
                    Align::right, Align::right, Align::left});
-  for (const auto& [id, row] : rows)
+  for (const auto& [id, row, participant, condition, difference] : rows)
     table.add({printable(id), fmt::format("{}/{}", row.counts.hits, row.counts.n_diff),
                fmt::format("{}/{}", row.counts.false_alarms, row.counts.n_same), number(row.loglinear.dprime),
                range_text(row.profile.ci_low, row.profile.ci_high, 3), p_value_text(row.profile.p_value),
@@ -229,7 +276,7 @@ std::string model_table(const std::vector<NamedDetectionRow>& rows) {
                    "log-linear", "independent", "exact"},
                   {Align::left, Align::right, Align::right, Align::right, Align::right, Align::right, Align::right,
                    Align::right, Align::right, Align::right});
-  for (const auto& [id, row] : rows)
+  for (const auto& [id, row, participant, condition, difference] : rows)
     table.add({printable(id), number(row.none.dprime), number(row.half.dprime),
                range_text(row.bootstrap.q025, row.bootstrap.q975, 3), number(row.differencing.fit.dprime),
                range_text(row.differencing.ci_low, row.differencing.ci_high, 3), p_value_text(row.differencing.p_value),
@@ -242,7 +289,7 @@ std::string model_table(const std::vector<NamedDetectionRow>& rows) {
 
 std::string detection_text(const std::vector<NamedDetectionRow>& rows) {
   int missing = 0, no_information = 0;
-  for (const auto& [id, row] : rows) {
+  for (const auto& [id, row, participant, condition, difference] : rows) {
     missing += row.status == RateStatus::missing;
     no_information += row.status == RateStatus::no_information;
   }

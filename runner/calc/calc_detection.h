@@ -1,6 +1,7 @@
 // What `jnd calc sdt` answers, for machines and for people.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,8 @@ namespace jnd {
 struct NamedDetectionRow {
   std::string id;
   DetectionRow row;
+  std::optional<std::string> participant = std::nullopt, condition = std::nullopt;  // of trials
+  std::optional<double> difference = std::nullopt;                                  // of trials
 };
 
 nlohmann::ordered_json detection_json(const NamedDetectionRow& named);

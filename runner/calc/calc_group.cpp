@@ -29,7 +29,11 @@ struct GroupOptions {
 };
 
 int compare_conditions(const GroupOptions& options) {
-  const CsvTable csv = CsvTable::read(options.input.file, {"participant", "condition", "value"});
+  const CsvTable csv = CsvTable::read(options.input.file, {"participant", "condition", "value"}, {"group"});
+  if (csv.has("group")) {
+    print_groups(grouped_table(csv), options.input.json);
+    return exit_code::kDone;
+  }
   LongTable table = long_table(csv);
   const NamedComparison named{std::move(table.conditions), compare(table.values)};
   if (options.input.json)
@@ -146,9 +150,12 @@ void add_range(CommandTree& calc, const std::string& name, const std::string& wh
 }  // namespace
 
 void add_calc_group(CommandTree& calc) {
-  const auto [compare, compared] = calc.add("compare", "Conditions within participants: ANOVA, assumptions, every pair",
-                                            "jnd calc compare jnds.csv --json", compare_conditions);
-  add_input(compare, compared.input, "participant, condition, value (a row for every participant and condition)");
+  const auto [compare, compared] =
+      calc.add("compare", "Conditions within participants, or groups of participants: ANOVA, assumptions, every pair",
+               "jnd calc compare jnds.csv --json", compare_conditions);
+  add_input(compare, compared.input,
+            "participant, condition, value (a row for every participant and condition), and "
+            "optionally group: of participants with one row each, or with all conditions");
   compare.footer(kDecimals + compare.get_footer());
 
   const auto [ranks, paired] = calc.add("wilcoxon", "Signed-rank tests of paired ratings, corrected over the items",

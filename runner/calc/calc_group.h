@@ -8,6 +8,7 @@
 
 #include "analysis/group/compare.h"
 #include "analysis/group/signed_rank.h"
+#include "runner/calc/calc_group_input.h"
 
 namespace jnd {
 
@@ -18,6 +19,9 @@ struct NamedComparison {
 
 nlohmann::ordered_json comparison_json(const NamedComparison& named);
 std::string comparison_text(const NamedComparison& named);
+
+// The comparison of groups of participants, with conditions within them or without: prints it.
+void print_groups(const GroupedLongTable& table, bool json);
 
 struct WilcoxonRow {
   std::string item;  // empty where the file has no items

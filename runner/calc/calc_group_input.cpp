@@ -83,6 +83,65 @@ LongTable long_table(const CsvTable& csv) {
   return table;
 }
 
+namespace {
+
+// Of participants with one value each: the condition is that of the whole group.
+void refuse_second_factor(const CsvTable& csv, const Names& participants, const Names& groups,
+                          const std::vector<std::size_t>& group_of) {
+  std::map<std::size_t, std::string> condition_of;
+  for (std::size_t i = 0; i < participants.names.size(); ++i) {
+    const std::size_t row = participants.first_rows[i];
+    const std::string condition(csv.text(row, "condition"));
+    const std::string& first = condition_of.try_emplace(group_of[i], condition).first->second;
+    if (first != condition)
+      csv.fail(
+          row, "condition",
+          fmt::format("group {} has {} and {}, and each participant has one of them", groups.names[group_of[i]], first,
+                      condition),
+          "a comparison has one factor between participants: name group and condition together in the column group");
+  }
+}
+
+}  // namespace
+
+GroupedLongTable grouped_table(const CsvTable& csv) {
+  Names participants, conditions, groups;
+  std::map<std::pair<std::size_t, std::size_t>, double> cells;
+  GroupedLongTable table;
+  std::vector<std::size_t>& group_of = table.values.group;
+  for (std::size_t row = 0; row < csv.rows(); ++row) {
+    const std::size_t i = participants.add(csv, row, "participant"), j = conditions.add(csv, row, "condition");
+    const std::size_t group = groups.add(csv, row, "group");
+    if (i == group_of.size()) group_of.push_back(group);
+    if (group_of[i] != group)
+      csv.fail(row, "group",
+               fmt::format("{} is in two groups: {} and {}", participants.names[i], groups.names[group_of[i]],
+                           groups.names[group]),
+               "a participant belongs to one group; what every participant has is a condition");
+    if (!cells.try_emplace({i, j}, csv.number(row, "value", kGroupValues)).second)
+      csv.fail(row, "participant",
+               fmt::format("{} has a second value under {}", participants.names[i], conditions.names[j]),
+               "keep one row for each participant and condition: delete one of the two, or give their mean");
+  }
+  if (groups.names.size() < 2)
+    csv.fail(0, "group", fmt::format("{} is the only group", groups.names.front()),
+             "leave the column out, or add the participants of the others");
+  if (groups.names.size() > 1000 || conditions.names.size() > 1000)
+    csv.fail(0, "group", "there are more than 1000 groups or conditions", "at most 1000 of each are compared");
+  const bool between = cells.size() == participants.names.size();
+  if (between)
+    refuse_second_factor(csv, participants, groups, group_of);
+  else
+    refuse_incomplete(csv, participants, conditions, cells);
+  table.values.groups = groups.names.size();
+  table.values.values.n = participants.names.size();
+  table.values.values.k = between ? 1 : conditions.names.size();
+  for (const auto& [cell, value] : cells) table.values.values.values.push_back(value);  // by participant, condition
+  table.groups = std::move(groups.names);
+  table.conditions = std::move(conditions.names);
+  return table;
+}
+
 std::vector<PairedColumn> paired_columns(const CsvTable& csv) {
   Names items;
   std::vector<PairedColumn> columns;

@@ -13,8 +13,10 @@
 #include "analysis/thresholds/jnd.h"
 #include "analysis/thresholds/jnd_bootstrap.h"
 #include "protocols/input/csv_table.h"
+#include "protocols/input/input_error.h"
 #include "runner/calc/calc.h"
 #include "runner/calc/csv_counts.h"
+#include "runner/calc/trials_input.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
 #include "runner/terminal/number_text.h"
@@ -29,7 +31,8 @@ using Json = nlohmann::ordered_json;
 
 struct JndOptions {
   CalcInput input;
-  double reference = 0;
+  TrialOptions trials;
+  double reference = 0;  // 0: not given
   std::string correction = "loglinear";
   int bootstrap = 0;
   std::uint64_t seed = 1;
@@ -38,13 +41,14 @@ struct JndOptions {
 // The series of one participant and condition, in the order of the file.
 struct Group {
   std::string participant, condition;
+  double reference = 0;
   std::vector<SeriesCounts> series;
 };
 
 struct GroupResult {
-  std::vector<JndEstimate> estimates;                // in the order of kJndMethods
-  std::vector<std::optional<FitQuality>> qualities;  // of the maximum-likelihood methods
-  std::optional<JndBootstrap> bootstrap;             // of least_squares
+  std::vector<std::optional<JndEstimate>> estimates;  // in the order of kJndMethods; none: not of such data
+  std::vector<std::optional<FitQuality>> qualities;   // of the maximum-likelihood methods
+  std::optional<JndBootstrap> bootstrap;              // of least_squares
 };
 
 SeriesCounts series_of(const CsvTable& table, std::size_t row) {
@@ -58,24 +62,114 @@ SeriesCounts series_of(const CsvTable& table, std::size_t row) {
 }
 
 // In order of first appearance. A difference may occur twice in a group: two series, each with its own criterion.
-std::vector<Group> groups_of(const CsvTable& table) {
+std::vector<Group> groups_of(const CsvTable& table, double reference) {
   std::vector<Group> groups;
   std::map<std::pair<std::string, std::string>, std::size_t> places;
   for (std::size_t row = 0; row < table.rows(); ++row) {
     const SeriesCounts series = series_of(table, row);
     const std::pair<std::string, std::string> key(table.text(row, "participant"), table.text(row, "condition"));
     const auto [place, added] = places.try_emplace(key, groups.size());
-    if (added) groups.push_back({key.first, key.second, {}});
+    if (added) groups.push_back({key.first, key.second, reference, {}});
     groups[place->second].series.push_back(series);
   }
   return groups;
 }
 
+// The same trials, which go with all series, parted among them, so that each counts once: which series has which does not
+// matter where the criterion is common. One or more to every series; empty where there are too few.
+std::vector<SeriesCounts> parted_series(const std::vector<SeriesCounts>& series) {
+  const int n = static_cast<int>(series.size());
+  int same = series.front().counts.n_same, alarms = series.front().counts.false_alarms;
+  std::vector<SeriesCounts> parted = series;
+  if (same < n) return {};
+  for (int i = 0; i < n; ++i) {
+    Counts& counts = parted[static_cast<std::size_t>(i)].counts;
+    const int left = n - i;
+    counts.n_same = same / left;
+    // Evenly, as far as the series that are left can hold the rest.
+    counts.false_alarms = std::min(counts.n_same, std::max(alarms / left, alarms - (same - counts.n_same)));
+    same -= counts.n_same;
+    alarms -= counts.false_alarms;
+  }
+  return parted;
+}
+
+Group group_of_trials(const JndOptions& options, const std::string& file, const TrialUnit& unit,
+                      const std::vector<TrialCount>& counts) {
+  Group group;
+  group.participant = unit.participant.value_or("");
+  group.condition = unit.condition.value_or("");
+  group.reference = options.reference > 0 ? options.reference : unit.standard.value_or(0);
+  if (!(group.reference > 0))
+    throw UsageError(
+        "--reference is required: the base of the Weber fraction (or --standard, where levels are absolute)");
+  Counts same;
+  for (const TrialCount& count : counts) {
+    if (count.level < 0)
+      throw InputError(fmt::format(
+          "{}: {}: {:g} is not a difference between two stimuli (differences are above 0, and 0 on same trials; "
+          "where the level is absolute, give --standard)",
+          file, unit.name(), count.level));
+    if (count.level == 0) {
+      same.n_same = count.n;
+      same.false_alarms = count.k;
+    } else {
+      group.series.push_back({count.level, {count.n, count.k, 0, 0}});
+    }
+  }
+  if (group.series.empty())
+    throw InputError(fmt::format("{}: {}: no trial with different stimuli (every difference is 0)", file, unit.name()));
+  for (SeriesCounts& series : group.series) {
+    series.counts.n_same = same.n_same;
+    series.counts.false_alarms = same.false_alarms;
+  }
+  return group;
+}
+
+std::vector<Group> groups_of_trials(const JndOptions& options) {
+  const TrialTable table = read_trials(options.input.file, options.trials, kSameDifferentUse);
+  const std::vector<std::vector<TrialCount>> counts = count_trials(table);
+  std::vector<Group> groups;
+  for (std::size_t unit = 0; unit < counts.size(); ++unit) {
+    groups.push_back(group_of_trials(options, table.file, table.units[unit], counts[unit]));
+    if (groups.back().series.size() > 1 && options.bootstrap > 0)
+      throw UsageError("--bootstrap draws every series by itself, but these share their same trials: leave it out");
+  }
+  return groups;
+}
+
+bool of_own_criteria(JndMethod method) noexcept {
+  return method == JndMethod::ml_yes_no_series || method == JndMethod::ml_differencing_series;
+}
+
+// Of series that share their same trials: closed forms take them for each; likelihoods take them once, which needs a
+// criterion that is common. Fit quality is left out: the parted counts are no data.
+GroupResult result_of_shared(const Group& group, const JndOptions& options) {
+  const std::vector<SeriesCounts> parted = parted_series(group.series);
+  GroupResult result;
+  for (const JndMethod method : kJndMethods) {
+    result.qualities.emplace_back();
+    if (is_maximum_likelihood(method) && (of_own_criteria(method) || parted.empty())) {
+      result.estimates.emplace_back();
+      continue;
+    }
+    JndEstimate estimate = estimate_jnd(is_maximum_likelihood(method) ? parted : group.series, group.reference, method,
+                                        *correction_from(options.correction));
+    const bool few = std::any_of(group.series.begin(), group.series.end(), [](const SeriesCounts& series) {
+      return std::min(series.counts.n_diff, series.counts.n_same) < 10;
+    });
+    if (!few) std::erase(estimate.cautions, Caution::few_trials);
+    result.estimates.emplace_back(std::move(estimate));
+  }
+  return result;
+}
+
 GroupResult result_of(const Group& group, const JndOptions& options) {
+  if (options.trials.trials && group.series.size() > 1) return result_of_shared(group, options);
   const Correction correction = *correction_from(options.correction);
   GroupResult result;
   for (const JndMethod method : kJndMethods) {
-    JndEstimate estimate = estimate_jnd(group.series, options.reference, method, correction);
+    JndEstimate estimate = estimate_jnd(group.series, group.reference, method, correction);
     if (method == JndMethod::least_squares && options.bootstrap > 0) {
       result.bootstrap = least_squares_bootstrap(group.series, correction, options.bootstrap, options.seed);
       estimate.slope_ci_low = result.bootstrap->slope_ci_low;
@@ -85,7 +179,7 @@ GroupResult result_of(const Group& group, const JndOptions& options) {
     }
     std::optional<FitQuality> quality;
     if (is_maximum_likelihood(method)) quality = fit_quality(group.series, method, options.bootstrap, options.seed);
-    result.estimates.push_back(std::move(estimate));
+    result.estimates.push_back(std::move(estimate));  // NOLINT(modernize-use-emplace): it is one already
     result.qualities.push_back(quality);
   }
   return result;
@@ -127,13 +221,18 @@ Json json_of(const JndEstimate& estimate) {
   return json;
 }
 
-void print_json(const Group& group, const GroupResult& result, double reference) {
+void print_json(const Group& group, const GroupResult& result) {
   Json line = {{"participant", group.participant},
                {"condition", group.condition},
-               {"reference", reference},
+               {"reference", group.reference},
                {"series", group.series.size()}};
   for (std::size_t i = 0; i < kJndMethods.size(); ++i) {
-    Json method = json_of(result.estimates[i]);
+    if (!result.estimates[i]) {
+      line[std::string(to_string(kJndMethods[i]))] = {
+          {"slope", nullptr}, {"jnd", nullptr}, {"status", "shared_same_trials"}};
+      continue;
+    }
+    Json method = json_of(*result.estimates[i]);
     if (kJndMethods[i] == JndMethod::least_squares && result.bootstrap)
       method["bootstrap"] = json_of(*result.bootstrap);
     if (result.qualities[i]) method["fit"] = json_of(*result.qualities[i]);
@@ -171,18 +270,28 @@ std::string cautions_of(const JndEstimate& estimate) {
 
 void add_rows(TextTable& table, const Group& group, const GroupResult& result) {
   for (std::size_t i = 0; i < kJndMethods.size(); ++i) {
-    const JndEstimate& estimate = result.estimates[i];
+    if (!result.estimates[i]) {
+      table.add({"", "", std::string(to_string(kJndMethods[i])), "-", "-", "-", "-", "-", "shared_same_trials"});
+      continue;
+    }
+    const JndEstimate& estimate = *result.estimates[i];
     table.add({i == 0 ? printable(group.participant) : "", i == 0 ? printable(group.condition) : "",
                std::string(to_string(kJndMethods[i])), jnd_number(estimate.jnd), interval(estimate),
                percent(estimate.weber), jnd_number(estimate.slope), fit_p(result.qualities[i]), cautions_of(estimate)});
   }
 }
 
-int run_jnd(const JndOptions& options) {
-  // The whole file is read before anything is printed: a mistake in the last row leaves no half an answer.
+std::vector<Group> counted_groups(const JndOptions& options) {
+  refuse_trial_options(options.trials, kSameDifferentUse);
+  if (!(options.reference > 0)) throw UsageError("--reference is required: the base of the Weber fraction");
   const CsvTable csv = CsvTable::read(
       options.input.file, {"participant", "condition", "delta", "n_diff", "hits", "n_same", "false_alarms"});
-  const std::vector<Group> groups = groups_of(csv);
+  return groups_of(csv, options.reference);
+}
+
+int run_jnd(const JndOptions& options) {
+  // The whole file is read before anything is printed: a mistake in the last row leaves no half an answer.
+  const std::vector<Group> groups = options.trials.trials ? groups_of_trials(options) : counted_groups(options);
   using Align = TextTable::Align;
   TextTable table({"participant", "condition", "method", "JND", "95 % CI", "Weber", "slope", "fit p", "cautions"},
                   {Align::left, Align::left, Align::left, Align::right, Align::right, Align::right, Align::right,
@@ -190,7 +299,7 @@ int run_jnd(const JndOptions& options) {
   for (const Group& group : groups) {
     const GroupResult result = result_of(group, options);
     if (options.input.json) {
-      print_json(group, result, options.reference);
+      print_json(group, result);
       continue;
     }
     if (&group != &groups.front()) table.rule();
@@ -199,9 +308,10 @@ int run_jnd(const JndOptions& options) {
   if (options.input.json) return exit_code::kDone;
   fmt::print(
       "{}\n{}\n{}\n", bold("Thresholds"),
-      dim(fmt::format("JND: difference at d' = 1, in the unit of delta; Weber fraction = JND / {:g}; slope: d' per "
+      dim(fmt::format("JND: difference at d' = 1, in the unit of delta; Weber fraction = JND / {}; slope: d' per "
                       "unit; closed forms on {} rates, maximum likelihood (ml_*) on raw counts",
-                      options.reference, options.correction)),
+                      options.reference > 0 ? fmt::format("{:g}", options.reference) : std::string("the standard"),
+                      options.correction)),
       table.text());
   fmt::print("{}\n", dim(options.bootstrap > 0
                              ? fmt::format("Intervals: profile likelihood (ml_*), {} bootstrap replicates "
@@ -209,6 +319,10 @@ int run_jnd(const JndOptions& options) {
                                            options.bootstrap)
                              : std::string("Intervals: profile likelihood (ml_*); --bootstrap gives least_squares one. "
                                            "fit p: deviance against chi-square.")));
+  if (options.trials.trials)
+    fmt::print("{}\n", dim("The same trials go with every difference of their participant and condition: closed forms "
+                           "take them for\neach, ml_*_common once; shared_same_trials: needs same trials of each "
+                           "series of its own."));
   return exit_code::kDone;
 }
 
@@ -222,7 +336,6 @@ void add_calc_jnd(CommandTree& calc) {
             "participant, condition, delta, n_diff, hits, n_same, false_alarms: a line a series (the same delta "
             "twice in a condition is two series)");
   command.add_option("--reference", options.reference, "base of the Weber fraction, in the unit of delta, above 0")
-      ->required()
       ->check([](const std::string& text) {
         double value = 0;
         const bool good =
@@ -239,6 +352,7 @@ void add_calc_jnd(CommandTree& calc) {
       ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str();
   command.add_option("--seed", options.seed, "of the replicates")->capture_default_str();
+  add_trial_options(command, options.trials, kSameDifferentUse);
 }
 
 }  // namespace jnd

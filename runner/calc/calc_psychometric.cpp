@@ -15,6 +15,7 @@
 #include "protocols/input/csv_table.h"
 #include "protocols/input/input_error.h"
 #include "runner/calc/calc.h"
+#include "runner/calc/trials_input.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
 #include "runner/terminal/number_text.h"
@@ -28,12 +29,15 @@ namespace {
 
 struct FitOptions {
   CalcInput input;
+  TrialOptions trials;
   std::string function, guess, lapse, estimator = "ml", interval = "profile";
   int replicates = 2000;
   std::uint64_t seed = 1;
   double confidence = 0.95;
   bool compare = false;
 };
+
+const TrialUse kFitUse = {"grows more frequent with the level", {}, false, true};
 
 // A rate in 0 to below 1; none where the text is "free".
 std::optional<double> rate_from(const std::string& text, const char* option) {
@@ -60,7 +64,7 @@ PsychometricModel model_from(const FitOptions& options) {
 }
 
 struct LevelGroup {
-  std::optional<std::string> name;
+  std::optional<std::string> name, participant, condition;
   std::vector<PsychometricLevel> levels;
 };
 
@@ -82,8 +86,24 @@ std::vector<LevelGroup> groups_of(const CsvTable& table, const PsychometricModel
     std::optional<std::string> name;
     if (table.has("group")) name = table.text(row, "group");
     const auto [place, added] = places.try_emplace(name, groups.size());
-    if (added) groups.push_back({name, {}});
+    if (added) groups.push_back({name, {}, {}, {}});
     groups[place->second].levels.push_back(level);
+  }
+  return groups;
+}
+
+std::vector<LevelGroup> groups_of_trials(const FitOptions& options, const PsychometricModel& model) {
+  const TrialTable table = read_trials(options.input.file, options.trials, kFitUse);
+  const std::vector<std::vector<TrialCount>> counts = count_trials(table);
+  std::vector<LevelGroup> groups;
+  for (std::size_t unit = 0; unit < counts.size(); ++unit) {
+    groups.push_back({table.units[unit].name(), table.units[unit].participant, table.units[unit].condition, {}});
+    for (const TrialCount& count : counts[unit]) groups.back().levels.push_back({count.level, count.n, count.k});
+    if (model.function == PsychometricFunction::weibull && counts[unit].front().level <= 0)
+      throw InputError(
+          fmt::format("{}: {}: {:g} is no level of a Weibull function (its levels are above 0; for others "
+                      "use gumbel, its form on a linear axis)",
+                      table.file, groups.back().name.value(), counts[unit].front().level));
   }
   return groups;
 }
@@ -103,6 +123,8 @@ PsychometricBootstrap bootstrap_of(const LevelGroup& group, const PsychometricMo
 PsychometricAnswer answer_for(const LevelGroup& group, const PsychometricModel& model, const FitOptions& options) {
   PsychometricAnswer answer;
   answer.group = group.name;
+  answer.participant = group.participant;
+  answer.condition = group.condition;
   answer.fit = fit_psychometric(group.levels, model);
   if (options.interval == "bootstrap") {
     answer.bootstrap = bootstrap_of(group, model, options);
@@ -115,10 +137,18 @@ PsychometricAnswer answer_for(const LevelGroup& group, const PsychometricModel& 
 
 int fit(const FitOptions& options) {
   const PsychometricModel model = model_from(options);
-  const CsvTable table = CsvTable::read(options.input.file, {"x", "n", "k"}, {"group"});
-  const std::vector<LevelGroup> groups = groups_of(table, model);
+  std::vector<LevelGroup> groups;
+  if (options.trials.trials) {
+    groups = groups_of_trials(options, model);
+  } else {
+    refuse_trial_options(options.trials, kFitUse);
+    groups = groups_of(CsvTable::read(options.input.file, {"x", "n", "k"}, {"group"}), model);
+  }
   if (options.compare && groups.size() < 2)
-    throw InputError(fmt::format("{}: --compare needs a column group with at least two groups", options.input.file));
+    throw InputError(
+        fmt::format("{}: --compare needs a column group (of trials: --participant or --condition) "
+                    "with at least two groups",
+                    options.input.file));
   std::vector<PsychometricAnswer> answers;
   std::optional<PsychometricComparison> comparison;
   try {
@@ -173,6 +203,7 @@ void add_calc_psychometric(CommandTree& calc) {
   command.add_option("--seed", options.seed, "of the bootstrap")->capture_default_str();
   command.add_flag("--compare", options.compare,
                    "likelihood-ratio tests between groups: own location, own slope, both (maximum likelihood)");
+  add_trial_options(command, options.trials, kFitUse);
 }
 
 // `jnd calc fit --json`.
@@ -214,6 +245,8 @@ ordered_json psychometric_json(const PsychometricAnswer& answer) {
   const PsychometricIntervals& intervals = answer.intervals;
   ordered_json out;
   out["group"] = answer.group ? ordered_json(*answer.group) : ordered_json(nullptr);
+  if (answer.participant) out["participant"] = *answer.participant;
+  if (answer.condition) out["condition"] = *answer.condition;
   out["function"] = to_string(fit.model.function);
   out["estimator"] = to_string(fit.model.estimator);
   out["parameters"] = parameters_json(fit, [](const PsychometricEstimate& one) { return json_number(one.value); });

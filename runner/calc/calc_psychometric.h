@@ -13,7 +13,8 @@
 namespace jnd {
 
 struct PsychometricAnswer {
-  std::optional<std::string> group;  // none where the file has no such column
+  std::optional<std::string> group;                   // none where the file has no such column
+  std::optional<std::string> participant, condition;  // of trials
   PsychometricFit fit;
   PsychometricIntervals intervals;
   std::optional<PsychometricBootstrap> bootstrap;  // where the intervals come from it

@@ -1,0 +1,76 @@
+// Single trials, a row each, from the table of any program: which columns say what, and the counts of their answers.
+// Other columns are passed over.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace jnd {
+
+// What --trials and the options beside it say. Names are those of columns; empty where not given.
+struct TrialOptions {
+  bool trials = false;
+  std::string participant, condition, level, answer;
+  std::string standard;  // a column, or a number
+  std::string order;
+  std::string positive;  // the answer that is counted, where the words do not say so themselves
+};
+
+// What a command makes of trials.
+struct TrialUse {
+  const char* positive;  // what the counted answer says, such as "the comparison was chosen"
+  // Pairs of words that need no --positive: the counted one first. 1 and 0, yes and no, true and false always do.
+  std::vector<std::pair<std::string_view, std::string_view>> words;
+  bool with_order = false;   // --order, and the answers first and second by it
+  bool differences = false;  // levels are differences: from --standard, where it is given
+};
+
+// Of same-different trials: the answer "different", and differences, 0 on same trials.
+extern const TrialUse kSameDifferentUse;
+
+void add_trial_options(CLI::App& command, TrialOptions& options, const TrialUse& use);
+
+struct Trial {
+  std::size_t unit = 0;  // in TrialTable::units
+  double level = 0;      // with `differences` less the standard
+  int order = 0;         // 1: the comparison came second, -1: first, 0: not asked for
+  bool positive = false;
+};
+
+// The trials of one participant in one condition (and with one standard), in order of first appearance.
+struct TrialUnit {
+  std::optional<std::string> participant, condition;
+  std::optional<double> standard;
+  bool one_of_several = false;  // standards, so that its name says which
+  std::string name() const;     // "P01 / V", "P01 / V / 900"; "all" where nothing tells units apart
+};
+
+struct TrialTable {
+  std::string file;  // its name in messages
+  std::vector<TrialUnit> units;
+  std::vector<Trial> trials;
+};
+
+// Throws UsageError where options lack --trials or do not go together, InputError with the place where a column is
+// missing, a level or standard is not a number, an order is neither 1 nor -1 (or second, first), or there are more than
+// two different answers; and where nothing says which answer is counted.
+TrialTable read_trials(const std::string& file, const TrialOptions& options, const TrialUse& use);
+
+// Throws UsageError where an option of trials is given without --trials.
+void refuse_trial_options(const TrialOptions& options, const TrialUse& use);
+
+// The trials of a unit by level: the level, n, and how many answers were counted; ascending.
+struct TrialCount {
+  double level = 0;
+  int n = 0, k = 0;
+};
+std::vector<std::vector<TrialCount>> count_trials(const TrialTable& table);  // of each unit
+
+}  // namespace jnd

@@ -1,0 +1,143 @@
+#!/usr/bin/env python3
+"""jnd calc posterior from outside: every reference sequence, messages with places, exit codes.
+
+Usage: calc_posterior_test.py JND
+"""
+import json
+import math
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+
+JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
+HERE = os.path.dirname(os.path.abspath(__file__))
+ANALYSIS = os.path.join(HERE, "..", "..", "..", "analysis")
+with open(os.path.join(ANALYSIS, "selftest", "posterior_reference.json"), encoding="utf-8") as reference_file:
+    REFERENCE = json.load(reference_file)["cases"]
+
+
+def even(start, stop, size):
+    return [start + i * (stop - start) / (size - 1) for i in range(size)]
+
+
+def configuration(given):
+    if given["definition"] == "same_different":
+        return {"task": "same-different", "levels": [25 * i for i in range(25)], "utility": given["utility"],
+                "grid": {"ln_s": even(math.log(60), math.log(1200), 31), "k": even(-0.5, 2.5, 17), "lapse": [0, 0.025, 0.05]},
+                "prior": {"ln_s": [math.log(275), 0.7], "k": [0.75, 0.75], "lapse": [0.5, 0.3, 0.2]},
+                "slots": given["types"], "responses": given["responses"]}
+    return {"task": "which", "standard": 900, "levels": [400 + 50 * i for i in range(21) if i != 10],
+            "grid": {"ln_s": even(math.log(40), math.log(800), 30), "pse_offset": even(-120, 120, 13), "lapse": [0, 0.02, 0.06]},
+            "prior": {"ln_s": [math.log(180), 0.8], "pse_offset": [0, 60], "lapse": [0.5, 0.35, 0.15]},
+            "utility": given["utility"], "slots": given["types"], "responses": given["responses"]}
+
+
+class CalcPosterior(unittest.TestCase):
+    def calc(self, text, *more, code=0):
+        with tempfile.TemporaryDirectory() as folder:
+            with open(os.path.join(folder, "run.json"), "w", encoding="utf-8") as file:
+                file.write(text)
+            done = subprocess.run([JND, "calc", "posterior", "run.json", *more], cwd=folder, capture_output=True, text=True)
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        return done
+
+    def json_of(self, given):
+        return json.loads(self.calc(json.dumps(given), "--json").stdout, parse_constant=self.fail)
+
+    def test_every_reference_sequence(self):
+        for case in REFERENCE:
+            expected = case["expected"]
+            found = self.json_of(configuration(case["input"]))
+            self.assertEqual(len(found["trials"]), len(expected["trials"]))
+            self.assertEqual(found["final"], found["trials"][-1])
+            self.assertIsNone(found["next"])
+            pairs = list(zip(found["trials"], expected["trials"]))
+            if "prior_stats" in expected:
+                pairs.append((found["prior_stats"], expected["prior_stats"]))
+            for trial, reference in pairs:
+                for key, value in reference.items():
+                    mine = trial[key.replace("ln_sigma", "ln_s")]
+                    if key.endswith("geomean"):
+                        self.assertLessEqual(abs(mine - value), 1e-9 * value, (case["name"], key))
+                    elif isinstance(value, float) and key != "level":
+                        self.assertLessEqual(abs(mine - value), 1e-10, (case["name"], key))
+                    else:
+                        self.assertEqual(mine, value, (case["name"], key))
+
+    def test_slots_may_be_absent_and_may_go_on(self):
+        given = configuration(REFERENCE[3]["input"])
+        given["responses"] = given["responses"][:12]
+        with_free_slots = dict(given, slots="F" * 12)
+        del given["slots"]
+        self.assertEqual(self.json_of(given), self.json_of(with_free_slots))
+        found = self.json_of(dict(given, slots="F" * 12 + "U"))
+        self.assertGreater(found["next"]["level"], 900)
+        self.assertEqual(self.json_of(dict(given, responses=[]))["final"], None)
+
+    def test_mistakes_have_a_place_and_say_what_to_do(self):
+        good = configuration(REFERENCE[0]["input"])
+        def changed(path, value):
+            copy = json.loads(json.dumps(good))
+            *parents, last = path
+            part = copy
+            for key in parents:
+                part = part[key]
+            if value is None:
+                del part[last]
+            else:
+                part[last] = value
+            return json.dumps(copy, indent=1)
+        for path, value, where, what in (
+                (["task"], "which-one", "$.task", "which"),
+                (["utility"], None, "$", '"utility" is missing'),
+                (["levels"], [10, 20, 30], "$.levels[0]", "the first of them is 0"),
+                (["levels"], [0, 20, 20], "$.levels[2]", "stands twice"),
+                (["levels"], [0, -20], "$.levels[1]", "0"),
+                (["grid", "ln_s"], [5, 4], "$.grid.ln_s[1]", "ascend"),
+                (["grid", "lapse"], [0, 1], "$.grid.lapse[1]", "0.999"),
+                (["grid", "k"], [], "$.grid.k", ""),
+                (["grid", "pse_offset"], [0], "$.grid.pse_offset", "not known"),
+                (["prior", "ln_s"], [5, 0], "$.prior.ln_s[1]", "above 0"),
+                (["prior", "ln_s"], [5], "$.prior.ln_s", ""),
+                (["prior", "lapse"], [1, 2], "$.prior.lapse", "2 weights for 3 lapses"),
+                (["prior", "lapse"], [0, 0, 0], "$", "one of them is above 0"),
+                (["prior", "k"], [1e6, 1], "$", "bring its mean onto the grid"),
+                (["responses"], [1, 2], "$.responses[1]", "1"),
+                (["slots"], "SDX" * 8, "$.slots", 'trial 3: "X" is no slot'),
+                (["slots"], "SD", "$.slots", "2 slots for 24 responses")):
+            done = self.calc(changed(path, value), code=3)
+            self.assertEqual(done.stdout, "")
+            self.assertRegex(done.stderr, r"run\.json:\d+:\d+: ")
+            self.assertIn(where, done.stderr)
+            self.assertIn(what, done.stderr)
+        one_sided = configuration(REFERENCE[3]["input"])
+        one_sided["levels"] = [950, 1000]
+        self.assertIn("below the standard", self.calc(json.dumps(one_sided), code=3).stderr)
+        self.calc("{", code=3)
+
+    def test_an_accelerated_staircase(self):
+        arguments = ["--start", "400", "--up", "1", "--step-up", "180", "--step-down", "60", "--accelerated"]
+        def staircase(down, code):
+            done = subprocess.run([JND, "calc", "staircase", "-", "--json", "--down", down, *arguments],
+                                  input="response\n1\n1\n0\n0\n1\n0\n", capture_output=True, text=True)
+            self.assertEqual(done.returncode, code, done.stderr)
+            return done
+        found = json.loads(staircase("1", 0).stdout)
+        # Steps divided by 1, 2, then 2 + reversals.
+        self.assertEqual((found["levels"], found["next"]), ([400, 340, 310, 370, 430, 415], 451))
+        self.assertAlmostEqual(found["target"], 0.75, delta=1e-12)
+        self.assertIn("1 up, 1 down", staircase("2", 3).stderr)
+
+    def test_standard_input_and_a_table(self):
+        given = configuration(REFERENCE[0]["input"])
+        done = subprocess.run([JND, "calc", "posterior", "-"], input=json.dumps(given), capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        for part in ("prior", "different", "252.9", "325"):
+            self.assertIn(part, done.stdout)
+        self.assertNotIn("nan", done.stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()
