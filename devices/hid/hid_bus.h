@@ -18,6 +18,7 @@ struct HidInfo {
   std::uint16_t usage_page = 0, usage = 0;
   std::string serial, manufacturer, product_name;  // UTF-8; may be empty
   int interface_number = -1;
+  std::string transport = "USB";  // for people; "socket" or "program" for a device that is one (socket/socket_bus.h)
 };
 
 // Which device is meant. Called from the thread that looks for it.
@@ -46,6 +47,8 @@ class HidBus {
   virtual std::vector<HidInfo> list() = 0;  // takes milliseconds: never in the loop
   // Throws DeviceError where it is gone, or this login may not use it (it then says what to do).
   virtual std::unique_ptr<HidHandle> open(const std::string& path) = 0;
+  // Of devices that the bus was told of and that were not there when it last looked: why; for messages.
+  virtual std::string absent() const { return {}; }
 };
 
 }  // namespace jnd

@@ -15,8 +15,8 @@
 #include <Eigen/Geometry>
 
 #include "devices/clock.h"
+#include "devices/machine/child_process.h"
 #include "devices/tracker.h"
-#include "devices/trackers/child_process.h"
 #include "devices/trackers/pose_feed.h"
 #include "devices/trackers/pose_line.h"
 
@@ -58,7 +58,7 @@ class ProcessTracker final : public Tracker {
   std::atomic<std::int64_t> last_read_ns_;  // by the loop
 
   // The thread's own.
-  LineCutter lines_, error_lines_;
+  PoseLineCutter lines_, error_lines_;
   std::optional<PoseClock> header_;
   std::string last_error_;  // line of its standard error
   bool refused_any_ = false;

@@ -84,7 +84,7 @@ ReplayReading read_replay(const std::filesystem::path& path) {
                                               "look at the tracker's \"replay\" in the rig file"}});
   const std::string bytes = read_input_file(path, kMostBytes);
   ReplayReading reading(path.string());
-  LineCutter cutter;
+  PoseLineCutter cutter;
   const auto whole = [&](std::string_view line) { reading.read(line); };
   const auto too_long = [&] { reading.read_too_long(); };
   cutter.cut(bytes, whole, too_long);

@@ -94,7 +94,9 @@ void check_description(const HidInfo& info, const jnd_identity& identity, const 
                identity.lowest_version <= JND_PROTOCOL_VERSION && identity.highest_version >= JND_PROTOCOL_VERSION));
   const std::string serial = serial_of(identity);
   checks.push_back(measured("serial number", serial,
-                            info.serial.empty() ? "any (USB names none)" : info.serial + ", as USB says",
+                            info.serial.empty()       ? "any (USB names none)"
+                            : info.transport == "USB" ? info.serial + ", as USB says"
+                                                      : info.serial,
                             info.serial.empty() || serial == info.serial));
   checks.push_back(measured("watchdog", fmt::format("{} ms", identity.watchdog_ms),
                             fmt::format("1 to {} ms", kLongestWatchdog_ms),

@@ -14,12 +14,12 @@ void ButtonAnswers::ask(std::int64_t now_ns) noexcept {
 void ButtonAnswers::change(const ButtonChange& change) noexcept {
   if (change.meaning == ButtonMeaning::stop) return;
   const bool same = change.meaning == ButtonMeaning::same;
-  const Judgement judgement = same ? Judgement::same : Judgement::different;
+  const int said = same ? 0 : 1;
   Button& button = buttons_[same ? 0 : 1];
   const Button& other = buttons_[same ? 1 : 0];
   button.down = change.pressed;
   if (!change.pressed) {
-    if (pending_ && pending_->judgement == judgement) pending_held_ = false;
+    if (pending_ && pending_->said == said) pending_held_ = false;
     return;
   }
   if (change.found_down) {
@@ -34,10 +34,9 @@ void ButtonAnswers::change(const ButtonChange& change) noexcept {
     if (together)
       trouble_ = AnswerTrouble::two_at_once;
     else
-      pending_ = ButtonAnswer{judgement, change.time_ns};
+      pending_ = ButtonAnswer{said, change.time_ns};
     pending_held_ = !together;
-  } else if (pending_->judgement != judgement &&
-             (pending_held_ || change.time_ns - pending_->time_ns <= kTogether_ns)) {
+  } else if (pending_->said != said && (pending_held_ || change.time_ns - pending_->time_ns <= kTogether_ns)) {
     pending_.reset();
     trouble_ = AnswerTrouble::two_at_once;
   }

@@ -11,7 +11,7 @@
 namespace jnd {
 
 struct ButtonAnswer {
-  Judgement judgement = Judgement::same;
+  int said = 0;              // the first answer of the task, or its second
   std::int64_t time_ns = 0;  // of the press
 };
 
@@ -48,7 +48,7 @@ class ButtonAnswers {
     std::int64_t pressed_ns = 0;
   };
 
-  std::array<Button, 2> buttons_{};  // same, different
+  std::array<Button, 2> buttons_{};  // of the first answer, of the second
   bool asking_ = false;
   std::int64_t asked_ns_ = 0;
   std::optional<ButtonAnswer> pending_;

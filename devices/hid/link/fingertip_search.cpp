@@ -43,6 +43,13 @@ std::string text_of(const std::vector<FoundFingertip>& found) {
 
 namespace {
 
+// Of the device that is the program at that place; empty: it is not there.
+std::string serial_at(const std::string& path, const std::vector<FoundFingertip>& found) {
+  for (const FoundFingertip& one : found)
+    if (one.path == path) return one.serial;
+  return {};
+}
+
 // Of a finger whose device the rig file leaves open.
 std::string only_one_for(const std::string& finger, bool only_finger, const std::vector<FoundFingertip>& found) {
   std::vector<std::string> fitting;
@@ -75,6 +82,8 @@ std::vector<std::string> serials_for(const std::vector<std::string>& fingers, co
                       finger));
     if (worn != rig.devices.end() && !worn->serial.empty())
       serials.push_back(worn->serial);
+    else if (worn != rig.devices.end() && !worn->path().empty())
+      serials.push_back(serial_at(worn->path(), found));
     else
       serials.push_back(only_one_for(finger, fingers.size() == 1, found));
   }

@@ -42,8 +42,11 @@ void check(const RigRequest& asked, const RigSpec& spec) {
         fmt::format("$.rig.fingers names {} fingers: the {} takes one or two", asked.fingers.size(), spec.name));
 }
 
-std::string hint() {
-  return "connect it and switch it on; \"jnd device list\" shows what is there, \"jnd doctor\" whether this login may "
+// What to do, after why a device that is a program is not there.
+std::string hint(const HidBus& bus) {
+  const std::string absent = bus.absent();
+  return (absent.empty() ? "" : absent + "; ") +
+         "connect it and switch it on; \"jnd device list\" shows what is there, \"jnd doctor\" whether this login may "
          "use it (the udev rule devices/hid/70-jnd.rules)";
 }
 
@@ -59,7 +62,7 @@ std::vector<std::string> await_serials(const std::vector<std::string>& fingers, 
     if (open.empty()) return serials;
     if (Steady::now() >= deadline)
       throw DeviceError(fmt::format("no device for the {} finger is connected (connected: {}): {}",
-                                    fmt::join(open, " and the "), text_of(found), hint()));
+                                    fmt::join(open, " and the "), text_of(found), hint(bus)));
     std::this_thread::sleep_for(kLookEvery);
   }
 }
@@ -130,7 +133,7 @@ std::unique_ptr<Rig> make_hid_rig(const Protocol& protocol, const RigDescription
       for (const HidInfo& info : bus.list())
         if (is_ours(info)) serials_there += (serials_there.empty() ? "" : ", ") + name_of(info);
       throw DeviceError(fmt::format("{} (connected: {}): {}", made->missing(),
-                                    serials_there.empty() ? "none of ours" : serials_there, hint()));
+                                    serials_there.empty() ? "none of ours" : serials_there, hint(bus)));
     }
     std::this_thread::sleep_for(kReadyEvery);
   }

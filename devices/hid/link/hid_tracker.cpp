@@ -38,15 +38,17 @@ PoseLine line_of(const jnd_pose& pose) noexcept {
 }  // namespace
 
 HidTracker::HidTracker(HidBus& bus, std::string serial, const std::vector<std::string>& fingers,
-                       const Eigen::Isometry3d& to_world, const Clock& clock)
+                       const Eigen::Isometry3d& to_world, const Clock& clock, std::string path)
     : wanted_serial_(std::move(serial)),
+      wanted_path_(std::move(path)),
       clock_(clock),
       feed_(fingers, to_world),
       reader_(
           bus,
           [this](const HidInfo& info) {
             // One without a serial number on the bus has it in its identity page only.
-            return is_tracker(info) && (wanted_serial_.empty() || info.serial.empty() || info.serial == wanted_serial_);
+            return is_tracker(info) && (wanted_path_.empty() || info.path == wanted_path_) &&
+                   (wanted_serial_.empty() || info.serial.empty() || info.serial == wanted_serial_);
           },
           *this, kPriority, &clock) {}
 

@@ -19,11 +19,11 @@ namespace jnd {
 
 class HidTracker final : public Tracker, private HidListener {
  public:
-  // serial: of the tracker; empty: any. It need not be there yet: until it is, it is missing(), and so is one that is
+  // serial: of the tracker; empty: any. path: of the bus, where it must be; empty: anywhere. It need not be there yet: until it is, it is missing(), and so is one that is
   // another by its identity page, or speaks another version of the protocol. clock: the loop's, which must be the
   // machine's monotonic one. Bus and clock must outlive the tracker.
   HidTracker(HidBus& bus, std::string serial, const std::vector<std::string>& fingers,
-             const Eigen::Isometry3d& to_world, const Clock& clock);
+             const Eigen::Isometry3d& to_world, const Clock& clock, std::string path = {});
 
   void begin(const PresentRequest& /*request*/, std::int64_t /*start_ns*/) override {}
   bool read(int finger, std::int64_t now_ns, FingerPose& pose) noexcept override;
@@ -35,7 +35,7 @@ class HidTracker final : public Tracker, private HidListener {
   void report(std::span<const std::uint8_t> bytes, std::int64_t time_ns) noexcept override;
   void lost(const std::string& why) override;
 
-  std::string wanted_serial_;
+  std::string wanted_serial_, wanted_path_;
   const Clock& clock_;
   PoseFeed feed_;
 

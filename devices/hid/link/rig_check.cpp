@@ -51,30 +51,8 @@ bool has_serial(const HidInfo& info, const std::string& serial) {
   return serial.empty() || info.serial == serial;
 }
 
-Check check_devices(const RigFile& file, const std::vector<SeenHid>& seen) {
-  std::string there, missing, refused;
-  for (const WornDevice& device : file.devices) {
-    const SeenHid* const found =
-        find(seen, [&](const HidInfo& info) { return is_fingertip(info) && has_serial(info, device.serial); });
-    std::string& list = found == nullptr ? missing : found->usable ? there : refused;
-    list += fmt::format("{}{} ({})", list.empty() ? "" : ", ", device.serial.empty() ? "any" : device.serial,
-                        device.finger);
-  }
-  if (!missing.empty()) return bad("devices", "not connected: " + missing, kConnect);
-  if (!refused.empty()) return bad("devices", "this login may not use " + refused, kUdev);
-  return good("devices", there + " connected");
-}
-
-Check check_buttons(const RigFile& file, const std::vector<SeenHid>& seen) {
-  try {
-    const ButtonMapping mapping = load_button_mapping(file.buttons);
-    const SeenHid* const found = find(seen, [&](const HidInfo& info) { return mapping.is(info); });
-    if (found == nullptr) return bad("buttons", mapping.name + " is not connected", kConnect);
-    if (!found->usable) return bad("buttons", "this login may not use " + mapping.name, kUdev);
-    return good("buttons", mapping.name + " connected");
-  } catch (const InputError& error) {
-    return bad("buttons", one_line(error), "correct the rig file's \"buttons\", or learn them again");
-  }
+bool is_at(const HidInfo& info, const std::string& path) {
+  return path.empty() || info.path == path;
 }
 
 // As the program is looked for when a session starts it; empty: it is not there.
@@ -91,10 +69,55 @@ fs::path program_at(const std::string& name, const fs::path& folder) {
   return {};
 }
 
+// For findings: its serial number, or where it is.
+std::string worn_name(const WornDevice& device) {
+  if (!device.serial.empty()) return device.serial;
+  return device.path().empty() ? std::string("any") : device.path();
+}
+
+void add_to(std::string& list, const std::string& device, const std::string& finger) {
+  list += fmt::format("{}{} ({})", list.empty() ? "" : ", ", device, finger);
+}
+
+Check check_devices(const RigFile& file, const std::vector<SeenHid>& seen) {
+  std::string there, missing, refused, startable, absent;
+  for (const WornDevice& device : file.devices) {
+    if (!device.command.empty()) {
+      const bool runs = !program_at(device.command.front(), file.folder).empty();
+      add_to(runs ? startable : absent, device.command.front(), device.finger);
+      continue;
+    }
+    const SeenHid* const found = find(seen, [&](const HidInfo& info) {
+      return is_fingertip(info) && has_serial(info, device.serial) && is_at(info, device.path());
+    });
+    add_to(found == nullptr ? missing : found->usable ? there : refused, worn_name(device), device.finger);
+  }
+  if (!absent.empty())
+    return bad("devices", "there is no program " + absent,
+               "install it, or correct the device's \"command\" in the rig file");
+  if (!missing.empty()) return bad("devices", "not connected: " + missing, kConnect);
+  if (!refused.empty()) return bad("devices", "this login may not use " + refused, kUdev);
+  if (startable.empty()) return good("devices", there + " connected");
+  return good("devices", (there.empty() ? "" : there + " connected; ") + "a session starts " + startable);
+}
+
+Check check_buttons(const RigFile& file, const std::vector<SeenHid>& seen) {
+  try {
+    const ButtonMapping mapping = load_button_mapping(file.buttons);
+    const SeenHid* const found = find(seen, [&](const HidInfo& info) { return mapping.is(info); });
+    if (found == nullptr) return bad("buttons", mapping.name + " is not connected", kConnect);
+    if (!found->usable) return bad("buttons", "this login may not use " + mapping.name, kUdev);
+    return good("buttons", mapping.name + " connected");
+  } catch (const InputError& error) {
+    return bad("buttons", one_line(error), "correct the rig file's \"buttons\", or learn them again");
+  }
+}
+
 Check check_hid_tracker(const RigFile* file, const std::vector<SeenHid>& seen) {
   const std::string serial = file != nullptr ? file->tracker.serial : "";
-  const SeenHid* const found =
-      find(seen, [&](const HidInfo& info) { return is_tracker(info) && has_serial(info, serial); });
+  const std::string path = file != nullptr ? file->tracker.socket.string() : "";
+  const SeenHid* const found = find(
+      seen, [&](const HidInfo& info) { return is_tracker(info) && has_serial(info, serial) && is_at(info, path); });
   if (found == nullptr)
     return bad("tracker",
                serial.empty() ? std::string("\"hid\": the protocol asks for a tracker on HID, and none is connected")

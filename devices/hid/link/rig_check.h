@@ -1,4 +1,4 @@
-// Has this machine what a protocol and a laboratory's rig file ask for: findings of jnd doctor. Nothing is opened or
+// Has this machine what a protocol and a laboratory's rig file ask for: findings of jnd doctor. No program is
 // started.
 #pragma once
 

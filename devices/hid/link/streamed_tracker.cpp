@@ -9,7 +9,8 @@ namespace jnd {
 
 std::unique_ptr<Tracker> make_streamed_tracker(const std::string& kind, const std::vector<std::string>& fingers,
                                                const TrackerSource& source, HidBus& bus, const Clock& clock) {
-  if (kind == "hid") return std::make_unique<HidTracker>(bus, source.serial, fingers, source.to_world, clock);
+  if (kind == "hid")
+    return std::make_unique<HidTracker>(bus, source.serial, fingers, source.to_world, clock, source.socket.string());
   if (kind == "process") {
     if (source.command.empty())
       throw InputError(

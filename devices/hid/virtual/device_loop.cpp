@@ -25,7 +25,8 @@ std::int64_t ns_of_ms(double milliseconds) {
 
 }  // namespace
 
-DeviceLoop::DeviceLoop(VirtualDevice& device, UhidPort& port, FaultScript& script, ControlLines& control, EventLog& log)
+DeviceLoop::DeviceLoop(VirtualDevice& device, DevicePort& port, FaultScript& script, ControlLines& control,
+                       EventLog& log)
     : device_(device),
       port_(port),
       script_(script),
@@ -37,7 +38,11 @@ DeviceLoop::DeviceLoop(VirtualDevice& device, UhidPort& port, FaultScript& scrip
 
 void DeviceLoop::run() {
   plug();
-  while (!quits_) {
+  if (const std::string where = port_.where(); !where.empty()) {
+    fmt::print("{} is served at {}\n", device_.description().serial, where);
+    (void)std::fflush(stdout);
+  }
+  while (!quits_ && !port_.is_over()) {
     orders(monotonic_ns());
     steps();
     wait();

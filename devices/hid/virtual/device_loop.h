@@ -12,9 +12,9 @@
 
 #include "devices/hid/virtual/control_lines.h"
 #include "devices/hid/virtual/device_clock.h"
+#include "devices/hid/virtual/device_port.h"
 #include "devices/hid/virtual/event_log.h"
 #include "devices/hid/virtual/fault_script.h"
-#include "devices/hid/virtual/uhid_port.h"
 #include "devices/hid/virtual/virtual_device.h"
 
 namespace jnd {
@@ -22,9 +22,9 @@ namespace jnd {
 // Thread rule: one thread. Everything given must outlive the loop.
 class DeviceLoop {
  public:
-  DeviceLoop(VirtualDevice& device, UhidPort& port, FaultScript& script, ControlLines& control, EventLog& log);
+  DeviceLoop(VirtualDevice& device, DevicePort& port, FaultScript& script, ControlLines& control, EventLog& log);
 
-  // Until quit. Throws DeviceError where the kernel refuses the device.
+  // Until quit, or until nobody can come to the port any more. Throws DeviceError where the port refuses the device.
   void run();
 
  private:
@@ -39,7 +39,7 @@ class DeviceLoop {
   std::string status() const;
 
   VirtualDevice& device_;
-  UhidPort& port_;
+  DevicePort& port_;
   FaultScript& script_;
   ControlLines& control_;
   EventLog& log_;

@@ -9,7 +9,10 @@
 #include <sys/prctl.h>
 
 #include "devices/device_error.h"
+#include "devices/hid/socket/socket_bus.h"
 #include "devices/hid/virtual/device_loop.h"
+#include "devices/hid/virtual/socket_port.h"
+#include "devices/hid/virtual/uhid_port.h"
 #include "devices/hid/virtual/virtual_buttons.h"
 #include "devices/hid/virtual/virtual_fingertip.h"
 #include "devices/hid/virtual/virtual_tracker.h"
@@ -25,7 +28,9 @@ struct Options {
   std::string serial;
   std::vector<std::string> fingers;
   double pulp_n_per_m = 1000;
-  int rate_hz = 0;  // 0: the device's own
+  int rate_hz = 0;         // 0: the device's own
+  std::string socket;      // served there instead of behind /dev/uhid
+  bool inherited = false;  // or to the program that has the other end of file descriptor 3
   std::string memory, control, script, log;
   std::vector<std::string> timed;
 };
@@ -55,7 +60,15 @@ std::vector<std::string> join_timed(int argc, char** argv) {
 void add_options(CLI::App& app, Options& options) {
   app.set_version_flag("--version", std::string("jnd-virtual-device ") + kVersion);
   auto* const tracker = app.add_flag("--tracker", options.tracker, "A tracker instead of a fingertip device");
-  app.add_flag("--buttons", options.buttons, "A button box (a gamepad of 8 buttons) instead")->excludes(tracker);
+  auto* const buttons = app.add_flag("--buttons", options.buttons, "A button box (a gamepad of 8 buttons) instead");
+  buttons->excludes(tracker);
+  auto* const socket =
+      app.add_option("--socket", options.socket, "Serve it on a Unix socket at this path instead of behind /dev/uhid");
+  socket->excludes(buttons);
+  app.add_flag("--inherited", options.inherited,
+               "Serve it on file descriptor 3: for the \"command\" of a rig file, which starts this program")
+      ->excludes(buttons)
+      ->excludes(socket);
   app.add_option("--serial", options.serial, "Serial number [VF-0001, VT-0001, VB-0001]");
   app.add_option("--finger", options.fingers,
                  "Finger that it is made for [index]; of a tracker, one or two [thumb index]");
@@ -68,8 +81,9 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--control", options.control, "Named pipe (made where missing) to read orders from [standard input]");
   app.add_option("--log", options.log, "File for every change of state, with its time and the force");
   app.footer("Orders:\n" + order_help() +
-             "\nIt needs Linux's /dev/uhid, and to be root or a udev rule.\n"
-             "Example:\n  sudo jnd-virtual-device --serial VF-0001 --finger thumb --at 10 unplug 500");
+             "\nBehind /dev/uhid it needs Linux's module uhid, and to be root or a udev rule; on a socket nothing.\n"
+             "Example:\n  jnd-virtual-device --socket thumb.sock --serial VF-0001 --finger thumb\n"
+             "  sudo jnd-virtual-device --serial VF-0001 --finger thumb --at 10 unplug 500");
 }
 
 FaultScript script_of(const Options& options) {
@@ -80,7 +94,13 @@ FaultScript script_of(const Options& options) {
   return script;
 }
 
-std::unique_ptr<VirtualDevice> make_device(const Options& options, const std::unique_ptr<UhidPort>& port,
+std::unique_ptr<DevicePort> make_port(const Options& options) {
+  if (options.inherited) return std::make_unique<SocketPort>(OwnedFile(kInheritedSocket));
+  if (!options.socket.empty()) return std::make_unique<SocketPort>(std::filesystem::path(options.socket));
+  return std::make_unique<UhidPort>();
+}
+
+std::unique_ptr<VirtualDevice> make_device(const Options& options, const std::unique_ptr<DevicePort>& port,
                                            EventLog& log) {
   const InputReport send = [&port](std::span<const std::uint8_t> report) { return port->send(report); };
   if (options.buttons)
@@ -105,7 +125,8 @@ std::unique_ptr<VirtualDevice> make_device(const Options& options, const std::un
 }
 
 int run(int argc, char** argv) {
-  CLI::App app{"jnd-virtual-device: a fingertip device, tracker or button box behind /dev/uhid", "jnd-virtual-device"};
+  CLI::App app{"jnd-virtual-device: a fingertip device, tracker or button box behind /dev/uhid or on a socket",
+               "jnd-virtual-device"};
   Options options;
   add_options(app, options);
   std::vector<std::string> arguments = join_timed(argc, argv);
@@ -118,9 +139,9 @@ int run(int argc, char** argv) {
   try {
     FaultScript script = script_of(options);
     EventLog log = options.log.empty() ? EventLog() : EventLog(options.log);
-    std::unique_ptr<UhidPort> port;  // after the device, so that wrong options are found on every machine
+    std::unique_ptr<DevicePort> port;  // after the device, so that wrong options are found on every machine
     const std::unique_ptr<VirtualDevice> device = make_device(options, port, log);
-    port = std::make_unique<UhidPort>();
+    port = make_port(options);
     ControlLines control(options.control);
     (void)::prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);
     (void)std::signal(SIGPIPE, SIG_IGN);

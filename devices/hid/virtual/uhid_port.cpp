@@ -126,7 +126,7 @@ bool UhidPort::serve(const std::function<void(std::span<const std::uint8_t>)>& o
   return true;
 }
 
-bool UhidPort::send(std::span<const std::uint8_t> report) const noexcept {
+bool UhidPort::send(std::span<const std::uint8_t> report) noexcept {
   if (!opened_) return false;
   uhid_event event;  // NOLINT(cppcoreguidelines-pro-type-member-init): only what is used of its four kilobytes
   event.type = UHID_INPUT2;

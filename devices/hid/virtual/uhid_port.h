@@ -4,39 +4,26 @@
 // Thread rule: one thread. Nothing waits: fd() can be polled for events.
 #pragma once
 
-#include <cstdint>
-#include <functional>
-#include <span>
-#include <string>
-#include <vector>
+#include "devices/hid/virtual/device_port.h"
 
 namespace jnd {
 
-struct HidDescription {
-  std::string name, phys, serial;  // at most 127, 63, 63 bytes
-  std::uint16_t vendor = 0, product = 0;
-  std::vector<std::uint8_t> report_descriptor;
-};
-
-class UhidPort {
+class UhidPort final : public DevicePort {
  public:
   // Throws DeviceError where there is no /dev/uhid, or this login may not open it; it says what to do.
   UhidPort();
-  ~UhidPort();
+  ~UhidPort() override;
   UhidPort(const UhidPort&) = delete;
   UhidPort& operator=(const UhidPort&) = delete;
 
   // Throws DeviceError where the kernel refuses the description.
-  void plug(const HidDescription& description);
-  void unplug();
-  bool plugged() const noexcept { return plugged_; }
-  bool opened() const noexcept { return opened_; }  // by the host
-  int fd() const noexcept { return fd_; }
-
-  // Handles one event of the kernel; false: there was none. An output report goes to `output`, its id first.
-  bool serve(const std::function<void(std::span<const std::uint8_t>)>& output);
-  // An input report, its id first where reports are numbered. False where the device is not open.
-  bool send(std::span<const std::uint8_t> report) const noexcept;
+  void plug(const HidDescription& description) override;
+  void unplug() override;
+  bool plugged() const noexcept override { return plugged_; }
+  bool opened() const noexcept override { return opened_; }
+  int fd() const noexcept override { return fd_; }
+  bool serve(const std::function<void(std::span<const std::uint8_t>)>& output) override;
+  bool send(std::span<const std::uint8_t> report) noexcept override;
 
  private:
   int fd_ = -1;

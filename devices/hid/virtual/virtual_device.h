@@ -1,4 +1,4 @@
-// What is behind a uhid port: a device that steps by its own timer, takes output reports and sends input reports. The
+// What is behind a port (device_port.h): a device that steps by its own timer, takes output reports and sends input reports. The
 // loop (device_loop.h) owns the time and the plug; a device owns everything else.
 //
 // Thread rule: the loop's thread only.
@@ -9,8 +9,8 @@
 #include <span>
 #include <string>
 
+#include "devices/hid/virtual/device_port.h"
 #include "devices/hid/virtual/fault_script.h"
-#include "devices/hid/virtual/uhid_port.h"
 
 namespace jnd {
 

@@ -217,7 +217,7 @@ TEST_CASE("lines are cut alike however their bytes come, and too long ones are c
     }
     const std::string tail(*rc::gen::inRange<std::size_t>(0, 300), 'z');
     bytes += tail;
-    LineCutter cutter;
+    PoseLineCutter cutter;
     std::vector<std::string> lines;
     int too_long = 0;
     std::string_view rest = bytes;

@@ -5,6 +5,7 @@
 
 #include <rapidcheck.h>
 
+#include "protocols/tasks/same_different_task.h"
 #include "tests/catch.h"
 #include "tests/units.h"
 
@@ -29,7 +30,7 @@ TEST_CASE("A press after the question answers it once it has stayed alone for 30
   CHECK_FALSE(answers.take(1530 * kMs));
   const std::optional<ButtonAnswer> answer = answers.take(1531 * kMs);
   REQUIRE(answer);
-  CHECK(answer->judgement == Judgement::same);
+  CHECK(answer->said == kClassSame);
   CHECK(answer->time_ns == 1500 * kMs);
   CHECK_FALSE(answers.take(1600 * kMs));
   // The question is answered: nothing more is heard until the next.
@@ -75,7 +76,7 @@ TEST_CASE("Two buttons at once are no answer, in whichever way they come togethe
     CHECK_FALSE(answers.take(9500 * kMs));
     answers.change(up(kDifferent, 9600));
     answers.change(down(kSame, 9700));
-    CHECK(answers.take(9800 * kMs)->judgement == Judgement::same);
+    CHECK(answers.take(9800 * kMs)->said == kClassSame);
   }
   ButtonAnswers quick;  // the first let go already, but not 30 ms ago
   quick.ask(0);
@@ -89,7 +90,7 @@ TEST_CASE("Two buttons at once are no answer, in whichever way they come togethe
   after.change(down(kSame, 1000));
   after.change(up(kSame, 1012));
   after.change(down(kDifferent, 1031));
-  CHECK(after.take(9000 * kMs)->judgement == Judgement::same);
+  CHECK(after.take(9000 * kMs)->said == kClassSame);
 }
 
 TEST_CASE("A press that stands when the box goes stays an answer, and nothing is held afterwards") {
@@ -97,11 +98,11 @@ TEST_CASE("A press that stands when the box goes stays an answer, and nothing is
   answers.ask(0);
   answers.change(down(kSame, 100));
   answers.forget();
-  CHECK(answers.take(200 * kMs)->judgement == Judgement::same);
+  CHECK(answers.take(200 * kMs)->said == kClassSame);
   answers.ask(300 * kMs);
   CHECK(answers.trouble() == AnswerTrouble::none);
   answers.change(down(kDifferent, 400));
-  CHECK(answers.take(500 * kMs)->judgement == Judgement::different);
+  CHECK(answers.take(500 * kMs)->said == kClassDifferent);
   // Plugged in again with a button down: that is no press.
   answers.forget();
   answers.ask(600 * kMs);
@@ -175,7 +176,7 @@ TEST_CASE("Whatever is pressed, an answer is the press of one button alone, afte
     };
     if (answer) {
       const auto press = std::find_if(presses.begin(), presses.end(), [&](const Held& one) {
-        return one.from_ms * kMs == answer->time_ns && (one.meaning == kSame) == (answer->judgement == Judgement::same);
+        return one.from_ms * kMs == answer->time_ns && (one.meaning == kSame) == (answer->said == kClassSame);
       });
       RC_ASSERT(press != presses.end());
       RC_ASSERT(alone(*press));

@@ -152,3 +152,24 @@ TEST_CASE("the rig file's buttons must be learnt and connected") {
   pedal.usable = true;
   CHECK(check({pedal}).verdict == Verdict::ok);
 }
+
+TEST_CASE("a device that is a program must be served where the rig file says, or there to be started") {
+  RigFile file;
+  file.devices = {{.finger = "thumb", .serial = "", .socket = "/run/thumb.sock"}};
+  const auto devices = [&file](const std::vector<SeenHid>& seen) { return check_rig(nullptr, &file, seen).at(0); };
+  SeenHid served = seen(JND_USAGE_FINGERTIP, "FT-1");
+  CHECK(devices({served}).verdict == Verdict::bad);  // another one
+  served.info.path = "/run/thumb.sock";
+  CHECK(devices({served}).verdict == Verdict::ok);
+  CHECK(says(devices({}), "not connected: /run/thumb.sock (thumb)"));
+  file.devices.push_back({.finger = "index", .serial = "", .socket = {}, .command = {"sh"}});
+  CHECK(says(devices({served}), "/run/thumb.sock (thumb) connected; a session starts sh (index)"));
+  file.devices[1].command = {"jnd-no-such-program"};
+  CHECK(says(devices({served}), "no program jnd-no-such-program (index)"));
+  file.devices.clear();
+  file.tracker.socket = "/run/tracker.sock";
+  SeenHid poses = tracker("TR-1");
+  CHECK(of(asked("hid"), &file, {poses}).verdict == Verdict::bad);
+  poses.info.path = "/run/tracker.sock";
+  CHECK(of(asked("hid"), &file, {poses}).verdict == Verdict::ok);
+}

@@ -1,0 +1,268 @@
+#!/usr/bin/env python3
+"""Devices that are programs, from outside: `jnd device`, `jnd doctor` and whole sessions on the tutorial's study, on virtual
+devices that are served on a socket or started by the rig file; killed, cut off, and gone on with.
+
+Usage: served_device_test.py JND JND_VIRTUAL_DEVICE
+"""
+import contextlib
+import json
+import os
+import pathlib
+import random
+import signal
+import sqlite3
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+JND, VIRTUAL = (os.path.abspath(path) for path in sys.argv[1:3])
+DONE, PROBLEM, USAGE, INPUT, DEVICE, STOPPED = 0, 1, 2, 3, 4, 130
+PATIENCE_S = 300
+
+
+class Served(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.served = {}
+        self.addCleanup(self.end_all)
+        self.study = self.folder / "study.sqlite"
+
+    def end_all(self):
+        for process in self.served.values():
+            process.kill()
+            process.wait()
+            process.stdout.close()
+
+    def serve(self, serial, finger, *options):
+        """A virtual device on FINGER.sock; returns when it can be connected to."""
+        process = subprocess.Popen([VIRTUAL, "--socket", f"{finger}.sock", "--serial", serial, "--finger", finger, "--log",
+                                    f"{serial}.log", *options], cwd=self.folder, stdin=subprocess.DEVNULL,
+                                   stdout=subprocess.PIPE, text=True)
+        self.assertEqual(process.stdout.readline(), f"{serial} is served at {finger}.sock\n")
+        if finger in self.served:
+            self.served[finger].stdout.close()
+        self.served[finger] = process
+
+    def kill(self, finger):
+        self.served[finger].kill()
+        self.served[finger].wait()
+
+    def rig(self, *devices):
+        path = self.folder / "booth.json"
+        path.write_text(json.dumps({"format": 1, "title": "Booth", "devices": list(devices)}))
+        return path
+
+    def both_served(self):
+        self.serve("RRS3-0001", "thumb")
+        self.serve("RRS3-0002", "index")
+        return self.rig({"finger": "thumb", "socket": "thumb.sock"},
+                        {"finger": "index", "socket": "index.sock", "serial": "RRS3-0002"})
+
+    def started(self, serial, finger, *options):
+        return {"finger": finger, "command": [VIRTUAL, "--inherited", "--serial", serial, "--finger", finger, *options]}
+
+    def jnd(self, *arguments, code=DONE):
+        done = subprocess.run([JND, *map(str, arguments)], cwd=self.folder, stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                              timeout=PATIENCE_S)
+        said = done.stdout + done.stderr
+        self.assertEqual(done.returncode, code, f"{arguments}: {said}")
+        self.assertNotIn("\033", said)
+        return said
+
+    def protocol(self):
+        """The tutorial, with shorter intervals, two trials of practice and four of one condition."""
+        path = self.folder / "study.json"
+        path.unlink(missing_ok=True)
+        self.jnd("new", path, "--from", "tutorial")
+        protocol = json.loads(path.read_text())
+        protocol["trial"].update(explore_s=0.5, gap_s=0.1, between_trials_s=0.1, max_attempts=10)  # a busy machine may be late
+        protocol["design"]["trials_per_cell"] = 4
+        protocol["conditions"] = protocol["conditions"][:1]
+        protocol["analysis"].pop("contrasts")
+        protocol["translations"] = {}
+        protocol["practice"].update(trials=2, criterion_correct=0.5, max_rounds=1)
+        protocol["breaks"][0]["duration_s"] = 1
+        path.write_text(json.dumps(protocol))
+        return path
+
+    def session(self, protocol, rig):
+        return subprocess.Popen([JND, "run", protocol, "--study", self.study, "--participant", "P01", "--responder", "chinello2017",
+                                 "--rig", rig, "--plain", "--seed", "7"], cwd=self.folder, stdin=subprocess.DEVNULL,
+                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+
+    def whole_session(self, protocol, rig):
+        session = self.session(protocol, rig)
+        said, _ = session.communicate(timeout=PATIENCE_S)
+        self.assertEqual(session.returncode, DONE, said)
+        return said
+
+    def bodies(self, kind):
+        with contextlib.closing(sqlite3.connect(self.study)) as connection:
+            rows = connection.execute("SELECT body FROM event WHERE kind = ? ORDER BY rowid", (kind,)).fetchall()
+        return [json.loads(body) for (body,) in rows]
+
+    def judge(self, trials):
+        done = [one for one in self.bodies("trial.completed") if not one.get("practice")]
+        self.assertEqual(sorted(one["index"] for one in done), list(range(3, trials + 3)))  # after two of practice
+        for one in done:
+            for presentation in one["presentations"]:
+                self.assertEqual(len(presentation["fingers"]), 2)
+        self.assertIn("agrees", self.jnd("verify", self.study, "--deep"))
+        opened = self.bodies("session.opened")[0]
+        self.assertIn("HID", opened["rig"])
+        self.assertEqual(opened["kind"], "simulated")
+        last = self.bodies("rig.connections")[-1]
+        self.assertEqual({one["serial"] for one in last["devices"]}, {"RRS3-0001", "RRS3-0002"})
+        self.assertEqual([one["damaged"] for one in last["devices"]], [0, 0])
+        return last
+
+    def judge_device(self, serial):
+        """Whenever it stopped under force, its own watchdog did it, in time; and it holds nobody now."""
+        events = [json.loads(line) for line in (self.folder / f"{serial}.log").read_text().splitlines()]
+        for event in events:
+            if event["event"] == "state" and event["to"] == "stopped":
+                self.assertEqual(event["faults"], ["watchdog"])
+                self.assertEqual(event["push_n"], 0)
+        pushes = [event for event in events if event["event"] in ("push", "let_go")]
+        if pushes:
+            self.assertEqual(pushes[-1]["event"], "let_go")
+
+    def device_test(self, *device):
+        """A busy machine may come late with a command, which is the device's reason to stop: then once more."""
+        for _ in range(10):
+            done = subprocess.run([JND, "device", "test", *device, "--yes"], cwd=self.folder, capture_output=True, text=True)
+            if done.returncode == DONE:
+                break
+        self.assertEqual(done.returncode, DONE, done.stdout + done.stderr)
+        self.assertIn("all 22 judged checks ok", done.stdout)
+
+    def calibrated(self, *arguments):
+        """On a busy machine commands and readings come late, and device or program stops, as it should: then once more."""
+        for _ in range(10):
+            done = subprocess.run([JND, *arguments], cwd=self.folder, stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                                  timeout=PATIENCE_S)
+            if done.returncode == DONE or not any(word in done.stderr for word in ("watchdog", "stale_reading", "command_gap")):
+                break
+        self.assertEqual(done.returncode, DONE, done.stdout + done.stderr)
+        return done.stdout
+
+    def test_device_commands_on_a_socket(self):
+        self.serve("RRS3-0001", "thumb")
+        self.assertIn("thumb.sock, socket jnd fingertip device (virtual)", self.jnd("device", "info", "thumb.sock"))
+        said = json.loads(self.jnd("device", "info", "thumb.sock", "--json"))
+        self.assertEqual((said["serial"], said["transport"], said["finger"]), ("RRS3-0001", "socket", "thumb"))
+        self.device_test("thumb.sock")
+        (self.folder / "points.csv").write_text("known_n,pushed_n\n" + "".join(f"{n},{n}\n" for n in (0.5, 1.5, 3, 1.5, 0.5)))
+        calibrated = self.calibrated("device", "calibrate", "thumb.sock", "--operator", "A. Smith", "--reference-name", "a model",
+                                     "--reference", "points.csv", "--yes", "--store", "--out", "certificate.json")
+        self.assertIn("Table and certificate are in the device", calibrated)
+        self.assertIn("certificate", self.jnd("device", "info", "thumb.sock"))
+
+    def test_device_commands_on_the_devices_of_a_rig_file(self):
+        self.serve("RRS3-0001", "thumb")
+        rig = self.rig({"finger": "thumb", "socket": "thumb.sock"}, self.started("RRS3-0002", "index"))
+        ours = [one for one in json.loads(self.jnd("device", "list", "--rig", rig, "--json"))["hid"] if one["ours"]]
+        self.assertEqual({(one["serial"], one["transport"], one["finger"], one["usable"]) for one in ours},
+                         {("RRS3-0001", "socket", "thumb", True), ("RRS3-0002", "program", "index", True)})
+        self.assertIn("RRS3-0002", self.jnd("device", "info", "RRS3-0002", "--rig", rig))
+        self.device_test("RRS3-0002", "--rig", rig)
+
+    def test_what_is_not_there_is_said(self):
+        self.assertIn("no device is served at none.sock", self.jnd("device", "info", "none.sock", code=DEVICE))
+        rig = self.rig({"finger": "thumb", "socket": "none.sock"}, {"finger": "index", "command": ["sh", "-c", "echo broken >&2; exit 3"]})
+        said = self.jnd("run", "tutorial", "--study", self.study, "--participant", "P01", "--responder", "chinello2017", "--rig", rig,
+                        "--plain", code=DEVICE)
+        self.assertIn("no device for the thumb and the index finger is connected", said)
+        self.assertIn("none.sock: start the program that serves it", said)
+        self.assertIn("has ended (exit code 3), and said last: broken", said)
+        self.assertFalse(self.study.exists())
+        self.assertIn("none.sock", self.jnd("device", "list", "--rig", rig))
+        for wrong, message in (({"finger": "thumb", "socket": "a.sock", "command": ["b"]}, "leave one of them out"),
+                               ({"finger": "thumb", "command": []}, "command"), ({"finger": "thumb", "socket": 3}, "socket")):
+            self.assertIn(message, self.jnd("device", "list", "--rig", self.rig(wrong), code=INPUT))
+        self.assertIn("--buttons", subprocess.run([VIRTUAL, "--buttons", "--socket", "x.sock"], cwd=self.folder, capture_output=True,
+                                                  text=True).stderr)
+        self.assertEqual(subprocess.run([VIRTUAL, "--socket", "no/such/x.sock"], cwd=self.folder, capture_output=True).returncode, DEVICE)
+        self.assertEqual(subprocess.run([VIRTUAL, "--inherited"], cwd=self.folder, stdin=subprocess.DEVNULL, capture_output=True,
+                                        close_fds=True).returncode, DEVICE)
+
+    def test_doctor_looks_whether_they_are_there(self):
+        def finding(rig):
+            code = subprocess.run([JND, "doctor", "--rig", rig, "--seconds", "0.1", "--json"], cwd=self.folder, capture_output=True, text=True)
+            return next(one for one in json.loads(code.stdout)["checks"] if one["name"] == "devices")
+        served = {"finger": "thumb", "socket": "thumb.sock"}
+        self.assertEqual(finding(self.rig(served))["verdict"], "bad")
+        self.serve("RRS3-0001", "thumb")
+        self.assertEqual(finding(self.rig(served))["verdict"], "ok")
+        found = finding(self.rig(served, self.started("RRS3-0002", "index")))
+        self.assertEqual(found["verdict"], "ok")
+        self.assertIn("a session starts", found["found"])
+        self.assertIn("no program", finding(self.rig({"finger": "thumb", "command": ["jnd-no-such-program"]}))["found"])
+
+    def test_a_session_from_end_to_end(self):
+        rig, protocol = self.both_served(), self.protocol()
+        said = self.whole_session(protocol, rig)
+        self.assertIn("Done. The session of P01 is complete", said)
+        last = self.judge(4)
+        self.assertEqual([one["reconnections"] for one in last["devices"]], [0, 0])
+        self.assertEqual([one["missing"] > one["received"] / 100 for one in last["devices"]], [False, False])
+        for serial in ("RRS3-0001", "RRS3-0002"):
+            self.judge_device(serial)
+
+    def test_a_session_on_programs_that_it_starts(self):
+        rig = self.rig(self.started("RRS3-0001", "thumb", "--log", "RRS3-0001.log"), self.started("RRS3-0002", "index"))
+        self.whole_session(self.protocol(), rig)
+        self.judge(4)
+        self.judge_device("RRS3-0001")
+        left = subprocess.run(["pgrep", "-f", f"{VIRTUAL} --inherited"], capture_output=True, text=True).stdout
+        self.assertEqual([pid for pid in left.split() if os.path.realpath(f"/proc/{pid}/cwd") == str(self.folder)], [])
+
+    def test_devices_killed_at_random_and_a_session_killed_and_gone_on_with(self):
+        rig, protocol = self.both_served(), self.protocol()
+        draw = random.Random(11)
+        session = self.session(protocol, rig)
+        trials = kills = 0
+        killed_session = False
+        lines = []
+        for line in session.stdout:
+            lines.append(line)
+            trials += "saved: trial" in line
+            if "First sphere" in line and kills < 3 and draw.random() < 0.6:
+                kills += 1
+                finger = draw.choice(["thumb", "index"])
+                time.sleep(draw.uniform(0, 0.8))
+                self.kill(finger)
+                time.sleep(draw.uniform(0, 0.5))
+                self.serve({"thumb": "RRS3-0001", "index": "RRS3-0002"}[finger], finger)
+            if trials == 2 and not killed_session:
+                killed_session = True
+                session.send_signal(signal.SIGKILL)
+        session.wait()
+        session.stdout.close()
+        self.assertTrue(killed_session, "".join(lines))
+        self.assertEqual(session.returncode, -signal.SIGKILL)
+        self.assertGreater(kills, 0)
+        for serial in ("RRS3-0001", "RRS3-0002"):
+            deadline = time.monotonic() + 10  # the host is gone: its watchdog lets go
+            while time.monotonic() < deadline and not self.lets_go(serial):
+                time.sleep(0.05)
+            self.judge_device(serial)
+        self.whole_session(protocol, rig)
+        self.judge(4)
+        faults = self.bodies("device.fault")
+        self.assertLessEqual({one["cause"] for one in faults},
+                             {"device_lost", "device_fault", "stale_reading", "command_gap", "stale_pose"}, faults)
+        self.assertEqual(self.bodies("trial.abandoned"), [])
+
+    def lets_go(self, serial):
+        events = [json.loads(line)["event"] for line in (self.folder / f"{serial}.log").read_text().splitlines()]
+        pushes = [event for event in events if event in ("push", "let_go")]
+        return not pushes or pushes[-1] == "let_go"
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1] + sys.argv[3:], verbosity=2)
