@@ -68,7 +68,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string body(fuzz::text_of(data + 1, size - 1));
   replay_as(kKinds[data[0] % kKinds.size()], body);
   read_trial(body);
-  TrialBodyReader reader(StiffnessUnit::n_per_m);
+  TrialBodyReader reader(Unit::n_per_m);
   try {
     reader.read(body);
   } catch (const StorageError&) {

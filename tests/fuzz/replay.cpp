@@ -18,6 +18,7 @@ int fuzz_csv(const std::uint8_t* data, std::size_t size);
 int fuzz_events(const std::uint8_t* data, std::size_t size);
 int fuzz_keys(const std::uint8_t* data, std::size_t size);
 int fuzz_report(const std::uint8_t* data, std::size_t size);
+int fuzz_rig_line(const std::uint8_t* data, std::size_t size);
 }
 
 namespace {
@@ -29,7 +30,8 @@ struct Target {
 
 constexpr std::array kTargets = {Target{"protocol", fuzz_protocol}, Target{"profile", fuzz_profile},
                                  Target{"csv", fuzz_csv},           Target{"events", fuzz_events},
-                                 Target{"keys", fuzz_keys},         Target{"report", fuzz_report}};
+                                 Target{"keys", fuzz_keys},         Target{"report", fuzz_report},
+                                 Target{"rig_line", fuzz_rig_line}};
 
 // Returns how many files there were; a property that does not hold aborts.
 int replay(const Target& target, const std::filesystem::path& corpora) {

@@ -1,0 +1,341 @@
+#include "devices/external/conformance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "devices/device_error.h"
+#include "devices/external/rig_fit.h"
+#include "devices/external/rig_probe.h"
+
+namespace jnd {
+
+namespace {
+
+constexpr double kSilence_ms = 1e-6 * static_cast<double>(kRigSilence_ns);
+constexpr double kStopping_ms = 1e-6 * static_cast<double>(kRigStopping_ns);
+constexpr double kExplore_s = 0.5;
+constexpr double kExploreSlack_s = 0.1;
+constexpr double kNoContact_s = 10;  // a person has to find the object
+constexpr double kStopAfter_s = 0.2;
+constexpr double kBye_s = 1;
+constexpr double kWatch_s = 0.5;                             // how long the rig is only looked at
+constexpr double kRefusal_s = 1;                             // for its answer to what it must not present
+constexpr std::uint64_t kForeignId = 4'000'000'000'000'000;  // that no presentation has
+
+std::string parameter_text(const RigParameter& parameter) {
+  if (const auto* range = std::get_if<RigRange>(&parameter)) return rig_range_text(*range);
+  const auto& choice = std::get<RigChoice>(parameter);
+  return fmt::format("{} {}", choice.name, fmt::join(choice.words, " or "));
+}
+
+std::string can_do(const RigHello& hello) {
+  std::string text;
+  for (const RigRange& range : hello.quantities) text += (text.empty() ? "" : "; ") + rig_range_text(range);
+  for (const RigParameter& parameter : hello.parameters) text += "; " + parameter_text(parameter);
+  return text;
+}
+
+std::string ms_text(double ms) {
+  return fmt::format("{:.1f} ms", ms);
+}
+
+// The first message of that kind; null where there is none.
+const RigMessage* first_of(const std::vector<ReadRigLine>& heard, const std::function<bool(const RigMessage&)>& kind) {
+  const auto found = std::find_if(heard.begin(), heard.end(),
+                                  [&](const ReadRigLine& read) { return read.message && kind(*read.message); });
+  return found == heard.end() ? nullptr : &*found->message;
+}
+
+class ConformanceTest {
+ public:
+  ConformanceTest(const ExternalSettings& settings, const std::atomic<bool>& interrupted)
+      : settings_(settings), interrupted_(interrupted), is_child_(!settings.command.empty()) {}
+
+  // Says hello; the rig stays on. False where the rest makes no sense.
+  bool greet() {
+    if (!start("starts")) return false;
+    const double began_s = probe_->now_s();
+    const double patience_s = settings_.time_outs.hello_s;
+    const bool greeted = probe_->until(patience_s + 1, [&] { return probe_->exchange().greeted(); });
+    add("hello", greeted ? fmt::format("after {}", ms_text(1000 * (probe_->now_s() - began_s))) : why_lost(),
+        fmt::format("within {:g} s", patience_s), greeted);
+    if (!greeted) return false;
+    hello_ = probe_->exchange().hello();
+    note("is", fmt::format("{} {}, serial {}, {}", hello_->name, hello_->version, hello_->serial,
+                           hello_->model ? "a model" : "real"));
+    note("presents", can_do(*hello_));
+    std::vector<std::string> measures;
+    for (const RigChannel& channel : hello_->measures) measures.push_back(channel.name);
+    note("measures", measures.empty() ? "nothing: what it delivers stays its own word"
+                                      : fmt::format("{}", fmt::join(measures, ", ")));
+    return true;
+  }
+
+  void check_alive() {
+    probe_->go_on(kWatch_s);
+    check_round_trips("alive while it waits");
+  }
+
+  void check_presentations() {
+    const RigRange& range = hello_->quantities.front();
+    present_at(range.min, "the lowest");
+    if (gone()) return;
+    if (range.max > range.min) present_at(range.max, "the highest");
+    if (gone()) return;
+    check_round_trips("alive while it presents");
+  }
+
+  void check_stops() {
+    const Probed stopped = probe_->present(request(hello_->quantities.front().min, 10), kStopAfter_s);
+    add("stop ends a presentation", gone() ? why_lost() : "done after " + ms_text(stopped.stopped_ms),
+        fmt::format("within {:g} ms", kStopping_ms), !gone() && stopped.stopped_ms <= kStopping_ms);
+    if (gone()) return;
+    RenderRequest free = request(hello_->quantities.front().min, 0);
+    free.exploration = {.ends = RigExplorationEnd::stop};
+    const Probed enough = probe_->present(free, 2 * kStopAfter_s, RigStop::enough);
+    add("stop with \"enough\" completes it", outcome_text(enough), "complete", enough.done.has_value());
+  }
+
+  void check_refusals() {
+    const RigRange& range = hello_->quantities.front();
+    const double beyond = std::max(std::abs(range.max), std::abs(range.min)) * 10 + 1;
+    RenderRequest wrong = request(range.min, kExplore_s);
+    wrong.value = beyond;
+    expect_refusal(fmt::format("refuses {}", rig_value_text(beyond, range.unit)), wrong);
+    wrong = request(range.min, kExplore_s);
+    wrong.quantity = "no_such_quantity";
+    expect_refusal("refuses a quantity it does not have", wrong);
+    for (const RigParameter& parameter : hello_->parameters) {
+      wrong = request(range.min, kExplore_s);
+      const std::string& name = std::visit([](const auto& its) -> const std::string& { return its.name; }, parameter);
+      if (const auto* its = std::get_if<RigRange>(&parameter))
+        wrong.parameters[name] = std::max(std::abs(its->max), std::abs(its->min)) * 10 + 1;
+      else
+        wrong.parameters[name] = "no such word";
+      expect_refusal(fmt::format("refuses a {} out of its range", name), wrong);
+    }
+  }
+
+  void check_unknown_message() {
+    if (gone()) return;
+    probe_->say("{\"type\":\"x-later-version\",\"anything\":[1,2,3]}\n");
+    probe_->go_on(kWatch_s);
+    add("lets an unknown message pass", gone() ? why_lost() : "goes on", "goes on", !gone());
+  }
+
+  void check_questions() {
+    if (!hello_->answers || gone()) return;
+    const std::vector<std::string> answers = {"first", "second"};
+    probe_->say(ask_line(kForeignId, answers));
+    probe_->go_on(kWatch_s);
+    probe_->say(stop_line(kForeignId, RigStop::enough));
+    probe_->go_on(kWatch_s);
+    add("a question is asked and withdrawn", gone() ? why_lost() : "goes on", "goes on", !gone());
+  }
+
+  // A rig without its program must let go by itself.
+  void check_watchdog() {
+    if (gone()) return;
+    probe_->say(prepare_line(kForeignId, request(hello_->quantities.front().min, 10)));
+    const auto is_ready = [](const RigMessage& message) { return std::holds_alternative<RigReady>(message); };
+    (void)probe_->overhear(settings_.time_outs.prepare_s, is_ready);
+    probe_->say(present_line(kForeignId, request(hello_->quantities.front().min, 10)));
+    const double began_s = probe_->now_s();
+    const auto is_fault = [](const RigMessage& message) { return std::holds_alternative<RigFault>(message); };
+    const bool told = first_of(probe_->keep_silent(1, is_fault), is_fault) != nullptr;
+    add("lets go when the program is silent",
+        told ? "says fault after " + ms_text(1000 * (probe_->now_s() - began_s)) : "says nothing",
+        fmt::format("fault within {:g} ms", kSilence_ms + kStopping_ms),
+        told && 1000 * (probe_->now_s() - began_s) <= kSilence_ms + kStopping_ms);
+  }
+
+  void check_refused_lines() {
+    const RigTraffic& traffic = probe_->exchange().traffic();
+    std::string found = fmt::format("{} of {} refused", traffic.refused, traffic.lines);
+    if (traffic.refused > 0)
+      found += fmt::format(", the last: {} ({})", probe_->exchange().refused_lines().back().line,
+                           probe_->exchange().refused_lines().back().why);
+    add("its lines are messages", found, "none refused", traffic.refused == 0);
+  }
+
+  void check_end(bool with_bye) {
+    const double began_s = probe_->now_s();
+    const bool was_gone = gone();
+    const bool left = probe_->leave(kBye_s, with_bye) && !was_gone;
+    const std::string ended = was_gone ? "was lost before: " + why_lost()
+                              : left   ? "after " + ms_text(1000 * (probe_->now_s() - began_s))
+                                       : "does not";
+    const std::string how = probe_->end(with_bye ? 0 : 300);
+    probe_.reset();
+    add(with_bye ? (is_child_ ? "bye ends it" : "bye closes the connection") : "ends when its input does",
+        left && is_child_ ? fmt::format("{} ({})", ended, how) : ended, fmt::format("within {:g} s", kBye_s), left);
+  }
+
+  // Started anew it is the same rig: same name, serial number and ranges.
+  bool check_restart() {
+    if (!start("starts anew")) return false;
+    const double began_s = probe_->now_s();
+    const double patience_s = settings_.time_outs.hello_s;
+    const bool greeted = probe_->until(patience_s + 1, [&] { return probe_->exchange().greeted(); });
+    add("hello after a new start",
+        greeted ? fmt::format("after {}", ms_text(1000 * (probe_->now_s() - began_s))) : why_lost(),
+        fmt::format("within {:g} s", patience_s), greeted);
+    if (!greeted) return false;
+    const bool same = probe_->exchange().hello()->serial == hello_->serial &&
+                      probe_->exchange().hello()->name == hello_->name &&
+                      can_do(*probe_->exchange().hello()) == can_do(*hello_);
+    add("is the same rig", same ? "same name, serial and ranges" : "differs", "same name, serial and ranges", same);
+    return true;
+  }
+
+  void not_tried(const std::string& what) {
+    checks_.push_back(
+        {.what = what, .verdict = Verdict::not_judged, .found = "not tried", .limit = "consent, or --yes"});
+  }
+  bool gone() const noexcept { return probe_ == nullptr || probe_->exchange().lost().has_value(); }
+  const std::optional<RigHello>& hello() const noexcept { return hello_; }
+  Checks& checks() noexcept { return checks_; }
+  bool is_child() const noexcept { return is_child_; }
+
+ private:
+  void add(std::string what, std::string found, std::string limit, bool ok) {
+    checks_.push_back(measured(std::move(what), std::move(found), std::move(limit), ok));
+  }
+  void note(std::string what, std::string found) {
+    checks_.push_back({.what = std::move(what), .verdict = Verdict::not_judged, .found = std::move(found)});
+  }
+
+  bool start(const std::string& what) {
+    try {
+      probe_ = std::make_unique<RigProbe>(settings_, interrupted_);
+    } catch (const DeviceError& error) {
+      add(what, error.what(), in_words(settings_), false);
+      return false;
+    }
+    add(what, in_words(settings_), "", true);
+    return true;
+  }
+
+  std::string why_lost() const {
+    if (!gone()) return "no answer";
+    std::string why = probe_ == nullptr ? "not connected" : probe_->exchange().lost()->words;
+    if (probe_ != nullptr && !probe_->connection().last_error().empty())
+      why += ", and it said last: " + probe_->connection().last_error();
+    return why;
+  }
+
+  void check_round_trips(const std::string& what) {
+    const double worst_ms = probe_->exchange().traffic().round_trip_max_ms;
+    add(what, gone() ? why_lost() : fmt::format("answered after at most {}", ms_text(worst_ms)),
+        fmt::format("within {:g} ms", kSilence_ms), !gone());
+  }
+
+  RenderRequest request(double value, double explore_s) const {
+    RenderRequest request;
+    request.quantity = hello_->quantities.front().name;
+    request.unit = hello_->quantities.front().unit;
+    request.value = value;
+    for (const RigParameter& parameter : hello_->parameters) {
+      if (const auto* range = std::get_if<RigRange>(&parameter))
+        request.parameters[range->name] = range->min;
+      else
+        request.parameters[std::get<RigChoice>(parameter).name] = std::get<RigChoice>(parameter).words.front();
+    }
+    request.exploration = {.duration_s = explore_s, .no_contact_s = kNoContact_s};
+    request.time_out_s = kNoContact_s + explore_s + 1;
+    return request;
+  }
+
+  static std::string outcome_text(const Probed& probed) {
+    if (probed.voided) return fmt::format("void: {}", probed.voided->words);
+    return probed.done ? "complete" : "nothing";
+  }
+
+  void present_at(double value, const std::string& which) {
+    const Probed probed = probe_->present(request(value, kExplore_s));
+    const std::string what =
+        fmt::format("presents {} {}", rig_value_text(value, hello_->quantities.front().unit), which);
+    if (probed.voided && probed.voided->failure == RigFailure::no_contact) {
+      checks_.push_back({.what = what, .verdict = Verdict::not_judged, .found = "nothing was touched"});
+      return;
+    }
+    add(what, gone() ? why_lost() : outcome_text(probed), "done, complete, with the same id", probed.done.has_value());
+    if (!probed.done) return;
+    add("  ready", "after " + ms_text(probed.ready_ms), fmt::format("within {:g} s", settings_.time_outs.prepare_s),
+        true);
+    add("  tells its contacts", fmt::format("{} told, {} in done", probed.contacts, probed.done->contacts), "as many",
+        static_cast<int>(probed.contacts) == probed.done->contacts);
+    const double explored_s = probed.done->duration_s - probed.done->first_contact_s.value_or(0);
+    add("  explored from the first contact", fmt::format("{:.3f} s", explored_s),
+        fmt::format("{:g} +- {:g} s", kExplore_s, kExploreSlack_s),
+        std::abs(explored_s - kExplore_s) <= kExploreSlack_s);
+    note("  delivered", probed.done->delivered ? fmt::format("{:.6g} {}, by its own word", *probed.done->delivered,
+                                                             hello_->quantities.front().unit)
+                                               : "not measured");
+  }
+
+  void expect_refusal(const std::string& what, const RenderRequest& wrong) {
+    if (gone()) return;
+    probe_->say(prepare_line(kForeignId, wrong));
+    const auto answered = [](const RigMessage& message) {
+      return std::holds_alternative<RigFault>(message) || std::holds_alternative<RigReady>(message);
+    };
+    const std::vector<ReadRigLine> heard = probe_->overhear(kRefusal_s, answered);
+    std::string found = gone() ? why_lost() : "no answer";
+    bool ok = false;
+    if (const RigMessage* answer = first_of(heard, answered); answer != nullptr) {
+      const auto* fault = std::get_if<RigFault>(answer);
+      ok = fault != nullptr && fault->id == kForeignId;
+      found = fault == nullptr ? "says ready" : ok ? "says fault: " + fault->cause : "says fault without its id";
+    }
+    add(what, found, "fault with the same id", ok);
+    // A rig that got ready all the same is let out of it.
+    if (!ok && !gone()) {
+      probe_->say(stop_line(kForeignId, RigStop::fault));
+      (void)probe_->overhear(kWatch_s, [](const RigMessage&) { return false; });
+    }
+  }
+
+  const ExternalSettings settings_;
+  const std::atomic<bool>& interrupted_;
+  const bool is_child_;
+  std::unique_ptr<RigProbe> probe_;
+  std::optional<RigHello> hello_;
+  Checks checks_;
+};
+
+}  // namespace
+
+Conformance check_rig_hello(const ExternalSettings& settings, const std::atomic<bool>& interrupted) {
+  ConformanceTest test(settings, interrupted);
+  if (test.greet()) test.check_end(true);
+  return {test.hello(), std::move(test.checks())};
+}
+
+Conformance check_conformance(const ExternalSettings& settings, const std::atomic<bool>& interrupted,
+                              const std::function<bool(const RigHello&)>& may_present) {
+  ConformanceTest test(settings, interrupted);
+  const auto result = [&] { return Conformance{test.hello(), std::move(test.checks())}; };
+  if (!test.greet()) return result();
+  test.check_alive();
+  const bool present = !test.gone() && may_present(*test.hello());
+  test.check_refusals();
+  test.check_unknown_message();
+  test.check_questions();
+  if (present && !test.gone()) test.check_presentations();
+  if (present && !test.gone()) test.check_stops();
+  test.check_refused_lines();
+  test.check_end(true);
+  if (!present) test.not_tried("presentations, stop, silence of the program");
+  if (!test.check_restart()) return result();
+  if (present) test.check_watchdog();
+  test.check_end(false);
+  return result();
+}
+
+}  // namespace jnd

@@ -1,0 +1,308 @@
+// The conversation with an external rig: what counts as a presentation, and what ends it.
+#include "devices/external/rig_exchange.h"
+
+#include <fmt/format.h>
+
+#include "devices/external/rig_fit.h"
+#include "tests/catch.h"
+
+using namespace jnd;
+
+namespace {
+
+constexpr std::int64_t kMs_ns = 1'000'000;
+const std::string kGreeting =
+    R"({"type":"hello","protocol":1,"name":"Rig","version":"1","serial":"S1","model":true,"answers":true,)"
+    R"("quantities":[{"name":"stiffness","unit":"N/m","min":100,"max":1000}],)"
+    R"("parameters":[{"name":"gain","unit":"","min":0,"max":2}],"measures":[{"name":"force","unit":"N"}]})";
+
+// A rig by hand, on a clock by hand.
+struct Talk {
+  Talk() {
+    exchange.begin(now_ns);
+    (void)exchange.take_output();
+  }
+  void say(const std::string& line) { exchange.hear(line, now_ns); }
+  void greet() {
+    say(kGreeting);
+    REQUIRE(exchange.idle());
+  }
+  // Time passes; the rig answers every "alive".
+  void pass(std::int64_t ms) {
+    for (std::int64_t i = 0; i < ms; i += 5) {
+      now_ns += 5 * kMs_ns;
+      exchange.tick(now_ns);
+      written += exchange.take_output();
+      answer_alive();
+    }
+  }
+  void answer_alive() {
+    for (std::size_t at = 0; (at = written.find("\"alive\",\"n\":", heard_to)) != std::string::npos;) {
+      const std::size_t number = at + 12;
+      say(fmt::format("{{\"type\":\"alive\",\"n\":{}}}", std::stoull(written.substr(number))));
+      heard_to = number;
+    }
+  }
+  static RenderRequest request() {
+    RenderRequest request;
+    request.quantity = "stiffness";
+    request.unit = "N/m";
+    request.value = 500;
+    request.parameters = {{"gain", 1.0}};
+    request.exploration.duration_s = 1;
+    request.time_out_s = 3;
+    return request;
+  }
+  std::uint64_t begin_presentation() {
+    std::string why;
+    const std::uint64_t id = exchange.prepare(request(), now_ns, why);
+    REQUIRE(why == "");
+    say(fmt::format(R"({{"type":"ready","id":{}}})", id));
+    REQUIRE(exchange.present(id, now_ns));
+    return id;
+  }
+  void done(std::uint64_t id, const std::string& outcome = "complete", double duration_s = 1) {
+    say(fmt::format(R"({{"type":"done","id":{},"outcome":"{}","duration_s":{},"contacts":0}})", id, outcome,
+                    duration_s));
+  }
+  // The newest void, refusal or done among the events so far.
+  template <typename What>
+  std::vector<What> all() {
+    for (RigEvent& event : exchange.take_events()) events.push_back(std::move(event));
+    std::vector<What> found;
+    for (const RigEvent& event : events)
+      if (const auto* what = std::get_if<What>(&event.what)) found.push_back(*what);
+    return found;
+  }
+
+  RigExchange exchange{"0.1.0", {}};
+  std::int64_t now_ns = 1000 * kMs_ns;
+  std::string written;
+  std::size_t heard_to = 0;
+  std::vector<RigEvent> events;
+};
+
+}  // namespace
+
+TEST_CASE("a presentation counts once the rig says done with its id") {
+  Talk talk;
+  talk.greet();
+  const std::uint64_t id = talk.begin_presentation();
+  talk.pass(1000);
+  talk.done(id);
+  CHECK(talk.all<RigDone>().size() == 1);
+  CHECK(talk.all<RigVoid>().empty());
+  CHECK(talk.exchange.traffic().presented == 1);
+  talk.done(id);  // once more
+  CHECK(talk.exchange.traffic().presented == 1);
+  CHECK(talk.all<RigLineRefused>().size() == 1);
+}
+
+TEST_CASE("lies about ids are refused and never counted") {
+  Talk talk;
+  talk.greet();
+  const std::uint64_t first = talk.begin_presentation();
+  talk.pass(1000);
+  talk.done(first + 1);
+  talk.say(fmt::format(R"({{"type":"ready","id":{}}})", first));
+  CHECK(talk.all<RigLineRefused>().size() == 2);
+  CHECK(talk.exchange.traffic().presented == 0);
+  talk.exchange.stop(RigStop::interrupted, talk.now_ns);
+  talk.done(first, "stopped");
+  const std::uint64_t second = talk.begin_presentation();
+  CHECK(second > first);
+  talk.pass(1000);
+  talk.done(first);  // late
+  CHECK(talk.exchange.traffic().presented == 0);
+  talk.done(second);
+  CHECK(talk.exchange.traffic().presented == 1);
+}
+
+TEST_CASE("done before its time is refused") {
+  Talk talk;
+  talk.greet();
+  const std::uint64_t id = talk.begin_presentation();
+  talk.pass(100);
+  talk.done(id, "complete", 1);
+  CHECK(talk.exchange.traffic().presented == 0);
+  REQUIRE(talk.all<RigVoid>().size() == 1);
+  CHECK(talk.all<RigVoid>().front().failure == RigFailure::refused_done);
+  CHECK(talk.exchange.idle());
+}
+
+TEST_CASE("silence above 100 ms is a fault, and voids what was presented") {
+  Talk talk;
+  talk.greet();
+  const std::uint64_t id = talk.begin_presentation();
+  talk.pass(500);
+  CHECK_FALSE(talk.exchange.lost());
+  for (int ms = 0; ms < 140; ms += 5) {
+    talk.now_ns += 5 * kMs_ns;
+    talk.exchange.tick(talk.now_ns);
+  }
+  REQUIRE(talk.exchange.lost());
+  CHECK(talk.exchange.lost()->failure == RigFailure::silent);
+  REQUIRE(talk.all<RigVoid>().size() == 1);
+  CHECK(talk.all<RigVoid>().front().id == id);
+  CHECK(talk.exchange.take_output().find("\"stop\"") != std::string::npos);
+  // Nothing that it says now counts.
+  talk.done(id);
+  CHECK(talk.exchange.traffic().presented == 0);
+  // Started anew it is as before, and what the one before says late is not taken for an answer.
+  talk.exchange.begin(talk.now_ns);
+  talk.greet();
+  const std::uint64_t next = talk.begin_presentation();
+  CHECK(next > id);
+}
+
+TEST_CASE("a rig that answers other numbers of alive than were said is refused") {
+  Talk talk;
+  talk.greet();
+  talk.pass(50);
+  talk.say(R"({"type":"alive","n":1000})");
+  CHECK(talk.all<RigLineRefused>().size() == 1);
+}
+
+TEST_CASE("a program that was held up itself does not take the rig for silent") {
+  Talk talk;
+  talk.greet();
+  talk.pass(100);
+  talk.now_ns += 5000 * kMs_ns;  // nothing was said meanwhile, so nothing is missing
+  talk.exchange.tick(talk.now_ns);
+  CHECK_FALSE(talk.exchange.lost());
+}
+
+TEST_CASE("no done in time: stop, and after that the end") {
+  Talk talk;
+  talk.greet();
+  (void)talk.begin_presentation();
+  talk.pass(2990);
+  CHECK(talk.all<RigVoid>().empty());
+  talk.pass(50);
+  REQUIRE(talk.all<RigVoid>().size() == 1);
+  CHECK(talk.all<RigVoid>().front().failure == RigFailure::time_out);
+  CHECK(talk.written.find("\"stop\"") != std::string::npos);
+  talk.pass(250);
+  REQUIRE(talk.exchange.lost());
+  CHECK(talk.exchange.lost()->failure == RigFailure::not_stopped);
+  CHECK(talk.all<RigVoid>().size() == 1);
+}
+
+TEST_CASE("stop: enough counts, everything else does not") {
+  Talk talk;
+  talk.greet();
+  const std::uint64_t first = talk.begin_presentation();
+  talk.pass(1000);
+  talk.exchange.stop(RigStop::enough, talk.now_ns);
+  talk.done(first);
+  CHECK(talk.exchange.traffic().presented == 1);
+  const std::uint64_t second = talk.begin_presentation();
+  talk.pass(1000);
+  talk.exchange.stop(RigStop::emergency, talk.now_ns);
+  talk.done(second);  // that crossed the stop
+  CHECK(talk.exchange.traffic().presented == 1);
+  CHECK(talk.all<RigVoid>().size() == 1);
+  CHECK(talk.exchange.idle());
+}
+
+TEST_CASE("a fault with an id voids one presentation, a fault without one ends the rig") {
+  Talk talk;
+  talk.greet();
+  const std::uint64_t id = talk.begin_presentation();
+  talk.say(fmt::format(R"({{"type":"fault","id":{},"cause":"too hot"}})", id));
+  REQUIRE(talk.all<RigVoid>().size() == 1);
+  CHECK(talk.all<RigVoid>().front().words == "the rig says: too hot");
+  CHECK(talk.exchange.idle());
+  talk.say(R"({"type":"fault","cause":"no power"})");
+  REQUIRE(talk.exchange.lost());
+  CHECK(talk.exchange.lost()->failure == RigFailure::rig_fault);
+}
+
+TEST_CASE("babble is a fault") {
+  Talk talk;
+  talk.greet();
+  for (int i = 0; i < kMostRefusedLines; ++i) talk.say("beep");
+  CHECK_FALSE(talk.exchange.lost());
+  talk.say("beep");
+  REQUIRE(talk.exchange.lost());
+  CHECK(talk.exchange.lost()->failure == RigFailure::babbling);
+  CHECK(talk.exchange.refused_lines().size() == kRefusedLinesKept);
+}
+
+TEST_CASE("another rig behind the same command is not taken for the first") {
+  Talk talk;
+  talk.greet();
+  talk.exchange.end(RigFailure::ended, "test", talk.now_ns);
+  talk.exchange.begin(talk.now_ns);
+  std::string other = kGreeting;
+  other.replace(other.find("S1"), 2, "S2");
+  talk.say(other);
+  REQUIRE(talk.exchange.lost());
+  CHECK(talk.exchange.lost()->failure == RigFailure::no_hello);
+}
+
+TEST_CASE("telemetry has the channels of hello") {
+  Talk talk;
+  talk.greet();
+  const std::uint64_t id = talk.begin_presentation();
+  talk.say(fmt::format(R"({{"type":"telemetry","id":{},"time_s":0.1,"values":{{"force":1.5}}}})", id));
+  talk.say(fmt::format(R"({{"type":"telemetry","id":{},"time_s":0.1,"values":{{"grip":1.5}}}})", id));
+  CHECK(talk.all<RigTelemetry>().size() == 1);
+  CHECK(talk.all<RigLineRefused>().size() == 1);
+}
+
+TEST_CASE("an answer is one of those that were asked for, once") {
+  Talk talk;
+  talk.greet();
+  talk.say(R"({"type":"answer","id":1,"answer":"first"})");
+  const std::uint64_t id = talk.exchange.ask({"first", "second"}, talk.now_ns);
+  REQUIRE(id != 0);
+  talk.say(fmt::format(R"({{"type":"answer","id":{},"answer":"third"}})", id));
+  CHECK(talk.all<RigLineRefused>().size() == 2);
+  talk.say(fmt::format(R"({{"type":"answer","id":{},"answer":"second","after_s":0.7}})", id));
+  talk.say(fmt::format(R"({{"type":"answer","id":{},"answer":"first"}})", id));
+  REQUIRE(talk.all<RigAnswer>().size() == 1);
+  CHECK(talk.all<RigAnswer>().front().answer == "second");
+  const std::uint64_t withdrawn = talk.exchange.ask({"first"}, talk.now_ns);
+  talk.exchange.stop(RigStop::enough, talk.now_ns);
+  REQUIRE(talk.all<RigVoid>().size() == 1);
+  CHECK(talk.all<RigVoid>().front().id == withdrawn);
+}
+
+TEST_CASE("what the rig has not said that it can do is not asked of it") {
+  Talk talk;
+  std::string why;
+  CHECK(talk.exchange.prepare(Talk::request(), talk.now_ns, why) == 0);
+  CHECK(why == "the rig is not ready for a presentation");
+  talk.greet();
+  RenderRequest request = Talk::request();
+  request.value = 2000;
+  CHECK(talk.exchange.prepare(request, talk.now_ns, why) == 0);
+  CHECK(why == "2000 N/m is out of the rig's range, stiffness 100 to 1000 N/m");
+  request = Talk::request();
+  request.parameters.clear();
+  CHECK(talk.exchange.prepare(request, talk.now_ns, why) == 0);
+  CHECK(why == "the rig's parameter gain is not given");
+}
+
+TEST_CASE("a protocol is held against the ranges of hello") {
+  Talk talk;
+  talk.greet();
+  RigDemand demand{.quantity = "stiffness", .unit = "N/m", .values = {100, 1000}, .conditions = {{{"gain", 0.5}}}};
+  const RigHello hello = *talk.exchange.hello();
+  CHECK(rig_problems(demand, hello).empty());
+  demand.values = {50, 50, 100};
+  demand.conditions = {
+      {{"gain", 3.0}}, {{"gain", std::string("high")}}, {{"gain", 1.0}, {"hand", std::string("left")}}};
+  demand.real = true;
+  CHECK(rig_problems(demand, hello) ==
+        std::vector<std::string>{
+            "50 N/m is out of the rig's range, stiffness 100 to 1000 N/m",
+            "gain 3 is out of the rig's range, gain 0 to 2", "gain is a word here and a number for the rig",
+            "the rig has no parameter hand: it has gain",
+            "the rig is a model in software by its own word: what is felt with it is no real data"});
+  demand = {.quantity = "force", .unit = "N", .values = {1}};
+  CHECK(rig_problems(demand, hello).front() == "the rig cannot present force: it presents stiffness");
+  demand = {.quantity = "stiffness", .unit = "N/mm", .values = {1}};
+  CHECK(rig_problems(demand, hello).front() == "stiffness is in N/mm here and in N/m for the rig");
+}
