@@ -1,0 +1,164 @@
+#!/usr/bin/env python3
+"""`jnd run --events` from outside: the events of whole sessions, readers that are stopped or gone, and the two example bridges.
+
+Usage: events_test.py JND
+"""
+import json
+import os
+import pathlib
+import pty
+import re
+import select
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+JND = os.path.abspath(sys.argv[1])
+BRIDGES = pathlib.Path(__file__).resolve().parents[3] / "runner/events"
+DONE, INPUT = 0, 3
+KEYS = {"time_s", "n", "event", "version", "program", "clock", "trial", "practice", "attempt", "interval", "response_s", "reason", "dropped"}
+
+
+class Events(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def session(self, events, fds=(), protocol="tutorial", code=DONE):
+        done = subprocess.run([JND, "run", protocol, "--study", self.folder / "study.sqlite", "--participant", "P01", "--responder",
+                               "chinello2017", "--fast", "--plain", "--seed", "1", "--events", str(events)], cwd=self.folder,
+                              stdin=subprocess.DEVNULL, capture_output=True, text=True, pass_fds=fds, timeout=120)
+        said = done.stdout + done.stderr
+        self.assertEqual(done.returncode, code, said)
+        return said
+
+    def judge(self, lines, said):
+        """Numbered, in the order of time, and one of each for each trial that the console showed."""
+        events = [json.loads(line) for line in lines]
+        self.assertEqual([one["n"] for one in events], list(range(1, len(events) + 1)))
+        times = [one["time_s"] for one in events]
+        self.assertEqual(times, sorted(times))
+        self.assertLess(abs(times[-1] - time.monotonic()), 120)
+        for one in events:
+            self.assertLessEqual(set(one), KEYS)
+        names = [one["event"] for one in events]
+        self.assertEqual(names[:2] + names[-2:], ["hello", "session.began", "session.ended", "bye"])
+        answers = len(re.findall("saved: (?:practice|trial)", said))
+        self.assertEqual(names.count("answered"), answers)
+        self.assertEqual(names.count("question"), answers)
+        self.assertEqual(names.count("interval.began"), 2 * answers)
+        self.assertEqual(names.count("interval.ended"), 2 * answers)
+        # Every trial is one round.
+        rounds = " ".join(names[2:-2]).replace("break.began goes_on", "").split("trial.began")[1:]
+        for one in rounds:
+            self.assertEqual(one.split(), ["interval.began", "interval.ended"] * 2 + ["question", "answered"])
+        return events
+
+    def test_a_session_on_a_file_descriptor(self):
+        with open(self.folder / "events.jsonl", "w+", encoding="utf-8") as file:
+            said = self.session(file.fileno(), (file.fileno(),))
+            file.seek(0)
+            lines = file.readlines()
+        events = self.judge(lines, said)
+        self.assertNotIn("did not reach", said)
+        # The plan's numbers, and nothing that tells the conditions, stimuli or answers.
+        plan = json.loads(subprocess.run([JND, "plan", "tutorial", "--participant", "1", "--seed", "1", "--json"], capture_output=True,
+                                         text=True, check=True).stdout)
+        self.assertLessEqual({one["trial"] for one in events if "trial" in one}, {one["index"] for one in plan["trials"]})
+        text = "".join(lines)
+        for word in ("900", "400", '"S"', '"SV"', "same", "different", "condition", "correct", "stimul"):
+            self.assertNotIn(word, re.sub(r'"(?:time_s|response_s)":[0-9.]+', "", text))
+
+    def test_free_interaction(self):
+        with open(self.folder / "events.jsonl", "w+", encoding="utf-8") as file:
+            self.session(file.fileno(), (file.fileno(),), protocol="chinello2017-experiment2")
+            file.seek(0)
+            names = [json.loads(line)["event"] for line in file]
+        self.assertGreater(names.count("exploration.began"), 0)
+        self.assertEqual(names.count("exploration.began"), names.count("exploration.ended"))
+
+    def test_a_reader_that_stops_or_goes_away_stops_nothing(self):
+        for how in (signal.SIGSTOP, signal.SIGKILL):
+            path = self.folder / f"{how.name}.sock"
+            reader = subprocess.Popen([sys.executable, "-c", "import socket,sys,time\ns=socket.socket(socket.AF_UNIX)\n"
+                                       "s.bind(sys.argv[1]); s.listen(1); print('on', flush=True); c,_=s.accept(); c.recv(10); time.sleep(300)",
+                                       path], stdout=subprocess.PIPE)
+            self.addCleanup(reader.stdout.close)
+            self.addCleanup(reader.wait)
+            self.addCleanup(reader.kill)
+            reader.stdout.readline()
+            if how == signal.SIGSTOP:
+                reader.send_signal(how)
+            else:
+                killer = subprocess.Popen(["sh", "-c", f"sleep 0.2; kill -KILL {reader.pid}"])
+                self.addCleanup(killer.wait)
+            said = self.session(path)
+            self.assertIn("Done. The session of P01 is complete", said)
+            for file in self.folder.glob("study.sqlite*"):
+                file.unlink()
+
+    def test_dropped_lines_are_said_at_the_end(self):
+        reads, writes = os.pipe()
+        self.addCleanup(os.close, reads)
+        try:
+            os.set_blocking(writes, False)
+            while True:  # full before it begins
+                os.write(writes, b"x" * 4096)
+        except BlockingIOError:
+            os.set_blocking(writes, True)
+        said = self.session(writes, (writes,))
+        os.close(writes)
+        self.assertRegex(said, r"\d+ events did not reach the reader of --events: it was too slow, or gone")
+
+    def test_places_that_cannot_be(self):
+        self.assertIn("no file descriptor of that number is open", self.session(77, code=INPUT))
+        self.assertIn("is for the console", self.session(1, code=INPUT))
+        self.assertIn("start the program that listens there first", self.session("none.sock", code=INPUT))
+        self.assertFalse((self.folder / "study.sqlite").exists())
+
+    def bridge(self, name, *arguments):
+        bridge = subprocess.Popen([sys.executable, BRIDGES / name, "bridge.sock", *arguments], cwd=self.folder, stdout=subprocess.PIPE, text=True)
+        self.addCleanup(bridge.stdout.close)
+        self.addCleanup(bridge.wait)
+        self.addCleanup(bridge.kill)
+        self.assertEqual(bridge.stdout.readline(), "waits at bridge.sock\n")
+        return bridge
+
+    def test_the_bridge_of_markers(self):
+        bridge = self.bridge("lsl_markers.py", "--file", "markers.csv")
+        said = self.session("bridge.sock")
+        self.assertEqual(bridge.wait(timeout=60), 0)
+        rows = (self.folder / "markers.csv").read_text().splitlines()
+        self.assertEqual(rows[0], "time_s,marker")
+        markers = [row.split(",")[1] for row in rows[1:]]
+        self.assertEqual(markers[0], "hello")
+        self.assertEqual(sum(marker.startswith("answered:") for marker in markers), len(re.findall("saved: (?:practice|trial)", said)))
+        self.assertIn("interval.began:2", markers)
+
+    def test_the_bridge_of_pulses(self):
+        ours, line = pty.openpty()
+        self.addCleanup(os.close, ours)
+        bridge = self.bridge("serial_pulses.py", os.ttyname(line), "--width-ms", "1")
+        os.close(line)
+        said = self.session("bridge.sock")
+        pulses = b""
+        while bridge.poll() is None or select.select([ours], [], [], 0.2)[0]:
+            if select.select([ours], [], [], 0.2)[0]:
+                try:
+                    pulses += os.read(ours, 4096)
+                except OSError:  # its end
+                    break
+        self.assertEqual(bridge.wait(timeout=60), 0)
+        codes = pulses[0::2]
+        self.assertEqual(set(pulses[1::2]), {0})
+        answers = len(re.findall("saved: (?:practice|trial)", said))
+        self.assertEqual([codes.count(code) for code in (1, 2, 3, 4, 5, 6)], [answers] * 6)
+        self.assertEqual((codes[0], codes[-1]), (9, 10))
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1] + sys.argv[2:], verbosity=2)
