@@ -6,16 +6,17 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <variant>
 #include <vector>
 
+#include "analysis/procedures/posterior.h"
 #include "analysis/procedures/quest.h"
 #include "analysis/procedures/staircase.h"
 #include "protocols/vocabulary.h"
 
 namespace jnd {
 
-// same_different: trials of two intervals and an answer; explore: free interaction with objects, then questions.
-enum class Paradigm { same_different, explore };
 enum class Sampling { random, balanced };
 enum class Order { fixed, random, permuted, williams };
 enum class Arrangement { blocked, mixed };
@@ -44,8 +45,17 @@ struct Assumption {
   std::string why;
 };
 
+// One physical object that the operator hands over.
+struct Specimen {
+  double value = 0;                // of the study's quantity
+  std::vector<std::string> codes;  // what is written on it; more than one where there are several of that value
+};
+
+inline constexpr std::string_view kExternalRig = "external";   // a program of the laboratory renders
+inline constexpr std::string_view kSpecimenRig = "specimens";  // the operator's hands do
+
 struct RigRequest {
-  std::string device;                // name of a rig: "rrs3", "mckibben", "rrs3+mckibben"
+  std::string device;                // name of a rig: "rrs3", "mckibben", "rrs3+mckibben", "external", "specimens"
   std::vector<std::string> fingers;  // such as thumb, index; 1 or 2, one where a joint is driven
   std::string tracker;               // "hid", "process", "replay", "hand" (simulated), or "encoder": the joint's own
   RenderingMode mode = RenderingMode::wrench;  // of a 3RRS device
@@ -55,6 +65,10 @@ struct RigRequest {
   std::string object{};            // name of another virtual object; empty: the sphere
   // A joint: the flexion from straight at which the finger meets the object.
   double contact_flexion_rad = 0;
+  std::vector<Specimen> specimens{};  // of the rig "specimens"
+
+  // Our own models and devices render; otherwise something that we know by its word alone.
+  bool built_in() const noexcept { return device != kExternalRig && device != kSpecimenRig; }
 };
 
 // A signal to the participant; identical for all stimuli.
@@ -63,32 +77,80 @@ struct CueSignal {
   std::string say;   // what the console tells the operator to say; may be empty
 };
 
+// What ends an interval after its first contact: the time explore_s; so many contacts; or a key. The last two end with
+// explore_s at the latest.
+enum class IntervalEnd { time, contacts, key };
+
+// What participants are told to do in every interval, and between which limits it counts as done.
+struct Prescription {
+  // A limit on what was measured of the finger that pressed hardest: "contacts", "peak_force", "depth", "mean_speed".
+  struct Limit {
+    std::string measure;
+    double low = 0, high = 0;  // inclusive; in N, m (rad of a joint) or m/s
+  };
+  std::string say;                              // what the operator says before a block
+  double pace_hz = 0;                           // of a metronome during the intervals; 0: none
+  std::vector<Limit> limits;                    // empty: said, and not judged
+  OnSaturation on_breach = OnSaturation::flag;  // what becomes of a trial that broke it
+};
+
 struct Timeline {
-  CueSignal first_cue, second_cue, question_cue;
+  std::array<CueSignal, kMostIntervals> interval_cues;  // of the first, second and third interval
+  CueSignal question_cue;
   double explore_s = 3;  // from first contact
+  IntervalEnd interval_end = IntervalEnd::time;
+  int contacts = 0;  // that end an interval, where contacts do
+  std::optional<Prescription> prescription;
   double no_contact_time_out_s = 10;
   double gap_s = 1;  // platform neutral between the intervals
   double between_trials_s = 1;
-  char key_same = 's';
-  char key_different = 'd';
   double answer_time_out_s = 30;  // then the trial is voided and repeated
   int max_attempts = 3;
 };
 
+// An answer that a key gives.
+struct AnswerChoice {
+  std::string word;  // as files have it: "same", "second", "same-unsure"
+  char key = 0;
+  int said = 0;      // Answer::said
+  int sureness = 0;  // Answer::sureness
+};
+
+// What each trial asks, and what of that is this study's own. What a task is says protocols/tasks/task.h.
+struct TaskSpec {
+  TaskKind kind = TaskKind::same_different;
+  std::vector<std::string> classes = {"same", "different"};  // the words of Answer::said
+  // In the order in which keys are shown; empty: a number is answered.
+  std::vector<AnswerChoice> answers = {{"same", 's', 0, 0}, {"different", 'd', 1, 0}};
+  int sureness_levels = 0;                  // how many degrees of sureness each class has; 0: it is not asked
+  bool greater = true;                      // of which: the greater value is asked for ("stiffer"), else the lesser
+  bool standard_first = false;              // of which: else either comes first
+  double signal_share = 0.5;                // of yes-no: share of trials with a signal
+  bool together = false;                    // of which: both at once, side by side, instead of one after the other
+  std::vector<double> class_values{};       // of identify: the value of each class
+  std::optional<double> modulus{};          // of magnitude: the number that the standard is said to have; none: free
+  double number_min = 0, number_max = 1e6;  // of an answer with a number
+  double start = 0;                         // of adjust: how far from the standard it starts, as a fraction of it
+};
+
 struct StimulusSpec {
   std::string quantity = "stiffness";
-  StiffnessUnit unit = StiffnessUnit::n_per_m;
+  Unit unit = Unit::n_per_m;
   double reference = 0;           // base of the Weber fraction, in that unit
   double damping_n_s_per_m = 0;   // viscosity of every contact, N s/m or N s/rad; the source papers have none
   double expected_press = 0.005;  // typical depth, m or rad: for lint against the force limit and for simulated hands
   OnSaturation on_saturation = OnSaturation::flag;
 };
 
+using ParameterValue = std::variant<double, bool, std::string>;
+
 struct Condition {
   std::string name;   // short: S, V, SV
   std::string label;  // for people
   Cues cues;
   bool devices = true;  // false, with the paradigm explore only: bare hands, nothing is rendered
+  // What a rig that is none of ours is told of it, and what it means to whoever sets it up: "delay_ms": 30.
+  std::map<std::string, ParameterValue> parameters{};
 };
 
 // Free interaction for a set time in each condition (Chinello et al. 2017, experiment 2).
@@ -97,24 +159,41 @@ struct Exploration {
   std::vector<std::string> objects;  // names of virtual objects; each participant meets them in an assigned order
 };
 
+// What is compared with what, in the unit of StimulusSpec: of same-different a pair of values, of the other tasks a
+// standard and its comparisons.
 struct Series {
   std::string name;
-  std::array<double, 2> pair{};  // two different stiffnesses, in the unit of StimulusSpec
+  std::array<double, 2> pair{};  // two different values; of the other tasks the least and the greatest presented
+  double standard = 0;           // 0 where the task has none
+  std::vector<double> levels{};  // what is compared, named or judged; of a procedure empty
 };
 
 // How levels are set where the answers set them. A level is a difference: the comparison is the reference less the
 // level, in the unit of StimulusSpec; never stiffer than the reference, as in the source paper's pairs.
 struct AdaptiveProcedure {
-  enum class Kind { staircase, quest } kind = Kind::staircase;
-  std::vector<double> starts;     // one track of each condition for each: its first level
-  std::array<double, 2> clamp{};  // lowest and highest level
-  StaircaseRule staircase;        // without start
-  QuestParameters quest;          // of log10 of the level; without t_guess
-  int trials = 0;                 // most trials of a track that have a difference
-  int reversals = 0;              // that end a track before; 0: its trials only
-  double catch_share = 0.5;       // of a track's trials, those with equal stimuli
-  int averaged_reversals = 6;     // the last ones, of which a staircase's threshold is the mean
+  enum class Kind { staircase, quest, posterior } kind = Kind::staircase;
+  std::vector<double> starts;         // one track of each condition for each: its first level
+  std::array<double, 2> clamp{};      // lowest and highest level
+  StaircaseRule staircase;            // without start
+  QuestParameters quest;              // of log10 of the level; without t_guess
+  PosteriorConfiguration posterior;   // of same-different with differences as levels; without a standard
+  std::optional<double> precision{};  // of posterior: the standard deviation of ln JND that ends a track before
+  bool joint_likelihood = false;      // a staircase's threshold is that of the posterior of all its answers
+  int trials = 0;                     // most trials of a track that have a difference
+  int reversals = 0;                  // that end a track before; 0: its trials only
+  double catch_share = 0.5;           // of a track's trials, those with equal stimuli
+  std::vector<int> sides = {-1};      // of the standard, on which comparisons lie: below (-1), above (1), or both
+  int averaged_reversals = 6;         // the last ones, of which a staircase's threshold is the mean
 };
+
+// Participants who get some of the conditions: a factor between them.
+struct Group {
+  std::string name;             // short: "patients"
+  std::string label;            // for people
+  std::vector<int> conditions;  // places in Protocol::conditions, ascending
+};
+// Who belongs to which group: by participant number, in balanced random blocks; or the operator says it.
+enum class Allotment { balanced, given };
 
 struct Design {
   int participants = 1;  // planned
@@ -194,12 +273,16 @@ enum class Outcome { slope, jnd, log_jnd };
 enum class Omnibus { none, anova, friedman };
 enum class PostHoc { holm_t, games_howell, tukey, wilcoxon };
 
+// Tests of groups of participants against each other: of their means over conditions, or groups and conditions at once.
+enum class BetweenTest { none, welch, mann_whitney, mixed_anova };
+
 struct GroupTestPlan {
   // The slope exists for nearly everyone; the JND and its logarithm only for those whose slope is positive, and tests
   // on them are refused where a participant has none.
   Outcome outcome = Outcome::slope;
   Omnibus omnibus = Omnibus::anova;
   PostHoc post_hoc = PostHoc::holm_t;
+  BetweenTest between = BetweenTest::none;
   double alpha = 0.05;
 };
 
@@ -208,7 +291,12 @@ struct AnalysisPlan {
   std::string correction = "loglinear";      // none, loglinear, half
   std::string jnd_method = "least_squares";  // ml, weighted, inverse_mean_slope, mean_of_ratios
   bool common_criterion = false;             // of ml: one criterion for all series of a condition
-  bool by_delivered = false;                 // slopes over the delivered stiffness differences
+  // Of the tasks other than same-different: which of the task's outcomes is compared, and how its JND is meant.
+  std::string outcome{};
+  std::string jnd_convention = "75 %";  // "75 %", "84 %", "d'=1"
+  double lapse = 0;                     // fixed rate; lapse_free: estimated
+  bool lapse_free = false;
+  bool by_delivered = false;  // slopes over the delivered stiffness differences
   Exclusions exclude;
   std::vector<Contrast> contrasts;
   GroupTestPlan tests;
@@ -223,10 +311,12 @@ struct Protocol {
   std::vector<PublishedValue> published;
   std::vector<Assumption> assumed;
   RigRequest rig;
-  Paradigm paradigm = Paradigm::same_different;
+  TaskSpec task;
   Timeline timeline;
   StimulusSpec stimulus;
   std::vector<Condition> conditions;
+  std::vector<Group> groups;  // empty: everyone gets every condition
+  Allotment allotment = Allotment::balanced;
   std::vector<Series> series;
   Design design;
   std::optional<Practice> practice;

@@ -1,37 +1,83 @@
 #include "protocols/vocabulary.h"
 
+#include <algorithm>
+#include <deque>
+#include <mutex>
+
 namespace jnd {
 
 namespace {
 
 constexpr auto kSessionKinds = words<SessionKind>(
     {{"real", SessionKind::real}, {"pilot", SessionKind::pilot}, {"simulated", SessionKind::simulated}});
-constexpr auto kUnits = words<StiffnessUnit>({{"N/m", StiffnessUnit::n_per_m}, {"N/rad", StiffnessUnit::n_per_rad}});
-constexpr auto kUnitSuffixes =
-    words<StiffnessUnit>({{"n_per_m", StiffnessUnit::n_per_m}, {"n_per_rad", StiffnessUnit::n_per_rad}});
-constexpr auto kLengthSuffixes =
-    words<StiffnessUnit>({{"m", StiffnessUnit::n_per_m}, {"rad", StiffnessUnit::n_per_rad}});
 constexpr auto kChannels = words<Channel>({{"cutaneous", Channel::cutaneous}, {"kinaesthetic", Channel::kinaesthetic}});
-constexpr auto kJudgements = words<Judgement>({{"same", Judgement::same}, {"different", Judgement::different}});
 constexpr auto kEnteredBy =
     words<EnteredBy>({{"participant", EnteredBy::participant}, {"operator", EnteredBy::operator_}});
 
+// "N s/m" -> "n_s_per_m": what CSV columns and keys of JSON can carry.
+std::string suffix_of(std::string_view text) {
+  std::string suffix;
+  for (const char c : text) {
+    if (c == '/') {
+      suffix += "_per_";
+    } else if (c >= 'A' && c <= 'Z') {
+      suffix += static_cast<char>(c - 'A' + 'a');
+    } else if ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9')) {
+      suffix += c;
+    } else if (!suffix.empty() && suffix.back() != '_') {
+      suffix += '_';
+    }
+  }
+  return suffix;
+}
+
 }  // namespace
+
+Unit Unit::named(std::string_view text) {
+  if (text == kContact.text) return n_per_m;
+  if (text == kJoint.text) return n_per_rad;
+  struct Kept {
+    explicit Kept(std::string_view written) : text(written), suffix(suffix_of(written)), names{text, suffix} {}
+    std::string text, suffix;
+    Names names;
+  };
+  static std::mutex mutex;
+  static std::deque<Kept> all;  // which never moves what it holds
+  const std::scoped_lock lock(mutex);
+  const auto found = std::find_if(all.begin(), all.end(), [&](const Kept& kept) { return kept.text == text; });
+  return Unit(found != all.end() ? &found->names : &all.emplace_back(text).names);
+}
+
+Intervals::Intervals(std::initializer_list<double> values) noexcept : size_(0) {
+  for (const double value : values) push_back(value);
+}
+
+void Intervals::push_back(double value) noexcept {
+  if (size_ < values_.size()) values_[size_++] = value;
+}
+
+std::string_view to_string(TaskKind task) noexcept {
+  return word_of(kTaskWords, task);
+}
+
+std::optional<TaskKind> task_kind_from(std::string_view text) noexcept {
+  return value_of(kTaskWords, text);
+}
 
 std::string_view to_string(SessionKind kind) noexcept {
   return word_of(kSessionKinds, kind);
 }
 
-std::string_view to_string(StiffnessUnit unit) noexcept {
-  return word_of(kUnits, unit);
+std::string_view to_string(Unit unit) noexcept {
+  return unit.text();
 }
 
-std::string_view name_suffix(StiffnessUnit unit) noexcept {
-  return word_of(kUnitSuffixes, unit);
+std::string_view name_suffix(Unit unit) noexcept {
+  return unit.suffix();
 }
 
-std::string_view length_suffix(StiffnessUnit unit) noexcept {
-  return word_of(kLengthSuffixes, unit);
+std::string_view length_suffix(Unit unit) noexcept {
+  return unit == Unit::n_per_rad ? "rad" : "m";
 }
 
 std::string_view to_string(Channel channel) noexcept {
@@ -40,10 +86,6 @@ std::string_view to_string(Channel channel) noexcept {
 
 std::string_view to_string(RenderingMode mode) noexcept {
   return word_of(kRenderingModeWords, mode);
-}
-
-std::string_view to_string(Judgement judgement) noexcept {
-  return word_of(kJudgements, judgement);
 }
 
 std::string_view to_string(EnteredBy who) noexcept {
@@ -56,10 +98,6 @@ std::string_view to_string(Fault fault) noexcept {
 
 std::optional<SessionKind> session_kind_from(std::string_view text) noexcept {
   return value_of(kSessionKinds, text);
-}
-
-std::optional<StiffnessUnit> stiffness_unit_from(std::string_view text) noexcept {
-  return value_of(kUnits, text);
 }
 
 std::optional<Channel> channel_from(std::string_view text) noexcept {
@@ -76,10 +114,6 @@ std::optional<Fault> fault_from(std::string_view text) noexcept {
 
 std::optional<RenderingMode> rendering_mode_from(std::string_view text) noexcept {
   return value_of(kRenderingModeWords, text);
-}
-
-std::optional<Judgement> judgement_from(std::string_view text) noexcept {
-  return value_of(kJudgements, text);
 }
 
 }  // namespace jnd

@@ -3,7 +3,10 @@
 #pragma once
 
 #include <array>
+#include <compare>
 #include <cstdint>
+#include <initializer_list>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -17,8 +20,30 @@ namespace jnd {
 // What kind of session the data come from. The three are never pooled unless a user asks for it.
 enum class SessionKind { real, pilot, simulated };
 
-// The unit of every stiffness of a study: N/m of a contact, or N/rad of a joint (force at the fingertip per angle).
-enum class StiffnessUnit { n_per_m, n_per_rad };
+// The unit of what a study varies, as people write it: "N/m" of a contact, "N/rad" of a joint (force at the fingertip
+// per angle), or that of any other quantity, such as "N s/m". Its text is kept once per program: a Unit is as cheap to
+// copy and to compare as a number.
+class Unit {
+ public:
+  // NOLINTNEXTLINE(readability-identifier-naming)
+  static const Unit n_per_m, n_per_rad;
+  // text: 1 to 16 characters.
+  static Unit named(std::string_view text);
+  constexpr std::string_view text() const noexcept { return names_->text; }
+  // As a part of a field's name: "n_per_m", "n_s_per_m".
+  constexpr std::string_view suffix() const noexcept { return names_->suffix; }
+  constexpr bool operator==(const Unit&) const = default;
+
+ private:
+  struct Names {
+    std::string_view text, suffix;
+  };
+  static constexpr Names kContact{"N/m", "n_per_m"}, kJoint{"N/rad", "n_per_rad"};
+  explicit constexpr Unit(const Names* names) noexcept : names_(names) {}
+  const Names* names_;
+};
+inline constexpr Unit Unit::n_per_m{&Unit::kContact};
+inline constexpr Unit Unit::n_per_rad{&Unit::kJoint};
 
 // What carries the stimulus: force on the pulp and a vibration burst (3RRS device), resistance of the joint (McKibben
 // finger).
@@ -41,13 +66,14 @@ struct Stimulus {
 // control in the platform's coordinates; pd_literal = position control in the joints as printed, (36).
 enum class RenderingMode { wrench, pd, pd_literal };
 
-enum class Judgement { same, different };
-
 // Who pressed the key: response times are analysed only where the participant did.
 enum class EnteredBy { participant, operator_ };
 
+// What was said, in the terms of the trial's task (protocols/tasks/task.h).
 struct Answer {
-  Judgement judgement = Judgement::same;
+  int said = 0;                    // which of the task's classes: "same" or "different", "first" or "second", ...
+  int sureness = 0;                // how sure of it, from 1; 0 where the task does not ask
+  std::optional<double> number{};  // the answer of a task that is answered with a number
   EnteredBy entered_by = EnteredBy::participant;
   double response_time_s = 0;  // from the question cue to the key
 };
@@ -117,12 +143,52 @@ struct Presentation {
   double lateness_p99_us = 0;
   double lateness_max_us = 0;
   std::array<std::int64_t, kLatenessEdges_us.size() + 1> lateness_histogram{};  // ticks by kLatenessEdges_us
+  // What a rig that is none of our devices says that it delivered, in the study's unit; and what else it measured.
+  std::optional<double> delivered{};
+  std::map<std::string, double> measured{};
   Fault fault = Fault::none;
   std::string stopped_by;              // who latched an emergency stop: "key", "signal", "button", "program"
   std::vector<TickRecord> last_ticks;  // before a fault other than no_contact: the last kTicksBeforeStop of each device
 };
 
 inline constexpr std::size_t kTicksBeforeStop = 100;
+
+// What each trial asks: protocols/tasks. explore is free interaction, which has no trials.
+enum class TaskKind { same_different, which, yes_no, identify, oddity, abx, magnitude, adjust, explore };
+inline constexpr auto kTaskWords = words<TaskKind>({{"same-different", TaskKind::same_different},
+                                                    {"which", TaskKind::which},
+                                                    {"yes-no", TaskKind::yes_no},
+                                                    {"identify", TaskKind::identify},
+                                                    {"oddity", TaskKind::oddity},
+                                                    {"abx", TaskKind::abx},
+                                                    {"magnitude", TaskKind::magnitude},
+                                                    {"adjust", TaskKind::adjust},
+                                                    {"explore", TaskKind::explore}});
+std::string_view to_string(TaskKind task) noexcept;
+std::optional<TaskKind> task_kind_from(std::string_view text) noexcept;
+
+inline constexpr std::size_t kMostIntervals = 3;
+
+// What the intervals of a trial present, in order: one to three values in the study's unit.
+class Intervals {
+ public:
+  Intervals() = default;  // two, of 0
+  Intervals(std::initializer_list<double> values) noexcept;
+  Intervals(const std::array<double, 2>& pair) noexcept : Intervals({pair[0], pair[1]}) {}
+  std::size_t size() const noexcept { return size_; }
+  void push_back(double value) noexcept;  // beyond kMostIntervals: not kept
+  double operator[](std::size_t interval) const noexcept { return values_[interval]; }
+  double& operator[](std::size_t interval) noexcept { return values_[interval]; }
+  const double* begin() const noexcept { return values_.data(); }
+  const double* end() const noexcept { return values_.data() + size_; }
+  double* begin() noexcept { return values_.data(); }
+  double* end() noexcept { return values_.data() + size_; }
+  auto operator<=>(const Intervals&) const = default;
+
+ private:
+  std::array<double, kMostIntervals> values_{};
+  std::size_t size_ = 2;
+};
 
 // One planned trial.
 struct Trial {
@@ -132,17 +198,24 @@ struct Trial {
   int round = 0;      // practice round from 1; 0 in the main part
   int series = 0;     // place in Protocol::series, from 0
   int condition = 0;  // place in Protocol::conditions, from 0
-  std::array<double, 2> stimuli{};
-  StiffnessUnit unit = StiffnessUnit::n_per_m;  // of the stimuli
-  bool same = true;
+  Intervals stimuli{};
+  Unit unit = Unit::n_per_m;  // of the stimuli
+  TaskKind task = TaskKind::same_different;
+  // Which of the task's classes the stimuli belong to: the one that is correct to say; -1 where none is.
+  int target = 0;
+  double standard = 0;  // that the others are judged against; 0: there is none
   // Of an adaptive procedure: which of its condition's tracks, from 1; 0 with constant stimuli and in practice. In the
-  // plan a stimulus that the answers set is kSetByAnswers; protocols/planning/adaptive_run.h knows it when its turn
-  // comes.
+  // plan a stimulus that the answers set is set_by_answers(standard); protocols/planning/adaptive_run.h knows it when
+  // its turn comes.
   int track = 0;
+  int side = -1;  // of such a stimulus: below (-1) or above (1) its standard
   bool operator==(const Trial&) const = default;
 };
 
-inline constexpr double kSetByAnswers = 0;  // no object has this stiffness
+// In the place of a stimulus that is not known yet: never the standard, which is the other value that a track plans.
+constexpr double set_by_answers(double standard) noexcept {
+  return standard == 0 ? -1 : 0;
+}
 
 // One trial that was carried out and answered: what the log keeps of it.
 struct TrialRecord {
@@ -151,19 +224,21 @@ struct TrialRecord {
   std::string condition_name;
   std::string series_name;
   Answer answer;
-  std::array<Presentation, 2> presentations;
-  double duration_s = 0;  // from the first cue to the answer
+  std::string answer_word{};       // the word of what was said; empty where it is a number
+  std::vector<double> settings{};  // of adjust: what was presented in turn beside the standard, the start first
+  std::string breach{};            // what of the prescription was broken, in one line; empty: nothing
+  std::vector<Presentation> presentations = std::vector<Presentation>(2);  // one of each interval
+  double duration_s = 0;                                                   // from the first cue to the answer
 };
 
 std::string_view to_string(SessionKind kind) noexcept;
-std::string_view to_string(StiffnessUnit unit) noexcept;      // "N/m", "N/rad"
-std::string_view name_suffix(StiffnessUnit unit) noexcept;    // of a field's name: "n_per_m", "n_per_rad"
-std::string_view length_suffix(StiffnessUnit unit) noexcept;  // of a penetration's name: "m", "rad"
+std::string_view to_string(Unit unit) noexcept;      // Unit::text
+std::string_view name_suffix(Unit unit) noexcept;    // Unit::suffix
+std::string_view length_suffix(Unit unit) noexcept;  // of a penetration's name: "m", "rad"
 std::string_view to_string(Channel channel) noexcept;
 inline constexpr auto kRenderingModeWords = words<RenderingMode>(
     {{"wrench", RenderingMode::wrench}, {"pd", RenderingMode::pd}, {"pd-literal", RenderingMode::pd_literal}});
 std::string_view to_string(RenderingMode mode) noexcept;
-std::string_view to_string(Judgement judgement) noexcept;
 std::string_view to_string(EnteredBy who) noexcept;  // "participant", "operator"
 inline constexpr auto kFaultWords = words<Fault>({{"none", Fault::none},
                                                   {"no_contact", Fault::no_contact},
@@ -178,11 +253,9 @@ inline constexpr auto kFaultWords = words<Fault>({{"none", Fault::none},
                                                   {"interrupted", Fault::interrupted}});
 std::string_view to_string(Fault fault) noexcept;
 std::optional<SessionKind> session_kind_from(std::string_view text) noexcept;
-std::optional<StiffnessUnit> stiffness_unit_from(std::string_view text) noexcept;  // "N/m", "N/rad"
 std::optional<Channel> channel_from(std::string_view text) noexcept;
 std::optional<EnteredBy> entered_by_from(std::string_view text) noexcept;
 std::optional<Fault> fault_from(std::string_view text) noexcept;
 std::optional<RenderingMode> rendering_mode_from(std::string_view text) noexcept;
-std::optional<Judgement> judgement_from(std::string_view text) noexcept;
 
 }  // namespace jnd

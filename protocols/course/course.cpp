@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "protocols/tasks/task.h"
+
 namespace jnd {
 
 namespace {
@@ -35,7 +37,7 @@ std::vector<CourseBlock> course_blocks(const Protocol& protocol, const Plan& pla
     blocks.back().end = place + 1;
     blocks.back().condition = condition;
   };
-  const bool explore = protocol.paradigm == Paradigm::explore;
+  const bool explore = protocol.task.kind == TaskKind::explore;
   for (std::size_t i = 0; i < plan.explorations.size(); ++i) {
     const ExplorationSlot& slot = plan.explorations[i];
     if (i == 0 || plan.explorations[i - 1].block != slot.block) blocks.push_back({.begin = i});
@@ -59,14 +61,14 @@ std::vector<CourseBlock> course_blocks(const Protocol& protocol, const Plan& pla
 
 std::vector<CourseBlock> course_blocks(const Protocol& protocol) {
   std::vector<CourseBlock> blocks;
-  const bool explore = protocol.paradigm == Paradigm::explore;
+  const bool explore = protocol.task.kind == TaskKind::explore;
   const bool mixed = !explore && protocol.design.arrangement == Arrangement::mixed;
   const auto conditions = static_cast<int>(protocol.conditions.size());
   const int series = explore ? 1 : static_cast<int>(protocol.series.size());
-  const int each = explore ? static_cast<int>(protocol.explore ? protocol.explore->objects.size() : 0)
-                           : protocol.design.trials_per_cell * (mixed ? conditions : 1);
   std::size_t place = 0;
   for (int one = 0; one < series; ++one) {
+    const int each = explore ? static_cast<int>(protocol.explore ? protocol.explore->objects.size() : 0)
+                             : trials_of_cell(protocol, one) * (mixed ? conditions : 1);
     for (int condition = mixed ? conditions - 1 : 0; condition < conditions; ++condition) {
       blocks.push_back({.begin = place,
                         .end = place + static_cast<std::size_t>(each),
@@ -80,10 +82,10 @@ std::vector<CourseBlock> course_blocks(const Protocol& protocol) {
   return blocks;
 }
 
-std::vector<CoursePage> pages_after(const CourseBlock& block, Paradigm paradigm) {
+std::vector<CoursePage> pages_after(const CourseBlock& block, TaskKind task) {
   std::vector<CoursePage> pages;
   if (block.one_condition) pages.push_back({Question::When::after_condition, block.condition, block.planned});
-  if (block.series_over && paradigm != Paradigm::explore)
+  if (block.series_over && task != TaskKind::explore)
     pages.push_back({Question::When::after_series, -1, block.planned});
   return pages;
 }
@@ -165,11 +167,11 @@ void Course::follow_answers() {
 
 void Course::follow(const TrialRecord& record) {
   finish(record.trial.index);
-  adaptive_.answered(record.trial, record.answer.judgement);
+  adaptive_.answered(record.trial, record.answer);
   if (!record.trial.practice || !within(record.trial.round, practice_.size())) return;
   Tally& tally = practice_[static_cast<std::size_t>(record.trial.round)];
   ++tally.answered;
-  tally.correct += record.trial.same == (record.answer.judgement == Judgement::same) ? 1 : 0;
+  tally.correct += is_correct(record.trial, record.answer).value_or(true) ? 1 : 0;
 }
 
 void Course::finish(int index) {
@@ -274,7 +276,7 @@ const TrialRecord* Course::last_answer(const Trial& next) const {
 Step Course::next_step() const {
   if (auto due = left_behind()) return *due;
   if (auto due = opening()) return *due;
-  if (protocol_.paradigm == Paradigm::explore) {
+  if (protocol_.task.kind == TaskKind::explore) {
     if (auto due = instruct(Instruction::When::before_main)) return *due;
     if (auto due = free_interaction()) return *due;
   } else {
@@ -290,7 +292,7 @@ Step Course::next_step() const {
 std::optional<Step> Course::left_behind() const {
   // The block in which the session stood begins anew, in its planned order; what was voided there without an answer
   // comes at its end, as it would have.
-  if (state_.redo_due && protocol_.paradigm != Paradigm::explore) {
+  if (state_.redo_due && protocol_.task.kind != TaskKind::explore) {
     const auto interrupted = std::find_if(blocks_.begin(), blocks_.end(), [&](const CourseBlock& block) {
       return first_open({block.begin, block.end}) != nullptr;
     });
@@ -380,7 +382,7 @@ Step Course::present(const Trial& trial) const {
 }
 
 std::optional<Step> Course::after_block(const CourseBlock& block) const {
-  for (const CoursePage& page : pages_after(block, protocol_.paradigm))
+  for (const CoursePage& page : pages_after(block, protocol_.task.kind))
     if (auto due = ask(page)) return due;
   return take_break(break_after(block, protocol_), block.planned);
 }

@@ -47,7 +47,7 @@ struct AskedPlace {
   int condition = -1;  // place in Protocol::conditions, or -1
   bool operator==(const AskedPlace&) const = default;
 };
-std::vector<CoursePage> pages_after(const CourseBlock& block, Paradigm paradigm);
+std::vector<CoursePage> pages_after(const CourseBlock& block, TaskKind task);
 std::vector<AskedPlace> questions_on(const CoursePage& page, const Protocol& protocol);
 
 // The break at one place, the first that the protocol names; null where there is none. None comes after the last block.

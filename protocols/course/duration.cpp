@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "protocols/course/course.h"
+#include "protocols/tasks/task.h"
 
 namespace jnd {
 namespace {
@@ -39,7 +40,7 @@ Tally tally_of(const Protocol& protocol) {
       counts.trials += each;
       for (int done = block.planned - each + 1; done < block.planned; ++done) rest(break_within_block(done, protocol));
     }
-    for (const CoursePage& page : pages_after(block, protocol.paradigm)) ask(page);
+    for (const CoursePage& page : pages_after(block, protocol.task.kind)) ask(page);
     rest(break_after(block, protocol));
   }
   ask({Question::When::after_session, -1, 0});
@@ -48,15 +49,21 @@ Tally tally_of(const Protocol& protocol) {
 
 }  // namespace
 
-double expected_trial_s(const Timeline& timeline) {
-  return 2 * (kFirstContact_s + timeline.explore_s) + timeline.gap_s + kAnswer_s + timeline.between_trials_s;
+double expected_trial_s(const Protocol& protocol) {
+  const Timeline& timeline = protocol.timeline;
+  const Task& task = task_of(protocol.task.kind);
+  const int intervals = task.intervals(protocol.task);
+  const double look_s =
+      intervals * (kFirstContact_s + timeline.explore_s) + (intervals - 1) * timeline.gap_s + kAnswer_s;
+  const double looks = task.expected_looks(protocol);
+  return looks * look_s + (looks - 1) * timeline.gap_s + timeline.between_trials_s;
 }
 
 double expected_duration_s(const Protocol& protocol) {
   const Tally counts = tally_of(protocol);
   double duration = 0;
   if (protocol.explore) duration += counts.explorations * protocol.explore->duration_s;
-  duration += counts.trials * expected_trial_s(protocol.timeline);
+  if (counts.trials > 0) duration += counts.trials * expected_trial_s(protocol);
   for (std::size_t i = 0; i < protocol.breaks.size(); ++i) duration += counts.breaks[i] * protocol.breaks[i].duration_s;
   for (const int times : counts.questions) duration += times * kQuestion_s;
   return duration;

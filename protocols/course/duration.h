@@ -10,6 +10,6 @@ namespace jnd {
 // Assumed: first contact 0.7 s after a cue, an answer 1.5 s after the question, 10 s a question, no repeated trial.
 double expected_duration_s(const Protocol& protocol);
 // One trial, from its first cue to the next trial's.
-double expected_trial_s(const Timeline& timeline);
+double expected_trial_s(const Protocol& protocol);
 
 }  // namespace jnd

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "protocols/tasks/task.h"
+
 namespace jnd {
 
 struct AdaptiveRun::State {
@@ -13,7 +15,7 @@ struct AdaptiveRun::State {
 
   void answer(const AdaptiveProcedure& procedure, bool correct) {
     track.levels.push_back(track.level);
-    track.said_different.push_back(correct);
+    track.correct.push_back(correct);
     if (staircase) {
       staircase->answer(correct);
       track.level = staircase->level();
@@ -33,13 +35,15 @@ struct AdaptiveRun::State {
   }
 };
 
-AdaptiveRun::AdaptiveRun(const Protocol& protocol)
-    : reference_(protocol.stimulus.reference), procedure_(protocol.design.procedure) {
+AdaptiveRun::AdaptiveRun(const Protocol& protocol) : procedure_(protocol.design.procedure) {
   if (!procedure_) return;
-  for (int condition = 0; condition < static_cast<int>(protocol.conditions.size()); ++condition) {
+  const auto all_series = static_cast<int>(protocol.series.size());
+  for (int place = 0; place < static_cast<int>(protocol.conditions.size()) * all_series; ++place) {
+    const int condition = place / all_series, series = place % all_series;
     for (int track = 1; track <= static_cast<int>(procedure_->starts.size()); ++track) {
       auto state = std::make_unique<State>();
       state->track.condition = condition;
+      state->track.series = series;
       state->track.track = track;
       if (procedure_->kind == AdaptiveProcedure::Kind::staircase) {
         state->staircase.emplace(staircase_of_track(*procedure_, track));
@@ -48,7 +52,7 @@ AdaptiveRun::AdaptiveRun(const Protocol& protocol)
         state->quest.emplace(quest_of_track(*procedure_, track));
         state->place(*procedure_);
       }
-      states_.emplace(std::pair(condition, track), std::move(state));
+      states_.emplace(std::array{condition, series, track}, std::move(state));
     }
   }
 }
@@ -58,14 +62,14 @@ AdaptiveRun& AdaptiveRun::operator=(AdaptiveRun&&) noexcept = default;
 AdaptiveRun::~AdaptiveRun() = default;
 
 const AdaptiveRun::State& AdaptiveRun::state_of(const Trial& trial) const {
-  return *states_.at({trial.condition, trial.track});
+  return *states_.at({trial.condition, trial.series, trial.track});
 }
 
 Trial AdaptiveRun::resolved(Trial planned) const {
   if (planned.track == 0) return planned;
-  const double comparison = reference_ - state_of(planned).track.level;
+  const double comparison = planned.standard + planned.side * state_of(planned).track.level;
   for (double& stimulus : planned.stimuli)
-    if (stimulus == kSetByAnswers) stimulus = comparison;
+    if (stimulus == set_by_answers(planned.standard)) stimulus = comparison;
   return planned;
 }
 
@@ -73,15 +77,15 @@ bool AdaptiveRun::over(const Trial& planned) const {
   return planned.track != 0 && state_of(planned).over;
 }
 
-void AdaptiveRun::answered(const Trial& trial, Judgement judgement) {
+void AdaptiveRun::answered(const Trial& trial, const Answer& answer) {
   if (trial.track == 0) return;
-  State& state = *states_.at({trial.condition, trial.track});
-  const bool said_different = judgement == Judgement::different;
-  if (trial.same) {
+  State& state = *states_.at({trial.condition, trial.series, trial.track});
+  const bool correct = is_correct(trial, answer).value_or(false);
+  if (is_catch(trial)) {
     ++state.track.catch_trials;
-    state.track.false_alarms += said_different ? 1 : 0;
+    state.track.false_alarms += correct ? 0 : 1;
   } else {
-    state.answer(*procedure_, said_different);
+    state.answer(*procedure_, correct);
   }
 }
 

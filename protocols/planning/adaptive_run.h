@@ -2,10 +2,10 @@
 // session that is taken up again, and a check of one long after, find the same.
 #pragma once
 
+#include <array>
 #include <map>
 #include <memory>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "protocols/protocol.h"
@@ -15,14 +15,15 @@ namespace jnd {
 // What one track has come to.
 struct AdaptiveTrack {
   int condition = 0;                   // place in Protocol::conditions
+  int series = 0;                      // place in Protocol::series
   int track = 1;                       // from 1, place in AdaptiveProcedure::starts + 1
   double level = 0;                    // of the next trial
   bool finished = false;               // it has its trials, or its reversals
   std::vector<double> levels;          // of the answered trials with a difference
-  std::vector<bool> said_different;    // their answers
+  std::vector<bool> correct;           // whether they were answered correctly
   std::vector<double> reversals;       // of a staircase
   int catch_trials = 0;                // answered
-  int false_alarms = 0;                // of these, "different" said
+  int false_alarms = 0;                // of these, answered wrongly: a difference said where there was none
   std::optional<QuestEstimate> quest;  // of QUEST: the posterior of log10 of the level
 };
 
@@ -43,18 +44,17 @@ class AdaptiveRun {
   // left, which are presented, so that their share is kept.
   bool over(const Trial& planned) const;
   // The next answer, in the order in which they were given. Catch trials count, and move nothing.
-  void answered(const Trial& trial, Judgement judgement);
+  void answered(const Trial& trial, const Answer& answer);
 
-  // By condition, then track; empty without a procedure.
+  // By condition, series, then track; empty without a procedure.
   std::vector<AdaptiveTrack> tracks() const;
 
  private:
   struct State;
   const State& state_of(const Trial& trial) const;
 
-  double reference_ = 0;
   std::optional<AdaptiveProcedure> procedure_;
-  std::map<std::pair<int, int>, std::unique_ptr<State>> states_;  // by condition and track
+  std::map<std::array<int, 3>, std::unique_ptr<State>> states_;  // by condition, series and track
 };
 
 // The rule of one track: with its start, or its guess, and the clamp.

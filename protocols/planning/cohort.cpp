@@ -12,6 +12,8 @@
 #include "protocols/planning/exploration_assignment.h"
 #include "protocols/planning/order.h"
 #include "protocols/planning/plan.h"
+#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 
 namespace jnd {
 
@@ -35,19 +37,38 @@ std::vector<OrderUse> by_use(const std::map<std::vector<int>, int>& uses) {
   return orders;
 }
 
+std::size_t cell_of(const Trial& trial, const Protocol& protocol) {
+  return static_cast<std::size_t>(trial.series) * protocol.conditions.size() +
+         static_cast<std::size_t>(trial.condition);
+}
+
+void count_arrangements(const Plan& plan, const Protocol& protocol, CohortBalance& balance) {
+  for (const Trial& trial : plan.trials) {
+    if (trial.practice) continue;
+    CellBalance& cell = balance.cells[cell_of(trial, protocol)];
+    std::vector<double> arrangement(trial.stimuli.begin(), trial.stimuli.end());
+    if (trial.track > 0) arrangement.push_back(trial.side);
+    ++cell.arrangements[arrangement];
+    cell.targets.resize(protocol.task.classes.size());
+    if (trial.target >= 0) ++cell.targets[static_cast<std::size_t>(trial.target)];
+  }
+}
+
 void count_trials(const Plan& plan, const Protocol& protocol, CohortBalance& balance) {
+  if (!task_of(protocol.task.kind).has_own_results()) return count_arrangements(plan, protocol, balance);
   std::vector<int> same_of_cell(balance.cells.size(), 0);
   for (const Trial& trial : plan.trials) {
     if (trial.practice) continue;
-    const std::size_t cell =
-        static_cast<std::size_t>(trial.series) * protocol.conditions.size() + static_cast<std::size_t>(trial.condition);
+    const std::size_t cell = cell_of(trial, protocol);
+    const bool same = trial.target == kClassSame;
     // Of an adaptive procedure a is the comparison, whatever its level.
-    const double a = trial.track > 0 ? kSetByAnswers : protocol.series[static_cast<std::size_t>(trial.series)].pair[0];
+    const double a = trial.track > 0 ? set_by_answers(trial.standard)
+                                     : protocol.series[static_cast<std::size_t>(trial.series)].pair[0];
     const bool first_is_a = trial.stimuli[0] == a;
-    ++balance.cells[cell].pairs[trial.same ? (first_is_a ? 0U : 1U) : (first_is_a ? 2U : 3U)];
-    ++(trial.same ? balance.cells[cell].same : balance.cells[cell].different);
-    ++(trial.same ? balance.same : balance.different);
-    if (trial.same) ++same_of_cell[cell];
+    ++balance.cells[cell].pairs[same ? (first_is_a ? 0U : 1U) : (first_is_a ? 2U : 3U)];
+    ++(same ? balance.cells[cell].same : balance.cells[cell].different);
+    ++(same ? balance.same : balance.different);
+    if (same) ++same_of_cell[cell];
   }
   for (std::size_t i = 0; i < same_of_cell.size(); ++i) {
     CellBalance& cell = balance.cells[i];
@@ -106,7 +127,7 @@ CohortBalance balance_of_cohort(const Protocol& protocol, int participants, std:
   balance.participants = participants;
   balance.session = session;
   balance.seed = seed;
-  if (protocol.paradigm == Paradigm::explore) {
+  if (protocol.task.kind == TaskKind::explore) {
     count_explorations(protocol, balance);
     return balance;
   }
@@ -211,7 +232,37 @@ std::vector<std::string> positions(std::size_t count) {
   return titles;
 }
 
+// "120 to 121", or "120".
+std::string range_of(int least, int most) {
+  return least == most ? fmt::format("{}", most) : fmt::format("{} to {}", least, most);
+}
+
+std::string arrangements_text(const CohortBalance& balance, const Protocol& protocol) {
+  std::string text = fmt::format(
+      "Main trials: arrangements are the different stimuli and orders of a trial\n  {:<17}{:<17}{:>8}{:>14}{:>14}   {}\n",
+      "series", "condition", "trials", "arrangements", "times each",
+      protocol.task.classes.empty() ? "" : "correct answers");
+  for (const CellBalance& cell : balance.cells) {
+    int trials = 0, least = cell.arrangements.empty() ? 0 : cell.arrangements.begin()->second, most = 0;
+    for (const auto& [arrangement, times] : cell.arrangements) {
+      trials += times;
+      least = std::min(least, times);
+      most = std::max(most, times);
+    }
+    text +=
+        fmt::format("  {:<17}{:<17}{:>8}{:>14}{:>14}  ", protocol.series[static_cast<std::size_t>(cell.series)].name,
+                    condition_name(protocol, cell.condition), trials, cell.arrangements.size(), range_of(least, most));
+    if (!cell.targets.empty()) {
+      const auto [rarest, commonest] = std::minmax_element(cell.targets.begin(), cell.targets.end());
+      text += fmt::format(" {} of each", range_of(*rarest, *commonest));
+    }
+    text += "\n";
+  }
+  return text;
+}
+
 std::string cells_text(const CohortBalance& balance, const Protocol& protocol) {
+  if (!task_of(protocol.task.kind).has_own_results()) return arrangements_text(balance, protocol);
   std::string text = fmt::format("{}\n  {:<17}{:<17}{:>12}",
                                  protocol.design.procedure
                                      ? "Trials planned at most: a is a comparison that the answers set, b the reference"
@@ -225,10 +276,8 @@ std::string cells_text(const CohortBalance& balance, const Protocol& protocol) {
     text += fmt::format("  {:<17}{:<17}{:>12}", series.name, condition.name,
                         plain(series.pair[0]) + " " + plain(series.pair[1]));
     for (const int count : cell.pairs) text += fmt::format("{:>7}", count);
-    const std::string range = cell.least_same == cell.most_same
-                                  ? fmt::format("{}", cell.most_same)
-                                  : fmt::format("{} to {}", cell.least_same, cell.most_same);
-    text += fmt::format("{:>20}\n", fmt::format("{} of {}", range, protocol.design.trials_per_cell));
+    text += fmt::format("{:>20}\n", fmt::format("{} of {}", range_of(cell.least_same, cell.most_same),
+                                                protocol.design.trials_per_cell));
   }
   const int all = balance.same + balance.different;
   text += fmt::format("  all: {} same, {} different ({:.1f} % same)\n", balance.same, balance.different,
@@ -262,7 +311,8 @@ std::string explorations_text(const CohortBalance& balance, const Protocol& prot
   std::string text = orders_text("Orders of conditions", balance.condition_orders, protocol.conditions);
   text += "\nConditions by place in the session (participants)\n" +
           table_text(balance.condition_positions, protocol.conditions, positions(protocol.conditions.size()));
-  text += "\n" + orders_text("Orders of objects", balance.object_orders, objects);
+  text += "\n";
+  text += orders_text("Orders of objects", balance.object_orders, objects);
   text += "\nObjects by place in a condition's turn (turns of all participants)\n" +
           table_text(balance.object_positions, objects, positions(objects.size()));
   text += fmt::format("\nPairs of orders: {} of {} participants differ; the commonest is shared by {}.\n",
@@ -278,7 +328,7 @@ std::string head(const CohortBalance& balance) {
 }  // namespace
 
 std::string to_text(const CohortBalance& balance, const Protocol& protocol) {
-  if (protocol.paradigm == Paradigm::explore)
+  if (protocol.task.kind == TaskKind::explore)
     return head(balance) + explorations_text(balance, protocol) + verdict(balance, "condition and object");
   std::string text = head(balance);
   text += cells_text(balance, protocol) + "\n";

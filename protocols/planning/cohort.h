@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,9 @@ struct CellBalance {
   std::array<int, 4> pairs{};     // (a, a), (b, b), (a, b), (b, a) with pair [a, b]
   int same = 0, different = 0;
   int least_same = 0, most_same = 0;  // of a single participant
+  // Of the tasks that have no pairs: how often each arrangement of stimuli comes, and each class of the task.
+  std::map<std::vector<double>, int> arrangements{};
+  std::vector<int> targets{};
 };
 
 struct OrderUse {

@@ -1,6 +1,6 @@
 #include "protocols/planning/condition_codes.h"
 
-#include "protocols/planning/random_stream.h"
+#include "protocols/random_stream.h"
 
 namespace jnd {
 

@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "protocols/planning/order.h"
-#include "protocols/planning/random_stream.h"
+#include "protocols/random_stream.h"
 
 namespace jnd {
 namespace {

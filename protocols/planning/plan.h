@@ -32,6 +32,9 @@ struct Plan {
 // where participant < 1 or session < 1; a protocol that was loaded never fails otherwise.
 Plan make_plan(const Protocol& protocol, int participant, std::uint64_t seed, int session = 1);
 
+// What practice presents: its series, with a procedure the difference that it has of its own.
+Series practice_series(const Practice& practice, const Protocol& protocol);
+
 // How many trials the main part has: practice is not counted.
 int main_trial_count(const Plan& plan) noexcept;
 

@@ -55,7 +55,7 @@ PlannedJnd planned_jnd(const Protocol& protocol, std::string_view condition) {
 }
 
 bool has_precision(const Protocol& protocol) noexcept {
-  return protocol.paradigm == Paradigm::same_different && !protocol.series.empty() && !protocol.design.procedure;
+  return protocol.task.kind == TaskKind::same_different && !protocol.series.empty() && !protocol.design.procedure;
 }
 
 CountsDesign counts_design(const Protocol& protocol) {

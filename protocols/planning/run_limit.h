@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "protocols/planning/random_stream.h"
+#include "protocols/random_stream.h"
 
 namespace jnd {
 

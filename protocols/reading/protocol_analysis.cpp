@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "protocols/reading/protocol_reading.h"
+#include "protocols/tasks/task.h"
 
 namespace jnd {
 namespace {
@@ -54,8 +55,12 @@ void read_contrasts(const JsonNode& list, ProtocolReading& reading) {
 void read_tests(const JsonNode& node, ProtocolReading& reading) {
   GroupTestPlan& tests = reading.protocol.analysis.tests;
   JsonReader reader(node, reading.errors, reading.file);
-  tests.outcome = reader.one_of_or<Outcome>(
-      "on", {{"slope", Outcome::slope}, {"jnd", Outcome::jnd}, {"log-jnd", Outcome::log_jnd}}, tests.outcome);
+  if (reading.has_pairs())
+    tests.outcome = reader.one_of_or<Outcome>(
+        "on", {{"slope", Outcome::slope}, {"jnd", Outcome::jnd}, {"log-jnd", Outcome::log_jnd}}, tests.outcome);
+  else
+    tests.outcome =
+        reader.one_of_or<Outcome>("on", {{"value", Outcome::jnd}, {"logarithm", Outcome::log_jnd}}, tests.outcome);
   tests.omnibus = reader.one_of_or<Omnibus>(
       "omnibus", {{"anova", Omnibus::anova}, {"friedman", Omnibus::friedman}, {"none", Omnibus::none}}, tests.omnibus);
   tests.post_hoc = reader.one_of_or<PostHoc>("post_hoc",
@@ -104,7 +109,8 @@ void look_at_question(JsonReader& reader, const PublishedValue& value, ProtocolR
 
 // Of free interaction: there are ratings alone, so what belongs to d' has no meaning.
 void read_analysis_of_ratings(JsonReader& reader, ProtocolReading& reading) {
-  for (const std::string_view key : {"model", "correction", "jnd", "criterion", "stiffness", "exclude"})
+  for (const std::string_view key :
+       {"model", "correction", "jnd", "criterion", "stiffness", "exclude", "outcome", "jnd_convention", "lapse"})
     if (reader.member(key) != nullptr)
       reader.error(key, "has no meaning with the paradigm \"explore\"", "remove it: there are no trials");
   if (const JsonNode* contrasts = reader.array_or_null("contrasts", 0, 190)) read_contrasts(*contrasts, reading);
@@ -118,6 +124,32 @@ void read_analysis_of_ratings(JsonReader& reader, ProtocolReading& reading) {
     alpha = part.optional_number("alpha", {.min = 0, .max = 0.5, .above = true}).value_or(alpha);
     part.finish();
   }
+  reader.finish();
+}
+
+// Of the tasks whose estimates are the task's own.
+void read_analysis_of_task(JsonReader& reader, ProtocolReading& reading) {
+  AnalysisPlan& analysis = reading.protocol.analysis;
+  const std::string task(to_string(reading.protocol.task.kind));
+  for (const std::string_view key : {"model", "correction", "jnd", "criterion", "stiffness"})
+    if (reader.member(key) != nullptr)
+      reader.error(key, fmt::format("belongs to the task \"same-different\", not to {}", in_quotes(task)),
+                   "remove it: \"outcome\" says what is compared");
+  JsonReader::Words<std::string> keys;
+  const auto outcomes = task_of(reading.protocol.task.kind).outcomes(reading.protocol);
+  for (const TaskOutcome& outcome : outcomes) keys.emplace_back(outcome.key, std::string(outcome.key));
+  analysis.outcome = reader.one_of_or<std::string>("outcome", keys, std::string(outcomes.front().key));
+  analysis.jnd_convention = reader.one_of_or<std::string>(
+      "jnd_convention", {{"75 %", "75 %"}, {"84 %", "84 %"}, {"d'=1", "d'=1"}}, analysis.jnd_convention);
+  if (const JsonNode* lapse = reader.member("lapse")) {
+    analysis.lapse_free = lapse->kind == JsonNode::Kind::string && lapse->text == "free";
+    if (!analysis.lapse_free)
+      analysis.lapse = number_of(*lapse, {.min = 0, .max = 0.1}, reading.errors, reading.file).value_or(0);
+  }
+  if (const JsonNode* exclude = reader.object_or_null("exclude")) read_exclusions(*exclude, reading);
+  if (const JsonNode* contrasts = reader.array_or_null("contrasts", 0, 190)) read_contrasts(*contrasts, reading);
+  analysis.tests.outcome = Outcome::jnd;
+  if (const JsonNode* tests = reader.object_or_null("tests")) read_tests(*tests, reading);
   reader.finish();
 }
 
@@ -136,6 +168,20 @@ void read_source(const JsonNode& node, ProtocolReading& reading) {
   reader.finish();
 }
 
+namespace {
+
+// What a paper may print of such a study.
+JsonReader::Words<std::string> published_quantities(const ProtocolReading& reading) {
+  if (reading.has_pairs() || reading.explores()) return {{"jnd", "jnd"}, {"weber", "weber"}, {"rating", "rating"}};
+  JsonReader::Words<std::string> words;
+  for (const TaskOutcome& outcome : task_of(reading.protocol.task.kind).outcomes(reading.protocol))
+    words.emplace_back(outcome.key, std::string(outcome.key));
+  words.emplace_back("rating", "rating");
+  return words;
+}
+
+}  // namespace
+
 void read_published(const JsonNode& list, ProtocolReading& reading) {
   std::set<std::tuple<std::string, std::string, std::string>> seen;
   for (const JsonNode& item : list.items) {
@@ -144,9 +190,10 @@ void read_published(const JsonNode& list, ProtocolReading& reading) {
     value.condition = reader.text("condition", {.max_length = 100});
     if (const JsonNode* condition = item.find("condition"); condition != nullptr && reading.sound(condition->path))
       (void)condition_place(*condition, reading);
-    value.quantity = reader.one_of<std::string>("quantity", {{"jnd", "jnd"}, {"weber", "weber"}, {"rating", "rating"}});
-    const StiffnessUnit unit = reading.protocol.stimulus.unit;
-    NumberLimits limits{.min = 0, .max = stiffness_limits(unit).max, .above = true, .unit = to_string(unit)};
+    value.quantity = reader.one_of<std::string>("quantity", published_quantities(reading));
+    const Unit unit = reading.protocol.stimulus.unit;
+    NumberLimits limits{.min = 0, .max = value_limits(reading.protocol).max, .above = true, .unit = to_string(unit)};
+    if (!reading.has_pairs()) limits = {.min = -1e9, .max = 1e9};
     if (value.quantity == "weber") limits = {.min = 0, .max = 100, .above = true};
     if (value.quantity == "rating") limits = {.min = -100, .max = 100};
     value.value = reader.number("value", limits);
@@ -186,6 +233,10 @@ void read_analysis(const JsonNode& node, ProtocolReading& reading) {
   AnalysisPlan& analysis = reading.protocol.analysis;
   JsonReader reader(node, reading.errors, reading.file);
   if (reading.explores()) return read_analysis_of_ratings(reader, reading);
+  if (!reading.has_pairs()) return read_analysis_of_task(reader, reading);
+  for (const std::string_view key : {"outcome", "jnd_convention", "lapse"})
+    if (reader.member(key) != nullptr)
+      reader.error(key, "has no meaning with the task \"same-different\"", "remove it: \"model\" and \"jnd\" say it");
   analysis.model = reader.one_of<std::string>(
       "model",
       {{"yes-no", "yes-no"}, {"differencing", "differencing"}, {"independent-observation", "independent-observation"}});

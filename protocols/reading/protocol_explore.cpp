@@ -40,6 +40,9 @@ void read_explore(const JsonNode& node, ProtocolReading& reading) {
 }
 
 void refuse_trials(JsonReader& outer) {
+  for (const std::string_view key : {"task", "standards", "levels", "classes"})
+    if (outer.member(key) != nullptr)
+      outer.error(key, "has no meaning with the paradigm \"explore\"", "remove it: there are no trials");
   for (const std::string_view key : {"trial", "series", "practice", "feedback"})
     if (outer.member(key) != nullptr)
       outer.error(key, "has no meaning with the paradigm \"explore\"", "remove it: there are no trials");

@@ -42,6 +42,37 @@ Cues read_cues(const JsonNode& list, ProtocolReading& reading) {
   return cues;
 }
 
+// What a rig that is none of ours is told of the condition.
+void read_parameters(const JsonNode& node, Condition& condition, ProtocolReading& reading) {
+  for (std::size_t i = 0; i < node.items.size(); ++i) {
+    const JsonNode& item = node.items[i];
+    const std::string& key = node.keys[i];
+    const bool good = !key.empty() && key.size() <= 32 && std::all_of(key.begin(), key.end(), [](char c) {
+      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+    });
+    if (!good)
+      reading.error(item, in_quotes(key) + " cannot be the name of a parameter", "1 to 32 letters, digits or _");
+    else if (condition.parameters.contains(key))
+      reading.error(item, in_quotes(key) + " is given twice", "remove one");
+    else if (item.kind == JsonNode::Kind::number)
+      condition.parameters[key] = item.number;
+    else if (item.kind == JsonNode::Kind::boolean)
+      condition.parameters[key] = item.boolean;
+    else if (const auto text = text_of(item, {.max_length = 200, .may_be_empty = true}, reading.errors, reading.file))
+      condition.parameters[key] = *text;
+  }
+}
+
+// Of a rig that is none of ours: parameters instead of cues.
+void read_rig_settings(JsonReader& reader, Condition& condition, ProtocolReading& reading) {
+  if (const JsonNode* parameters = reader.object_or_null("parameters"))
+    read_parameters(*parameters, condition, reading);
+  for (const char* const key : {"cues", "devices"})
+    if (reader.member(key) != nullptr)
+      reader.error(key, fmt::format("belongs to our own devices, not to {}", in_quotes(reading.protocol.rig.device)),
+                   "remove it: \"parameters\" say what the rig is to do");
+}
+
 // Whether the condition has devices, and what these render.
 void read_devices(JsonReader& reader, Condition& condition, ProtocolReading& reading) {
   if (reading.explores()) {
@@ -101,25 +132,37 @@ void read_conditions(const JsonNode& list, ProtocolReading& reading) {
     JsonReader reader(item, reading.errors, reading.file);
     condition.name = read_name(reader, "name", reading).value_or("");
     condition.label = reader.text("label", {.max_length = 100});
-    read_devices(reader, condition, reading);
+    if (reading.protocol.rig.built_in()) {
+      read_devices(reader, condition, reading);
+      if (reader.member("parameters") != nullptr)
+        reader.error("parameters", "belong to the rigs \"external\" and \"specimens\"",
+                     "remove them: our devices have cues");
+    } else {
+      read_rig_settings(reader, condition, reading);
+    }
     reader.finish();
     reading.protocol.conditions.push_back(std::move(condition));
   }
 }
 
 void read_series(const JsonNode& list, ProtocolReading& reading) {
-  const StiffnessUnit unit = reading.protocol.stimulus.unit;
+  const Unit unit = reading.protocol.stimulus.unit;
   for (const JsonNode& item : list.items) {
     Series series;
+    series.standard = reading.protocol.stimulus.reference;
     JsonReader reader(item, reading.errors, reading.file);
     series.name = read_name(reader, "name", reading).value_or("");
     if (const JsonNode* pair = reader.array("pair", 2, 2)) {
       for (std::size_t i = 0; i < 2; ++i) {
-        series.pair[i] = number_of(pair->items[i], stiffness_limits(unit), reading.errors, reading.file).value_or(0);
+        series.pair[i] =
+            number_of(pair->items[i], value_limits(reading.protocol), reading.errors, reading.file).value_or(0);
       }
       if (reading.sound(pair->path) && series.pair[0] == series.pair[1]) {
-        reading.error(*pair, fmt::format("both stiffnesses are {} {}", plain(series.pair[0]), to_string(unit)),
-                      "a series compares two different stiffnesses");
+        reading.error(*pair,
+                      fmt::format("both {} are {} {}", reading.protocol.rig.built_in() ? "stiffnesses" : "values",
+                                  plain(series.pair[0]), to_string(unit)),
+                      reading.protocol.rig.built_in() ? "a series compares two different stiffnesses"
+                                                      : "a series compares two different values");
       }
     }
     reader.finish();
@@ -154,10 +197,12 @@ void read_design(const JsonNode& node, ProtocolReading& reading) {
                      "remove it: the procedure's \"stop\" and \"catch_share\" say how many trials there are");
     if (procedure != nullptr) read_procedure(*procedure, reading);
   } else {
-    design.trials_per_cell = reader.integer("trials_per_cell", {.min = 2, .max = 2000});
+    design.trials_per_cell = reader.integer("trials_per_cell", {.min = reading.has_pairs() ? 2 : 1, .max = 2000});
     design.sampling =
         reader.one_of<Sampling>("sampling", {{"random", Sampling::random}, {"balanced", Sampling::balanced}});
     design.run_limit = reader.optional_integer("run_limit", {.min = 1, .max = 1000});
+    if (design.run_limit && reading.protocol.task.classes.size() != 2)
+      reader.error("run_limit", "limits runs of one of two kinds of trials, which this task has not", "remove it");
   }
   design.arrangement =
       reader.one_of<Arrangement>("conditions", {{"blocked", Arrangement::blocked}, {"mixed", Arrangement::mixed}});

@@ -8,6 +8,7 @@
 #include "protocols/input/sha256.h"
 #include "protocols/reading/participant_texts.h"
 #include "protocols/reading/protocol_reading.h"
+#include "protocols/tasks/task.h"
 
 namespace jnd {
 namespace {
@@ -25,7 +26,15 @@ void read_notes(const JsonNode& list, ProtocolReading& reading) {
   }
 }
 
-// Pairs of stiffnesses, or objects.
+// The tasks that this program has.
+JsonReader::Words<TaskKind> task_words() {
+  JsonReader::Words<TaskKind> words;
+  for (const TaskKind kind : all_tasks()) words.emplace_back(to_string(kind), kind);
+  words.emplace_back(to_string(TaskKind::explore), TaskKind::explore);
+  return words;
+}
+
+// Pairs of stiffnesses, standards and levels, or objects.
 void read_what_is_presented(JsonReader& reader, ProtocolReading& reading) {
   if (reading.explores()) {
     if (const JsonNode* node = reader.object("explore")) read_explore(*node, reading);
@@ -33,6 +42,10 @@ void read_what_is_presented(JsonReader& reader, ProtocolReading& reading) {
   }
   if (reader.member("explore") != nullptr)
     reader.error("explore", "belongs to the paradigm \"explore\"", "remove it, or change the paradigm");
+  if (!reading.has_pairs()) return read_comparisons(reader, reading);
+  for (const char* const key : {"standards", "levels", "classes"})
+    if (reader.member(key) != nullptr)
+      reader.error(key, "has no meaning with the task \"same-different\"", "write \"series\": the pairs");
   if (!reading.adaptive()) {
     if (const JsonNode* list = reader.array("series", 1, 50)) read_series(*list, reading);
   } else if (reader.member("series") != nullptr) {
@@ -65,16 +78,17 @@ void read_protocol(ProtocolReading& reading) {
   const JsonNode* published = reader.array_or_null("published", 0, 200);
   const JsonNode* assumed = reader.array_or_null("assumed", 0, 200);
   // First of all the paradigm: it says which of the other members there are.
-  protocol.paradigm = reader.one_of<Paradigm>(
-      "paradigm", {{"same-different", Paradigm::same_different}, {"explore", Paradigm::explore}});
+  protocol.task.kind = reader.one_of<TaskKind>("paradigm", task_words());
   if (const JsonNode* node = reader.object("rig")) read_rig(*node, reading);
   if (reading.explores()) refuse_trials(reader);
-  if (!reading.explores())
-    if (const JsonNode* node = reader.object("trial")) read_trial(*node, reading);
+  if (!reading.explores()) read_task(reader, reading);
   if (const JsonNode* node = reader.object("stimulus")) read_stimulus(*node, reading);
   if (const JsonNode* list = reader.array("conditions", 1, 20)) read_conditions(*list, reading);
   read_what_is_presented(reader, reading);
+  if (!reading.explores())
+    if (const JsonNode* node = reader.object("trial")) read_trial(*node, reading);
   if (const JsonNode* node = reader.object("design")) read_design(*node, reading);
+  if (!reading.has_pairs() && !reading.explores()) set_extremes(protocol);
   if (const JsonNode* list = reader.array_or_null("questions", 0, 100)) read_questions(*list, reading);
   // These name conditions, series and questions, so they come after them.
   if (published != nullptr) read_published(*published, reading);

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "protocols/reading/protocol_reading.h"
+#include "protocols/tasks/task.h"
 
 namespace jnd {
 namespace {
@@ -41,7 +42,8 @@ void lint_conditions(ProtocolReading& reading) {
     for (std::size_t j = 0; j < i; ++j) {
       const bool readable =
           reading.sound(element("conditions", i, "cues")) && reading.sound(element("conditions", j, "cues"));
-      if (readable && conditions[i].cues == conditions[j].cues && conditions[i].devices == conditions[j].devices) {
+      if (readable && reading.protocol.rig.built_in() && conditions[i].cues == conditions[j].cues &&
+          conditions[i].devices == conditions[j].devices) {
         reading.error_at(element("conditions", i, conditions[i].devices ? "cues" : "devices"),
                          fmt::format("has the same cues as condition {}", in_quotes(conditions[j].name)),
                          "the two would feel alike: change one, or remove it");
@@ -103,13 +105,15 @@ void lint_orders(ProtocolReading& reading) {
 // With a procedure there is one series, and the trials follow from the tracks.
 void lint_adaptive(ProtocolReading& reading) {
   const Design& design = reading.protocol.design;
-  if (reading.sound("$.design.order.series") && design.series_order != Order::fixed)
+  const bool one_series = reading.protocol.series.size() < 2;
+  if (one_series && reading.sound("$.design.order.series") && design.series_order != Order::fixed)
     reading.error_at("$.design.order.series", "there are no series to order beside a procedure", "write \"fixed\"");
-  if (design.per_series && reading.sound("$.design.per_series"))
+  if (one_series && design.per_series && reading.sound("$.design.per_series"))
     reading.error_at("$.design.per_series", "there are no series that could change the order beside a procedure",
                      "remove it");
   if (!reading.sound("$.design.procedure") || !reading.sound("$.conditions")) return;
-  const int total = design.trials_per_cell * static_cast<int>(reading.protocol.conditions.size());
+  const int total = design.trials_per_cell * static_cast<int>(reading.protocol.conditions.size()) *
+                    static_cast<int>(std::max<std::size_t>(reading.protocol.series.size(), 1));
   if (total > kMostTrialsOfSession)
     reading.error_at("$.design.procedure.stop",
                      fmt::format("a session could have {} trials, catch trials among them", total),
@@ -122,7 +126,8 @@ void lint_trials(ProtocolReading& reading) {
   if (design.procedure) return lint_adaptive(reading);
   const bool counts = reading.sound("$.design.trials_per_cell");
   const bool sampling = reading.sound("$.design.sampling");
-  if (counts && sampling && design.sampling == Sampling::balanced && design.trials_per_cell % 4 != 0) {
+  if (reading.has_pairs() && counts && sampling && design.sampling == Sampling::balanced &&
+      design.trials_per_cell % 4 != 0) {
     const int below = design.trials_per_cell / 4 * 4;
     reading.error_at("$.design.trials_per_cell",
                      fmt::format("{} trials cannot hold the four pairs equally often", design.trials_per_cell),
@@ -135,13 +140,18 @@ void lint_trials(ProtocolReading& reading) {
   }
   if (!counts || !reading.sound("$.conditions") || !reading.sound("$.series")) return;
   const auto conditions = static_cast<int>(protocol.conditions.size());
-  const int block =
-      design.arrangement == Arrangement::mixed ? design.trials_per_cell * conditions : design.trials_per_cell;
+  int cells = 0, largest = 0;
+  for (int series = 0; series < static_cast<int>(protocol.series.size()); ++series) {
+    const int cell = trials_of_cell(protocol, series);
+    cells += cell;
+    largest = std::max(largest, cell);
+  }
+  const int block = design.arrangement == Arrangement::mixed ? largest * conditions : largest;
   if (design.run_limit && block > kMostTrialsOfLimitedBlock) {
     reading.error_at("$.design.run_limit", fmt::format("a block has {} trials", block),
                      fmt::format("a run limit works for blocks of at most {}", kMostTrialsOfLimitedBlock));
   }
-  const int total = design.trials_per_cell * conditions * static_cast<int>(protocol.series.size());
+  const int total = cells * conditions;
   if (total > kMostTrialsOfSession) {
     reading.error_at("$.design.trials_per_cell", fmt::format("a session would have {} trials", total),
                      fmt::format("at most {} are possible", kMostTrialsOfSession));
@@ -156,7 +166,8 @@ void lint_protocol(ProtocolReading& reading) {
   lint_question_ids(reading);
   lint_orders(reading);
   if (reading.explores()) return lint_explore(reading);
-  lint_series(reading);
+  if (reading.has_pairs()) lint_series(reading);
+  lint_task(reading);
   lint_trials(reading);
 }
 

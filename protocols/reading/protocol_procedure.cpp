@@ -6,8 +6,9 @@
 #include <fmt/format.h>
 
 #include "protocols/planning/adaptive_run.h"
-#include "protocols/planning/catch_trials.h"
 #include "protocols/reading/protocol_reading.h"
+#include "protocols/tasks/catch_trials.h"
+#include "protocols/tasks/task.h"
 
 namespace jnd {
 namespace {
@@ -104,6 +105,7 @@ void look_at_clamp(const JsonNode& clamp, const AdaptiveProcedure& procedure, Pr
                   "write the lowest level, then the highest");
     return;
   }
+  if (!reading.has_pairs()) return;  // lint_task looks at every standard
   const double reference = reading.protocol.stimulus.reference;
   const double softest = stiffness_limits(reading.protocol.stimulus.unit).min;
   if (reading.sound("$.stimulus.reference") && reference - highest < softest)
@@ -143,13 +145,6 @@ void look_at_quest(const JsonNode& node, const AdaptiveProcedure& procedure, Pro
     reading.error(node, problem, "");
 }
 
-// Trials of a condition at most: those with a difference and the catch trials of all its tracks.
-int slots_of_condition(const AdaptiveProcedure& procedure) {
-  const auto block = catch_block(procedure.catch_share);
-  if (!block || procedure.trials < 1) return 0;
-  return slots_of_track(*block, procedure.trials) * static_cast<int>(procedure.starts.size());
-}
-
 }  // namespace
 
 bool ProtocolReading::adaptive() const {
@@ -182,7 +177,24 @@ void read_procedure(const JsonNode& node, ProtocolReading& reading) {
     refuse(reader, "quest", kStaircaseKeys);
   }
   read_stop(reader, procedure, reading);
-  procedure.catch_share = reader.number("catch_share", {.min = 0, .max = 0.75});
+  const Task& task = task_of(reading.protocol.task.kind);
+  if (!task.has_procedures())
+    reading.error(node,
+                  fmt::format("the task {} has no levels that answers could set", in_quotes(to_string(task.kind()))),
+                  "remove it: give constant levels");
+  if (task.has_catch_trials()) {
+    procedure.catch_share = reader.number("catch_share", {.min = 0, .max = 0.75});
+  } else {
+    procedure.catch_share = 0;
+    if (reader.member("catch_share") != nullptr)
+      reader.error("catch_share", "has no meaning where every trial has a correct answer", "remove it");
+  }
+  if (reading.has_pairs() && reader.member("side") != nullptr)
+    reader.error("side", "belongs to tasks with standards: comparisons of pairs are softer", "remove it");
+  if (!reading.has_pairs())
+    procedure.sides = reader.one_of<std::vector<int>>("side", {{"below", {-1}}, {"above", {1}}, {"both", {-1, 1}}});
+  if (task.has_catch_trials() && procedure.sides.size() > 1)
+    reader.error("side", "a signal lies on one side of the noise", "write \"above\" or \"below\"");
   if (reading.sound(procedure_path("catch_share")) && !catch_block(procedure.catch_share))
     reader.error("catch_share",
                  fmt::format("{} of the trials cannot be kept in short blocks", plain(procedure.catch_share)),
@@ -193,10 +205,12 @@ void read_procedure(const JsonNode& node, ProtocolReading& reading) {
   if (kind && procedure.kind == AdaptiveProcedure::Kind::quest) look_at_quest(node, procedure, reading);
 
   Protocol& protocol = reading.protocol;
-  protocol.design.trials_per_cell = slots_of_condition(procedure);
-  if (reading.sound(procedure_path("clamp")) && reading.sound("$.stimulus.reference"))
-    protocol.series = {{"adaptive", {protocol.stimulus.reference - procedure.clamp[1], protocol.stimulus.reference}}};
-  protocol.design.procedure = std::move(procedure);
+  if (reading.has_pairs() && reading.sound(procedure_path("clamp")) && reading.sound("$.stimulus.reference"))
+    protocol.series = {{"adaptive",
+                        {protocol.stimulus.reference - procedure.clamp[1], protocol.stimulus.reference},
+                        protocol.stimulus.reference}};
+  protocol.design.procedure = procedure;
+  protocol.design.trials_per_cell = task.trials_of_cell(protocol, {});
 }
 
 // What would keep the levels from moving, or the threshold from being one.

@@ -26,8 +26,10 @@ struct ProtocolReading {
   bool knows_rig() const { return !protocol.rig.device.empty() && sound("$.rig.device"); }
   // Do the answers set the levels? Then there are no series in the file.
   bool adaptive() const;
+  // Pairs that are the same or different, as this program had them first: series instead of standards and levels.
+  bool has_pairs() const { return protocol.task.kind == TaskKind::same_different; }
   // Free interaction instead of trials? What belongs to trials has then no meaning.
-  bool explores() const { return protocol.paradigm == Paradigm::explore; }
+  bool explores() const { return protocol.task.kind == TaskKind::explore; }
   void error(const JsonNode& at, std::string message, std::string suggestion = "") {
     errors.push_back(diagnostic_at(at, file, std::move(message), std::move(suggestion)));
   }
@@ -50,10 +52,19 @@ bool acts_on_joint(const RigRequest& rig);
 
 // protocol_stimulus.cpp: what is varied. After the rig.
 void read_stimulus(const JsonNode& node, ProtocolReading& reading);
-StiffnessUnit fitting_unit(const RigRequest& rig);
-NumberLimits stiffness_limits(StiffnessUnit unit);
+Unit fitting_unit(const RigRequest& rig);
+NumberLimits stiffness_limits(Unit unit);
 
-// protocol_trial.cpp: how a trial goes.
+// protocol_task.cpp: what a trial asks, and what is compared with what. After the rig and the stimulus.
+void read_task(JsonReader& outer, ProtocolReading& reading);
+void read_comparisons(JsonReader& outer, ProtocolReading& reading);
+void lint_task(ProtocolReading& reading);
+// After the design: what a series presents at most, and the value that its participants have an idea of.
+void set_extremes(Protocol& protocol);
+// What a value of the study's quantity may be.
+NumberLimits value_limits(const Protocol& protocol);
+
+// protocol_trial.cpp: how a trial goes. After the task.
 void read_trial(const JsonNode& node, ProtocolReading& reading);
 
 // protocol_factors.cpp: conditions, series and the design that crosses them.

@@ -123,21 +123,84 @@ void read_joint(JsonReader& reader, ProtocolReading& reading) {
   }
 }
 
+// What is written on a specimen: the operator finds it by that, so it is short and plain.
+void read_codes(const JsonNode& list, Specimen& specimen, std::vector<std::string>& known, ProtocolReading& reading) {
+  for (const JsonNode& item : list.items) {
+    const auto code = text_of(item, {.max_length = 16}, reading.errors, reading.file);
+    if (!code) continue;
+    if (std::find(known.begin(), known.end(), *code) != known.end())
+      reading.error(item, fmt::format("two specimens have the code {}", in_quotes(*code)), "codes must differ");
+    known.push_back(*code);
+    specimen.codes.push_back(*code);
+  }
+}
+
+void read_specimens(const JsonNode& list, ProtocolReading& reading) {
+  RigRequest& rig = reading.protocol.rig;
+  std::vector<std::string> codes;
+  for (const JsonNode& item : list.items) {
+    Specimen specimen;
+    JsonReader reader(item, reading.errors, reading.file);
+    specimen.value = reader.number("value", {.min = -1e9, .max = 1e9});
+    if (const JsonNode* own = reader.array("codes", 1, 20)) read_codes(*own, specimen, codes, reading);
+    reader.finish();
+    const auto same = [&](const Specimen& other) { return other.value == specimen.value; };
+    if (reading.sound(item.path) && std::any_of(rig.specimens.begin(), rig.specimens.end(), same))
+      reading.error(item, fmt::format("the value {} is named twice", plain(specimen.value)),
+                    "give the codes of all specimens of that value in one list");
+    rig.specimens.push_back(std::move(specimen));
+  }
+  // The order of the codes would tell the operator the order of the values.
+  auto by_value = rig.specimens;
+  std::sort(by_value.begin(), by_value.end(), [](const Specimen& a, const Specimen& b) { return a.value < b.value; });
+  std::vector<std::string> first_codes;
+  for (const Specimen& specimen : by_value)
+    if (!specimen.codes.empty()) first_codes.push_back(specimen.codes.front());
+  if (first_codes.size() < 3 || !reading.sound(list.path)) return;
+  const bool rising = std::is_sorted(first_codes.begin(), first_codes.end());
+  const bool falling = std::is_sorted(first_codes.rbegin(), first_codes.rend());
+  if (rising || falling)
+    reading.error(list, "the codes follow the values: whoever hands the specimens over could tell which is greater",
+                  "give the codes in no order, such as 4, 7, 2");
+}
+
+// A program of the laboratory, or the operator's hands: what they can do says their rig file, or what lies on the table.
+void read_other_rig(JsonReader& reader, ProtocolReading& reading) {
+  RigRequest& rig = reading.protocol.rig;
+  if (rig.device == kSpecimenRig) {
+    if (const JsonNode* list = reader.array("specimens", 2, 200)) read_specimens(*list, reading);
+  } else if (reader.member("specimens") != nullptr) {
+    reader.error("specimens", fmt::format("belong to the rig {}", in_quotes(kSpecimenRig)), "remove them");
+  }
+  for (const char* const key :
+       {"fingers", "tracker", "mode", "separation_m", "sphere_radius_m", "object", "contact_flexion_rad"})
+    if (reader.member(key) != nullptr)
+      reader.error(key, fmt::format("belongs to our own devices, not to {}", in_quotes(rig.device)),
+                   "remove it: parameters of a condition say what the rig is to do");
+  reader.finish();
+}
+
 }  // namespace
 
 bool acts_on_pulp(const RigRequest& rig) {
-  return rig.device != "mckibben";
+  return rig.device == "rrs3" || rig.device == "rrs3+mckibben";
 }
 
 bool acts_on_joint(const RigRequest& rig) {
-  return rig.device != "rrs3";
+  return rig.device == "mckibben" || rig.device == "rrs3+mckibben";
 }
 
 void read_rig(const JsonNode& node, ProtocolReading& reading) {
   RigRequest& rig = reading.protocol.rig;
   JsonReader reader(node, reading.errors, reading.file);
-  rig.device = reader.one_of<std::string>(
-      "device", {{"rrs3", "rrs3"}, {"mckibben", "mckibben"}, {"rrs3+mckibben", "rrs3+mckibben"}});
+  rig.device = reader.one_of<std::string>("device", {{"rrs3", "rrs3"},
+                                                     {"mckibben", "mckibben"},
+                                                     {"rrs3+mckibben", "rrs3+mckibben"},
+                                                     {std::string_view(kExternalRig), std::string(kExternalRig)},
+                                                     {std::string_view(kSpecimenRig), std::string(kSpecimenRig)}});
+  if (!rig.built_in()) return read_other_rig(reader, reading);
+  if (reader.member("specimens") != nullptr)
+    reader.error("specimens", fmt::format("belong to the rig {}", in_quotes(kSpecimenRig)), "remove them");
   reading.protocol.stimulus.unit = fitting_unit(rig);
   if (reading.explores() && reading.knows_rig() && rig.device != "rrs3")
     reader.error("device", fmt::format("{} cannot go round an object", in_quotes(rig.device)),

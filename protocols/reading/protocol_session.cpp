@@ -9,7 +9,25 @@
 namespace jnd {
 namespace {
 
+// With which standard; where there is one, or none, it need not be said.
+void read_practice_standard(JsonReader& reader, Practice& practice, ProtocolReading& reading) {
+  const bool several = reading.protocol.series.size() > 1;
+  if (several)
+    (void)reader.text("standard", {.max_length = 100});
+  else
+    reader.ignore("standard");
+  if (const JsonNode* standard = reader.node().find("standard"); standard != nullptr && reading.sound(standard->path))
+    practice.series = series_place(*standard, reading).value_or(0);
+  if (reader.member("series") != nullptr)
+    reader.error("series", "has no meaning beside standards", "write \"standard\" and the name of one");
+}
+
 void read_practice_series(JsonReader& reader, Practice& practice, ProtocolReading& reading) {
+  if (!reading.has_pairs()) {
+    if (reader.member("difference") != nullptr)
+      reader.error("difference", "belongs to a design with a procedure", "remove it: the levels are practised");
+    return read_practice_standard(reader, practice, reading);
+  }
   (void)reader.text("series", {.max_length = 100});
   if (const JsonNode* series = reader.node().find("series"); series != nullptr && reading.sound(series->path))
     practice.series = series_place(*series, reading).value_or(0);
@@ -18,7 +36,11 @@ void read_practice_series(JsonReader& reader, Practice& practice, ProtocolReadin
 }
 
 void read_practice_difference(JsonReader& reader, Practice& practice, ProtocolReading& reading) {
-  const StiffnessUnit unit = reading.protocol.stimulus.unit;
+  const Unit unit = reading.protocol.stimulus.unit;
+  if (!reading.has_pairs()) {
+    practice.difference = reader.number("difference", {.min = 0, .max = 1e9, .above = true, .unit = to_string(unit)});
+    return read_practice_standard(reader, practice, reading);
+  }
   const double reference = reading.protocol.stimulus.reference, softest = stiffness_limits(unit).min;
   practice.difference = reader.number("difference", {.min = 0, .max = 20000, .above = true, .unit = to_string(unit)});
   const bool sound = reading.sound(reader.node().path + ".difference") && reading.sound("$.stimulus.reference");
@@ -37,6 +59,8 @@ void read_practice_difference(JsonReader& reader, Practice& practice, ProtocolRe
 void read_practice(const JsonNode& node, ProtocolReading& reading) {
   Practice practice;
   JsonReader reader(node, reading.errors, reading.file);
+  if (reading.has_pairs() && reader.member("standard") != nullptr)
+    reader.error("standard", "belongs to tasks with standards", "remove it");
   practice.trials = reader.integer("trials", {.min = 1, .max = 200});
   if (reading.adaptive())
     read_practice_difference(reader, practice, reading);

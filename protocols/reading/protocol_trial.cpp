@@ -1,5 +1,11 @@
 // Reads how a trial goes: the member "trial".
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
 #include "protocols/reading/protocol_reading.h"
+#include "protocols/tasks/task.h"
 
 namespace jnd {
 namespace {
@@ -18,7 +24,7 @@ CueSignal read_cue(JsonReader& cues, std::string_view key, ProtocolReading& read
 // The console keeps these for itself.
 constexpr std::string_view kReservedKeys = "pqxX";
 
-char read_key(JsonReader& keys, std::string_view key, char fallback, ProtocolReading& reading) {
+char read_key(JsonReader& keys, const std::string& key, char fallback, ProtocolReading& reading) {
   const std::string text = keys.text(key, {.max_length = 20});
   const JsonNode* node = keys.node().find(key);
   if (text.empty() || node == nullptr) return fallback;
@@ -37,14 +43,65 @@ char read_key(JsonReader& keys, std::string_view key, char fallback, ProtocolRea
   return text[0];
 }
 
+// The answers of a task: its classes, each in as many degrees of sureness as are asked, the surest of the first class
+// first and the surest of the last one last where there are two.
+std::vector<AnswerChoice> answers_of(const TaskSpec& task) {
+  std::vector<AnswerChoice> answers;
+  const int degrees = std::max(task.sureness_levels, 1);
+  for (int said = 0; said < static_cast<int>(task.classes.size()); ++said) {
+    for (int step = 0; step < degrees; ++step) {
+      const int sureness = said == 0 ? degrees - step : step + 1;
+      const std::string& word = task.classes[static_cast<std::size_t>(said)];
+      answers.push_back({task.sureness_levels == 0 ? word : fmt::format("{}-{}", word, sureness), 0, said,
+                         task.sureness_levels == 0 ? 0 : sureness});
+    }
+  }
+  return answers;
+}
+
 void read_keys(const JsonNode& node, ProtocolReading& reading) {
-  Timeline& timeline = reading.protocol.timeline;
+  std::vector<AnswerChoice>& answers = reading.protocol.task.answers;
   JsonReader reader(node, reading.errors, reading.file);
-  timeline.key_same = read_key(reader, "same", 's', reading);
-  timeline.key_different = read_key(reader, "different", 'd', reading);
+  for (AnswerChoice& answer : answers) answer.key = read_key(reader, answer.word, answer.key, reading);
   reader.finish();
-  if (reading.sound(node.path) && timeline.key_same == timeline.key_different)
-    reader.error("different", "is the key for \"same\" too", "the two answers need different keys");
+  if (!reading.sound(node.path)) return;
+  for (std::size_t i = 1; i < answers.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (answers[i].key != answers[j].key) continue;
+      reader.error(answers[i].word, fmt::format("is the key for {} too", in_quotes(answers[j].word)),
+                   answers.size() == 2 ? "the two answers need different keys" : "every answer needs a key of its own");
+      break;
+    }
+  }
+}
+
+// Which answers there are, and their keys.
+void read_answers(JsonReader& reader, ProtocolReading& reading) {
+  TaskSpec& task = reading.protocol.task;
+  task.answers = answers_of(task);
+  if (task.answers.empty()) {
+    if (reader.member("keys") != nullptr)
+      reader.error("keys", "has no meaning where the answer is a number", "remove it: the number is typed");
+    return;
+  }
+  if (const JsonNode* keys = reader.object("keys")) read_keys(*keys, reading);
+}
+
+void read_interval_cues(const JsonNode& node, ProtocolReading& reading) {
+  constexpr std::array<std::string_view, kMostIntervals> kPlaces = {"first", "second", "third"};
+  Timeline& timeline = reading.protocol.timeline;
+  const auto intervals = static_cast<std::size_t>(task_of(reading.protocol.task.kind).intervals(reading.protocol.task));
+  JsonReader part(node, reading.errors, reading.file);
+  for (std::size_t i = 0; i < kPlaces.size(); ++i) {
+    if (i < intervals)
+      timeline.interval_cues[i] = read_cue(part, kPlaces[i], reading);
+    else if (part.member(kPlaces[i]) != nullptr)
+      part.error(kPlaces[i],
+                 fmt::format("has no meaning where a trial has {} interval{}", intervals, intervals == 1 ? "" : "s"),
+                 "remove it");
+  }
+  timeline.question_cue = read_cue(part, "question", reading);
+  part.finish();
 }
 
 }  // namespace
@@ -54,18 +111,14 @@ void read_trial(const JsonNode& node, ProtocolReading& reading) {
   JsonReader reader(node, reading.errors, reading.file);
   timeline.explore_s = reader.number("explore_s", {.min = 0.5, .max = 60, .unit = "s"});
   timeline.no_contact_time_out_s = reader.number("no_contact_time_out_s", {.min = 1, .max = 120, .unit = "s"});
-  timeline.gap_s = reader.number("gap_s", {.min = 0, .max = 60, .unit = "s"});
+  timeline.gap_s = task_of(reading.protocol.task.kind).intervals(reading.protocol.task) > 1
+                       ? reader.number("gap_s", {.min = 0, .max = 60, .unit = "s"})
+                       : reader.number_or("gap_s", 0, {.min = 0, .max = 60, .unit = "s"});
   timeline.between_trials_s = reader.number("between_trials_s", {.min = 0, .max = 120, .unit = "s"});
   timeline.answer_time_out_s = reader.number("answer_time_out_s", {.min = 1, .max = 600, .unit = "s"});
   timeline.max_attempts = reader.integer("max_attempts", {.min = 1, .max = 10});
-  if (const JsonNode* cues = reader.object("cues")) {
-    JsonReader part(*cues, reading.errors, reading.file);
-    timeline.first_cue = read_cue(part, "first", reading);
-    timeline.second_cue = read_cue(part, "second", reading);
-    timeline.question_cue = read_cue(part, "question", reading);
-    part.finish();
-  }
-  if (const JsonNode* keys = reader.object("keys")) read_keys(*keys, reading);
+  if (const JsonNode* cues = reader.object("cues")) read_interval_cues(*cues, reading);
+  read_answers(reader, reading);
   reader.finish();
 }
 

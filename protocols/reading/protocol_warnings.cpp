@@ -110,7 +110,7 @@ void warn_about_letters(ProtocolReading& reading) {
 }
 
 int group_size(const Protocol& protocol) {
-  if (protocol.paradigm == Paradigm::explore) return std::max(1, ExplorationAssignment(protocol, 0).group_size());
+  if (protocol.task.kind == TaskKind::explore) return std::max(1, ExplorationAssignment(protocol, 0).group_size());
   return OrderAssignment(protocol, 0).group_size();
 }
 
@@ -146,7 +146,7 @@ void warn_about_session(ProtocolReading& reading) {
 void warn_about_protocol(ProtocolReading& reading) {
   if (reading.protocol.design.procedure) {
     warn_about_procedure(reading);
-  } else if (!reading.explores()) {
+  } else if (reading.has_pairs()) {
     warn_about_counts(reading);
     if (has_precision(reading.protocol)) warn_about_precision(reading);
     warn_about_draws(reading);

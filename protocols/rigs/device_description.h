@@ -42,8 +42,8 @@ struct DeviceSpec {
   double max_force_n = 0;    // on the finger
   double lowest_travel = 0;  // range of the device's own coordinate: platform height in m, or joint angle in rad
   double highest_travel = 0;
-  double max_stiffness = 0;                     // stable up to here at the loop's rate: N/m, or N/rad of a joint
-  StiffnessUnit unit = StiffnessUnit::n_per_m;  // of max_stiffness
+  double max_stiffness = 0;   // stable up to here at the loop's rate: N/m, or N/rad of a joint
+  Unit unit = Unit::n_per_m;  // of max_stiffness
   SensorSpec sensors;
   std::optional<Calibration> calibration{};
 

@@ -27,7 +27,7 @@ struct DeviceLinting {
 
   bool any(bool Cues::*cue) const;       // does any condition have it?
   std::set<double> stiffnesses() const;  // of all series
-  bool in_metres() const { return protocol.stimulus.unit == StiffnessUnit::n_per_m; }
+  bool in_metres() const { return protocol.stimulus.unit == Unit::n_per_m; }
   std::string_view unit() const { return to_string(protocol.stimulus.unit); }
   std::string depth(double value) const;  // "5.22 mm" or "0.240 rad"
   std::string press_path() const;         // of the expected press
@@ -216,7 +216,10 @@ bool DeviceLinting::any(bool Cues::*cue) const {
 
 std::set<double> DeviceLinting::stiffnesses() const {
   std::set<double> all;
-  for (const Series& series : protocol.series) all.insert(series.pair.begin(), series.pair.end());
+  for (const Series& series : protocol.series) {
+    all.insert(series.pair.begin(), series.pair.end());
+    all.insert(series.levels.begin(), series.levels.end());
+  }
   if (protocol.design.procedure)
     for (const double start : protocol.design.procedure->starts) all.insert(protocol.stimulus.reference - start);
   if (protocol.explore) all.insert(protocol.stimulus.reference);
@@ -233,16 +236,21 @@ std::string DeviceLinting::press_path() const {
 
 std::string DeviceLinting::series_path() const {
   if (protocol.explore) return "$.stimulus.reference";
-  return protocol.design.procedure ? "$.design.procedure.clamp" : "$.series";
+  if (protocol.design.procedure) return "$.design.procedure.clamp";
+  if (protocol.task.kind == TaskKind::same_different) return "$.series";
+  return protocol.task.kind == TaskKind::identify ? "$.classes" : "$.levels";
 }
 
 std::string DeviceLinting::pair_path(std::size_t series) const {
-  return protocol.design.procedure ? series_path() : fmt::format("$.series[{}].pair", series);
+  const bool pairs = protocol.task.kind == TaskKind::same_different && !protocol.design.procedure;
+  return pairs ? fmt::format("$.series[{}].pair", series) : series_path();
 }
 
 // The pair of a procedure is the comparison of the largest level, and the reference.
 std::string DeviceLinting::stiffness_path(std::size_t series, std::size_t of_pair) const {
-  if (!protocol.design.procedure) return fmt::format("{}[{}]", pair_path(series), of_pair);
+  if (!protocol.design.procedure && protocol.task.kind == TaskKind::same_different)
+    return fmt::format("{}[{}]", pair_path(series), of_pair);
+  if (protocol.task.kind != TaskKind::same_different) return series_path();
   return of_pair == 0 ? series_path() + "[1]" : "$.stimulus.reference";
 }
 
@@ -261,8 +269,9 @@ namespace {
 void look_at_taps(DeviceLinting& linting) {
   if (linting.rig.cutaneous() != nullptr) return;
   const Timeline& timeline = linting.protocol.timeline;
-  for (const auto& [name, cue] : {std::pair<const char*, const CueSignal&>{"first", timeline.first_cue},
-                                  {"second", timeline.second_cue},
+  for (const auto& [name, cue] : {std::pair<const char*, const CueSignal&>{"first", timeline.interval_cues[0]},
+                                  {"second", timeline.interval_cues[1]},
+                                  {"third", timeline.interval_cues[2]},
                                   {"question", timeline.question_cue}})
     if (cue.kind == "tap")
       linting.error(fmt::format("$.trial.cues.{}.kind", name), "no device of this rig can tap: none vibrates",

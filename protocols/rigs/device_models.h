@@ -25,11 +25,11 @@ struct HardLimits {
 };
 
 struct DeviceModelFacts {
-  std::string_view title;                       // "3RRS device", for messages
-  std::string_view renders;                     // what it does to the finger, in words
-  bool acts_on_joint = false;                   // else it presses the pulp
-  std::string_view place;                       // "pulp" or "joint", for messages
-  StiffnessUnit unit = StiffnessUnit::n_per_m;  // of its stiffnesses
+  std::string_view title;      // "3RRS device", for messages
+  std::string_view renders;    // what it does to the finger, in words
+  bool acts_on_joint = false;  // else it presses the pulp
+  std::string_view place;      // "pulp" or "joint", for messages
+  Unit unit = Unit::n_per_m;   // of its stiffnesses
   HardLimits limits{};
 };
 
@@ -42,7 +42,7 @@ constexpr DeviceModelFacts facts_of(DeviceModel model) noexcept {
               .renders = "presses and tilts on the pulp, vibrates",
               .acts_on_joint = false,
               .place = "pulp",
-              .unit = StiffnessUnit::n_per_m,
+              .unit = Unit::n_per_m,
               .limits = {.force_n = 4.7,
                          .stiffness = 2000,
                          .stroke_m = 0.015,
@@ -56,7 +56,7 @@ constexpr DeviceModelFacts facts_of(DeviceModel model) noexcept {
               .renders = "resists the finger's flexion",
               .acts_on_joint = true,
               .place = "joint",
-              .unit = StiffnessUnit::n_per_rad,
+              .unit = Unit::n_per_rad,
               .limits = {.force_n = 30, .stiffness = 50}};
   }
   return {};

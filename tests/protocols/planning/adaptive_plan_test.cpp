@@ -9,11 +9,12 @@
 
 #include "protocols/course/duration.h"
 #include "protocols/planning/adaptive_run.h"
-#include "protocols/planning/catch_trials.h"
 #include "protocols/planning/cohort.h"
 #include "protocols/planning/plan.h"
 #include "protocols/reading/protocol_json.h"
 #include "protocols/rigs/device_lint.h"
+#include "protocols/tasks/catch_trials.h"
+#include "protocols/tasks/same_different_task.h"
 #include "tests/catch.h"
 #include "tests/protocols/examples.h"
 #include "tests/protocols/rigs.h"
@@ -23,6 +24,10 @@ using namespace jnd::test;
 using nlohmann::json;
 
 namespace {
+
+Answer said(int which) {
+  return {.said = which};
+}
 
 json good(const std::string& name) {
   return json::parse(read_text(corpus_folder() / "good" / (name + ".json")));
@@ -79,7 +84,7 @@ TEST_CASE("every block of a track holds its share, both orders and both kinds of
       int reference_first = 0, reference_second = 0, references = 0, comparisons = 0;
       for (std::size_t i = first; i < end; ++i) {
         const auto& [one, two] = slots[i];
-        RC_ASSERT((one == 900 || one == kSetByAnswers) && (two == 900 || two == kSetByAnswers));
+        RC_ASSERT((one == 900 || one == set_by_answers(900)) && (two == 900 || two == set_by_answers(900)));
         ++(one == two ? (one == 900 ? references : comparisons) : (one == 900 ? reference_first : reference_second));
       }
       found += reference_first + reference_second;
@@ -100,7 +105,7 @@ TEST_CASE("the plan fixes conditions, tracks and catch trials, and leaves the le
   REQUIRE(protocol.design.procedure);
   CHECK(protocol.series.size() == 1);
   CHECK(protocol.series[0].name == "adaptive");
-  CHECK(protocol.series[0].pair == std::array<double, 2>{100, 900});
+  CHECK(protocol.series[0].pair == Intervals{100, 900});
   const Plan plan = make_plan(protocol, 3, 7);
   // 40 with a difference and a third of all: 6 whole blocks of 6 + 3, then 4 + 2.
   CHECK(main_trial_count(plan) == 3 * 2 * 60);
@@ -109,7 +114,7 @@ TEST_CASE("the plan fixes conditions, tracks and catch trials, and leaves the le
     for (int track = 1; track <= 2; ++track) {
       const std::vector<Trial> slots = slots_of(plan, condition, track);
       REQUIRE(slots.size() == 60);
-      CHECK(std::count_if(slots.begin(), slots.end(), [](const Trial& t) { return t.same; }) == 20);
+      CHECK(std::count_if(slots.begin(), slots.end(), [](const Trial& t) { return (t.target == kClassSame); }) == 20);
       const std::set<int> blocks = [&] {
         std::set<int> all;
         for (const Trial& slot : slots) all.insert(slot.block);
@@ -119,7 +124,7 @@ TEST_CASE("the plan fixes conditions, tracks and catch trials, and leaves the le
     }
   }
   for (const Trial& trial : plan.trials) {
-    CHECK(trial.same == (trial.stimuli[0] == trial.stimuli[1]));
+    CHECK((trial.target == kClassSame) == (trial.stimuli[0] == trial.stimuli[1]));
     if (trial.practice) {
       CHECK(trial.track == 0);
       CHECK((trial.stimuli[0] == 500 || trial.stimuli[0] == 900));
@@ -158,7 +163,7 @@ TEST_CASE("a condition's slots do not depend on the others, nor on the procedure
   fewer["design"]["procedure"]["step_up"] = 33;
   const Plan all = make_plan(protocol, 2, 5), two = make_plan(parsed(fewer), 2, 5);
   const auto stimuli = [](const std::vector<Trial>& slots) {
-    std::vector<std::array<double, 2>> pairs;
+    std::vector<Intervals> pairs;
     for (const Trial& slot : slots) pairs.push_back(slot.stimuli);
     return pairs;
   };
@@ -180,14 +185,14 @@ TEST_CASE("levels follow the answers of their own track; catch trials move nothi
     Staircase& mine = slot.track == 1 ? first : second;
     const Trial trial = run.resolved(slot);
     for (std::size_t i = 0; i < 2; ++i)
-      CHECK(trial.stimuli[i] == (slot.stimuli[i] == kSetByAnswers ? 900 - mine.level() : 900));
-    CHECK(trial.same == (trial.stimuli[0] == trial.stimuli[1]));
-    const Judgement judgement = slot.index % 3 == 0 ? Judgement::same : Judgement::different;
-    run.answered(trial, judgement);
-    if (slot.same)
+      CHECK(trial.stimuli[i] == (slot.stimuli[i] == set_by_answers(900) ? 900 - mine.level() : 900));
+    CHECK((trial.target == kClassSame) == (trial.stimuli[0] == trial.stimuli[1]));
+    const int judgement = slot.index % 3 == 0 ? kClassSame : kClassDifferent;
+    run.answered(trial, said(judgement));
+    if ((slot.target == kClassSame))
       ++catches;
     else
-      mine.answer(judgement == Judgement::different);
+      mine.answer(judgement == kClassDifferent);
   }
   const std::vector<AdaptiveTrack> tracks = run.tracks();
   REQUIRE(tracks.size() == 6);
@@ -204,10 +209,10 @@ TEST_CASE("a track ends with its reversals, or with its trials") {
   AdaptiveRun run(protocol);
   Trial slot;
   slot.track = 1;
-  slot.same = false;
+  slot.target = kClassDifferent;
   int answers = 0;
   while (!run.over(slot)) {  // wrong and right in pairs: a reversal at every turn
-    run.answered(slot, answers % 4 < 2 ? Judgement::same : Judgement::different);
+    run.answered(slot, said(answers % 4 < 2 ? kClassSame : kClassDifferent));
     ++answers;
   }
   CHECK(run.tracks()[0].reversals.size() == 8);
@@ -215,7 +220,7 @@ TEST_CASE("a track ends with its reversals, or with its trials") {
   slot.track = 2;
   answers = 0;
   while (!run.tracks()[1].finished) {
-    run.answered(slot, Judgement::different);
+    run.answered(slot, said(kClassDifferent));
     ++answers;
   }
   CHECK(answers == 40);
@@ -230,14 +235,15 @@ TEST_CASE("QUEST presents the mean of its posterior, within the clamp") {
   Quest quest(quest_of_track(*protocol.design.procedure, 1));
   Trial slot;
   slot.track = 1;
-  slot.same = false;
-  slot.stimuli = {900, kSetByAnswers};
+  slot.target = kClassDifferent;
+  slot.stimuli = {900, set_by_answers(900)};
+  slot.standard = 900;
   CHECK(run.resolved(slot).stimuli[1] == Approx(600));
   for (int i = 0; i < 24; ++i) {
     const double level = 900 - run.resolved(slot).stimuli[1];
     CHECK(level == Approx(std::clamp(std::pow(10, quest.estimate().mean), 20.0, 800.0)).margin(0.001));
     const bool different = i % 5 != 0;
-    run.answered(slot, different ? Judgement::different : Judgement::same);
+    run.answered(slot, said(different ? kClassDifferent : kClassSame));
     quest.answer(std::log10(level), different);
   }
   CHECK(run.tracks()[0].finished);
@@ -249,7 +255,7 @@ TEST_CASE("QUEST presents the mean of its posterior, within the clamp") {
 
 TEST_CASE("a session's length is the most that it can be") {
   const Protocol protocol = staircase();
-  CHECK(expected_duration_s(protocol) == Approx((360 + 6) * expected_trial_s(protocol.timeline)));
+  CHECK(expected_duration_s(protocol) == Approx((360 + 6) * expected_trial_s(protocol)));
   const CohortBalance balance = balance_of_cohort(protocol, 6, 1);
   CHECK(balance.same == 6 * 3 * 2 * 20);
   CHECK(balance.different == 6 * 3 * 2 * 40);

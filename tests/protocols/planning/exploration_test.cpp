@@ -26,7 +26,7 @@ Protocol experiment2() {
 
 TEST_CASE("experiment 2 is the published one") {
   const Protocol protocol = experiment2();
-  CHECK(protocol.paradigm == Paradigm::explore);
+  CHECK(protocol.task.kind == TaskKind::explore);
   CHECK(protocol.design.participants == 12);
   REQUIRE(protocol.explore);
   CHECK(protocol.explore->duration_s == 300);

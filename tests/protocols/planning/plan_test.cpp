@@ -11,6 +11,7 @@
 
 #include "protocols/input/sha256.h"
 #include "protocols/reading/protocol_json.h"
+#include "protocols/tasks/same_different_task.h"
 #include "tests/catch.h"
 #include "tests/protocols/examples.h"
 
@@ -27,9 +28,9 @@ std::vector<Trial> main_trials(const Plan& plan) {
 }
 
 // The stimuli of one cell in presented order, found by names.
-std::vector<std::array<double, 2>> cell_of(const Protocol& protocol, const Plan& plan, const std::string& series,
-                                           const std::string& condition) {
-  std::vector<std::array<double, 2>> cell;
+std::vector<Intervals> cell_of(const Protocol& protocol, const Plan& plan, const std::string& series,
+                               const std::string& condition) {
+  std::vector<Intervals> cell;
   for (const Trial& trial : main_trials(plan)) {
     if (protocol.series[static_cast<std::size_t>(trial.series)].name == series &&
         protocol.conditions[static_cast<std::size_t>(trial.condition)].name == condition)
@@ -41,7 +42,8 @@ std::vector<std::array<double, 2>> cell_of(const Protocol& protocol, const Plan&
 int longest_run_within_blocks(const std::vector<Trial>& trials) {
   int longest = 0, run = 0;
   for (std::size_t i = 0; i < trials.size(); ++i) {
-    const bool goes_on = i > 0 && trials[i].block == trials[i - 1].block && trials[i].same == trials[i - 1].same;
+    const bool goes_on = i > 0 && trials[i].block == trials[i - 1].block &&
+                         (trials[i].target == kClassSame) == (trials[i - 1].target == kClassSame);
     run = goes_on ? run + 1 : 1;
     longest = std::max(longest, run);
   }
@@ -65,15 +67,15 @@ TEST_CASE("plans never change: literal trials and digests") {
   const Protocol published = load_protocol(protocols_folder() / "chinello2017.json");
   const Plan plan = make_plan(published, 1, 1);
   REQUIRE(plan.trials.size() == 108);
-  const std::array<std::array<double, 2>, 6> first = {
-      {{700, 700}, {700, 700}, {900, 900}, {900, 700}, {700, 700}, {700, 900}}};
+  const std::array<Intervals, 6> first = {Intervals{700, 700}, {700, 700}, {900, 900},
+                                          {900, 700},          {700, 700}, {700, 900}};
   for (std::size_t i = 0; i < first.size(); ++i) {
     CHECK(plan.trials[i].stimuli == first[i]);
     CHECK(plan.trials[i].series == 2);
     CHECK(plan.trials[i].condition == 2);
     CHECK(plan.trials[i].block == 1);
   }
-  CHECK(plan.trials.back().stimuli == std::array<double, 2>{900, 900});
+  CHECK(plan.trials.back().stimuli == Intervals{900, 900});
   CHECK(plan.trials.back().series == 1);
   CHECK(plan.trials.back().condition == 0);
   CHECK(digest(published, plan) == "723be832b3637a48ecae85c5d96217aab41db3592b4152af0f9d07efd9e2e87d");
@@ -108,7 +110,7 @@ TEST_CASE("properties of any plan") {
     RC_ASSERT(static_cast<int>(plan.trials.size()) == series * conditions * trials);
     RC_ASSERT(
         std::is_permutation(plan.series_order.begin(), plan.series_order.end(), std::vector<int>{0, 1, 2, 3}.begin()));
-    std::map<std::pair<int, int>, std::map<std::array<double, 2>, int>> cells;
+    std::map<std::pair<int, int>, std::map<Intervals, int>> cells;
     for (std::size_t i = 0; i < plan.trials.size(); ++i) {
       const Trial& trial = plan.trials[i];
       const int per_block = mixed ? conditions * trials : trials;
@@ -116,7 +118,7 @@ TEST_CASE("properties of any plan") {
       RC_ASSERT(trial.block == static_cast<int>(i) / per_block + 1);
       RC_ASSERT(!trial.practice);
       RC_ASSERT(trial.round == 0);
-      RC_ASSERT(trial.same == (trial.stimuli[0] == trial.stimuli[1]));
+      RC_ASSERT((trial.target == kClassSame) == (trial.stimuli[0] == trial.stimuli[1]));
       const auto series_turn = i / static_cast<std::size_t>(conditions * trials);
       RC_ASSERT(trial.series == plan.series_order[series_turn]);
       if (!mixed) {
@@ -189,7 +191,7 @@ TEST_CASE("mixed blocks keep each condition's own draws") {
 
 TEST_CASE("random draws: independent fair spheres, so that half of the trials are same") {
   const Protocol protocol = small_protocol(1, 1, 2000, Sampling::random);
-  std::map<std::array<double, 2>, int> pairs;
+  std::map<Intervals, int> pairs;
   for (int participant = 1; participant <= 20; ++participant)
     for (const Trial& trial : make_plan(protocol, participant, 4).trials) ++pairs[trial.stimuli];
   CHECK(pairs.size() == 4);
@@ -204,7 +206,7 @@ TEST_CASE("run limits do not favour a class or a place") {
   for (int participant = 1; participant <= kParticipants; ++participant) {
     const Plan plan = make_plan(protocol, participant, 5);
     REQUIRE(longest_run_within_blocks(plan.trials) <= 2);
-    for (std::size_t i = 0; i < 8; ++i) same_at[i] += plan.trials[i].same ? 1 : 0;
+    for (std::size_t i = 0; i < 8; ++i) same_at[i] += (plan.trials[i].target == kClassSame) ? 1 : 0;
   }
   // By symmetry of the classes each place is "same" half of the time; SD 31.6.
   for (const int count : same_at) CHECK(std::abs(count - kParticipants / 2) < 5 * 32);
@@ -229,7 +231,7 @@ TEST_CASE("practice comes first, in rounds, conditions in turn, about half same"
           CHECK(trial.series == 1);
           CHECK(trial.condition == (i % 2 == 0 ? 2 : 0));
           CHECK(trial.index == (round - 1) * trials + i + 1);
-          same += trial.same ? 1 : 0;
+          same += (trial.target == kClassSame) ? 1 : 0;
         }
         same_of_all += same;
         if (trials % 4 == 0) CHECK(same == trials / 2);

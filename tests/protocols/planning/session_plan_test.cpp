@@ -11,6 +11,7 @@
 #include "protocols/planning/order.h"
 #include "protocols/planning/plan.h"
 #include "protocols/reading/protocol_json.h"
+#include "protocols/tasks/same_different_task.h"
 #include "tests/catch.h"
 #include "tests/protocols/examples.h"
 
@@ -24,8 +25,8 @@ std::string session_digest(const Protocol& protocol, const Plan& plan) {
   for (const Trial& t : plan.trials)
     text += fmt::format("{} {} {} {} {} {} {} {} {:g} {:g}\n", t.index, t.block, t.practice, t.round,
                         protocol.series[static_cast<std::size_t>(t.series)].name,
-                        protocol.conditions[static_cast<std::size_t>(t.condition)].name, t.same, t.track, t.stimuli[0],
-                        t.stimuli[1]);
+                        protocol.conditions[static_cast<std::size_t>(t.condition)].name, (t.target == kClassSame),
+                        t.track, t.stimuli[0], t.stimuli[1]);
   return sha256_hex(text);
 }
 

@@ -32,7 +32,7 @@ TEST_CASE("texts are replaced, and what is logged, planned and identified stays"
   CHECK(german.consent.find("freiwillig") != std::string::npos);
   CHECK(german.instructions[0].text.find("\n") != std::string::npos);
   CHECK(german.instructions[0].id == english.instructions[0].id);
-  CHECK(german.timeline.first_cue.say == "Erste Kugel.");
+  CHECK(german.timeline.interval_cues[0].say == "Erste Kugel.");
   CHECK(german.breaks[0].say != english.breaks[0].say);
   CHECK(german.questions[0].text == "Händigkeit");
   CHECK(german.questions[0].options == std::vector<std::string>{"right", "left", "both"});
@@ -78,7 +78,7 @@ TEST_CASE("labels of conditions are the participant's where a question shows the
 TEST_CASE("what a translation leaves out stays as it is, and is warned about") {
   const Protocol german = in_language(complete(), "de");
   CHECK(german.questions[1].shown == std::vector<std::string>{"links", "right"});
-  CHECK(german.timeline.second_cue.say == "Two.");
+  CHECK(german.timeline.interval_cues[1].say == "Two.");
   const std::vector<std::string> missing = left_out_of(complete(), "de");
   const auto leaves_out = [&](const std::string& path) {
     return std::find(missing.begin(), missing.end(), path) != missing.end();

@@ -28,7 +28,7 @@ TEST_CASE("a specification of the 3RRS device is read") {
   const DeviceSpec spec = device_from(kRrs3Spec);
   CHECK(spec.name == "rrs3");
   CHECK(spec.model == DeviceModel::rrs3);
-  CHECK(spec.unit == StiffnessUnit::n_per_m);
+  CHECK(spec.unit == Unit::n_per_m);
   CHECK(spec.max_force_n == 4.7);
   CHECK(spec.max_vibration_hz == 240);
   CHECK(spec.max_stiffness == 2000);
@@ -42,7 +42,7 @@ TEST_CASE("a specification of the McKibben finger is read") {
   const DeviceSpec spec = device_from(kMckibbenSpec);
   CHECK(spec.name == "mckibben");
   CHECK(spec.model == DeviceModel::mckibben);
-  CHECK(spec.unit == StiffnessUnit::n_per_rad);
+  CHECK(spec.unit == Unit::n_per_rad);
   CHECK(spec.max_force_n == 20);
   CHECK(spec.max_stiffness == 50);
   CHECK(spec.lowest_travel == 0.35);

@@ -24,7 +24,7 @@ TEST_CASE("a rig of fingertip devices is read") {
   CHECK(complete.rig.mode == RenderingMode::wrench);
   CHECK(complete.rig.object.empty());
   CHECK(complete.rig.sphere_radius_m == 0.04);
-  CHECK(complete.stimulus.unit == StiffnessUnit::n_per_m);
+  CHECK(complete.stimulus.unit == Unit::n_per_m);
   CHECK(complete.stimulus.damping_n_s_per_m == 0.5);
   CHECK(complete.analysis.by_delivered);
   const Protocol minimal = good("minimal");
@@ -41,7 +41,7 @@ TEST_CASE("a rig that drives a joint is read") {
   CHECK(joint.rig.device == "mckibben");
   CHECK(joint.rig.tracker == "encoder");
   CHECK(joint.rig.contact_flexion_rad == 0.1);
-  CHECK(joint.stimulus.unit == StiffnessUnit::n_per_rad);
+  CHECK(joint.stimulus.unit == Unit::n_per_rad);
   CHECK(joint.stimulus.reference == 25);
   CHECK(joint.stimulus.expected_press == 0.25);
   CHECK(joint.stimulus.damping_n_s_per_m == 0.01);
@@ -50,7 +50,7 @@ TEST_CASE("a rig that drives a joint is read") {
   const Protocol both = good("two-devices");
   CHECK(both.rig.device == "rrs3+mckibben");
   CHECK(both.rig.mode == RenderingMode::pd);
-  CHECK(both.stimulus.unit == StiffnessUnit::n_per_m);
+  CHECK(both.stimulus.unit == Unit::n_per_m);
   CHECK(both.conditions.at(0).cues == Cues{.force = true, .vibration = true, .kinaesthetic = true});
 }
 
@@ -61,7 +61,7 @@ TEST_CASE("the trials of a joint's protocol carry its unit, and its tables name 
     REQUIRE_FALSE(plan.trials.empty());
     for (const Trial& trial : plan.trials) CHECK(trial.unit == protocol.stimulus.unit);
     const std::string text = to_text(balance_of_cohort(protocol, protocol.design.participants, 1), protocol);
-    const bool in_metres = protocol.stimulus.unit == StiffnessUnit::n_per_m;
+    const bool in_metres = protocol.stimulus.unit == Unit::n_per_m;
     CHECK((text.find("N/m") != std::string::npos) == in_metres);
     CHECK((text.find("N/rad") != std::string::npos) == !in_metres);
   }

@@ -1,4 +1,4 @@
-#include "protocols/planning/random_stream.h"
+#include "protocols/random_stream.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "protocols/planning/random_stream.h"
-#include "protocols/vocabulary.h"
+#include "protocols/protocol.h"
+#include "protocols/random_stream.h"
 
 namespace jnd {
 
@@ -22,9 +22,12 @@ std::optional<CatchBlock> catch_block(double share);
 // How many trials a track has with `different` trials that have a difference.
 int slots_of_track(const CatchBlock& block, int different);
 
+// Trials of all tracks of a procedure, catch trials among them; 0 where its share cannot be kept.
+int trials_with_catches(const AdaptiveProcedure& procedure);
+
 // The slots of one track. In every block the reference comes first in half of the trials with a difference, and half of
 // the catch trials present the reference twice, the others the comparison; where a half is not whole, a coin decides. A
-// comparison is kSetByAnswers. The last block may be a part with the same share, rounded.
+// comparison is set_by_answers(reference). The last block may be a part with the same share, rounded.
 std::vector<std::array<double, 2>> draw_slots(const CatchBlock& block, int different, double reference,
                                               RandomStream& stream);
 

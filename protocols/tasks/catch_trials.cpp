@@ -1,4 +1,4 @@
-#include "protocols/planning/catch_trials.h"
+#include "protocols/tasks/catch_trials.h"
 
 #include <algorithm>
 #include <cmath>
@@ -35,10 +35,17 @@ int slots_of_track(const CatchBlock& block, int different) {
   return different / of_block * block.trials + (rest == 0 ? 0 : rest + catches_of_part(block, rest));
 }
 
+int trials_with_catches(const AdaptiveProcedure& procedure) {
+  const auto block = catch_block(procedure.catch_share);
+  if (!block || procedure.trials < 1) return 0;
+  return slots_of_track(*block, procedure.trials) * static_cast<int>(procedure.starts.size());
+}
+
 std::vector<std::array<double, 2>> draw_slots(const CatchBlock& block, int different, double reference,
                                               RandomStream& stream) {
   using Pair = std::array<double, 2>;
   const int of_block = block.trials - block.catches;
+  const double comparison = set_by_answers(reference);
   std::vector<Pair> slots;
   while (different > 0) {
     const int now = std::min(different, of_block);
@@ -48,8 +55,8 @@ std::vector<std::array<double, 2>> draw_slots(const CatchBlock& block, int diffe
       for (int i = 0; i < count / 2; ++i) part.insert(part.end(), {one, other});
       if (count % 2 != 0) part.push_back(stream.coin() ? one : other);
     };
-    add(now, {reference, kSetByAnswers}, {kSetByAnswers, reference});
-    add(catches, {reference, reference}, {kSetByAnswers, kSetByAnswers});
+    add(now, {reference, comparison}, {comparison, reference});
+    add(catches, {reference, reference}, {comparison, comparison});
     stream.shuffle(part);
     slots.insert(slots.end(), part.begin(), part.end());
     different -= now;

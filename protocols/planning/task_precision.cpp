@@ -1,0 +1,109 @@
+#include "protocols/planning/task_precision.h"
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "analysis/numerics/moments.h"
+#include "analysis/numerics/sample_quantile.h"
+#include "protocols/planning/adaptive_run.h"
+#include "protocols/planning/plan.h"
+#include "protocols/random_stream.h"
+#include "protocols/tasks/task.h"
+
+namespace jnd {
+namespace {
+
+// A trial whose answers accept nothing after so many looks is left out, as in a session.
+constexpr int kMostLooks = 200;
+
+double noise_of(const Series& series, const TaskPrecisionQuestion& question) {
+  if (question.noise) return *question.noise;
+  const double of = series.standard != 0 ? series.standard : 0.5 * (series.pair[0] + series.pair[1]);
+  return kAssumedWeber * std::abs(of);
+}
+
+// The participant's answer to a trial, whatever looks that takes.
+std::optional<Answer> answer_to(const Trial& trial, const Protocol& protocol, double noise, RandomStream& stream) {
+  const Task& task = task_of(protocol.task.kind);
+  const double sigma = noise / std::sqrt(2.0);
+  Intervals now = trial.stimuli;
+  for (int look = 0; look < kMostLooks; ++look) {
+    std::vector<Felt> felt;
+    for (const double stimulus : now) felt.push_back({stimulus + sigma * stream.normal(), sigma});
+    const Answer answer = task.answer(felt, trial, protocol, stream);
+    const std::optional<Intervals> moved = task.moved(now, answer, trial, protocol);
+    if (!moved) return task.settled(answer, now);
+    now = *moved;
+  }
+  return std::nullopt;
+}
+
+// What one participant answered in the first condition, by series: an observer feels the same in all of them.
+std::vector<std::vector<AnsweredTrial>> answers_of(const Protocol& protocol, int participant,
+                                                   const TaskPrecisionQuestion& question) {
+  std::vector<std::vector<AnsweredTrial>> by_series(protocol.series.size());
+  RandomStream stream(question.seed, static_cast<std::uint64_t>(participant), "precision");
+  AdaptiveRun run(protocol);
+  for (const Trial& planned : make_plan(protocol, participant, question.seed).trials) {
+    if (planned.practice || planned.condition != 0 || run.over(planned)) continue;
+    const Trial trial = run.resolved(planned);
+    const auto series = static_cast<std::size_t>(trial.series);
+    const auto answer = answer_to(trial, protocol, noise_of(protocol.series[series], question), stream);
+    if (!answer) continue;
+    run.answered(planned, *answer);
+    by_series[series].push_back(
+        {trial.stimuli, trial.standard, trial.target, answer->said, answer->sureness, answer->number});
+  }
+  return by_series;
+}
+
+void summarize(TaskPrecisionRow& row, const std::vector<double>& values, int participants) {
+  row.undefined = 1 - static_cast<double>(values.size()) / participants;
+  if (values.size() < 2) {
+    row.median = row.low = row.high = row.cv = std::numeric_limits<double>::quiet_NaN();
+    return;
+  }
+  const SampleQuantiles quantiles(values);
+  row.median = quantiles.at(0.5);
+  row.low = quantiles.at(0.025);
+  row.high = quantiles.at(0.975);
+  const Moments of = moments(values);
+  row.cv = of.sd / std::abs(of.mean);
+}
+
+}  // namespace
+
+std::vector<TaskPrecisionRow> task_precision(const Protocol& protocol, const TaskPrecisionQuestion& question,
+                                             const std::function<void(int)>& progress) {
+  const Task& task = task_of(protocol.task.kind);
+  const std::size_t outcomes = task.outcomes(protocol).size(), all_series = protocol.series.size();
+  std::vector<std::vector<double>> values(all_series * outcomes);
+  std::vector<std::size_t> trials(all_series);
+  for (int participant = 1; participant <= question.participants; ++participant) {
+    const auto by_series = answers_of(protocol, participant, question);
+    for (std::size_t series = 0; series < all_series; ++series) {
+      trials[series] += by_series[series].size();
+      const TaskEstimates estimates = task.estimate(protocol, protocol.series[series], by_series[series]);
+      for (std::size_t outcome = 0; outcome < outcomes; ++outcome)
+        if (const auto& value = estimates.values[outcome].value; value && std::isfinite(*value))
+          values[series * outcomes + outcome].push_back(*value);
+    }
+    if (progress) progress(participant);
+  }
+  std::vector<TaskPrecisionRow> rows;
+  for (std::size_t series = 0; series < all_series; ++series) {
+    for (std::size_t outcome = 0; outcome < outcomes; ++outcome) {
+      TaskPrecisionRow row;
+      row.series = static_cast<int>(series);
+      row.outcome = outcome;
+      row.noise = noise_of(protocol.series[series], question);
+      row.trials = static_cast<double>(trials[series]) / question.participants;
+      summarize(row, values[series * outcomes + outcome], question.participants);
+      rows.push_back(row);
+    }
+  }
+  return rows;
+}
+
+}  // namespace jnd

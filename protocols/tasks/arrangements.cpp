@@ -1,0 +1,23 @@
+#include "protocols/tasks/arrangements.h"
+
+namespace jnd {
+
+void add_level(std::vector<DrawnTrial>& cell, std::vector<DrawnTrial> arrangements, int trials, Sampling sampling,
+               RandomStream& stream) {
+  const auto count = static_cast<int>(arrangements.size());
+  if (sampling == Sampling::random) {
+    for (int i = 0; i < trials; ++i)
+      cell.push_back(arrangements[static_cast<std::size_t>(stream.below(arrangements.size()))]);
+    return;
+  }
+  for (int i = 0; i < trials / count; ++i) cell.insert(cell.end(), arrangements.begin(), arrangements.end());
+  stream.shuffle(arrangements);
+  for (int i = 0; i < trials % count; ++i) cell.push_back(arrangements[static_cast<std::size_t>(i)]);
+}
+
+std::vector<Intervals> orders_of(double standard, double comparison, bool standard_first) {
+  if (standard_first) return {{standard, comparison}};
+  return {{standard, comparison}, {comparison, standard}};
+}
+
+}  // namespace jnd

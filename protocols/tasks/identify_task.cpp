@@ -1,0 +1,71 @@
+#include "protocols/tasks/identify_task.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/ratings/identification.h"
+#include "protocols/input/json_reader.h"
+#include "protocols/tasks/arrangements.h"
+#include "protocols/tasks/task_estimates.h"
+
+namespace jnd {
+
+// Its classes are read with the levels: each has a name and a value.
+void IdentifyTask::read(JsonReader&, TaskSpec&) const {}
+
+std::vector<DrawnTrial> IdentifyTask::draw(const CellDraw& cell, RandomStream& stream) const {
+  std::vector<DrawnTrial> trials;
+  for (std::size_t i = 0; i < cell.series.levels.size(); ++i)
+    add_level(trials, {{{cell.series.levels[i]}, static_cast<int>(i)}}, cell.trials, cell.sampling, stream);
+  stream.shuffle(trials);
+  return trials;
+}
+
+int IdentifyTask::target_of(const Intervals& stimuli, double, const TaskSpec& spec) const noexcept {
+  const auto& values = spec.class_values;
+  const auto found = std::find(values.begin(), values.end(), stimuli[0]);
+  return found == values.end() ? -1 : static_cast<int>(found - values.begin());
+}
+
+// The class whose value is nearest to what was felt.
+Answer IdentifyTask::answer(std::span<const Felt> felt, const Trial&, const Protocol& protocol, RandomStream&) const {
+  const auto& values = protocol.task.class_values;
+  const auto nearer = [&](double a, double b) { return std::abs(a - felt[0].value) < std::abs(b - felt[0].value); };
+  Answer answer;
+  answer.said = static_cast<int>(std::min_element(values.begin(), values.end(), nearer) - values.begin());
+  return answer;
+}
+
+std::vector<TaskOutcome> IdentifyTask::outcomes(const Protocol&) const {
+  return {{"information", "information", "bit", "transmitted, from the counts as they are (biased upwards)", 3, true},
+          {"information_corrected", "corrected", "bit", "the same with the correction of Miller and Madow", 3, false},
+          {"classes", "equivalent classes", "", "2 to the power of the information", 3, true},
+          {"correct", "share correct", "", "share of correct answers, exact interval", 3, true},
+          {"total_dprime", "total d'", "", "sum of d' between neighbours, maximum likelihood", 3, false}};
+}
+
+TaskEstimates IdentifyTask::estimate(const Protocol& protocol, const Series&,
+                                     std::span<const AnsweredTrial> trials) const {
+  const std::size_t classes = protocol.task.classes.size();
+  std::vector<std::vector<int>> confusion(classes, std::vector<int>(classes));
+  for (const AnsweredTrial& trial : trials)
+    if (trial.target >= 0 && trial.said >= 0 && static_cast<std::size_t>(trial.said) < classes)
+      ++confusion[static_cast<std::size_t>(trial.target)][static_cast<std::size_t>(trial.said)];
+  const Identification found = identification(confusion);
+  TaskEstimates estimates;
+  estimates.status = found.trials > 0 ? "ok" : "no_trials";
+  estimates.values = {
+      task_estimate(found.information_bits), task_estimate(found.miller_madow_bits),
+      task_estimate(found.equivalent_classes), share_correct(trials),
+      found.ml.status == IdentificationStatus::ok ? task_estimate(found.ml.total_dprime) : TaskEstimate{}};
+  return estimates;
+}
+
+std::string IdentifyTask::methods(const Protocol&) const {
+  return "Information is that of the confusion matrix of each participant and condition, in bits, as it is and with the "
+         "correction of Miller and Madow 1954; equivalent classes are 2 to its power. The share of correct answers has "
+         "the interval of Clopper and Pearson 1934. Total d' is the sum of d' between neighbouring classes under common "
+         "criteria, maximum likelihood; it is left out where a class is never confused with another.";
+}
+
+}  // namespace jnd

@@ -1,0 +1,29 @@
+// "Which of these was it?", one interval: one of N values, each with a name. No standard.
+//
+// What it measures is a confusion matrix: information transmitted in bits, with and without the correction of its bias,
+// the share of correct answers, and d' between neighbours (analysis/ratings).
+#pragma once
+
+#include "protocols/tasks/task.h"
+
+namespace jnd {
+
+class IdentifyTask final : public Task {
+ public:
+  TaskKind kind() const noexcept override { return TaskKind::identify; }
+  std::string_view summary() const noexcept override { return "one interval: which of N named values was it?"; }
+  void read(JsonReader& section, TaskSpec& spec) const override;
+  bool has_standard() const noexcept override { return false; }
+  int balance_of(const TaskSpec&) const noexcept override { return 1; }
+  int intervals(const TaskSpec&) const noexcept override { return 1; }
+  std::vector<DrawnTrial> draw(const CellDraw& cell, RandomStream& stream) const override;
+  int target_of(const Intervals& stimuli, double standard, const TaskSpec& spec) const noexcept override;
+  Answer answer(std::span<const Felt> felt, const Trial& trial, const Protocol& protocol,
+                RandomStream& stream) const override;
+  std::vector<TaskOutcome> outcomes(const Protocol& protocol) const override;
+  TaskEstimates estimate(const Protocol& protocol, const Series& series,
+                         std::span<const AnsweredTrial> trials) const override;
+  std::string methods(const Protocol& protocol) const override;
+};
+
+}  // namespace jnd

@@ -1,0 +1,108 @@
+#include "protocols/tasks/magnitude_task.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "analysis/scaling/magnitude.h"
+#include "protocols/input/json_reader.h"
+#include "protocols/tasks/arrangements.h"
+#include "protocols/tasks/task_estimates.h"
+
+namespace jnd {
+namespace {
+
+// How a simulated participant's numbers grow with what is felt: the exponent of stiffness by active touch (Varadharajan
+// et al. 2008 and others report 0.5 to 1).
+constexpr double kExponent = 0.8;
+constexpr double kFreeModulus = 10;  // said of the middle of the levels where no modulus is given
+
+double rounded_to_two_digits(double value) {
+  const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
+  return std::round(value / unit) * unit;
+}
+
+}  // namespace
+
+void MagnitudeTask::read(JsonReader& section, TaskSpec& spec) const {
+  spec.modulus = section.optional_number("modulus", {.min = 0.001, .max = 1e6});
+  spec.number_min = section.number_or("lowest", 0, {.min = 0, .max = 1e6});
+  spec.number_max = section.number_or("highest", 1e6, {.min = 0, .max = 1e9, .above = true});
+}
+
+std::vector<DrawnTrial> MagnitudeTask::draw(const CellDraw& cell, RandomStream& stream) const {
+  std::vector<DrawnTrial> trials;
+  for (const double level : cell.series.levels) {
+    const Intervals stimuli = cell.protocol.task.modulus ? Intervals{cell.series.standard, level} : Intervals{level};
+    add_level(trials, {{stimuli, -1}}, cell.trials, cell.sampling, stream);
+  }
+  stream.shuffle(trials);
+  return trials;
+}
+
+int MagnitudeTask::target_of(const Intervals&, double, const TaskSpec&) const noexcept {
+  return -1;
+}
+
+Answer MagnitudeTask::answer(std::span<const Felt> felt, const Trial& trial, const Protocol& protocol,
+                             RandomStream&) const {
+  const std::vector<double>& levels = protocol.series[static_cast<std::size_t>(trial.series)].levels;
+  const bool modulus = protocol.task.modulus.has_value();
+  const double base = modulus ? felt[0].value : 0.5 * (levels.front() + levels.back());
+  const double said = modulus ? *protocol.task.modulus : kFreeModulus;
+  const double ratio = std::max(felt.back().value / base, 0.01);
+  Answer answer;
+  answer.said = -1;
+  answer.number = std::clamp(rounded_to_two_digits(said * std::pow(ratio, kExponent)),
+                             std::max(protocol.task.number_min, 0.001), protocol.task.number_max);
+  return answer;
+}
+
+std::vector<TaskOutcome> MagnitudeTask::outcomes(const Protocol&) const {
+  return {
+      {"exponent", "exponent", "", "of the power law: slope of ln answer on ln stimulus", 3, true},
+      {"intercept", "intercept", "", "ln answer at ln stimulus = 0", 3, false},
+      {"r2", "r2", "", "share of the variance of ln answer that the line explains", 3, false},
+      {"mean_answer", "mean answer", "", "geometric mean of the answers, every stimulus weighing the same", 3, true}};
+}
+
+// Every stimulus weighs the same, whatever its repeats.
+TaskEstimates MagnitudeTask::estimate(const Protocol&, const Series&, std::span<const AnsweredTrial> trials) const {
+  struct Cell {
+    double sum = 0;
+    int n = 0;
+  };
+  std::map<double, Cell> cells;
+  for (const AnsweredTrial& trial : trials) {
+    const double stimulus = trial.stimuli[trial.stimuli.size() - 1];
+    if (!trial.number) continue;
+    if (!(*trial.number > 0) || !(stimulus > 0))
+      return {"not_positive", std::vector<TaskEstimate>(4)};  // it has no logarithm, and leaving it out would be a bias
+    cells[stimulus].sum += std::log(*trial.number);
+    ++cells[stimulus].n;
+  }
+  std::vector<double> ln_stimulus, ln_answer;
+  double sum = 0;
+  for (const auto& [stimulus, cell] : cells) {
+    ln_stimulus.push_back(std::log(stimulus));
+    ln_answer.push_back(cell.sum / cell.n);
+    sum += ln_answer.back();
+  }
+  if (cells.empty()) return {"no_trials", std::vector<TaskEstimate>(4)};
+  const PowerLaw law = power_law(ln_stimulus, ln_answer);
+  TaskEstimates estimates;
+  estimates.status = law.status == StatisticStatus::ok ? "ok" : "too_few";
+  estimates.values = {task_estimate(law.exponent, ChoiceBounds{law.ci_low, law.ci_high}), task_estimate(law.intercept),
+                      task_estimate(law.r2), task_estimate(std::exp(sum / static_cast<double>(cells.size())))};
+  return estimates;
+}
+
+std::string MagnitudeTask::methods(const Protocol& protocol) const {
+  return std::string(protocol.task.modulus ? "Numbers were given in relation to a modulus. "
+                                           : "Numbers were free: participants chose their own modulus. ") +
+         "The exponent of the power law is the least-squares slope of the mean ln answer on ln stimulus, of each "
+         "participant and condition, every stimulus weighing the same; its interval is Student's, 95 %. Status: "
+         "not_positive, an answer of 0 or below has no logarithm; too_few, fewer than two stimuli.";
+}
+
+}  // namespace jnd

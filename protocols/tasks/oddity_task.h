@@ -1,0 +1,30 @@
+// "Which is the odd one?", three intervals: two of them alike, a standard and a comparison in either role.
+//
+// Its response model is the Thurstonian triangle: the two that feel nearest to each other are taken for alike
+// (analysis/choice).
+#pragma once
+
+#include "protocols/tasks/task.h"
+
+namespace jnd {
+
+class OddityTask final : public Task {
+ public:
+  TaskKind kind() const noexcept override { return TaskKind::oddity; }
+  std::string_view summary() const noexcept override { return "three intervals: which is the odd one?"; }
+  void read(JsonReader& section, TaskSpec& spec) const override;
+  int balance_of(const TaskSpec&) const noexcept override { return 6; }
+  int intervals(const TaskSpec&) const noexcept override { return 3; }
+  std::vector<DrawnTrial> draw(const CellDraw& cell, RandomStream& stream) const override;
+  int target_of(const Intervals& stimuli, double standard, const TaskSpec& spec) const noexcept override;
+  Answer answer(std::span<const Felt> felt, const Trial& trial, const Protocol& protocol,
+                RandomStream& stream) const override;
+  std::vector<TaskOutcome> outcomes(const Protocol& protocol) const override;
+  TaskEstimates estimate(const Protocol& protocol, const Series& series,
+                         std::span<const AnsweredTrial> trials) const override;
+  std::optional<TaskCurve> curve(const Protocol& protocol, const Series& series,
+                                 std::span<const AnsweredTrial> trials) const override;
+  std::string methods(const Protocol& protocol) const override;
+};
+
+}  // namespace jnd

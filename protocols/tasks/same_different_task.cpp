@@ -1,0 +1,65 @@
+#include "protocols/tasks/same_different_task.h"
+
+#include <cmath>
+
+#include "protocols/input/json_reader.h"
+#include "protocols/tasks/catch_trials.h"
+
+namespace jnd {
+
+void SameDifferentTask::read(JsonReader& section, TaskSpec& spec) const {
+  spec.sureness_levels = section.integer_or("sureness", 0, {.min = 0, .max = 4});
+  spec.classes = {"same", "different"};
+}
+
+std::vector<TaskProblem> SameDifferentTask::problems(const Protocol& protocol) const {
+  if (protocol.task.sureness_levels == 0 || !protocol.design.procedure) return {};
+  return {
+      {"$.task.sureness", "a procedure goes by same or different, however sure", "remove it, or give constant series"}};
+}
+
+int SameDifferentTask::trials_of_cell(const Protocol& protocol, const Series&) const {
+  const Design& design = protocol.design;
+  return design.procedure ? trials_with_catches(*design.procedure) : design.trials_per_cell;
+}
+
+std::vector<DrawnTrial> SameDifferentTask::draw(const CellDraw& cell, RandomStream& stream) const {
+  const std::array<double, 2>& pair = cell.series.pair;
+  std::vector<Intervals> drawn;
+  if (cell.sampling == Sampling::random) {
+    for (int i = 0; i < cell.trials; ++i) {
+      const double first = pair[stream.coin() ? 1 : 0];
+      const double second = pair[stream.coin() ? 1 : 0];
+      drawn.push_back({first, second});
+    }
+  } else {
+    for (int i = 0; i < cell.trials / 4; ++i)
+      drawn.insert(drawn.end(), {{pair[0], pair[0]}, {pair[1], pair[1]}, {pair[0], pair[1]}, {pair[1], pair[0]}});
+    stream.shuffle(drawn);
+  }
+  std::vector<DrawnTrial> trials;
+  for (const Intervals& stimuli : drawn) trials.push_back({stimuli, target_of(stimuli, 0, cell.protocol.task)});
+  return trials;
+}
+
+std::vector<DrawnTrial> SameDifferentTask::draw_track(const CellDraw& track, RandomStream& stream) const {
+  const AdaptiveProcedure& procedure = *track.protocol.design.procedure;
+  const CatchBlock catches = catch_block(procedure.catch_share).value();
+  std::vector<DrawnTrial> trials;
+  for (const auto& [first, second] : draw_slots(catches, track.trials, track.protocol.stimulus.reference, stream))
+    trials.push_back({{first, second}, first == second ? kClassSame : kClassDifferent});
+  return trials;
+}
+
+int SameDifferentTask::target_of(const Intervals& stimuli, double, const TaskSpec&) const noexcept {
+  return stimuli[0] == stimuli[1] ? kClassSame : kClassDifferent;
+}
+
+// By the size of the felt difference: "different" above the noise of one interval.
+Answer SameDifferentTask::answer(std::span<const Felt> felt, const Trial&, const Protocol&, RandomStream&) const {
+  Answer answer;
+  answer.said = std::abs(felt[0].value - felt[1].value) > felt[0].sigma ? kClassDifferent : kClassSame;
+  return answer;
+}
+
+}  // namespace jnd

@@ -1,0 +1,37 @@
+// "Are the two the same?": two intervals with a pair of values, drawn independently or in balance.
+//
+// What it measures is in the d' of its three models (analysis/detection) and the JNDs of several differences
+// (analysis/thresholds); data/results/study_analysis.h has both.
+#pragma once
+
+#include "protocols/tasks/task.h"
+
+namespace jnd {
+
+// Its classes.
+inline constexpr int kClassSame = 0, kClassDifferent = 1;
+
+class SameDifferentTask final : public Task {
+ public:
+  TaskKind kind() const noexcept override { return TaskKind::same_different; }
+  std::string_view summary() const noexcept override { return "two intervals: are they the same or different?"; }
+  void read(JsonReader& section, TaskSpec& spec) const override;
+  std::vector<TaskProblem> problems(const Protocol& protocol) const override;
+  bool has_procedures() const noexcept override { return true; }
+  bool has_catch_trials() const noexcept override { return true; }
+  bool has_own_results() const noexcept override { return true; }
+  int balance_of(const TaskSpec&) const noexcept override { return 4; }
+  int trials_of_cell(const Protocol& protocol, const Series& series) const override;
+  int intervals(const TaskSpec&) const noexcept override { return 2; }
+  // Each of (a, a), (b, b), (a, b), (b, a) equally often; or each interval drawn on its own, so that P(same) = 1/2.
+  std::vector<DrawnTrial> draw(const CellDraw& cell, RandomStream& stream) const override;
+  std::vector<DrawnTrial> draw_track(const CellDraw& track, RandomStream& stream) const override;
+  int target_of(const Intervals& stimuli, double standard, const TaskSpec& spec) const noexcept override;
+  Answer answer(std::span<const Felt> felt, const Trial& trial, const Protocol& protocol,
+                RandomStream& stream) const override;
+  std::vector<TaskOutcome> outcomes(const Protocol&) const override { return {}; }
+  TaskEstimates estimate(const Protocol&, const Series&, std::span<const AnsweredTrial>) const override { return {}; }
+  std::string methods(const Protocol&) const override { return {}; }
+};
+
+}  // namespace jnd

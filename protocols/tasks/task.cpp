@@ -1,0 +1,79 @@
+#include "protocols/tasks/task.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include "protocols/tasks/abx_task.h"
+#include "protocols/tasks/adjust_task.h"
+#include "protocols/tasks/identify_task.h"
+#include "protocols/tasks/magnitude_task.h"
+#include "protocols/tasks/oddity_task.h"
+#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/which_task.h"
+#include "protocols/tasks/yes_no_task.h"
+
+namespace jnd {
+
+std::vector<DrawnTrial> Task::draw_track(const CellDraw&, RandomStream&) const {
+  throw std::logic_error("a task without procedures has no tracks");
+}
+
+int Task::trials_of_cell(const Protocol& protocol, const Series& series) const {
+  const Design& design = protocol.design;
+  if (design.procedure) return design.procedure->trials * static_cast<int>(design.procedure->starts.size());
+  return design.trials_per_cell * cells_in(series);
+}
+
+std::string Task::target_word(const Trial& trial, const TaskSpec& spec) const {
+  return std::string(said_word(spec, trial.target));
+}
+
+const Task& task_of(TaskKind kind) {
+  static const SameDifferentTask same_different;
+  static const WhichTask which;
+  static const YesNoTask yes_no;
+  static const IdentifyTask identify;
+  static const OddityTask oddity;
+  static const AbxTask abx;
+  static const MagnitudeTask magnitude;
+  static const AdjustTask adjust;
+  static const std::array<const Task*, 8> all = {&same_different, &which, &yes_no,    &identify,
+                                                 &oddity,         &abx,   &magnitude, &adjust};
+  for (const Task* task : all)
+    if (task->kind() == kind) return *task;
+  throw std::invalid_argument("free interaction has no trials");
+}
+
+std::span<const TaskKind> all_tasks() noexcept {
+  static constexpr std::array kAll = {TaskKind::same_different, TaskKind::which,  TaskKind::yes_no,
+                                      TaskKind::identify,       TaskKind::oddity, TaskKind::abx,
+                                      TaskKind::magnitude,      TaskKind::adjust};
+  return kAll;
+}
+
+std::string_view said_word(const TaskSpec& spec, int said) noexcept {
+  const bool known = said >= 0 && static_cast<std::size_t>(said) < spec.classes.size();
+  return known ? std::string_view(spec.classes[static_cast<std::size_t>(said)]) : std::string_view();
+}
+
+std::optional<bool> is_correct(const Trial& trial, const Answer& answer) noexcept {
+  return trial.target < 0 ? std::nullopt : std::optional(answer.said == trial.target);
+}
+
+int trials_of_cell(const Protocol& protocol, int series) {
+  return task_of(protocol.task.kind).trials_of_cell(protocol, protocol.series[static_cast<std::size_t>(series)]);
+}
+
+bool is_catch(const Trial& trial) {
+  return trial.target == 0 && task_of(trial.task).has_catch_trials();
+}
+
+int sureness_of(double distance, double sigma, const TaskSpec& spec) noexcept {
+  if (spec.sureness_levels == 0) return 0;
+  const double steps = sigma > 0 ? distance / sigma : spec.sureness_levels;
+  return 1 + static_cast<int>(std::min<double>(spec.sureness_levels - 1, std::floor(steps)));
+}
+
+}  // namespace jnd

@@ -1,0 +1,181 @@
+// What a trial asks, as one thing: its words and keys, how its intervals are drawn, which answer is correct, how the
+// answer follows from what was felt, and what the answers measure. Whoever plans, runs, logs, checks, exports or reports
+// a study asks the task, and does not care which one it is.
+//
+// A trial belongs to one of the task's classes (Trial::target), and an answer says one of them (Answer::said): it is
+// correct where the two are the same, and neither where the trial has none (-1).
+//
+// A new task is a class here, its word in TaskKind, its place in task.cpp, a shipped protocol and its tests.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "protocols/protocol.h"
+#include "protocols/random_stream.h"
+
+namespace jnd {
+
+class JsonReader;
+
+// A contradiction in a protocol, at a JSON path.
+struct TaskProblem {
+  std::string path, message, suggestion;
+};
+
+// The stimuli of a trial before it has its place in a plan.
+struct DrawnTrial {
+  Intervals stimuli;
+  int target = -1;
+  int side = -1;  // of a stimulus that the answers set
+};
+
+// What is drawn: `trials` of each level, or of the cell where the task has no levels, or of a track.
+struct CellDraw {
+  const Protocol& protocol;
+  const Series& series;
+  int trials = 0;
+  Sampling sampling = Sampling::balanced;
+};
+
+// What the participant felt of one interval.
+struct Felt {
+  double value = 0;  // with its noise
+  double sigma = 0;  // of that noise
+};
+
+// An answered trial, for the task's estimates.
+struct AnsweredTrial {
+  Intervals stimuli;
+  double standard = 0;
+  int target = -1;
+  int said = 0;
+  int sureness = 0;
+  std::optional<double> number{};
+  bool correct() const noexcept { return said == target; }
+};
+
+// A number that a task measures.
+struct TaskOutcome {
+  std::string_view key;     // of files: "pse"
+  std::string_view title;   // of tables: "PSE"
+  std::string_view unit{};  // as people write it; empty: none
+  std::string meaning{};    // one line, for the dictionary
+  int digits = 3;           // significant ones
+  bool positive = false;    // its logarithm may be compared
+};
+
+// What became of one outcome. Where there is no value the status says why; an interval's end may be infinite.
+struct TaskEstimate {
+  std::optional<double> value{}, low{}, high{};  // low, high: 95 %
+};
+struct TaskEstimates {
+  std::string status = "ok";         // of all of them
+  std::vector<TaskEstimate> values;  // in the order of Task::outcomes
+};
+
+// The share of trials in which a class was said, and what the fit says of it, over the levels: for figures and tables.
+struct TaskCurve {
+  struct Point {
+    double x = 0;  // level
+    int n = 0, said = 0;
+  };
+  std::string said;               // what is counted, in words: "the comparison said to be stiffer"
+  std::vector<Point> points;      // by level
+  std::vector<double> x, fitted;  // the fitted curve, empty without one
+};
+
+class Task {
+ public:
+  virtual ~Task() = default;
+  virtual TaskKind kind() const noexcept = 0;
+  // One line: what it asks, for lists and help.
+  virtual std::string_view summary() const noexcept = 0;
+
+  // Reading. The keys of the section "task" that are its own, and the words of its answers.
+  virtual void read(JsonReader& section, TaskSpec& spec) const = 0;
+  // What a loaded protocol contradicts itself in, as far as it is the task's.
+  virtual std::vector<TaskProblem> problems(const Protocol&) const { return {}; }
+  // Whether the levels are differences from a standard, so that a procedure can set them.
+  virtual bool has_procedures() const noexcept { return false; }
+  // Whether trials without a difference, or without a signal, are part of the task.
+  virtual bool has_catch_trials() const noexcept { return false; }
+  // Whether what its answers measure has an analysis of its own, instead of estimate() and its neighbours.
+  virtual bool has_own_results() const noexcept { return false; }
+  // Whether a level may equal the standard: otherwise a trial of it would have no correct answer.
+  virtual bool level_may_be_standard() const noexcept { return false; }
+  // Whether a series has a standard that the levels are compared with; otherwise they stand for themselves.
+  virtual bool has_standard() const noexcept { return true; }
+  // How many trials of a level hold every order equally often: with balanced sampling trials_per_cell is a multiple.
+  virtual int balance_of(const TaskSpec& spec) const noexcept = 0;
+
+  // Planning.
+  // How many cells of `trials_per_cell` trials a condition has in a series: by default one for every level.
+  virtual int cells_in(const Series& series) const noexcept { return static_cast<int>(series.levels.size()); }
+  // Trials of a condition in a series: by default those of its cells; with a procedure, those of its tracks.
+  virtual int trials_of_cell(const Protocol& protocol, const Series& series) const;
+  virtual int intervals(const TaskSpec& spec) const noexcept = 0;
+  // A cell, in any order: the plan shuffles nothing after it.
+  virtual std::vector<DrawnTrial> draw(const CellDraw& cell, RandomStream& stream) const = 0;
+  // The slots of a track of an adaptive procedure, `trials` of them with a comparison that the answers set.
+  virtual std::vector<DrawnTrial> draw_track(const CellDraw& track, RandomStream& stream) const;
+  // Which class a trial's stimuli belong to, once all are known.
+  virtual int target_of(const Intervals& stimuli, double standard, const TaskSpec& spec) const noexcept = 0;
+  // What a plan says of a trial in words: "same", "second", "signal".
+  virtual std::string target_word(const Trial& trial, const TaskSpec& spec) const;
+
+  // Whether answers may move the last stimulus, so that a trial goes on until one of them accepts it.
+  virtual bool adjusts() const noexcept { return false; }
+  // Then: the stimuli to present next after an answer; none: it ends the trial. now: what was presented, of a trial that
+  // was planned as `trial`.
+  virtual std::optional<Intervals> moved(const Intervals& /*now*/, const Answer&, const Trial& /*trial*/,
+                                         const Protocol&) const {
+    return std::nullopt;
+  }
+  // How often a trial's intervals are presented, on average, by somebody who accepts what equals the standard.
+  virtual double expected_looks(const Protocol&) const { return 1; }
+  // And what is logged of an answer that ended the trial.
+  virtual Answer settled(Answer answer, const Intervals& /*presented*/) const noexcept { return answer; }
+
+  // The response model: what is answered by somebody who felt that. One draw each from `stream` where a coin decides.
+  virtual Answer answer(std::span<const Felt> felt, const Trial& trial, const Protocol& protocol,
+                        RandomStream& stream) const = 0;
+
+  // Results.
+  virtual std::vector<TaskOutcome> outcomes(const Protocol& protocol) const = 0;
+  // Of one participant, condition and series. Without trials: status "no_trials".
+  virtual TaskEstimates estimate(const Protocol& protocol, const Series& series,
+                                 std::span<const AnsweredTrial> trials) const = 0;
+  // None where the task has nothing to draw over its levels.
+  virtual std::optional<TaskCurve> curve(const Protocol&, const Series&, std::span<const AnsweredTrial>) const {
+    return std::nullopt;
+  }
+  // How the estimates come about, in sentences for a paper.
+  virtual std::string methods(const Protocol& protocol) const = 0;
+};
+
+// Throws std::invalid_argument for explore, which has no trials.
+const Task& task_of(TaskKind kind);
+
+// Every task that has trials.
+std::span<const TaskKind> all_tasks() noexcept;
+
+// The word of what was said, such as "second"; empty where the answer is a number.
+std::string_view said_word(const TaskSpec& spec, int said) noexcept;
+
+// Task::trials_of_cell of the protocol's task; series: place in Protocol::series.
+int trials_of_cell(const Protocol& protocol, int series);
+
+// A trial that moves no level: without a difference, or without a signal.
+bool is_catch(const Trial& trial);
+
+// How sure a simulated participant says it is, whose evidence lies so far from the criterion: a degree for every sigma.
+int sureness_of(double distance, double sigma, const TaskSpec& spec) noexcept;
+
+// Whether it is the correct answer; none where there is none.
+std::optional<bool> is_correct(const Trial& trial, const Answer& answer) noexcept;
+
+}  // namespace jnd

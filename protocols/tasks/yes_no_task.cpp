@@ -1,0 +1,187 @@
+#include "protocols/tasks/yes_no_task.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "analysis/detection/yes_no.h"
+#include "analysis/numerics/normal.h"
+#include "analysis/ratings/rating_roc.h"
+#include "protocols/input/json_reader.h"
+#include "protocols/tasks/catch_trials.h"
+#include "protocols/tasks/task_estimates.h"
+
+namespace jnd {
+namespace {
+
+constexpr int kNo = 0, kYes = 1;
+
+int noises_of(int signals, const TaskSpec& spec) {
+  return static_cast<int>(std::lround(signals * (1 - spec.signal_share) / spec.signal_share));
+}
+
+}  // namespace
+
+void YesNoTask::read(JsonReader& section, TaskSpec& spec) const {
+  spec.signal_share = section.number_or("signal_share", 0.5, {.min = 0.05, .max = 0.95});
+  spec.sureness_levels = section.integer_or("sureness", 0, {.min = 0, .max = 4});
+  spec.classes = {"no", "yes"};
+}
+
+int YesNoTask::trials_of_cell(const Protocol& protocol, const Series& series) const {
+  if (protocol.design.procedure) return trials_with_catches(*protocol.design.procedure);
+  const int signals = protocol.design.trials_per_cell * static_cast<int>(series.levels.size());
+  return signals + noises_of(signals, protocol.task);
+}
+
+std::vector<DrawnTrial> YesNoTask::draw(const CellDraw& cell, RandomStream& stream) const {
+  const int signals = cell.trials * static_cast<int>(cell.series.levels.size());
+  const int noises = noises_of(signals, cell.protocol.task);
+  std::vector<DrawnTrial> trials(static_cast<std::size_t>(noises), {{cell.series.standard}, kNo});
+  for (const double level : cell.series.levels)
+    trials.insert(trials.end(), static_cast<std::size_t>(cell.trials), {{level}, kYes});
+  stream.shuffle(trials);
+  return trials;
+}
+
+std::vector<DrawnTrial> YesNoTask::draw_track(const CellDraw& track, RandomStream& stream) const {
+  const AdaptiveProcedure& procedure = *track.protocol.design.procedure;
+  const CatchBlock block = catch_block(procedure.catch_share).value();
+  const int side = procedure.sides.front();
+  const double comparison = set_by_answers(track.series.standard);
+  std::vector<DrawnTrial> trials;
+  for (int signals = 0; signals < track.trials;) {
+    const int now = std::min(block.trials - block.catches, track.trials - signals);
+    std::vector<DrawnTrial> part(static_cast<std::size_t>(now), {{comparison}, kYes, side});
+    part.insert(part.end(), static_cast<std::size_t>(slots_of_track(block, now) - now), {{track.series.standard}, kNo});
+    stream.shuffle(part);
+    trials.insert(trials.end(), part.begin(), part.end());
+    signals += now;
+  }
+  return trials;
+}
+
+int YesNoTask::target_of(const Intervals& stimuli, double standard, const TaskSpec&) const noexcept {
+  return stimuli[0] == standard ? kNo : kYes;
+}
+
+// The criterion is half way between noise and the middle of the signals, of which the participant has an idea.
+Answer YesNoTask::answer(std::span<const Felt> felt, const Trial& trial, const Protocol& protocol,
+                         RandomStream&) const {
+  const std::vector<double>& levels = protocol.series[static_cast<std::size_t>(trial.series)].levels;
+  const double signal = levels.empty()
+                            ? trial.standard * (1 + 0.2 * trial.side)
+                            : std::accumulate(levels.begin(), levels.end(), 0.0) / static_cast<double>(levels.size());
+  const double beyond = (felt[0].value - 0.5 * (trial.standard + signal)) * (signal > trial.standard ? 1 : -1);
+  Answer answer;
+  answer.said = beyond > 0 ? kYes : kNo;
+  answer.sureness = sureness_of(std::abs(beyond), felt[0].sigma, protocol.task);
+  return answer;
+}
+
+namespace {
+
+// "Yes" by the distance from the noise; 0 is the noise itself.
+std::vector<ChoiceRow> yes_rows(std::span<const AnsweredTrial> trials) {
+  std::map<double, ChoiceRow> rows;
+  for (const AnsweredTrial& trial : trials) {
+    const double distance = std::abs(trial.stimuli[0] - trial.standard);
+    ChoiceRow& row = rows[distance];
+    row.level = distance;
+    ++row.n;
+    row.chosen += trial.said == kYes ? 1 : 0;
+  }
+  std::vector<ChoiceRow> all;
+  for (const auto& [distance, row] : rows) all.push_back(row);
+  return all;
+}
+
+Counts counts_of(std::span<const AnsweredTrial> trials) {
+  Counts counts;
+  for (const AnsweredTrial& trial : trials) {
+    const bool yes = trial.said == kYes;
+    ++(trial.target == kYes ? counts.n_diff : counts.n_same);
+    if (yes) ++(trial.target == kYes ? counts.hits : counts.false_alarms);
+  }
+  return counts;
+}
+
+// Ratings from the surest "no" to the surest "yes".
+RatingRoc roc_of(std::span<const AnsweredTrial> trials, int levels) {
+  std::vector<int> noise(static_cast<std::size_t>(2 * levels)), signal = noise;
+  for (const AnsweredTrial& trial : trials) {
+    const int sureness = std::clamp(trial.sureness, 1, levels);
+    const int category = trial.said == kYes ? levels + sureness - 1 : levels - sureness;
+    ++(trial.target == kYes ? signal : noise)[static_cast<std::size_t>(category)];
+  }
+  return rating_roc(noise, signal);
+}
+
+}  // namespace
+
+std::vector<TaskOutcome> YesNoTask::outcomes(const Protocol& protocol) const {
+  const std::string_view unit = to_string(protocol.stimulus.unit);
+  std::vector<TaskOutcome> outcomes = {
+      {"dprime", "d'", "", "z(H) - z(F) on log-linear rates, all signals together", 3, false},
+      {"criterion", "criterion c", "", "-(z(H) + z(F)) / 2; above 0: tends to say no", 3, false},
+      {"threshold", "threshold", unit, "distance of the signal from the noise at d' = 1, maximum likelihood", 4, true},
+      {"correct", "share correct", "", "share of correct answers, exact interval", 3, true}};
+  if (protocol.task.sureness_levels > 0) {
+    outcomes.push_back({"d_a", "d_a", "", "d_a of the ratings, unequal variances", 3, false});
+    outcomes.push_back({"area", "A_z", "", "area under the ROC of the ratings, unequal variances", 3, true});
+  }
+  return outcomes;
+}
+
+TaskEstimates YesNoTask::estimate(const Protocol& protocol, const Series&,
+                                  std::span<const AnsweredTrial> trials) const {
+  const YesNo rates = yes_no(counts_of(trials), Correction::loglinear);
+  const std::vector<ChoiceRow> rows = yes_rows(trials);
+  const TwoIntervalFit fit = fit_two_interval(rows);
+  const TwoIntervalIntervals intervals = two_interval_intervals(rows);
+  TaskEstimates estimates;
+  estimates.status = to_string(rates.status);
+  estimates.values = {task_estimate(rates.dprime, ChoiceBounds{rates.ci_low, rates.ci_high}),
+                      task_estimate(rates.criterion), task_estimate(fit.s, intervals.s), share_correct(trials)};
+  if (protocol.task.sureness_levels > 0) {
+    const RatingRoc roc = roc_of(trials, protocol.task.sureness_levels);
+    const auto with_error = [](const RatingEstimate& one) {
+      return task_estimate(
+          one.value, ChoiceBounds{one.value - 1.959963984540054 * one.se, one.value + 1.959963984540054 * one.se});
+    };
+    const bool ok = roc.unequal.status == RatingStatus::ok;
+    estimates.values.push_back(ok ? with_error(roc.unequal.d_a) : TaskEstimate{});
+    estimates.values.push_back(ok ? with_error(roc.unequal.area) : TaskEstimate{});
+  }
+  return estimates;
+}
+
+std::optional<TaskCurve> YesNoTask::curve(const Protocol&, const Series&, std::span<const AnsweredTrial> trials) const {
+  const std::vector<ChoiceRow> rows = yes_rows(trials);
+  TaskCurve curve;
+  curve.said = "yes";
+  for (const ChoiceRow& row : rows)
+    curve.points.push_back({row.level, static_cast<int>(row.n), static_cast<int>(row.chosen)});
+  const TwoIntervalFit fit = fit_two_interval(rows);
+  if (fit.status != TwoIntervalStatus::ok || rows.size() < 2) return curve;
+  curve.x = evenly(0, rows.back().level, 60);
+  for (const double x : curve.x) curve.fitted.push_back(normal_cdf((x - *fit.pse) / *fit.s));
+  return curve;
+}
+
+std::string YesNoTask::methods(const Protocol& protocol) const {
+  std::string text =
+      "d' = z(H) - z(F) and the criterion c are of all signals together, on rates corrected log-linearly, "
+      "(k + 0.5) / (n + 1) (Hautus 1995), with the interval of Gourevitch and Galanter 1967. The threshold is sigma of "
+      "P(yes) = Phi(distance / sigma - k), fitted by maximum likelihood to noise and signals together: the distance at "
+      "d' = 1; its interval is profile likelihood, 95 %. Status: no_information, one answer throughout; missing, no noise "
+      "or no signal.";
+  if (protocol.task.sureness_levels > 0)
+    text +=
+        " The ratings were fitted with normal distributions of unequal variances; d_a and the area A_z have intervals "
+        "of 1.96 standard errors.";
+  return text;
+}
+
+}  // namespace jnd

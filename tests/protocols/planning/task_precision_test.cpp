@@ -1,0 +1,57 @@
+// How well a task will measure, by simulation.
+#include "protocols/planning/task_precision.h"
+
+#include <cmath>
+
+#include "protocols/reading/protocol_json.h"
+#include "protocols/tasks/task.h"
+#include "tests/catch.h"
+#include "tests/protocols/examples.h"
+
+using namespace jnd;
+using namespace jnd::test;
+
+namespace {
+
+const TaskPrecisionRow& row_of(const std::vector<TaskPrecisionRow>& rows, const Protocol& protocol,
+                               std::string_view key) {
+  const auto outcomes = task_of(protocol.task.kind).outcomes(protocol);
+  for (const TaskPrecisionRow& row : rows)
+    if (outcomes[row.outcome].key == key) return row;
+  throw std::logic_error("no such outcome");
+}
+
+}  // namespace
+
+TEST_CASE("simulated estimates lie about the truth, and scatter by half with four times the trials") {
+  Protocol protocol = load_protocol(protocols_folder() / "maereg2017.json");
+  protocol.design.trials_per_cell = 40;
+  TaskPrecisionQuestion question;
+  question.noise = 80;
+  const auto few = task_precision(protocol, question);
+  const TaskPrecisionRow& jnd = row_of(few, protocol, "jnd");
+  CHECK(jnd.median == Approx(0.67449 * 80).epsilon(0.03));
+  CHECK(jnd.low < jnd.median);
+  CHECK(jnd.high > jnd.median);
+  CHECK(jnd.undefined == 0);
+  CHECK(row_of(few, protocol, "pse").median == Approx(400).epsilon(0.01));
+  CHECK(task_precision(protocol, question).front().median == few.front().median);
+  protocol.design.trials_per_cell = 160;
+  CHECK(row_of(task_precision(protocol, question), protocol, "jnd").cv == Approx(jnd.cv / 2).epsilon(0.15));
+}
+
+TEST_CASE("every task's precision can be foretold, of procedures too") {
+  for (const char* name : {"leib2015", "pang1991", "identify-stiffness2025", "carpenter2018-oddity", "abx-stiffness",
+                           "dhong2019-magnitude", "jones-hunter1990", "singhala2020"}) {
+    CAPTURE(name);
+    const Protocol protocol = load_protocol(protocols_folder() / (std::string(name) + ".json"));
+    TaskPrecisionQuestion question;
+    question.participants = 20;
+    const auto rows = task_precision(protocol, question);
+    CHECK(rows.size() == protocol.series.size() * task_of(protocol.task.kind).outcomes(protocol).size());
+    const TaskPrecisionRow& registered = row_of(rows, protocol, protocol.analysis.outcome);
+    CHECK(registered.trials > 0);
+    CHECK(registered.undefined < 0.5);
+    CHECK(std::isfinite(registered.median));
+  }
+}

@@ -1,0 +1,199 @@
+#!/usr/bin/env python3
+"""Every task from outside: the shipped studies of others planned, rehearsed, verified, analysed, exported and reported; a session on specimens,
+keys in and screen out; and one on a rig of the laboratory's own.
+
+Usage: tasks_test.py JND
+"""
+import csv
+import json
+import os
+import pathlib
+import sqlite3
+import subprocess
+import sys
+import tempfile
+import unittest
+
+JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+STUDIES = {"leib2015": "pse", "jones1997-viscosity": "weber", "pang1991": "threshold", "maereg2017": "weber",
+           "bergmann-tiest2009": "weber", "zoeller2020": "jnd", "dhong2019-magnitude": "exponent",
+           "carpenter2018-oddity": "dprime", "van-beek2015": "exponent", "varadharajan2008-magnitude": "exponent",
+           "lee2007-delay": "threshold", "identify-stiffness2025": "information", "brown2019-prosthesis": "jnd",
+           "singhala2020": "weber", "abx-stiffness": "jnd", "jones-hunter1990": "weber"}
+
+
+class Tasks(unittest.TestCase):
+    def setUp(self):
+        self.temporary = tempfile.TemporaryDirectory()
+        self.folder = pathlib.Path(self.temporary.name)
+        self.addCleanup(self.temporary.cleanup)
+
+    def jnd(self, *arguments, code=0, keys=None):
+        done = subprocess.run([JND, *map(str, arguments)], capture_output=True, text=True, cwd=self.folder, input=keys)
+        self.assertEqual(done.returncode, code, f"{arguments}: {done.stdout}{done.stderr}")
+        return done.stdout + (done.stderr if keys is not None else "")
+
+    def test_every_study_goes_all_the_way(self):
+        for name, outcome in STUDIES.items():
+            with self.subTest(name):
+                study = self.folder / f"{name}.sqlite"
+                self.assertTrue(json.loads(self.jnd("check", name, "--json"))["ok"])
+                plan = json.loads(self.jnd("plan", name, "--participant", 2, "--seed", 3, "--json"))["trials"]
+                self.assertIn("arrangements", self.jnd("plan", name, "--cohort", 4, "--seed", 3))
+                self.jnd("simulate", name, "--participants", 3, "--study", study, "--seed", 3)
+                self.jnd("verify", study, "--deep")
+                results = json.loads(self.jnd("analyze", study, "--json", "--no-methods"))
+                self.assertEqual(results["outcome"], outcome)
+                self.assertEqual(len({row["participant"] for row in results["participants"]}), 3)
+                used = [row["n_used"] for row in results["group"] if row["outcome"] == outcome]
+                self.assertGreater(max(used), 0, results["group"])
+                self.assertIn("the registered outcome", self.jnd("analyze", study))
+                self.jnd("export", study, "--to", self.folder / name)
+                with open(self.folder / name / "sub-P02" / "trials.csv", newline="") as file:
+                    rows = list(csv.DictReader(file))
+                main = [trial for trial in plan if not trial["practice"]]
+                if all(None not in trial["stimuli"] for trial in main):
+                    suffix = next(column for column in rows[0] if column.startswith("stimulus_1_"))
+                    self.assertEqual([float(row[suffix]) for row in rows if row["practice"] == "0"],
+                                     [trial["stimuli"][0] for trial in main])
+                with open(self.folder / name / "dictionary.csv", newline="") as file:
+                    columns = {row["column"] for row in csv.DictReader(file)}
+                self.assertIn(outcome, columns)
+                self.assertIn("the task", (self.folder / name / "methods.md").read_text())
+                self.jnd("report", study, "--to", self.folder / f"{name}.html")
+
+    def test_the_same_seed_gives_the_same_answers_and_one_changed_answer_is_found(self):
+        for study in ("a", "b"):
+            self.jnd("simulate", "maereg2017", "--participants", 2, "--study", f"{study}.sqlite", "--seed", 8)
+            self.jnd("export", f"{study}.sqlite", "--to", study)
+        a, b = ((self.folder / s / "counts.csv").read_bytes() for s in ("a", "b"))
+        self.assertEqual(a, b)
+        database = sqlite3.connect(self.folder / "a.sqlite")
+        database.execute("DROP TRIGGER event_no_update")
+        database.execute("UPDATE event SET body = json_set(body, '$.answer', 'first', '$.said', 0) WHERE kind = 'trial.completed' "
+                         "AND json_extract(body, '$.said') = 1 AND session = (SELECT min(session) FROM event WHERE session <> 'study')")
+        database.commit()
+        database.close()
+        self.jnd("verify", "a.sqlite", code=1)
+
+    def small(self, source, **changes):
+        path = self.folder / "small.json"
+        self.jnd("new", path, "--from", source)
+        protocol = json.loads(path.read_text())
+        for key in ("assumed", "instructions", "published", "notes"):
+            protocol.pop(key, None)
+        protocol["blinding"] = "open"
+        protocol["trial"].update(explore_s=0.5, gap_s=0, between_trials_s=0)
+        for cue in protocol["trial"]["cues"].values():
+            cue["kind"] = "none"
+        for key, value in changes.items():
+            protocol[key].update(value) if isinstance(value, dict) and key != "levels" else protocol.__setitem__(key, value)
+        path.write_text(json.dumps(protocol))
+        return path
+
+    def test_a_value_is_adjusted_until_it_is_accepted(self):
+        """On specimens: 2 asks for more, 1 for less, 0 accepts; both values are handed over again with each of them."""
+        protocol = self.small("bergmann-tiest2009", paradigm="adjust", task={"start": 1}, levels={"absolute": [500, 800, 1200]},
+                              standards=[{"name": "s800", "value": 800}], design={"trials_per_cell": 2},
+                              trial={"keys": {"less": "1", "more": "2", "accept": "0"}}, analysis={"outcome": "pse"},
+                              rig={"specimens": [{"value": 500, "codes": ["7"]}, {"value": 800, "codes": ["K", "M"]},
+                                                 {"value": 1200, "codes": ["5"]}]})
+        plan = json.loads(self.jnd("plan", protocol, "--participant", 1, "--seed", 4, "--json"))["trials"]
+        starts = [trial["stimuli"][1] for trial in plan]
+        self.assertEqual(sorted(starts), [500, 1200])
+        keys = "".join(" " * 3 + ("2" if start == 500 else "1") + " " * 2 + "0" for start in starts)
+        screen = self.jnd("run", protocol, "--study", "s.sqlite", "--participant", "P01", "--rig", "specimens", "--kind", "pilot",
+                          "--plain", "--seed", 4, "--override-readiness", "a machine that runs tests", keys=keys)
+        self.assertEqual(screen.count("Hand over"), 8, screen)
+        self.jnd("verify", "s.sqlite", "--deep")
+        self.jnd("export", "s.sqlite", "--to", "s", "--kind", "pilot")
+        with open(self.folder / "s/sub-P01/trials.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual([row["settings"] for row in rows], [f"{start:g} 800" for start in starts])
+        self.assertEqual([row["answer"] for row in rows], ["800", "800"])
+        # A setting that does not follow from the one before is found.
+        database = sqlite3.connect(self.folder / "s.sqlite")
+        database.execute("DROP TRIGGER event_no_update")
+        database.execute("UPDATE event SET body = json_set(body, '$.settings[1]', 500) WHERE kind = 'trial.completed'")
+        database.commit()
+        database.close()
+        self.assertIn("settings", self.jnd("verify", "s.sqlite", code=1))
+
+    def test_how_sure_pairs_were_judged_gives_a_jnd_of_its_own(self):
+        path = self.folder / "sure.json"
+        self.jnd("new", path, "--from", "chinello2017")
+        protocol = json.loads(path.read_text())
+        protocol["task"] = {"sureness": 2}
+        protocol["trial"]["keys"] = {"same-2": "1", "same-1": "2", "different-1": "3", "different-2": "4"}
+        protocol["design"]["trials_per_cell"] = 40
+        protocol["assumed"] = []
+        path.write_text(json.dumps(protocol))
+        self.jnd("simulate", path, "--participants", 2, "--study", "q.sqlite", "--seed", 5)
+        self.jnd("verify", "q.sqlite", "--deep")
+        results = json.loads(self.jnd("analyze", "q.sqlite", "--json", "--no-methods"))
+        self.assertEqual(len(results["sureness"]), 2 * len(protocol["conditions"]))
+        self.jnd("export", "q.sqlite", "--to", "q")
+        with open(self.folder / "q/trials.csv" if (self.folder / "q/trials.csv").exists()
+                  else self.folder / "q/sub-P01/trials.csv", newline="") as file:
+            trials = [row for row in csv.DictReader(file) if row["practice"] == "0" and row["participant"] == "P01"]
+        self.assertEqual({row["sureness"] for row in trials}, {"1", "2"})
+        # The same from the trials, by `jnd calc sureness`.
+        condition = protocol["conditions"][0]["name"]
+        counts = {}
+        for row in trials:
+            if row["condition"] == condition:
+                delta = abs(float(row["stimulus_1_n_per_m"]) - float(row["stimulus_2_n_per_m"]))
+                category = 2 + int(row["sureness"]) if row["answer"] == "different" else 3 - int(row["sureness"])
+                counts[delta, category] = counts.get((delta, category), 0) + 1
+        text = "delta,category,n\n" + "".join(f"{d:g},{c},{n}\n" for (d, c), n in sorted(counts.items()))
+        (self.folder / "sure.csv").write_text(text)
+        calc = json.loads(self.jnd("calc", "sureness", "sure.csv", "--json"))
+        ours = next(row for row in results["sureness"] if row["participant"] == "P01" and row["condition"] == condition)
+        self.assertAlmostEqual(ours["jnd"], calc["sigma"], places=6)
+        self.assertIn("how sure", self.jnd("analyze", "q.sqlite"))
+
+    def test_specimens_are_handed_over_by_their_codes(self):
+        """Keys in, screen out: space begins a trial and hands a specimen over, 1 and 2 answer."""
+        protocol = self.small("bergmann-tiest2009", design={"trials_per_cell": 2}, levels={"absolute": [500, 1200]})
+        screen = self.jnd("run", protocol, "--study", "s.sqlite", "--participant", "P01", "--rig", "specimens", "--kind", "pilot",
+                          "--plain", "--seed", 4, "--override-readiness", "a machine that runs tests", keys=(" " * 3 + "1") * 4)
+        self.assertEqual(screen.count("Hand over"), 8, screen)
+        codes = {500: "7", 800: "K", 1200: "5"}
+        plan = json.loads(self.jnd("plan", protocol, "--participant", 1, "--seed", 4, "--json"))["trials"]
+        told = [line.split("Hand over", 1)[1].strip().split()[0] for line in screen.splitlines() if "Hand over" in line]
+        self.assertEqual(told, [codes[value] for trial in plan for value in trial["stimuli"]])
+        self.jnd("verify", "s.sqlite", "--deep")
+        results = json.loads(self.jnd("analyze", "s.sqlite", "--json", "--no-methods", "--kind", "pilot"))
+        self.assertEqual(sum(row["n"] for row in results["answers"]), 4)
+
+    def test_a_rig_of_the_laboratorys_own_renders_a_session(self):
+        rig = self.folder / "rig.json"
+        rig.write_text(json.dumps({"format": 1, "title": "plain rig", "external": {
+            "command": [sys.executable, str(ROOT / "devices/external/examples/plain_rig.py")]}}))
+        protocol = self.small("maereg2017", design={"trials_per_cell": 2, "order": {"series": "fixed", "conditions": "fixed"}},
+                              levels={"absolute": [300, 500]}, conditions=[
+                                  {"name": "thumb", "label": "thumb", "parameters": {"finger": "thumb"}}], analysis={"contrasts": []})
+        self.jnd("run", protocol, "--study", "e.sqlite", "--participant", "P01", "--rig", rig, "--plain", "--seed", 4,
+                 "--override-readiness", "a machine that runs tests", keys=" 1" * 12)
+        self.jnd("verify", "e.sqlite", "--deep")
+        self.jnd("export", "e.sqlite", "--to", "e", "--kind", "pilot")
+        with open(self.folder / "e/sub-P01/trials.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(len(rows), 4)
+        for row in rows:
+            self.assertAlmostEqual(float(row["i1_delivered_n_per_m"]), float(row["stimulus_1_n_per_m"]), delta=1)
+
+    def test_a_protocol_that_the_rig_cannot_render_is_refused_before_anything_is_made(self):
+        rig = self.folder / "rig.json"
+        rig.write_text(json.dumps({"format": 1, "title": "plain rig", "external": {
+            "command": [sys.executable, str(ROOT / "devices/external/examples/plain_rig.py")]}}))
+        done = subprocess.run([JND, "run", "lee2007-delay", "--study", "no.sqlite", "--participant", "P01", "--rig", rig],
+                              capture_output=True, text=True, cwd=self.folder, input="")
+        self.assertEqual(done.returncode, 3, done.stdout + done.stderr)
+        self.assertIn("delay", done.stderr)
+        self.assertFalse((self.folder / "no.sqlite").exists())
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[1:]])
