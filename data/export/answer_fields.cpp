@@ -100,6 +100,29 @@ Fields<BehaviourRow> behaviour_fields(const Protocol& protocol) {
   return fields;
 }
 
+Fields<SurenessRow> sureness_fields(const Protocol& protocol) {
+  using R = SurenessRow;
+  using F = Field<R>;
+  const std::string unit(to_string(protocol.stimulus.unit));
+  const auto fit = [](auto member) { return [member](const R& r) { return r.fit.*member; }; };
+  return {F("participant", "code of the participant", &R::participant),
+          F("condition", "feedback condition", [&protocol](const R& r) { return condition_of(protocol, r.condition); }),
+          F("trials", "counted trials", &R::trials),
+          F("jnd", "JND from all degrees of sureness: the difference that adds d' = 1, ordered probit",
+            fit(&Sureness::sigma), {.unit = unit, .title = "JND", .shown = Shown::compact}),
+          F("ci_low", "lower end of its 95 % profile-likelihood interval", fit(&Sureness::sigma_low),
+            {.column = "jnd_ci95_low", .unit = unit, .shown = Shown::compact}),
+          F("ci_high", "upper end", fit(&Sureness::sigma_high),
+            {.column = "jnd_ci95_high", .unit = unit, .shown = Shown::compact}),
+          F("deviance", "deviance of the fit against every difference with its own proportions",
+            fit(&Sureness::deviance), {.digits = 2}),
+          F("p", "likelihood-ratio p of no sensitivity", fit(&Sureness::p_zero_slope), {.shown = Shown::p_value}),
+          F("status",
+            "ok; flat, the answers do not rise with the difference; separated, they do without an overlap; "
+            "not_identified, one difference only; no_information, one answer throughout",
+            fit(&Sureness::status))};
+}
+
 Fields<CueFitRow> cue_fields(const Protocol& protocol) {
   using R = CueFitRow;
   const auto fit = [](auto member) { return [member](const R& r) { return r.row->strategy.cues[r.cue].*member; }; };

@@ -6,12 +6,16 @@
 #include "data/export/field.h"
 #include "data/results/questionnaire_results.h"
 #include "data/results/study_behaviour.h"
+#include "data/results/study_sureness.h"
 #include "protocols/protocol.h"
 
 namespace jnd {
 
 // In JSON all of session_drift is null where there is none.
 Fields<BehaviourRow> behaviour_fields(const Protocol& protocol);
+
+// The JND from answers with sureness.
+Fields<SurenessRow> sureness_fields(const Protocol& protocol);
 
 // One cue in one condition; no file.
 struct CueFitRow {

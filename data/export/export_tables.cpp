@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 #include "protocols/version.h"
 
 namespace jnd {
@@ -87,8 +89,7 @@ void add_interval(std::vector<Column>& columns, std::size_t i) {
                                     [](const P& p) { return csv_text(p.stopped_by); }));
 }
 
-void add_device(std::vector<Column>& columns, std::size_t i, DevicePlace place, const std::string& name,
-                StiffnessUnit unit) {
+void add_device(std::vector<Column>& columns, std::size_t i, DevicePlace place, const std::string& name, Unit unit) {
   using F = FingerPresentation;
   const auto add = [&](const std::string& quantity, const char* meaning, const std::string& of, auto cell,
                        const char* levels = "") {
@@ -100,7 +101,7 @@ void add_device(std::vector<Column>& columns, std::size_t i, DevicePlace place, 
       symbol, [](const F& p) { return optional_number(p.stiffness); });
   add("stiffness_se_" + stiffness, "standard error of that slope, as if the samples were independent", symbol,
       [](const F& p) { return optional_number(p.stiffness_se); });
-  if (place.channel == Channel::kinaesthetic && unit == StiffnessUnit::n_per_m)
+  if (place.channel == Channel::kinaesthetic && unit == Unit::n_per_m)
     add("joint_stiffness_n_m_per_rad", "the same slope as a torque per angle of the joint", "N m/rad",
         [](const F& p) { return optional_number(p.joint_stiffness_n_m_per_rad); });
   add("fit_samples", "samples in that fit", "", [](const F& p) { return csv_number(p.fit_samples); });
@@ -128,6 +129,72 @@ void add_device(std::vector<Column>& columns, std::size_t i, DevicePlace place, 
       });
 }
 
+// What a rig that is none of ours says of an interval.
+void add_measured(std::vector<Column>& columns, std::size_t i, const Protocol& protocol) {
+  using P = Presentation;
+  columns.push_back(interval_column(i, fmt::format("delivered_{}", name_suffix(protocol.stimulus.unit)),
+                                    "what the rig says it delivered; empty where it does not say",
+                                    std::string(to_string(protocol.stimulus.unit)),
+                                    [](const P& p) { return optional_number(p.delivered); }));
+  columns.push_back(
+      interval_column(i, "measured", "what else the rig measured, name=value separated by blanks", "", [](const P& p) {
+        std::string text;
+        for (const auto& [name, value] : p.measured)
+          text += fmt::format("{}{}={}", text.empty() ? "" : " ", name, csv_number(value));
+        return csv_text(text);
+      }));
+}
+
+// What was asked and answered, in the task's own words.
+void add_task(std::vector<Column>& columns, const Protocol& protocol) {
+  using R = ExportTrial;
+  const Task& task = task_of(protocol.task.kind);
+  const std::string suffix(name_suffix(protocol.stimulus.unit)), symbol(to_string(protocol.stimulus.unit));
+  const std::string quantity = protocol.stimulus.quantity;
+  const bool pairs = protocol.task.kind == TaskKind::same_different;
+  if (!pairs && task.has_standard())
+    columns.push_back({"standard_" + suffix, "the standard", symbol, "",
+                       [](const R& r) { return csv_number(r.record.trial.standard); }});
+  for (int i = 0; i < task.intervals(protocol.task); ++i)
+    columns.push_back({fmt::format("stimulus_{}_{}", i + 1, suffix),
+                       fmt::format("{} asked in interval {}", quantity, i + 1), symbol, "", [i](const R& r) {
+                         const Intervals& stimuli = r.record.trial.stimuli;
+                         const auto place = static_cast<std::size_t>(i);
+                         return place < stimuli.size() ? csv_number(stimuli[place]) : std::string();
+                       }});
+  std::string words;
+  if (!task.adjusts())  // its answers only move what is presented
+    for (const std::string& word : protocol.task.classes) words.append(words.empty() ? "" : " ").append(word);
+  if (pairs)
+    columns.push_back({"same", "whether the two were equal", "", "0 1",
+                       [](const R& r) { return csv_flag(r.record.trial.target == kClassSame); }});
+  else if (!words.empty())
+    columns.push_back(
+        {"target", "the answer that is correct; empty where none is", "", words,
+         [spec = protocol.task](const R& r) { return std::string(said_word(spec, r.record.trial.target)); }});
+  columns.push_back({"answer", "what was answered", "", words, [](const R& r) {
+                       const Answer& answer = r.record.answer;
+                       return answer.number ? csv_number(*answer.number) : csv_text(r.record.answer_word);
+                     }});
+  if (task.adjusts())
+    columns.push_back({"settings",
+                       "what was presented in turn beside the standard, the start first, separated by blanks", symbol,
+                       "", [](const R& r) {
+                         std::string text;
+                         for (const double setting : r.record.settings)
+                           text.append(text.empty() ? "" : " ").append(csv_number(setting));
+                         return csv_text(text);
+                       }});
+  if (protocol.task.sureness_levels > 0)
+    columns.push_back({"sureness", "how sure of it, from 1", "", "",
+                       [](const R& r) { return csv_number(r.record.answer.sureness); }});
+  if (!words.empty())
+    columns.push_back({"correct", "whether the answer was right", "", "0 1", [](const R& r) {
+                         const std::optional<bool> correct = is_correct(r.record.trial, r.record.answer);
+                         return correct ? csv_flag(*correct) : std::string();
+                       }});
+}
+
 // Fingers by their names; where a finger has two devices, each with what it acts on.
 std::string device_name(const Protocol& protocol, const std::vector<DevicePlace>& places, DevicePlace place) {
   const std::string& finger = protocol.rig.fingers.at(static_cast<std::size_t>(place.finger));
@@ -139,8 +206,8 @@ std::string device_name(const Protocol& protocol, const std::vector<DevicePlace>
 }  // namespace
 
 std::vector<Column> trial_columns(const Protocol& protocol, const std::vector<DevicePlace>& places) {
-  const StiffnessUnit unit = protocol.stimulus.unit;
-  const std::string suffix(name_suffix(unit)), symbol(to_string(unit));
+  if (protocol.task.kind == TaskKind::explore) return {};  // it has no trials
+  const Unit unit = protocol.stimulus.unit;
   using R = ExportTrial;
   std::vector<Column> columns = {
       {"participant", "code of the participant", "", "", [](const R& r) { return csv_text(r.session.participant); }},
@@ -163,31 +230,27 @@ std::vector<Column> trial_columns(const Protocol& protocol, const std::vector<De
       {"block", "block, from 1; 0 in practice", "", "", [](const R& r) { return csv_number(r.record.trial.block); },
        Reveals::nothing},
       {"series", "series of the trial", "", "", [](const R& r) { return csv_text(r.record.series_name); }},
-      {"condition", "feedback condition", "", "", [](const R& r) { return csv_text(r.record.condition_name); }},
-      {"stimulus_1_" + suffix, "stiffness asked in interval 1", symbol, "",
-       [](const R& r) { return csv_number(r.record.trial.stimuli[0]); }},
-      {"stimulus_2_" + suffix, "stiffness asked in interval 2", symbol, "",
-       [](const R& r) { return csv_number(r.record.trial.stimuli[1]); }},
-      {"same", "whether the two were equal", "", "0 1", [](const R& r) { return csv_flag(r.record.trial.same); }},
-      {"answer", "what was answered", "", "same different",
-       [](const R& r) { return std::string(to_string(r.record.answer.judgement)); }},
-      {"correct", "whether the answer was right", "", "0 1",
-       [](const R& r) { return csv_flag((r.record.answer.judgement == Judgement::same) == r.record.trial.same); }},
-      {"entered_by", "who pressed the key", "", "participant operator",
-       [](const R& r) { return std::string(to_string(r.record.answer.entered_by)); }, Reveals::nothing},
-      {"response_time_s", "from the question cue to the key", "s", "",
-       [](const R& r) { return csv_number(r.record.answer.response_time_s); }, Reveals::nothing},
-      {"duration_s", "from the first cue to the answer", "s", "",
-       [](const R& r) { return csv_number(r.record.duration_s); }, Reveals::nothing},
-      {"excluded", "whether a registered rule leaves the trial out of the analysis", "", "0 1",
-       [](const R& r) { return csv_flag(!r.excluded_reason.empty()); }},
-      {"excluded_reason", "the first rule that applies; empty where the trial counts", "",
-       "response_time_below response_time_above saturated_share_above", [](const R& r) { return r.excluded_reason; }}};
+      {"condition", "feedback condition", "", "", [](const R& r) { return csv_text(r.record.condition_name); }}};
+  add_task(columns, protocol);
+  columns.insert(columns.end(),
+                 {{"entered_by", "who pressed the key", "", "participant operator",
+                   [](const R& r) { return std::string(to_string(r.record.answer.entered_by)); }, Reveals::nothing},
+                  {"response_time_s", "from the question cue to the key", "s", "",
+                   [](const R& r) { return csv_number(r.record.answer.response_time_s); }, Reveals::nothing},
+                  {"duration_s", "from the first cue to the answer", "s", "",
+                   [](const R& r) { return csv_number(r.record.duration_s); }, Reveals::nothing},
+                  {"excluded", "whether a registered rule leaves the trial out of the analysis", "", "0 1",
+                   [](const R& r) { return csv_flag(!r.excluded_reason.empty()); }},
+                  {"excluded_reason", "the first rule that applies; empty where the trial counts", "",
+                   "response_time_below response_time_above saturated_share_above",
+                   [](const R& r) { return r.excluded_reason; }}});
   if (protocol.design.procedure)
     columns.push_back({"track", "track of the adaptive procedure in its condition, from 1; 0 in practice", "", "",
                        [](const R& r) { return csv_number(r.record.trial.track); }});
-  for (std::size_t interval = 0; interval < 2; ++interval) {
+  const auto intervals = static_cast<std::size_t>(task_of(protocol.task.kind).intervals(protocol.task));
+  for (std::size_t interval = 0; interval < intervals; ++interval) {
     add_interval(columns, interval);
+    if (!protocol.rig.built_in()) add_measured(columns, interval, protocol);
     for (const DevicePlace& place : places)
       add_device(columns, interval, place, device_name(protocol, places, place), unit);
   }

@@ -5,6 +5,7 @@
 #include "data/export/answer_fields.h"
 #include "data/export/export_tables.h"
 #include "data/export/result_fields.h"
+#include "data/export/task_fields.h"
 
 namespace jnd {
 
@@ -37,12 +38,14 @@ std::vector<ResultFile> result_files(const StudyResults& results, const Protocol
   }
   std::vector<MethodRow> sensitivity;
   std::vector<BehaviourRow> behaviour;
+  std::vector<SurenessRow> sureness;
   if (const auto* constant = std::get_if<ConstantResults>(&results.measured)) {
     for (const SensitivityRow& row : constant->sensitivity)
       for (std::size_t condition = 0; condition < protocol.conditions.size(); ++condition)
         sensitivity.push_back({&row, condition});
     append(behaviour, constant->behaviour.conditions);
     append(behaviour, constant->behaviour.participants);
+    sureness = constant->sureness;
   }
   std::vector<ScoreRow> scores;
   for (const QuestionnaireItem& item : results.questionnaire.items) append(scores, score_rows(item, protocol));
@@ -54,10 +57,18 @@ std::vector<ResultFile> result_files(const StudyResults& results, const Protocol
   std::vector<ResultFile> files;
   if (const auto* adaptive = std::get_if<AdaptiveResults>(&results.measured))
     add_file(files, "tracks.csv", track_fields(protocol), adaptive->rows);
+  if (const auto* measured = std::get_if<MeasuredTask>(&results.measured)) {
+    const SessionKind kind = measured->attendance.kind;
+    add_file(files, "estimates.csv", task_estimate_fields(protocol), measured->task.estimates);
+    add_file(files, "counts.csv", task_count_fields(protocol), measured->task.counts);
+    add_file(files, "group.csv", task_group_fields(protocol, kind), measured->task.group);
+    add_file(files, "proportion.csv", proportion_fields(protocol), measured->task.proportion);
+  }
   add_file(files, "tests.csv", test_fields(), tests);
   add_file(files, "pairs.csv", pair_fields(protocol), pairs);
   add_file(files, "sensitivity.csv", sensitivity_fields(protocol), sensitivity);
   add_file(files, "behaviour.csv", behaviour_fields(protocol), behaviour);
+  add_file(files, "sureness.csv", sureness_fields(protocol), sureness);
   add_file(files, "items.csv", score_fields(protocol), scores);
   add_file(files, "ratings.csv", rating_fields(protocol), rating_rows(results.questionnaire.tests));
   if (models != nullptr) add_file(files, "models.csv", model_fields(protocol), models->thresholds);

@@ -98,11 +98,11 @@ void add_effect(Fields<Row>& fields, const std::string& meaning_of_f, Effect eff
 }  // namespace
 
 int stiffness_decimals(const Protocol& protocol) noexcept {
-  return protocol.stimulus.unit == StiffnessUnit::n_per_m ? 1 : 2;
+  return protocol.stimulus.unit == Unit::n_per_m ? 1 : 2;
 }
 
 int slope_step(const Protocol& protocol) noexcept {
-  return protocol.stimulus.unit == StiffnessUnit::n_per_m ? 100 : 10;
+  return protocol.stimulus.unit == Unit::n_per_m ? 100 : 10;
 }
 
 std::string in_unit(const std::string& name, const Protocol& protocol) {
@@ -180,7 +180,7 @@ Fields<ThresholdResult> threshold_fields(const Protocol& protocol) {
       F("series_used", "series in the fit", [](const R& r) { return r.jnd.series_used; }),
       F("slope", "slope of d' on the stiffness difference, through the origin", [](const R& r) { return r.jnd.slope; },
         {.column = in_unit("slope_per_", protocol),
-         .unit = protocol.stimulus.unit == StiffnessUnit::n_per_m ? "m/N" : "rad/N",
+         .unit = protocol.stimulus.unit == Unit::n_per_m ? "m/N" : "rad/N",
          .title = fmt::format("d' per {} {}", slope_step(protocol), unit),
          .factor = static_cast<double>(slope_step(protocol))}),
       beside<R>("slope_ci_low", [](const R& r) { return r.jnd.slope_ci_low; }),
@@ -432,7 +432,7 @@ Fields<ThresholdModel> model_fields(const Protocol& protocol) {
 namespace {
 
 int level_decimals(const Protocol& protocol) noexcept {
-  return protocol.stimulus.unit == StiffnessUnit::n_per_m ? 1 : 3;
+  return protocol.stimulus.unit == Unit::n_per_m ? 1 : 3;
 }
 
 }  // namespace

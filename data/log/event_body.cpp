@@ -9,6 +9,7 @@
 #include "data/log/body_numbers.h"
 #include "data/log/presentation_body.h"
 #include "data/log/storage_error.h"
+#include "protocols/tasks/task.h"
 
 namespace jnd {
 
@@ -28,6 +29,13 @@ constexpr auto kQuestionKinds = words<QuestionKind>({{"rating", QuestionKind::ra
                                                      {"text", QuestionKind::text},
                                                      {"confirm", QuestionKind::confirm}});
 
+// "stimulus_1_n_per_m"; of other quantities than stiffness "stimulus_1": the unit stands beside it.
+std::string stimulus_key(std::size_t interval, Unit unit) {
+  if (unit == Unit::n_per_m || unit == Unit::n_per_rad)
+    return fmt::format("stimulus_{}_{}", interval + 1, unit.suffix());
+  return fmt::format("stimulus_{}", interval + 1);
+}
+
 void add_trial(Json& body, const Trial& trial, int attempt) {
   body["index"] = trial.index;
   body["attempt"] = attempt;
@@ -36,10 +44,30 @@ void add_trial(Json& body, const Trial& trial, int attempt) {
   body["round"] = trial.round;
   body["series_place"] = trial.series;
   body["condition_place"] = trial.condition;
-  body[key_with("stimulus_1_", name_suffix(trial.unit))] = trial.stimuli[0];
-  body[key_with("stimulus_2_", name_suffix(trial.unit))] = trial.stimuli[1];
-  body["same"] = trial.same;
+  body["task"] = to_string(trial.task);
+  body["unit"] = to_string(trial.unit);
+  body["standard"] = trial.standard;
+  for (std::size_t i = 0; i < trial.stimuli.size(); ++i) body[stimulus_key(i, trial.unit)] = trial.stimuli[i];
+  if (trial.task == TaskKind::same_different) body["same"] = trial.target == 0;
+  body["target"] = trial.target < 0 ? Json(nullptr) : Json(trial.target);
   if (trial.track > 0) body["track"] = trial.track;
+  if (trial.side > 0) body["side"] = trial.side;
+}
+
+constexpr std::size_t kMostOfUnit = 64;  // bytes; protocols have 16 characters
+
+// A number, or the word and the place of what was said.
+void read_answer(const Json& body, TrialRecord& record) {
+  Answer& answer = record.answer;
+  const Json& said = body.at("answer");
+  if (said.is_number()) {
+    answer.said = -1;
+    answer.number = said.get<double>();
+  } else {
+    record.answer_word = said.get<std::string>();
+    answer.said = whole_at(body, "said");
+  }
+  answer.sureness = whole_or(body, "sureness", 0);
 }
 
 // Written only where it is false: bodies of voids that count are those of earlier programs.
@@ -54,16 +82,25 @@ Json to_body(const TrialRecord& record) {
   add_trial(body, record.trial, record.attempt);
   body["series"] = record.series_name;
   body["condition"] = record.condition_name;
-  const bool said_same = record.answer.judgement == Judgement::same;
-  body["answer"] = to_string(record.answer.judgement);
-  body["correct"] = said_same == record.trial.same;
+  const Answer& answer = record.answer;
+  if (answer.number) {
+    body["answer"] = *answer.number;
+  } else {
+    body["answer"] = record.answer_word;
+    body["said"] = answer.said;
+  }
+  if (answer.sureness > 0) body["sureness"] = answer.sureness;
+  if (!record.settings.empty()) body["settings"] = record.settings;
+  const std::optional<bool> correct = is_correct(record.trial, answer);
+  body["correct"] = correct ? Json(*correct) : Json(nullptr);
   body["entered_by"] = to_string(record.answer.entered_by);
   body["response_time_s"] = record.answer.response_time_s;
   body["duration_s"] = record.duration_s;
   body["saturated_share"] = largest_saturated_share(record);
-  const StiffnessUnit unit = record.trial.unit;
-  body["presentations"] = {presentation_body(record.presentations[0], unit),
-                           presentation_body(record.presentations[1], unit)};
+  const Unit unit = record.trial.unit;
+  body["presentations"] = Json::array();
+  for (const Presentation& presentation : record.presentations)
+    body["presentations"].push_back(presentation_body(presentation, unit));
   return body;
 }
 
@@ -81,10 +118,9 @@ TrialRecord trial_record_from(const Json& body) {
     record.attempt = whole_at(body, "attempt");
     record.series_name = body.at("series").get<std::string>();
     record.condition_name = body.at("condition").get<std::string>();
-    const auto answer = body.at("answer").get<std::string>();
-    const std::optional<Judgement> judgement = judgement_from(answer);
-    if (!judgement) throw StorageError(fmt::format("unknown answer \"{}\"", answer));
-    record.answer.judgement = *judgement;
+    read_answer(body, record);
+    if (const auto settings = body.find("settings"); settings != body.end())
+      record.settings = settings->get<std::vector<double>>();
     const auto who = body.at("entered_by").get<std::string>();
     const std::optional<EnteredBy> entered_by = entered_by_from(who);
     if (!entered_by) throw StorageError(fmt::format("answer entered by unknown \"{}\"", who));
@@ -92,9 +128,11 @@ TrialRecord trial_record_from(const Json& body) {
     record.answer.response_time_s = number_at(body, "response_time_s");
     record.duration_s = number_at(body, "duration_s");
     const Json& presentations = body.at("presentations");
-    if (presentations.size() != 2) throw StorageError("a trial has two presentations");
-    for (std::size_t i = 0; i < 2; ++i)
-      record.presentations[i] = presentation_from(presentations.at(i), record.trial.unit);
+    if (presentations.size() != record.trial.stimuli.size())
+      throw StorageError(fmt::format("a trial of {} intervals has {} presentations", record.trial.stimuli.size(),
+                                     presentations.size()));
+    record.presentations.clear();
+    for (const Json& one : presentations) record.presentations.push_back(presentation_from(one, record.trial.unit));
     return record;
   } catch (const Json::exception& error) {
     throw StorageError(fmt::format("the body is not a completed trial: {}", error.what()));
@@ -110,12 +148,24 @@ Trial trial_from(const Json& body) {
     trial.round = whole_at(body, "round");
     trial.series = whole_at(body, "series_place");
     trial.condition = whole_at(body, "condition_place");
-    trial.unit = body.contains("stimulus_1_n_per_rad") ? StiffnessUnit::n_per_rad : StiffnessUnit::n_per_m;
-    for (std::size_t i = 0; i < 2; ++i)
-      trial.stimuli[i] =
-          number_at(body, key_with(i == 0 ? "stimulus_1_" : "stimulus_2_", name_suffix(trial.unit)).c_str());
-    trial.same = body.at("same").get<bool>();
+    const auto task = body.at("task").get<std::string>();
+    const std::optional<TaskKind> kind = task_kind_from(task);
+    if (!kind) throw StorageError(fmt::format("unknown task \"{}\"", task));
+    trial.task = *kind;
+    const auto unit = body.at("unit").get<std::string>();
+    if (unit.size() > kMostOfUnit) throw StorageError("a unit of more than 64 bytes");
+    trial.unit = Unit::named(unit);
+    trial.standard = number_at(body, "standard");
+    trial.stimuli = Intervals({number_at(body, stimulus_key(0, trial.unit).c_str())});
+    for (std::size_t i = 1; i < kMostIntervals; ++i)
+      if (const std::string key = stimulus_key(i, trial.unit); body.contains(key))
+        trial.stimuli.push_back(number_at(body, key.c_str()));
+    const Json& target = body.at("target");
+    trial.target = target.is_null() ? -1 : whole(target);
+    if (trial.task == TaskKind::same_different && body.at("same").get<bool>() != (trial.target == 0))
+      throw StorageError("\"same\" and \"target\" contradict each other");
     if (body.contains("track")) trial.track = whole_at(body, "track");
+    trial.side = whole_or(body, "side", -1);
     return trial;
   } catch (const Json::exception& error) {
     throw StorageError(fmt::format("the body is not a trial: {}", error.what()));

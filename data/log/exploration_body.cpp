@@ -29,7 +29,7 @@ ExplorationRecord exploration_of(const Protocol& protocol, const ExplorationSlot
   return record;
 }
 
-Json to_body(const ExplorationRecord& record, StiffnessUnit unit) {
+Json to_body(const ExplorationRecord& record, Unit unit) {
   Json body = head_of(record);
   body["condition_place"] = record.slot.condition;
   body["object_place"] = record.slot.object;
@@ -41,8 +41,7 @@ Json to_body(const ExplorationRecord& record, StiffnessUnit unit) {
   return body;
 }
 
-Json voided_body(const ExplorationRecord& record, StiffnessUnit unit, std::string_view reason, bool counts,
-                 bool will_repeat) {
+Json voided_body(const ExplorationRecord& record, Unit unit, std::string_view reason, bool counts, bool will_repeat) {
   Json body = head_of(record);
   body["reason"] = reason;
   body["counts"] = counts;
@@ -59,7 +58,7 @@ Json voided_body(const ExplorationRecord& record, StiffnessUnit unit, std::strin
   return body;
 }
 
-ExplorationRecord exploration_from(const Json& body, StiffnessUnit unit) {
+ExplorationRecord exploration_from(const Json& body, Unit unit) {
   ExplorationRecord record;
   record.slot.index = whole_at(body, "index");
   record.slot.block = whole_at(body, "block");

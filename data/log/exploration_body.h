@@ -30,13 +30,13 @@ struct ExplorationRecord {
 ExplorationRecord exploration_of(const Protocol& protocol, const ExplorationSlot& slot, int attempt);
 
 // exploration.completed.
-nlohmann::ordered_json to_body(const ExplorationRecord& record, StiffnessUnit unit);
+nlohmann::ordered_json to_body(const ExplorationRecord& record, Unit unit);
 // exploration.voided: what became of the attempt, without its pieces but for the one that ended it in a fault, with the
 // last ticks before that.
 // counts: it uses up one of the attempts; will_repeat: it comes again.
-nlohmann::ordered_json voided_body(const ExplorationRecord& record, StiffnessUnit unit, std::string_view reason,
-                                   bool counts, bool will_repeat);
+nlohmann::ordered_json voided_body(const ExplorationRecord& record, Unit unit, std::string_view reason, bool counts,
+                                   bool will_repeat);
 // Of a completed one. Throws nlohmann::json::exception and StorageError.
-ExplorationRecord exploration_from(const nlohmann::ordered_json& body, StiffnessUnit unit);
+ExplorationRecord exploration_from(const nlohmann::ordered_json& body, Unit unit);
 
 }  // namespace jnd

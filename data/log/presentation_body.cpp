@@ -14,7 +14,7 @@ using Json = nlohmann::ordered_json;
 
 // The keys that carry the study's unit.
 struct UnitKeys {
-  explicit UnitKeys(StiffnessUnit unit)
+  explicit UnitKeys(Unit unit)
       : stiffness(key_with("stiffness_", name_suffix(unit))),
         stiffness_se(key_with("stiffness_se_", name_suffix(unit))),
         deepest_penetration(key_with("deepest_penetration_", length_suffix(unit))),
@@ -22,12 +22,12 @@ struct UnitKeys {
   std::string stiffness, stiffness_se, deepest_penetration, mean_speed;
 };
 
-const UnitKeys& keys_of(StiffnessUnit unit) {
-  static const UnitKeys n_per_m(StiffnessUnit::n_per_m), n_per_rad(StiffnessUnit::n_per_rad);
-  return unit == StiffnessUnit::n_per_m ? n_per_m : n_per_rad;
+const UnitKeys& keys_of(Unit unit) {
+  static const UnitKeys n_per_m(Unit::n_per_m), n_per_rad(Unit::n_per_rad);
+  return unit == Unit::n_per_m ? n_per_m : n_per_rad;
 }
 
-Json finger_body(const FingerPresentation& finger, StiffnessUnit unit) {
+Json finger_body(const FingerPresentation& finger, Unit unit) {
   const UnitKeys& keys = keys_of(unit);
   Json body{{"finger", finger.finger},
             {"channel", to_string(finger.channel)},
@@ -56,7 +56,7 @@ std::optional<double> optional_at(const Json& body, const char* key) {
   return found->get<double>();
 }
 
-FingerPresentation finger_from(const Json& body, StiffnessUnit unit, int place) {
+FingerPresentation finger_from(const Json& body, Unit unit, int place) {
   const UnitKeys& keys = keys_of(unit);
   FingerPresentation finger;
   finger.finger = whole_or(body, "finger", place);
@@ -100,7 +100,7 @@ std::string key_with(const char* name, std::string_view suffix) {
   return std::string(name).append(suffix);
 }
 
-Json presentation_body(const Presentation& presentation, StiffnessUnit unit) {
+Json presentation_body(const Presentation& presentation, Unit unit) {
   Json fingers = Json::array();
   for (const FingerPresentation& finger : presentation.fingers) fingers.push_back(finger_body(finger, unit));
   const bool contact = presentation.first_contact_s >= 0;
@@ -115,11 +115,13 @@ Json presentation_body(const Presentation& presentation, StiffnessUnit unit) {
   if (presentation.lateness_max_us > 0) body["lateness_histogram"] = presentation.lateness_histogram;
   body["fault"] = to_string(presentation.fault);
   if (!presentation.stopped_by.empty()) body["stopped_by"] = presentation.stopped_by;
+  if (presentation.delivered) body["delivered"] = *presentation.delivered;
+  if (!presentation.measured.empty()) body["measured"] = presentation.measured;
   body["fingers"] = std::move(fingers);
   return body;
 }
 
-Presentation presentation_from(const Json& body, StiffnessUnit unit) {
+Presentation presentation_from(const Json& body, Unit unit) {
   Presentation presentation;
   if (!body.at("first_contact_s").is_null()) presentation.first_contact_s = body.at("first_contact_s").get<double>();
   presentation.duration_s = number_at(body, "duration_s");
@@ -134,6 +136,9 @@ Presentation presentation_from(const Json& body, StiffnessUnit unit) {
                                      presentation.lateness_histogram.size()));
     presentation.lateness_histogram = histogram->get<decltype(presentation.lateness_histogram)>();
   }
+  presentation.delivered = optional_at(body, "delivered");
+  if (const auto measured = body.find("measured"); measured != body.end())
+    presentation.measured = measured->get<std::map<std::string, double>>();
   const auto fault = body.at("fault").get<std::string>();
   const std::optional<Fault> known = fault_from(fault);
   if (!known) throw StorageError(fmt::format("unknown fault \"{}\"", fault));

@@ -16,9 +16,9 @@ nlohmann::ordered_json number_or_null(const std::optional<double>& value);
 // A stored key that carries the study's unit: "stiffness_" + "n_per_m".
 std::string key_with(const char* name, std::string_view suffix);
 
-nlohmann::ordered_json presentation_body(const Presentation& presentation, StiffnessUnit unit);
+nlohmann::ordered_json presentation_body(const Presentation& presentation, Unit unit);
 // Reads what any version of the program has written: fingers without their place, channel and interventions too.
 // Throws nlohmann::json::exception and StorageError.
-Presentation presentation_from(const nlohmann::ordered_json& body, StiffnessUnit unit);
+Presentation presentation_from(const nlohmann::ordered_json& body, Unit unit);
 
 }  // namespace jnd

@@ -68,7 +68,7 @@ std::string raw_bytes(const Telemetry& telemetry, std::span<const TickRecord> ti
   std::string bytes(kMagic);
   bytes.reserve(kHeaderSize + kChannelSize * telemetry.channels.size() + kTickSize * ticks.size());
   put(bytes, kTelemetryVersion);
-  put(bytes, static_cast<std::uint32_t>(telemetry.unit == StiffnessUnit::n_per_rad ? 1 : 0));
+  put(bytes, static_cast<std::uint32_t>(telemetry.unit == Unit::n_per_rad ? 1 : 0));
   put(bytes, static_cast<std::uint32_t>(telemetry.channels.size()));
   put(bytes, std::uint32_t{0});
   put(bytes, static_cast<std::uint64_t>(ticks.size()));
@@ -162,7 +162,7 @@ Telemetry decode_telemetry(std::string_view bytes) {
     throw broken("its size is not the one that its header gives");
 
   Telemetry telemetry;
-  telemetry.unit = unit == 1 ? StiffnessUnit::n_per_rad : StiffnessUnit::n_per_m;
+  telemetry.unit = unit == 1 ? Unit::n_per_rad : Unit::n_per_m;
   telemetry.dropped = static_cast<std::int64_t>(dropped);
   std::size_t at = kHeaderSize;
   for (std::uint32_t i = 0; i < channels; ++i, at += kChannelSize) {

@@ -31,7 +31,7 @@ struct TelemetryChannel {
 };
 
 struct Telemetry {
-  StiffnessUnit unit = StiffnessUnit::n_per_m;  // of the study: penetrations are in m or in rad
+  Unit unit = Unit::n_per_m;  // of the study: penetrations are in m or in rad
   std::vector<TelemetryChannel> channels;
   std::int64_t dropped = 0;  // records that were lost before they could be kept
   std::vector<TickRecord> ticks;

@@ -27,7 +27,7 @@ namespace {
 
 namespace od = simdjson::ondemand;
 
-constexpr std::array<std::string_view, 4> kNeeded = {"series_place", "condition_place", "same", "answer"};
+constexpr std::array<std::string_view, 4> kNeeded = {"series_place", "condition_place", "target", "answer"};
 
 // null is a number that could not be computed.
 double number(od::value value) {
@@ -55,7 +55,7 @@ struct Mean {
 }  // namespace
 
 struct TrialBodyReader::Impl {
-  std::string stimulus[2], stiffness;
+  std::string stiffness;
   od::parser parser;
   std::vector<char> padded;
 
@@ -96,9 +96,24 @@ unsigned TrialBodyReader::Impl::field(std::string_view key, od::value value, Cou
   const auto is = [&value](std::string_view word) { return std::string_view(value.get_string()) == word; };
   if (key == kNeeded[0]) return trial.series = whole(), 1U;
   if (key == kNeeded[1]) return trial.condition = whole(), 2U;
-  if (key == kNeeded[2]) return trial.same = value.get_bool(), 4U;
-  if (key == kNeeded[3]) return trial.said_different = is(to_string(Judgement::different)), 8U;
-  if (key == "index") {
+  if (key == kNeeded[2]) return trial.target = value.is_null() ? -1 : whole(), 4U;
+  if (key == kNeeded[3]) {
+    if (value.type() == od::json_type::number) trial.number = value.get_double().value();
+    return 8U;
+  }
+  if (key == "said") {
+    trial.said = whole();
+  } else if (key == "sureness") {
+    trial.sureness = whole();
+  } else if (key.starts_with("stimulus_")) {
+    const std::size_t interval = key.size() > 9 ? static_cast<std::size_t>(key[9] - '1') : kMostIntervals;
+    if (interval < kMostIntervals) {
+      while (trial.asked.size() <= interval) trial.asked.push_back(kNaN);
+      trial.asked[interval] = number(value);
+    }
+  } else if (key == "standard") {
+    trial.standard = number(value);
+  } else if (key == "index") {
     trial.index = whole();
   } else if (key == "practice") {
     trial.practice = value.get_bool();
@@ -110,10 +125,6 @@ unsigned TrialBodyReader::Impl::field(std::string_view key, od::value value, Cou
     trial.duration_s = number(value);
   } else if (key == "saturated_share") {
     trial.saturated_share = number(value);
-  } else if (key == stimulus[0]) {
-    trial.asked[0] = number(value);
-  } else if (key == stimulus[1]) {
-    trial.asked[1] = number(value);
   } else if (key == "presentations") {
     std::size_t place = 0;
     for (auto presentation : value.get_array()) {
@@ -124,10 +135,8 @@ unsigned TrialBodyReader::Impl::field(std::string_view key, od::value value, Cou
   return 0;
 }
 
-TrialBodyReader::TrialBodyReader(StiffnessUnit unit) : impl_(std::make_unique<Impl>()) {
+TrialBodyReader::TrialBodyReader(Unit unit) : impl_(std::make_unique<Impl>()) {
   const std::string suffix(name_suffix(unit));
-  impl_->stimulus[0] = "stimulus_1_" + suffix;
-  impl_->stimulus[1] = "stimulus_2_" + suffix;
   impl_->stiffness = "stiffness_" + suffix;
 }
 
@@ -140,6 +149,7 @@ CountedTrial TrialBodyReader::read(std::string_view body) {
   std::memcpy(padded.data(), body.data(), body.size());
   CountedTrial trial;
   trial.cues.fill({kNaN, kNaN, kNaN, kNaN});
+  trial.asked = Intervals({});
   try {
     od::document document =
         impl_->parser.iterate(simdjson::padded_string_view(padded.data(), body.size(), padded.size()));

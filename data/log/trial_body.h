@@ -25,12 +25,17 @@ struct CountedTrial {
   int series = 0, condition = 0;  // places in the protocol
   int index = 0;                  // of the plan, from 1
   bool practice = false;
-  bool same = true;
-  bool said_different = false;
+  int target = -1;  // of the task's classes; -1: none
+  int said = -1;
+  int sureness = 0;
+  std::optional<double> number{};  // of an answer with a number
+  double standard = 0;
+  bool same() const noexcept { return target == 0; }  // of same-different
+  bool said_different() const noexcept { return said == 1; }
   bool by_participant = true;
   double response_time_s = 0, duration_s = 0, saturated_share = 0;
-  std::array<double, 2> asked{};       // stiffness of the intervals, in the study's unit
-  std::array<IntervalCues, 2> cues{};  // as delivered
+  Intervals asked{};                                // of the intervals, in the study's unit
+  std::array<IntervalCues, kMostIntervals> cues{};  // as delivered
   std::optional<double> delivered(std::size_t interval) const noexcept {
     const double stiffness = cues[interval].stiffness;
     return stiffness == stiffness ? std::optional<double>(stiffness) : std::nullopt;
@@ -40,7 +45,7 @@ struct CountedTrial {
 // Reads bodies of `trial.completed`. Thread rule: one reader a thread (it keeps its buffers).
 class TrialBodyReader {
  public:
-  explicit TrialBodyReader(StiffnessUnit unit);
+  explicit TrialBodyReader(Unit unit);
   ~TrialBodyReader();
   // Throws StorageError where the body is not such an event's; `session` stays 0.
   CountedTrial read(std::string_view body);

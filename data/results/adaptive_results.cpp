@@ -28,7 +28,7 @@ AdaptiveRow row_of(const AdaptiveTrack& track, const Protocol& protocol) {
   row.track = track.track;
   row.finished = track.finished;
   row.trials = static_cast<int>(track.levels.size());
-  row.hits = static_cast<int>(std::count(track.said_different.begin(), track.said_different.end(), true));
+  row.hits = static_cast<int>(std::count(track.correct.begin(), track.correct.end(), true));
   row.catch_trials = track.catch_trials;
   row.false_alarms = track.false_alarms;
   row.levels = track.levels;
@@ -69,7 +69,7 @@ std::vector<AdaptiveTrack> tracks_of(const std::vector<Event>& events, const Pro
   AdaptiveRun run(protocol);
   for (const TrialRecord& record : replay(events).completed) {
     try {
-      run.answered(record.trial, record.answer.judgement);
+      run.answered(record.trial, record.answer);
     } catch (const std::out_of_range&) {
       throw StorageError(
           fmt::format("participant {}: trial {} belongs to track {} of condition {}, which the protocol "

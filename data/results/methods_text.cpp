@@ -8,7 +8,8 @@
 #include "data/results/markdown_text.h"
 #include "data/results/references.h"
 #include "data/study/blinding.h"
-#include "protocols/planning/random_stream.h"
+#include "protocols/random_stream.h"
+#include "protocols/tasks/task.h"
 #include "protocols/version.h"
 
 namespace jnd {
@@ -39,6 +40,11 @@ std::string task_words(const Protocol& protocol, const StudyResults& results) {
   for (const Condition& one : protocol.conditions)
     conditions.push_back(fmt::format("{} ({})", markdown_text(one.name), markdown_text(one.label)));
   const auto participants = static_cast<std::size_t>(attendance_of(results).participants);
+  if (!task_of(protocol.task.kind).has_own_results())
+    return fmt::format("{} {} participant{} did the task \"{}\" ({}) with {} under {} condition{}: {}. ", participants,
+                       to_string(attendance_of(results).kind), plural(participants), to_string(protocol.task.kind),
+                       task_of(protocol.task.kind).summary(), markdown_text(protocol.stimulus.quantity),
+                       conditions.size(), plural(conditions.size()), list_of(conditions));
   return fmt::format(
       "{} {} participant{} judged whether two stimuli were the same or different in stiffness (same-different, two "
       "intervals) under {} feedback condition{}: {}. ",
@@ -121,9 +127,42 @@ std::string series_sentences(const Protocol& protocol) {
                                             : "drawn independently with a probability of one half");
 }
 
+// Of the tasks that have standards and levels.
+std::string comparison_sentences(const Protocol& protocol) {
+  const Task& task = task_of(protocol.task.kind);
+  const Design& design = protocol.design;
+  const std::string_view unit = unit_of(protocol);
+  std::string text;
+  for (const Series& series : protocol.series) {
+    std::vector<std::string> levels;
+    for (const double level : series.levels) levels.push_back(fmt::format("{:g}", level));
+    if (task.has_standard())
+      text += fmt::format("The standard {} was {:g} {}", markdown_text(series.name), series.standard, unit);
+    else
+      text += "The values";
+    if (!levels.empty())
+      text += fmt::format("{} {} {}", task.has_standard() ? ", compared with" : " were", list_of(levels), unit);
+    text += ". ";
+  }
+  if (design.procedure)
+    return text +
+           fmt::format(
+               "The answers set the difference from the standard, within {:g} to {:g} {}: {}. Each condition and "
+               "standard had {} track{}{} of at most {} trials with a difference. ",
+               design.procedure->clamp[0], design.procedure->clamp[1], unit, procedure_words(*design.procedure, unit),
+               design.procedure->starts.size(), plural(design.procedure->starts.size()), session_words(design),
+               design.procedure->trials);
+  return text + fmt::format("Each level was presented {} time{} in every condition{}; {}. ", design.trials_per_cell,
+                            plural(static_cast<std::size_t>(design.trials_per_cell)), session_words(design),
+                            design.sampling == Sampling::balanced ? "its orders were balanced"
+                                                                  : "its orders were drawn at random");
+}
+
 std::string design_paragraph(const Protocol& protocol, const StudyResults& results) {
   return task_words(protocol, results) +
-         (protocol.design.procedure ? procedure_sentences(protocol) : series_sentences(protocol)) +
+         (!task_of(protocol.task.kind).has_own_results() ? comparison_sentences(protocol)
+          : protocol.design.procedure                    ? procedure_sentences(protocol)
+                                                         : series_sentences(protocol)) +
          order_sentences(protocol);
 }
 
@@ -213,9 +252,13 @@ std::string estimate_paragraph(const Protocol& protocol, const StudyAnalysis& an
       "{}{}{}; JND = 1/m, the difference at d' = 1, and the Weber fraction is JND / {:g} {}. Differences are the {} "
       "ones.{} Estimates with m <= 1e-9 have no JND (status no_sensitivity), nor have those whose m is infinite "
       "(status ceiling): means of JNDs leave both out, medians count the former as infinite and the latter as smaller "
-      "than any JND. Every group number names how many of how many it rests on.\n",
+      "than any JND. Every group number names how many of how many it rests on.{}\n",
       dprime_words(analysis.method.model), correction_words(analysis), slope_words(analysis),
-      protocol.stimulus.reference, unit_of(protocol), to_string(analysis.by), interval_words(analysis));
+      protocol.stimulus.reference, unit_of(protocol), to_string(analysis.by), interval_words(analysis),
+      protocol.task.sureness_levels == 0
+          ? ""
+          : " Beside it the JND was estimated from all degrees of sureness: P(answer <= j) = Phi(c_j - dK / JND) with the "
+            "criteria c_j common to all differences, by maximum likelihood with a profile interval (McCullagh 1980).");
 }
 
 std::string omnibus_words(Omnibus omnibus, std::size_t conditions) {
@@ -301,7 +344,7 @@ std::string test_paragraph(const Protocol& protocol, const StudyResults& results
   return text + other_tests(results, !tests.empty()) + "\n";
 }
 
-std::string exclusion_paragraph(const Protocol& protocol, const StudyAnalysis& analysis) {
+std::string exclusion_paragraph(const Protocol& protocol, const std::map<std::string, int>& exclusions) {
   const Exclusions& rules = protocol.analysis.exclude;
   std::vector<std::string> words;
   if (rules.response_time_below_s)
@@ -312,7 +355,7 @@ std::string exclusion_paragraph(const Protocol& protocol, const StudyAnalysis& a
     words.push_back(fmt::format("more than {:g} of the contact time at the force limit", *rules.saturated_share_above));
   if (words.empty()) return "No trial was excluded by a registered rule.\n";
   std::string counts;
-  for (const auto& [reason, trials] : analysis.exclusions)
+  for (const auto& [reason, trials] : exclusions)
     counts += fmt::format("{}{} by {}", counts.empty() ? ": " : ", ", trials, reason);
   return fmt::format("Trials were excluded by the registered rules ({}){}.\n", list_of(words),
                      counts.empty() ? ": none" : counts);
@@ -393,12 +436,16 @@ struct Sections {
 
   std::string operator()(const ConstantResults& measured) const {
     return with_estimates(estimate_paragraph(protocol, measured.analysis),
-                          exclusion_paragraph(protocol, measured.analysis));
+                          exclusion_paragraph(protocol, measured.analysis.exclusions));
   }
   std::string operator()(const AdaptiveResults&) const {
     return with_estimates(
         adaptive_paragraph(*protocol.design.procedure),
         "No answered trial was excluded: an excluded answer would have moved the levels all the same.\n");
+  }
+  std::string operator()(const MeasuredTask& measured) const {
+    return with_estimates(task_of(protocol.task.kind).methods(protocol) + "\n",
+                          exclusion_paragraph(protocol, measured.task.exclusions));
   }
   std::string operator()(const ExplorationResults& measured) const {
     return "## Design\n\n" + exploration_design(protocol, results) + "\n## Tests\n\n" +

@@ -36,7 +36,7 @@ struct Delivered {
       stiffness[place] += *delivered;
       ++intervals[place];
     }
-    if (trial.same) return;
+    if (trial.same()) return;
     if (trial.delivered(0) && trial.delivered(1)) {
       differences += std::abs(*trial.delivered(1) - *trial.delivered(0));
       ++n;
@@ -238,8 +238,8 @@ StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind 
       ++analysis.exclusions[std::string(reason)];
       continue;
     }
-    (trial.same ? cell.counts.n_same : cell.counts.n_diff) += 1;
-    if (trial.said_different) (trial.same ? cell.counts.false_alarms : cell.counts.hits) += 1;
+    (trial.same() ? cell.counts.n_same : cell.counts.n_diff) += 1;
+    if (trial.said_different()) (trial.same() ? cell.counts.false_alarms : cell.counts.hits) += 1;
     cell.delivered.add(trial, protocol.series[place(trial.series)].pair);
     ParticipantData::Times& times = data.times[place(trial.condition)];
     times.sum_s += trial.duration_s;

@@ -19,7 +19,7 @@ std::optional<double> difference_of(double a, double b) {
 CueTrial cue_trial(const CountedTrial& trial) {
   const IntervalCues &a = trial.cues[0], &b = trial.cues[1];
   CueTrial result;
-  result.said_different = trial.said_different;
+  result.said_different = trial.said_different();
   result.difference = {difference_of(a.stiffness, b.stiffness), difference_of(a.peak_force_n, b.peak_force_n),
                        difference_of(a.work_j, b.work_j), difference_of(a.dwell_s, b.dwell_s)};
   return result;
@@ -48,9 +48,9 @@ std::vector<JudgedTrial> judged_in_cells(const std::vector<const CountedTrial*>&
   std::vector<JudgedTrial> judged;
   for (const CountedTrial* trial : trials) {
     JudgedTrial one;
-    one.same = trial->same;
+    one.same = trial->same();
     one.first_stiffer = trial->asked[0] > trial->asked[1];
-    one.said_different = trial->said_different;
+    one.said_different = trial->said_different();
     one.difference = std::abs(trial->asked[1] - trial->asked[0]);
     const std::size_t cell = cell_of(*trial);
     one.time_fraction = fraction(seen[cell]++, sizes[cell]);

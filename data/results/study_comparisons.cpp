@@ -132,6 +132,36 @@ OutcomeComparison compare_adaptive(const std::vector<AdaptiveRow>& rows, const P
   return result;
 }
 
+OutcomeComparison compare_task(const TaskResults& results, const Protocol& protocol) {
+  const TaskOutcome& outcome = results.outcomes[results.registered];
+  const bool logarithm = protocol.analysis.tests.outcome == Outcome::log_jnd;
+  const std::size_t conditions = protocol.conditions.size(), each = conditions * protocol.series.size();
+  OutcomeComparison result;
+  result.outcome = (logarithm ? "ln_" : "") + std::string(outcome.key);
+  result.title = logarithm ? fmt::format("logarithm of the {}", outcome.title) : std::string(outcome.title);
+  result.unit = logarithm ? "" : std::string(outcome.unit);
+  fill(
+      result, participants_of(results, protocol), protocol,
+      [&](std::size_t row) -> const std::string& { return results.estimates[row * each].participant; },
+      [&](std::size_t row, std::size_t condition) {
+        return registered_value(results, protocol, row, static_cast<int>(condition));
+      },
+      [&](std::size_t row, std::size_t condition) {
+        for (std::size_t series = 0; series < protocol.series.size(); ++series) {
+          const TaskEstimates& estimates =
+              results.estimates[row * each + condition * protocol.series.size() + series].estimates;
+          if (estimates.status != "ok") return estimates.status;
+        }
+        return std::string("no value");
+      });
+  // Leaving out who has none would pick the good ones.
+  if (!result.left_out.empty())
+    result.refused = fmt::format("tests on the {} need a value of everyone; without one: {}", outcome.title,
+                                 joined_names(result.left_out));
+  test(result);
+  return result;
+}
+
 OutcomeComparison compare_times(const std::vector<ThresholdResult>& thresholds, const Protocol& protocol) {
   const std::size_t conditions = protocol.conditions.size();
   OutcomeComparison result;

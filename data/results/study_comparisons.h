@@ -10,6 +10,7 @@
 #include "data/results/adaptive_results.h"
 #include "data/results/rating_answers.h"
 #include "data/results/study_analysis.h"
+#include "data/task_results/task_results.h"
 #include "protocols/protocol.h"
 
 namespace jnd {
@@ -48,6 +49,8 @@ OutcomeComparison compare_thresholds(const std::vector<ThresholdResult>& thresho
                                      Outcome outcome);
 // Of an adaptive study; tests are refused where a participant has no threshold. rows: of adaptive_results.
 OutcomeComparison compare_adaptive(const std::vector<AdaptiveRow>& rows, const Protocol& protocol);
+// The registered outcome of a task, by participant its mean over the standards.
+OutcomeComparison compare_task(const TaskResults& results, const Protocol& protocol);
 OutcomeComparison compare_times(const std::vector<ThresholdResult>& thresholds, const Protocol& protocol);
 // participants: one for each session that the ratings were read for.
 OutcomeComparison compare_ratings(const RatedQuestion& ratings, const std::vector<std::string>& participants,

@@ -48,6 +48,7 @@ StudyResults constant_results_of(const Study& study, const Protocol& protocol, S
   results.comparisons.push_back(compare_times(thresholds, protocol));
   add_ratings(results, study, protocol, sessions);
   if (measured.detailed) measured.behaviour = study_behaviour(protocol, sessions, trials);
+  if (measured.detailed) measured.sureness = study_sureness(protocol, sessions, trials);
   results.measured = std::move(measured);
   return results;
 }
@@ -71,8 +72,20 @@ StudyResults exploration_results_of(const Study& study, const Protocol& protocol
   return results;
 }
 
+StudyResults task_results_of(const Study& study, const Protocol& protocol, SessionKind kind) {
+  StudyResults results;
+  const std::vector<SessionInfo> sessions = sessions_of(study, kind);
+  const std::vector<CountedTrial> trials = read_counted_trials(study, protocol, sessions);
+  MeasuredTask measured{attendance_of(study, kind, sessions), task_results(protocol, sessions, trials)};
+  add_registered(results, compare_task(measured.task, protocol));
+  add_ratings(results, study, protocol, sessions);
+  results.measured = std::move(measured);
+  return results;
+}
+
 StudyResults computed_results_of(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by) {
-  if (protocol.paradigm == Paradigm::explore) return exploration_results_of(study, protocol, kind);
+  if (protocol.task.kind == TaskKind::explore) return exploration_results_of(study, protocol, kind);
+  if (!task_of(protocol.task.kind).has_own_results()) return task_results_of(study, protocol, kind);
   if (protocol.design.procedure) return adaptive_results_of(study, protocol, kind);
   return constant_results_of(study, protocol, kind, by);
 }
@@ -84,6 +97,7 @@ const Attendance& attendance_of(const StudyResults& results) {
     const Attendance& operator()(const ConstantResults& measured) const { return measured.analysis.attendance; }
     const Attendance& operator()(const AdaptiveResults& measured) const { return measured.attendance; }
     const Attendance& operator()(const ExplorationResults& measured) const { return measured.attendance; }
+    const Attendance& operator()(const MeasuredTask& measured) const { return measured.attendance; }
   };
   return std::visit(Found{}, results.measured);
 }

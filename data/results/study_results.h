@@ -13,6 +13,8 @@
 #include "data/results/study_comparisons.h"
 #include "data/results/study_contrasts.h"
 #include "data/results/study_sensitivity.h"
+#include "data/results/study_sureness.h"
+#include "data/task_results/task_results.h"
 #include "data/verify/chain_check.h"
 #include "protocols/protocol.h"
 
@@ -25,12 +27,20 @@ struct ConstantResults {
   bool detailed = true;                     // what follows was computed; not above kMostInDetail participants
   std::vector<SensitivityRow> sensitivity;  // the registered method first
   StudyBehaviour behaviour;                 // order effect, bias, drift, cue strategy
+  std::vector<SurenessRow> sureness;        // the JND from all degrees; empty where sureness is not asked
+};
+
+// Of the tasks whose estimates are the task's own.
+struct MeasuredTask {
+  Attendance attendance;
+  TaskResults task;
 };
 
 struct StudyResults {
   ChainReport chains;  // of the whole study, read before anything was computed; empty where counts alone were given
-  // What was measured: JNDs over given levels, thresholds where the answers set the levels, or free interaction.
-  std::variant<ConstantResults, AdaptiveResults, ExplorationResults> measured;
+  // What was measured: of same-different JNDs over given levels, thresholds where the answers set the levels, or free interaction; of the other tasks the
+  // task's own outcomes.
+  std::variant<ConstantResults, AdaptiveResults, ExplorationResults, MeasuredTask> measured;
   std::vector<OutcomeComparison> comparisons;  // the registered one first, then times, then ratings; none of free
                                                // interaction
   QuestionnaireResults questionnaire;          // what was answered to questions

@@ -47,11 +47,25 @@ CREATE TABLE event (
   round        INTEGER GENERATED ALWAYS AS (json_extract(body, '$.round')) VIRTUAL,
   series       TEXT GENERATED ALWAYS AS (json_extract(body, '$.series')) VIRTUAL,
   condition    TEXT GENERATED ALWAYS AS (json_extract(body, '$.condition')) VIRTUAL,
+  task         TEXT GENERATED ALWAYS AS (json_extract(body, '$.task')) VIRTUAL,
+  standard     REAL GENERATED ALWAYS AS (json_extract(body, '$.standard')) VIRTUAL,
   stimulus_1_n_per_m REAL GENERATED ALWAYS AS (json_extract(body, '$.stimulus_1_n_per_m')) VIRTUAL,
   stimulus_2_n_per_m REAL GENERATED ALWAYS AS (json_extract(body, '$.stimulus_2_n_per_m')) VIRTUAL,
   stimulus_1_n_per_rad REAL GENERATED ALWAYS AS (json_extract(body, '$.stimulus_1_n_per_rad')) VIRTUAL,
   stimulus_2_n_per_rad REAL GENERATED ALWAYS AS (json_extract(body, '$.stimulus_2_n_per_rad')) VIRTUAL,
+  -- The same whatever the unit.
+  stimulus_1   REAL GENERATED ALWAYS AS (coalesce(json_extract(body, '$.stimulus_1'),
+                 json_extract(body, '$.stimulus_1_n_per_m'), json_extract(body, '$.stimulus_1_n_per_rad'))) VIRTUAL,
+  stimulus_2   REAL GENERATED ALWAYS AS (coalesce(json_extract(body, '$.stimulus_2'),
+                 json_extract(body, '$.stimulus_2_n_per_m'), json_extract(body, '$.stimulus_2_n_per_rad'))) VIRTUAL,
+  stimulus_3   REAL GENERATED ALWAYS AS (coalesce(json_extract(body, '$.stimulus_3'),
+                 json_extract(body, '$.stimulus_3_n_per_m'), json_extract(body, '$.stimulus_3_n_per_rad'))) VIRTUAL,
   same         INTEGER GENERATED ALWAYS AS (json_extract(body, '$.same')) VIRTUAL,
+  unit         TEXT GENERATED ALWAYS AS (json_extract(body, '$.unit')) VIRTUAL,
+  -- The class of the task that is correct to say, and that was said, from 0; of same-different 0 is "same".
+  target       INTEGER GENERATED ALWAYS AS (json_extract(body, '$.target')) VIRTUAL,
+  said         INTEGER GENERATED ALWAYS AS (json_extract(body, '$.said')) VIRTUAL,
+  sureness     INTEGER GENERATED ALWAYS AS (json_extract(body, '$.sureness')) VIRTUAL,
   answer       TEXT GENERATED ALWAYS AS (json_extract(body, '$.answer')) VIRTUAL,
   correct      INTEGER GENERATED ALWAYS AS (json_extract(body, '$.correct')) VIRTUAL,
   entered_by   TEXT GENERATED ALWAYS AS (json_extract(body, '$.entered_by')) VIRTUAL,
@@ -65,7 +79,7 @@ CREATE TABLE event (
 CREATE TABLE telemetry (
   session  TEXT NOT NULL,
   seq      INTEGER NOT NULL,                           -- of the event it belongs to, whose body names sha256
-  interval INTEGER NOT NULL CHECK (interval IN (0, 1)),
+  interval INTEGER NOT NULL CHECK (interval IN (0, 1, 2)),
   sha256   TEXT NOT NULL CHECK (length(sha256) = 64),  -- of bytes
   ticks    INTEGER NOT NULL CHECK (ticks >= 0),
   dropped  INTEGER NOT NULL CHECK (dropped >= 0),      -- records lost before they could be kept
@@ -178,8 +192,10 @@ CREATE VIEW sessions AS
 
 CREATE VIEW trials AS
   SELECT e.session, s.participant, s.participant_number, s.session_number, s.kind, s.excluded, e.seq, e.utc, e.trial,
-         e.attempt, e.block, e.practice, e.round, e.series, e.condition, e.stimulus_1_n_per_m, e.stimulus_2_n_per_m,
-         e.stimulus_1_n_per_rad, e.stimulus_2_n_per_rad, e.same, e.answer, e.correct, e.entered_by, e.response_time_s,
+         e.attempt, e.block, e.practice, e.round, e.series, e.condition, e.task, e.standard, e.stimulus_1_n_per_m,
+         e.stimulus_2_n_per_m, e.stimulus_1_n_per_rad, e.stimulus_2_n_per_rad, e.stimulus_1,
+         e.stimulus_2, e.stimulus_3, e.unit, e.target,
+         e.same, e.said, e.sureness, e.answer, e.correct, e.entered_by, e.response_time_s,
          e.duration_s, e.saturated_share
   FROM sessions s JOIN event e ON e.kind = 'trial.completed' AND e.session = s.session
   WHERE NOT EXISTS (SELECT 1 FROM event v WHERE v.kind = 'trial.voided' AND v.session = e.session
@@ -188,8 +204,10 @@ CREATE VIEW trials AS
 CREATE VIEW taken_back AS
   SELECT c.session, s.participant, s.participant_number, s.session_number, s.kind, s.excluded, c.seq, c.utc,
          v.seq AS voided_seq, v.utc AS voided_utc, json_extract(v.body, '$.reason') AS reason, c.trial, c.attempt,
-         c.block, c.practice, c.round, c.series, c.condition, c.stimulus_1_n_per_m, c.stimulus_2_n_per_m,
-         c.stimulus_1_n_per_rad, c.stimulus_2_n_per_rad, c.same, c.answer, c.correct, c.entered_by, c.response_time_s,
+         c.block, c.practice, c.round, c.series, c.condition, c.task, c.standard, c.stimulus_1_n_per_m,
+         c.stimulus_2_n_per_m, c.stimulus_1_n_per_rad, c.stimulus_2_n_per_rad, c.stimulus_1,
+         c.stimulus_2, c.stimulus_3, c.unit, c.target,
+         c.same, c.said, c.sureness, c.answer, c.correct, c.entered_by, c.response_time_s,
          c.duration_s, c.saturated_share
   FROM sessions s CROSS JOIN event v CROSS JOIN event c
   WHERE v.kind = 'trial.voided' AND v.session = s.session AND c.kind = 'trial.completed' AND c.session = v.session
@@ -208,12 +226,19 @@ CREATE VIEW participants AS
   FROM sessions s GROUP BY kind, participant_number, participant;
 
 -- Every answered main trial, before the exclusions of single trials that the protocol registers; over all sessions of a
--- participant.
+-- participant. Of the task same-different; of the others answer_counts has what was answered to what.
 CREATE VIEW counts AS
   SELECT participant, participant_number, kind, condition, series,
-         sum(same = 0) AS n_diff, sum(same = 0 AND answer = 'different') AS hits,
-         sum(same = 1) AS n_same, sum(same = 1 AND answer = 'different') AS false_alarms
-  FROM trials WHERE practice = 0 AND excluded = 0 GROUP BY kind, participant_number, participant, condition, series;
+         sum(target = 1) AS n_diff, sum(target = 1 AND said = 1) AS hits,
+         sum(target = 0) AS n_same, sum(target = 0 AND said = 1) AS false_alarms
+  FROM trials WHERE practice = 0 AND excluded = 0 AND task = 'same-different'
+  GROUP BY kind, participant_number, participant, condition, series;
+
+CREATE VIEW answer_counts AS
+  SELECT participant, participant_number, kind, condition, series, standard, stimulus_1, stimulus_2, stimulus_3, answer,
+         count(*) AS n
+  FROM trials WHERE practice = 0 AND excluded = 0
+  GROUP BY kind, participant_number, participant, condition, series, standard, stimulus_1, stimulus_2, stimulus_3, answer;
 
 CREATE VIEW answers AS
   SELECT e.session, s.participant, s.participant_number, s.session_number, s.kind, s.excluded, e.seq, e.utc,

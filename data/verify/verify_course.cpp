@@ -12,6 +12,7 @@
 #include "data/log/event_body.h"
 #include "data/verify/course_of_questions.h"
 #include "protocols/planning/adaptive_run.h"
+#include "protocols/tasks/task.h"
 
 namespace jnd {
 
@@ -74,7 +75,7 @@ class Course {
   struct Answered {
     Trial trial;
     int attempt = 1;
-    Judgement judgement = Judgement::same;
+    Answer answer;
   };
 
   template <typename... Arguments>
@@ -153,10 +154,9 @@ class Course {
     else if (record.duration_s < time_s)
       open_problem("trial {}: took {} s, less than its answer alone, {} s", index, record.duration_s, time_s);
     finished_.insert(index);
-    answered_.push_back({record.trial, record.attempt, record.answer.judgement});
+    answered_.push_back({record.trial, record.attempt, record.answer});
     if (!record.trial.practice) ++main_done_;
-    if (protocol_.design.procedure && planned_.contains(index))
-      adaptive_.answered(*planned_.at(index), record.answer.judgement);
+    if (protocol_.design.procedure && planned_.contains(index)) adaptive_.answered(*planned_.at(index), record.answer);
   }
 
   // Also of an answer that is taken back.
@@ -175,7 +175,7 @@ class Course {
       if (protocol_.design.procedure) {
         adaptive_ = AdaptiveRun(protocol_);
         for (const Answered& one : answered_)
-          if (planned_.contains(one.trial.index)) adaptive_.answered(*planned_.at(one.trial.index), one.judgement);
+          if (planned_.contains(one.trial.index)) adaptive_.answered(*planned_.at(one.trial.index), one.answer);
       }
     } else if (pending_ && pending_->index == trial.index && pending_->attempt == attempt) {
       pending_.reset();
@@ -198,7 +198,7 @@ class Course {
     const auto trials = std::count_if(plan_.trials.begin(), plan_.trials.end(),
                                       [&](const Trial& one) { return one.practice && one.round == round; });
     const auto correct = std::count_if(answered_.begin(), answered_.end(), [&](const Answered& one) {
-      return one.trial.practice && one.trial.round == round && one.trial.same == (one.judgement == Judgement::same);
+      return one.trial.practice && one.trial.round == round && is_correct(one.trial, one.answer).value_or(true);
     });
     const double computed = trials > 0 ? static_cast<double>(correct) / static_cast<double>(trials) : 0;
     if (std::abs(computed - share) > 1e-9)

@@ -141,7 +141,7 @@ class DeepVerifier {
     const std::vector<TelemetryBlob> blobs = study_.telemetry(event.session, event.seq);
     if (blobs.empty()) return;
     const Json body = Json::parse(event.body);
-    const StiffnessUnit unit = protocol.stimulus.unit;
+    const Unit unit = protocol.stimulus.unit;
     for (const TelemetryBlob& blob : blobs) {
       const Telemetry telemetry = decode_telemetry(blob.bytes);
       const auto tell = [&](const std::string& what) {

@@ -102,8 +102,8 @@ std::vector<Recomputed> recompute(const Telemetry& telemetry, const TellProblem&
 
 }  // namespace
 
-std::int64_t check_delivery(const Presentation& presentation, const Telemetry& telemetry, const Cues& cues,
-                            StiffnessUnit unit, const TellProblem& problem) {
+std::int64_t check_delivery(const Presentation& presentation, const Telemetry& telemetry, const Cues& cues, Unit unit,
+                            const TellProblem& problem) {
   if (telemetry.unit != unit) problem("its ticks are in another unit than the study");
   if (!same_devices(presentation, telemetry)) {
     problem("its ticks are of other devices than it names");
@@ -129,7 +129,7 @@ std::int64_t check_delivery(const Presentation& presentation, const Telemetry& t
     comparison.number("samples fitted:", static_cast<double>(finger.fit_samples),
                       force ? static_cast<double>(own.fit_samples) : 0);
     // A joint whose study is in N/m works with the ratio of two lever arms, which no tick knows.
-    const bool ratio = finger.channel == Channel::kinaesthetic && unit == StiffnessUnit::n_per_m;
+    const bool ratio = finger.channel == Channel::kinaesthetic && unit == Unit::n_per_m;
     if (finger.stiffness && force && !ratio)
       comparison.number("a stiffness of", *finger.stiffness, own.sum_xx > 0 ? own.sum_xf / own.sum_xx : 0);
     compared += comparison.compared;
@@ -137,7 +137,7 @@ std::int64_t check_delivery(const Presentation& presentation, const Telemetry& t
   return compared;
 }
 
-std::int64_t check_delivery(const std::vector<Presentation>& pieces, const Telemetry& telemetry, StiffnessUnit unit,
+std::int64_t check_delivery(const std::vector<Presentation>& pieces, const Telemetry& telemetry, Unit unit,
                             const TellProblem& problem) {
   if (telemetry.unit != unit) problem("its ticks are in another unit than the study");
   if (pieces.empty() || !same_devices(pieces.front(), telemetry)) {

@@ -16,10 +16,10 @@ using TellProblem = std::function<void(const std::string&)>;
 
 // Compares what an event says of one interval with its ticks. Returns how many numbers were compared. cues: of the
 // trial's condition.
-std::int64_t check_delivery(const Presentation& presentation, const Telemetry& telemetry, const Cues& cues,
-                            StiffnessUnit unit, const TellProblem& problem);
+std::int64_t check_delivery(const Presentation& presentation, const Telemetry& telemetry, const Cues& cues, Unit unit,
+                            const TellProblem& problem);
 // The same of free interaction, whose pieces have their ticks in one blob.
-std::int64_t check_delivery(const std::vector<Presentation>& pieces, const Telemetry& telemetry, StiffnessUnit unit,
+std::int64_t check_delivery(const std::vector<Presentation>& pieces, const Telemetry& telemetry, Unit unit,
                             const TellProblem& problem);
 
 }  // namespace jnd

@@ -7,6 +7,7 @@
 #include "data/log/plain_name.h"
 #include "data/log/storage_error.h"
 #include "data/verify/verify_fields.h"
+#include "protocols/tasks/task.h"
 
 namespace jnd {
 
@@ -118,19 +119,50 @@ void SessionCheck::check_completed(const Event& event, const Json& body) {
   check_planned(event, trial);
   // As planned, so that one changed trial is one problem.
   const auto planned = planned_.find(trial.index);
-  if (planned != planned_.end()) adaptive_->answered(planned->second, record.answer.judgement);
-  given_.push_back(
-      {trial, planned != planned_.end() ? planned->second : trial, record.attempt, record.answer.judgement});
-  const bool correct = (record.answer.judgement == Judgement::same) == trial.same;
-  if (body.at("correct").get<bool>() != correct ||
+  if (planned != planned_.end()) adaptive_->answered(planned->second, record.answer);
+  given_.push_back({trial, planned != planned_.end() ? planned->second : trial, record.attempt, record.answer});
+  const std::optional<bool> correct = is_correct(trial, record.answer);
+  const Json& told = body.at("correct");
+  if ((told.is_null() ? std::nullopt : std::optional(told.get<bool>())) != correct ||
       body.at("saturated_share").get<double>() != largest_saturated_share(record))
     problem(event, "trial {}: \"correct\" or \"saturated_share\" contradicts the rest of the event.", trial.index);
   check_names(event, record);
+  check_settings(event, record);
+}
+
+// A setting that was accepted is the last that was presented, each one came from the one before it, and the first is
+// where the trial was planned to start.
+void SessionCheck::check_settings(const Event& event, const TrialRecord& record) {
+  if (!has_plan_) return;
+  const Task& task = task_of(protocol_->task.kind);
+  const std::vector<double>& settings = record.settings;
+  if (task.adjusts() == settings.empty()) {
+    problem(event, "trial {}: \"settings\" {}.", record.trial.index,
+            settings.empty() ? "are missing" : "belong to a task whose answers move a stimulus");
+    return;
+  }
+  if (settings.empty() || !within(record.trial.series, protocol_->series.size())) return;
+  Intervals now = record.trial.stimuli;
+  bool follows = settings.front() == now[now.size() - 1];
+  for (std::size_t i = 1; i < settings.size() && follows; ++i) {
+    follows = false;
+    for (int said = 0; said < static_cast<int>(protocol_->task.classes.size()); ++said) {
+      const std::optional<Intervals> next = task.moved(now, {.said = said}, record.trial, *protocol_);
+      if (!next || (*next)[now.size() - 1] != settings[i]) continue;
+      now = *next;
+      follows = true;
+      break;
+    }
+  }
+  if (!follows || record.answer.number != settings.back())
+    problem(event, "trial {}: \"settings\" are not the way from its start to its answer.", record.trial.index);
 }
 
 void SessionCheck::check_names(const Event& event, const TrialRecord& record) {
   if (!has_plan_) return;
   const Trial& trial = record.trial;
+  if (!record.answer.number && record.answer_word != said_word(protocol_->task, record.answer.said))
+    problem(event, "trial {}: the answer {} is not the word of what was said.", trial.index, record.answer_word);
   if (within(trial.series, protocol_->series.size()) && within(trial.condition, protocol_->conditions.size()) &&
       (record.series_name != protocol_->series[static_cast<std::size_t>(trial.series)].name ||
        record.condition_name != protocol_->conditions[static_cast<std::size_t>(trial.condition)].name))
@@ -163,7 +195,7 @@ void SessionCheck::replay_answers() {
   if (!has_plan_ || !protocol_->design.procedure) return;
   adaptive_.emplace(*protocol_);
   for (const Given& one : given_)
-    if (planned_.contains(one.trial.index)) adaptive_->answered(one.planned, one.judgement);
+    if (planned_.contains(one.trial.index)) adaptive_->answered(one.planned, one.answer);
 }
 
 void SessionCheck::check_block_ended(const Event& event, const Json& body) {
@@ -215,9 +247,9 @@ void SessionCheck::check_planned(const Event& event, const Trial& trial) {
 
 void SessionCheck::check_presented(const Event& event, const Trial& trial, const Trial& planned) {
   if (planned.stimuli != trial.stimuli || planned.unit != trial.unit) {
-    problem(event, "trial {} presented {} and {} {}; the plan of participant {} has {} and {} {}{}.", trial.index,
-            trial.stimuli[0], trial.stimuli[1], to_string(trial.unit), participant_, planned.stimuli[0],
-            planned.stimuli[1], to_string(planned.unit), planned.track > 0 ? " after the answers before it" : "");
+    problem(event, "trial {} presented {} {}; the plan of participant {} has {} {}{}.", trial.index,
+            fmt::join(trial.stimuli, " and "), to_string(trial.unit), participant_, fmt::join(planned.stimuli, " and "),
+            to_string(planned.unit), planned.track > 0 ? " after the answers before it" : "");
   } else if (planned != trial) {
     problem(event, "trial {}: its block, series or condition is not the one planned for participant {}.", trial.index,
             participant_);

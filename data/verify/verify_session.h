@@ -43,7 +43,7 @@ class SessionCheck {
     Trial trial;    // as it was presented
     Trial planned;  // as the plan has it
     int attempt = 1;
-    Judgement judgement = Judgement::same;
+    Answer answer;
   };
 
   template <typename... Arguments>
@@ -67,6 +67,7 @@ class SessionCheck {
   void check_planned(const Event& event, const Trial& trial);
   void check_presented(const Event& event, const Trial& trial, const Trial& planned);
   void check_names(const Event& event, const TrialRecord& record);
+  void check_settings(const Event& event, const TrialRecord& record);
   bool planned_index(const Event& event, int index);
   std::vector<Given>::iterator given(int index);
   void replay_answers();

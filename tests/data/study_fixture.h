@@ -15,6 +15,8 @@
 #include "data/verify/verify.h"
 #include "protocols/planning/plan.h"
 #include "protocols/reading/protocol_json.h"
+#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 #include "tests/temporary_folder.h"
 
 namespace jnd {
@@ -57,12 +59,13 @@ inline NewSession new_session(int number, SessionKind kind = SessionKind::simula
 }
 
 // An answered trial with everything delivered differing from trial to trial.
-inline TrialRecord record_of(const Protocol& protocol, const Trial& trial, Judgement answer) {
+inline TrialRecord record_of(const Protocol& protocol, const Trial& trial, int answer) {
   TrialRecord record;
   record.trial = trial;
   record.condition_name = protocol.conditions.at(static_cast<std::size_t>(trial.condition)).name;
   record.series_name = protocol.series.at(static_cast<std::size_t>(trial.series)).name;
-  record.answer = {answer, EnteredBy::participant, 0.5 + 0.01 * trial.index};
+  record.answer = {.said = answer, .entered_by = EnteredBy::participant, .response_time_s = 0.5 + 0.01 * trial.index};
+  record.answer_word = said_word(protocol.task, answer);
   record.duration_s = 7 + 0.1 * trial.index;
   for (std::size_t i = 0; i < 2; ++i) {
     Presentation& presentation = record.presentations[i];
@@ -83,9 +86,9 @@ inline TrialRecord record_of(const Protocol& protocol, const Trial& trial, Judge
 }
 
 // Right except every seventh trial.
-inline Judgement usual_answer(const Trial& trial) {
-  const bool same = trial.index % 7 == 0 ? !trial.same : trial.same;
-  return same ? Judgement::same : Judgement::different;
+inline int usual_answer(const Trial& trial) {
+  const bool same = trial.index % 7 == 0 ? (trial.target != kClassSame) : (trial.target == kClassSame);
+  return same ? kClassSame : kClassDifferent;
 }
 
 inline Stamp stamp_of(const Trial& trial) {

@@ -244,7 +244,7 @@ TEST_CASE("numbers of the log that are not whole or do not fit are refused", "[d
 TEST_CASE("columns carry the protocol's unit, and a finger with two devices the columns of both", "[data]") {
   const TemporaryFolder folder;
   Protocol protocol = tutorial();
-  protocol.stimulus.unit = StiffnessUnit::n_per_rad;
+  protocol.stimulus.unit = Unit::n_per_rad;
   protocol.rig.fingers = {"index"};
   const auto study = new_study(folder / "study.jnd");
   const auto log = study->open_session(new_session(1));

@@ -7,6 +7,7 @@
 #include "data/log/replay.h"
 #include "data/log/storage_error.h"
 #include "data/log/trial_body.h"
+#include "protocols/tasks/same_different_task.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
 
@@ -34,7 +35,7 @@ bool equal(const Presentation& a, const Presentation& b) {
 
 bool equal(const TrialRecord& a, const TrialRecord& b) {
   return a.trial == b.trial && a.attempt == b.attempt && a.condition_name == b.condition_name &&
-         a.series_name == b.series_name && a.answer.judgement == b.answer.judgement &&
+         a.series_name == b.series_name && a.answer.said == b.answer.said &&
          a.answer.entered_by == b.answer.entered_by && a.answer.response_time_s == b.answer.response_time_s &&
          equal(a.presentations[0], b.presentations[0]) && equal(a.presentations[1], b.presentations[1]) &&
          a.duration_s == b.duration_s;
@@ -98,27 +99,26 @@ TEST_CASE("any trial record comes back from its stored text, every double to the
     record.trial.series = *rc::gen::arbitrary<int>();
     record.trial.condition = *rc::gen::arbitrary<int>();
     record.trial.stimuli = {any_double(), any_double()};
-    record.trial.unit = *rc::gen::element(StiffnessUnit::n_per_m, StiffnessUnit::n_per_rad);
-    record.trial.same = *rc::gen::arbitrary<bool>();
+    record.trial.unit = *rc::gen::element(Unit::n_per_m, Unit::n_per_rad);
+    record.trial.target = *rc::gen::element(-1, kClassSame, kClassDifferent);
     record.attempt = *rc::gen::arbitrary<int>();
     record.condition_name = *rc::gen::string<std::string>();
     for (char& c : record.condition_name) c = static_cast<char>(c & 0x7F);  // names are UTF-8
     record.series_name = "\"500, 900\"\n\xC3\xA9";
-    record.answer.judgement = *rc::gen::element(Judgement::same, Judgement::different);
+    record.answer.said = *rc::gen::element(kClassSame, kClassDifferent);
     record.answer.entered_by = *rc::gen::element(EnteredBy::participant, EnteredBy::operator_);
     record.answer.response_time_s = any_double();
     record.duration_s = any_double();
     record.presentations = {any_presentation(), any_presentation()};
     const std::string text = body_text(to_body(record));
     RC_ASSERT(equal(trial_record_from(nlohmann::ordered_json::parse(text)), record));
-    const std::string_view other =
-        name_suffix(record.trial.unit == StiffnessUnit::n_per_m ? StiffnessUnit::n_per_rad : StiffnessUnit::n_per_m);
+    const std::string_view other = name_suffix(record.trial.unit == Unit::n_per_m ? Unit::n_per_rad : Unit::n_per_m);
     RC_ASSERT(text.find("stiffness_" + std::string(other) + "\"") == std::string::npos);
   }));
 }
 
 TEST_CASE("a value that could not be computed is null in the log and NaN again when read", "[data]") {
-  TrialRecord record = record_of(tutorial(), make_plan(tutorial(), 1, kSeed).trials.front(), Judgement::same);
+  TrialRecord record = record_of(tutorial(), make_plan(tutorial(), 1, kSeed).trials.front(), kClassSame);
   record.presentations[0].fingers[0].work_j = std::nan("");
   const std::string text = body_text(to_body(record));
   CHECK(text.find("\"work_j\":null") != std::string::npos);
@@ -126,7 +126,7 @@ TEST_CASE("a value that could not be computed is null in the log and NaN again w
 }
 
 TEST_CASE("names keep their unit", "[data]") {
-  TrialRecord record = record_of(tutorial(), make_plan(tutorial(), 1, kSeed).trials.front(), Judgement::same);
+  TrialRecord record = record_of(tutorial(), make_plan(tutorial(), 1, kSeed).trials.front(), kClassSame);
   const auto has = [](const nlohmann::ordered_json& body, const std::vector<std::string>& keys) {
     for (const std::string& key : keys)
       if (!body.contains(key)) return false;
@@ -136,17 +136,17 @@ TEST_CASE("names keep their unit", "[data]") {
   CHECK(has(body, {"stimulus_1_n_per_m", "stimulus_2_n_per_m"}));
   CHECK(has(body["presentations"][0]["fingers"][1],
             {"stiffness_n_per_m", "stiffness_se_n_per_m", "deepest_penetration_m", "mean_speed_m_per_s"}));
-  record.trial.unit = StiffnessUnit::n_per_rad;
+  record.trial.unit = Unit::n_per_rad;
   body = to_body(record);
   CHECK(has(body, {"stimulus_1_n_per_rad", "stimulus_2_n_per_rad"}));
   CHECK(has(body["presentations"][0]["fingers"][1],
             {"stiffness_n_per_rad", "stiffness_se_n_per_rad", "deepest_penetration_rad", "mean_speed_rad_per_s"}));
-  CHECK(has(voided_body(record.trial, 1, "no_answer"), {"stimulus_1_n_per_rad"}));
+  CHECK(voided_body(record.trial, 1, "no_answer")["unit"] == "N/rad");
   CHECK(trial_from(voided_body(record.trial, 1, "no_answer")) == record.trial);
 }
 
 TEST_CASE("what did not happen takes no room in a body", "[data]") {
-  const TrialRecord record = record_of(tutorial(), make_plan(tutorial(), 1, kSeed).trials.front(), Judgement::same);
+  const TrialRecord record = record_of(tutorial(), make_plan(tutorial(), 1, kSeed).trials.front(), kClassSame);
   const std::string text = body_text(to_body(record));
   for (const char* key : {"interventions", "stopped_by", "lateness_histogram", "joint_stiffness", "telemetry"})
     CHECK(text.find(key) == std::string::npos);
@@ -154,7 +154,7 @@ TEST_CASE("what did not happen takes no room in a body", "[data]") {
 }
 
 TEST_CASE("the last ticks before a stop are a table with named columns, in device.fault and nowhere else", "[data]") {
-  TrialRecord record = record_of(tutorial(), make_plan(tutorial(), 1, kSeed).trials.front(), Judgement::same);
+  TrialRecord record = record_of(tutorial(), make_plan(tutorial(), 1, kSeed).trials.front(), kClassSame);
   Presentation& presentation = record.presentations[0];
   presentation.fault = Fault::emergency_stop;
   presentation.stopped_by = "button";
@@ -193,7 +193,7 @@ TEST_CASE("the last ticks before a stop are a table with named columns, in devic
   presentation.last_ticks.resize(1);
   presentation.stopped_by.clear();
   presentation.fault = Fault::command_gap;
-  record.trial.unit = StiffnessUnit::n_per_rad;
+  record.trial.unit = Unit::n_per_rad;
   const auto other = device_fault_body(record.trial, 1, 0, presentation);
   CHECK(other.at("stopped_by").is_null());
   CHECK(other.at("cause") == "command_gap");
@@ -208,15 +208,21 @@ TEST_CASE("text that is not UTF-8 is stored in its readable part, not refused", 
 }
 
 TEST_CASE("a body that is not a trial is refused with the reason", "[data]") {
-  const auto good = to_body(record_of(tutorial(), make_plan(tutorial(), 1, kSeed).trials.front(), Judgement::same));
+  const auto good = to_body(record_of(tutorial(), make_plan(tutorial(), 1, kSeed).trials.front(), kClassSame));
   for (const char* key : {"index", "stimulus_1_n_per_m", "answer", "presentations", "entered_by"}) {
     auto body = good;
     body.erase(key);
     CHECK_THROWS_AS(trial_record_from(body), StorageError);
   }
   auto body = good;
-  body["answer"] = "maybe";
+  body["said"] = "maybe";
+  CHECK_THROWS_WITH(trial_record_from(body), Catch::Contains("not a completed trial"));
+  body = good;
+  body["task"] = "maybe";
   CHECK_THROWS_WITH(trial_record_from(body), Catch::Contains("maybe"));
+  body = good;
+  body["same"] = !body["same"].get<bool>();
+  CHECK_THROWS_WITH(trial_record_from(body), Catch::Contains("contradict"));
   body = good;
   body["presentations"][0]["fingers"][0]["channel"] = "visual";
   CHECK_THROWS_WITH(trial_record_from(body), Catch::Contains("visual"));
@@ -248,7 +254,7 @@ TEST_CASE("a replay says what happened and what is still open", "[data]") {
   log.append(event_kind::kTrialVoided, voided_body(tutorial(), b, 1, "stale_pose"), {5, 5});
   log.append(event_kind::kTrialVoided, voided_body(a, 2, "no_answer"), {6, 6});
   log.append(event_kind::kTrialsShort, voided_body(b, 3, "attempts used up"), {7, 7});
-  log.append(event_kind::kTrialCompleted, to_body(record_of(tutorial(), c, Judgement::different)), {8, 8});
+  log.append(event_kind::kTrialCompleted, to_body(record_of(tutorial(), c, kClassDifferent)), {8, 8});
   log.append(event_kind::kBreakTaken, {{"after_trial", 12}, {"duration_s", 20.0}}, {9, 9});
   log.append(event_kind::kQuestionAnswered, question_body(tutorial().questions[1], "SV", "7", 4), {10, 10});
   log.append(event_kind::kStopCleared, {{"reason", "checked the cable"}}, {10, 11});
@@ -290,7 +296,7 @@ TEST_CASE("a whole number of a body is whole and fits, or is refused", "[data]")
   MemoryLog log;
   log.append(event_kind::kBreakTaken, {{"after_trial", 1e99}}, {1, 1});
   CHECK_THROWS_WITH(replay(log.events()), Catch::Contains("event 1") && Catch::Contains("jnd verify"));
-  TrialBodyReader reader(StiffnessUnit::n_per_m);
+  TrialBodyReader reader(Unit::n_per_m);
   CHECK_THROWS_AS(reader.read(R"({"series_place":4294967297,"condition_place":2,"same":false,"answer":"different"})"),
                   StorageError);
 }

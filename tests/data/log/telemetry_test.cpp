@@ -28,7 +28,7 @@ constexpr std::int64_t kLongest_ns = std::int64_t{1} << 62;
 
 Telemetry any_telemetry() {
   Telemetry telemetry;
-  telemetry.unit = *rc::gen::element(StiffnessUnit::n_per_m, StiffnessUnit::n_per_rad);
+  telemetry.unit = *rc::gen::element(Unit::n_per_m, Unit::n_per_rad);
   telemetry.dropped = *rc::gen::inRange<std::int64_t>(0, std::numeric_limits<std::int64_t>::max());
   const int channels = *rc::gen::inRange(1, 5);
   for (int i = 0; i < channels; ++i)

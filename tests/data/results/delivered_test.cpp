@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "data/results/study_analysis.h"
+#include "protocols/tasks/same_different_task.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
 
@@ -59,7 +60,7 @@ TEST_CASE("by delivered stiffness, the differences are those of the fitted slope
           softer += rendered(trial.stimuli[interval], trial, interval);
           ++soft_intervals;
         }
-      if (trial.same) continue;
+      if ((trial.target == kClassSame)) continue;
       if (!second) {
         ++without;
         continue;
@@ -133,14 +134,14 @@ TEST_CASE("excluded trials and practice are not in the delivered means", "[data]
   const auto log = study->open_session(new_session(1));
   int counted = 0;
   for (const Trial& trial : make_plan(tutorial(), 1, kSeed).trials) {
-    TrialRecord record = record_of(tutorial(), trial, Judgement::same);
+    TrialRecord record = record_of(tutorial(), trial, kClassSame);
     const bool out = trial.practice || trial.index % 2 == 0;
     for (Presentation& presentation : record.presentations)
       for (FingerPresentation& finger : presentation.fingers) {
         finger.saturated_share = trial.index % 2 == 0 ? 0.9 : 0;
         if (out) finger.stiffness = 1e9 * presentation.duration_s;
       }
-    counted += !out && !trial.same ? 1 : 0;
+    counted += !out && (trial.target != kClassSame) ? 1 : 0;
     log->append(event_kind::kTrialCompleted, to_body(record), stamp_of(trial));
   }
   Protocol protocol = tutorial();

@@ -7,7 +7,7 @@
 
 #include "data/results/markdown_text.h"
 #include "data/results/references.h"
-#include "protocols/planning/random_stream.h"
+#include "protocols/random_stream.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
 

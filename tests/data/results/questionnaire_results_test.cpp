@@ -182,8 +182,8 @@ TEST_CASE("an exploration comes back from its event", "[data]") {
   piece.fingers[1].finger = 1;
   piece.fingers[1].contacts = 7;
   record.presentations = {piece, piece};
-  const auto body = nlohmann::ordered_json::parse(body_text(to_body(record, StiffnessUnit::n_per_m)));
-  const ExplorationRecord back = exploration_from(body, StiffnessUnit::n_per_m);
+  const auto body = nlohmann::ordered_json::parse(body_text(to_body(record, Unit::n_per_m)));
+  const ExplorationRecord back = exploration_from(body, Unit::n_per_m);
   CHECK(back.slot == record.slot);
   CHECK(back.attempt == 2);
   CHECK(back.condition == "C");
@@ -205,11 +205,9 @@ TEST_CASE("the history of a log says which attempt comes next", "[data]") {
   };
   began(1);
   CHECK(replay(log.events()).exploration.pending == 1);
-  log.append(event_kind::kExplorationVoided, voided_body(first, StiffnessUnit::n_per_m, "interrupted", false, true),
-             {});
+  log.append(event_kind::kExplorationVoided, voided_body(first, Unit::n_per_m, "interrupted", false, true), {});
   began(2);
-  log.append(event_kind::kExplorationVoided, voided_body(second, StiffnessUnit::n_per_m, "device_lost", true, false),
-             {});
+  log.append(event_kind::kExplorationVoided, voided_body(second, Unit::n_per_m, "device_lost", true, false), {});
   const ExplorationHistory history = replay(log.events()).exploration;
   CHECK_FALSE(history.pending);
   CHECK(history.attempts.at(1) == 2);

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "protocols/tasks/same_different_task.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
 
@@ -34,9 +35,9 @@ TEST_CASE("counts are those of the answered main trials, in a cell for everythin
     for (const Trial& trial : make_plan(chinello(), number, kSeed).trials) {
       if (trial.practice) continue;
       Counts& counts = expected[{trial.condition, trial.series}];
-      const bool different = usual_answer(trial) == Judgement::different;
-      (trial.same ? counts.n_same : counts.n_diff) += 1;
-      if (different) (trial.same ? counts.false_alarms : counts.hits) += 1;
+      const bool different = usual_answer(trial) == kClassDifferent;
+      ((trial.target == kClassSame) ? counts.n_same : counts.n_diff) += 1;
+      if (different) ((trial.target == kClassSame) ? counts.false_alarms : counts.hits) += 1;
     }
     for (const auto& [cell, counts] : expected) {
       const CellResult& found = cell_of(analysis, "P0" + std::to_string(number), cell.first, cell.second);
@@ -99,7 +100,7 @@ TEST_CASE("registered exclusions leave trials out, each counted once with its fi
   std::vector<Trial> trials = make_plan(tutorial(), 1, kSeed).trials;
   std::erase_if(trials, [](const Trial& trial) { return trial.practice; });
   for (std::size_t i = 0; i < trials.size(); ++i) {
-    TrialRecord record = record_of(tutorial(), trials[i], Judgement::same);
+    TrialRecord record = record_of(tutorial(), trials[i], kClassSame);
     record.answer.response_time_s = 1;
     if (i == 0) record.answer.response_time_s = 0.1;
     if (i == 1) {  // too early and saturated: one exclusion
@@ -141,7 +142,7 @@ TEST_CASE("times: the median of the participant's own entries, the mean of every
   int used = 0;
   for (const Trial& trial : make_plan(tutorial(), 1, kSeed).trials) {
     if (trial.practice || trial.condition != 0 || used == 4) continue;
-    TrialRecord record = record_of(tutorial(), trial, Judgement::same);
+    TrialRecord record = record_of(tutorial(), trial, kClassSame);
     record.answer.response_time_s = response_times[used];
     if (used == 3) record.answer.entered_by = EnteredBy::operator_;
     record.duration_s = 10 + used++;

@@ -3,6 +3,7 @@
 #include "data/results/study_analysis.h"
 #include "data/study/study_impl.h"
 #include "data/verify/verify.h"
+#include "protocols/tasks/same_different_task.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
 
@@ -13,14 +14,14 @@ void take_back(SessionLog& log, const Trial& trial, int attempt, bool counts = t
   log.append(event_kind::kTrialVoided, voided_body(tutorial(), trial, attempt, "taken_back", counts), stamp_of(trial));
 }
 
-void answer(SessionLog& log, const Trial& trial, int attempt, Judgement judgement) {
+void answer(SessionLog& log, const Trial& trial, int attempt, int judgement) {
   TrialRecord record = record_of(tutorial(), trial, judgement);
   record.attempt = attempt;
   log.append(event_kind::kTrialCompleted, to_body(record), stamp_of(trial));
 }
 
-Judgement wrong(const Trial& trial) {
-  return usual_answer(trial) == Judgement::same ? Judgement::different : Judgement::same;
+int wrong(const Trial& trial) {
+  return usual_answer(trial) == kClassSame ? kClassDifferent : kClassSame;
 }
 
 TEST_CASE("a void of the answered attempt takes the answer back; attempts are counted apart from voids that count",
@@ -31,8 +32,8 @@ TEST_CASE("a void of the answered attempt takes the answer back; attempts are co
   SessionState state = replay(log.events());
   REQUIRE(state.pending);
   CHECK(state.pending->index == 1);
-  answer(log, trials[0], 1, Judgement::same);
-  answer(log, trials[1], 1, Judgement::same);
+  answer(log, trials[0], 1, kClassSame);
+  answer(log, trials[1], 1, kClassSame);
   state = replay(log.events());
   CHECK_FALSE(state.pending);
   CHECK(state.completed.size() == 2);
@@ -49,7 +50,7 @@ TEST_CASE("a void of the answered attempt takes the answer back; attempts are co
   state = replay(log.events());
   CHECK_FALSE(state.pending);
   CHECK(state.voided.at(1) == 1);
-  answer(log, trials[0], 3, Judgement::different);
+  answer(log, trials[0], 3, kClassDifferent);
   state = replay(log.events());
   REQUIRE(state.completed.size() == 2);
   CHECK(state.completed[1].attempt == 3);

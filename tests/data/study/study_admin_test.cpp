@@ -5,6 +5,7 @@
 #include "data/results/study_results.h"
 #include "data/study/study_impl.h"
 #include "data/verify/verify.h"
+#include "protocols/tasks/same_different_task.h"
 #include "tests/catch.h"
 #include "tests/data/constant_results.h"
 #include "tests/data/study_fixture.h"
@@ -186,7 +187,7 @@ TEST_CASE("log.csv holds what the operator did, in order", "[data]") {
   {
     const auto log = study->open_session(new_session(1));
     const Trial trial = make_plan(tutorial(), 1, kSeed).trials[0];
-    log->append(event_kind::kTrialCompleted, to_body(record_of(tutorial(), trial, Judgement::same)), {1, 1});
+    log->append(event_kind::kTrialCompleted, to_body(record_of(tutorial(), trial, kClassSame)), {1, 1});
     log->append(event_kind::kTrialVoided, voided_body(tutorial(), trial, 1, "taken_back"), {2'000'000'001, 2});
     log->append(event_kind::kPaused, {{"cause", "key"}, {"reason", "a, \"b\""}}, {3, 3});
     log->append(event_kind::kContinued, {{"paused_s", 12.5}}, {4, 4});

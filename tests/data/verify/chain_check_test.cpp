@@ -10,6 +10,7 @@
 #include "data/verify/verify.h"
 #include "data/verify/verify_deep.h"
 #include "protocols/input/sha256.h"
+#include "protocols/tasks/same_different_task.h"
 #include "tests/data/damage_fixture.h"
 
 namespace jnd {
@@ -203,7 +204,7 @@ TEST_CASE("a problem is sealed unless whoever makes it says that it gives nothin
   log->append(event_kind::kPracticeEnded, {{"rounds", 1}, {"share_correct", 0.1}, {"passed", false}}, kLater);
   Trial other = make_plan(tutorial(), 1, kSeed).trials[10];
   other.stimuli = {450, 900};
-  log->append(event_kind::kTrialCompleted, to_body(record_of(tutorial(), other, Judgement::same)), kLater);
+  log->append(event_kind::kTrialCompleted, to_body(record_of(tutorial(), other, kClassSame)), kLater);
   std::vector<Problem> problems = verify(*study).problems;
   const std::vector<Problem> deep = verify_deep(*study).problems;
   problems.insert(problems.end(), deep.begin(), deep.end());

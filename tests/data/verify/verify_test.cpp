@@ -9,6 +9,7 @@
 #include "data/log/utc_time.h"
 #include "data/study/study.h"
 #include "protocols/input/sha256.h"
+#include "protocols/tasks/same_different_task.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
 #include "tests/data/telemetry_fixture.h"
@@ -74,7 +75,7 @@ TEST_CASE("the file refuses UPDATE, DELETE and every way round them", "[data]") 
                "REPLACE INTO telemetry SELECT session, seq, interval, sha256, 0, dropped, bytes FROM telemetry"),
            std::string("INSERT INTO telemetry VALUES ('P01-simulated', 3, 0, hex(randomblob(32)), 1, 0, x'00')"),
            std::string("INSERT INTO telemetry VALUES ('P09-simulated', 1, 0, hex(randomblob(32)), 1, 0, x'00')"),
-           std::string("INSERT INTO telemetry VALUES ('P03-simulated', 2, 2, hex(randomblob(32)), 1, 0, x'00')"),
+           std::string("INSERT INTO telemetry VALUES ('P03-simulated', 2, 3, hex(randomblob(32)), 1, 0, x'00')"),
            std::string("UPDATE study SET seed = '1'"),
            std::string("DELETE FROM study"),
            std::string("REPLACE INTO study SELECT id, '1', protocol FROM study"),
@@ -178,14 +179,14 @@ TEST_CASE("trials that are not the plan's are found although their hashes are ri
   const Plan plan = make_plan(tutorial(), 1, kSeed);
   Trial other = plan.trials[10];
   other.stimuli = {450, 900};
-  other.same = false;
+  other.target = kClassDifferent;
   Trial moved = plan.trials[11];
   moved.block += 1;
   Trial invented = plan.trials[12];
   invented.index = 999;
   for (const Trial& trial : {other, moved, invented})
-    log->append(event_kind::kTrialCompleted, to_body(record_of(tutorial(), trial, Judgement::same)), {5, 5});
-  auto lie = to_body(record_of(tutorial(), plan.trials[13], Judgement::same));
+    log->append(event_kind::kTrialCompleted, to_body(record_of(tutorial(), trial, kClassSame)), {5, 5});
+  auto lie = to_body(record_of(tutorial(), plan.trials[13], kClassSame));
   lie["correct"] = !lie["correct"].get<bool>();
   log->append(event_kind::kTrialCompleted, lie, {6, 6});
   const std::vector<std::string> problems = texts(verify(*study).problems);

@@ -1,0 +1,216 @@
+#include "data/task_results/task_results.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <tuple>
+
+#include "analysis/numerics/moments.h"
+#include "analysis/numerics/special_values.h"
+#include "analysis/numerics/tail_probabilities.h"
+
+namespace jnd {
+namespace {
+
+std::size_t place(int index) {
+  return static_cast<std::size_t>(index);
+}
+
+// Everything of one participant, condition and series, before it is turned into estimates.
+struct TaskCell {
+  std::vector<AnsweredTrial> trials;
+  std::vector<double> response_times_s;
+  double sum_s = 0;
+  int excluded = 0;
+};
+
+struct ParticipantCells {
+  std::string participant;
+  std::vector<TaskCell> cells;  // conditions x series
+};
+
+AnsweredTrial answered(const CountedTrial& trial) {
+  return {trial.asked, trial.standard, trial.target, trial.said, trial.sureness, trial.number};
+}
+
+auto key_of(const AnsweredTrial& trial) {
+  std::array<double, kMostIntervals> stimuli{};
+  std::copy(trial.stimuli.begin(), trial.stimuli.end(), stimuli.begin());
+  return std::tuple(stimuli, trial.said, trial.sureness, trial.number.value_or(0));
+}
+
+void add_counts(TaskResults& results, const TaskEstimateRow& row, std::vector<AnsweredTrial> trials) {
+  std::stable_sort(trials.begin(), trials.end(),
+                   [](const AnsweredTrial& a, const AnsweredTrial& b) { return key_of(a) < key_of(b); });
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    if (i == 0 || key_of(trials[i]) != key_of(trials[i - 1]))
+      results.counts.push_back({row.participant, row.kind, row.condition, row.series, trials[i].stimuli,
+                                trials[i].target, trials[i].said, trials[i].sureness, trials[i].number, 0});
+    ++results.counts.back().n;
+  }
+}
+
+void add_estimates(TaskResults& results, const Protocol& protocol, const ParticipantCells& data, SessionKind kind) {
+  const Task& task = task_of(protocol.task.kind);
+  const auto all_series = static_cast<int>(protocol.series.size());
+  for (int condition = 0; condition < static_cast<int>(protocol.conditions.size()); ++condition) {
+    for (int series = 0; series < all_series; ++series) {
+      const TaskCell& cell = data.cells[place(condition * all_series + series)];
+      TaskEstimateRow row;
+      row.participant = data.participant;
+      row.kind = kind;
+      row.condition = condition;
+      row.series = series;
+      row.trials = static_cast<int>(cell.trials.size());
+      row.excluded = cell.excluded;
+      // A procedure's tracks end where the answers end them.
+      if (!protocol.design.procedure)
+        row.missing =
+            std::max(0, protocol.design.sessions * trials_of_cell(protocol, series) - row.trials - row.excluded);
+      if (cell.trials.empty()) {
+        row.estimates = {"no_trials", std::vector<TaskEstimate>(results.outcomes.size())};
+      } else {
+        row.estimates = task.estimate(protocol, protocol.series[place(series)], cell.trials);
+        row.mean_trial_s = cell.sum_s / row.trials;
+      }
+      if (!cell.response_times_s.empty()) row.median_response_time_s = median_of(cell.response_times_s);
+      add_counts(results, row, cell.trials);
+      results.estimates.push_back(std::move(row));
+    }
+  }
+}
+
+std::vector<double> values_of(const TaskResults& results, int condition, int series, std::size_t outcome) {
+  std::vector<double> values;
+  for (const TaskEstimateRow& row : results.estimates) {
+    if (row.condition != condition || row.series != series) continue;
+    const std::optional<double>& value = row.estimates.values[outcome].value;
+    if (value && std::isfinite(*value)) values.push_back(*value);
+  }
+  return values;
+}
+
+void add_group(TaskResults& results, const Protocol& protocol, int participants) {
+  for (int condition = 0; condition < static_cast<int>(protocol.conditions.size()); ++condition) {
+    for (int series = 0; series < static_cast<int>(protocol.series.size()); ++series) {
+      for (std::size_t outcome = 0; outcome < results.outcomes.size(); ++outcome) {
+        std::vector<double> values = values_of(results, condition, series, outcome);
+        const double median = values.empty() ? kNaN : median_of(values);
+        results.group.push_back({condition, series, outcome, participants, mean_with_ci(values), median});
+      }
+    }
+  }
+}
+
+// Slope of ln(outcome) on ln(standard); none with fewer than two different standards, or a value that has no logarithm.
+std::optional<double> exponent_of(const TaskResults& results, const Protocol& protocol, std::size_t participant,
+                                  int condition) {
+  const std::size_t all_series = protocol.series.size();
+  const std::size_t first = (participant * protocol.conditions.size() + place(condition)) * all_series;
+  std::vector<double> x, y;
+  for (std::size_t series = 0; series < all_series; ++series) {
+    const std::optional<double>& value = results.estimates[first + series].estimates.values[results.registered].value;
+    const double standard = protocol.series[series].standard;
+    if (!value || !(*value > 0) || !std::isfinite(*value) || !(standard > 0)) return std::nullopt;
+    x.push_back(std::log(standard));
+    y.push_back(std::log(*value));
+  }
+  double mean_x = 0, mean_y = 0, xx = 0, xy = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    mean_x += x[i] / static_cast<double>(x.size());
+    mean_y += y[i] / static_cast<double>(x.size());
+  }
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    xx += (x[i] - mean_x) * (x[i] - mean_x);
+    xy += (x[i] - mean_x) * (y[i] - mean_y);
+  }
+  return xx > 0 ? std::optional(xy / xx) : std::nullopt;
+}
+
+void add_proportion(TaskResults& results, const Protocol& protocol) {
+  if (protocol.series.size() < 2 || !results.outcomes[results.registered].positive) return;
+  const std::size_t participants = participants_of(results, protocol);
+  for (int condition = 0; condition < static_cast<int>(protocol.conditions.size()); ++condition) {
+    std::vector<double> exponents;
+    for (std::size_t participant = 0; participant < participants; ++participant)
+      if (const auto exponent = exponent_of(results, protocol, participant, condition)) exponents.push_back(*exponent);
+    ProportionRow row{condition, mean_with_ci(exponents), kNaN};
+    const double n = row.exponent.n;
+    if (n >= 2 && row.exponent.sd > 0)
+      row.p = student_t_two_sided((row.exponent.mean - 1) / (row.exponent.sd / std::sqrt(n)), n - 1);
+    results.proportion.push_back(row);
+  }
+}
+
+void add_curves(TaskResults& results, const Protocol& protocol, const std::vector<ParticipantCells>& participants) {
+  const auto all_series = static_cast<int>(protocol.series.size());
+  for (int condition = 0; condition < static_cast<int>(protocol.conditions.size()); ++condition) {
+    for (int series = 0; series < all_series; ++series) {
+      std::vector<AnsweredTrial> all;
+      for (const ParticipantCells& data : participants) {
+        const TaskCell& cell = data.cells[place(condition * all_series + series)];
+        all.insert(all.end(), cell.trials.begin(), cell.trials.end());
+      }
+      if (all.empty()) continue;
+      if (auto curve = task_of(protocol.task.kind).curve(protocol, protocol.series[place(series)], all))
+        results.curves.push_back({condition, series, std::move(*curve)});
+    }
+  }
+}
+
+}  // namespace
+
+TaskResults task_results(const Protocol& protocol, const std::vector<SessionInfo>& sessions,
+                         const std::vector<CountedTrial>& trials) {
+  TaskResults results;
+  results.outcomes = task_of(protocol.task.kind).outcomes(protocol);
+  for (std::size_t i = 0; i < results.outcomes.size(); ++i)
+    if (results.outcomes[i].key == protocol.analysis.outcome) results.registered = i;
+  std::vector<ParticipantCells> participants;
+  std::vector<std::size_t> participant_of;  // session -> place in participants
+  const std::size_t all_series = protocol.series.size();
+  for (const SessionInfo& session : sessions) {
+    if (participants.empty() || participants.back().participant != session.participant)
+      participants.push_back({session.participant, std::vector<TaskCell>(protocol.conditions.size() * all_series)});
+    participant_of.push_back(participants.size() - 1);
+  }
+  for (const CountedTrial& trial : trials) {
+    TaskCell& cell = participants[participant_of[place(trial.session)]]
+                         .cells[place(trial.condition) * all_series + place(trial.series)];
+    // An excluded answer of a procedure has moved the levels all the same.
+    const std::string_view reason =
+        protocol.design.procedure ? std::string_view() : exclusion_reason(protocol.analysis.exclude, trial);
+    if (!reason.empty()) {
+      ++cell.excluded;
+      ++results.exclusions[std::string(reason)];
+      continue;
+    }
+    cell.trials.push_back(answered(trial));
+    cell.sum_s += trial.duration_s;
+    if (trial.by_participant) cell.response_times_s.push_back(trial.response_time_s);
+  }
+  const SessionKind kind = sessions.empty() ? SessionKind::simulated : sessions.front().kind;
+  for (const ParticipantCells& data : participants) add_estimates(results, protocol, data, kind);
+  add_group(results, protocol, static_cast<int>(participants.size()));
+  add_proportion(results, protocol);
+  add_curves(results, protocol, participants);
+  return results;
+}
+
+double registered_value(const TaskResults& results, const Protocol& protocol, std::size_t participant, int condition) {
+  const std::size_t all_series = protocol.series.size();
+  const std::size_t first = (participant * protocol.conditions.size() + place(condition)) * all_series;
+  double sum = 0;
+  for (std::size_t series = 0; series < all_series; ++series) {
+    const std::optional<double>& value = results.estimates[first + series].estimates.values[results.registered].value;
+    if (!value || !std::isfinite(*value)) return kNaN;
+    sum += protocol.analysis.tests.outcome == Outcome::log_jnd ? std::log(*value) : *value;
+  }
+  return std::isfinite(sum) ? sum / static_cast<double>(all_series) : kNaN;
+}
+
+std::size_t participants_of(const TaskResults& results, const Protocol& protocol) noexcept {
+  return results.estimates.size() / std::max<std::size_t>(1, protocol.conditions.size() * protocol.series.size());
+}
+
+}  // namespace jnd
