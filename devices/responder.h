@@ -1,8 +1,8 @@
 // The seam between an experiment and the person who answers: a keyboard, a button box, or a simulated participant.
 #pragma once
 
-#include <array>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -15,8 +15,9 @@ namespace jnd {
 struct TrialQuestion {
   const Trial& trial;
   int attempt = 1;
-  const std::array<Presentation, 2>& presentations;  // what was delivered, felt by simulated participants only
+  std::span<const Presentation> presentations;  // what was delivered, felt by simulated participants only
   double time_out_s = 0;
+  int look = 0;  // from 0, where answers move a stimulus and the question comes again
 };
 
 struct AskedQuestion {

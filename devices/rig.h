@@ -9,6 +9,7 @@
 
 #include "devices/emergency_stop.h"
 #include "devices/realtime.h"
+#include "protocols/protocol.h"
 #include "protocols/vocabulary.h"
 
 namespace jnd {
@@ -17,14 +18,19 @@ namespace jnd {
 struct IntervalId {
   int trial = 0;  // Trial::index
   int attempt = 1;
-  int interval = 0;  // 0 or 1
+  int interval = 0;  // 0, 1 or 2
 };
 
 struct PresentRequest {
   Stimulus stimulus;
   double explore_s = 0;  // from first contact
+  // What ends it before explore_s: so many contacts have ended (0: none do), or `enough` says so, which is asked some 20
+  // times a second by the thread that called present (empty: nothing does).
+  int contacts = 0;
+  std::function<bool()> enough{};
   double no_contact_time_out_s = 0;
   IntervalId id;
+  const Condition* condition = nullptr;  // of the trial: what a rig that is none of ours is told of it
   // Name of a virtual object instead of the protocol's; empty: the protocol's. It is free interaction: explore_s counts
   // from the start, and a finger that touches nothing is no fault.
   std::string object{};

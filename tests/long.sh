@@ -56,6 +56,7 @@ want numbers && beside "fits beside random searches" cases $tests/analysis_tests
 if want faults; then
   beside "random histories of sessions" cases $tests/runner_tests "[course-campaign]"
   JND_FAULT_CASES=1000000 beside "a million faulty devices" cases $tests/devices_tests "*no fault brings force*"
+  JND_EXTERNAL_CASES=10000 beside "10,000 faulty external rigs" cases $tests/devices_tests "*no fault of an external rig*"
   JND_EVERY=1 beside "every write and sync fails" cases $tests/faults_tests "*every write and sync*"
   JND_BIT_FLIPS=200 beside "bits flipped at rest" cases $tests/faults_tests "*flipped bit at rest*"
 fi

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "protocols/planning/random_stream.h"
+#include "protocols/random_stream.h"
 
 namespace jnd {
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "devices/loop/rendering.h"
+#include "protocols/tasks/same_different_task.h"
 
 namespace jnd {
 
@@ -26,12 +27,13 @@ StiffnessCues cues_of(const Presentation& presentation) noexcept {
   }
   cues.force = force.value();
   cues.kinaesthetic = kinaesthetic.value();
+  if (presentation.delivered) cues.kinaesthetic = presentation.delivered;
   if (strongest_g > 0) cues.vibration = stiffness_of_amplitude_n_per_m(strongest_g);
   return cues;
 }
 
-Judgement judge_cues(const ParticipantProfile& profile, const StiffnessCues& first, const StiffnessCues& second,
-                     double noise_factor, const PerceptNoise& noise, double reference) noexcept {
+PairJudgement judge_cues(const ParticipantProfile& profile, const StiffnessCues& first, const StiffnessCues& second,
+                         double noise_factor, const PerceptNoise& noise, double reference) noexcept {
   const bool differencing = profile.strategy == ParticipantProfile::Strategy::differencing;
   double weights = 0, weighted = 0;
   const auto add = [&](const std::optional<double>& k1, const std::optional<double>& k2, double sigma, double n1,
@@ -59,7 +61,39 @@ Judgement judge_cues(const ParticipantProfile& profile, const StiffnessCues& fir
   }
   const double criterion = profile.criterion_n_per_m > 0 ? profile.criterion_n_per_m : profile.criterion_sigmas * sigma;
   const double evidence = std::abs(difference) + (differencing ? 0 : sigma * noise[0]);
-  return evidence > criterion ? Judgement::different : Judgement::same;
+  return {evidence > criterion ? kClassDifferent : kClassSame, std::abs(evidence - criterion), sigma};
+}
+
+std::vector<Felt> felt_of(const ParticipantProfile& profile, std::span<const StiffnessCues> intervals,
+                          double noise_factor, double reference, const std::function<double()>& draw) {
+  struct Cue {
+    std::optional<double> StiffnessCues::*value;
+    double sigma;
+  };
+  const std::array<Cue, 3> cues = {{{&StiffnessCues::force, profile.sigma_force_n_per_m},
+                                    {&StiffnessCues::vibration, profile.sigma_vibration_n_per_m},
+                                    {&StiffnessCues::kinaesthetic, profile.kinaesthetic_weber * std::abs(reference)}}};
+  std::vector<double> weights(intervals.size()), sums(intervals.size());
+  for (const Cue& cue : cues) {
+    const bool everywhere = std::all_of(intervals.begin(), intervals.end(),
+                                        [&](const StiffnessCues& one) { return (one.*cue.value).has_value(); });
+    // Of one interval: the difference of two has the profile's noise.
+    const double sigma = std::max(noise_factor * cue.sigma, 1e-9) / std::sqrt(2.0);
+    for (std::size_t i = 0; i < intervals.size(); ++i) {
+      const double noise = draw();  // always drawn, so that a cue more or less changes no other draw
+      if (!everywhere) continue;
+      weights[i] += 1 / (sigma * sigma);
+      sums[i] += (*(intervals[i].*cue.value) + sigma * noise) / (sigma * sigma);
+    }
+  }
+  std::vector<Felt> felt;
+  for (std::size_t i = 0; i < intervals.size(); ++i) {
+    // Without any cue to go by: the reference, with the noise of the worst.
+    const double sigma = std::max(profile.sigma_force_n_per_m, profile.sigma_vibration_n_per_m) * noise_factor;
+    felt.push_back(weights[i] > 0 ? Felt{sums[i] / weights[i], 1 / std::sqrt(weights[i])}
+                                  : Felt{reference + sigma * draw(), sigma});
+  }
+  return felt;
 }
 
 }  // namespace jnd

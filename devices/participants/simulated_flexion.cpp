@@ -8,7 +8,7 @@
 
 #include "devices/loop/interval_key.h"
 #include "protocols/input/input_error.h"
-#include "protocols/planning/random_stream.h"
+#include "protocols/random_stream.h"
 
 namespace jnd {
 

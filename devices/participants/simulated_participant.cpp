@@ -14,7 +14,7 @@
 #include "protocols/input/json_reader.h"
 #include "protocols/input/read_file.h"
 #include "protocols/input/sha256.h"
-#include "protocols/planning/random_stream.h"
+#include "protocols/random_stream.h"
 
 namespace jnd {
 
@@ -37,11 +37,12 @@ class SimulatedParticipant final : public Responder {
   SimulatedParticipant(const ParticipantProfile& profile, const Protocol& protocol, int participant, std::uint64_t seed,
                        Clock& clock)
       : profile_(at_reference(profile, protocol.stimulus)),
+        protocol_(protocol),
         reference_(protocol.stimulus.reference),
         participant_(participant),
         seed_(seed),
         clock_(clock) {
-    if (protocol.stimulus.unit != StiffnessUnit::n_per_m && profile.criterion_n_per_m > 0)
+    if (protocol.stimulus.unit != Unit::n_per_m && profile.criterion_n_per_m > 0)
       throw InputError(
           fmt::format("profile {} has its criterion in N/m, but this study's stiffnesses are in {}: use a profile with "
                       "criterion_sigmas, such as {}",
@@ -52,26 +53,60 @@ class SimulatedParticipant final : public Responder {
 
   std::optional<Answer> judge(const TrialQuestion& question) override {
     const IntervalId id{.trial = question.trial.index, .attempt = question.attempt, .interval = 0};
-    RandomStream random(seed_, static_cast<std::uint64_t>(participant_), "participant/judge", interval_part(id, 0));
+    RandomStream random(seed_, static_cast<std::uint64_t>(participant_), "participant/judge",
+                        interval_part(id, question.look));
     // Always the same draws in the same order, whatever is used of them.
     const bool lapse = random.uniform() < profile_.lapse_rate;
-    const Judgement coin = random.coin() ? Judgement::different : Judgement::same;
+    const bool coin = random.coin();
     const double hesitation = random.normal();
     PerceptNoise noise;
     for (double& value : noise) value = random.normal();
 
     const double tired = 1 + profile_.drift_per_trial * static_cast<double>(std::max(question.trial.index - 1, 0));
-    const Judgement felt = judge_cues(profile_, cues_of(question.presentations[0]), cues_of(question.presentations[1]),
-                                      spread_ * std::max(tired, 0.0), noise, reference_);
-
-    Answer answer;
-    answer.judgement = lapse ? coin : felt;
+    const double factor = spread_ * std::max(tired, 0.0);
+    Answer answer = question.trial.task == TaskKind::same_different ? pair_answer(question, factor, noise)
+                                                                    : task_answer(question, factor, random);
+    if (lapse) answer = lapsed(answer, coin, random);
     answer.entered_by = EnteredBy::participant;
     answer.response_time_s = profile_.response_time_median_s * std::exp(profile_.response_time_sigma * hesitation);
     const bool too_late = question.time_out_s > 0 && answer.response_time_s > question.time_out_s;
     const double waited_s = too_late ? question.time_out_s : answer.response_time_s;
     clock_.sleep_until_ns(clock_.now_ns() + std::llround(1e9 * waited_s));
     if (too_late) return std::nullopt;
+    return answer;
+  }
+
+  Answer pair_answer(const TrialQuestion& question, double factor, const PerceptNoise& noise) const {
+    const PairJudgement judged = judge_cues(profile_, cues_of(question.presentations[0]),
+                                            cues_of(question.presentations[1]), factor, noise, reference_);
+    Answer answer;
+    answer.said = judged.said;
+    answer.sureness = sureness_of(judged.beyond, judged.sigma, protocol_.task);
+    return answer;
+  }
+
+  Answer task_answer(const TrialQuestion& question, double factor, RandomStream& random) const {
+    std::vector<StiffnessCues> cues;
+    for (const Presentation& presentation : question.presentations) cues.push_back(cues_of(presentation));
+    const std::vector<Felt> felt =
+        felt_of(profile_, cues, factor, noise_scale(question.trial), [&random] { return random.normal(); });
+    return task_of(protocol_.task.kind).answer(felt, question.trial, protocol_, random);
+  }
+
+  // What a noise that is a fraction is a fraction of: the standard, or where that is 0 the largest level.
+  double noise_scale(const Trial& trial) const {
+    if (trial.standard != 0) return trial.standard;
+    double largest = std::abs(reference_);
+    for (const double value : protocol_.series[static_cast<std::size_t>(trial.series)].pair)
+      largest = std::max(largest, std::abs(value));
+    return largest;
+  }
+
+  // One of the answers at random. A number stays: who judges magnitudes has no answer that is wrong.
+  Answer lapsed(Answer answer, bool coin, RandomStream& random) const {
+    if (answer.number) return answer;
+    const std::size_t classes = protocol_.task.classes.size();
+    answer.said = classes == 2 ? (coin ? 1 : 0) : static_cast<int>(random.below(std::max<std::size_t>(classes, 1)));
     return answer;
   }
 
@@ -146,6 +181,7 @@ class SimulatedParticipant final : public Responder {
   }
 
   ParticipantProfile profile_;
+  const Protocol& protocol_;
   double reference_;
   std::vector<std::string> condition_names_;
   int participant_;
@@ -157,7 +193,7 @@ class SimulatedParticipant final : public Responder {
 }  // namespace
 
 ParticipantProfile at_reference(ParticipantProfile profile, const StimulusSpec& stimulus) {
-  if (!(profile.calibrated_at_n_per_m > 0) || stimulus.unit != StiffnessUnit::n_per_m) return profile;
+  if (!(profile.calibrated_at_n_per_m > 0) || stimulus.unit != Unit::n_per_m) return profile;
   const double scale = stimulus.reference / profile.calibrated_at_n_per_m;
   profile.sigma_force_n_per_m *= scale;
   profile.sigma_vibration_n_per_m *= scale;
@@ -167,7 +203,8 @@ ParticipantProfile at_reference(ParticipantProfile profile, const StimulusSpec& 
 }
 
 std::string default_profile(const Protocol& protocol) {
-  if (protocol.paradigm == Paradigm::explore) return kExploring;
+  if (protocol.task.kind == TaskKind::explore) return kExploring;
+  if (!protocol.rig.built_in()) return kKinaesthetic;
   for (const Condition& condition : protocol.conditions)
     if (condition.cues.kinaesthetic) return kKinaesthetic;
   return "chinello2017";

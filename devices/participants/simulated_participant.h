@@ -68,7 +68,7 @@ ParticipantProfile at_reference(ParticipantProfile profile, const StimulusSpec& 
 // The profile that fits a protocol where a user names none.
 std::string default_profile(const Protocol& protocol);
 
-// Answers for one participant of one study. Throws InputError where the profile's criterion is in N/m and the study's
+// Answers for one participant of one study; protocol must outlive it. Throws InputError where the profile's criterion is in N/m and the study's
 // stiffness is not. All randomness is keyed by (seed, participant, trial, attempt), so that a resumed session answers
 // exactly as an undisturbed one.
 std::unique_ptr<Responder> make_simulated_participant(const ParticipantProfile& profile, const Protocol& protocol,

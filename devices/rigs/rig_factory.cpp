@@ -9,6 +9,7 @@
 #include "devices/mckibben/mckibben_device.h"
 #include "devices/participants/simulated_flexion.h"
 #include "devices/rigs/fingertip_scene.h"
+#include "devices/rigs/timed_rig.h"
 #include "devices/rrs3/rrs3_device.h"
 #include "devices/trackers/encoder_tracker.h"
 #include "protocols/input/input_error.h"
@@ -79,7 +80,7 @@ RigParts joint_parts(const Protocol& protocol, const RigDescription& rig, const 
                     "fingertip devices alone, such as rrs3",
                     rig.spec.name));
   const DeviceSpec& joint = *rig.spec.kinaesthetic();
-  const bool in_metres = protocol.stimulus.unit == StiffnessUnit::n_per_m;
+  const bool in_metres = protocol.stimulus.unit == Unit::n_per_m;
   const double lever_m = rig.spec.lever_arm_m > 0 ? rig.spec.lever_arm_m : joint.lever_arm_m;
   const double per_rad = in_metres ? lever_m : 1;
   const double depth_rad = protocol.stimulus.expected_press / per_rad;
@@ -108,6 +109,7 @@ RigParts joint_parts(const Protocol& protocol, const RigDescription& rig, const 
 }  // namespace
 
 RigInfo simulated_rig_info(const Protocol& protocol, const RigSpec& spec) {
+  if (!protocol.rig.built_in()) return timed_rig_info(protocol.rig, true);
   std::string mode;
   if (spec.cutaneous() != nullptr) mode = to_string(protocol.rig.mode);
   if (const DeviceSpec* joint = spec.kinaesthetic())
@@ -123,6 +125,7 @@ RigInfo simulated_rig_info(const Protocol& protocol, const RigSpec& spec) {
 std::unique_ptr<Rig> make_simulated_rig(const Protocol& protocol, const RigDescription& rig,
                                         const ParticipantProfile& profile, int participant, std::uint64_t seed,
                                         Clock& clock, const RigOptions& options) {
+  if (!protocol.rig.built_in()) return std::make_unique<TimedRig>(timed_rig_info(protocol.rig, true), clock);
   check(protocol.rig, rig.spec);
   RigParts parts = rig.spec.kinaesthetic() != nullptr ? joint_parts(protocol, rig, profile, participant, seed)
                                                       : fingertip_parts(protocol, rig, profile, participant, seed);

@@ -8,7 +8,7 @@
 #include <cstdint>
 
 #include "analysis/numerics/special_values.h"
-#include "protocols/planning/random_stream.h"
+#include "protocols/random_stream.h"
 
 namespace jnd {
 

@@ -7,6 +7,8 @@
 #include "protocols/planning/cohort.h"
 #include "protocols/planning/condition_codes.h"
 #include "protocols/planning/plan.h"
+#include "protocols/tasks/same_different_task.h"
+#include "protocols/tasks/task.h"
 #include "runner/commands/commands.h"
 #include "runner/commands/plan_explorations.h"
 #include "runner/commands/precision_options.h"
@@ -39,14 +41,19 @@ std::vector<std::string> names_in_order(const std::vector<int>& order, const aut
 }
 
 constexpr std::string_view kSetLater = "set by answers";
+constexpr std::array<std::string_view, kMostIntervals> kOrdinals = {"first", "second", "third"};
+
+bool set_later(const Trial& trial, std::size_t interval) {
+  return trial.track > 0 && trial.stimuli[interval] == set_by_answers(trial.standard);
+}
 
 std::string stimulus_text(const Trial& trial, std::size_t interval) {
-  if (trial.stimuli[interval] == kSetByAnswers) return std::string(kSetLater);
+  if (set_later(trial, interval)) return std::string(kSetLater);
   return fmt::format("{:g}", trial.stimuli[interval]);
 }
 
 nlohmann::ordered_json stimulus_json(const Trial& trial, std::size_t interval) {
-  if (trial.stimuli[interval] == kSetByAnswers) return nullptr;
+  if (set_later(trial, interval)) return nullptr;
   return trial.stimuli[interval];
 }
 
@@ -55,7 +62,7 @@ void print_plan(const Protocol& protocol, const Plan& plan) {
              dim(fmt::format("participant {}{}, seed {}, protocol {}", plan.participant,
                              plan.session == 1 ? "" : fmt::format(", session {}", plan.session), plan.seed,
                              protocol.sha256.substr(0, 12))));
-  if (protocol.paradigm == Paradigm::explore) return print_explorations(protocol, plan);
+  if (protocol.task.kind == TaskKind::explore) return print_explorations(protocol, plan);
   fmt::print("series: {}\n", fmt::join(names_in_order(plan.series_order, protocol.series), ", "));
   for (std::size_t i = 0; i < plan.condition_orders.size(); ++i)
     fmt::print("conditions in series {}: {}\n", protocol.series[static_cast<std::size_t>(plan.series_order[i])].name,
@@ -63,20 +70,30 @@ void print_plan(const Protocol& protocol, const Plan& plan) {
   fmt::print("\n");
   using Align = TextTable::Align;
   const std::string_view unit = to_string(protocol.stimulus.unit);
-  TextTable table(
-      {"trial", "block", "series", "condition", fmt::format("first {}", unit), fmt::format("second {}", unit), "", ""},
-      {Align::right, Align::right, Align::left, Align::left, Align::right, Align::right, Align::left, Align::left});
+  const Task& task = task_of(protocol.task.kind);
+  const auto intervals = static_cast<std::size_t>(task.intervals(protocol.task));
+  std::vector<std::string> heads = {"trial", "block", "series", "condition"};
+  std::vector<Align> aligned = {Align::right, Align::right, Align::left, Align::left};
+  for (std::size_t i = 0; i < intervals; ++i) {
+    heads.push_back(intervals == 1 ? std::string(unit) : fmt::format("{} {}", kOrdinals[i], unit));
+    aligned.push_back(Align::right);
+  }
+  heads.insert(heads.end(), {"", ""});
+  aligned.insert(aligned.end(), {Align::left, Align::left});
+  TextTable table(heads, aligned);
   int block = plan.trials.empty() ? 0 : plan.trials.front().block;
   for (const Trial& trial : plan.trials) {
     if (trial.block != block) table.rule();
     block = trial.block;
-    table.add({std::to_string(trial.index), trial.practice ? "-" : std::to_string(trial.block),
-               protocol.series[static_cast<std::size_t>(trial.series)].name,
-               protocol.conditions[static_cast<std::size_t>(trial.condition)].name, stimulus_text(trial, 0),
-               stimulus_text(trial, 1), trial.same ? "same" : "different",
-               trial.practice    ? fmt::format("practice round {}", trial.round)
-               : trial.track > 0 ? fmt::format("track {}{}", trial.track, trial.same ? ", catch" : "")
-                                 : ""});
+    std::vector<std::string> row = {std::to_string(trial.index), trial.practice ? "-" : std::to_string(trial.block),
+                                    protocol.series[static_cast<std::size_t>(trial.series)].name,
+                                    protocol.conditions[static_cast<std::size_t>(trial.condition)].name};
+    for (std::size_t i = 0; i < intervals; ++i) row.push_back(stimulus_text(trial, i));
+    row.push_back(task.target_word(trial, protocol.task));
+    row.push_back(trial.practice    ? fmt::format("practice round {}", trial.round)
+                  : trial.track > 0 ? fmt::format("track {}{}", trial.track, is_catch(trial) ? ", catch" : "")
+                                    : "");
+    table.add(row);
   }
   fmt::print("{}", table.text());
   if (protocol.design.procedure && protocol.design.procedure->reversals > 0)
@@ -88,7 +105,7 @@ void print_plan_json(const Protocol& protocol, const Plan& plan) {
   nlohmann::ordered_json out = {
       {"participant", plan.participant}, {"protocol_sha256", protocol.sha256}, {"seed", plan.seed}};
   if (plan.session > 1) out["session"] = plan.session;
-  if (protocol.paradigm == Paradigm::explore) out["explorations"] = explorations_json(protocol, plan);
+  if (protocol.task.kind == TaskKind::explore) out["explorations"] = explorations_json(protocol, plan);
   out["trials"] = nlohmann::ordered_json::array();
   for (const Trial& trial : plan.trials) {
     nlohmann::ordered_json row = {{"index", trial.index},
@@ -96,8 +113,13 @@ void print_plan_json(const Protocol& protocol, const Plan& plan) {
                                   {"series", protocol.series[static_cast<std::size_t>(trial.series)].name},
                                   {"condition", protocol.conditions[static_cast<std::size_t>(trial.condition)].name},
                                   {"practice", trial.practice},
-                                  {"stimuli", {stimulus_json(trial, 0), stimulus_json(trial, 1)}},
-                                  {"same", trial.same}};
+                                  {"stimuli", nlohmann::ordered_json::array()}};
+    for (std::size_t i = 0; i < trial.stimuli.size(); ++i) row["stimuli"].push_back(stimulus_json(trial, i));
+    if (trial.task == TaskKind::same_different)
+      row["same"] = trial.target == kClassSame;
+    else
+      row["target"] = trial.target < 0 ? nlohmann::ordered_json(nullptr)
+                                       : nlohmann::ordered_json(task_of(trial.task).target_word(trial, protocol.task));
     if (trial.practice) row["round"] = trial.round;
     if (trial.track > 0) row["track"] = trial.track;
     out["trials"].push_back(row);
@@ -120,8 +142,19 @@ nlohmann::ordered_json to_json(const CohortBalance& balance, const Protocol& pro
                                 {"condition_transitions", balance.condition_transitions},
                                 {"cells", nlohmann::ordered_json::array()}};
   if (balance.session > 1) out["session"] = balance.session;
-  if (protocol.paradigm == Paradigm::explore) out["object_positions"] = balance.object_positions;
-  for (const CellBalance& cell : balance.cells)
+  if (protocol.task.kind == TaskKind::explore) out["object_positions"] = balance.object_positions;
+  const bool pairs = protocol.task.kind == TaskKind::same_different;
+  for (const CellBalance& cell : balance.cells) {
+    if (!pairs) {
+      nlohmann::ordered_json row = {{"series", protocol.series[static_cast<std::size_t>(cell.series)].name},
+                                    {"condition", condition_name(protocol, cell.condition)},
+                                    {"arrangements", nlohmann::ordered_json::array()},
+                                    {"targets", cell.targets}};
+      for (const auto& [stimuli, times] : cell.arrangements)
+        row["arrangements"].push_back({{"stimuli", stimuli}, {"trials", times}});
+      out["cells"].push_back(row);
+      continue;
+    }
     out["cells"].push_back({{"series", protocol.series[static_cast<std::size_t>(cell.series)].name},
                             {"condition", protocol.conditions[static_cast<std::size_t>(cell.condition)].name},
                             {"pairs", cell.pairs},
@@ -129,6 +162,7 @@ nlohmann::ordered_json to_json(const CohortBalance& balance, const Protocol& pro
                             {"different", cell.different},
                             {"least_same", cell.least_same},
                             {"most_same", cell.most_same}});
+  }
   return out;
 }
 

@@ -6,10 +6,13 @@
 #include <fmt/format.h>
 
 #include "protocols/planning/planned_precision.h"
+#include "protocols/planning/task_precision.h"
+#include "protocols/tasks/task.h"
 #include "runner/commands/precision_options.h"
 #include "runner/opening/study_access.h"
 #include "runner/results/precision_json.h"
 #include "runner/results/precision_text.h"
+#include "runner/results/task_precision_text.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
 #include "runner/terminal/progress_bar.h"
@@ -90,15 +93,66 @@ void add_precision_options(CLI::App& plan, PrecisionOptions& options) {
   plan.add_option("--cv", options.cv, "wanted coefficient of variation of one participant's JND (default: 0.1)")
       ->needs(precision)
       ->check(CLI::Range(0.001, 10.0));
+  plan.add_option("--simulated", options.simulated,
+                  "how many participants are simulated, of tasks other than same-different (default: 400)")
+      ->needs(precision)
+      ->check(CLI::Range(20, 100000));
   plan.add_flag("--markdown", options.markdown, "tables in Markdown")->needs(precision);
 }
 
+namespace {
+
+// Of a task: by simulation.
+int plan_task_precision(const Protocol& protocol, const std::string& name, std::uint64_t seed, bool json,
+                        const PrecisionOptions& options) {
+  if (options.participants || options.between_cv > 0)
+    throw UsageError(
+        fmt::format("{}: --participants and --between-cv are for same-different protocols; --simulated "
+                    "says how many participants are simulated here",
+                    printable(name)));
+  TaskPrecisionQuestion question;
+  question.seed = seed;
+  question.participants = options.simulated.value_or(question.participants);
+  for (const std::string& text : options.jnds) {
+    if (text.find('=') != std::string::npos)
+      throw UsageError(fmt::format("--jnd {}: one number here, the same for every condition", printable(text)));
+    question.noise = jnd_from(text, text);
+  }
+  const std::vector<TaskPrecisionRow> rows = [&] {
+    ProgressBar bar("simulating participants", question.participants);
+    return task_precision(protocol, question, [&bar](int done) { bar.update(done); });
+  }();
+  if (json) {
+    fmt::print("{}\n", json_line(task_precision_json(rows, question, protocol)));
+    return exit_code::kDone;
+  }
+  if (!options.markdown) fmt::print("{}\n", bold(printable(protocol.title)));
+  fmt::print("{}", task_precision_text(rows, question, protocol,
+                                       options.markdown ? TableStyle::markdown : TableStyle::terminal));
+  return exit_code::kDone;
+}
+
+}  // namespace
+
 int plan_precision(const std::string& name, std::uint64_t seed, bool json, const PrecisionOptions& options) {
   Protocol protocol = load_checked_protocol(name);
-  if (!has_precision(protocol))
-    throw UsageError(fmt::format("{}: precision can be foretold for same-different protocols with fixed series only",
-                                 printable(name)));
+  if (protocol.task.kind == TaskKind::explore ||
+      (protocol.task.kind == TaskKind::same_different && !has_precision(protocol)))
+    throw UsageError(
+        fmt::format("{}: precision cannot be foretold of free interaction, nor of same-different with "
+                    "levels that the answers set",
+                    printable(name)));
   if (options.trials) protocol.design.trials_per_cell = *options.trials;
+  if (!has_precision(protocol)) {
+    const int balance = task_of(protocol.task.kind).balance_of(protocol.task);
+    if (protocol.design.sampling == Sampling::balanced && protocol.design.trials_per_cell % balance != 0)
+      throw UsageError(
+          fmt::format("--trials {}: balanced cells need a multiple of {}", protocol.design.trials_per_cell, balance));
+    if (options.trials && protocol.design.procedure)
+      throw UsageError("--trials: a procedure says itself when its tracks end");
+    return plan_task_precision(protocol, name, seed, json, options);
+  }
+  if (options.simulated) throw UsageError("--simulated is for tasks other than same-different");
   if (protocol.design.sampling == Sampling::balanced && protocol.design.trials_per_cell % 4 != 0)
     throw UsageError(fmt::format("--trials {}: balanced cells need a multiple of 4", protocol.design.trials_per_cell));
   if (options.participants) protocol.design.participants = *options.participants;

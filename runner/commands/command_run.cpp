@@ -13,6 +13,7 @@
 #include "protocols/reading/translation.h"
 #include "runner/commands/commands.h"
 #include "runner/console/console.h"
+#include "runner/events/event_feed.h"
 #include "runner/keys/interrupt.h"
 #include "runner/keys/keyboard.h"
 #include "runner/opening/chosen_rig.h"
@@ -24,6 +25,7 @@
 #include "runner/session/rig_connections.h"
 #include "runner/session/session_engine.h"
 #include "runner/session/simulate.h"
+#include "runner/sound/session_sound.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/terminal.h"
 
@@ -41,6 +43,8 @@ struct RunOptions {
   std::string rig = "simulated";         // simulated, hid, or a rig file
   bool fast = false;
   bool plain = false;                             // a line at a time
+  std::string events;                             // where they are told to another program; empty: nowhere
+  bool bell = false;                              // cues ring the terminal's bell, and no sound is played
   std::optional<std::string> kind;                // real or pilot; what the rig is for where not given
   std::optional<std::string> language;            // of the participant's texts
   bool beside = false;                            // another participant's session may stay unfinished
@@ -103,6 +107,31 @@ void close_session(Study& study, const std::string& id, Stamp stamp, Console& co
   }
 }
 
+// What the participant hears; null where nothing is to be, in a quick rehearsal, and where the bell was chosen.
+std::unique_ptr<SessionSound> sound_of(const RunOptions& options, const Protocol& protocol,
+                                       const SoundSettings& settings) {
+  if (options.bell && settings.masking)
+    throw UsageError("--bell plays no sounds, and the rig file asks for masking noise: leave one of them out");
+  if (options.fast || options.bell || !asks_for_sound(protocol, settings)) return nullptr;
+  return std::make_unique<SessionSound>(protocol, settings);
+}
+
+void tell_failures(const SessionSound* sound, Console& console) {
+  if (sound == nullptr || sound->failures() == 0) return;
+  console.announce(fmt::format("{} sound{} could not be played; the bell rang for the cue after each.",
+                               sound->failures(), sound->failures() == 1 ? "" : "s"),
+                   false);
+}
+
+void tell_dropped(EventFeed* events, Console& console) {
+  if (events == nullptr) return;
+  events->finish();
+  if (const std::int64_t dropped = events->dropped(); dropped > 0)
+    console.announce(fmt::format("{} event{} did not reach the reader of --events: it was too slow, or gone.", dropped,
+                                 dropped == 1 ? "" : "s"),
+                     false);
+}
+
 SessionCard card_of(const Protocol& protocol, const RunOptions& options, const SessionRequest& request,
                     const SessionTarget& target, const Plan& plan) {
   SessionCard card;
@@ -143,6 +172,9 @@ int command_run(const RunOptions& options) {
   // They come before the study: where they are not there, nothing is made.
   const ChosenButtons chosen_buttons = person ? choose_buttons(options.buttons, chosen.file) : ChosenButtons{};
   ButtonBox* const buttons = chosen_buttons.box.get();
+  const std::unique_ptr<EventFeed> events =
+      options.events.empty() ? nullptr : std::make_unique<EventFeed>(options.events);
+  const std::unique_ptr<SessionSound> sound = sound_of(options, protocol, chosen.file.sound);
 
   std::unique_ptr<Keyboard> keyboard;
   if (person) keyboard = std::make_unique<Keyboard>();
@@ -156,6 +188,8 @@ int command_run(const RunOptions& options) {
   console_options.plain = options.plain;
   console_options.entered_by = options.participant_presses ? EnteredBy::participant : EnteredBy::operator_;
   console_options.buttons = buttons;
+  if (events) console_options.listeners.push_back(events.get());  // first: a sound takes a moment to start
+  if (sound) console_options.listeners.push_back(sound.get());
   if (request.participant.empty())
     request.participant = make_console(console_options, protocol, keyboard.get(), *clock, interrupted)
                               ->ask_text("Participant code (letters and digits)");
@@ -188,6 +222,7 @@ int command_run(const RunOptions& options) {
   if (person) {
     readiness = check_readiness({protocol, description.spec, plan, *study, options.study, request.participant,
                                  request.kind, *rig, is_terminal(0), options.fast, buttons});
+    if (sound) readiness.items.push_back(sound->check());
     if (!is_ready(readiness, options, *console)) {
       study->close();
       console->end(std::string("Not begun: see to what is marked BAD and try again.") +
@@ -221,6 +256,10 @@ int command_run(const RunOptions& options) {
   const SessionRecorder recorder(parts);
   note_connections(parts, recorder, "opened");
   note_calibrations(parts, recorder, certificate_folders(chosen.file, options.study));
+  const auto last_words = [&](const std::string& words) {
+    console->end(words);
+    tell_dropped(events.get(), *console);
+  };
   SessionEnd end = SessionEnd::interrupted;
   std::string missing;  // of the rig, where that ended it
   try {
@@ -228,24 +267,25 @@ int command_run(const RunOptions& options) {
                                    {person && target.check.redo_block, person && target.check.practice_again});
     missing = person ? "" : rig->missing();
     note_connections(parts, recorder, "closed");
+    tell_failures(sound.get(), *console);
     if (end != SessionEnd::interrupted) close_session(*study, opened.id, now(), *console);
   } catch (...) {
-    console->end("");
+    last_words("");
     throw;
   }
   if (end == SessionEnd::interrupted) {
     study->close();
-    console->end(fmt::format(
-        "{}Stopped. Every answer so far is saved in {}; the same command goes on at the next trial.",
-        missing.empty() ? "" : printable("Missing: " + missing) + ".\n", printable(study->path().string())));
+    last_words(fmt::format("{}Stopped. Every answer so far is saved in {}; the same command goes on at the next trial.",
+                           missing.empty() ? "" : printable("Missing: " + missing) + ".\n",
+                           printable(study->path().string())));
     return exit_code::kInterrupted;
   }
   study->close();
-  console->end(end == SessionEnd::completed
-                   ? fmt::format("{} The session of {} is complete and saved in {}.", bold("Done."),
-                                 request.participant, printable(study->path().string()))
-                   : fmt::format("Ended. The session of {} is closed as it is; everything so far is saved in {}.",
-                                 request.participant, printable(study->path().string())));
+  last_words(end == SessionEnd::completed
+                 ? fmt::format("{} The session of {} is complete and saved in {}.", bold("Done."), request.participant,
+                               printable(study->path().string()))
+                 : fmt::format("Ended. The session of {} is closed as it is; everything so far is saved in {}.",
+                               request.participant, printable(study->path().string())));
   return exit_code::kDone;
 }
 
@@ -268,14 +308,19 @@ void add_run(CommandTree& tree) {
   command.add_option("--language", options.language, "language of the participant's texts, of those in the protocol");
   command.add_flag("--plain", options.plain,
                    "a line at a time instead of a full screen: for screen readers and scripts");
+  command.add_option("--events", options.events,
+                     "tell what happens, a JSON line each, to an open file descriptor (its number) or the program that "
+                     "listens on a Unix socket (its path)");
+  command.add_flag("--bell", options.bell, "cues ring the terminal's bell instead of playing a sound");
   command.add_option("--kind", options.kind, "real (default on a real rig) or pilot (default on a simulated one)");
   command.add_flag("--new", options.beside, "begin this participant while another one's session is unfinished");
   command.add_option("--accept-gap", options.accept_gap,
                      "go on after a longer interruption than the protocol allows, for this reason");
   command.add_option("--override-readiness", options.override_readiness,
                      "begin in spite of what the readiness check found, for this reason");
-  command.add_option("--rig", options.rig,
-                     "simulated (default), hid (the connected devices), or a rig file that says who wears which");
+  command.add_option(
+      "--rig", options.rig,
+      "simulated (default), hid (the connected devices), specimens (the operator hands them over), or a rig file");
   command.add_flag("--fast", options.fast, "rehearse without waiting: stimuli and pauses take no time");
   command.add_option("--record", options.record, "what is kept: off, events (faults), full (every tick; default)")
       ->check(CLI::IsMember({"off", "events", "full"}));

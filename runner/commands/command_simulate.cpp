@@ -7,6 +7,7 @@
 
 #include "data/study/blinding.h"
 #include "protocols/input/resources.h"
+#include "protocols/tasks/task.h"
 #include "runner/commands/commands.h"
 #include "runner/keys/interrupt.h"
 #include "runner/opening/rig_limits.h"
@@ -69,9 +70,14 @@ int command_simulate(const SimulateOptions& options) {
   if (options.no_study == options.study.has_value())
     throw UsageError("say where the data go: --study FILE, or --no-study to keep nothing");
   const Protocol protocol = load_checked_protocol(options.protocol);
-  const bool explores = protocol.paradigm == Paradigm::explore;
+  const bool explores = protocol.task.kind == TaskKind::explore;
   if (explores && options.no_study)
     throw UsageError("free interaction has answers, not counts: give --study FILE, and jnd analyze shows them");
+  if (!explores && options.no_study && !task_of(protocol.task.kind).has_own_results())
+    throw UsageError(
+        fmt::format("the answers to \"{}\" are analysed trial by trial: give --study FILE, and jnd analyze "
+                    "shows them",
+                    to_string(protocol.task.kind)));
   const RigDescription rig = rig_of(protocol);
   const ParticipantProfile profile = load_profile(
       find_resource(Resource::profile, options.profile.empty() ? default_profile(protocol) : options.profile));

@@ -20,6 +20,7 @@ struct PrecisionOptions {
   double between_cv = 0;  // of the participants' true JNDs
   double cv = 0.10;       // wanted, of one participant's JND
   bool markdown = false;
+  std::optional<int> simulated;  // participants of a task whose precision is simulated
 };
 // Adds the options to `jnd plan`.
 void add_precision_options(CLI::App& plan, PrecisionOptions& options);

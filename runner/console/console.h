@@ -7,6 +7,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "devices/clock.h"
 #include "devices/emergency_stop.h"
@@ -20,6 +21,7 @@ namespace jnd {
 
 class ButtonBox;
 class Keyboard;
+class SessionListener;
 
 // What is said of a session once, at its beginning.
 struct SessionCard {
@@ -36,6 +38,7 @@ struct ConsoleOptions {
   bool plain = false;                           // lines, also on a terminal
   EnteredBy entered_by = EnteredBy::operator_;  // of answers by keys
   ButtonBox* buttons = nullptr;                 // the participant's own, where there are some; outlives the console
+  std::vector<SessionListener*> listeners{};    // hear what the screen is told; they outlive the console
   const EmergencyStop* stop = nullptr;          // the rig's, which waits look at; outlives the console
 };
 

@@ -1,26 +1,28 @@
 // The participant's side of the console: answers to trials, with their response times, and pages of questions.
 #include <algorithm>
+#include <cmath>
 #include <variant>
 
 #include <fmt/format.h>
 
 #include "devices/hid/buttons/button_box.h"
+#include "protocols/input/number_from.h"
 #include "runner/console/session_console.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {
 
-Answer SessionConsole::answer_of(Judgement judgement, EnteredBy who, std::int64_t pressed_ns) const {
+Answer SessionConsole::answer_of(GivenAnswer given, EnteredBy who, std::int64_t pressed_ns) const {
   // The time of the press, not of its being noticed here; the session's clock may have skipped what was waiting.
   const std::int64_t age_ns = SteadyClock().now_ns() - pressed_ns;
   const std::int64_t response_ns = std::max<std::int64_t>(0, clock_.now_ns() - cue_shown_ns_ - age_ns);
-  return Answer{judgement, who, static_cast<double>(response_ns) * 1e-9};
+  return Answer{given.said, given.sureness, std::nullopt, who, static_cast<double>(response_ns) * 1e-9};
 }
 
 // What is heard from now on is for the next ready(). An answer counts only in time; the look at the clock was before
 // the wait for it.
 std::optional<Answer> SessionConsole::question_over(const std::optional<Answer>& answer, double time_out_s) {
-  display_->working_keys(between_trials_keys(protocol_.timeline).hints());
+  display_->working_keys(between_trials_keys(protocol_.task).hints());
   return answer && answer->response_time_s <= time_out_s ? answer : std::nullopt;
 }
 
@@ -35,7 +37,7 @@ SessionConsole::ButtonReply SessionConsole::hear_buttons() {
     display_->explain(Tone::warning, "both buttons at once: no answer. Let go of both, then press one");
   if (heard.trouble == AnswerTrouble::held)
     display_->explain(Tone::warning, "a button was down already: let go of it, then press it again");
-  if (heard.answer) reply.answer = answer_of(heard.answer->judgement, EnteredBy::participant, heard.answer->time_ns);
+  if (heard.answer) reply.answer = answer_of({heard.answer->said, 0}, EnteredBy::participant, heard.answer->time_ns);
   return reply;
 }
 
@@ -45,7 +47,27 @@ void SessionConsole::tell_events() {
     display_->tell(event.warning ? Tone::warning : Tone::quiet, event.text);
 }
 
+std::optional<Answer> SessionConsole::judge_number(const TrialQuestion& question) {
+  const TaskSpec& task = protocol_.task;
+  while (!interrupted()) {
+    const std::optional<std::string> line = keys_.line("Number (empty: no answer)");
+    if (keys_.ended()) decided_ = OperatorRequest{Request::end_for_now, {}};
+    if (!line || line->empty()) return std::nullopt;
+    const std::optional<double> number = number_from<double>(*line);
+    if (!number || !std::isfinite(*number) || *number < task.number_min || *number > task.number_max) {
+      display_->explain(Tone::warning, fmt::format("not a number from {:g} to {:g}: type it once more, such as 12.5",
+                                                   task.number_min, task.number_max));
+      continue;
+    }
+    Answer answer = answer_of({-1, 0}, options_.entered_by, SteadyClock().now_ns());
+    answer.number = *number;
+    return question_over(answer, question.time_out_s);
+  }
+  return std::nullopt;
+}
+
 std::optional<Answer> SessionConsole::judge(const TrialQuestion& question) {
+  if (protocol_.task.answers.empty()) return judge_number(question);
   const KeyMap& keys = question_keys_;
   Scene scene;
   scene.keys = keys.hints();
@@ -67,8 +89,8 @@ std::optional<Answer> SessionConsole::judge(const TrialQuestion& question) {
       explain(keys, *key);
       continue;
     }
-    if (const Judgement* const judgement = std::get_if<Judgement>(&binding->meaning))
-      return question_over(answer_of(*judgement, options_.entered_by, key->time_ns), question.time_out_s);
+    if (const GivenAnswer* const given = std::get_if<GivenAnswer>(&binding->meaning))
+      return question_over(answer_of(*given, options_.entered_by, key->time_ns), question.time_out_s);
     if (binding->asks(Request::stopped)) return std::nullopt;  // the latch is set: no answer counts
     if (binding->asks(Request::pause) || binding->asks(Request::note)) {
       note_requests({*key}, keys);

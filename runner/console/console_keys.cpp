@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "protocols/input/utf8.h"
+#include "protocols/tasks/task.h"
 #include "runner/keys/keyboard.h"
 #include "runner/keys/line_editor.h"
 
@@ -20,17 +21,31 @@ char32_t capital(char32_t letter) {
 }
 
 // The operator's letter, or where it is an answer key the one that takes its place.
-char32_t spared(char32_t letter, const Timeline& timeline) {
-  const auto same = static_cast<char32_t>(timeline.key_same), different = static_cast<char32_t>(timeline.key_different);
+char32_t spared(char32_t letter, const TaskSpec& task) {
+  const auto answers = [&](char32_t candidate) {
+    return std::any_of(task.answers.begin(), task.answers.end(), [candidate](const AnswerChoice& answer) {
+      return static_cast<char32_t>(answer.key) == candidate;
+    });
+  };
   for (const char32_t candidate : {letter, capital(letter), U'0', U'8', U'9'})
-    if (candidate != same && candidate != different) return candidate;
+    if (!answers(candidate)) return candidate;
   return letter;
+}
+
+// "different", or with its sureness "different, 2 of 3".
+std::string words_of(int said, int sureness, const TaskSpec& task) {
+  const std::string word(said_word(task, said));
+  return sureness == 0 ? word : fmt::format("{}, {} of {} sure", word, sureness, task.sureness_levels);
 }
 
 }  // namespace
 
 std::string key_name(char32_t character) {
   return character == ' ' ? "space" : to_utf8(std::u32string(1, character));
+}
+
+std::string answer_text(const Answer& answer, const TaskSpec& task) {
+  return answer.number ? fmt::format("{:g}", *answer.number) : words_of(answer.said, answer.sureness, task);
 }
 
 std::string key_name(const Key& key) {
@@ -116,20 +131,33 @@ KeyMap ready_keys(bool can_void_last) {
   return can_void_last ? keys : keys.without({Request::void_last});
 }
 
-KeyMap question_keys(const Timeline& timeline) {
-  const auto key = [&](char32_t letter) { return spared(letter, timeline); };
-  return KeyMap({{static_cast<char32_t>(timeline.key_same), Judgement::same, "same", true},
-                 {static_cast<char32_t>(timeline.key_different), Judgement::different, "different", true},
+KeyMap question_keys(const TaskSpec& task) {
+  const auto key = [&](char32_t letter) { return spared(letter, task); };
+  std::vector<KeyBinding> bindings;
+  for (const AnswerChoice& answer : task.answers)
+    bindings.push_back({static_cast<char32_t>(answer.key), GivenAnswer{answer.said, answer.sureness},
+                        words_of(answer.said, answer.sureness, task), true});
+  bindings.insert(bindings.end(), {kStop,
+                                   {key('r'), Request::repeat_trial, "repeat this trial", true},
+                                   {key('p'), Request::pause, "pause after this trial", false},
+                                   {key('n'), Request::note, "note after this trial", false},
+                                   {key('q'), Request::end_for_now, "end", true},
+                                   {'?', HelpWanted{}, "all keys", false}});
+  return KeyMap(std::move(bindings));
+}
+
+KeyMap hand_over_keys(const TaskSpec& task) {
+  const auto key = [&](char32_t letter) { return spared(letter, task); };
+  return KeyMap({{' ', Request::go_on, "when the participant has it", true},
                  kStop,
                  {key('r'), Request::repeat_trial, "repeat this trial", true},
-                 {key('p'), Request::pause, "pause after this trial", false},
-                 {key('n'), Request::note, "note after this trial", false},
+                 {key('n'), Request::note, "note", false},
                  {key('q'), Request::end_for_now, "end", true},
                  {'?', HelpWanted{}, "all keys", false}});
 }
 
-KeyMap presentation_keys(const Timeline& timeline) {
-  const auto key = [&](char32_t letter) { return spared(letter, timeline); };
+KeyMap presentation_keys(const TaskSpec& task) {
+  const auto key = [&](char32_t letter) { return spared(letter, task); };
   return KeyMap({kStop,
                  {key('r'), Request::repeat_trial, "repeat it, after this interval", true},
                  {key('p'), Request::pause, "pause after this trial", false},
@@ -137,8 +165,8 @@ KeyMap presentation_keys(const Timeline& timeline) {
                  {key('q'), Request::end_for_now, "end after this trial", true}});
 }
 
-KeyMap between_trials_keys(const Timeline& timeline) {
-  const auto key = [&](char32_t letter) { return spared(letter, timeline); };
+KeyMap between_trials_keys(const TaskSpec& task) {
+  const auto key = [&](char32_t letter) { return spared(letter, task); };
   return KeyMap({kStop,
                  {key('p'), Request::pause, "pause", true},
                  {key('n'), Request::note, "note", true},

@@ -20,10 +20,16 @@ struct HelpWanted {
   bool operator==(const HelpWanted&) const = default;
 };
 
+// An answer to a trial, as Answer has it.
+struct GivenAnswer {
+  int said = 0, sureness = 0;
+  bool operator==(const GivenAnswer&) const = default;
+};
+
 // What a key means: what the operator asks for, in the words of the session; an answer to a trial; or help. The stop key
 // means Request::stopped: the keyboard's own thread has stopped the devices already. Where a page is a question of its own,
 // go_on is yes and an end is no.
-using KeyMeaning = std::variant<Request, Judgement, HelpWanted>;
+using KeyMeaning = std::variant<Request, GivenAnswer, HelpWanted>;
 
 struct KeyHint {
   std::string key;    // as printed: "space", "p", "Enter"
@@ -55,13 +61,18 @@ class KeyMap {
   std::vector<KeyBinding> bindings_;
 };
 
+// What was answered, in words: "different", "second, 2 of 3 sure", "12.5".
+std::string answer_text(const Answer& answer, const TaskSpec& task);
+
 KeyMap ready_keys(bool can_void_last);
 // For the answer. The protocol's answer keys win: an operator's letter that is one of them moves to its capital, and
 // where both are answers to the digit 0, 8 or 9 that is free.
-KeyMap question_keys(const Timeline& timeline);
+KeyMap question_keys(const TaskSpec& task);
 // The same letters during a presentation, where most of them act later, and say so; and between trials.
-KeyMap presentation_keys(const Timeline& timeline);
-KeyMap between_trials_keys(const Timeline& timeline);
+// Until the participant has what is to be handed over.
+KeyMap hand_over_keys(const TaskSpec& task);
+KeyMap presentation_keys(const TaskSpec& task);
+KeyMap between_trials_keys(const TaskSpec& task);
 KeyMap pause_keys();
 KeyMap stopped_keys();
 KeyMap missing_keys();  // while something of the rig is

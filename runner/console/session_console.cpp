@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 
 #include "devices/hid/buttons/button_box.h"
+#include "protocols/tasks/task.h"
+#include "runner/session/session_listener.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {
@@ -45,12 +47,13 @@ class SeeingToStop {
 
 // Why a trial did not count, in words.
 std::string reason_text(const std::string& reason) {
-  static constexpr std::array<std::pair<const char*, const char*>, 15> kWords = {
+  static constexpr std::array<std::pair<const char*, const char*>, 16> kWords = {
       {{"no_answer", "no answer in time"},
        {"no_contact", "the sphere was not touched"},
        {"emergency_stop", "stopped"},
        {"saturated", "by a rule of the protocol"},  // which one would tell how stiff the object was
        {"repeated", "repeated at your wish"},
+       {"not_accepted", "nothing was accepted after many settings"},
        {"paused", "paused"},
        {"interrupted", "interrupted"},
        {"taken_back", "taken back"},
@@ -76,12 +79,13 @@ SessionConsole::SessionConsole(const ConsoleOptions& options, const Protocol& pr
       clock_(clock),
       display_(std::move(display)),
       keys_(keyboard, interrupts, *display_, options.stop),
-      question_keys_(question_keys(protocol.timeline)) {}
+      question_keys_(question_keys(protocol.task)) {}
 
 void SessionConsole::begin(const SessionCard& card) {
   SessionCard safe = card;
   for (std::string* text : {&safe.title, &safe.participant}) *text = printable(*text);
   display_->begin(safe);
+  happened(moment::kBegan);
   if (display_->by_lines() || !warned_) return;
   // What was said before the screen came has gone with it: once more, until it is read.
   warned_ = false;
@@ -119,7 +123,29 @@ bool SessionConsole::still_to_read(bool turns_page) {
   return true;
 }
 
+void SessionConsole::happened(std::string_view moment) {
+  if (std::exchange(exploring_, moment == moment::kExplorationBegan))
+    for (SessionListener* listener : options_.listeners) listener->happened(moment::kExplorationEnded);
+  if (moment == moment::kExplorationEnded) return;
+  for (SessionListener* listener : options_.listeners) listener->happened(moment);
+}
+
+OperatorRequest SessionConsole::over(std::string_view moment, const std::function<OperatorRequest()>& ask) {
+  happened(moment);
+  OperatorRequest request = ask();
+  if (request.kind == Request::go_on) happened(moment::kGoesOn);
+  return request;
+}
+
+// By any of them: then no bell is needed.
+bool SessionConsole::heard(CuePlace place, const CueSignal& cue) const {
+  bool by_any = false;
+  for (SessionListener* listener : options_.listeners) by_any = listener->cue(place, cue) || by_any;
+  return by_any;
+}
+
 void SessionConsole::end(const std::string& last_words) {
+  happened(moment::kEnded);
   display_->end(last_words);
 }
 
@@ -199,6 +225,7 @@ OperatorRequest SessionConsole::ready(const TrialOutline& outline) {
   OperatorRequest request = request_at(scene, ready_keys(outline.can_void_last), true);
   if (request.kind == Request::go_on) {
     noted_.clear();
+    for (SessionListener* listener : options_.listeners) listener->trial(shown);
   }
   return request;
 }
@@ -225,7 +252,7 @@ OperatorRequest SessionConsole::paused(const std::string& cause) {
   scene.tone = Tone::warning;
   scene.heading = "Paused";
   if (cause == "ctrl-c") scene.beside = "by Ctrl-C; once more ends the session safely";
-  return request_at(scene, pause_keys(), false);
+  return over(moment::kPaused, [&] { return request_at(scene, pause_keys(), false); });
 }
 
 void SessionConsole::progress(const std::vector<ConditionProgress>& by_condition) {
@@ -236,13 +263,35 @@ void SessionConsole::health(const DeviceHealth& health) {
   DeviceHealth shown = health;
   if (!shown.fault.empty()) shown.fault = reason_text(shown.fault);
   display_->health(shown);
-  if (health.presenting && protocol_.paradigm != Paradigm::explore) hear_in_trial();
+  if (!health.presenting && std::exchange(presenting_, false))
+    for (SessionListener* listener : options_.listeners) listener->interval_over();
+  if (health.presenting && protocol_.task.kind != TaskKind::explore) hear_in_trial();
 }
 
+namespace {
+
+// What is said where the protocol gives no words.
+std::string usual_words(CuePlace place, const Protocol& protocol) {
+  static constexpr std::array kOrdinals = {"first", "second", "third"};
+  if (place == CuePlace::question) {
+    const std::vector<std::string>& classes = protocol.task.classes;
+    if (classes.empty()) return "which number?";
+    std::string words;
+    for (std::size_t i = 0; i < classes.size(); ++i)
+      words += (i == 0 ? "" : i + 1 == classes.size() ? " or " : ", ") + classes[i];
+    return words + "?";
+  }
+  if (task_of(protocol.task.kind).intervals(protocol.task) == 1) return "now";
+  const std::string ordinal = kOrdinals[static_cast<std::size_t>(place)];
+  return protocol.rig.built_in() ? ordinal + " sphere" : ordinal;
+}
+
+}  // namespace
+
 void SessionConsole::cue(CuePlace place, const CueSignal& cue) {
-  static constexpr std::array kDefault = {"first sphere", "second sphere", "same or different?"};
-  const bool aloud = !cue.say.empty(), beep = cue.kind == "sound";
-  const std::string words = aloud ? printable(cue.say) : kDefault[static_cast<std::size_t>(place)];
+  const bool aloud = !cue.say.empty(), beep = !heard(place, cue) && cue.kind == "sound";
+  presenting_ = place != CuePlace::question;
+  const std::string words = aloud ? printable(cue.say) : usual_words(place, protocol_);
   if (place == CuePlace::question) {
     question_words_ = words;
     question_aloud_ = aloud;
@@ -253,24 +302,39 @@ void SessionConsole::cue(CuePlace place, const CueSignal& cue) {
     cue_shown_ns_ = clock_.now_ns();
     return;
   }
-  if (keys_.has_keyboard()) display_->working_keys(presentation_keys(protocol_.timeline).hints());
+  if (keys_.has_keyboard()) display_->working_keys(presentation_keys(protocol_.task).hints());
   display_->say(place, words, aloud, beep);
+}
+
+OperatorRequest SessionConsole::hand_over(const HandOver& what) {
+  std::string words;
+  for (const HandOver::Item& item : what.items)
+    words += fmt::format("{}{}{}{}", words.empty() ? "" : "   ", item.place, item.place.empty() ? "" : ": ",
+                         printable(item.code));
+  Scene scene;
+  scene.tone = Tone::strong;
+  scene.heading = fmt::format("Hand over  {}", words);
+  return request_at(scene, hand_over_keys(protocol_.task), true);
 }
 
 void SessionConsole::saved(const TrialOutline& outline, const Answer& answer) {
   last_answered_ = full_name_of(outline);
-  display_->answer(name_of(outline), fmt::format("{}, {:.2f} s", to_string(answer.judgement), answer.response_time_s),
+  for (SessionListener* listener : options_.listeners) listener->answered(outline, answer);
+  display_->answer(name_of(outline),
+                   fmt::format("{}, {:.2f} s", answer_text(answer, protocol_.task), answer.response_time_s),
                    std::string(to_string(answer.entered_by)));
 }
 
 void SessionConsole::voided(const TrialOutline& outline, const std::string& reason, bool will_repeat) {
-  if (keys_.has_keyboard()) display_->working_keys(between_trials_keys(protocol_.timeline).hints());
+  for (SessionListener* listener : options_.listeners) listener->voided(outline, reason);
+  if (keys_.has_keyboard()) display_->working_keys(between_trials_keys(protocol_.task).hints());
   display_->tell(Tone::warning,
                  fmt::format("{} not counted ({}); {}", full_name_of(outline), reason_text(reason),
                              will_repeat ? "it comes again at the end of this block" : "its attempts are used up"));
 }
 
 void SessionConsole::took_back(bool will_repeat) {
+  happened(moment::kTakenBack);
   display_->answer_taken_back();
   display_->tell(Tone::warning, fmt::format("{} taken back; {}",
                                             last_answered_.empty() ? "last answer" : "answer to " + last_answered_,
@@ -290,7 +354,7 @@ bool SessionConsole::waiting(double left_s, double total_s) {
   // A page that came between, such as a note's or a pause's, is over.
   if (!scene_.heading.empty()) {
     scene_ = {};
-    display_->working_keys(between_trials_keys(protocol_.timeline).hints());
+    display_->working_keys(between_trials_keys(protocol_.task).hints());
   }
   if (total_s >= kCounted_s) display_->countdown("next trial", left_s, total_s);
   display_->refresh();
@@ -309,20 +373,19 @@ OperatorRequest SessionConsole::recover(const std::string& stopped_by) {
     return {Request::end_for_now, {}};
   }
   keys_.see_to_stop(true);
-  OperatorRequest request = request_at(scene, stopped_keys(), true);
+  OperatorRequest request = over(moment::kStopped, [&] { return request_at(scene, stopped_keys(), true); });
   // A pause in it is still in it.
   if (request.kind == Request::go_on) keys_.see_to_stop(false);
   return request;
 }
 
 OperatorRequest SessionConsole::missing(const std::string& what, const std::function<bool()>& back) {
-  OperatorRequest request =
-      request_at({Tone::warning,
-                  "Something is missing.",
-                  "",
-                  printable(what) + "\nThe devices are at rest. It goes on by itself as soon as all is there again.",
-                  {}},
-                 missing_keys(), true, back);
+  const Scene scene{Tone::warning,
+                    "Something is missing.",
+                    "",
+                    printable(what) + "\nThe devices are at rest. It goes on by itself as soon as all is there again.",
+                    {}};
+  OperatorRequest request = over(moment::kMissing, [&] { return request_at(scene, missing_keys(), true, back); });
   if (request.kind == Request::go_on && keys_.has_keyboard()) display_->tell(Tone::quiet, "all is there again");
   return request;
 }
@@ -372,6 +435,7 @@ void SessionConsole::break_begins(const Break& pause, bool asked_by_operator) {
   note_requests(keys_.prompt(), question_keys_);
   show(scene);
   break_scene_ = scene;
+  happened(moment::kBreakBegan);
 }
 
 // Asked again after a note or a pause: the countdown goes on.
@@ -397,8 +461,11 @@ OperatorRequest SessionConsole::break_over(const Break& pause) {
     clock_.sleep_until_ns(std::min(break_ends_ns_, clock_.now_ns() + static_cast<std::int64_t>(kLook_s * 1e9)));
   }
   display_->countdown_over();
-  if (!keys_.has_keyboard()) return {keys_.ended() ? Request::end_for_now : Request::go_on, {}};
-  return request_at({Tone::strong, "The break may end", "", "", {}}, break_keys(true), true);
+  OperatorRequest request{keys_.ended() ? Request::end_for_now : Request::go_on, {}};
+  if (keys_.has_keyboard())
+    request = request_at({Tone::strong, "The break may end", "", "", {}}, break_keys(true), true);
+  if (request.kind == Request::go_on) happened(moment::kGoesOn);
+  return request;
 }
 
 OperatorRequest SessionConsole::instruct(const Instruction& instruction) {
@@ -444,13 +511,19 @@ OperatorRequest SessionConsole::ready_to_explore(const ExplorationOutline& outli
       fmt::format("Object: {}. {}", printable(outline.object),
                   outline.devices ? "The participant wears the devices." : "Bare hands: take the devices off.");
   exploring_s_ = outline.duration_s;
+  happened(moment::kExplorationEnded);  // of one that did not count
   OperatorRequest request = request_at(scene, ready_to_explore_keys(), true);
+  if (request.kind == Request::go_on) happened(moment::kExplorationBegan);
   if (request.kind == Request::go_on && keys_.has_keyboard()) {
     scene.keys = exploring_keys().hints();
     scene.text.clear();
     show(scene);
   }
   return request;
+}
+
+void SessionConsole::explored() {
+  happened(moment::kExplorationEnded);
 }
 
 // What the operator presses lets the object go; meanwhile() then asks what it is about, and it goes on.

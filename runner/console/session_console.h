@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "runner/console/console.h"
@@ -31,6 +32,7 @@ class SessionConsole final : public Console, private Responder {
   void progress(const std::vector<ConditionProgress>& by_condition) override;
   void health(const DeviceHealth& health) override;
   void cue(CuePlace place, const CueSignal& cue) override;
+  OperatorRequest hand_over(const HandOver& what) override;
   void saved(const TrialOutline& outline, const Answer& answer) override;
   void voided(const TrialOutline& outline, const std::string& reason, bool will_repeat) override;
   void took_back(bool will_repeat) override;
@@ -46,9 +48,12 @@ class SessionConsole final : public Console, private Responder {
   std::optional<bool> consent(const std::string& text) override;
   OperatorRequest ready_to_explore(const ExplorationOutline& outline) override;
   bool exploring(double left_s) override;
+  void explored() override;
 
  private:
   std::optional<Answer> judge(const TrialQuestion& question) override;
+  // Typed, where the task is answered with a number.
+  std::optional<Answer> judge_number(const TrialQuestion& question);
   std::optional<std::string> reply(const Question& question, int condition) override;
   std::optional<Replies> reply_all(const std::vector<AskedQuestion>& page) override;
 
@@ -79,7 +84,7 @@ class SessionConsole final : public Console, private Responder {
   void hear_in_trial();
   std::optional<OperatorRequest> noted_request(const KeyMap& keys);
   // pressed_ns: on the machine's monotonic clock.
-  Answer answer_of(Judgement judgement, EnteredBy who, std::int64_t pressed_ns) const;
+  Answer answer_of(GivenAnswer given, EnteredBy who, std::int64_t pressed_ns) const;
   std::optional<Answer> question_over(const std::optional<Answer>& answer, double time_out_s);
   // What the participant's buttons say to the question.
   struct ButtonReply {
@@ -94,6 +99,11 @@ class SessionConsole final : public Console, private Responder {
   bool ask_by_keys(QuestionnairePage& page);
   bool ask_by_lines(QuestionnairePage& page);
   bool leaves_page();
+  // Tells those who listen beside the screen.
+  void happened(std::string_view moment);
+  // A request that was waited for in such a moment: it is over.
+  OperatorRequest over(std::string_view moment, const std::function<OperatorRequest()>& ask);
+  bool heard(CuePlace place, const CueSignal& cue) const;
   void outline_scene(const TrialOutline& outline, Scene& scene) const;
 
   ConsoleOptions options_;
@@ -119,6 +129,8 @@ class SessionConsole final : public Console, private Responder {
   std::optional<KeyBinding> broken_off_by_;  // of it: what meanwhile() is to ask about
   std::vector<std::string> unfinished_;      // what was typed on a page that a pause or a dialog broke off
   std::vector<std::string> unfinished_ids_;
+  bool presenting_ = false;  // an interval is being felt
+  bool exploring_ = false;   // an object of free interaction is
 };
 
 }  // namespace jnd

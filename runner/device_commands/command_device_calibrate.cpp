@@ -7,7 +7,6 @@
 #include "devices/device_error.h"
 #include "devices/hid/calibration/calibration_bench.h"
 #include "devices/hid/calibration/calibration_certificate.h"
-#include "devices/hid/hidapi_bus.h"
 #include "devices/hid/report_words.h"
 #include "protocols/input/csv_table.h"
 #include "protocols/input/input_error.h"
@@ -29,6 +28,7 @@ namespace {
 
 struct DeviceCalibrateOptions {
   std::string name;                       // serial number or path
+  std::string rig_file;                   // whose devices that are programs are looked for too; empty: none
   std::string reference = "interactive";  // or a CSV file: known_n, and pushed_n where the device presses the reference
   std::vector<double> push_n;             // forces to press the reference with, each read from it and typed
   std::string operator_name, reference_name, remarks;
@@ -138,7 +138,8 @@ int command_device_calibrate(const DeviceCalibrateOptions& options) {
   std::error_code error;
   if (!options.out.empty() && std::filesystem::exists(options.out, error))
     throw UsageError(fmt::format("{} exists already; choose another name", options.out));
-  HidapiBus bus;
+  const std::unique_ptr<HidBus> found_on = bus_for(options.name, options.rig_file);
+  HidBus& bus = *found_on;
   const HidInfo info = find_device(bus, options.name);
   if (is_tracker(info)) throw UsageError(fmt::format("{} is a tracker: it has no force to calibrate", options.name));
   if (plan.presses() &&
@@ -188,6 +189,7 @@ void add_device_calibrate(CommandTree& device) {
                  "--reference points.csv --store",
                  command_device_calibrate);
   command.add_option("DEVICE", options.name, "a serial number or a path, as jnd device list shows them")->required();
+  command.add_option("--rig", options.rig_file, "a rig file: its devices that are programs are looked for too");
   command.add_option("--reference", options.reference,
                      "interactive: known forces are typed; or a CSV file of them: known_n (N), and pushed_n (N) where "
                      "the device presses the reference (default: interactive)");

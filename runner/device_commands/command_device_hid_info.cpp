@@ -47,6 +47,7 @@ Json identity_json(const HidInfo& info, const Known& known) {
   return {{"serial", serial_of(identity)},
           {"path", info.path},
           {"usb", usb_id(info)},
+          {"transport", info.transport},
           {"name", info.product_name},
           {"model", model_word(identity.model)},
           {"finger", finger_word(identity.finger)},
@@ -121,7 +122,7 @@ void print_identity(const HidInfo& info, const Known& known) {
   const jnd_identity& identity = known.device.identity;
   fmt::print("{}: {}, finger: {}\n", bold(printable(serial_of(identity))), model_word(identity.model),
              finger_word(identity.finger));
-  print_field(15, "connected", fmt::format("{}, USB {} {}", info.path, usb_id(info), info.product_name));
+  print_field(15, "connected", printable(fmt::format("{}, {} {}", info.path, way_to(info), info.product_name)));
   print_field(15, "protocol",
               fmt::format("versions {} to {}; this program speaks {}", identity.lowest_version,
                           identity.highest_version, JND_PROTOCOL_VERSION));

@@ -27,6 +27,7 @@ Json entry_of(HidBus& bus, const HidInfo& info) {
                 {"usage_page", info.usage_page},
                 {"usage", info.usage},
                 {"ours", is_ours(info) ? Json(is_tracker(info) ? "tracker" : "fingertip") : Json(nullptr)},
+                {"transport", info.transport},
                 {"usable", is_usable(info)}};
   if (!is_usable(info)) entry["udev_rule"] = udev_rule(info.vendor, info.product);
   if (!is_ours(info) || !is_usable(info)) return entry;
@@ -73,8 +74,9 @@ std::string hid_text(const Json& devices) {
   for (const Json& device : devices) {
     const auto text = [&device](const char* key) { return printable(device.value(key, std::string())); };
     const bool usable = device["usable"].get<bool>();
-    table.add({text("path"), text("vendor") + ":" + text("product"), text("name"), text("serial"), what_it_is(device),
-               usable ? "yes" : "no"});
+    const bool usb = device["transport"] == "USB";
+    table.add({text("path"), usb ? text("vendor") + ":" + text("product") : text("transport"), text("name"),
+               text("serial"), what_it_is(device), usable ? "yes" : "no"});
     if (device.contains("trouble")) troubles += fmt::format("  {}\n", warn(text("trouble")));
     const std::string rule = text("udev_rule");
     if (!usable && !device["ours"].is_null() && rules.find(rule) == std::string::npos) rules += rule + "\n";

@@ -2,7 +2,6 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "devices/hid/hidapi_bus.h"
 #include "protocols/input/resources.h"
 #include "runner/device_commands/command_device_hid.h"
 #include "runner/device_commands/device_commands.h"
@@ -18,11 +17,13 @@ namespace jnd {
 namespace {
 
 struct ListOptions {
+  std::string rig_file;  // whose devices that are programs are listed too; empty: none
   bool json = false;
 };
 
 struct InfoOptions {
-  std::string rig;  // or a real device, by serial number or path
+  std::string rig;       // or a real device, by serial number or path
+  std::string rig_file;  // whose devices that are programs are looked for too; empty: none
   bool json = false;
 };
 
@@ -186,8 +187,8 @@ int command_device_list(const ListOptions& options) {
     for (const DeviceSpec& device : rig.devices)
       text += fmt::format("      {}; at most {}\n", facts_of(device.model).renders, limits_text(device));
   }
-  HidapiBus bus;
-  const nlohmann::ordered_json devices = hid_json(bus);
+  const std::unique_ptr<HidBus> bus = bus_for("", options.rig_file);
+  const nlohmann::ordered_json devices = hid_json(*bus);
   if (options.json) {
     print_json({{"rigs", rigs}, {"hid", devices}});
     return exit_code::kDone;
@@ -195,13 +196,14 @@ int command_device_list(const ListOptions& options) {
   fmt::print("{}\n  All of them are simulated: models of the papers' devices. A study names one in $.rig.device.\n\n",
              text);
   fmt::print("{}\n{}", bold("Connected"), hid_text(devices));
+  if (const std::string absent = bus->absent(); !absent.empty()) fmt::print("  {}\n", warn(printable(absent)));
   return exit_code::kDone;
 }
 
 int command_device_info(const InfoOptions& options) {
   if (!names_a_rig(options.rig)) {
-    HidapiBus bus;
-    return hid_device_info(bus, options.rig, options.json);
+    const std::unique_ptr<HidBus> bus = bus_for(options.rig, options.rig_file);
+    return hid_device_info(*bus, options.rig, options.json);
   }
   const std::filesystem::path file = find_resource(Resource::device_spec, options.rig);
   const RigSpec rig = load_rig_spec(file);
@@ -227,6 +229,7 @@ int command_device_info(const InfoOptions& options) {
 void add_device_list(CommandTree& device) {
   const auto [command, options] = device.add("list", "The rigs that there are, and the real devices that are connected",
                                              "jnd device list", command_device_list);
+  command.add_option("--rig", options.rig_file, "a rig file: its devices that are programs are listed too");
   command.add_flag("--json", options.json, "machine-readable");
 }
 
@@ -237,6 +240,7 @@ void add_device_info(CommandTree& device) {
   command
       .add_option("RIG", options.rig, "a rig's name, a file that describes one, or a device's serial number or path")
       ->required();
+  command.add_option("--rig", options.rig_file, "a rig file: its devices that are programs are looked for too");
   command.add_flag("--json", options.json, "machine-readable");
 }
 

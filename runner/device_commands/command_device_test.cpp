@@ -4,8 +4,8 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "devices/hid/hidapi_bus.h"
 #include "devices/self_test/device_bench.h"
+#include "runner/device_commands/command_device_external.h"
 #include "runner/device_commands/command_device_hid.h"
 #include "runner/device_commands/device_commands.h"
 #include "runner/device_commands/device_output.h"
@@ -20,16 +20,21 @@ namespace jnd {
 namespace {
 
 struct TestOptions {
-  std::string rig;  // or a real device, by serial number or path
+  std::string rig;       // or a real device, by serial number or path; or "external"
+  std::string rig_file;  // of an external rig; or whose devices that are programs are looked for too
+  std::string command;   // of an external rig
   bool json = false;
   bool yes = false;  // a real device may press without being asked for
 };
 
 int command_device_test(const TestOptions& options) {
   const HoldInterrupts hold;
+  if (options.rig == "external")
+    return external_rig_test({options.rig_file, options.command, options.json, options.yes});
+  if (!options.command.empty()) throw UsageError("--command is for jnd device test external");
   if (!names_a_rig(options.rig)) {
-    HidapiBus bus;
-    return hid_device_test(bus, options.rig, options.json, options.yes);
+    const std::unique_ptr<HidBus> bus = bus_for(options.rig, options.rig_file);
+    return hid_device_test(*bus, options.rig, options.json, options.yes);
   }
   const RigSpec rig = rig_named(options.rig);
   const Checks checks = self_test_of(rig);
@@ -66,12 +71,19 @@ int command_device_test(const TestOptions& options) {
 }  // namespace
 
 void add_device_test(CommandTree& device) {
-  const auto [command, options] = device.add("test", "Self-test of a rig, or test of a connected device",
-                                             "jnd device test rrs3\n  jnd device test FT-0001", command_device_test);
+  const auto [command, options] =
+      device.add("test", "Self-test of a rig, or test of a connected device or of a laboratory's own rig",
+                 "jnd device test rrs3\n  jnd device test FT-0001\n  jnd device test external --rig my-rig.json",
+                 command_device_test);
   command
-      .add_option("RIG", options.rig, "a rig's name, a file that describes one, or a device's serial number or path")
+      .add_option("RIG", options.rig,
+                  "a rig's name, a file that describes one, a device's serial number or path, or \"external\"")
       ->required();
-  command.add_flag("--yes", options.yes, "a real device may press (0.5 N) and vibrate without being asked for");
+  command.add_option("--rig", options.rig_file,
+                     "a rig file: where an external rig is; or its devices that are programs are looked for too");
+  command.add_option("--command", options.command, "external: the rig's program and arguments, apart by blanks");
+  command.add_flag("--yes", options.yes,
+                   "a real device may press (0.5 N) and vibrate, a real rig present, without being asked for");
   command.add_flag("--json", options.json, "machine-readable");
 }
 

@@ -10,7 +10,10 @@
 
 #include "analysis/numerics/stop_request.h"
 #include "data/study/database.h"
+#include "devices/external/conformance.h"
+#include "devices/external/rig_probe.h"
 #include "devices/hid/hidapi_bus.h"
+#include "devices/hid/link/rig_bus.h"
 #include "devices/hid/link/rig_check.h"
 #include "devices/machine/machine_checks.h"
 #include "protocols/reading/protocol_json.h"
@@ -18,6 +21,7 @@
 #include "runner/device_commands/hid_devices.h"
 #include "runner/keys/interrupt.h"
 #include "runner/opening/study_access.h"
+#include "runner/sound/player.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
 #include "runner/terminal/standard_streams.h"
@@ -87,6 +91,24 @@ void print_check(const Check& check, std::size_t name_width) {
     fmt::print("{}{} {}\n", std::string(indent, ' '), dim("->"), wrapped(printable(check.what_to_do), indent + 3));
 }
 
+// A laboratory's own rig is started and asked what it is.
+Checks check_external_rig(const ExternalSettings& settings, const Protocol* protocol) {
+  Checks checks;
+  try {
+    checks = check_rig_hello(settings, interrupt_requested()).checks;
+  } catch (const ProbeInterrupted&) {
+    throw Stopped();
+  }
+  for (Check& check : checks) check.what = "external rig: " + check.what;
+  if (protocol != nullptr)
+    checks.push_back(
+        {.what = "external rig: protocol",
+         .verdict = Verdict::bad,
+         .found = fmt::format("asks for the rig {}, which is none of the laboratory's own", protocol->rig.device),
+         .what_to_do = "give a rig file of its devices, or none"});
+  return checks;
+}
+
 // What the protocol and the rig file need of this machine.
 Checks check_rig_of(const DoctorOptions& options) {
   std::optional<Protocol> protocol;
@@ -94,8 +116,10 @@ Checks check_rig_of(const DoctorOptions& options) {
   if (!options.protocol.empty()) protocol = load_checked_protocol(options.protocol);
   if (!options.rig.empty()) file = load_rig_file(options.rig);
   if (!protocol && !file) return {};
+  if (file && file->external) return check_external_rig(*file->external, protocol ? &*protocol : nullptr);
   std::vector<SeenHid> seen;
-  for (const HidInfo& info : HidapiBus().list()) seen.push_back({.info = info, .usable = is_usable(info)});
+  const std::unique_ptr<HidBus> bus = make_bus(file ? socket_devices(*file, false) : std::vector<SocketDevice>{});
+  for (const HidInfo& info : bus->list()) seen.push_back({.info = info, .usable = is_usable(info)});
   return check_rig(protocol ? &protocol->rig : nullptr, file ? &*file : nullptr, seen);
 }
 
@@ -103,6 +127,7 @@ int command_doctor(const DoctorOptions& options) {
   const HoldInterrupts hold;
   Checks checks = {check_kernel("/"), check_processors("/"), check_frequency("/"), check_clock_source("/"),
                    check_hid("/")};
+  checks.push_back(check_sound());
   for (Check& check : check_rig_of(options)) checks.push_back(std::move(check));
   checks.push_back(
       check_storage(options.study.value_or("."), {.root = "/", .is_network = is_network_file_system, .syncs = 20}));
@@ -135,7 +160,7 @@ int command_doctor(const DoctorOptions& options) {
                                {"what_to_do", check.what_to_do}});
     out["jitter"] = jitter_json(session);
     out["jitter"]["without_fifo"] = compare ? jitter_json(ordinary) : nlohmann::ordered_json(nullptr);
-    fmt::print("{}\n", out.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+    print_json(out);
     return code;
   }
   for (const Check& check : checks) print_check(check, name_width);

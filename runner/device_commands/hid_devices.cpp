@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "devices/device_error.h"
+#include "devices/hid/link/rig_bus.h"
 #include "devices/machine/io_thread.h"
 #include "devices/realtime.h"
 #include "protocols/input/input_error.h"
@@ -22,7 +23,17 @@
 
 namespace jnd {
 
+namespace {
+
+bool is_socket_path(const std::string& name) {
+  std::error_code error;
+  return name.ends_with(".sock") || std::filesystem::is_socket(name, error);
+}
+
+}  // namespace
+
 bool is_usable(const HidInfo& info) noexcept {
+  if (info.transport != "USB") return true;  // it is listed where it has answered
   return access(info.path.c_str(), R_OK | W_OK) == 0;
 }
 
@@ -30,11 +41,23 @@ std::string usb_id(const HidInfo& info) {
   return fmt::format("{:04X}:{:04X}", info.vendor, info.product);
 }
 
+std::string way_to(const HidInfo& info) {
+  return info.transport == "USB" ? "USB " + usb_id(info) : info.transport;
+}
+
+std::unique_ptr<HidBus> bus_for(const std::string& name, const std::string& rig_file) {
+  std::vector<SocketDevice> devices;
+  if (!rig_file.empty()) devices = socket_devices(load_rig_file(rig_file));
+  if (is_socket_path(name)) devices.push_back({.path = name, .socket = name});
+  return make_bus(std::move(devices));
+}
+
 std::string shipped_udev_rules() {
   return shipped_file("udev", "devices/hid", "70-jnd.rules").string();
 }
 
 bool names_a_rig(const std::string& name) {
+  if (is_socket_path(name)) return false;
   if (names_a_file(name)) return !name.starts_with("/dev/");  // such as /dev/hidraw0
   const std::vector<std::string> shipped = shipped_names(Resource::device_spec);
   return std::find(shipped.begin(), shipped.end(), name) != shipped.end();
@@ -52,6 +75,7 @@ HidInfo find_device(HidBus& bus, const std::string& name) {
   if (found.size() > 1)
     throw InputError(fmt::format("{} connected devices have the serial number {}: give a path instead ({})",
                                  found.size(), name, ours));
+  if (const std::string absent = bus.absent(); !absent.empty()) throw DeviceError(absent);
   std::string rigs;
   for (const std::string& rig : shipped_names(Resource::device_spec)) rigs += (rigs.empty() ? "" : ", ") + rig;
   throw InputError(

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -16,11 +17,17 @@ namespace jnd {
 
 bool is_usable(const HidInfo& info) noexcept;  // this login may read and write it
 std::string usb_id(const HidInfo& info);       // "1209:5AFE"
+std::string way_to(const HidInfo& info);       // "USB 1209:5AFE", "socket"
+
+// Where a device command looks: USB, the devices of a rig file that are programs (empty: none), and the socket that
+// `name` is where it is one. Throws InputError for a rig file that is none, DeviceError.
+std::unique_ptr<HidBus> bus_for(const std::string& name, const std::string& rig_file);
 
 // The udev rules that are shipped with this program, where they can be found; otherwise empty.
 std::string shipped_udev_rules();
 
-// Whether a device command means a rig: a shipped name, or a file that describes one.
+// Whether a device command means a rig: a shipped name, or a file that describes one. A path of a HID device, and one
+// that is a socket or ends in ".sock", means a device.
 bool names_a_rig(const std::string& name);
 
 // A device of ours by serial number or path. Throws InputError where there is none, or several of one number.

@@ -29,6 +29,11 @@ std::vector<Figure> threshold_figures(const StudyResults& results, const Protoco
 // 96 participants a panel for every condition instead, with everyone in it.
 std::vector<Figure> slope_figures(const StudyResults& results, const Protocol& protocol);
 
+// The share of an answer over the levels of a task, with the fitted curve.
+std::vector<Figure> curve_figures(const StudyResults& results, const Protocol& protocol);
+// The registered outcome of a task by condition.
+std::vector<Figure> task_figures(const StudyResults& results, const Protocol& protocol);
+
 std::vector<Figure> time_figures(const StudyResults& results, const Protocol& protocol);
 // One for each rating question that was compared over the conditions.
 std::vector<Figure> rating_figures(const StudyResults& results, const Protocol& protocol);

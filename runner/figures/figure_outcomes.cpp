@@ -85,6 +85,23 @@ std::vector<Figure> threshold_figures(const StudyResults& results, const Protoco
   return {};
 }
 
+std::vector<Figure> task_figures(const StudyResults& results, const Protocol& protocol) {
+  const auto* measured = std::get_if<MeasuredTask>(&results.measured);
+  if (measured == nullptr || results.comparisons.empty()) return {};
+  const OutcomeComparison& outcome = results.comparisons.front();
+  const bool negative =
+      std::any_of(outcome.table.values.begin(), outcome.table.values.end(), [](double value) { return value < 0; });
+  if (negative || has_no_participants(outcome)) return {};  // the picture is for quantities that are never negative
+  ConditionFigure figure = figure_of(outcome, protocol, 3);
+  figure.id = "outcome";
+  figure.title = fmt::format("{} by condition", outcome.title);
+  figure.y_title = outcome.unit.empty() ? outcome.title : fmt::format("{} ({})", outcome.title, outcome.unit);
+  figure.joined = true;
+  const std::string caption = fmt::format("{}. {}{}", measured->task.outcomes[measured->task.registered].meaning,
+                                          kMarks, left_out_text(outcome));
+  return {{figure.id, figure.title, caption, draw_condition_figure(figure, protocol)}};
+}
+
 std::vector<Figure> time_figures(const StudyResults& results, const Protocol& protocol) {
   for (const OutcomeComparison& outcome : results.comparisons) {
     if (outcome.outcome != "trial_time" || outcome.question || has_no_participants(outcome)) continue;

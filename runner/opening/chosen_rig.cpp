@@ -8,11 +8,15 @@ namespace jnd {
 ChosenRig choose_rig(const std::string& rig, bool fast) {
   ChosenRig chosen;
   if (rig == "simulated") return chosen;
+  if (rig == "specimens") {
+    chosen.own = make_specimen_rigs();
+    return chosen;
+  }
   if (fast)
     throw UsageError(
         "--fast skips time, and real devices do not: leave it out, or rehearse with --rig simulated (the default)");
   if (rig != "hid") chosen.file = load_rig_file(rig);
-  chosen.own = make_hid_rigs(chosen.file);
+  chosen.own = chosen.file.external ? make_laboratory_rigs(*chosen.file.external) : make_hid_rigs(chosen.file);
   return chosen;
 }
 
@@ -28,7 +32,7 @@ ChosenButtons choose_buttons(const std::filesystem::path& mapping, const RigFile
 
 std::vector<std::filesystem::path> certificate_folders(const RigFile& rig, const std::filesystem::path& study) {
   std::vector<std::filesystem::path> folders = {study.has_parent_path() ? study.parent_path() : ".", "."};
-  if (!rig.tracker.folder.empty()) folders.insert(folders.begin(), rig.tracker.folder);
+  if (!rig.folder.empty()) folders.insert(folders.begin(), rig.folder);
   return folders;
 }
 

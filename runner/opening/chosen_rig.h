@@ -20,7 +20,7 @@ struct ChosenRig {
   const RigSource& source() const noexcept { return own ? *own : rig_source(); }
 };
 
-// rig: "simulated", "hid", or a rig file (--rig); fast: time is to be skipped. Throws UsageError, InputError, and
+// rig: "simulated", "hid", "specimens", or a rig file (--rig); fast: time is to be skipped. Throws UsageError, InputError, and
 // DeviceError where the system's HID cannot be used.
 ChosenRig choose_rig(const std::string& rig, bool fast);
 

@@ -65,6 +65,7 @@ class Fitness {
       : protocol_(protocol), file_(file), root_(parse_json(protocol.bytes, file)), check_(check) {}
 
   void look() {
+    if (!protocol_.rig.built_in()) return rehearse();
     RigSpec spec;
     if (!looked([&] { spec = rig_spec_of(protocol_); }, root_, file_, "$.rig.device", check_.errors)) return;
     const DeviceLint lint = lint_against_device(protocol_, spec, file_);

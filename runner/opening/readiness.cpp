@@ -36,7 +36,8 @@ Readiness check_readiness(const ReadinessInput& input) {
   items.push_back(input.fast ? left_out("devices") : check_devices(input.spec, input.rig));
   items.push_back(check_description(input.spec));
   items.push_back(check_calibration(input.spec, utc_ns));
-  items.push_back(input.fast ? left_out("loop") : check_loop_jitter(input.rig.realtime().policy));
+  if (!input.spec.devices.empty())
+    items.push_back(input.fast ? left_out("loop") : check_loop_jitter(input.rig.realtime().policy));
   items.push_back(check_keyboard(input.keyboard_is_terminal));
   if (input.buttons != nullptr) items.push_back(check_buttons(*input.buttons));
   items.push_back(check_study(input.study));

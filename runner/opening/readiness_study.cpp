@@ -9,6 +9,7 @@
 #include "data/study/database.h"
 #include "data/verify/chain_check.h"
 #include "protocols/planning/cohort.h"
+#include "protocols/tasks/same_different_task.h"
 #include "runner/opening/readiness_items.h"
 
 namespace jnd {
@@ -37,11 +38,12 @@ struct Classes {
 
 // Cells are counted, not named: the operator is not to know what comes.
 void judge_cells(const Protocol& protocol, const Plan& plan, Check& check) {
+  if (protocol.task.kind != TaskKind::same_different) return;
   std::map<std::pair<int, int>, Classes> cells;  // by series and condition
   for (const Trial& trial : plan.trials) {
     if (trial.practice) continue;
     Classes& cell = cells[{trial.series, trial.condition}];
-    ++(trial.same ? cell.same : cell.different);
+    ++(trial.target == kClassSame ? cell.same : cell.different);
   }
   const bool balanced = protocol.design.sampling == Sampling::balanced && !protocol.design.procedure;
   int unequal = 0, one_sided = 0;
@@ -64,7 +66,9 @@ void judge_cells(const Protocol& protocol, const Plan& plan, Check& check) {
 }  // namespace
 
 double telemetry_bytes(const Protocol& protocol, const Plan& plan, const RigSpec& spec) noexcept {
-  double seconds = 2 * (protocol.timeline.explore_s + kReach_s) * static_cast<double>(plan.trials.size());
+  double seconds = 0;
+  for (const Trial& trial : plan.trials)
+    seconds += static_cast<double>(trial.stimuli.size()) * (protocol.timeline.explore_s + kReach_s);
   for (const ExplorationSlot& slot : plan.explorations) seconds += slot.duration_s;
   const double devices = static_cast<double>(protocol.rig.fingers.size() * spec.devices.size());
   return seconds * kTicks_per_s * devices * kBytesPerTick;

@@ -38,7 +38,13 @@ void set_rig_source(const RigSource* source) noexcept;
 // The source that is set.
 const RigSource& rig_source() noexcept;
 
-// Fingertip devices over USB HID, as the rig file says. Throws DeviceError where the system's HID cannot be used.
+// Fingertip devices over USB HID, or that are programs, as the rig file says. Throws DeviceError where the system's HID cannot be used.
 std::unique_ptr<const RigSource> make_hid_rigs(RigFile file);
+
+// A program of the laboratory, as the rig file says.
+std::unique_ptr<const RigSource> make_laboratory_rigs(ExternalSettings settings);
+
+// Specimens in the operator's hands.
+std::unique_ptr<const RigSource> make_specimen_rigs();
 
 }  // namespace jnd

@@ -19,6 +19,11 @@
 namespace jnd {
 
 RigSpec rig_spec_of(const Protocol& protocol) {
+  if (!protocol.rig.built_in()) {  // it describes itself, or needs no description
+    RigSpec spec;
+    spec.name = protocol.rig.device;
+    return spec;
+  }
   return load_rig_spec(find_resource(Resource::device_spec, protocol.rig.device));
 }
 

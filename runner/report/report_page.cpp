@@ -78,6 +78,31 @@ struct SummaryHtml {
           percent_text(row.false_alarms), row.n, row.of);
     return html + "</ul>\n";
   }
+  std::string operator()(const MeasuredTask& measured) const {
+    const TaskResults& task = measured.task;
+    const TaskOutcome& outcome = task.outcomes[task.registered];
+    std::string html = fmt::format("<p class=\"lead\">{}. {}: {}.</p>\n<ul>\n", who(),
+                                   escape_markup(std::string(outcome.title)), escape_markup(outcome.meaning));
+    for (const TaskGroupRow& row : task.group) {
+      if (row.outcome != task.registered) continue;
+      const std::string of = protocol.series.size() > 1
+                                 ? ", " + protocol.series[static_cast<std::size_t>(row.series)].name
+                                 : std::string();
+      if (row.mean.n == 0)
+        html += fmt::format("<li><strong>{}</strong>: no participant has a value</li>\n",
+                            escape_markup(condition_text(protocol, row.condition) + of));
+      else
+        html += fmt::format(
+            "<li><strong>{}</strong>: mean {} <strong>{:.4g} {}</strong>{}; {} of {} participants</li>\n",
+            escape_markup(condition_text(protocol, row.condition) + of), escape_markup(std::string(outcome.title)),
+            row.mean.mean, escape_markup(std::string(outcome.unit)),
+            std::isfinite(row.mean.ci_low)
+                ? fmt::format(" (95 % CI {:.4g} to {:.4g})", row.mean.ci_low, row.mean.ci_high)
+                : std::string(),
+            row.mean.n, row.participants);
+    }
+    return html + "</ul>\n";
+  }
   std::string operator()(const ExplorationResults&) const {
     return fmt::format("<p class=\"lead\">{} after free interaction. {}.</p>\n", who(),
                        escape_markup(questionnaire_summary(results.questionnaire)));

@@ -171,6 +171,11 @@ struct ResultsJson {
     none.by_series.refused = "the answers set the levels: there are no series";
     return with_tests(to_json(measured, protocol), none);
   }
+  Json operator()(const MeasuredTask& measured) const {
+    ConstantResults none;
+    none.by_series.refused = "belongs to the task same-different";
+    return with_tests(task_json(results, measured.task, protocol), none);
+  }
   Json operator()(const ExplorationResults& measured) const {
     Json out = {{"kind", to_string(measured.attendance.kind)}, {"protocol_sha256", protocol.sha256}};
     out["questionnaire"] = to_json(results.questionnaire, measured, protocol);
@@ -197,6 +202,11 @@ struct ResultsJson {
     for (const SensitivityRow& row : measured.sensitivity)
       out["sensitivity"].push_back(sensitivity_json(row, protocol));
     out["behaviour"] = behaviour_json(measured.behaviour, protocol);
+    if (protocol.task.sureness_levels > 0) {
+      const auto fields = sureness_fields(protocol);
+      out["sureness"] = Json::array();
+      for (const SurenessRow& row : measured.sureness) out["sureness"].push_back(json_of(fields, row, {"*"}));
+    }
     out["cue_strategy"] = cue_strategy_json(measured.behaviour, protocol);
     out["ratings"] = ratings_json(results, protocol);
     add_cautions(out, results);

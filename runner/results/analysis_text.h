@@ -19,6 +19,7 @@ void print_cautions(const StudyResults& results);
 nlohmann::ordered_json heads_json(const Attendance& attendance);
 nlohmann::ordered_json to_json(const StudyAnalysis& analysis, const Protocol& protocol);
 nlohmann::ordered_json to_json(const StudyResults& results, const Protocol& protocol);
+nlohmann::ordered_json task_json(const StudyResults& results, const TaskResults& measured, const Protocol& protocol);
 nlohmann::ordered_json to_json(const StudyModels& models, const Protocol& protocol);
 
 }  // namespace jnd

@@ -42,7 +42,7 @@ void add_session(Tally& tally, const Study& study, const SessionInfo& session) {
 
 void add_trial(Tally& tally, const CountedTrial& trial) {
   ++tally.answers;
-  tally.different += trial.said_different ? 1 : 0;
+  tally.different += trial.said_different() ? 1 : 0;
   tally.seconds += trial.duration_s;
   if (trial.by_participant) tally.response_times.push_back(trial.response_time_s);
 }
@@ -54,7 +54,7 @@ BlindedParticipant summed(Tally tally, const Protocol& protocol) {
               : tally.closed >= protocol.design.sessions ? "finished"
               : tally.ended_early                        ? "ended early"
                                                          : "not finished";
-  row.said_different = tally.different / answers;
+  row.said_different = protocol.task.kind == TaskKind::same_different ? tally.different / answers : kNaN;
   row.mean_trial_s = tally.seconds / answers;
   row.median_response_time_s = median_of(tally.response_times);
   return row;
@@ -72,7 +72,7 @@ std::vector<BlindedGroup> groups_of(const Study& study, const Protocol& protocol
   if (protocol.design.procedure) {
     for (const AdaptiveGroup& group : adaptive_results(study, protocol, SessionKind::real).group)
       rows.push_back(together({code(group.condition), group.n, group.of, group.mean, kNaN, kNaN}));
-  } else if (protocol.paradigm == Paradigm::same_different) {
+  } else if (protocol.task.kind == TaskKind::same_different) {
     for (const GroupResult& group : analyze(study, protocol, SessionKind::real, by).group) {
       const MeanEstimate& jnd = group.jnd.mean_jnd;
       rows.push_back(together({code(group.condition), jnd.n, group.jnd.n, jnd.mean, jnd.ci_low, jnd.ci_high}));

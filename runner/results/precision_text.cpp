@@ -9,42 +9,10 @@
 #include "analysis/numerics/words.h"
 #include "protocols/course/duration.h"
 #include "runner/terminal/terminal.h"
-#include "runner/terminal/text_table.h"
 
 namespace jnd {
 
 namespace {
-
-using Align = TextTable::Align;
-
-// A table of either style: the first column to the left, numbers to the right.
-class Table {
- public:
-  explicit Table(std::vector<std::string> header) : rows_{std::move(header)} {}
-  void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
-  std::string text(TableStyle style) const {
-    if (style == TableStyle::markdown) return markdown();
-    std::vector<Align> align(rows_.front().size(), Align::right);
-    align.front() = Align::left;
-    TextTable table(rows_.front(), align);
-    for (std::size_t i = 1; i < rows_.size(); ++i) table.add(rows_[i]);
-    return table.text();
-  }
-
- private:
-  std::string markdown() const {
-    std::string text;
-    for (std::size_t i = 0; i < rows_.size(); ++i) {
-      text += fmt::format("| {} |\n", fmt::join(rows_[i], " | "));
-      if (i != 0) continue;
-      text += "|---";
-      for (std::size_t column = 1; column < rows_[i].size(); ++column) text += "|---:";
-      text += "|\n";
-    }
-    return text;
-  }
-  std::vector<std::vector<std::string>> rows_;
-};
 
 std::string percent(double share) {
   if (share < 1e-12) return "0.0 %";  // rounding leaves as much
@@ -112,9 +80,9 @@ std::string method_of(const Precision& precision, const Protocol& protocol) {
 
 std::string estimates(const PlannedPrecision& planned, const Protocol& protocol, TableStyle style) {
   const Precision& precision = planned.precision;
-  Table table({"condition", fmt::format("true JND {}", to_string(protocol.stimulus.unit)), "rate of 0 or 1", "d' <= 0",
-               "median", "5 to 95 %", "2.5 to 97.5 %", "bias of median", "mean of the defined", "undefined",
-               fmt::format("outside {}", tested_range(precision.question.design))});
+  PrecisionTable table({"condition", fmt::format("true JND {}", to_string(protocol.stimulus.unit)), "rate of 0 or 1",
+                        "d' <= 0", "median", "5 to 95 %", "2.5 to 97.5 %", "bias of median", "mean of the defined",
+                        "undefined", fmt::format("outside {}", tested_range(precision.question.design))});
   for (std::size_t i = 0; i < precision.participant.size(); ++i) {
     const ParticipantPrecision& one = precision.participant[i];
     table.add({name_of(protocol, i), amount(one.true_jnd), percent(one.risks.any_extreme),
@@ -126,8 +94,8 @@ std::string estimates(const PlannedPrecision& planned, const Protocol& protocol,
 }
 
 std::string proposals(const Precision& precision, const Protocol& protocol, TableStyle style) {
-  Table table({"condition", "CV", "spread of estimates", "width of a 95 % interval", "no upper bound",
-               fmt::format("trials per cell for a CV of {}", of_cv(precision.question.wanted_cv))});
+  PrecisionTable table({"condition", "CV", "spread of estimates", "width of a 95 % interval", "no upper bound",
+                        fmt::format("trials per cell for a CV of {}", of_cv(precision.question.wanted_cv))});
   for (std::size_t i = 0; i < precision.participant.size(); ++i) {
     const ParticipantPrecision& one = precision.participant[i];
     table.add({name_of(protocol, i), of_cv(one.cv), of_cv(one.spread), amount(one.interval_width),
@@ -152,7 +120,8 @@ std::string session_of_proposal(const Precision& precision, const Protocol& prot
 }
 
 std::string group_table(const Precision& precision, const Protocol& protocol, TableStyle style) {
-  Table table({"condition", "mean JND, median", "5 to 95 %", "width of its 95 % interval", "someone undefined"});
+  PrecisionTable table(
+      {"condition", "mean JND, median", "5 to 95 %", "width of its 95 % interval", "someone undefined"});
   for (std::size_t i = 0; i < precision.group.size(); ++i) {
     const GroupPrecision& one = precision.group[i];
     table.add({name_of(protocol, i), amount(one.median), range(one.q05, one.q95), amount(one.ci_width),
@@ -162,8 +131,8 @@ std::string group_table(const Precision& precision, const Protocol& protocol, Ta
 }
 
 std::string contrast_table(const Precision& precision, const Protocol& protocol, TableStyle style) {
-  Table table({"contrast", "true difference", "median", "width of its 95 % interval", "power", "power of slopes",
-               "someone without both"});
+  PrecisionTable table({"contrast", "true difference", "median", "width of its 95 % interval", "power",
+                        "power of slopes", "someone without both"});
   for (const ContrastPrecision& one : precision.contrasts) {
     table.add({fmt::format("{} - {}", name_of(protocol, static_cast<std::size_t>(one.a)),
                            name_of(protocol, static_cast<std::size_t>(one.b))),
@@ -233,8 +202,9 @@ std::string precision_text(const PlannedPrecision& planned, const Protocol& prot
 }
 
 std::string precision_summary(const PlannedPrecision& planned, const Protocol& protocol, const std::string& name) {
-  Table table({"one participant", fmt::format("true JND {}", to_string(protocol.stimulus.unit)), "estimates, 5 to 95 %",
-               "undefined", "CV", fmt::format("trials per cell for {}", of_cv(planned.precision.question.wanted_cv))});
+  PrecisionTable table({"one participant", fmt::format("true JND {}", to_string(protocol.stimulus.unit)),
+                        "estimates, 5 to 95 %", "undefined", "CV",
+                        fmt::format("trials per cell for {}", of_cv(planned.precision.question.wanted_cv))});
   for (std::size_t i = 0; i < planned.precision.participant.size(); ++i) {
     const ParticipantPrecision& one = planned.precision.participant[i];
     table.add({name_of(protocol, i),

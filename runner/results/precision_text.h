@@ -8,6 +8,7 @@
 #include "analysis/precision/precision.h"
 #include "protocols/planning/planned_precision.h"
 #include "protocols/protocol.h"
+#include "runner/results/precision_table.h"
 
 namespace jnd {
 
@@ -18,8 +19,6 @@ struct PlannedPrecision {
 };
 
 std::string_view to_string(ClassSizes sizes) noexcept;  // "random", "balanced"
-
-enum class TableStyle { terminal, markdown };
 
 // All of it. Lines ended by a newline.
 std::string precision_text(const PlannedPrecision& planned, const Protocol& protocol, TableStyle style);

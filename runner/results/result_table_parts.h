@@ -21,8 +21,15 @@ ResultTable adaptive_group_table(const AdaptiveResults& results, const Protocol&
 ResultTable adaptive_rows_table(const AdaptiveResults& results, const Protocol& protocol, bool tracks);
 // result_tables_answers.cpp
 ResultTable behaviour_table(const ConstantResults& results, const Protocol& protocol);
+ResultTable sureness_table(const ConstantResults& results, const Protocol& protocol);
 ResultTable cues_table(const ConstantResults& results, const Protocol& protocol);
 ResultTable ratings_table(const StudyResults& results, const Protocol& protocol);
 ResultTable items_table(const StudyResults& results, const Protocol& protocol);
+
+// task_tables.cpp: what a task measures.
+ResultTable task_estimates_table(const TaskResults& results, const Protocol& protocol);
+ResultTable task_group_table(const StudyResults& results, const TaskResults& measured, const Protocol& protocol);
+ResultTable proportion_table(const TaskResults& results, const Protocol& protocol);
+ResultTable task_counts_table(const TaskResults& results, const Protocol& protocol);
 
 }  // namespace jnd

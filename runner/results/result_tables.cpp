@@ -163,10 +163,11 @@ struct TablesOf {
   std::vector<ResultTable> operator()(const ConstantResults& measured) const {
     const StudyAnalysis& analysis = measured.analysis;
     return {
-        participants_table(analysis, protocol), group_table(analysis, protocol),     contrasts_table(results, protocol),
-        omnibus_table(results, protocol),       pairs_table(results, protocol),      series_table(measured, protocol),
-        sensitivity_table(measured, protocol),  behaviour_table(measured, protocol), cues_table(measured, protocol),
-        items_table(results, protocol),         ratings_table(results, protocol),    cells_table(analysis, protocol)};
+        participants_table(analysis, protocol), group_table(analysis, protocol),    contrasts_table(results, protocol),
+        omnibus_table(results, protocol),       pairs_table(results, protocol),     series_table(measured, protocol),
+        sensitivity_table(measured, protocol),  sureness_table(measured, protocol), behaviour_table(measured, protocol),
+        cues_table(measured, protocol),         items_table(results, protocol),     ratings_table(results, protocol),
+        cells_table(analysis, protocol)};
   }
   std::vector<ResultTable> operator()(const AdaptiveResults& measured) const {
     return {adaptive_rows_table(measured, protocol, true),
@@ -176,6 +177,17 @@ struct TablesOf {
             pairs_table(results, protocol),
             items_table(results, protocol),
             ratings_table(results, protocol)};
+  }
+  std::vector<ResultTable> operator()(const MeasuredTask& measured) const {
+    return {task_estimates_table(measured.task, protocol),
+            task_group_table(results, measured.task, protocol),
+            contrasts_table(results, protocol),
+            omnibus_table(results, protocol),
+            pairs_table(results, protocol),
+            proportion_table(measured.task, protocol),
+            items_table(results, protocol),
+            ratings_table(results, protocol),
+            task_counts_table(measured.task, protocol)};
   }
   std::vector<ResultTable> operator()(const ExplorationResults& measured) const {
     return questionnaire_tables(results.questionnaire, measured, protocol);

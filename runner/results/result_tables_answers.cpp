@@ -70,6 +70,21 @@ ResultTable behaviour_table(const ConstantResults& results, const Protocol& prot
       rows);
 }
 
+ResultTable sureness_table(const ConstantResults& results, const Protocol& protocol) {
+  const TableMaker of(sureness_fields(protocol));
+  return of(
+      {"sureness",
+       "JND from how sure the answers were",
+       "P(answer <= j) = Phi(c_j - dK / JND), the criteria c_j common to all differences; maximum likelihood with "
+       "its profile interval; p: of no sensitivity",
+       {},
+       {},
+       {}},
+      {of("participant"), of("condition"), of("trials"), of("jnd"), of.range("ci_low", "ci_high"), of("deviance"),
+       of("p"), of("status")},
+      results.sureness);
+}
+
 ResultTable cues_table(const ConstantResults& results, const Protocol& protocol) {
   using Row = CueFitRow;
   const TableMaker of(cue_fields(protocol));

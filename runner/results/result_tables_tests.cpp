@@ -56,9 +56,11 @@ ScaleText scale_text(const ContrastRow& row, const Protocol& protocol) {
     text.name = fmt::format("d' per {} {}", slope_step(protocol), unit_of(protocol));
   } else if (row.outcome == to_string(Outcome::log_jnd)) {
     text.name = "ln JND";
-  } else {
+  } else if (protocol.task.kind == TaskKind::same_different) {
     text.name = fmt::format("{} {}", row.outcome == to_string(Outcome::jnd) ? "JND" : row.outcome, unit_of(protocol));
     text.decimals = stiffness_decimals(protocol);
+  } else {
+    text.name = row.unit.empty() ? row.outcome : fmt::format("{} {}", row.outcome, row.unit);
   }
   if (row.registered) text.name += " *";
   return text;

@@ -1,14 +1,15 @@
 #include "runner/session/counts_log.h"
 
 #include "data/log/event_body.h"
+#include "protocols/tasks/same_different_task.h"
 
 namespace jnd {
 
 void CountsLog::append(std::string_view kind, const nlohmann::ordered_json& body, Stamp /*stamp*/) {
   if (kind != event_kind::kTrialCompleted || body.at("practice").get<bool>()) return;
   Counts& counts = counts_[{body.at("condition").get<std::string>(), body.at("series").get<std::string>()}];
-  const int different = body.at("answer").get_ref<const std::string&>() == to_string(Judgement::different) ? 1 : 0;
-  if (body.at("same").get<bool>()) {
+  const int different = body.at("said").get<int>() == kClassDifferent ? 1 : 0;
+  if (body.at("target").get<int>() == kClassSame) {
     ++counts.n_same;
     counts.false_alarms += different;
   } else {

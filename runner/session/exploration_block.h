@@ -43,7 +43,7 @@ class ExplorationBlock {
   void keep_ticks(const Presentation& presentation);
   std::vector<TelemetryBlob> take_ticks();
   bool still_exploring(double left_s);
-  StiffnessUnit unit() const { return parts_.protocol.stimulus.unit; }
+  Unit unit() const { return parts_.protocol.stimulus.unit; }
   int slots_done() const { return recorder_.course().explorations_done(); }
 
   const SessionParts& parts_;

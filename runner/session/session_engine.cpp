@@ -58,7 +58,7 @@ SessionEnd SessionEngine::run(const SessionState& state, ResumeSteps steps) {
 }
 
 void SessionEngine::go_through() {
-  bool in_main = protocol_.paradigm == Paradigm::explore;
+  bool in_main = protocol_.task.kind == TaskKind::explore;
   for (;;) {
     const Step step = course_.next_step();
     if (!in_main && opens_main(step)) {

@@ -58,7 +58,15 @@ struct ExplorationOutline {
   int attempt = 1;
 };
 
-enum class CuePlace { first, second, question };
+// Specimens to hand over now: what is written on each, and where it goes ("left"; empty where there is one place).
+struct HandOver {
+  struct Item {
+    std::string place, code;
+  };
+  std::vector<Item> items;
+};
+
+enum class CuePlace { first, second, third, question };
 
 // Thread rule: called by the session's thread only. Defaults suit a session without a person.
 class SessionView {
@@ -75,6 +83,8 @@ class SessionView {
   virtual void progress(const std::vector<ConditionProgress>&) {}
   virtual void health(const DeviceHealth&) {}
   virtual void cue(CuePlace, const CueSignal&) {}
+  // Before an interval, where the operator's hands are the rig: go_on once the participant has what is named.
+  virtual OperatorRequest hand_over(const HandOver&) { return {}; }
   // Until the next trial may begin; called some times a second. False: the operator wants something, which is ready()'s
   // to say.
   virtual bool waiting(double /*left_s*/, double /*total_s*/) { return true; }

@@ -1,10 +1,12 @@
 #include "runner/session/trial_conductor.h"
 
 #include <algorithm>
+#include <array>
 #include <optional>
 
 #include "data/log/telemetry.h"
 #include "devices/loop/telemetry_ring.h"
+#include "protocols/tasks/task.h"
 #include "runner/session/device_health.h"
 #include "runner/session/rig_connections.h"
 
@@ -15,6 +17,27 @@ namespace {
 // Within a device's 0.05 .. 1 g, and weaker than the burst of any stimulus above 150 N/m.
 constexpr double kTap_g = 0.5;
 constexpr double kTap_s = 0.15;  // the burst of 100 ms, and its end
+
+// A trial whose answers accept nothing after so many looks comes again.
+constexpr int kMostLooks = 200;
+
+// What the operator hands over. Of several specimens of a value the trials take turns, and a trial that has the value
+// twice has two of them, so that no code says how often a value comes.
+HandOver specimens_of(const Trial& trial, const Intervals& stimuli, int interval, const Protocol& protocol) {
+  static constexpr std::array<const char*, 2> kSides = {"left", "right"};
+  const bool together = protocol.task.together;
+  HandOver what;
+  for (std::size_t i = 0; i < stimuli.size(); ++i) {
+    if (!together && static_cast<int>(i) != interval) continue;
+    const auto before = std::count(stimuli.begin(), stimuli.begin() + i, stimuli[i]);
+    for (const Specimen& specimen : protocol.rig.specimens) {
+      if (specimen.value != stimuli[i]) continue;
+      const std::size_t turn = static_cast<std::size_t>(trial.index + before) % specimen.codes.size();
+      what.items.push_back({together ? kSides[i] : "", specimen.codes[turn]});
+    }
+  }
+  return what;
+}
 
 bool saturated(const Presentation& presentation) {
   return std::any_of(presentation.fingers.begin(), presentation.fingers.end(),
@@ -33,7 +56,7 @@ TrialConductor::~TrialConductor() {
 }
 
 std::optional<double> TrialConductor::conduct(const Trial& trial, const TrialOutline& outline) {
-  const Attempt attempt{trial, outline};
+  Attempt attempt{trial, outline, trial.stimuli};
   const Protocol& protocol = parts_.protocol;
   ticks_.clear();
   await_rig(parts_, recorder_, after_trial());
@@ -48,29 +71,28 @@ std::optional<double> TrialConductor::conduct(const Trial& trial, const TrialOut
   record.condition_name = protocol.conditions[static_cast<std::size_t>(trial.condition)].name;
   record.series_name = protocol.series[static_cast<std::size_t>(trial.series)].name;
 
-  for (int interval = 0; interval < 2; ++interval) {
-    if (interval == 1 && !wait_until(parts_, after_s(protocol.timeline.gap_s)) && voided_by_interruption(attempt))
+  const Task& task = task_of(protocol.task.kind);
+  record.presentations.resize(trial.stimuli.size());
+  std::optional<Answer> answer;
+  for (;;) {
+    if (task.adjusts()) record.settings.push_back(attempt.stimuli[attempt.stimuli.size() - 1]);
+    if (!present_all(attempt, record)) return std::nullopt;
+    answer = ask(attempt, record);
+    if (!answer) return std::nullopt;
+    const std::optional<Intervals> moved = task.moved(attempt.stimuli, *answer, trial, protocol);
+    if (!moved) break;
+    attempt.stimuli = *moved;
+    if (++attempt.look >= kMostLooks) {
+      void_attempt(attempt, "not_accepted", {}, true);
       return std::nullopt;
-    if (!cue(attempt, interval == 0 ? CuePlace::first : CuePlace::second)) return std::nullopt;
-    Presentation& presentation = record.presentations[static_cast<std::size_t>(interval)];
-    presentation = present(attempt, interval);
-    if (voided_after(attempt, interval, presentation)) return std::nullopt;
+    }
+    if (!wait_until(parts_, after_s(protocol.timeline.gap_s)) && voided_by_interruption(attempt)) return std::nullopt;
   }
-  if (protocol.stimulus.on_saturation == OnSaturation::repeat &&
-      (saturated(record.presentations[0]) || saturated(record.presentations[1]))) {
-    void_attempt(attempt, "saturated", {}, true);
-    return std::nullopt;
-  }
+  answer = task.settled(*answer, attempt.stimuli);
 
-  if (!cue(attempt, CuePlace::question)) return std::nullopt;
-  const TrialQuestion question{trial, outline.attempt, record.presentations, protocol.timeline.answer_time_out_s};
-  const std::optional<Answer> answer = parts_.responder.judge(question);
-  if (!answer) {
-    voided_unanswered(attempt);
-    return std::nullopt;
-  }
   // An answer that was given is kept, also where a stop came with it.
   record.answer = *answer;
+  if (!answer->number) record.answer_word = said_word(protocol.task, answer->said);
   record.duration_s = static_cast<double>(parts_.clock.now_ns() - began) * 1e-9;
   nlohmann::ordered_json body = to_body(record);
   if (!ticks_.empty()) body["telemetry"] = telemetry_body(ticks_);
@@ -79,9 +101,40 @@ std::optional<double> TrialConductor::conduct(const Trial& trial, const TrialOut
   // From here on the answer is safe; only now is anyone told.
   parts_.view.saved(outline, *answer);
   const Feedback feedback = trial.practice ? protocol.practice->feedback : protocol.feedback;
-  if (feedback == Feedback::correctness) parts_.view.feedback(trial.same == (answer->judgement == Judgement::same));
+  const std::optional<bool> correct = is_correct(trial, *answer);
+  if (feedback == Feedback::correctness && correct) parts_.view.feedback(*correct);
   wait_between_trials();
   return record.duration_s;
+}
+
+bool TrialConductor::present_all(const Attempt& attempt, TrialRecord& record) {
+  const Protocol& protocol = parts_.protocol;
+  ticks_.clear();
+  // Together, all of it is one interval: what is felt of one place is felt of the other.
+  const auto intervals = protocol.task.together ? 1 : static_cast<int>(attempt.stimuli.size());
+  for (int interval = 0; interval < intervals; ++interval) {
+    if (interval > 0 && !wait_until(parts_, after_s(protocol.timeline.gap_s)) && voided_by_interruption(attempt))
+      return false;
+    if (!hand_over(attempt, interval)) return false;
+    if (!cue(attempt, static_cast<CuePlace>(interval))) return false;
+    Presentation& presentation = record.presentations[static_cast<std::size_t>(interval)];
+    presentation = present(attempt, interval);
+    if (voided_after(attempt, interval, presentation)) return false;
+  }
+  if (protocol.task.together) record.presentations[1] = record.presentations[0];
+  const bool repeats = protocol.stimulus.on_saturation == OnSaturation::repeat;
+  if (!repeats || std::none_of(record.presentations.begin(), record.presentations.end(), saturated)) return true;
+  void_attempt(attempt, "saturated", {}, true);
+  return false;
+}
+
+std::optional<Answer> TrialConductor::ask(const Attempt& attempt, const TrialRecord& record) {
+  if (!cue(attempt, CuePlace::question)) return std::nullopt;
+  const TrialQuestion question{attempt.trial, attempt.outline.attempt, record.presentations,
+                               parts_.protocol.timeline.answer_time_out_s, attempt.look};
+  const std::optional<Answer> answer = parts_.responder.judge(question);
+  if (!answer) voided_unanswered(attempt);
+  return answer;
 }
 
 bool TrialConductor::voided_after(const Attempt& attempt, int interval, const Presentation& presentation) {
@@ -171,12 +224,38 @@ void TrialConductor::log_void(const Trial& trial, int attempt, const std::string
   ticks_.clear();
 }
 
+bool TrialConductor::hand_over(const Attempt& attempt, int interval) {
+  const Protocol& protocol = parts_.protocol;
+  if (protocol.rig.device != kSpecimenRig || !parts_.person) return true;
+  const HandOver what = specimens_of(attempt.trial, attempt.stimuli, interval, protocol);
+  for (;;) {
+    const OperatorRequest request = parts_.view.hand_over(what);
+    if (request.kind == Request::go_on) return true;
+    if (voided_by_interruption(attempt)) return false;
+    switch (request.kind) {
+      case Request::repeat_trial:
+        void_attempt(attempt, "repeated", request.text, true);
+        return false;
+      case Request::end_for_now:
+      case Request::end_for_good:
+        void_interrupted(attempt, "interrupted");
+        throw SessionEnds{request.kind == Request::end_for_good, "operator", request.text};
+      case Request::note:
+        recorder_.note(request.text, after_trial());
+        break;
+      default:
+        break;
+    }
+  }
+}
+
 bool TrialConductor::cue(const Attempt& attempt, CuePlace place) {
   const Timeline& timeline = parts_.protocol.timeline;
-  const CueSignal& signal = place == CuePlace::first    ? timeline.first_cue
-                            : place == CuePlace::second ? timeline.second_cue
-                                                        : timeline.question_cue;
-  const int interval = place == CuePlace::first ? 0 : 1;
+  const bool question = place == CuePlace::question;
+  const auto last = static_cast<int>(attempt.trial.stimuli.size()) - 1;
+  const int interval = question ? last : static_cast<int>(place);
+  const CueSignal& signal =
+      question ? timeline.question_cue : timeline.interval_cues[static_cast<std::size_t>(interval)];
   parts_.view.cue(place, signal);
   if (signal.kind != "tap") return true;
   PresentRequest tap;
@@ -197,8 +276,10 @@ Presentation TrialConductor::present(const Attempt& attempt, int interval) {
   const Timeline& timeline = protocol.timeline;
   const Trial& trial = attempt.trial;
   PresentRequest request;
-  request.stimulus.stiffness = trial.stimuli[static_cast<std::size_t>(interval)];
-  request.stimulus.cues = protocol.conditions[static_cast<std::size_t>(trial.condition)].cues;
+  request.stimulus.stiffness = attempt.stimuli[static_cast<std::size_t>(interval)];
+  const Condition& condition = protocol.conditions[static_cast<std::size_t>(trial.condition)];
+  request.stimulus.cues = condition.cues;
+  request.condition = &condition;
   request.explore_s = timeline.explore_s;
   request.no_contact_time_out_s = timeline.no_contact_time_out_s;
   request.stimulus.damping_n_s_per_m = protocol.stimulus.damping_n_s_per_m;

@@ -38,11 +38,19 @@ class TrialConductor {
   struct Attempt {
     const Trial& trial;
     const TrialOutline& outline;
+    Intervals stimuli;  // of the trial, as answers have moved them
+    int look = 0;       // how often they did
   };
+  // All intervals, then the question. False, or no answer: the attempt was voided.
+  bool present_all(const Attempt& attempt, TrialRecord& record);
+  std::optional<Answer> ask(const Attempt& attempt, const TrialRecord& record);
   // A cue to the participant, on the devices where the protocol says tap. False: the tap failed, and the attempt was
   // voided.
   bool cue(const Attempt& attempt, CuePlace place);
   Presentation present(const Attempt& attempt, int interval);
+  // Specimens of the interval into the participant's hands, of all intervals where they are felt together. False: the
+  // attempt was voided.
+  bool hand_over(const Attempt& attempt, int interval);
   void keep_ticks(const Trial& trial, int interval, const Presentation& presentation);
   // Why the attempt ends here: nothing, or it was voided.
   bool voided_after(const Attempt& attempt, int interval, const Presentation& presentation);

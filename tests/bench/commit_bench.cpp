@@ -30,6 +30,7 @@
 #include "data/study/study.h"
 #include "protocols/planning/plan.h"
 #include "protocols/reading/protocol_json.h"
+#include "protocols/tasks/same_different_task.h"
 
 namespace {
 
@@ -89,7 +90,7 @@ TrialRecord record_of(const Protocol& protocol, const Trial& trial) {
   record.trial = trial;
   record.condition_name = protocol.conditions[static_cast<std::size_t>(trial.condition)].name;
   record.series_name = protocol.series[static_cast<std::size_t>(trial.series)].name;
-  record.answer = {trial.same ? Judgement::same : Judgement::different, EnteredBy::participant, 0.8123456};
+  record.answer = {.said = trial.target, .entered_by = EnteredBy::participant, .response_time_s = 0.8123456};
   record.duration_s = 9.0123;
   for (std::size_t i = 0; i < 2; ++i) {
     Presentation& presentation = record.presentations[i];

@@ -19,6 +19,7 @@
 #include "data/results/study_results.h"
 #include "protocols/planning/plan.h"
 #include "protocols/reading/protocol_json.h"
+#include "protocols/tasks/same_different_task.h"
 
 namespace {
 
@@ -37,8 +38,9 @@ std::string body_of(const Protocol& protocol, const Trial& trial, bool full) {
   record.condition_name = protocol.conditions[static_cast<std::size_t>(trial.condition)].name;
   record.series_name = protocol.series[static_cast<std::size_t>(trial.series)].name;
   const bool wrong = trial.index % 4 == 1;
-  record.answer = {trial.same != wrong ? Judgement::same : Judgement::different, EnteredBy::participant,
-                   0.5 + 0.001 * trial.index};
+  record.answer = {.said = (trial.target == kClassSame) != wrong ? kClassSame : kClassDifferent,
+                   .entered_by = EnteredBy::participant,
+                   .response_time_s = 0.5 + 0.001 * trial.index};
   record.duration_s = 9 + 0.001 * trial.index;
   for (std::size_t i = 0; i < 2 && full; ++i) {
     Presentation& presentation = record.presentations[i];

@@ -5,6 +5,7 @@
 #include "data/log/event_body.h"
 #include "data/log/replay.h"
 #include "data/verify/verify.h"
+#include "protocols/tasks/same_different_task.h"
 
 namespace jnd::test {
 
@@ -12,8 +13,8 @@ namespace {
 
 constexpr const char* kSessionId = "P01-session";
 
-Judgement rule(const Trial& trial) {
-  return trial.index % 3 == 0 ? Judgement::different : trial.same ? Judgement::same : Judgement::different;
+int rule(const Trial& trial) {
+  return trial.index % 3 == 0 ? kClassDifferent : (trial.target == kClassSame) ? kClassSame : kClassDifferent;
 }
 
 const SessionInfo* only_session(const std::vector<SessionInfo>& sessions) {
@@ -64,7 +65,7 @@ std::string_view to_string(Phase phase) noexcept {
 }
 
 void OperatorView::saved(const TrialOutline&, const Answer& answer) {
-  acknowledged[asked_last()] = answer.judgement;
+  acknowledged[asked_last()] = answer.said;
 }
 
 bool OperatorView::storage_trouble(const std::string& message) {
@@ -120,7 +121,7 @@ void StudySession::run(OperatorView& view) {
   phase_ = Phase::done;
 }
 
-std::string StudySession::check(const std::map<int, Judgement>& acknowledged, std::map<int, TableRow>* table) const {
+std::string StudySession::check(const std::map<int, int>& acknowledged, std::map<int, TableRow>* table) const {
   if (!std::filesystem::exists(path_))
     return acknowledged.empty() && phase_ == Phase::create ? "" : "the study is gone";
   const auto study = Study::open(path_, Study::Access::read_only);
@@ -137,7 +138,7 @@ std::string StudySession::check(const std::map<int, Judgement>& acknowledged, st
         return fmt::format("trial {} is not the planned one", record.trial.index);
       for (const Presentation& presentation : record.presentations)
         if (presentation.fingers.size() != 2) return fmt::format("trial {} is torn", record.trial.index);
-      rows[record.trial.index] = {record.trial, record.answer.judgement};
+      rows[record.trial.index] = {record.trial, record.answer.said};
     }
   for (const auto& [index, answer] : acknowledged)
     if (!rows.contains(index) || rows.at(index).answer != answer)

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "data/study/study.h"
+#include "protocols/tasks/same_different_task.h"
 #include "tests/runner/engine_fixture.h"
 
 namespace jnd::test {
@@ -32,14 +33,14 @@ class OperatorView final : public SessionView {
 
   std::function<bool()> on_trouble = [] { return false; };  // whether to try again
   std::function<int()> asked_last;                          // index of the trial whose answer was asked last
-  std::map<int, Judgement> acknowledged;                    // by trial index
+  std::map<int, int> acknowledged;                          // by trial index
   std::vector<std::string> troubles;
 };
 
 // A trial of the final table: what was presented and what was answered.
 struct TableRow {
   Trial trial;
-  Judgement answer = Judgement::same;
+  int answer = kClassSame;
   bool operator==(const TableRow&) const = default;
 };
 
@@ -56,7 +57,7 @@ class StudySession {
 
   // Everything that must hold whenever the program is not running. Empty where it does, or what does not. A study that
   // is not there is whole as long as no answer was acknowledged. table: every answered trial, by index.
-  std::string check(const std::map<int, Judgement>& acknowledged, std::map<int, TableRow>* table = nullptr) const;
+  std::string check(const std::map<int, int>& acknowledged, std::map<int, TableRow>* table = nullptr) const;
   // What the table must be at the end.
   std::map<int, TableRow> expected_table() const;
 

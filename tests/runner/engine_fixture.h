@@ -18,6 +18,7 @@
 #include "devices/rig.h"
 #include "protocols/planning/plan.h"
 #include "protocols/reading/protocol_json.h"
+#include "protocols/tasks/same_different_task.h"
 #include "runner/session/session_engine.h"
 
 namespace jnd::test {
@@ -82,17 +83,17 @@ class RuleResponder final : public Responder {
   explicit RuleResponder(Clock& clock) : clock_(clock) {}
   std::optional<Answer> judge(const TrialQuestion& question) override {
     clock_.sleep_until_ns(clock_.now_ns() + 1'000'000'000);
-    const std::optional<Judgement> judgement = rule(question);
+    const std::optional<int> judgement = rule(question);
     if (!judgement) return std::nullopt;
-    return Answer{*judgement, EnteredBy::participant, 1.0};
+    return Answer{.said = *judgement, .entered_by = EnteredBy::participant, .response_time_s = 1.0};
   }
   std::optional<std::string> reply(const Question& question, int condition) override {
     asked.push_back(question.id + "/" + std::to_string(condition));
     return "5";
   }
-  std::function<std::optional<Judgement>(const TrialQuestion&)> rule = [](const TrialQuestion& question) {
-    return std::optional(question.trial.index % 2 == 0 || !question.trial.same ? Judgement::different
-                                                                               : Judgement::same);
+  std::function<std::optional<int>(const TrialQuestion&)> rule = [](const TrialQuestion& question) {
+    return std::optional(question.trial.index % 2 == 0 || (question.trial.target != kClassSame) ? kClassDifferent
+                                                                                                : kClassSame);
   };
   std::vector<std::string> asked;
 

@@ -60,7 +60,9 @@ def pages(arguments):
 
 def run_page(jnd, page):
     """(commands run, commands failed) of a page."""
-    environment = dict(os.environ, PATH=os.path.dirname(jnd) + os.pathsep + os.environ["PATH"], LC_ALL="C.UTF-8")
+    # In a build tree jnd-virtual-device is in another folder than jnd; installed, it is beside it.
+    programs = [os.path.dirname(jnd), os.path.join(os.path.dirname(jnd), "..", "devices")]
+    environment = dict(os.environ, PATH=os.pathsep.join([*programs, os.environ["PATH"]]), LC_ALL="C.UTF-8")
     failures = ran = 0
     with tempfile.TemporaryDirectory() as folder:
         for number, command, code, shown in commands(open(page, encoding="utf-8").read()):

@@ -8,6 +8,7 @@
 #include "devices/participants/perceived_stiffness.h"
 #include "devices/participants/simulated_participant.h"
 #include "protocols/input/input_error.h"
+#include "protocols/tasks/same_different_task.h"
 #include "tests/catch.h"
 #include "tests/devices/device_fixtures.h"
 
@@ -38,14 +39,14 @@ Rates rates_of(const ParticipantProfile& profile, double low, double high, Cues 
   const auto responder = make_simulated_participant(profile, protocol, 1, 11, clock);
   int different = 0, hits = 0, same = 0, alarms = 0;
   Trial trial;
-  trial.same = true;
+  trial.target = kClassSame;
   trial.stimuli = {1, 1};
   for (int i = 1; i <= trials; ++i) {
     trial.index = i;
     const double first = i % 4 < 2 ? low : high, second = i % 2 == 0 ? low : high;
     const std::array<Presentation, 2> presentations{delivered(first, cues), delivered(second, cues)};
     const auto answer = responder->judge({.trial = trial, .presentations = presentations});
-    const bool said = answer->judgement == Judgement::different;
+    const bool said = answer->said == kClassDifferent;
     if (first != second) {
       ++different;
       hits += said;
@@ -123,7 +124,7 @@ TEST_CASE("a rig that always renders the same stiffness leaks nothing", "[long]"
       trial.index = i;
       trial.condition = 2;
       trial.stimuli = {i % 2 == 0 ? 500.0 : 900.0, i % 4 < 2 ? 500.0 : 900.0};
-      trial.same = trial.stimuli[0] == trial.stimuli[1];
+      trial.target = trial.stimuli[0] == trial.stimuli[1] ? kClassSame : kClassDifferent;
       std::array<Presentation, 2> presentations;
       for (int interval = 0; interval < 2; ++interval) {
         PresentRequest asked = request(trial.stimuli[static_cast<std::size_t>(interval)], kBoth,
@@ -132,9 +133,9 @@ TEST_CASE("a rig that always renders the same stiffness leaks nothing", "[long]"
         presentations[static_cast<std::size_t>(interval)] = rig.present(asked);
       }
       const auto answer = responder->judge({.trial = trial, .presentations = presentations});
-      auto& [trials, different] = said[trial.same];
+      auto& [trials, different] = said[(trial.target == kClassSame)];
       ++trials;
-      different += answer->judgement == Judgement::different;
+      different += answer->said == kClassDifferent;
     }
     const Rates rates{static_cast<double>(said[false].second) / said[false].first,
                       static_cast<double>(said[true].second) / said[true].first};
@@ -168,7 +169,7 @@ TEST_CASE("without a cue in both intervals an answer is bias, not information") 
     const StiffnessCues force{.force = 500, .vibration = {}}, vibration{.force = {}, .vibration = 900};
     for (const double n : {-2.0, -0.5, 0.3, 1.0, 2.5}) {
       const PerceptNoise noise{n, -n / 2, 0.1, 0.2};
-      CHECK(judge_cues(profile, force, vibration, 1, noise) == judge_cues(profile, {}, {}, 1, noise));
+      CHECK(judge_cues(profile, force, vibration, 1, noise).said == judge_cues(profile, {}, {}, 1, noise).said);
     }
   }
 }
@@ -253,8 +254,8 @@ TEST_CASE("drift makes late trials noisier, and spread makes participants differ
     for (int i = 1; i <= 40; ++i) {
       Trial trial;
       trial.index = i;
-      changed += one->judge({.trial = trial, .presentations = presentations})->judgement !=
-                 other->judge({.trial = trial, .presentations = presentations})->judgement;
+      changed += one->judge({.trial = trial, .presentations = presentations})->said !=
+                 other->judge({.trial = trial, .presentations = presentations})->said;
     }
   }
   CHECK(changed > 10);

@@ -9,7 +9,7 @@
 #include "devices/rigs/fingertip_rig.h"
 #include "devices/rrs3/rrs3_device.h"
 #include "devices/trackers/encoder_tracker.h"
-#include "protocols/planning/random_stream.h"
+#include "protocols/random_stream.h"
 #include "tests/catch.h"
 #include "tests/devices/device_fixtures.h"
 #include "tests/units.h"

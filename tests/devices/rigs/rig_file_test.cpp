@@ -59,6 +59,51 @@ TEST_CASE("a rig file with everything is read") {
   CHECK((moved - Eigen::Vector3d(0.1, 0.8, 0.3)).norm() < 1e-15);
 }
 
+TEST_CASE("a device that is a program stands in a rig file by its socket, or by its command") {
+  const ScratchFile file("rig.json", R"({"format": 1, "title": "Ours", "devices": [
+    {"finger": "thumb", "socket": "thumb.sock"}, {"finger": "index", "serial": "I-1", "command": ["./serve", "--now"]}],
+    "tracker": {"socket": "/run/tracker.sock"}})");
+  const RigFile rig = load_rig_file(file.path());
+  REQUIRE(rig.devices.size() == 2);
+  CHECK(rig.folder == file.folder());
+  CHECK(rig.devices[0].socket == file.folder() / "thumb.sock");
+  CHECK(rig.devices[0].path() == (file.folder() / "thumb.sock").string());
+  CHECK(rig.devices[0].command.empty());
+  CHECK(rig.devices[1].command == std::vector<std::string>{"./serve", "--now"});
+  CHECK(rig.devices[1].path() == "program:index");
+  CHECK(rig.tracker.socket == "/run/tracker.sock");
+}
+
+TEST_CASE("a device that is a program has one way to it, and one finger") {
+  CHECK(mistake(R"("devices": [{"finger": "thumb", "socket": "a", "command": ["b"]}])")
+            .message.find("beside \"socket\"") != std::string::npos);
+  CHECK(mistake(R"("devices": [{"finger": "thumb", "socket": "a"}, {"finger": "index", "socket": "a"}])")
+            .message.find("is named twice") != std::string::npos);
+  CHECK(mistake(R"("devices": [{"finger": "thumb", "command": []}])").path == "$.devices[0].command");
+}
+
+TEST_CASE("what a participant hears stands in a rig file") {
+  const auto sound_of = [](const std::string& text) {
+    const ScratchFile file("rig.json", R"({"format": 1, "title": "Ours", "sound": )" + text + "}");
+    SoundSettings sound = load_rig_file(file.path()).sound;
+    if (!sound.cue.empty()) CHECK(sound.cue.parent_path() == file.folder());
+    return sound;
+  };
+  CHECK(sound_of("{}").cue.empty());
+  CHECK(sound_of("{}").cue_level_db == -20);
+  CHECK_FALSE(sound_of("{}").masking);
+  CHECK(sound_of(R"({"cue": "beep.wav", "cue_level_db": -12.5})").cue.filename() == "beep.wav");
+  CHECK(sound_of(R"({"cue_level_db": -12.5})").cue_level_db == -12.5);
+  const SoundSettings pink = sound_of(R"({"masking": {"noise": "pink"}})");
+  REQUIRE(pink.masking);
+  CHECK(pink.masking->pink);
+  CHECK(pink.masking->level_db == -30);
+  CHECK_FALSE(sound_of(R"({"masking": {"noise": "white", "level_db": -40}})").masking->pink);
+  CHECK(sound_of(R"({"masking": {"noise": "rain.wav"}})").masking->file.filename() == "rain.wav");
+  CHECK(mistake(R"("sound": {"masking": {"noise": "pink", "level_db": 0}})").path == "$.sound.masking.level_db");
+  CHECK(mistake(R"("sound": {"masking": {}})").path == "$.sound.masking.noise");
+}
+
 TEST_CASE("what a rig file leaves out is what is usual") {
   const ScratchFile file("rig.json", R"({"format": 1, "title": "Ours"})");
   const RigFile rig = load_rig_file(file.path());

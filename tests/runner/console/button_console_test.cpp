@@ -1,5 +1,6 @@
 // Answers by buttons at the session's console: which count, when they were given, what the operator is told.
 #include "devices/device_error.h"
+#include "protocols/tasks/same_different_task.h"
 #include "tests/catch.h"
 #include "tests/runner/button_fixture.h"
 
@@ -23,7 +24,7 @@ TEST_CASE("A pedal answers, by the participant, with the time from the cue to th
     const std::optional<Answer> answer = bench.ask(kLong_s);
     const double took_s = static_cast<double>(bench.clock_of_machine.now_ns() - began_ns) * 1e-9;
     REQUIRE(answer);
-    CHECK(answer->judgement == (pedal == kSame ? Judgement::same : Judgement::different));
+    CHECK(answer->said == (pedal == kSame ? kClassSame : kClassDifferent));
     CHECK(answer->entered_by == EnteredBy::participant);
     CHECK(answer->response_time_s >= 0.2);
     CHECK(answer->response_time_s < took_s - 0.2);  // of the press, not of its being noticed
@@ -35,7 +36,7 @@ TEST_CASE("Keys go on answering beside the pedals, entered by the operator") {
   bench.display.question = [&] { bench.keys.press("d"); };
   const std::optional<Answer> answer = bench.ask(kLong_s);
   REQUIRE(answer);
-  CHECK(answer->judgement == Judgement::different);
+  CHECK(answer->said == kClassDifferent);
   CHECK(answer->entered_by == EnteredBy::operator_);
 }
 
@@ -54,7 +55,7 @@ TEST_CASE("A pedal that is held since before the question is no answer until it 
   };
   const std::optional<Answer> answer = bench.ask(kLong_s);
   REQUIRE(answer);
-  CHECK(answer->judgement == Judgement::different);
+  CHECK(answer->said == kClassDifferent);
   CHECK(answer->response_time_s >= 0.2);
   CHECK(bench.was_told("a button was down already: let go of it"));
 }
@@ -80,7 +81,7 @@ TEST_CASE("Both pedals at once are no answer: the operator is told, and the ques
   };
   const std::optional<Answer> answer = bench.ask(kLong_s);
   REQUIRE(answer);
-  CHECK(answer->judgement == Judgement::same);
+  CHECK(answer->said == kClassSame);
   CHECK(bench.display.told ==
         std::vector<std::string>{"both buttons at once: no answer. Let go of both, then press one"});
 }
@@ -131,9 +132,9 @@ TEST_CASE("A box that is unplugged is told of, keys answer meanwhile, and it is 
   const std::optional<Answer> answer = bench.ask(kLong_s);
   REQUIRE(answer);
   if (answer->entered_by == EnteredBy::operator_) {
-    CHECK(answer->judgement == Judgement::different);
+    CHECK(answer->said == kClassDifferent);
   } else {
-    CHECK(answer->judgement == Judgement::same);
+    CHECK(answer->said == kClassSame);
   }
   for (int i = 0; i < 100 && bench.box.there(); ++i) bench.wait_ms(50);
   CHECK_FALSE(bench.box.there());
@@ -144,7 +145,7 @@ TEST_CASE("A box that is unplugged is told of, keys answer meanwhile, and it is 
   bench.display.question = [&] { bench.pedals(kDifferent); };
   const std::optional<Answer> again = bench.ask(kLong_s);
   REQUIRE(again);
-  CHECK(again->judgement == Judgement::different);
+  CHECK(again->said == kClassDifferent);
   CHECK(again->entered_by == EnteredBy::participant);
   CHECK(bench.was_told("the button box has gone: the keys answer"));
   CHECK(bench.was_told("the button box is there again"));

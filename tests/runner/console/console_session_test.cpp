@@ -8,6 +8,7 @@
 #include <pty.h>
 #include <unistd.h>
 
+#include "protocols/tasks/same_different_task.h"
 #include "runner/console/session_console.h"
 #include "runner/keys/keyboard.h"
 #include "tests/catch.h"
@@ -234,7 +235,7 @@ TEST_CASE("Messages about a trial carry its number, and the plan's where two tri
   practice.number = 2;
   practice.plan_number = 2;
   practice.practice = true;
-  bench.console.saved(trial, {Judgement::same, EnteredBy::operator_, 1.224});
+  bench.console.saved(trial, {.said = kClassSame, .entered_by = EnteredBy::operator_, .response_time_s = 1.224});
   bench.console.took_back(true);
   bench.console.took_back(true);  // one that an earlier run saved
   bench.console.voided(practice, "no_answer", true);

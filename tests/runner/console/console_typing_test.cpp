@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "protocols/input/utf8.h"
+#include "protocols/tasks/same_different_task.h"
 #include "runner/console/console_keys.h"
 #include "runner/console/questionnaire_page.h"
 #include "runner/keys/line_editor.h"
@@ -161,22 +162,22 @@ TEST_CASE("The protocol's answer keys win, and the operator's move to another ke
   const auto meaning = [](const KeyMap& keys, char32_t c) {
     return keys.binding_of({KeyName::character, c, 0}).value().meaning;
   };
-  Timeline timeline;
-  KeyMap keys = question_keys(timeline);
-  CHECK(meaning(keys, 's') == KeyMeaning(Judgement::same));
+  TaskSpec task;
+  KeyMap keys = question_keys(task);
+  CHECK(meaning(keys, 's') == KeyMeaning(GivenAnswer{kClassSame}));
   CHECK(meaning(keys, 'r') == KeyMeaning(Request::repeat_trial));
   CHECK(meaning(keys, 'x') == KeyMeaning(Request::stopped));
   CHECK(meaning(keys, 'X') == KeyMeaning(Request::stopped));
-  timeline.key_same = 'r';
-  timeline.key_different = 'n';
-  keys = question_keys(timeline);
-  CHECK(meaning(keys, 'r') == KeyMeaning(Judgement::same));
-  CHECK(meaning(keys, 'n') == KeyMeaning(Judgement::different));
+  task.answers[0].key = 'r';
+  task.answers[1].key = 'n';
+  keys = question_keys(task);
+  CHECK(meaning(keys, 'r') == KeyMeaning(GivenAnswer{kClassSame}));
+  CHECK(meaning(keys, 'n') == KeyMeaning(GivenAnswer{kClassDifferent}));
   CHECK(meaning(keys, 'R') == KeyMeaning(Request::repeat_trial));
   CHECK(meaning(keys, 'N') == KeyMeaning(Request::note));
-  timeline.key_different = 'R';
-  keys = question_keys(timeline);
-  CHECK(meaning(keys, 'R') == KeyMeaning(Judgement::different));
+  task.answers[1].key = 'R';
+  keys = question_keys(task);
+  CHECK(meaning(keys, 'R') == KeyMeaning(GivenAnswer{kClassDifferent}));
   CHECK(meaning(keys, '0') == KeyMeaning(Request::repeat_trial));
 }
 
@@ -188,14 +189,14 @@ TEST_CASE("The stop key is explained as what it is, also where it is no key of t
 }
 
 TEST_CASE("Keys can be left out of those that are shown") {
-  const KeyMap keys = question_keys(Timeline());
-  const std::vector<KeyHint> hints = keys.without({Judgement::same, HelpWanted{}}).hints();
+  const KeyMap keys = question_keys(TaskSpec());
+  const std::vector<KeyHint> hints = keys.without({GivenAnswer{kClassSame}, HelpWanted{}}).hints();
   CHECK(hints.size() == keys.hints().size() - 2);
   for (const KeyHint& hint : hints) CHECK((hint.key != "s" && hint.key != "?"));
 }
 
 TEST_CASE("Wrong keys are explained") {
-  const KeyMap keys = question_keys(Timeline());
+  const KeyMap keys = question_keys(TaskSpec());
   CHECK(keys.explanation({KeyName::character, 'S', 0}).find("Caps Lock") != std::string::npos);
   CHECK(keys.explanation({KeyName::character, 'z', 0}).find("[s] same, [d] different") != std::string::npos);
   CHECK(keys.explanation({KeyName::control, 'z', 0}).find("background") != std::string::npos);

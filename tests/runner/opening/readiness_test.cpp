@@ -6,6 +6,7 @@
 
 #include "devices/loop/telemetry_ring.h"
 #include "protocols/reading/protocol_json.h"
+#include "protocols/tasks/same_different_task.h"
 #include "runner/opening/readiness_items.h"
 #include "tests/catch.h"
 #include "tests/text_checks.h"
@@ -164,7 +165,7 @@ TEST_CASE("the plan is the participant's own, balanced, and within the cohort") 
   Plan tampered = plan;
   const auto main =
       std::find_if(tampered.trials.begin(), tampered.trials.end(), [](const Trial& trial) { return !trial.practice; });
-  main->same = !main->same;
+  main->target = 1 - main->target;
   const Check unequal = check_plan_balance(protocol, tampered);
   CHECK(unequal.verdict == Verdict::bad);
   CHECK(contains(unequal.found, "1 of 9 cells"));
@@ -175,7 +176,7 @@ TEST_CASE("the plan is the participant's own, balanced, and within the cohort") 
   Protocol random = protocol;
   random.design.sampling = Sampling::random;
   Plan one_sided = plan;
-  for (Trial& trial : one_sided.trials) trial.same = true;
+  for (Trial& trial : one_sided.trials) trial.target = kClassSame;
   const Check lopsided = check_plan_balance(random, one_sided);
   CHECK(lopsided.verdict == Verdict::warn);
   CHECK(contains(lopsided.found, "9 of 9 cells have same or different trials only"));
@@ -191,7 +192,7 @@ TEST_CASE("nothing about the plan tells the operator a condition's name") {
   Protocol protocol = published();
   for (Condition& condition : protocol.conditions) condition.name = condition.label = "secret";
   Plan plan = make_plan(protocol, 1, 7);
-  for (Trial& trial : plan.trials) trial.same = true;
+  for (Trial& trial : plan.trials) trial.target = kClassSame;
   const Check check = check_plan_balance(protocol, plan);
   CHECK(check.verdict == Verdict::bad);
   CHECK_FALSE(contains(check.found + check.what_to_do, "secret"));

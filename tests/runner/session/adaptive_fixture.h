@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "data/results/adaptive_results.h"
+#include "protocols/tasks/same_different_task.h"
 #include "tests/runner/engine_fixture.h"
 
 namespace jnd::test {
@@ -46,10 +47,10 @@ inline Protocol quest(int trials) {
 }
 
 // Says "different" from this difference on.
-inline std::function<std::optional<Judgement>(const TrialQuestion&)> sharp(double threshold) {
+inline std::function<std::optional<int>(const TrialQuestion&)> sharp(double threshold) {
   return [threshold](const TrialQuestion& question) {
-    const auto& [one, two] = question.trial.stimuli;
-    return std::optional(std::abs(one - two) >= threshold ? Judgement::different : Judgement::same);
+    const double one = question.trial.stimuli[0], two = question.trial.stimuli[1];
+    return std::optional(std::abs(one - two) >= threshold ? kClassDifferent : kClassSame);
   };
 }
 

@@ -4,6 +4,7 @@
 #include "data/log/storage_error.h"
 #include "data/results/adaptive_results.h"
 #include "protocols/planning/adaptive_run.h"
+#include "protocols/tasks/same_different_task.h"
 #include "runner/session/session_engine.h"
 #include "tests/catch.h"
 #include "tests/runner/session/adaptive_fixture.h"
@@ -33,14 +34,14 @@ class EndBefore final : public SessionView {
 
 struct Presented {
   int index, attempt;
-  std::array<double, 2> stimuli;
-  Judgement judgement;
+  Intervals stimuli;
+  int said;
   bool operator==(const Presented&) const = default;
 };
 std::vector<Presented> presented(const Bench& bench) {
   std::vector<Presented> all;
   for (const TrialRecord& record : bench.completed())
-    all.push_back({record.trial.index, record.attempt, record.trial.stimuli, record.answer.judgement});
+    all.push_back({record.trial.index, record.attempt, record.trial.stimuli, record.answer.said});
   return all;
 }
 
@@ -52,11 +53,11 @@ TEST_CASE("A staircase session ends with its reversals, at the threshold of a sh
   CHECK(records.size() < bench.plan.trials.size());
   for (const TrialRecord& record : records) {
     const Trial& planned = bench.plan.trials[static_cast<std::size_t>(record.trial.index) - 1];
-    CHECK(record.trial.same == planned.same);
+    CHECK((record.trial.target == kClassSame) == (planned.target == kClassSame));
     CHECK(record.trial.track == planned.track);
     for (std::size_t i = 0; i < 2; ++i) {
       const double stimulus = record.trial.stimuli[i];
-      if (planned.stimuli[i] != kSetByAnswers)
+      if (planned.stimuli[i] != set_by_answers(900))
         CHECK(stimulus == 900);
       else
         CHECK((stimulus >= 100 && stimulus <= 880));
@@ -77,7 +78,7 @@ TEST_CASE("A staircase session ends with its reversals, at the threshold of a sh
 
 TEST_CASE("Who feels nothing stays at the clamp, until the bound; who always says different has false alarms") {
   Bench never(staircase());
-  never.responder.rule = [](const TrialQuestion&) { return std::optional(Judgement::same); };
+  never.responder.rule = [](const TrialQuestion&) { return std::optional(kClassSame); };
   REQUIRE(never.run() == SessionEnd::completed);
   CHECK(never.completed().size() == never.plan.trials.size());
   for (const AdaptiveRow& row : rows_of(never)) {
@@ -88,7 +89,7 @@ TEST_CASE("Who feels nothing stays at the clamp, until the bound; who always say
     CHECK(row.false_alarm_rate == 0);
   }
   Bench always(staircase());
-  always.responder.rule = [](const TrialQuestion&) { return std::optional(Judgement::different); };
+  always.responder.rule = [](const TrialQuestion&) { return std::optional(kClassDifferent); };
   REQUIRE(always.run() == SessionEnd::completed);
   for (const AdaptiveRow& row : rows_of(always)) {
     CHECK(row.false_alarm_rate == 1);
@@ -172,7 +173,7 @@ TEST_CASE("A voided trial comes back at the level that its track has by then") {
     const Trial& planned = bench.plan.trials[static_cast<std::size_t>(record.trial.index) - 1];
     CHECK(record.trial == run.resolved(planned));
     CHECK_FALSE(run.over(planned));
-    run.answered(planned, record.answer.judgement);
+    run.answered(planned, record.answer);
   }
 }
 
@@ -186,7 +187,7 @@ TEST_CASE("The share of catch trials is kept all along, and both stiffnesses are
   for (const TrialRecord& record : bench.completed()) {
     auto& [trials, catches] = seen[{record.trial.condition, record.trial.track}];
     ++trials;
-    if (record.trial.same) {
+    if ((record.trial.target == kClassSame)) {
       ++catches;
       ++(record.trial.stimuli[0] == 900 ? references : comparisons);
     }

@@ -9,7 +9,8 @@
 #include "data/results/adaptive_results.h"
 #include "data/results/study_results.h"
 #include "data/verify/verify.h"
-#include "protocols/planning/random_stream.h"
+#include "protocols/random_stream.h"
+#include "protocols/tasks/same_different_task.h"
 #include "runner/results/adaptive_text.h"
 #include "runner/session/session_engine.h"
 #include "runner/session/simulate.h"
@@ -40,9 +41,8 @@ TEST_CASE("Thresholds of known observers are found within their error") {
     bench.responder.rule = [&](const TrialQuestion& question) {
       RandomStream noise(3, static_cast<std::uint64_t>(observer), "noise",
                          static_cast<std::uint64_t>(question.trial.index));
-      const auto& [one, two] = question.trial.stimuli;
-      return std::optional(std::abs(one - two) + kSigma * noise.normal() > kCriterion ? Judgement::different
-                                                                                      : Judgement::same);
+      const double one = question.trial.stimuli[0], two = question.trial.stimuli[1];
+      return std::optional(std::abs(one - two) + kSigma * noise.normal() > kCriterion ? kClassDifferent : kClassSame);
     };
     REQUIRE(bench.run() == SessionEnd::completed);
     const std::vector<AdaptiveRow> mine = rows_of(bench);
@@ -72,7 +72,7 @@ TEST_CASE("QUEST finds the threshold of an observer with its psychometric functi
       const double difference = std::abs(question.trial.stimuli[0] - question.trial.stimuli[1]);
       const double p = difference > 0 ? quest_probability(parameters, shift, std::log10(difference), std::log10(truth))
                                       : parameters.gamma;
-      return std::optional(noise.uniform() < p ? Judgement::different : Judgement::same);
+      return std::optional(noise.uniform() < p ? kClassDifferent : kClassSame);
     };
     REQUIRE(bench.run() == SessionEnd::completed);
     const std::vector<AdaptiveRow> mine = rows_of(bench);
@@ -137,8 +137,9 @@ TEST_CASE("A simulated adaptive study: verified, read, exported; a changed answe
       "<> 'study') AND seq = ";
   // All "same" turned into "different": the levels after it are not those that follow.
   CHECK_THAT(
-      tampered("UPDATE event SET body = replace(body, '\"answer\":\"same\"', '\"answer\":\"different\"') WHERE kind "
-               "= 'trial.completed'"),
+      tampered(
+          "UPDATE event SET body = replace(body, '\"answer\":\"same\",\"said\":0', '\"answer\":\"different\",\"said\":1') WHERE kind "
+          "= 'trial.completed'"),
       Catch::Contains("after the answers before it"));
   // A stimulus in the third decimal.
   CHECK_THAT(tampered("UPDATE event SET body = json_set(body, '$.stimulus_1_n_per_m', "

@@ -1,6 +1,7 @@
 // Sessions answered by pedals, with an operator at the keys and everything of the engine between.
 #include "data/log/event_body.h"
 #include "data/log/replay.h"
+#include "protocols/tasks/same_different_task.h"
 #include "runner/opening/readiness_buttons.h"
 #include "runner/session/session_engine.h"
 #include "tests/catch.h"
@@ -83,7 +84,7 @@ TEST_CASE("A session is answered with pedals: every answer by the participant, w
   CHECK(asked == 16);
   for (std::size_t i = 0; i < completed.size(); ++i) {
     const Answer& answer = completed[i].answer;
-    CHECK(answer.judgement == ((i + 1) % 3 == 0 ? Judgement::same : Judgement::different));
+    CHECK(answer.said == ((i + 1) % 3 == 0 ? kClassSame : kClassDifferent));
     CHECK(answer.entered_by == EnteredBy::participant);
     CHECK(answer.response_time_s >= 0.02);
     CHECK(answer.response_time_s < 5);

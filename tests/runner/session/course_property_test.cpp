@@ -16,6 +16,7 @@
 #include "data/study/study.h"
 #include "data/verify/verify.h"
 #include "data/verify/verify_deep.h"
+#include "protocols/tasks/same_different_task.h"
 #include "runner/session/session_engine.h"
 #include "tests/catch.h"
 #include "tests/runner/engine_fixture.h"
@@ -124,7 +125,7 @@ struct Killed {};
 std::string difference(const SessionState& a, const SessionState& b) {
   const auto same_answers = [](const TrialRecord& one, const TrialRecord& other) {
     return one.trial == other.trial && one.attempt == other.attempt && one.condition_name == other.condition_name &&
-           one.series_name == other.series_name && one.answer.judgement == other.answer.judgement &&
+           one.series_name == other.series_name && one.answer.said == other.answer.said &&
            one.answer.entered_by == other.answer.entered_by && one.duration_s == other.duration_s &&
            one.answer.response_time_s == other.answer.response_time_s;
   };
@@ -166,7 +167,7 @@ class Story {
       if (!first) {
         clock_.sleep_until_ns(clock_.now_ns() + 60'000'000'000);
         if (person_) steps = {chance_.one_in(3), chance_.one_in(3)};
-        if (protocol_.paradigm == Paradigm::explore) steps.redo_block = false;
+        if (protocol_.task.kind == TaskKind::explore) steps.redo_block = false;
         log_.append(event_kind::kSessionResumed,
                     {{"cause", "killed"}, {"practice_again", steps.practice_again}, {"redo_block", steps.redo_block}},
                     now());
@@ -308,10 +309,10 @@ class Story {
     Watched log(*this);
     Erratic view(*this);
     RuleResponder responder(clock_);
-    responder.rule = [&](const TrialQuestion& question) -> std::optional<Judgement> {
+    responder.rule = [&](const TrialQuestion& question) -> std::optional<int> {
       if (chance_.one_in(15)) return std::nullopt;
       const bool right = chance_.below(3) != 1;
-      return right == question.trial.same ? Judgement::same : Judgement::different;
+      return right == (question.trial.target == kClassSame) ? kClassSame : kClassDifferent;
     };
     IdealRig rig(clock_);
     rig.stopped_by = "key";

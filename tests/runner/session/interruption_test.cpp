@@ -2,6 +2,7 @@
 #include <optional>
 
 #include "data/log/storage_error.h"
+#include "protocols/tasks/same_different_task.h"
 #include "tests/catch.h"
 #include "tests/runner/session/scripted_operator.h"
 
@@ -165,7 +166,7 @@ TEST_CASE("After a long gap the last practice round comes again, before the main
   const json practice = {{"practice", {{"trials", 4}, {"series", "1"}, {"criterion_correct", 0.5}, {"max_rounds", 2}}}};
   Bench bench(small_protocol(practice));
   bench.responder.rule = [](const TrialQuestion& q) {
-    return std::optional(q.trial.same ? Judgement::same : Judgement::different);
+    return std::optional((q.trial.target == kClassSame) ? kClassSame : kClassDifferent);
   };
   Scripted first;
   first.before[8] = {Request::end_for_now, {}};  // four of practice, three of the main part
@@ -282,7 +283,7 @@ TEST_CASE("Practice that a resume asked for is due until some of it was answered
   const json practice = {{"practice", {{"trials", 4}, {"series", "1"}, {"criterion_correct", 0.5}, {"max_rounds", 2}}}};
   Bench bench(small_protocol(practice));
   bench.responder.rule = [](const TrialQuestion& q) {
-    return std::optional(q.trial.same ? Judgement::same : Judgement::different);
+    return std::optional((q.trial.target == kClassSame) ? kClassSame : kClassDifferent);
   };
   Scripted first;
   first.before[8] = {Request::end_for_now, {}};

@@ -100,7 +100,7 @@ class RealRig(unittest.TestCase):
         readiness = self.bodies("readiness.checked")
         self.assertEqual(len(readiness), 1)
         self.assertEqual([item["what"] for item in readiness[0]["items"]],
-                         ["study folder", "devices", "limits", "calibration", "loop", "keyboard", "study", "plan", "participant", "clock"])
+                         ["study folder", "devices", "limits", "calibration", "loop", "keyboard", "study", "plan", "participant", "clock", "sound"])
         found = {item["what"]: item for item in readiness[0]["items"]}
         self.assertIn("without a fault", found["devices"]["found"])
         self.assertIn("ticks of 1 ms", found["loop"]["found"])

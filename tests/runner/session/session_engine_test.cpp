@@ -5,6 +5,7 @@
 
 #include "data/log/storage_error.h"
 #include "protocols/planning/condition_codes.h"
+#include "protocols/tasks/same_different_task.h"
 #include "tests/catch.h"
 #include "tests/runner/engine_fixture.h"
 
@@ -61,7 +62,7 @@ TEST_CASE("A session that is interrupted after any answer ends with the same tri
     const std::vector<TrialRecord> records = bench.completed();
     REQUIRE(indices(records) == indices(undisturbed.completed()));
     for (std::size_t i = 0; i < records.size(); ++i)
-      CHECK(records[i].answer.judgement == undisturbed.completed()[i].answer.judgement);
+      CHECK(records[i].answer.said == undisturbed.completed()[i].answer.said);
   }
 }
 
@@ -80,7 +81,7 @@ TEST_CASE("An answer that came together with a stop is kept") {
   Bench bench(small_protocol());
   bench.responder.rule = [&](const TrialQuestion& question) {
     if (question.trial.index == 4) bench.stop = true;
-    return std::optional(Judgement::different);
+    return std::optional(kClassDifferent);
   };
   REQUIRE(bench.run() == SessionEnd::interrupted);
   CHECK(indices(bench.completed()) == std::vector<int>{1, 2, 3, 4});
@@ -138,9 +139,9 @@ TEST_CASE("Voids survive an interruption: the order of the block stays the same"
 
 TEST_CASE("No answer in time voids the trial") {
   Bench bench(small_protocol());
-  bench.responder.rule = [](const TrialQuestion& question) -> std::optional<Judgement> {
+  bench.responder.rule = [](const TrialQuestion& question) -> std::optional<int> {
     if (question.trial.index == 4 && question.attempt == 1) return std::nullopt;
-    return Judgement::same;
+    return kClassSame;
   };
   REQUIRE(bench.run() == SessionEnd::completed);
   CHECK(bench.completed().size() == 16);
@@ -216,7 +217,7 @@ TEST_CASE("Practice goes on until the criterion, and its trials are marked") {
   SECTION("passed in the first round") {
     Bench bench(small_protocol(practice));
     bench.responder.rule = [](const TrialQuestion& q) {
-      return std::optional(q.trial.same ? Judgement::same : Judgement::different);
+      return std::optional((q.trial.target == kClassSame) ? kClassSame : kClassDifferent);
     };
     bench.run();
     const std::vector<TrialRecord> records = bench.completed();
@@ -226,7 +227,7 @@ TEST_CASE("Practice goes on until the criterion, and its trials are marked") {
   SECTION("never passed: three rounds, then the main part") {
     Bench bench(small_protocol(practice));
     bench.responder.rule = [](const TrialQuestion& q) {
-      return std::optional(q.trial.same ? Judgement::different : Judgement::same);
+      return std::optional((q.trial.target == kClassSame) ? kClassDifferent : kClassSame);
     };
     bench.run();
     CHECK(bench.completed().size() == 12 + 16);

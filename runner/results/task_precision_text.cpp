@@ -1,0 +1,76 @@
+#include "runner/results/task_precision_text.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "protocols/tasks/task.h"
+#include "runner/terminal/json_output.h"
+#include "runner/terminal/number_text.h"
+#include "runner/terminal/terminal.h"
+
+namespace jnd {
+namespace {
+
+std::string four_digits(double value) {
+  constexpr double kRounding = 1e-12;  // what is left of a 0
+  if (!std::isfinite(value)) return "-";
+  return fmt::format("{:.4g}", std::abs(value) < kRounding ? 0 : value);
+}
+
+const Series& series_of(const TaskPrecisionRow& row, const Protocol& protocol) {
+  return protocol.series[static_cast<std::size_t>(row.series)];
+}
+
+}  // namespace
+
+std::string task_precision_text(const std::vector<TaskPrecisionRow>& rows, const TaskPrecisionQuestion& question,
+                                const Protocol& protocol, TableStyle style) {
+  const std::vector<TaskOutcome> outcomes = task_of(protocol.task.kind).outcomes(protocol);
+  const std::string_view unit = to_string(protocol.stimulus.unit);
+  PrecisionTable table({"standard", "noise " + std::string(unit), "trials", "outcome", "median", "95 % of participants",
+                        "CV", "undefined"});
+  for (const TaskPrecisionRow& row : rows) {
+    const TaskOutcome& outcome = outcomes[row.outcome];
+    const bool first = row.outcome == 0;
+    std::string title(outcome.title);
+    if (!outcome.unit.empty()) title += fmt::format(" {}", outcome.unit);
+    if (outcome.key == protocol.analysis.outcome) title += " *";
+    table.add({first ? series_of(row, protocol).name : "", first ? four_digits(row.noise) : "",
+               first ? fmt::format("{:.4g}", row.trials) : "", title, four_digits(row.median),
+               range_text(four_digits(row.low), four_digits(row.high)), outcome.positive ? percent_text(row.cv) : "",
+               percent_text(row.undefined)});
+  }
+  return table.text(style) +
+         fmt::format(
+             "{} participants who feel alike were simulated in one condition; to them two equal intervals differ "
+             "with a standard deviation of the noise{}. CV: standard deviation over mean of what is measured of "
+             "them. * the registered outcome.\n",
+             question.participants,
+             question.noise ? ""
+                            : fmt::format(", {:g} % of the standard (--jnd N says otherwise)", 100 * kAssumedWeber));
+}
+
+nlohmann::ordered_json task_precision_json(const std::vector<TaskPrecisionRow>& rows,
+                                           const TaskPrecisionQuestion& question, const Protocol& protocol) {
+  const std::vector<TaskOutcome> outcomes = task_of(protocol.task.kind).outcomes(protocol);
+  nlohmann::ordered_json out = {{"protocol_sha256", protocol.sha256},
+                                {"registered", protocol.analysis.outcome},
+                                {"simulated", question.participants},
+                                {"noise_from", question.noise ? "asked" : "assumed"},
+                                {"precision", nlohmann::ordered_json::array()}};
+  for (const TaskPrecisionRow& row : rows)
+    out["precision"].push_back({{"standard", series_of(row, protocol).name},
+                                {"noise", row.noise},
+                                {"trials", row.trials},
+                                {"outcome", outcomes[row.outcome].key},
+                                {"unit", outcomes[row.outcome].unit},
+                                {"median", json_number(row.median)},
+                                {"low", json_number(row.low)},
+                                {"high", json_number(row.high)},
+                                {"cv", json_number(row.cv)},
+                                {"undefined", row.undefined}});
+  return out;
+}
+
+}  // namespace jnd
