@@ -76,6 +76,7 @@ WINGS = {
         "calc": "terminal",
         "keys": "terminal",
         "results": "calc terminal",
+        "precision": "terminal",
         "session": "keys terminal",
         "console": "keys session terminal",
         "events": "session",
@@ -84,7 +85,7 @@ WINGS = {
         "opening": "keys session terminal",
         "device_commands": "keys opening sound terminal",
         "report": "figures keys results",
-        "commands": "console events keys opening report results session sound terminal",
+        "commands": "console events keys opening precision report results session sound terminal",
         ".": "calc commands device_commands keys terminal",
     },
 }

@@ -6,7 +6,7 @@
 #include "data/export/field.h"
 #include "data/results/questionnaire_results.h"
 #include "data/results/study_behaviour.h"
-#include "data/results/study_sureness.h"
+#include "data/task_results/study_sureness.h"
 #include "protocols/protocol.h"
 
 namespace jnd {

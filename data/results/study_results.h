@@ -13,7 +13,7 @@
 #include "data/results/study_comparisons.h"
 #include "data/results/study_contrasts.h"
 #include "data/results/study_sensitivity.h"
-#include "data/results/study_sureness.h"
+#include "data/task_results/study_sureness.h"
 #include "data/task_results/task_results.h"
 #include "data/verify/chain_check.h"
 #include "protocols/protocol.h"

@@ -1,4 +1,5 @@
 // jnd new and jnd check: protocols before anyone takes part.
+#include <algorithm>
 #include <optional>
 
 #include <CLI/CLI.hpp>
@@ -11,13 +12,16 @@
 #include "protocols/planning/plan.h"
 #include "protocols/reading/protocol_json.h"
 #include "protocols/rigs/rig_description.h"
+#include "protocols/tasks/task.h"
 #include "runner/commands/commands.h"
 #include "runner/keys/interrupt.h"
+#include "runner/opening/asked_rig.h"
 #include "runner/opening/protocol_fitness.h"
-#include "runner/results/precision_json.h"
-#include "runner/results/precision_text.h"
+#include "runner/precision/precision_json.h"
+#include "runner/precision/precision_text.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
+#include "runner/terminal/number_text.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {
@@ -31,6 +35,7 @@ struct NewOptions {
 
 struct CheckOptions {
   std::vector<std::string> protocols;
+  std::string rig;  // a rig file to hold them against; empty: none
   bool json = false;
 };
 
@@ -100,6 +105,28 @@ void print_tracker(const Protocol& protocol) {
   fmt::print("  tracker: {}, {} (jnd run --rig FILE)\n", tracker, is);
 }
 
+// "2 conditions x 1 standard x 8 levels x 10 trials per cell".
+std::string factors_text(const Protocol& protocol) {
+  const Task& task = task_of(protocol.task.kind);
+  const auto text = [](std::size_t number, std::string_view word) {
+    return counted(static_cast<std::int64_t>(number), word);
+  };
+  std::string factors = text(protocol.conditions.size(), "condition");
+  const Series& first = protocol.series.front();
+  if (protocol.task.kind == TaskKind::same_different)
+    return fmt::format("{} x {} series x {} trials per cell", factors, protocol.series.size(),
+                       protocol.design.trials_per_cell);
+  if (task.has_standard()) factors += " x " + text(protocol.series.size(), "standard");
+  const int cells = task.cells_in(first);
+  const bool alike = std::all_of(protocol.series.begin(), protocol.series.end(),
+                                 [&](const Series& series) { return task.cells_in(series) == cells; });
+  if (!alike)
+    factors += " x their levels";
+  else if (cells > 1)
+    factors += fmt::format(" x {} {}", cells, protocol.task.class_values.empty() ? "levels" : "classes");
+  return fmt::format("{} x {} trials per cell", factors, protocol.design.trials_per_cell);
+}
+
 void print_check(const std::string& name, const CheckedFile& result) {
   for (const Diagnostic& error : result.check.errors) fmt::print("error: {}\n", printable(to_text(error)));
   for (const Diagnostic& warning : result.check.warnings)
@@ -133,11 +160,9 @@ void print_check(const std::string& name, const CheckedFile& result) {
     print_tracker(protocol);
     return;
   }
-  fmt::print(
-      "{}: {}\n  {}\n  {} conditions x {} series x {} trials per cell = {} trials per participant, about {} per session\n  "
-      "SHA-256 {}\n",
-      printable(name), bold("ok"), printable(protocol.title), protocol.conditions.size(), protocol.series.size(),
-      protocol.design.trials_per_cell, result.trials, duration_text(result.duration_s), protocol.sha256);
+  fmt::print("{}: {}\n  {}\n  {} = {} trials per participant, about {} per session\n  SHA-256 {}\n", printable(name),
+             bold("ok"), printable(protocol.title), factors_text(protocol), result.trials,
+             duration_text(result.duration_s), protocol.sha256);
   print_tracker(protocol);
   if (result.precision) fmt::print("\n{}", precision_summary(*result.precision, protocol, name));
 }
@@ -164,7 +189,10 @@ void print_check_json(const CheckedFile& result) {
 int command_check(const CheckOptions& options) {
   bool all_ok = true;
   for (const std::string& name : options.protocols) {
-    const CheckedFile result = check_file(name);
+    CheckedFile result = check_file(name);
+    if (!options.rig.empty() && result.check.errors.empty())
+      for (std::string& problem : ask_rig_of(options.rig, *result.check.protocol).problems)
+        result.check.errors.push_back({name, 0, 0, "$.rig", std::move(problem), ""});
     all_ok = all_ok && result.check.errors.empty();
     if (options.json)
       print_check_json(result);
@@ -187,6 +215,8 @@ void add_check(CommandTree& tree) {
   const auto [command, options] =
       tree.add("check", "Find every mistake in a protocol", "jnd check my-study.json", command_check);
   command.add_option("PROTOCOL", options.protocols, "protocol files or names of shipped ones")->required();
+  command.add_option("--rig", options.rig,
+                     "also start the external rig of this rig file, and look whether it can present what they ask");
   command.add_flag("--json", options.json, "one JSON object a file");
 }
 

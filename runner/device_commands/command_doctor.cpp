@@ -10,8 +10,6 @@
 
 #include "analysis/numerics/stop_request.h"
 #include "data/study/database.h"
-#include "devices/external/conformance.h"
-#include "devices/external/rig_probe.h"
 #include "devices/hid/hidapi_bus.h"
 #include "devices/hid/link/rig_bus.h"
 #include "devices/hid/link/rig_check.h"
@@ -20,6 +18,7 @@
 #include "runner/device_commands/device_commands.h"
 #include "runner/device_commands/hid_devices.h"
 #include "runner/keys/interrupt.h"
+#include "runner/opening/asked_rig.h"
 #include "runner/opening/study_access.h"
 #include "runner/sound/player.h"
 #include "runner/terminal/exit_code.h"
@@ -91,22 +90,18 @@ void print_check(const Check& check, std::size_t name_width) {
     fmt::print("{}{} {}\n", std::string(indent, ' '), dim("->"), wrapped(printable(check.what_to_do), indent + 3));
 }
 
-// A laboratory's own rig is started and asked what it is.
+// A laboratory's own rig, and whether it can present what the protocol asks.
 Checks check_external_rig(const ExternalSettings& settings, const Protocol* protocol) {
-  Checks checks;
-  try {
-    checks = check_rig_hello(settings, interrupt_requested()).checks;
-  } catch (const ProbeInterrupted&) {
-    throw Stopped();
-  }
-  for (Check& check : checks) check.what = "external rig: " + check.what;
-  if (protocol != nullptr)
-    checks.push_back(
-        {.what = "external rig: protocol",
-         .verdict = Verdict::bad,
-         .found = fmt::format("asks for the rig {}, which is none of the laboratory's own", protocol->rig.device),
-         .what_to_do = "give a rig file of its devices, or none"});
-  return checks;
+  AskedRig asked = ask_external_rig(settings, protocol);
+  if (protocol != nullptr && asked.problems.empty())
+    asked.checks.push_back({.what = "protocol", .verdict = Verdict::ok, .found = "the rig can present what it asks"});
+  for (std::string& problem : asked.problems)
+    asked.checks.push_back({.what = "protocol",
+                            .verdict = Verdict::bad,
+                            .found = std::move(problem),
+                            .what_to_do = "change the protocol, or take another rig"});
+  for (Check& check : asked.checks) check.what = "external rig: " + check.what;
+  return std::move(asked.checks);
 }
 
 // What the protocol and the rig file need of this machine.

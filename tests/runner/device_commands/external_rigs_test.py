@@ -14,6 +14,7 @@ import fake_services
 
 JND, RIG_LOOP = map(os.path.abspath, sys.argv[1:3])
 EXAMPLES = pathlib.Path(__file__).resolve().parents[3] / "devices/external/examples"
+PROTOCOLS = pathlib.Path(__file__).resolve().parents[3] / "protocols"
 FAILURES = []
 AT_ONCE = 4  # they mostly wait
 # 100 ms of silence are a fault, and on a machine that is busy with other things they happen: then once more.
@@ -142,6 +143,21 @@ def check_other_commands(folder):
     done = subprocess.run([*doctor, "--protocol", "tutorial"], capture_output=True, text=True, timeout=300, env=ENVIRONMENT)
     found = {entry["name"]: entry for entry in json.loads(done.stdout)["checks"]}
     check(found["external rig: protocol"]["verdict"] == "bad" and done.returncode == 1, "the protocol asks for another rig")
+    asked = json.loads((PROTOCOLS / "maereg2017.json").read_text(encoding="utf-8"))
+    asked.update(assumed=[], levels={"absolute": [350, 450]}, conditions=[
+        {"name": name, "label": name, "parameters": {"finger": name}} for name in ("thumb", "index")])
+    asked["analysis"]["contrasts"] = []
+    protocol = pathlib.Path(folder) / "asked.json"
+    for levels, fits in (([350, 450], True), ([350, 4500], False)):
+        asked["levels"] = {"absolute": levels}
+        protocol.write_text(json.dumps(asked), encoding="utf-8")
+        done = subprocess.run([*doctor, "--protocol", str(protocol)], capture_output=True, text=True, timeout=300, env=ENVIRONMENT)
+        found = {entry["name"]: entry for entry in json.loads(done.stdout)["checks"]}
+        check(found["external rig: protocol"]["verdict"] == ("ok" if fits else "bad"), f"doctor, {levels}: {found}")
+        done = subprocess.run([JND, "check", str(protocol), "--rig", str(path)], capture_output=True, text=True, timeout=300,
+                              env=ENVIRONMENT)
+        check(done.returncode == (0 if fits else 3), f"check, {levels}: {done.stdout}{done.stderr}")
+        check(("4500 N/m is out of the rig's range" in done.stdout) != fits, f"check, {levels}: {done.stdout}")
     done = subprocess.run([JND, "run", "tutorial", "--study", str(pathlib.Path(folder) / "s.sqlite"), "--participant", "P01",
                            "--rig", str(path)], capture_output=True, text=True, timeout=300, stdin=subprocess.DEVNULL)
     check(done.returncode == 3 and "an external rig is for protocols" in done.stderr, f"{done.returncode} {done.stderr}")

@@ -1,4 +1,4 @@
-#include "runner/results/precision_text.h"
+#include "runner/precision/precision_text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -38,7 +38,7 @@ std::string range(double low, double high) {
 }
 
 std::string with_sign(double value) {
-  return value > 0 ? "+" + amount(value) : amount(value);
+  return fmt::format("{}{}", value > 0 ? "+" : "", amount(value));
 }
 
 const std::string& name_of(const Protocol& protocol, std::size_t condition) {
@@ -189,7 +189,8 @@ std::string precision_text(const PlannedPrecision& planned, const Protocol& prot
                           precision.participant.front().interval_draws),
               style);
   text += proposals(precision, protocol, style);
-  text += (style == TableStyle::markdown ? "\n" : "") + session_of_proposal(precision, protocol);
+  if (style == TableStyle::markdown) text += '\n';
+  text += session_of_proposal(precision, protocol);
   const std::string spread =
       question.between_cv > 0 ? fmt::format(", true JNDs spread by {}", of_cv(question.between_cv)) : "";
   text += heading(fmt::format("Group of {}: {} simulated studies, seed {}{}", question.participants,

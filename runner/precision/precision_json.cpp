@@ -1,4 +1,4 @@
-#include "runner/results/precision_json.h"
+#include "runner/precision/precision_json.h"
 
 #include "runner/terminal/json_output.h"
 

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "runner/results/precision_text.h"
+#include "runner/precision/precision_text.h"
 
 namespace jnd {
 

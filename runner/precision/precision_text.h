@@ -8,7 +8,7 @@
 #include "analysis/precision/precision.h"
 #include "protocols/planning/planned_precision.h"
 #include "protocols/protocol.h"
-#include "runner/results/precision_table.h"
+#include "runner/precision/precision_table.h"
 
 namespace jnd {
 

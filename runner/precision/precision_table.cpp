@@ -1,4 +1,4 @@
-#include "runner/results/precision_table.h"
+#include "runner/precision/precision_table.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,4 +1,4 @@
-#include "data/results/study_sureness.h"
+#include "data/task_results/study_sureness.h"
 
 #include <algorithm>
 #include <cmath>

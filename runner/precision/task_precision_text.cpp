@@ -1,4 +1,4 @@
-#include "runner/results/task_precision_text.h"
+#include "runner/precision/task_precision_text.h"
 
 #include <cmath>
 

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "protocols/planning/task_precision.h"
-#include "runner/results/precision_text.h"
+#include "runner/precision/precision_text.h"
 
 namespace jnd {
 
