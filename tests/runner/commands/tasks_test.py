@@ -22,6 +22,9 @@ STUDIES = {"leib2015": "pse", "jones1997-viscosity": "weber", "pang1991": "thres
            "lee2007-delay": "threshold", "identify-stiffness2025": "information", "brown2019-prosthesis": "jnd",
            "singhala2020": "weber", "abx-stiffness": "jnd", "jones-hunter1990": "weber"}
 
+TASKS = ("same-different", "which", "yes-no", "identify", "oddity", "abx", "magnitude", "adjust")
+ADAPTIVE = ("same-different", "which", "yes-no")
+
 
 class Tasks(unittest.TestCase):
     def setUp(self):
@@ -76,6 +79,46 @@ class Tasks(unittest.TestCase):
         database.commit()
         database.close()
         self.jnd("verify", "a.sqlite", code=1)
+
+    def test_a_protocol_to_start_from_of_every_task_rig_and_procedure(self):
+        refused = set()
+        for task in (*TASKS, "explore"):
+            for rig in ("rrs3", "mckibben", "rrs3+mckibben", "external", "specimens"):
+                for procedure in ("constant", "staircase", "quest"):
+                    name = self.folder / f"{task}-{rig}-{procedure}.json"
+                    done = subprocess.run([JND, "new", name, "--task", task, "--rig", rig, "--procedure", procedure],
+                                          capture_output=True, text=True)
+                    if done.returncode == 2:
+                        refused.add((task, rig, procedure))
+                        continue
+                    self.assertEqual(done.returncode, 0, done.stderr)
+                    checked = json.loads(self.jnd("check", name, "--json"))
+                    self.assertTrue(checked["ok"], (task, rig, procedure, checked["errors"]))
+                    self.assertLess(max(map(len, name.read_text().splitlines())), 160)
+                    if procedure == "constant" and rig in ("rrs3", "external") or task == "which" and rig == "external":
+                        study = name.with_suffix(".sqlite")
+                        self.jnd("simulate", name, "--participants", 2, "--study", study, "--seed", 1)
+                        self.jnd("verify", study, "--deep")
+                        self.jnd("analyze", study)
+        adaptive = ("staircase", "quest")
+        self.assertEqual(refused, {(task, rig, procedure) for task in (*TASKS, "explore")
+                                   for rig in ("rrs3", "mckibben", "rrs3+mckibben", "external", "specimens")
+                                   for procedure in ("constant", *adaptive)
+                                   if task == "explore" and (rig != "rrs3" or procedure in adaptive)
+                                   or procedure in adaptive and (rig == "specimens" or task not in ADAPTIVE)})
+
+    def test_the_list_names_every_shipped_protocol(self):
+        shipped = {path.stem for path in (ROOT / "protocols").glob("*.json") if path.name != "protocol.schema.json"}
+        self.assertEqual({one["name"] for one in json.loads(self.jnd("new", "--list", "--json"))}, shipped)
+        listed = self.jnd("new", "--list")
+        for task in (*TASKS, "explore"):
+            self.assertIn(f"{task}: ", listed)
+        for name in shipped:
+            self.assertEqual(len([line for line in listed.splitlines() if line.split()[:1] == [name]]), 1, name)
+        for wrong in (["x.json", "--list"], ["--json"], [], ["x.json", "--rig", "external"], ["x.json", "--task", "guess"],
+                      ["x.json", "--task", "which", "--from", "tutorial"]):
+            self.jnd("new", *wrong, code=2)
+        self.assertFalse((self.folder / "x.json").exists())
 
     def small(self, source, **changes):
         path = self.folder / "small.json"

@@ -1,20 +1,17 @@
-// jnd new and jnd check: protocols before anyone takes part.
+// jnd check: every mistake in a protocol, before anyone takes part.
 #include <algorithm>
 #include <optional>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "data/files/draft.h"
 #include "protocols/course/duration.h"
-#include "protocols/input/read_file.h"
 #include "protocols/input/resources.h"
 #include "protocols/planning/plan.h"
 #include "protocols/reading/protocol_json.h"
 #include "protocols/rigs/rig_description.h"
 #include "protocols/tasks/task.h"
 #include "runner/commands/commands.h"
-#include "runner/keys/interrupt.h"
 #include "runner/opening/asked_rig.h"
 #include "runner/opening/protocol_fitness.h"
 #include "runner/precision/precision_json.h"
@@ -28,39 +25,11 @@ namespace jnd {
 
 namespace {
 
-struct NewOptions {
-  std::string file;               // to write
-  std::string from = "tutorial";  // a shipped protocol
-};
-
 struct CheckOptions {
   std::vector<std::string> protocols;
   std::string rig;  // a rig file to hold them against; empty: none
   bool json = false;
 };
-
-// False where the file exists.
-bool write_new_file(const std::filesystem::path& path, const std::string& bytes) {
-  Draft draft(path, Draft::What::file, Draft::Access::everyone);
-  draft.write(bytes);
-  return draft.publish();
-}
-
-int command_new(const NewOptions& options) {
-  const HoldInterrupts hold;
-  const std::filesystem::path from = find_resource(Resource::protocol, options.from);
-  const std::filesystem::path file = options.file.ends_with(".json") ? options.file : options.file + ".json";
-  if (!write_new_file(file, read_input_file(from)))
-    throw UsageError(fmt::format("{} exists already; choose another name", file.string()));
-  fmt::print("{} written, a copy of {}.\n", printable(file.string()), printable(options.from));
-  // The protocol names its schema by a relative path, so that editors help with it.
-  const std::filesystem::path schema = from.parent_path() / "protocol.schema.json";
-  if (std::filesystem::exists(schema) &&
-      write_new_file(file.parent_path() / schema.filename(), read_input_file(schema)))
-    fmt::print("  protocol.schema.json is beside it: editors that know JSON Schema help while you type\n");
-  fmt::print("  edit it, then:  jnd check {}\n", printable(file.string()));
-  return exit_code::kDone;
-}
 
 // Few enough for an answer at once; `jnd plan --precision` draws more.
 constexpr int kDraws = 10'000;
@@ -203,13 +172,6 @@ int command_check(const CheckOptions& options) {
 }
 
 }  // namespace
-
-void add_new(CommandTree& tree) {
-  const auto [command, options] = tree.add("new", "Write a protocol to start from",
-                                           "jnd new my-study.json --from chinello2017-balanced", command_new);
-  command.add_option("FILE", options.file, "the file to write; it must not exist")->required();
-  command.add_option("--from", options.from, "the shipped protocol to copy (default: tutorial)");
-}
 
 void add_check(CommandTree& tree) {
   const auto [command, options] =

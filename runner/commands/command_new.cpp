@@ -1,0 +1,155 @@
+// jnd new: a protocol to start from, a copy of a shipped one or a small one of any task; and which ones are shipped.
+#include <algorithm>
+#include <map>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "data/files/draft.h"
+#include "protocols/input/read_file.h"
+#include "protocols/input/resources.h"
+#include "protocols/reading/protocol_json.h"
+#include "protocols/tasks/task.h"
+#include "runner/commands/commands.h"
+#include "runner/commands/readable_json.h"
+#include "runner/commands/starting_protocol.h"
+#include "runner/keys/interrupt.h"
+#include "runner/terminal/exit_code.h"
+#include "runner/terminal/json_output.h"
+#include "runner/terminal/terminal.h"
+
+namespace jnd {
+
+namespace {
+
+struct NewOptions {
+  std::string file;       // to write
+  std::string from;       // a shipped protocol
+  std::string task;       // instead: of this task,
+  std::string rig;        // on this rig, by default rrs3,
+  std::string procedure;  // with this procedure, by default constant
+  bool list = false;
+  bool json = false;
+};
+
+constexpr const char* kTutorial = "tutorial";
+
+std::vector<Protocol> shipped_protocols() {
+  std::vector<Protocol> protocols;
+  for (const std::string& name : shipped_names(Resource::protocol))
+    protocols.push_back(load_protocol(find_resource(Resource::protocol, name)));
+  return protocols;
+}
+
+std::string_view summary_of(TaskKind task) {
+  return task == TaskKind::explore ? "free interaction, then a questionnaire" : task_of(task).summary();
+}
+
+std::vector<TaskKind> every_task() {
+  std::vector<TaskKind> tasks(all_tasks().begin(), all_tasks().end());
+  tasks.push_back(TaskKind::explore);
+  return tasks;
+}
+
+// Every shipped protocol on a line, under its task.
+void print_list() {
+  const std::vector<Protocol> protocols = shipped_protocols();
+  std::size_t width = 0;
+  for (const Protocol& protocol : protocols) width = std::max(width, protocol.name.size());
+  std::size_t rig_width = 0;
+  for (const Protocol& protocol : protocols) rig_width = std::max(rig_width, protocol.rig.device.size());
+  for (const TaskKind task : every_task()) {
+    fmt::print("{}: {}\n", bold(to_string(task)), summary_of(task));
+    for (const Protocol& protocol : protocols)
+      if (protocol.task.kind == task)
+        fmt::print("  {:{}}  {:{}}  {}\n", protocol.name, width, protocol.rig.device, rig_width,
+                   printable(protocol.title));
+    fmt::print("\n");
+  }
+  fmt::print(
+      "Copy one:                        jnd new my-study.json --from {}\n"
+      "A small one of a task and a rig: jnd new my-study.json --task which --rig external\n",
+      kTutorial);
+}
+
+void print_list_json() {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const Protocol& protocol : shipped_protocols())
+    list.push_back({{"name", protocol.name},
+                    {"task", to_string(protocol.task.kind)},
+                    {"rig", protocol.rig.device},
+                    {"title", protocol.title},
+                    {"source", protocol.source.citation},
+                    {"adaptive", protocol.design.procedure.has_value()}});
+  print_json(list);
+}
+
+// False where the file exists.
+bool write_new_file(const std::filesystem::path& path, const std::string& bytes) {
+  Draft draft(path, Draft::What::file, Draft::Access::everyone);
+  draft.write(bytes);
+  return draft.publish();
+}
+
+std::vector<std::string> words_of_tasks() {
+  std::vector<std::string> words;
+  for (const TaskKind task : every_task()) words.emplace_back(to_string(task));
+  return words;
+}
+
+int command_new(const NewOptions& options) {
+  if (options.list) {
+    if (!options.file.empty()) throw UsageError("--list writes nothing: leave the file out");
+    options.json ? print_list_json() : print_list();
+    return exit_code::kDone;
+  }
+  if (options.json) throw UsageError("--json belongs to --list");
+  if (options.file.empty()) throw UsageError("say which file to write, or --list for what is shipped");
+  if (options.task.empty() && !(options.rig.empty() && options.procedure.empty()))
+    throw UsageError("--rig and --procedure belong to --task");
+  const HoldInterrupts hold;
+  const std::string name = options.from.empty() ? kTutorial : options.from;
+  const std::filesystem::path from = find_resource(Resource::protocol, name);
+  const std::filesystem::path file = options.file.ends_with(".json") ? options.file : options.file + ".json";
+  std::string bytes, what;
+  if (options.task.empty()) {
+    bytes = read_input_file(from);
+    what = fmt::format("a copy of {}", printable(name));
+  } else {
+    StartingPoint point{.task = *task_kind_from(options.task)};
+    if (!options.rig.empty()) point.rig = options.rig;
+    if (!options.procedure.empty()) point.procedure = options.procedure;
+    bytes = readable_json(starting_protocol(point));
+    what = fmt::format("the task {} on the rig {}", options.task, point.rig);
+  }
+  if (!write_new_file(file, bytes))
+    throw UsageError(fmt::format("{} exists already; choose another name", file.string()));
+  fmt::print("{} written, {}.\n", printable(file.string()), what);
+  // The protocol names its schema by a relative path, so that editors help with it.
+  const std::filesystem::path schema = from.parent_path() / "protocol.schema.json";
+  if (std::filesystem::exists(schema) &&
+      write_new_file(file.parent_path() / schema.filename(), read_input_file(schema)))
+    fmt::print("  protocol.schema.json is beside it: editors that know JSON Schema help while you type\n");
+  fmt::print("  edit it, then:  jnd check {}\n", printable(file.string()));
+  return exit_code::kDone;
+}
+
+}  // namespace
+
+void add_new(CommandTree& tree) {
+  const auto [command, options] = tree.add("new", "Write a protocol to start from",
+                                           "jnd new my-study.json --task which --rig external", command_new);
+  command.add_option("FILE", options.file, "the file to write; it must not exist");
+  CLI::Option* from = command.add_option("--from", options.from, "the shipped protocol to copy (default: tutorial)");
+  command.add_option("--task", options.task, "instead a small one of this task")
+      ->check(CLI::IsMember(words_of_tasks()))
+      ->excludes(from);
+  command.add_option("--rig", options.rig, "with --task: what presents the stimuli (default: rrs3)")
+      ->check(CLI::IsMember({"rrs3", "mckibben", "rrs3+mckibben", "external", "specimens"}));
+  command.add_option("--procedure", options.procedure, "with --task: what sets the levels (default: constant)")
+      ->check(CLI::IsMember({"constant", "staircase", "quest"}));
+  command.add_flag("--list", options.list, "which protocols are shipped, by task");
+  command.add_flag("--json", options.json, "with --list: as JSON");
+}
+
+}  // namespace jnd
