@@ -86,6 +86,7 @@ std::string procedure_words(const AdaptiveProcedure& procedure, std::string_view
   std::string halved;
   for (const int reversal : rule.halve_after)
     halved += fmt::format("{}{}", halved.empty() ? ", halved at reversal " : ", ", reversal);
+  if (rule.accelerated) halved = ", shrinking with the reversals (Kesten 1958)";
   const std::string steps =
       rule.multiplicative
           ? fmt::format("factors of {:g} up and {:g} down", rule.step_up, rule.step_down)

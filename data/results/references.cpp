@@ -58,6 +58,9 @@ constexpr std::array kReferences = {
     Reference{"Kerby 2014",
               "Kerby D. S. (2014). The simple difference formula: An approach to teaching nonparametric correlation. "
               "Comprehensive Psychology 3, 11.IT.3.1. https://doi.org/10.2466/11.IT.3.1"},
+    Reference{"Kesten 1958",
+              "Kesten H. (1958). Accelerated stochastic approximation. Annals of Mathematical Statistics 29(1), 41-59. "
+              "https://doi.org/10.1214/aoms/1177706705"},
     Reference{"King-Smith et al. 1994",
               "King-Smith P. E., Grigsby S. S., Vingrys A. J., Benes S. C., Supowit A. (1994). Efficient and unbiased "
               "modifications of the QUEST threshold method: Theory, simulations, experimental evaluation and practical "

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -47,6 +48,13 @@ void read_staircase(JsonReader& reader, AdaptiveProcedure& procedure, ProtocolRe
     reader.error("averaged_reversals",
                  fmt::format("{} reversals cannot be half peaks, half valleys", procedure.averaged_reversals),
                  "take an even number");
+  rule.accelerated = reader.boolean_or("accelerated", false);
+  if (!rule.accelerated) return;
+  for (const std::string_view key : {"up", "down"})
+    if (reading.sound(procedure_path(key)) && (key == "up" ? rule.up : rule.down) != 1)
+      reader.error(key, "accelerated steps follow single answers", "write 1: unequal steps say what it settles at");
+  if (!rule.halve_after.empty())
+    reader.error("halve_after", "has no meaning beside accelerated steps, which shrink by themselves", "remove it");
 }
 
 void read_quest(JsonReader& reader, AdaptiveProcedure& procedure) {
@@ -60,12 +68,12 @@ void read_quest(JsonReader& reader, AdaptiveProcedure& procedure) {
   quest.range = reader.number_or("range", 2, {.min = 0.001, .max = 10, .unit = "log10"});
 }
 
-constexpr std::array<std::string_view, 7> kStaircaseKeys = {"up",        "down",        "multiplicative",    "step_up",
-                                                            "step_down", "halve_after", "averaged_reversals"};
+constexpr std::array<std::string_view, 8> kStaircaseKeys = {
+    "accelerated", "up", "down", "multiplicative", "step_up", "step_down", "halve_after", "averaged_reversals"};
 constexpr std::array<std::string_view, 7> kQuestKeys = {"guess_sd", "p_threshold", "gamma", "beta",
                                                         "delta",    "grain",       "range"};
 
-void refuse(JsonReader& reader, std::string_view kind, const std::array<std::string_view, 7>& keys) {
+void refuse(JsonReader& reader, std::string_view kind, std::span<const std::string_view> keys) {
   for (const std::string_view key : keys)
     if (reader.member(key) != nullptr)
       reader.error(key, fmt::format("has no meaning in a {} procedure", kind), "remove it, or change the kind");
