@@ -312,7 +312,7 @@ void warn_about_procedure(ProtocolReading& reading) {
     reading.warn_at(procedure_path(procedure.reversals > 0 ? "stop.at_most" : "stop.trials"),
                     fmt::format("{} trials with a difference a track are few", procedure.trials),
                     fmt::format("plan {} or more", kFewTrials));
-  if (procedure.catch_share == 0)
+  if (procedure.catch_share == 0 && task_of(reading.protocol.task.kind).has_catch_trials())
     reading.warn_at(procedure_path("catch_share"),
                     "without catch trials there is no false-alarm rate: who always says \"different\" reaches the "
                     "lowest level, and d' cannot be computed",

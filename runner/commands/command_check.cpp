@@ -120,12 +120,18 @@ void print_check(const std::string& name, const CheckedFile& result) {
   if (protocol.design.procedure) {
     const AdaptiveProcedure& procedure = *protocol.design.procedure;
     const bool at_most = procedure.reversals > 0;
-    fmt::print(
-        "{}: {}\n  {}\n  {} conditions x {} track{} = {}{} trials per participant, {:.0f} % of them catch trials, "
-        "{}about {} per session\n  SHA-256 {}\n",
-        printable(name), bold("ok"), printable(protocol.title), protocol.conditions.size(), procedure.starts.size(),
-        procedure.starts.size() == 1 ? "" : "s", at_most ? "at most " : "", result.trials, 100 * procedure.catch_share,
-        at_most ? "at most " : "", duration_text(result.duration_s), protocol.sha256);
+    const auto number = [](std::size_t many, std::string_view word) {
+      return counted(static_cast<std::int64_t>(many), word);
+    };
+    const std::string standards =
+        protocol.task.kind == TaskKind::same_different ? "" : number(protocol.series.size(), "standard") + " x ";
+    const std::string catch_trials = task_of(protocol.task.kind).has_catch_trials()
+                                         ? fmt::format(", {:.0f} % of them catch trials", 100 * procedure.catch_share)
+                                         : "";
+    fmt::print("{}: {}\n  {}\n  {} x {}{} = {}{} trials per participant{}, {}about {} per session\n  SHA-256 {}\n",
+               printable(name), bold("ok"), printable(protocol.title), number(protocol.conditions.size(), "condition"),
+               standards, number(procedure.starts.size(), "track"), at_most ? "at most " : "", result.trials,
+               catch_trials, at_most ? "at most " : "", duration_text(result.duration_s), protocol.sha256);
     print_tracker(protocol);
     return;
   }

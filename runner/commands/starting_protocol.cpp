@@ -131,7 +131,7 @@ ordered_json specimens(std::vector<double> values, double standard) {
 
 ordered_json procedure_section(const StartingPoint& point, double standard) {
   ordered_json section = {
-      {"kind", point.procedure}, {"starts", {0.4 * standard}}, {"clamp", {0.02 * standard, 0.7 * standard}}};
+      {"kind", point.procedure}, {"starts", {0.4 * standard}}, {"clamp", {0.02 * standard, 0.5 * standard}}};
   if (point.procedure == "staircase") {
     section.update({{"up", 1},
                     {"down", 2},
@@ -213,8 +213,8 @@ ordered_json starting_protocol(const StartingPoint& point) {
     for (std::size_t i = 0; i < values.size(); ++i)
       protocol["classes"].push_back({{"name", kClassNames[i]}, {"value", values[i]}});
   } else if (pairs && !adaptive) {
-    for (const double value : values)
-      protocol["series"].push_back({{"name", fmt::format("{:g}", value)}, {"pair", {value, rig.standard}}});
+    for (std::size_t i = 0; i < values.size(); ++i)
+      protocol["series"].push_back({{"name", fmt::format("pair-{}", i + 1)}, {"pair", {values[i], rig.standard}}});
   } else if (!pairs) {
     if (task.has_standard()) protocol["standards"] = {{{"name", "standard"}, {"value", rig.standard}}};
     if (!adaptive) protocol["levels"] = {{"absolute", values}};
