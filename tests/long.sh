@@ -61,6 +61,8 @@ if want faults; then
   JND_BIT_FLIPS=200 beside "bits flipped at rest" cases $tests/faults_tests "*flipped bit at rest*"
 fi
 want kills && beside "sessions killed 1000 times" tests/faults/kill_sessions.py build/release/runner/jnd --kills 1000
+want kills && beside "sessions on an external rig killed 100 times" \
+  tests/faults/kill_external_sessions.py build/release/runner/jnd --kills 100
 want power && JND_POWER_LOSSES=1000 beside "1000 power cuts" cases $tests/faults_tests "[power_loss]"
 wait
 want kernel && part "kernel, long" kernel_long
