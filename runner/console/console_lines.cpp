@@ -80,7 +80,7 @@ void put_review(const QuestionnairePage& page) {
 std::string kind_banner(SessionKind kind) {
   constexpr auto kWords = words<SessionKind>(
       {{"REAL SESSION: this counts as data", SessionKind::real},
-       {"REHEARSAL on simulated devices (kind pilot: never counted as real data)", SessionKind::pilot},
+       {"REHEARSAL (kind pilot: never counted as real data)", SessionKind::pilot},
        {"DEMONSTRATION with a simulated participant (kind simulated)", SessionKind::simulated}});
   return std::string(word_of(kWords, kind));
 }

@@ -40,7 +40,7 @@ class LineDisplay final : public Display {
   int said_left_s_ = -1;  // of a countdown
 };
 
-// "REHEARSAL on simulated devices (kind pilot: never counted as real data)"
+// "REHEARSAL (kind pilot: never counted as real data)"
 std::string kind_banner(SessionKind kind);
 // "participant P01, 3 of 16 trials done; going on with the session"
 std::string card_line(const SessionCard& card);

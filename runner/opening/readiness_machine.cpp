@@ -7,6 +7,7 @@
 #include "devices/clock.h"
 #include "devices/loop/telemetry_ring.h"
 #include "devices/self_test/device_bench.h"
+#include "protocols/protocol.h"
 #include "runner/keys/interrupt.h"
 #include "runner/opening/readiness_items.h"
 #include "runner/opening/rig_limits.h"
@@ -96,7 +97,8 @@ Check check_devices(const RigSpec& spec, Rig& rig) {
 Check check_description(const RigSpec& spec) {
   Check check = item(kLimitsItem);
   if (spec.devices.empty()) {
-    check.found = "those of force are the rig's own, and nothing here keeps them";
+    check.found = spec.name == kSpecimenRig ? "none, since no device gives a force"
+                                            : "those of force are the rig's own, and nothing here keeps them";
     return check;
   }
   check.found = limits_text(spec);

@@ -77,18 +77,16 @@ class Campaign:
             return None, said
 
     def answers(self, study):
+        """By their place in the session, which is what the screen names: a trial that was interrupted comes later."""
         if not (self.folder / study).exists():
             return {}
         with contextlib.closing(sqlite3.connect(self.folder / study)) as connection:
             bodies = [json.loads(body) for (body,) in connection.execute(
                 "SELECT body FROM event WHERE kind = 'trial.completed' ORDER BY seq")]
-        answers = {}
-        for body in bodies:
-            number = body["index"]
-            if number in answers:
-                self.wrong.append(f"{study}: trial {number} is there twice")
-            answers[number] = body["answer"]
-        return answers
+        indices = [body["index"] for body in bodies]
+        if len(set(indices)) < len(indices):
+            self.wrong.append(f"{study}: a trial is there twice: {indices}")
+        return {place: body["answer"] for place, body in enumerate(bodies, 1)}
 
     def look_at(self, study, acknowledged):
         answers = self.answers(study)
