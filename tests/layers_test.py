@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The house: rooms, their wings, and which wing may include which. Fails on an include that is not in the table, on a file
-in no wing, on a folder of too many files, and on tests that stand in no wing of what they test.
+in no wing, on a folder of too many files, on tests that stand in no wing of what they test, and on two headers with a type
+of the same name: where the linker meets both it keeps the code of one.
 
 Usage: layers_test.py [SOURCE-FOLDER]"""
 import pathlib
@@ -121,6 +122,14 @@ def includes(root, path):
         yield number, str(target)
 
 
+def types(root, path):
+    """The types that a header defines outside every other one, templates left out."""
+    for line in (root / path).read_text(encoding="utf-8").splitlines():
+        found = re.match(r"(?:struct|class|enum class|enum) (\w+)(?: final)?(?: :.*)? \{", line)
+        if found is not None:
+            yield found[1]
+
+
 def problems(root):
     files = sorted(str(path.relative_to(root)) for room in [*ROOMS, "tests"]
                    for path in (root / room).rglob("*") if path.suffix in SOURCE)
@@ -146,6 +155,15 @@ def problems(root):
                 yield f"{path}:{line}: {room}/{wing} may not include {room}/{into} (only: {' '.join(allowed)})"
             elif other != room and other not in ROOMS[room]:
                 yield f"{path}:{line}: {room} may not include {other}"
+    defined = {}
+    for path in files:
+        room, _ = wing_of(path)
+        if room not in ROOMS or not path.endswith(".h") or any(path.startswith(one + "/") for one in ANY_LENGTH):
+            continue
+        for name in types(root, path):
+            if name in defined:
+                yield f"{path}: the type {name} is also in {defined[name]}: one of them needs another name"
+            defined[name] = path
     for folder, count in sorted(counts.items()):
         if count > MOST_FILES and folder not in ANY_LENGTH:
             yield f"{folder}: {count} files, more than {MOST_FILES}: give some of them a wing of their own, or merge them"

@@ -115,7 +115,7 @@ std::vector<ChoiceGroup> trial_groups(const WhichOptions& options, const TwoInte
     group.answer.options.order_term = !options.trials.order.empty();
   }
   std::map<std::tuple<std::size_t, double, int>, std::pair<long long, long long>> counts;
-  for (const Trial& trial : table.trials) {
+  for (const CsvTrial& trial : table.trials) {
     auto& [n, k] = counts[{trial.unit, trial.level, trial.order}];
     ++n;
     if (trial.positive) ++k;

@@ -158,7 +158,7 @@ TrialTable read_trials(const std::string& file, const TrialOptions& options, con
     const auto [place, added] =
         places.try_emplace({participant, condition, unit.standard.value_or(0)}, out.units.size());
     if (added) out.units.push_back(unit);
-    Trial trial;
+    CsvTrial trial;
     trial.unit = place->second;
     trial.level = table.number(row, options.level);
     if (use.differences) trial.level -= unit.standard.value_or(0);
@@ -173,7 +173,7 @@ TrialTable read_trials(const std::string& file, const TrialOptions& options, con
 
 std::vector<std::vector<TrialCount>> count_trials(const TrialTable& table) {
   std::vector<std::map<double, TrialCount>> counts(table.units.size());
-  for (const Trial& trial : table.trials) {
+  for (const CsvTrial& trial : table.trials) {
     TrialCount& count = counts[trial.unit][trial.level];
     count.level = trial.level;
     ++count.n;

@@ -37,7 +37,7 @@ extern const TrialUse kSameDifferentUse;
 
 void add_trial_options(CLI::App& command, TrialOptions& options, const TrialUse& use);
 
-struct Trial {
+struct CsvTrial {
   std::size_t unit = 0;  // in TrialTable::units
   double level = 0;      // with `differences` less the standard
   int order = 0;         // 1: the comparison came second, -1: first, 0: not asked for
@@ -55,7 +55,7 @@ struct TrialUnit {
 struct TrialTable {
   std::string file;  // its name in messages
   std::vector<TrialUnit> units;
-  std::vector<Trial> trials;
+  std::vector<CsvTrial> trials;
 };
 
 // Throws UsageError where options lack --trials or do not go together, InputError with the place where a column is
