@@ -78,10 +78,10 @@ void put_review(const QuestionnairePage& page) {
 }  // namespace
 
 std::string kind_banner(SessionKind kind) {
-  constexpr auto kWords = words<SessionKind>(
-      {{"REAL SESSION: this counts as data", SessionKind::real},
-       {"REHEARSAL (kind pilot: never counted as real data)", SessionKind::pilot},
-       {"DEMONSTRATION with a simulated participant (kind simulated)", SessionKind::simulated}});
+  constexpr auto kWords =
+      words<SessionKind>({{"REAL SESSION: this counts as data", SessionKind::real},
+                          {"REHEARSAL (kind pilot: never counted as real data)", SessionKind::pilot},
+                          {"DEMONSTRATION with a simulated participant (kind simulated)", SessionKind::simulated}});
   return std::string(word_of(kWords, kind));
 }
 
