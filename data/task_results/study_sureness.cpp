@@ -27,7 +27,7 @@ std::vector<SurenessRow> study_sureness(const Protocol& protocol, const std::vec
     const std::string& participant = sessions[static_cast<std::size_t>(trial.session)].participant;
     const double delta = trial.same() ? 0 : std::abs(trial.asked[0] - trial.asked[1]);
     std::vector<int>& counts = cells[{participant, trial.condition}][delta];
-    counts.resize(static_cast<std::size_t>(2 * degrees));
+    counts.resize(2 * static_cast<std::size_t>(degrees));
     ++counts[category_of(trial, degrees)];
   }
   std::vector<SurenessRow> rows;
