@@ -34,6 +34,9 @@ Place place_of(Resource resource) {
   return {"", "", ""};
 }
 
+// Beside a folder's own files: the protocols of published studies by others.
+constexpr const char* kStudies = "studies";
+
 // In this order: what the user says, beside the running binary (an install that was moved), the configured install
 // prefix, the source tree it was built from.
 fs::path folder_of(Resource resource) {
@@ -54,16 +57,24 @@ fs::path folder_of(Resource resource) {
   return {};
 }
 
+std::vector<fs::path> folders_of(Resource resource) {
+  std::vector<fs::path> folders;
+  const fs::path folder = folder_of(resource);
+  std::error_code error;
+  for (const fs::path& one : {folder, folder / kStudies})
+    if (fs::is_directory(one, error)) folders.push_back(one);
+  return folders;
+}
+
 }  // namespace
 
 std::vector<std::string> shipped_names(Resource resource) {
   std::vector<std::string> names;
-  const fs::path folder = folder_of(resource);
-  if (folder.empty()) return names;
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    const std::string file = entry.path().filename().string();
-    if (file.ends_with(".json") && !file.ends_with(".schema.json")) names.push_back(entry.path().stem().string());
-  }
+  for (const fs::path& folder : folders_of(resource))
+    for (const auto& entry : fs::directory_iterator(folder)) {
+      const std::string file = entry.path().filename().string();
+      if (file.ends_with(".json") && !file.ends_with(".schema.json")) names.push_back(entry.path().stem().string());
+    }
   std::sort(names.begin(), names.end());
   return names;
 }
@@ -80,8 +91,10 @@ fs::path find_resource(Resource resource, const std::string& name_or_path) {
     throw InputError(fmt::format("there is no {} file '{}' (shipped, and named without .json: {})", noun, name_or_path,
                                  fmt::join(shipped_names(resource), ", ")));
   }
-  fs::path shipped = folder_of(resource) / (name_or_path + ".json");
-  if (fs::is_regular_file(shipped, error)) return shipped;
+  for (const fs::path& folder : folders_of(resource)) {
+    fs::path shipped = folder / (name_or_path + ".json");
+    if (fs::is_regular_file(shipped, error)) return shipped;
+  }
   const std::string hint =
       fs::exists(name_or_path, error) ? fmt::format("; for the file write ./{}", name_or_path) : "";
   throw InputError(fmt::format("no {} called '{}' is shipped (shipped: {}){}", noun, name_or_path,

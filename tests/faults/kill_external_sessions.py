@@ -30,7 +30,7 @@ RIG_ENDS_WITHIN_S = 10
 
 def write_inputs(folder):
     """A small design of `which`, and a rig file whose command can be told from every other process."""
-    protocol = json.loads((ROOT / "protocols/maereg2017.json").read_text(encoding="utf-8"))
+    protocol = json.loads((ROOT / "protocols/studies/maereg2017.json").read_text(encoding="utf-8"))
     for part in ("assumed", "instructions", "published", "notes"):
         protocol.pop(part, None)
     protocol["trial"].update(explore_s=0.5, gap_s=0, between_trials_s=0)

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "protocols/reading/protocol_json.h"
 #include "tests/catch.h"
 
 namespace jnd::test {
@@ -30,6 +31,20 @@ std::vector<std::filesystem::path> json_files(const std::filesystem::path& folde
   }
   std::sort(files.begin(), files.end());
   return files;
+}
+
+std::vector<std::filesystem::path> shipped_files() {
+  std::vector<std::filesystem::path> files = json_files(protocols_folder());
+  const std::vector<std::filesystem::path> studies = json_files(protocols_folder() / "studies");
+  files.insert(files.end(), studies.begin(), studies.end());
+  return files;
+}
+
+Protocol shipped_protocol(const std::string& name) {
+  for (const std::filesystem::path& file : shipped_files())
+    if (file.stem() == name) return load_protocol(file);
+  FAIL("no protocol is called " << name);
+  return {};
 }
 
 std::string replaced(std::string text, const std::string& old, const std::string& with) {

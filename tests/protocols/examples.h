@@ -10,6 +10,8 @@
 namespace jnd::test {
 
 std::filesystem::path protocols_folder();
+std::vector<std::filesystem::path> shipped_files();  // the protocols in it, and in its folder of studies
+Protocol shipped_protocol(const std::string& name);
 std::filesystem::path corpus_folder();
 std::string read_text(const std::filesystem::path& path);
 // All *.json files of a folder except the schema, sorted.

@@ -51,7 +51,7 @@ TEST_CASE("independent draws show their spread") {
 }
 
 TEST_CASE("the text says at which sizes a cohort is balanced, within 100 columns") {
-  for (const auto& file : json_files(protocols_folder())) {
+  for (const auto& file : shipped_files()) {
     const Protocol protocol = load_protocol(file);
     for (const int participants : {1, 5, 18, 36}) {
       const std::string text = to_text(balance_of_cohort(protocol, participants, 1), protocol);

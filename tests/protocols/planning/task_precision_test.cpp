@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-#include "protocols/reading/protocol_json.h"
 #include "protocols/tasks/task.h"
 #include "tests/catch.h"
 #include "tests/protocols/examples.h"
@@ -24,7 +23,7 @@ const TaskPrecisionRow& row_of(const std::vector<TaskPrecisionRow>& rows, const 
 }  // namespace
 
 TEST_CASE("simulated estimates lie about the truth, and scatter by half with four times the trials") {
-  Protocol protocol = load_protocol(protocols_folder() / "maereg2017.json");
+  Protocol protocol = shipped_protocol("maereg2017");
   protocol.design.trials_per_cell = 40;
   TaskPrecisionQuestion question;
   question.noise = 80;
@@ -44,7 +43,7 @@ TEST_CASE("every task's precision can be foretold, of procedures too") {
   for (const char* name : {"leib2015", "pang1991", "identify-stiffness2025", "carpenter2018-oddity", "abx-stiffness",
                            "dhong2019-magnitude", "jones-hunter1990", "singhala2020"}) {
     CAPTURE(name);
-    const Protocol protocol = load_protocol(protocols_folder() / (std::string(name) + ".json"));
+    const Protocol protocol = shipped_protocol(name);
     TaskPrecisionQuestion question;
     question.participants = 20;
     const auto rows = task_precision(protocol, question);

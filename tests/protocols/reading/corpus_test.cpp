@@ -46,7 +46,7 @@ std::string all_text(const std::vector<Diagnostic>& diagnostics) {
 }  // namespace
 
 TEST_CASE("shipped protocols and the good corpus pass the loader and the schema") {
-  std::vector<std::filesystem::path> files = json_files(protocols_folder());
+  std::vector<std::filesystem::path> files = shipped_files();
   REQUIRE(files.size() >= 3);
   const auto corpus = json_files(corpus_folder() / "good");
   REQUIRE(corpus.size() >= 5);

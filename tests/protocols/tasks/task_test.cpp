@@ -8,7 +8,6 @@
 
 #include "protocols/planning/plan.h"
 #include "protocols/random_stream.h"
-#include "protocols/reading/protocol_json.h"
 #include "tests/catch.h"
 #include "tests/protocols/examples.h"
 
@@ -31,7 +30,7 @@ const std::vector<std::string> kShipped = {"which/leib2015",
                                            "same-different/gurari2017"};
 
 Protocol shipped_task(const std::string& place) {
-  return load_protocol(protocols_folder() / (place.substr(place.find('/') + 1) + ".json"));
+  return shipped_protocol(place.substr(place.find('/') + 1));
 }
 
 // What a trial is answered by somebody who feels it with that noise.

@@ -108,7 +108,7 @@ class Tasks(unittest.TestCase):
                                    or procedure in adaptive and (rig == "specimens" or task not in ADAPTIVE)})
 
     def test_the_list_names_every_shipped_protocol(self):
-        shipped = {path.stem for path in (ROOT / "protocols").glob("*.json") if path.name != "protocol.schema.json"}
+        shipped = {path.stem for path in (ROOT / "protocols").rglob("*.json") if path.name != "protocol.schema.json"}
         self.assertEqual({one["name"] for one in json.loads(self.jnd("new", "--list", "--json"))}, shipped)
         listed = self.jnd("new", "--list")
         for task in (*TASKS, "explore"):

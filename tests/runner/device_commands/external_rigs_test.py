@@ -143,7 +143,7 @@ def check_other_commands(folder):
     done = subprocess.run([*doctor, "--protocol", "tutorial"], capture_output=True, text=True, timeout=300, env=ENVIRONMENT)
     found = {entry["name"]: entry for entry in json.loads(done.stdout)["checks"]}
     check(found["external rig: protocol"]["verdict"] == "bad" and done.returncode == 1, "the protocol asks for another rig")
-    asked = json.loads((PROTOCOLS / "maereg2017.json").read_text(encoding="utf-8"))
+    asked = json.loads((PROTOCOLS / "studies/maereg2017.json").read_text(encoding="utf-8"))
     asked.update(assumed=[], levels={"absolute": [350, 450]}, conditions=[
         {"name": name, "label": name, "parameters": {"finger": name}} for name in ("thumb", "index")])
     asked["analysis"]["contrasts"] = []
