@@ -24,6 +24,10 @@ struct IntervalId {
 struct PresentRequest {
   Stimulus stimulus;
   double explore_s = 0;  // from first contact
+  // What ends it before explore_s: so many contacts have ended (0: none do), or `enough` says so, which is asked some 20
+  // times a second by the thread that called present (empty: nothing does).
+  int contacts = 0;
+  std::function<bool()> enough{};
   double no_contact_time_out_s = 0;
   IntervalId id;
   const Condition* condition = nullptr;  // of the trial: what a rig that is none of ours is told of it

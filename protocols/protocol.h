@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "analysis/procedures/posterior.h"
 #include "analysis/procedures/quest.h"
 #include "analysis/procedures/staircase.h"
 #include "protocols/vocabulary.h"
@@ -76,10 +77,30 @@ struct CueSignal {
   std::string say;   // what the console tells the operator to say; may be empty
 };
 
+// What ends an interval after its first contact: the time explore_s; so many contacts; or a key. The last two end with
+// explore_s at the latest.
+enum class IntervalEnd { time, contacts, key };
+
+// What participants are told to do in every interval, and between which limits it counts as done.
+struct Prescription {
+  // A limit on what was measured of the finger that pressed hardest: "contacts", "peak_force", "depth", "mean_speed".
+  struct Limit {
+    std::string measure;
+    double low = 0, high = 0;  // inclusive; in N, m (rad of a joint) or m/s
+  };
+  std::string say;                              // what the operator says before a block
+  double pace_hz = 0;                           // of a metronome during the intervals; 0: none
+  std::vector<Limit> limits;                    // empty: said, and not judged
+  OnSaturation on_breach = OnSaturation::flag;  // what becomes of a trial that broke it
+};
+
 struct Timeline {
   std::array<CueSignal, kMostIntervals> interval_cues;  // of the first, second and third interval
   CueSignal question_cue;
   double explore_s = 3;  // from first contact
+  IntervalEnd interval_end = IntervalEnd::time;
+  int contacts = 0;  // that end an interval, where contacts do
+  std::optional<Prescription> prescription;
   double no_contact_time_out_s = 10;
   double gap_s = 1;  // platform neutral between the intervals
   double between_trials_s = 1;
@@ -150,17 +171,29 @@ struct Series {
 // How levels are set where the answers set them. A level is a difference: the comparison is the reference less the
 // level, in the unit of StimulusSpec; never stiffer than the reference, as in the source paper's pairs.
 struct AdaptiveProcedure {
-  enum class Kind { staircase, quest } kind = Kind::staircase;
-  std::vector<double> starts;     // one track of each condition for each: its first level
-  std::array<double, 2> clamp{};  // lowest and highest level
-  StaircaseRule staircase;        // without start
-  QuestParameters quest;          // of log10 of the level; without t_guess
-  int trials = 0;                 // most trials of a track that have a difference
-  int reversals = 0;              // that end a track before; 0: its trials only
-  double catch_share = 0.5;       // of a track's trials, those with equal stimuli
-  std::vector<int> sides = {-1};  // of the standard, on which comparisons lie: below (-1), above (1), or both
-  int averaged_reversals = 6;     // the last ones, of which a staircase's threshold is the mean
+  enum class Kind { staircase, quest, posterior } kind = Kind::staircase;
+  std::vector<double> starts;         // one track of each condition for each: its first level
+  std::array<double, 2> clamp{};      // lowest and highest level
+  StaircaseRule staircase;            // without start
+  QuestParameters quest;              // of log10 of the level; without t_guess
+  PosteriorConfiguration posterior;   // of same-different with differences as levels; without a standard
+  std::optional<double> precision{};  // of posterior: the standard deviation of ln JND that ends a track before
+  bool joint_likelihood = false;      // a staircase's threshold is that of the posterior of all its answers
+  int trials = 0;                     // most trials of a track that have a difference
+  int reversals = 0;                  // that end a track before; 0: its trials only
+  double catch_share = 0.5;           // of a track's trials, those with equal stimuli
+  std::vector<int> sides = {-1};      // of the standard, on which comparisons lie: below (-1), above (1), or both
+  int averaged_reversals = 6;         // the last ones, of which a staircase's threshold is the mean
 };
+
+// Participants who get some of the conditions: a factor between them.
+struct Group {
+  std::string name;             // short: "patients"
+  std::string label;            // for people
+  std::vector<int> conditions;  // places in Protocol::conditions, ascending
+};
+// Who belongs to which group: by participant number, in balanced random blocks; or the operator says it.
+enum class Allotment { balanced, given };
 
 struct Design {
   int participants = 1;  // planned
@@ -229,6 +262,7 @@ struct Exclusions {  // of single trials, before anything is counted
   std::optional<double> response_time_below_s;
   std::optional<double> response_time_above_s;
   std::optional<double> saturated_share_above;  // of any finger in either interval
+  bool off_prescription = false;                // those that broke a limit of the prescription
 };
 
 struct Contrast {
@@ -240,12 +274,16 @@ enum class Outcome { slope, jnd, log_jnd };
 enum class Omnibus { none, anova, friedman };
 enum class PostHoc { holm_t, games_howell, tukey, wilcoxon };
 
+// Tests of groups of participants against each other: of their means over conditions, or groups and conditions at once.
+enum class BetweenTest { none, welch, mann_whitney, mixed_anova };
+
 struct GroupTestPlan {
   // The slope exists for nearly everyone; the JND and its logarithm only for those whose slope is positive, and tests
   // on them are refused where a participant has none.
   Outcome outcome = Outcome::slope;
   Omnibus omnibus = Omnibus::anova;
   PostHoc post_hoc = PostHoc::holm_t;
+  BetweenTest between = BetweenTest::none;
   double alpha = 0.05;
 };
 
@@ -278,6 +316,8 @@ struct Protocol {
   Timeline timeline;
   StimulusSpec stimulus;
   std::vector<Condition> conditions;
+  std::vector<Group> groups;  // empty: everyone gets every condition
+  Allotment allotment = Allotment::balanced;
   std::vector<Series> series;
   Design design;
   std::optional<Practice> practice;

@@ -226,6 +226,7 @@ struct TrialRecord {
   Answer answer;
   std::string answer_word{};       // the word of what was said; empty where it is a number
   std::vector<double> settings{};  // of adjust: what was presented in turn beside the standard, the start first
+  std::string breach{};            // what of the prescription was broken, in one line; empty: nothing
   std::vector<Presentation> presentations = std::vector<Presentation>(2);  // one of each interval
   double duration_s = 0;                                                   // from the first cue to the answer
 };
