@@ -1,7 +1,6 @@
 #include "runner/sound/session_sound.h"
 
 #include <algorithm>
-#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -26,16 +25,6 @@ bool has_sound_cue(const Timeline& timeline) {
        {&timeline.interval_cues[0], &timeline.interval_cues[1], &timeline.interval_cues[2], &timeline.question_cue})
     if (cue->kind == "sound") return true;
   return false;
-}
-
-// All that are prescribed, in Hz.
-std::set<double> paces_of(const Protocol& protocol) {
-  std::set<double> paces;
-  for (const Condition& condition : protocol.conditions) {
-    const Prescription* const prescription = prescription_of(protocol, condition);
-    if (prescription != nullptr && prescription->pace_hz > 0) paces.insert(prescription->pace_hz);
-  }
-  return paces;
 }
 
 // From the first cue to the question, or of a free interaction, at most.
@@ -70,6 +59,15 @@ std::string noise_text(const MaskingNoise& masking) {
 }
 
 }  // namespace
+
+std::set<double> paces_of(const Protocol& protocol) {
+  std::set<double> paces;
+  for (const Condition& condition : protocol.conditions) {
+    const Prescription* const prescription = prescription_of(protocol, condition);
+    if (prescription != nullptr && prescription->pace_hz > 0) paces.insert(prescription->pace_hz);
+  }
+  return paces;
+}
 
 bool asks_for_sound(const Protocol& protocol, const SoundSettings& settings) {
   return settings.masking || !paces_of(protocol).empty() || (!protocol.explore && has_sound_cue(protocol.timeline));

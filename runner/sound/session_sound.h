@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,8 @@
 
 namespace jnd {
 
+// The paces that the protocol prescribes in any condition, in Hz.
+std::set<double> paces_of(const Protocol& protocol);
 // Whether the protocol and the rig file ask for any sound.
 bool asks_for_sound(const Protocol& protocol, const SoundSettings& settings);
 
