@@ -24,7 +24,8 @@ struct IntervalId {
 
 struct PresentRequest {
   Stimulus stimulus;
-  double explore_s = 0;  // from first contact
+  std::optional<double> beside{};  // a second value that is felt at the same time, in a place of its own
+  double explore_s = 0;            // from first contact
   // What ends it before explore_s: so many contacts have ended (0: none do), or `enough` says so, which is asked some 20
   // times a second by the thread that called present (empty: nothing does).
   int contacts = 0;

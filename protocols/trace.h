@@ -10,7 +10,7 @@ namespace jnd {
 
 struct Trace {
   struct Channel {
-    std::string name, unit;  // as the rig's hello has them; at most 40 bytes of UTF-8 each
+    std::string name, unit;  // as the rig's hello has them; at most 40 and 80 bytes of UTF-8
     bool operator==(const Channel&) const = default;
   };
   struct Sample {

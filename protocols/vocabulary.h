@@ -145,6 +145,7 @@ struct Presentation {
   std::array<std::int64_t, kLatenessEdges_us.size() + 1> lateness_histogram{};  // ticks by kLatenessEdges_us
   // What a rig that is none of our devices says that it delivered, in the study's unit; and what else it measured.
   std::optional<double> delivered{};
+  std::optional<double> delivered_beside{};  // the same of what was felt beside it, until it is the second interval's
   std::map<std::string, double> measured{};
   Fault fault = Fault::none;
   std::string stopped_by;              // who latched an emergency stop: "key", "signal", "button", "program"

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::string_view kTraceMagic = "jndtrace";
 constexpr std::size_t kTraceHeaderSize = 8 + 4 + 4 + 8 + 8;  // magic, version, channels, samples, dropped
-constexpr std::size_t kLongestName = 40, kLongestUnit = 40;
+constexpr std::size_t kLongestName = 40, kLongestUnit = 80;
 constexpr std::size_t kSampleSize = 8 + 8 + 4 + 8;
 constexpr std::size_t kLargestTrace = kTraceHeaderSize + kMaxTraceChannels * (2 + kLongestName + kLongestUnit) +
                                       kSampleSize * static_cast<std::size_t>(kMaxTraceSamples);

@@ -87,6 +87,8 @@ class ConformanceTest {
     if (gone()) return;
     if (range.max > range.min) present_at(range.max, "the highest");
     if (gone()) return;
+    if (hello_->places > 1) present_at(range.min, "beside the highest", range.max);
+    if (gone()) return;
     check_round_trips("alive while it presents");
   }
 
@@ -256,8 +258,10 @@ class ConformanceTest {
     return probed.done ? "complete" : "nothing";
   }
 
-  void present_at(double value, const std::string& which) {
-    const Probed probed = probe_->present(request(value, kExplore_s));
+  void present_at(double value, const std::string& which, std::optional<double> beside = std::nullopt) {
+    RenderRequest asked = request(value, kExplore_s);
+    asked.beside = beside;
+    const Probed probed = probe_->present(asked);
     const std::string what =
         fmt::format("presents {} {}", rig_value_text(value, hello_->quantities.front().unit), which);
     if (probed.voided && probed.voided->failure == RigFailure::no_contact) {

@@ -34,7 +34,7 @@ bool is_same_rig(const RigHello& before, const RigHello& now) {
     return one.name == other.name && one.words == other.words;
   };
   return before.name == now.name && before.version == now.version && before.serial == now.serial &&
-         before.model == now.model && before.answers == now.answers &&
+         before.model == now.model && before.answers == now.answers && before.places == now.places &&
          std::equal(before.quantities.begin(), before.quantities.end(), now.quantities.begin(), now.quantities.end(),
                     same_range) &&
          std::equal(before.parameters.begin(), before.parameters.end(), now.parameters.begin(), now.parameters.end(),

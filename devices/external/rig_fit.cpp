@@ -108,6 +108,7 @@ std::vector<std::string> rig_problems(const RigDemand& demand, const RigHello& h
     for (const double value : demand.values) add(value_problem(value, *range));
   for (const auto& parameters : demand.conditions)
     for (std::string& problem : parameter_problems(parameters, hello)) add(std::move(problem));
+  if (demand.places > hello.places) add("two values are to be felt side by side, and the rig presents one at a time");
   if (demand.answers && !hello.answers) add("participants are to answer on the rig, and it has no buttons");
   if (demand.real && hello.model)
     add("the rig is a model in software by its own word: what is felt with it is no real data");
@@ -119,6 +120,10 @@ std::string rig_request_problem(const RenderRequest& request, const RigHello& he
   if (std::string problem = quantity_problem(request.quantity, request.unit, hello, range); !problem.empty())
     return problem;
   if (std::string problem = value_problem(request.value, *range); !problem.empty()) return problem;
+  if (request.beside) {
+    if (hello.places < 2) return "the rig presents one value at a time";
+    if (std::string problem = value_problem(*request.beside, *range); !problem.empty()) return problem;
+  }
   const std::vector<std::string> problems = parameter_problems(request.parameters, hello);
   return problems.empty() ? std::string() : problems.front();
 }

@@ -76,6 +76,7 @@ class RigLineReading {
     hello.serial = reader.text("serial", kLabel);
     hello.model = reader.boolean("model");
     hello.answers = reader.boolean("answers");
+    hello.places = reader.integer_or("places", 1, {.min = 1, .max = 2});
     if (const JsonNode* list = reader.array("quantities", 1, kMostRigItems))
       for (const JsonNode& node : list->items) hello.quantities.push_back(read_range(node, "quantities"));
     if (const JsonNode* list = reader.array("parameters", 0, kMostRigItems))
@@ -119,6 +120,7 @@ class RigLineReading {
     done.id = id(reader);
     done.outcome = reader.one_of<RigOutcome>("outcome", kRigOutcomeWords);
     done.delivered = reader.optional_number("delivered", kNumber);
+    done.delivered_beside = reader.optional_number("delivered_beside", kNumber);
     done.first_contact_s = reader.optional_number("first_contact_s", kTime);
     done.duration_s = reader.number("duration_s", kTime);
     done.contacts = reader.integer("contacts", {.min = 0, .max = 1'000'000});

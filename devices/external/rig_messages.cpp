@@ -30,17 +30,19 @@ std::string request_line(std::string_view type, std::uint64_t id, const RenderRe
   Json parameters = Json::object();
   for (const auto& [name, value] : request.parameters)
     std::visit([&, &key = name](const auto& its) { parameters[key] = its; }, value);
-  return line_of({{"type", type},
-                  {"id", id},
-                  {"trial", request.id.trial},
-                  {"attempt", request.id.attempt},
-                  {"interval", request.id.interval},
-                  {"quantity", request.quantity},
-                  {"unit", request.unit},
-                  {"value", request.value},
-                  {"parameters", parameters},
-                  {"exploration", to_json(request.exploration)},
-                  {"time_out_s", request.time_out_s}});
+  Json json = {{"type", type},
+               {"id", id},
+               {"trial", request.id.trial},
+               {"attempt", request.id.attempt},
+               {"interval", request.id.interval},
+               {"quantity", request.quantity},
+               {"unit", request.unit},
+               {"value", request.value},
+               {"parameters", parameters},
+               {"exploration", to_json(request.exploration)},
+               {"time_out_s", request.time_out_s}};
+  if (request.beside) json["beside"] = *request.beside;
+  return line_of(json);
 }
 
 }  // namespace

@@ -45,6 +45,7 @@ struct RigHello {
   std::vector<RigParameter> parameters;  // names differ from each other
   std::vector<RigChannel> measures;
   bool answers = false;  // it has buttons of its own
+  int places = 1;        // values that it presents side by side, at most: 1 or 2
 };
 
 struct RigReady {
@@ -64,9 +65,10 @@ using NamedNumbers = std::vector<std::pair<std::string, double>>;
 struct RigDone {
   std::uint64_t id = 0;
   RigOutcome outcome = RigOutcome::complete;
-  std::optional<double> delivered;        // of the quantity, as measured; none: not measured
-  std::optional<double> first_contact_s;  // since the presentation began
-  double duration_s = 0;                  // of the presentation
+  std::optional<double> delivered;         // of the quantity, as measured; none: not measured
+  std::optional<double> delivered_beside;  // the same of the value beside it
+  std::optional<double> first_contact_s;   // since the presentation began
+  double duration_s = 0;                   // of the presentation
   int contacts = 0;
   NamedNumbers peaks;     // largest of a measured channel
   NamedNumbers channels;  // other numbers of measured channels, such as means
@@ -113,7 +115,8 @@ struct RigExploration {
 struct RenderRequest {
   IntervalId id;
   std::string quantity, unit;
-  double value = 0;
+  double value = 0;                // of two, the one on the left
+  std::optional<double> beside{};  // the one on the right
   std::map<std::string, RigParameterValue> parameters;
   RigExploration exploration;
   double time_out_s = 10;  // from "present" to "done"; what takes longer is stopped, and void

@@ -40,6 +40,7 @@ RigDemand rig_demand(const Protocol& protocol) {
     if (series.standard != 0) values.insert(series.standard);
   }
   demand.values.assign(values.begin(), values.end());
+  if (protocol.task.together) demand.places = 2;
   for (const Condition& condition : protocol.conditions) demand.conditions.push_back(parameters_of(condition));
   return demand;
 }
@@ -82,6 +83,7 @@ Presentation LaboratoryRig::present(const PresentRequest& request) {
   asked.quantity = protocol_.stimulus.quantity;
   asked.unit = to_string(protocol_.stimulus.unit);
   asked.value = request.stimulus.stiffness;
+  asked.beside = request.beside;
   if (request.condition != nullptr) asked.parameters = parameters_of(*request.condition);
   asked.exploration.ends = request.contacts > 0 ? RigExplorationEnd::contacts
                            : request.enough     ? RigExplorationEnd::stop
@@ -118,6 +120,7 @@ Presentation LaboratoryRig::present(const PresentRequest& request) {
   const RigDone& done = *rendered.done;
   if (done.outcome == RigOutcome::no_contact) presentation.fault = Fault::no_contact;
   presentation.delivered = done.delivered;
+  if (request.beside) presentation.delivered_beside = done.delivered_beside;
   for (const auto& [name, value] : done.channels) presentation.measured[name] = value;
   for (const auto& [name, value] : done.peaks) presentation.measured["peak_" + name] = value;
   presentation.measured["contacts"] = done.contacts;

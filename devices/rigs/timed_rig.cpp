@@ -34,7 +34,10 @@ Presentation TimedRig::present(const PresentRequest& request) {
   }
   if (request.tap_g > 0) return presentation;
   presentation.first_contact_s = reach_s;
-  if (info_.simulated) presentation.delivered = request.stimulus.stiffness;
+  if (info_.simulated) {
+    presentation.delivered = request.stimulus.stiffness;
+    presentation.delivered_beside = request.beside;
+  }
   return presentation;
 }
 

@@ -7,6 +7,7 @@
 
 #include "analysis/scaling/adjustment.h"
 #include "protocols/input/json_reader.h"
+#include "protocols/tasks/arrangements.h"
 #include "protocols/tasks/task_estimates.h"
 
 namespace jnd {
@@ -38,12 +39,13 @@ std::vector<double> starts_on(int side, const Series& series, double start) {
 }  // namespace
 
 void AdjustTask::read(JsonReader& section, TaskSpec& spec) const {
+  spec.together = section.one_of_or<bool>("presentation", {{"sequential", false}, {"side-by-side", true}}, false);
   spec.start = section.number_or("start", 0.5, {.min = 0, .max = 1});
   spec.classes = {"less", "more", "accept"};
 }
 
 std::vector<TaskProblem> AdjustTask::problems(const Protocol& protocol) const {
-  std::vector<TaskProblem> problems;
+  std::vector<TaskProblem> problems = problems_of_places(protocol);
   for (const Series& series : protocol.series) {
     if (series.levels.empty()) continue;  // told already
     if (!starts_on(-1, series, 0).empty() && !starts_on(1, series, 0).empty()) continue;

@@ -20,4 +20,10 @@ std::vector<Intervals> orders_of(double standard, double comparison, bool standa
   return {{standard, comparison}, {comparison, standard}};
 }
 
+std::vector<TaskProblem> problems_of_places(const Protocol& protocol) {
+  if (!protocol.task.together || !protocol.rig.built_in()) return {};
+  return {{"$.task.presentation", "our own devices present one value after another",
+           "write \"sequential\", or the rig \"specimens\" or \"external\""}};
+}
+
 }  // namespace jnd

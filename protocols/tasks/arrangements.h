@@ -16,4 +16,7 @@ void add_level(std::vector<DrawnTrial>& cell, std::vector<DrawnTrial> arrangemen
 // The two orders of a standard and a comparison; the second alone where the standard always comes first.
 std::vector<Intervals> orders_of(double standard, double comparison, bool standard_first);
 
+// Where two values are to be felt side by side on a rig that presents one at a time.
+std::vector<TaskProblem> problems_of_places(const Protocol& protocol);
+
 }  // namespace jnd

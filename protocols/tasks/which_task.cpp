@@ -34,9 +34,7 @@ void WhichTask::read(JsonReader& section, TaskSpec& spec) const {
 }
 
 std::vector<TaskProblem> WhichTask::problems(const Protocol& protocol) const {
-  if (!protocol.task.together || protocol.rig.device == kSpecimenRig) return {};
-  return {{"$.task.presentation", "two values side by side are felt with specimens only",
-           "write \"sequential\", or the rig \"specimens\""}};
+  return problems_of_places(protocol);
 }
 
 std::vector<DrawnTrial> WhichTask::draw(const CellDraw& cell, RandomStream& stream) const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <utility>
 
 #include "data/log/telemetry.h"
 #include "data/log/trace_blob.h"
@@ -124,7 +125,12 @@ bool TrialConductor::present_all(const Attempt& attempt, TrialRecord& record) {
     presentation = present(attempt, interval);
     if (voided_after(attempt, interval, presentation)) return false;
   }
-  if (protocol.task.together) record.presentations[1] = record.presentations[0];
+  if (protocol.task.together) {
+    Presentation &first = record.presentations[0], &second = record.presentations[1];
+    second = first;
+    second.delivered = std::exchange(first.delivered_beside, std::nullopt);
+    second.delivered_beside.reset();
+  }
   record.breach = breach_of(attempt.trial, record.presentations, protocol);
   const std::string against = rule_broken_by(record);
   if (against.empty()) return true;
@@ -293,6 +299,7 @@ Presentation TrialConductor::present(const Attempt& attempt, int interval) {
   const Trial& trial = attempt.trial;
   PresentRequest request;
   request.stimulus.stiffness = attempt.stimuli[static_cast<std::size_t>(interval)];
+  if (protocol.task.together) request.beside = attempt.stimuli[1];
   const Condition& condition = protocol.conditions[static_cast<std::size_t>(trial.condition)];
   request.stimulus.cues = condition.cues;
   request.condition = &condition;

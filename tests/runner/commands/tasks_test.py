@@ -384,6 +384,52 @@ class Tasks(unittest.TestCase):
         for row in rows:
             self.assertLess(float(row["response_time_s"]), 0.02)
 
+    def test_two_values_are_felt_side_by_side(self):
+        """A rig of two places is told both; what it delivers is kept for each, and a rehearsal answers by both."""
+        source = (ROOT / "devices/external/examples/plain_rig.py").read_text()
+        script = self.folder / "two.py"
+        script.write_text(source.replace('"answers": False', '"answers": False, "places": 2').replace(
+            'say("done", id=self.id', 'say("done", delivered_beside=self.beside, id=self.id').replace(
+            "self.first, self.contacts", 'self.beside = request["beside"]\n        self.first, self.contacts', 1))
+        rig = self.folder / "rig.json"
+        rig.write_text(json.dumps({"format": 1, "title": "two", "external": {"command": [sys.executable, str(script)]}}))
+        changes = {"design": {"trials_per_cell": 4, "order": {"series": "fixed", "conditions": "fixed"}},
+                   "levels": {"absolute": [200, 600]}, "analysis": {"contrasts": []},
+                   "conditions": [{"name": "thumb", "label": "thumb", "parameters": {"finger": "thumb"}}],
+                   "task": {"presentation": "side-by-side", "sureness": 0}}
+        protocol = self.small("maereg2017", name="beside", **changes)
+        content = json.loads(protocol.read_text())
+        content["trial"]["keys"] = {"left": "1", "right": "2"}
+        protocol.write_text(json.dumps(content))
+        self.jnd("simulate", protocol, "--study", "m.sqlite", "--participants", 4, "--seed", 3)
+        self.jnd("verify", "m.sqlite", "--deep")
+        self.jnd("export", "m.sqlite", "--to", "m", "--kind", "simulated")
+        felt = [row for place in range(1, 5) for row in self.rows(f"m/sub-P{place:02}/trials.csv")]
+        self.assertGreater(sum(row["correct"] == "1" for row in felt), 0.8 * len(felt))  # 200, 400 and 600 are told apart
+        self.assertEqual({row["answer"] for row in felt}, {"left", "right"})
+        plain = self.folder / "plain.json"
+        plain.write_text(json.dumps({"format": 1, "title": "one", "external": {
+            "command": [sys.executable, str(ROOT / "devices/external/examples/plain_rig.py")]}}))
+        said = subprocess.run([JND, "check", protocol, "--rig", plain], capture_output=True, text=True, cwd=self.folder)
+        self.assertNotEqual(said.returncode, 0)
+        self.assertIn("side by side", said.stdout + said.stderr)
+        for _ in range(10):  # on a busy machine the rig may answer late, which voids a trial: then once more
+            (self.folder / "e.sqlite").unlink(missing_ok=True)
+            done = subprocess.run([JND, "run", protocol, "--study", "e.sqlite", "--participant", "P01", "--rig", rig, "--plain",
+                                   "--seed", "4", "--override-readiness", "a machine that runs tests"],
+                                  capture_output=True, text=True, cwd=self.folder, input=" 1" * 24)
+            if done.returncode == 0 or "silent" not in done.stdout:
+                break
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.jnd("verify", "e.sqlite", "--deep")
+        self.jnd("export", "e.sqlite", "--to", "e", "--kind", "pilot")
+        rows = self.rows("e/sub-P01/trials.csv")
+        self.assertEqual(len(rows), 8)
+        for row in rows:
+            self.assertAlmostEqual(float(row["i1_delivered_n_per_m"]), float(row["stimulus_1_n_per_m"]), delta=1)
+            self.assertEqual(float(row["i2_delivered_n_per_m"]), float(row["stimulus_2_n_per_m"]))
+        self.assertEqual(len({row["stimulus_2_n_per_m"] for row in rows}), 3)
+
     def test_a_protocol_that_the_rig_cannot_render_is_refused_before_anything_is_made(self):
         rig = self.folder / "rig.json"
         rig.write_text(json.dumps({"format": 1, "title": "plain rig", "external": {
