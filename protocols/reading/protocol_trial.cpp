@@ -92,14 +92,15 @@ void read_answers(JsonReader& reader, ProtocolReading& reading) {
 void read_interval_cues(const JsonNode& node, ProtocolReading& reading) {
   constexpr std::array<std::string_view, kMostIntervals> kPlaces = {"first", "second", "third"};
   Timeline& timeline = reading.protocol.timeline;
-  const auto intervals = static_cast<std::size_t>(task_of(reading.protocol.task.kind).intervals(reading.protocol.task));
+  const auto intervals = static_cast<std::size_t>(felt_intervals(reading.protocol.task));
   JsonReader part(node, reading.errors, reading.file);
   for (std::size_t i = 0; i < kPlaces.size(); ++i) {
     if (i < intervals)
       timeline.interval_cues[i] = read_cue(part, kPlaces[i], reading);
     else if (part.member(kPlaces[i]) != nullptr)
       part.error(kPlaces[i],
-                 fmt::format("has no meaning where a trial has {} interval{}", intervals, intervals == 1 ? "" : "s"),
+                 fmt::format("has no meaning where a trial has {} interval{}{}", intervals, intervals == 1 ? "" : "s",
+                             reading.protocol.task.together ? ", felt side by side" : ""),
                  "remove it");
   }
   timeline.question_cue = read_cue(part, "question", reading);
@@ -190,7 +191,7 @@ void read_trial(const JsonNode& node, ProtocolReading& reading) {
   timeline.explore_s = reader.number("explore_s", {.min = 0.5, .max = 60, .unit = "s"});
   read_exploration(reader, reading);
   timeline.no_contact_time_out_s = reader.number("no_contact_time_out_s", {.min = 1, .max = 120, .unit = "s"});
-  timeline.gap_s = task_of(reading.protocol.task.kind).intervals(reading.protocol.task) > 1
+  timeline.gap_s = felt_intervals(reading.protocol.task) > 1
                        ? reader.number("gap_s", {.min = 0, .max = 60, .unit = "s"})
                        : reader.number_or("gap_s", 0, {.min = 0, .max = 60, .unit = "s"});
   timeline.between_trials_s = reader.number("between_trials_s", {.min = 0, .max = 120, .unit = "s"});

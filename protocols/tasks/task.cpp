@@ -53,6 +53,10 @@ std::span<const TaskKind> all_tasks() noexcept {
   return kAll;
 }
 
+int felt_intervals(const TaskSpec& spec) {
+  return spec.together ? 1 : task_of(spec.kind).intervals(spec);
+}
+
 std::string_view said_word(const TaskSpec& spec, int said) noexcept {
   const bool known = said >= 0 && static_cast<std::size_t>(said) < spec.classes.size();
   return known ? std::string_view(spec.classes[static_cast<std::size_t>(said)]) : std::string_view();

@@ -164,6 +164,8 @@ const Task& task_of(TaskKind kind);
 std::span<const TaskKind> all_tasks() noexcept;
 
 // The word of what was said, such as "second"; empty where the answer is a number.
+// How often something is felt one after the other: in every interval, or once where all are felt together.
+int felt_intervals(const TaskSpec& spec);
 std::string_view said_word(const TaskSpec& spec, int said) noexcept;
 
 // Task::trials_of_cell of the protocol's task; series: place in Protocol::series.

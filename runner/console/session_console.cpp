@@ -297,7 +297,7 @@ std::string usual_words(CuePlace place, const Protocol& protocol) {
       words += (i == 0 ? "" : i + 1 == classes.size() ? " or " : ", ") + classes[i];
     return words + "?";
   }
-  if (task_of(protocol.task.kind).intervals(protocol.task) == 1) return "now";
+  if (felt_intervals(protocol.task) == 1) return "now";
   const std::string ordinal = kOrdinals[static_cast<std::size_t>(place)];
   return protocol.rig.built_in() ? ordinal + " sphere" : ordinal;
 }

@@ -115,7 +115,7 @@ bool TrialConductor::present_all(const Attempt& attempt, TrialRecord& record) {
   const Protocol& protocol = parts_.protocol;
   ticks_.clear();
   // Together, all of it is one interval: what is felt of one place is felt of the other.
-  const auto intervals = protocol.task.together ? 1 : static_cast<int>(attempt.stimuli.size());
+  const int intervals = felt_intervals(protocol.task);
   for (int interval = 0; interval < intervals; ++interval) {
     if (interval > 0 && !wait_until(parts_, after_s(protocol.timeline.gap_s)) && voided_by_interruption(attempt))
       return false;

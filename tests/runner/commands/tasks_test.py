@@ -400,6 +400,7 @@ class Tasks(unittest.TestCase):
         protocol = self.small("maereg2017", name="beside", **changes)
         content = json.loads(protocol.read_text())
         content["trial"]["keys"] = {"left": "1", "right": "2"}
+        del content["trial"]["cues"]["second"], content["trial"]["gap_s"]
         protocol.write_text(json.dumps(content))
         self.jnd("simulate", protocol, "--study", "m.sqlite", "--participants", 4, "--seed", 3)
         self.jnd("verify", "m.sqlite", "--deep")
