@@ -31,7 +31,9 @@ std::vector<AdaptiveThreshold> usable(const std::vector<AdaptiveThreshold>& trac
 constexpr auto kAdaptiveStatusWords = words<AdaptiveStatus>({{"ok", AdaptiveStatus::ok},
                                                              {"too_few_reversals", AdaptiveStatus::too_few_reversals},
                                                              {"no_trials", AdaptiveStatus::no_trials},
-                                                             {"pinned_at_clamp", AdaptiveStatus::pinned_at_clamp}});
+                                                             {"pinned_at_clamp", AdaptiveStatus::pinned_at_clamp},
+                                                             {"too_few_answers", AdaptiveStatus::too_few_answers},
+                                                             {"pinned_at_grid", AdaptiveStatus::pinned_at_grid}});
 
 }  // namespace
 
@@ -63,6 +65,24 @@ AdaptiveThreshold quest_threshold(double mean, double sd, int trials, const std:
   const double threshold = std::pow(10, mean);
   const bool inside = threshold > clamp[0] && threshold < clamp[1];
   return {inside ? AdaptiveStatus::ok : AdaptiveStatus::pinned_at_clamp, threshold, sd, trials};
+}
+
+AdaptiveThreshold posterior_threshold(const PosteriorProcedure& posterior, double prior_sd) {
+  if (posterior.trials() == 0) return without_threshold(AdaptiveStatus::no_trials);
+  const PosteriorEstimate estimate = posterior.estimate();
+  AdaptiveThreshold threshold{AdaptiveStatus::ok, kNaN, estimate.sd_ln_s, posterior.trials()};
+  std::vector<double> masses;
+  posterior.ln_s_masses(masses);
+  const auto highest = std::max_element(masses.begin(), masses.end());
+  if (highest == masses.begin() || highest + 1 == masses.end())
+    threshold.status = AdaptiveStatus::pinned_at_grid;
+  else if (2 * estimate.sd_ln_s * estimate.sd_ln_s > prior_sd * prior_sd)
+    threshold.status = AdaptiveStatus::too_few_answers;
+  if (threshold.status != AdaptiveStatus::ok) return threshold;
+  threshold.threshold = std::exp(estimate.mean_ln_s);
+  threshold.low = std::exp(posterior.ln_s_quantile(0.025));
+  threshold.high = std::exp(posterior.ln_s_quantile(0.975));
+  return threshold;
 }
 
 AdaptiveThreshold combined_staircases(const std::vector<AdaptiveThreshold>& tracks) {

@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "data/log/event_body.h"
+#include "protocols/planning/adaptive_run.h"
 #include "protocols/planning/condition_codes.h"
 
 namespace jnd {
@@ -212,7 +213,7 @@ TrialOutline SessionEngine::outline_of(const Trial& trial) const {
   } else {
     outline.number = course_.main_done() + 1;
     outline.total = course_.main_done() + left;
-    outline.at_most = protocol_.design.procedure && protocol_.design.procedure->reversals > 0;
+    outline.at_most = protocol_.design.procedure && can_end_early(*protocol_.design.procedure);
   }
   const Timeline& timeline = protocol_.timeline;
   const double pace = trials_timed_ > 0 ? seconds_in_trials_ / trials_timed_
