@@ -92,7 +92,10 @@ PosteriorOfAnswers posterior_of_answers(const PosteriorConfiguration& configurat
     const auto place = std::lower_bound(c.levels.begin(), c.levels.end(), answer.level) - c.levels.begin();
     posterior.update(static_cast<std::size_t>(place), answer.positive);
   }
-  return {posterior_threshold(posterior, prior_sd), posterior.estimate()};
+  PosteriorEstimate estimate = posterior.estimate();
+  // What rounding leaves of the 0 of answers that are alike on both sides.
+  if (std::abs(estimate.mean_shift) < 1e-12 * estimate.sd_shift) estimate.mean_shift = 0;
+  return {posterior_threshold(posterior, prior_sd), estimate};
 }
 
 PosteriorOfAnswers posterior_of_trials(const Protocol& protocol, const Series& series,

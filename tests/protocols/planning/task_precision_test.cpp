@@ -39,6 +39,18 @@ TEST_CASE("simulated estimates lie about the truth, and scatter by half with fou
   CHECK(row_of(task_precision(protocol, question), protocol, "jnd").cv == Approx(jnd.cv / 2).epsilon(0.15));
 }
 
+TEST_CASE("of a threshold by the posterior of all answers the noise is the true JND") {
+  const Protocol protocol = shipped_protocol("adaptive-posterior");
+  TaskPrecisionQuestion question;
+  question.noise = 250;
+  const auto rows = task_precision(protocol, question);
+  const TaskPrecisionRow& threshold = row_of(rows, protocol, "threshold");
+  CHECK(threshold.median == Approx(250).epsilon(0.06));
+  CHECK(threshold.trials == 60);
+  CHECK(threshold.undefined < 0.01);
+  CHECK(row_of(rows, protocol, "weber").median == Approx(threshold.median / 900));
+}
+
 TEST_CASE("every task's precision can be foretold, of procedures too") {
   for (const char* name :
        {"leib2015", "pang1991", "identify-stiffness2025", "carpenter2018-oddity", "abx-stiffness",
