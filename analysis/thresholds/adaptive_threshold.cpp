@@ -67,21 +67,17 @@ AdaptiveThreshold quest_threshold(double mean, double sd, int trials, const std:
   return {inside ? AdaptiveStatus::ok : AdaptiveStatus::pinned_at_clamp, threshold, sd, trials};
 }
 
-AdaptiveThreshold posterior_threshold(const PosteriorProcedure& posterior, double prior_sd) {
-  if (posterior.trials() == 0) return without_threshold(AdaptiveStatus::no_trials);
-  const PosteriorEstimate estimate = posterior.estimate();
-  AdaptiveThreshold threshold{AdaptiveStatus::ok, kNaN, estimate.sd_ln_s, posterior.trials()};
-  std::vector<double> masses;
-  posterior.ln_s_masses(masses);
-  const auto highest = std::max_element(masses.begin(), masses.end());
-  if (highest == masses.begin() || highest + 1 == masses.end())
+AdaptiveThreshold posterior_threshold(const LogPosterior& posterior) {
+  if (posterior.trials == 0) return without_threshold(AdaptiveStatus::no_trials);
+  AdaptiveThreshold threshold{AdaptiveStatus::ok, kNaN, posterior.sd, posterior.trials};
+  if (posterior.at_end)
     threshold.status = AdaptiveStatus::pinned_at_grid;
-  else if (2 * estimate.sd_ln_s * estimate.sd_ln_s > prior_sd * prior_sd)
+  else if (2 * posterior.sd * posterior.sd > posterior.prior_sd * posterior.prior_sd)
     threshold.status = AdaptiveStatus::too_few_answers;
   if (threshold.status != AdaptiveStatus::ok) return threshold;
-  threshold.threshold = std::exp(estimate.mean_ln_s);
-  threshold.low = std::exp(posterior.ln_s_quantile(0.025));
-  threshold.high = std::exp(posterior.ln_s_quantile(0.975));
+  threshold.threshold = std::exp(posterior.mean);
+  threshold.low = std::exp(posterior.low);
+  threshold.high = std::exp(posterior.high);
   return threshold;
 }
 

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "analysis/numerics/special_values.h"
-#include "analysis/procedures/posterior.h"
 
 namespace jnd {
 
@@ -48,10 +47,17 @@ AdaptiveThreshold staircase_threshold(const std::vector<double>& levels, const s
 // mean, sd: of the posterior of log10 of the level. Pinned where the mean is at or beyond an end of the clamp.
 AdaptiveThreshold quest_threshold(double mean, double sd, int trials, const std::array<double, 2>& clamp);
 
-// The JND s of the response model, exp of the posterior mean of ln s (posterior.h). prior_sd: of ln s before any answer. It
-// has none while the variance of ln s is above half of the prior's, so that the answers say less than the prior, nor where
-// the posterior is highest at an end of the grid; sd and n are given all the same.
-AdaptiveThreshold posterior_threshold(const PosteriorProcedure& posterior, double prior_sd);
+// Of ln s of a response model (analysis/procedures/posterior.h), given all answers.
+struct LogPosterior {
+  double mean = 0, sd = 0;
+  double low = 0, high = 0;  // its 2.5 and 97.5 % points
+  double prior_sd = 0;       // before any answer
+  bool at_end = false;       // it is highest at an end of the grid
+  int trials = 0;
+};
+// The JND s, exp of the mean. There is none while the variance is above half of the prior's, so that the answers say less
+// than the prior, nor where the posterior is highest at an end of the grid; sd and n are given all the same.
+AdaptiveThreshold posterior_threshold(const LogPosterior& posterior);
 
 // Several tracks of one participant and condition. Those that are ok are averaged: levels of staircases, logarithms of
 // QUEST, whose standard deviation is that of the mean of independent posteriors. n adds up; a staircase's sd is pooled

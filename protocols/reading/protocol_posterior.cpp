@@ -40,7 +40,13 @@ std::vector<double> read_list(const JsonNode* list, const NumberLimits& limits, 
 std::vector<double> read_values(JsonReader& reader, std::string_view key, bool required, Sizes sizes,
                                 const NumberLimits& limits, ProtocolReading& reading) {
   const JsonNode* given = reader.member(key);
-  if (given != nullptr && given->kind == JsonNode::Kind::object) return read_steps(*given, limits, reading);
+  if (given != nullptr && given->kind == JsonNode::Kind::object) {
+    std::vector<double> steps = read_steps(*given, limits, reading);
+    if (reading.sound(given->path) && steps.size() < sizes.least)
+      reading.error(*given, fmt::format("{} values are too few", steps.size()),
+                    fmt::format("give {} or more", sizes.least));
+    return steps;
+  }
   const JsonNode* list =
       required ? reader.array(key, sizes.least, sizes.most) : reader.array_or_null(key, sizes.least, sizes.most);
   std::vector<double> values = read_list(list, limits, reading);
@@ -92,6 +98,28 @@ void read_prior(const JsonNode& node, PosteriorConfiguration& given, ProtocolRea
   reader.finish();
 }
 
+// A choice looks through all probabilities, and every track keeps them; they are as many in every series.
+bool look_at_size(ProtocolReading& reading) {
+  const Protocol& protocol = reading.protocol;
+  const PosteriorConfiguration c = posterior_model(protocol, protocol.series.front()).configuration;
+  const std::size_t observers = c.ln_s.size() * c.shift.size() * c.lapse.size();
+  const std::size_t cells = c.levels.size() * observers;
+  const std::size_t tracks = protocol.series.size() * protocol.conditions.size();
+  if (cells > kMostCellsOfChoice)
+    reading.error_at(
+        limits_path(*protocol.design.procedure),
+        fmt::format("{} levels for {} observers of the grid: a choice takes too long", c.levels.size(), observers),
+        fmt::format("levels times observers are at most {}: fewer levels, or a coarser grid", kMostCellsOfChoice));
+  else if (cells * tracks > kMostPosteriorCells)
+    reading.error_at(
+        limits_path(*protocol.design.procedure),
+        fmt::format("{} tracks with {} probabilities each are more than {}", tracks, cells, kMostPosteriorCells),
+        "take fewer levels, or a coarser grid");
+  else
+    return true;
+  return false;
+}
+
 // Whether the levels of one series, its grid and its prior make a model; says so where they do not.
 bool look_at_model(const JsonNode& node, const Series& series, ProtocolReading& reading) {
   const AdaptiveProcedure& procedure = *reading.protocol.design.procedure;
@@ -109,19 +137,13 @@ bool look_at_model(const JsonNode& node, const Series& series, ProtocolReading& 
                      "give one weight of \"prior\" for each lapse of \"grid\"");
     return false;
   }
-  const std::size_t observers = c.ln_s.size() * c.shift.size() * c.lapse.size();
-  if (c.levels.size() * observers > kMostCellsOfChoice) {
-    reading.error_at(
-        limits_path(procedure),
-        fmt::format("{} levels for {} observers of the grid: a choice takes too long", c.levels.size(), observers),
-        fmt::format("levels times observers are at most {}: fewer levels, or a coarser grid", kMostCellsOfChoice));
-    return false;
-  }
   if (const std::string problem = problem_of(c); !problem.empty()) {
     reading.error(node, problem, "change the grid or the prior");
     return false;
   }
-  const double prior_sd = PosteriorProcedure(c).estimate().sd_ln_s;
+  PosteriorConfiguration prior = c;
+  prior.levels.clear();  // no tables
+  const double prior_sd = PosteriorProcedure(prior).estimate().sd_ln_s;
   if (procedure.precision && *procedure.precision >= prior_sd) {
     reading.error_at(procedure_path("stop.precision"),
                      fmt::format("{} is reached before the first answer: the prior has a standard deviation of {:.3g}",
@@ -165,17 +187,9 @@ void lint_response_model(const JsonNode& node, ProtocolReading& reading) {
   if (!reading.sound(node.path) || !reading.sound("$.standards") || !reading.sound("$.stimulus") ||
       !task_of(protocol.task.kind).posterior_task())
     return;
+  if (protocol.series.empty() || !look_at_size(reading)) return;
   for (const Series& series : protocol.series)
     if (!look_at_model(node, series, reading)) return;
-  const std::size_t tracks = protocol.series.size() * protocol.conditions.size();
-  if (protocol.series.empty()) return;
-  const PosteriorConfiguration c = posterior_model(protocol, protocol.series.front()).configuration;
-  const std::size_t cells = c.levels.size() * c.ln_s.size() * c.shift.size() * c.lapse.size();
-  if (cells * tracks > kMostPosteriorCells)
-    reading.error_at(
-        limits_path(*protocol.design.procedure),
-        fmt::format("{} tracks with {} probabilities each are more than {}", tracks, cells, kMostPosteriorCells),
-        "take fewer levels, or a coarser grid");
 }
 
 void warn_about_response_model(ProtocolReading& reading) {

@@ -17,6 +17,13 @@ std::vector<double> levels_of(std::span<const PosteriorAnswer> answers) {
   return levels;
 }
 
+bool is_highest_at_end(const PosteriorProcedure& posterior) {
+  std::vector<double> masses;
+  posterior.ln_s_masses(masses);
+  const auto highest = std::max_element(masses.begin(), masses.end());
+  return highest == masses.begin() || highest + 1 == masses.end();
+}
+
 void set_levels(PosteriorModel& model, const AdaptiveProcedure& procedure) {
   std::vector<double> distances = procedure.posterior.levels;
   if (distances.empty()) distances.assign(procedure.clamp.begin(), procedure.clamp.end());
@@ -95,7 +102,14 @@ PosteriorOfAnswers posterior_of_answers(const PosteriorConfiguration& configurat
   PosteriorEstimate estimate = posterior.estimate();
   // What rounding leaves of the 0 of answers that are alike on both sides.
   if (std::abs(estimate.mean_shift) < 1e-12 * estimate.sd_shift) estimate.mean_shift = 0;
-  return {posterior_threshold(posterior, prior_sd), estimate};
+  const LogPosterior of_ln_s{estimate.mean_ln_s,
+                             estimate.sd_ln_s,
+                             posterior.ln_s_quantile(0.025),
+                             posterior.ln_s_quantile(0.975),
+                             prior_sd,
+                             is_highest_at_end(posterior),
+                             posterior.trials()};
+  return {posterior_threshold(of_ln_s), estimate};
 }
 
 PosteriorOfAnswers posterior_of_trials(const Protocol& protocol, const Series& series,

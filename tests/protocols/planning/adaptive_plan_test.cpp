@@ -296,7 +296,7 @@ TEST_CASE("the Bayesian procedure presents the levels of the reference sequences
       ++compared;
     }
   }
-  CHECK(compared >= 300);
+  CHECK(compared >= 96);
 }
 
 TEST_CASE("a track of the Bayesian procedure has blocks of six, and ends with its precision") {
