@@ -21,6 +21,7 @@
 #include "data/study/study_facts.h"
 #include "data/study/study_impl.h"
 #include "data/study/trial_rows.h"
+#include "protocols/course/prescription.h"
 #include "protocols/input/sha256.h"
 
 namespace jnd {
@@ -41,9 +42,9 @@ void read_session(const Study& study, const Protocol& protocol, const SessionInf
         ExportTrial row{session, event.seq, to_iso8601(event.stamp.utc_ns), trial_record_from(body), {}};
         const TrialRecord& record = row.record;
         if (!record.trial.practice)
-          row.excluded_reason =
-              exclusion_reason(protocol.analysis.exclude, record.answer.entered_by == EnteredBy::participant,
-                               record.answer.response_time_s, largest_saturated_share(record));
+          row.excluded_reason = exclusion_reason(
+              protocol.analysis.exclude, record.answer.entered_by == EnteredBy::participant,
+              record.answer.response_time_s, largest_saturated_share(record), breaks_limit(record.breach));
         trials.push_back(std::move(row));
       } else {
         const auto text_at = [&](const char* key) {

@@ -44,6 +44,7 @@ struct StudyResults {
   std::vector<OutcomeComparison> comparisons;  // the registered one first, then times, then ratings; none of free
                                                // interaction
   QuestionnaireResults questionnaire;          // what was answered to questions
+  int off_prescription = 0;                    // answered trials that broke a limit of the prescription
   std::vector<std::string> deviations;         // from what was registered
   std::vector<std::string> cautions;           // where the design cannot carry the number
 };

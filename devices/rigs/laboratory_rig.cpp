@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <set>
 #include <thread>
 
 #include <fmt/format.h>
 
 #include "devices/device_error.h"
+#include "protocols/course/prescription.h"
 #include "protocols/input/input_error.h"
 
 namespace jnd {
@@ -50,7 +52,7 @@ RigInfo laboratory_rig_info(const ExternalSettings& settings) {
 }
 
 LaboratoryRig::LaboratoryRig(const ExternalSettings& settings, const Protocol& protocol, Clock& clock)
-    : protocol_(protocol), rig_(settings, clock), info_(laboratory_rig_info(settings)) {
+    : protocol_(protocol), clock_(clock), rig_(settings, clock), info_(laboratory_rig_info(settings)) {
   if (!rig_.await_hello(settings.time_outs.hello_s)) throw DeviceError(rig_.missing());
   const RigHello hello = rig_.hello().value();
   const std::vector<std::string> problems = rig_problems(rig_demand(protocol), hello);
@@ -78,14 +80,30 @@ Presentation LaboratoryRig::present(const PresentRequest& request) {
   asked.unit = to_string(protocol_.stimulus.unit);
   asked.value = request.stimulus.stiffness;
   if (request.condition != nullptr) asked.parameters = parameters_of(*request.condition);
+  asked.exploration.ends = request.contacts > 0 ? RigExplorationEnd::contacts
+                           : request.enough     ? RigExplorationEnd::stop
+                                                : RigExplorationEnd::time;
   asked.exploration.duration_s = request.explore_s;
+  asked.exploration.contacts = request.contacts;
+  if (request.condition != nullptr) {
+    const Prescription* const prescription = prescription_of(protocol_, *request.condition);
+    if (prescription != nullptr && prescription->pace_hz > 0) asked.exploration.pace_hz = prescription->pace_hz;
+  }
   asked.exploration.no_contact_s = request.no_contact_time_out_s;
   asked.time_out_s = request.explore_s + request.no_contact_time_out_s;
-  bool contact = false;
-  const Rendered rendered = rig_.render(asked, [&](const RigEvent& event) {
-    contact = contact || std::holds_alternative<RigContact>(event.what);
-    if (look_) look_({.contact = contact});
-  });
+  std::optional<std::int64_t> touched_ns;
+  const auto hear = [&](const RigEvent& event) {
+    if (!touched_ns && std::holds_alternative<RigContact>(event.what)) touched_ns = event.time_ns;
+    if (look_) look_({.contact = touched_ns.has_value()});
+  };
+  // What its own time does not end is over with explore_s at the latest.
+  const auto enough = [&] {
+    if (!touched_ns) return false;
+    if (clock_.now_ns() - *touched_ns >= std::llround(1e9 * request.explore_s)) return true;
+    return request.enough && request.enough();
+  };
+  const bool by_time = asked.exploration.ends == RigExplorationEnd::time;
+  const Rendered rendered = rig_.render(asked, hear, by_time ? std::function<bool()>() : enough);
   Presentation presentation = presentation_of(rendered, stop.source());
   if (!rendered.done) return presentation;
   const RigDone& done = *rendered.done;

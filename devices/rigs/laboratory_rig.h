@@ -23,6 +23,7 @@ class LaboratoryRig final : public Rig {
 
  private:
   const Protocol& protocol_;
+  Clock& clock_;
   ExternalRig rig_;
   RigInfo info_;
   std::function<void(const LoopSnapshot&)> look_;

@@ -108,6 +108,18 @@ std::optional<Answer> SessionConsole::judge(const TrialQuestion& question) {
   return std::nullopt;
 }
 
+// A key that was pressed before the first contact, or is held down since before, does not end the interval.
+bool SessionConsole::enough(const IntervalId& /*id*/, double /*elapsed_s*/) {
+  if (!keys_.has_keyboard() || interrupted()) return false;
+  const KeyMap keys = presentation_keys(protocol_);
+  if (!std::exchange(asks_enough_, true)) note_in_trial(keys_.prompt());
+  const std::optional<Key> key = keys_.next();
+  if (!key) return false;
+  if (const auto binding = keys.binding_of(*key); binding && binding->asks(Request::go_on)) return true;
+  note_in_trial({*key});
+  return false;
+}
+
 std::optional<std::string> SessionConsole::reply(const Question& question, int condition) {
   const std::optional<Replies> replies = reply_all({{question, condition}});
   return replies ? replies->front() : std::nullopt;

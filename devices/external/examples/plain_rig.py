@@ -66,7 +66,7 @@ class Presentation:
             return "no_contact"
         start = 0 if self.how.get("from") == "start" else self.first
         over = {"time": start is not None and now - start >= self.how.get("duration_s", 0),
-                "contacts": self.contacts >= self.how.get("contacts", 0), "stop": False}
+                "contacts": self.contacts - touching >= self.how.get("contacts", 0), "stop": False}
         return "complete" if over[self.how["ends"]] else None
 
     def done(self, outcome):

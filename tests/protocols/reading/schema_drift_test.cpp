@@ -43,8 +43,8 @@ std::vector<json> examples() {
   std::vector<json> documents;
   for (const char* const name :
        {"complete", "object", "joint", "two-devices", "staircase", "staircase-accelerated", "quest", "posterior",
-        "staircase-joint", "explore", "task-which", "task-adaptive", "task-posterior", "task-yes-no", "task-magnitude",
-        "task-identify", "task-specimens", "task-adjust"})
+        "staircase-joint", "explore", "prescription", "task-which", "task-adaptive", "task-posterior", "task-yes-no",
+        "task-magnitude", "task-identify", "task-specimens", "task-adjust"})
     documents.push_back(json::parse(read_text(corpus_folder() / "good" / (std::string(name) + ".json"))));
   return documents;
 }
