@@ -220,6 +220,7 @@ int command_run(const RunOptions& options) {
   const StopOnButton stop_button(buttons, rig->stop);
 
   console_options.stop = &rig->stop;
+  console_options.rig_buttons = rig->buttons();
   const std::unique_ptr<Console> console = make_console(console_options, shown, keyboard.get(), *clock, interrupted);
   Readiness readiness;
   if (person) {

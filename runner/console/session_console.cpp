@@ -315,6 +315,11 @@ void SessionConsole::cue(CuePlace place, const CueSignal& cue) {
     // Only now can it be answered: a key or a button that came while it was drawn is early.
     note_requests(keys_.prompt(), question_keys_);
     if (options_.buttons != nullptr) options_.buttons->ask();
+    if (options_.rig_buttons != nullptr && !protocol_.task.answers.empty()) {
+      std::vector<std::string> words_of_answers;
+      for (const AnswerChoice& answer : protocol_.task.answers) words_of_answers.push_back(answer.word);
+      options_.rig_buttons->ask(words_of_answers);
+    }
     cue_shown_ns_ = clock_.now_ns();
     return;
   }

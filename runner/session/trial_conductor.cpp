@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "data/log/telemetry.h"
+#include "data/log/trace_blob.h"
 #include "devices/loop/telemetry_ring.h"
 #include "protocols/course/prescription.h"
 #include "protocols/tasks/task.h"
@@ -313,6 +314,8 @@ Presentation TrialConductor::present(const Attempt& attempt, int interval) {
 
 // Every tick of the interval, to be stored with the trial.
 void TrialConductor::keep_ticks(const Trial& trial, int interval, const Presentation& presentation) {
+  if (const Trace trace = parts_.rig.take_trace(); !trace.samples.empty() || trace.dropped > 0)
+    ticks_.push_back(encode_trace(interval, trace));
   TelemetryRing* ring = parts_.rig.telemetry();
   if (ring == nullptr) return;
   Telemetry telemetry;

@@ -61,6 +61,7 @@ class Presentation:
             self.contacts, self.first = self.contacts + 1, now if self.first is None else self.first
             say("contact", id=self.id, time_s=now)
         self.touching = touching
+        say("telemetry", id=self.id, time_s=time.monotonic(), values=measured)  # kept with the trial, as its trace
         self.peaks = {name: max(value, self.peaks.get(name, value)) for name, value in measured.items()}
         if self.first is None and now > self.how.get("no_contact_s", 1e9):
             return "no_contact"

@@ -12,6 +12,7 @@ import sqlite3
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import unittest
 
@@ -327,8 +328,62 @@ class Tasks(unittest.TestCase):
         with open(self.folder / "e/sub-P01/trials.csv", newline="") as file:
             rows = list(csv.DictReader(file))
         self.assertEqual(len(rows), 4)
+        self.jnd("export", "e.sqlite", "--to", "t", "--kind", "pilot", "--telemetry")
         for row in rows:
+            for interval in (1, 2):
+                trace = self.rows(f"t/sub-P01/telemetry/trial-{int(row['trial']):03}-attempt-{row['attempt']}"
+                                  f"-interval-{interval}-trace.csv")
+                forces = [float(one["value"]) for one in trace if one["channel"] == "force"]
+                self.assertEqual({(one["channel"], one["unit"]) for one in trace}, {("force", "N"), ("depth", "m")})
+                measured = dict(one.split("=") for one in row[f"i{interval}_measured"].split())
+                self.assertAlmostEqual(max(forces), float(measured["peak_force"]), places=9)
+                self.assertEqual(len(forces), len(trace) // 2)
             self.assertAlmostEqual(float(row["i1_delivered_n_per_m"]), float(row["stimulus_1_n_per_m"]), delta=1)
+
+    def test_the_rigs_own_buttons_answer(self):
+        """No key but space is pressed: the rig says the second answer, and when its button went down, which is when it counts."""
+        source = (ROOT / "devices/external/examples/plain_rig.py").read_text()
+        script = self.folder / "buttons.py"
+        script.write_text(source.replace('"answers": False', '"answers": True').replace("""            elif kind == "bye":
+""", """            elif kind == "ask":
+                time.sleep(0.02)
+                say("answer", id=message["id"], answer=message["answers"][1], after_s=0.01)
+            elif kind == "bye":
+"""))
+        rig = self.folder / "rig.json"
+        rig.write_text(json.dumps({"format": 1, "title": "buttons", "external": {"command": [sys.executable, str(script)]}}))
+        protocol = self.small("maereg2017", design={"trials_per_cell": 2, "order": {"series": "fixed", "conditions": "fixed"}},
+                              levels={"absolute": [300, 500]}, conditions=[
+                                  {"name": "thumb", "label": "thumb", "parameters": {"finger": "thumb"}}], analysis={"contrasts": []})
+        for _ in range(10):  # on a busy machine the rig may answer late, which voids a trial: then once more
+            (self.folder / "b.sqlite").unlink(missing_ok=True)
+            session = subprocess.Popen([JND, "run", protocol, "--study", "b.sqlite", "--participant", "P01", "--rig", rig, "--plain",
+                                        "--seed", "4", "--override-readiness", "a machine that runs tests"], cwd=self.folder,
+                                       stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+            said = []
+            reading = threading.Thread(target=lambda: said.append(session.stdout.read()))
+            reading.start()
+            while session.poll() is None:
+                try:
+                    session.stdin.write(" ")
+                    session.stdin.flush()
+                except BrokenPipeError:
+                    break
+                time.sleep(0.25)
+            session.wait()
+            reading.join()
+            session.stdin.close()
+            session.stdout.close()
+            done = subprocess.CompletedProcess([], session.returncode, said[0], "")
+            if done.returncode == 0 or "silent" not in done.stdout:
+                break
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.jnd("verify", "b.sqlite", "--deep")
+        self.jnd("export", "b.sqlite", "--to", "b", "--kind", "pilot")
+        rows = self.rows("b/sub-P01/trials.csv")
+        self.assertEqual([(row["answer"], row["entered_by"]) for row in rows], [("second", "participant")] * 4)
+        for row in rows:
+            self.assertLess(float(row["response_time_s"]), 0.02)
 
     def test_a_protocol_that_the_rig_cannot_render_is_refused_before_anything_is_made(self):
         rig = self.folder / "rig.json"
