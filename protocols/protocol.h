@@ -177,7 +177,7 @@ struct AdaptiveProcedure {
   std::array<double, 2> clamp{};      // lowest and highest level
   StaircaseRule staircase;            // without start
   QuestParameters quest;              // of log10 of the level; without t_guess
-  PosteriorConfiguration posterior;   // of same-different with differences as levels; without a standard
+  PosteriorConfiguration posterior;   // levels: distances from the standard. Empty lists, SDs of 0: by default
   std::optional<double> precision{};  // of posterior: the standard deviation of ln JND that ends a track before
   bool joint_likelihood = false;      // a staircase's threshold is that of the posterior of all its answers
   int trials = 0;                     // most trials of a track that have a difference

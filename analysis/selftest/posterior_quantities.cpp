@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "analysis/procedures/posterior_defaults.h"
 #include "analysis/selftest/reference_numbers.h"
 
 namespace jnd {
@@ -40,28 +41,14 @@ bool answer_of(const json& input, std::size_t trial) {
 }  // namespace
 
 PosteriorConfiguration reference_posterior(PosteriorTask task, PosteriorUtility utility) {
-  PosteriorConfiguration c;
-  c.task = task;
+  PosteriorConfiguration c = default_posterior(task, 900);
   c.utility = utility;
   if (task == PosteriorTask::same_different) {
     c.levels = even_grid(0, 25, 25);
-    c.ln_s = even_grid(std::log(60), (std::log(1200) - std::log(60)) / 30, 31);
-    c.shift = even_grid(-0.5, 0.1875, 17);
-    c.lapse = {0, 0.025, 0.05};
-    c.ln_s_prior = {std::log(275), 0.7};
-    c.shift_prior = {0.75, 0.75};
-    c.lapse_weights = {0.5, 0.3, 0.2};
     return c;
   }
-  c.standard = 900;
   c.levels = even_grid(400, 50, 21);
   c.levels.erase(c.levels.begin() + 10);  // the standard is no level
-  c.ln_s = even_grid(std::log(40), (std::log(800) - std::log(40)) / 29, 30);
-  c.shift = even_grid(-120, 20, 13);
-  c.lapse = {0, 0.02, 0.06};
-  c.ln_s_prior = {std::log(180), 0.8};
-  c.shift_prior = {0, 60};
-  c.lapse_weights = {0.5, 0.35, 0.15};
   return c;
 }
 

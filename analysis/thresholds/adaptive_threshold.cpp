@@ -31,7 +31,9 @@ std::vector<AdaptiveThreshold> usable(const std::vector<AdaptiveThreshold>& trac
 constexpr auto kAdaptiveStatusWords = words<AdaptiveStatus>({{"ok", AdaptiveStatus::ok},
                                                              {"too_few_reversals", AdaptiveStatus::too_few_reversals},
                                                              {"no_trials", AdaptiveStatus::no_trials},
-                                                             {"pinned_at_clamp", AdaptiveStatus::pinned_at_clamp}});
+                                                             {"pinned_at_clamp", AdaptiveStatus::pinned_at_clamp},
+                                                             {"too_few_answers", AdaptiveStatus::too_few_answers},
+                                                             {"pinned_at_grid", AdaptiveStatus::pinned_at_grid}});
 
 }  // namespace
 
@@ -63,6 +65,20 @@ AdaptiveThreshold quest_threshold(double mean, double sd, int trials, const std:
   const double threshold = std::pow(10, mean);
   const bool inside = threshold > clamp[0] && threshold < clamp[1];
   return {inside ? AdaptiveStatus::ok : AdaptiveStatus::pinned_at_clamp, threshold, sd, trials};
+}
+
+AdaptiveThreshold posterior_threshold(const LogPosterior& posterior) {
+  if (posterior.trials == 0) return without_threshold(AdaptiveStatus::no_trials);
+  AdaptiveThreshold threshold{AdaptiveStatus::ok, kNaN, posterior.sd, posterior.trials};
+  if (posterior.at_end)
+    threshold.status = AdaptiveStatus::pinned_at_grid;
+  else if (2 * posterior.sd * posterior.sd > posterior.prior_sd * posterior.prior_sd)
+    threshold.status = AdaptiveStatus::too_few_answers;
+  if (threshold.status != AdaptiveStatus::ok) return threshold;
+  threshold.threshold = std::exp(posterior.mean);
+  threshold.low = std::exp(posterior.low);
+  threshold.high = std::exp(posterior.high);
+  return threshold;
 }
 
 AdaptiveThreshold combined_staircases(const std::vector<AdaptiveThreshold>& tracks) {

@@ -437,12 +437,38 @@ int level_decimals(const Protocol& protocol) noexcept {
 
 }  // namespace
 
+namespace {
+
+// How a threshold is told, by what it rests on.
+struct ThresholdWords {
+  std::string threshold, sd_key, sd, n, statuses;
+};
+ThresholdWords threshold_words(ThresholdSource source) {
+  switch (source) {
+    case ThresholdSource::reversals:
+      return {"difference at the procedure's target rate", "sd", "standard deviation of the averaged reversals",
+              "reversals averaged", "ok too_few_reversals no_trials pinned_at_clamp"};
+    case ThresholdSource::quest:
+      return {"difference at the procedure's target rate", "sd_log10", "standard deviation of the posterior of log10",
+              "trials behind the posterior", "ok too_few_reversals no_trials pinned_at_clamp"};
+    case ThresholdSource::answers:
+      break;
+  }
+  return {"JND, the difference at d' = 1: exp of the posterior mean of ln JND", "sd_ln",
+          "standard deviation of the posterior of ln JND", "trials behind the posterior, catch trials among them",
+          "ok no_trials too_few_answers pinned_at_grid"};
+}
+
+}  // namespace
+
 Fields<AdaptiveRow> track_fields(const Protocol& protocol) {
   using R = AdaptiveRow;
   using F = Field<R>;
   const std::string unit = unit_name(protocol);
-  const bool staircase = by_staircase(protocol);
-  return {
+  const ThresholdSource source = threshold_source(protocol);
+  const ThresholdWords told = threshold_words(source);
+  const int digits = level_decimals(protocol);
+  Fields<R> fields = {
       F("participant", "code of the participant", &R::participant),
       beside<R>("kind", &R::kind),
       condition_field<R>(protocol),
@@ -455,17 +481,21 @@ Fields<AdaptiveRow> track_fields(const Protocol& protocol) {
       F("catch_trials", "answered trials with equal stimuli", &R::catch_trials, {.title = "catch"}),
       F("false_alarms", "of them answered different", &R::false_alarms),
       beside<R>("false_alarm_rate", &R::false_alarm_rate, {.title = "false alarms", .shown = Shown::percent}),
-      F("threshold", "difference at the procedure's target rate", [](const R& r) { return r.threshold.threshold; },
-        {.unit = unit, .title = "threshold " + unit, .digits = level_decimals(protocol)}),
-      F(staircase ? "sd" : "sd_log10",
-        staircase ? "standard deviation of the averaged reversals" : "standard deviation of the posterior of log10",
-        [](const R& r) { return r.threshold.sd; },
-        {.column = "sd", .unit = staircase ? unit : "", .digits = level_decimals(protocol)}),
-      F("n", staircase ? "reversals averaged" : "trials behind the posterior",
-        [](const R& r) { return r.threshold.n; }),
-      F("weber", "threshold / reference", &R::weber, {.title = "Weber", .shown = Shown::percent}),
-      F("status", "what the threshold is", [](const R& r) { return r.threshold.status; },
-        {.levels = "ok too_few_reversals no_trials pinned_at_clamp"})};
+      F("threshold", told.threshold, [](const R& r) { return r.threshold.threshold; },
+        {.unit = unit, .title = "threshold " + unit, .digits = digits}),
+      F(told.sd_key, told.sd, [](const R& r) { return r.threshold.sd; },
+        {.column = "sd", .unit = source == ThresholdSource::reversals ? unit : "", .digits = digits})};
+  if (source == ThresholdSource::answers) {
+    fields.push_back(F("ci_low", "lower end of the middle 95 % of the posterior",
+                       [](const R& r) { return r.threshold.low; }, {.unit = unit, .digits = digits}));
+    fields.push_back(F("ci_high", "upper end of the middle 95 % of the posterior",
+                       [](const R& r) { return r.threshold.high; }, {.unit = unit, .digits = digits}));
+  }
+  fields.push_back(F("n", told.n, [](const R& r) { return r.threshold.n; }));
+  fields.push_back(F("weber", "threshold / reference", &R::weber, {.title = "Weber", .shown = Shown::percent}));
+  fields.push_back(
+      F("status", "what the threshold is", [](const R& r) { return r.threshold.status; }, {.levels = told.statuses}));
+  return fields;
 }
 
 Fields<AdaptiveGroup> adaptive_group_fields(const Protocol& protocol) {

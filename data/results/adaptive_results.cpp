@@ -12,6 +12,7 @@
 #include "data/log/storage_error.h"
 #include "data/results/study_analysis.h"
 #include "protocols/planning/adaptive_run.h"
+#include "protocols/tasks/posterior_model.h"
 
 namespace jnd {
 namespace {
@@ -21,8 +22,33 @@ void set_rates(AdaptiveRow& row, double reference) {
   row.weber = row.threshold.threshold / reference;
 }
 
-AdaptiveRow row_of(const AdaptiveTrack& track, const Protocol& protocol) {
+// The answers of a track, for the response model of same-different.
+std::vector<PosteriorAnswer> answers_of(const AdaptiveTrack& track) {
+  std::vector<PosteriorAnswer> answers;
+  for (std::size_t i = 0; i < track.levels.size(); ++i) answers.push_back({track.levels[i], track.correct[i]});
+  for (int i = 0; i < track.catch_trials; ++i) answers.push_back({0, i < track.false_alarms});
+  return answers;
+}
+
+AdaptiveThreshold threshold_of(const std::vector<PosteriorAnswer>& answers, const Protocol& protocol) {
+  return posterior_of_answers(posterior_model(protocol, protocol.series.front()).configuration, answers).threshold;
+}
+
+AdaptiveThreshold threshold_of(const AdaptiveTrack& track, const Protocol& protocol) {
   const AdaptiveProcedure& procedure = *protocol.design.procedure;
+  switch (threshold_source(protocol)) {
+    case ThresholdSource::reversals:
+      return staircase_threshold(track.levels, track.reversals, procedure.averaged_reversals, procedure.clamp);
+    case ThresholdSource::quest:
+      return quest_threshold(track.quest->mean, track.quest->sd, static_cast<int>(track.levels.size()),
+                             procedure.clamp);
+    case ThresholdSource::answers:
+      break;
+  }
+  return threshold_of(answers_of(track), protocol);
+}
+
+AdaptiveRow row_of(const AdaptiveTrack& track, const Protocol& protocol) {
   AdaptiveRow row;
   row.condition = track.condition;
   row.track = track.track;
@@ -33,15 +59,14 @@ AdaptiveRow row_of(const AdaptiveTrack& track, const Protocol& protocol) {
   row.false_alarms = track.false_alarms;
   row.levels = track.levels;
   row.reversals = track.reversals;
-  row.threshold =
-      by_staircase(protocol)
-          ? staircase_threshold(track.levels, track.reversals, procedure.averaged_reversals, procedure.clamp)
-          : quest_threshold(track.quest->mean, track.quest->sd, row.trials, procedure.clamp);
+  row.threshold = threshold_of(track, protocol);
   set_rates(row, protocol.stimulus.reference);
   return row;
 }
 
-AdaptiveRow sum_of(const std::vector<AdaptiveRow>& tracks, const Protocol& protocol) {
+// answers: of all these tracks.
+AdaptiveRow sum_of(const std::vector<AdaptiveRow>& tracks, const std::vector<PosteriorAnswer>& answers,
+                   const Protocol& protocol) {
   AdaptiveRow all;
   all.condition = tracks.front().condition;
   all.finished = true;
@@ -54,7 +79,10 @@ AdaptiveRow sum_of(const std::vector<AdaptiveRow>& tracks, const Protocol& proto
     all.false_alarms += track.false_alarms;
     thresholds.push_back(track.threshold);
   }
-  all.threshold = by_staircase(protocol) ? combined_staircases(thresholds) : combined_quests(thresholds);
+  const ThresholdSource source = threshold_source(protocol);
+  all.threshold = source == ThresholdSource::reversals ? combined_staircases(thresholds)
+                  : source == ThresholdSource::quest   ? combined_quests(thresholds)
+                                                       : threshold_of(answers, protocol);
   set_rates(all, protocol.stimulus.reference);
   return all;
 }
@@ -101,12 +129,16 @@ std::vector<AdaptiveRow> adaptive_rows(const std::vector<std::vector<Event>>& se
   std::stable_sort(tracks.begin(), tracks.end(),
                    [](const AdaptiveTrack& a, const AdaptiveTrack& b) { return a.condition < b.condition; });
   std::vector<AdaptiveRow> rows, of_condition;
+  std::vector<PosteriorAnswer> answers;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     of_condition.push_back(row_of(tracks[i], protocol));
+    const std::vector<PosteriorAnswer> of_track = answers_of(tracks[i]);
+    answers.insert(answers.end(), of_track.begin(), of_track.end());
     if (i + 1 < tracks.size() && tracks[i + 1].condition == tracks[i].condition) continue;
-    of_condition.push_back(sum_of(of_condition, protocol));
+    of_condition.push_back(sum_of(of_condition, answers, protocol));
     rows.insert(rows.end(), of_condition.begin(), of_condition.end());
     of_condition.clear();
+    answers.clear();
   }
   for (AdaptiveRow& row : rows) {
     row.participant = participant;
@@ -156,13 +188,22 @@ AdaptiveResults adaptive_results(const Study& study, const Protocol& protocol, S
   return results;
 }
 
-double adaptive_target(const AdaptiveProcedure& procedure) {
-  return procedure.kind == AdaptiveProcedure::Kind::staircase ? staircase_target(procedure.staircase)
-                                                              : procedure.quest.p_threshold;
+std::optional<double> adaptive_target(const AdaptiveProcedure& procedure) {
+  switch (procedure.kind) {
+    case AdaptiveProcedure::Kind::staircase:
+      return staircase_target(procedure.staircase);
+    case AdaptiveProcedure::Kind::quest:
+      return procedure.quest.p_threshold;
+    case AdaptiveProcedure::Kind::posterior:
+      break;
+  }
+  return std::nullopt;
 }
 
-bool by_staircase(const Protocol& protocol) noexcept {
-  return protocol.design.procedure->kind == AdaptiveProcedure::Kind::staircase;
+ThresholdSource threshold_source(const Protocol& protocol) noexcept {
+  if (has_posterior_threshold(protocol)) return ThresholdSource::answers;
+  return protocol.design.procedure->kind == AdaptiveProcedure::Kind::staircase ? ThresholdSource::reversals
+                                                                               : ThresholdSource::quest;
 }
 
 }  // namespace jnd

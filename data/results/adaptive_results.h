@@ -1,6 +1,7 @@
 // Thresholds of a study whose answers set the levels: one row a track, and one a participant and condition.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -56,10 +57,13 @@ std::vector<AdaptiveRow> adaptive_rows(const std::vector<std::vector<Event>>& se
                                        const std::string& participant, SessionKind kind);
 std::vector<AdaptiveGroup> adaptive_group(const std::vector<AdaptiveRow>& rows, const Protocol& protocol);
 
-// Probability of "different" at which the procedure settles: of a staircase its target, of QUEST p_threshold.
-double adaptive_target(const AdaptiveProcedure& procedure);
+// Probability of "different" at which the procedure settles: of a staircase its target, of QUEST p_threshold. None of the
+// Bayesian procedure, which settles nowhere.
+std::optional<double> adaptive_target(const AdaptiveProcedure& procedure);
 
-// Whether the protocol's levels come from a staircase, else from QUEST. Of protocols with a procedure.
-bool by_staircase(const Protocol& protocol) noexcept;
+// What a threshold rests on: a staircase's last reversals, averaged; QUEST's posterior of the threshold; or the posterior
+// of the response model, of all answers of a condition at once. Of protocols with a procedure.
+enum class ThresholdSource { reversals, quest, answers };
+ThresholdSource threshold_source(const Protocol& protocol) noexcept;
 
 }  // namespace jnd

@@ -5,11 +5,14 @@
 
 #include <fmt/format.h>
 
+#include "analysis/numerics/special_values.h"
 #include "data/results/markdown_text.h"
 #include "data/results/references.h"
 #include "data/study/blinding.h"
 #include "protocols/course/prescription.h"
+#include "protocols/planning/adaptive_run.h"
 #include "protocols/random_stream.h"
+#include "protocols/tasks/posterior_model.h"
 #include "protocols/tasks/task.h"
 #include "protocols/version.h"
 
@@ -111,7 +114,40 @@ std::string order_sentences(const Protocol& protocol) {
   return text + "\n";
 }
 
-std::string procedure_words(const AdaptiveProcedure& procedure, std::string_view unit) {
+// The response model and its prior, of the first series: those of others are in proportion.
+std::string model_words(const Protocol& protocol) {
+  const PosteriorConfiguration c = posterior_model(protocol, protocol.series.front()).configuration;
+  const std::string_view unit = unit_of(protocol);
+  const bool which = c.task == PosteriorTask::which;
+  return fmt::format(
+      "P({}) = l/2 + (1 - l) Phi({}), on a grid of {} values of ln s, {} of {} and {} of l, with a prior of ln s about ln "
+      "{:.4g} {}, standard deviation {:.3g}, and of {} about {:.3g}, standard deviation {:.3g}",
+      which                                    ? "the comparison chosen"
+      : protocol.task.kind == TaskKind::yes_no ? "yes"
+                                               : "\"different\"",
+      which ? "(x - standard - a)/s" : "difference/s - k", c.ln_s.size(), c.shift.size(), which ? "a" : "k",
+      c.lapse.size(), std::exp(c.ln_s_prior.mean), unit, c.ln_s_prior.sd, which ? "a" : "k", c.shift_prior.mean,
+      c.shift_prior.sd);
+}
+
+std::string posterior_words(const Protocol& protocol) {
+  const AdaptiveProcedure& procedure = *protocol.design.procedure;
+  const std::vector<double>& levels = procedure.posterior.levels;
+  const bool variance = procedure.posterior.utility == PosteriorUtility::variance;
+  const bool catches = task_of(protocol.task.kind).has_catch_trials();
+  return fmt::format(
+      "of {} levels each trial had the one whose answer was expected to {} (Kontsevich and Tyler 1999{}), given the answers "
+      "so far{} and the response model {}",
+      levels.size(),
+      variance ? "leave the smallest posterior variance of ln s" : "tell most about s and the other parameters",
+      variance ? "; King-Smith et al. 1994" : "", catches ? ", those to catch trials among them," : "",
+      model_words(protocol));
+}
+
+std::string procedure_words(const Protocol& protocol) {
+  const AdaptiveProcedure& procedure = *protocol.design.procedure;
+  const std::string_view unit = unit_of(protocol);
+  if (procedure.kind == AdaptiveProcedure::Kind::posterior) return posterior_words(protocol);
   if (procedure.kind == AdaptiveProcedure::Kind::quest)
     return fmt::format(
         "QUEST (Watson and Pelli 1983) presented ten to the mean of the posterior (King-Smith et al. 1994), with beta "
@@ -137,16 +173,14 @@ std::string procedure_sentences(const Protocol& protocol) {
   std::string text = fmt::format(
       "The answers set the difference from the reference of {:g} {}, within {:g} to {:g} {}: {}. Each condition had {} "
       "track{}{}; a track ended after {}{} trial{} with a difference. ",
-      protocol.stimulus.reference, unit, procedure.clamp[0], procedure.clamp[1], unit, procedure_words(procedure, unit),
+      protocol.stimulus.reference, unit, procedure.clamp[0], procedure.clamp[1], unit, procedure_words(protocol),
       procedure.starts.size(), plural(procedure.starts.size()), session_words(protocol.design),
-      procedure.reversals > 0 ? fmt::format("{} reversal{}, or ", procedure.reversals,
-                                            plural(static_cast<std::size_t>(procedure.reversals)))
-                              : std::string(),
-      procedure.trials, plural(static_cast<std::size_t>(procedure.trials)));
+      can_end_early(procedure) ? early_end_of(procedure) + ", or " : std::string(), procedure.trials,
+      plural(static_cast<std::size_t>(procedure.trials)));
   if (procedure.catch_share > 0)
-    text += fmt::format(
-        "{:.0f} % of the trials were catch trials (equal pairs, which move nothing), kept in short blocks. ",
-        100 * procedure.catch_share);
+    text += fmt::format("{:.0f} % of the trials were catch trials (equal pairs{}), kept in short blocks. ",
+                        100 * procedure.catch_share,
+                        procedure.kind == AdaptiveProcedure::Kind::posterior ? "" : ", which move nothing");
   return text;
 }
 
@@ -186,7 +220,7 @@ std::string comparison_sentences(const Protocol& protocol) {
            fmt::format(
                "The answers set the difference from the standard, within {:g} to {:g} {}: {}. Each condition and "
                "standard had {} track{}{} of at most {} trials with a difference. ",
-               design.procedure->clamp[0], design.procedure->clamp[1], unit, procedure_words(*design.procedure, unit),
+               design.procedure->clamp[0], design.procedure->clamp[1], unit, procedure_words(protocol),
                design.procedure->starts.size(), plural(design.procedure->starts.size()), session_words(design),
                design.procedure->trials);
   return text + fmt::format("Each level was presented {} time{} in every condition{}; {}. ", design.trials_per_cell,
@@ -266,9 +300,22 @@ std::string interval_words(const StudyAnalysis& analysis) {
   return "";
 }
 
-std::string adaptive_paragraph(const AdaptiveProcedure& procedure) {
+std::string posterior_paragraph(const Protocol& protocol) {
+  const bool joint = protocol.design.procedure->joint_likelihood;
+  return fmt::format(
+      "The threshold is the JND s, the difference at d' = 1, exp of the posterior mean of ln s given all answers of a "
+      "condition at once{}; its interval is the middle 95 % of the posterior. The criterion k is a parameter of the model, so that the threshold does not "
+      "move with it. There is no threshold while the answers "
+      "say less than the prior (status too_few_answers: the posterior variance of ln s is above half of the prior's), nor "
+      "where the posterior is highest at an end of the grid (status pinned_at_grid).\n",
+      joint ? ", by the response model " + model_words(protocol) : "");
+}
+
+std::string adaptive_paragraph(const Protocol& protocol) {
+  if (threshold_source(protocol) == ThresholdSource::answers) return posterior_paragraph(protocol);
+  const AdaptiveProcedure& procedure = *protocol.design.procedure;
   std::string text = fmt::format("The threshold is the difference of which \"different\" is said in {:.1f} %: ",
-                                 100 * adaptive_target(procedure));
+                                 100 * adaptive_target(procedure).value_or(kNaN));
   if (procedure.kind == AdaptiveProcedure::Kind::quest)
     text +=
         "ten to the mean of the posterior of its logarithm after the last trial, averaged on the logarithm over the "
@@ -478,7 +525,7 @@ struct Sections {
   }
   std::string operator()(const AdaptiveResults&) const {
     return with_estimates(
-        adaptive_paragraph(*protocol.design.procedure),
+        adaptive_paragraph(protocol),
         "No answered trial was excluded: an excluded answer would have moved the levels all the same.\n");
   }
   std::string operator()(const MeasuredTask& measured) const {

@@ -65,6 +65,9 @@ constexpr std::array kReferences = {
               "King-Smith P. E., Grigsby S. S., Vingrys A. J., Benes S. C., Supowit A. (1994). Efficient and unbiased "
               "modifications of the QUEST threshold method: Theory, simulations, experimental evaluation and practical "
               "implementation. Vision Research 34(7), 885-912. https://doi.org/10.1016/0042-6989(94)90039-6"},
+    Reference{"Kontsevich and Tyler 1999",
+              "Kontsevich L. L., Tyler C. W. (1999). Bayesian adaptive estimation of psychometric slope and threshold. "
+              "Vision Research 39(16), 2729-2737. https://doi.org/10.1016/S0042-6989(98)00285-5"},
     Reference{"Levitt 1971",
               "Levitt H. (1971). Transformed up-down methods in psychoacoustics. Journal of the Acoustical Society of "
               "America 49(2B), 467-477. https://doi.org/10.1121/1.1912375"},

@@ -3,15 +3,49 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
+#include "analysis/numerics/words.h"
+#include "protocols/tasks/posterior_model.h"
 #include "protocols/tasks/task.h"
 
 namespace jnd {
 
+namespace {
+
+constexpr auto kProcedureWords = words<AdaptiveProcedure::Kind>({{"staircase", AdaptiveProcedure::Kind::staircase},
+                                                                 {"quest", AdaptiveProcedure::Kind::quest},
+                                                                 {"posterior", AdaptiveProcedure::Kind::posterior}});
+
+}  // namespace
+
 struct AdaptiveRun::State {
+  // The Bayesian procedure of a track, with what its levels are away from the standard.
+  struct Posterior {
+    PosteriorProcedure procedure;
+    std::vector<double> distances;  // PosteriorModel::distances
+  };
+  // Of every series before any answer: the tables are computed once, and copied.
+  static std::vector<Posterior> posteriors(const Protocol& protocol) {
+    std::vector<Posterior> all;
+    if (protocol.design.procedure->kind != AdaptiveProcedure::Kind::posterior) return all;
+    for (const Series& series : protocol.series) {
+      PosteriorModel model = posterior_model(protocol, series);
+      all.push_back({PosteriorProcedure(model.configuration), std::move(model.distances)});
+    }
+    return all;
+  }
+
   AdaptiveTrack track;
   std::optional<Staircase> staircase;
   std::optional<Quest> quest;
+  std::optional<Posterior> posterior;
+  bool which = false;                       // the posterior's levels lie on sides of a standard
+  std::array<std::size_t, 2> next_place{};  // of the posterior's next level below and above the standard
   bool over = false;
+
+  std::size_t place_on(int side) const { return next_place[side > 0 ? 1 : 0]; }
+  double level_on(int side) const { return posterior ? posterior->distances[place_on(side)] : track.level; }
 
   void answer(const AdaptiveProcedure& procedure, bool correct) {
     track.levels.push_back(track.level);
@@ -33,10 +67,36 @@ struct AdaptiveRun::State {
     track.quest = quest->estimate();
     track.level = quest_level(track.quest->mean, procedure.clamp);
   }
+
+  // The posterior learns from trials without a difference too, which lie at its first level.
+  void answer_posterior(const AdaptiveProcedure& procedure, int side, bool equal, bool correct) {
+    if (!equal) {
+      track.levels.push_back(level_on(side));
+      track.correct.push_back(correct);
+    }
+    const bool positive = which ? correct == (side > 0) : correct != equal;
+    posterior->procedure.update(equal ? 0 : place_on(side), positive);
+    choose(procedure);
+    over = procedure.precision && *track.sd_ln_s <= *procedure.precision;
+    track.finished = over || static_cast<int>(track.levels.size()) >= procedure.trials;
+  }
+
+  void choose(const AdaptiveProcedure& procedure) {
+    PosteriorProcedure& run = posterior->procedure;
+    track.sd_ln_s = run.estimate().sd_ln_s;
+    if (!which) {
+      next_place.fill(run.choose(PosteriorSlot::different).level);
+    } else {
+      for (const int side : procedure.sides)
+        next_place[side > 0 ? 1 : 0] = run.choose(side > 0 ? PosteriorSlot::above : PosteriorSlot::below).level;
+    }
+    track.level = level_on(procedure.sides.front());
+  }
 };
 
 AdaptiveRun::AdaptiveRun(const Protocol& protocol) : procedure_(protocol.design.procedure) {
   if (!procedure_) return;
+  const std::vector<State::Posterior> posteriors = State::posteriors(protocol);
   const auto all_series = static_cast<int>(protocol.series.size());
   for (int place = 0; place < static_cast<int>(protocol.conditions.size()) * all_series; ++place) {
     const int condition = place / all_series, series = place % all_series;
@@ -45,12 +105,20 @@ AdaptiveRun::AdaptiveRun(const Protocol& protocol) : procedure_(protocol.design.
       state->track.condition = condition;
       state->track.series = series;
       state->track.track = track;
-      if (procedure_->kind == AdaptiveProcedure::Kind::staircase) {
-        state->staircase.emplace(staircase_of_track(*procedure_, track));
-        state->track.level = state->staircase->level();
-      } else {
-        state->quest.emplace(quest_of_track(*procedure_, track));
-        state->place(*procedure_);
+      switch (procedure_->kind) {
+        case AdaptiveProcedure::Kind::staircase:
+          state->staircase.emplace(staircase_of_track(*procedure_, track));
+          state->track.level = state->staircase->level();
+          break;
+        case AdaptiveProcedure::Kind::quest:
+          state->quest.emplace(quest_of_track(*procedure_, track));
+          state->place(*procedure_);
+          break;
+        case AdaptiveProcedure::Kind::posterior:
+          state->posterior = posteriors[static_cast<std::size_t>(series)];
+          state->which = task_of(protocol.task.kind).posterior_task() == PosteriorTask::which;
+          state->choose(*procedure_);
+          break;
       }
       states_.emplace(std::array{condition, series, track}, std::move(state));
     }
@@ -67,7 +135,7 @@ const AdaptiveRun::State& AdaptiveRun::state_of(const Trial& trial) const {
 
 Trial AdaptiveRun::resolved(Trial planned) const {
   if (planned.track == 0) return planned;
-  const double comparison = planned.standard + planned.side * state_of(planned).track.level;
+  const double comparison = planned.standard + planned.side * state_of(planned).level_on(planned.side);
   for (double& stimulus : planned.stimuli)
     if (stimulus == set_by_answers(planned.standard)) stimulus = comparison;
   return planned;
@@ -81,18 +149,41 @@ void AdaptiveRun::answered(const Trial& trial, const Answer& answer) {
   if (trial.track == 0) return;
   State& state = *states_.at({trial.condition, trial.series, trial.track});
   const bool correct = is_correct(trial, answer).value_or(false);
-  if (is_catch(trial)) {
+  const bool equal = is_catch(trial);
+  if (equal) {
     ++state.track.catch_trials;
     state.track.false_alarms += correct ? 0 : 1;
-  } else {
-    state.answer(*procedure_, correct);
   }
+  if (state.posterior)
+    state.answer_posterior(*procedure_, trial.side, equal, correct);
+  else if (!equal)
+    state.answer(*procedure_, correct);
 }
 
 std::vector<AdaptiveTrack> AdaptiveRun::tracks() const {
   std::vector<AdaptiveTrack> all;
   for (const auto& [key, state] : states_) all.push_back(state->track);
   return all;
+}
+
+bool can_end_early(const AdaptiveProcedure& procedure) noexcept {
+  return procedure.reversals > 0 || procedure.precision.has_value();
+}
+
+std::string early_end_of(const AdaptiveProcedure& procedure) {
+  if (procedure.precision)
+    return fmt::format("a posterior standard deviation of ln JND of at most {:g}", *procedure.precision);
+  if (procedure.reversals > 0)
+    return fmt::format("{} reversal{}", procedure.reversals, procedure.reversals == 1 ? "" : "s");
+  return {};
+}
+
+std::string_view to_string(AdaptiveProcedure::Kind kind) noexcept {
+  return word_of(kProcedureWords, kind);
+}
+
+std::span<const std::pair<std::string_view, AdaptiveProcedure::Kind>> procedure_words() noexcept {
+  return kProcedureWords;
 }
 
 StaircaseRule staircase_of_track(const AdaptiveProcedure& procedure, int track) {

@@ -6,6 +6,10 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "protocols/protocol.h"
@@ -17,14 +21,15 @@ struct AdaptiveTrack {
   int condition = 0;                   // place in Protocol::conditions
   int series = 0;                      // place in Protocol::series
   int track = 1;                       // from 1, place in AdaptiveProcedure::starts + 1
-  double level = 0;                    // of the next trial
-  bool finished = false;               // it has its trials, or its reversals
+  double level = 0;                    // of the next trial; where both sides have one, of that below the standard
+  bool finished = false;               // it has its trials, or ended before
   std::vector<double> levels;          // of the answered trials with a difference
   std::vector<bool> correct;           // whether they were answered correctly
   std::vector<double> reversals;       // of a staircase
   int catch_trials = 0;                // answered
   int false_alarms = 0;                // of these, answered wrongly: a difference said where there was none
   std::optional<QuestEstimate> quest;  // of QUEST: the posterior of log10 of the level
+  std::optional<double> sd_ln_s{};     // of the Bayesian procedure: of the posterior, what stop.precision looks at
 };
 
 class AdaptiveRun {
@@ -40,10 +45,11 @@ class AdaptiveRun {
   // The planned trial with the stimuli that it has if it is presented now. Throws std::out_of_range where the protocol
   // has no such track.
   Trial resolved(Trial planned) const;
-  // Its track has its reversals: the trial is not presented any more. A track that has its trials has only catch trials
-  // left, which are presented, so that their share is kept.
+  // Its track has its reversals, or its precision: the trial is not presented any more. A track that has its trials has
+  // only catch trials left, which are presented, so that their share is kept.
   bool over(const Trial& planned) const;
-  // The next answer, in the order in which they were given. Catch trials count, and move nothing.
+  // The next answer, in the order in which they were given. Catch trials count, and move nothing but the posterior of the
+  // Bayesian procedure.
   void answered(const Trial& trial, const Answer& answer);
 
   // By condition, series, then track; empty without a procedure.
@@ -56,6 +62,15 @@ class AdaptiveRun {
   std::optional<AdaptiveProcedure> procedure_;
   std::map<std::array<int, 3>, std::unique_ptr<State>> states_;  // by condition, series and track
 };
+
+// Whether a track may end before it has all its trials, so that the number of trials is a maximum.
+bool can_end_early(const AdaptiveProcedure& procedure) noexcept;
+// What ends it then, for sentences: "8 reversals", "a posterior standard deviation of ln JND of at most 0.2"; empty where nothing does.
+std::string early_end_of(const AdaptiveProcedure& procedure);
+
+// "staircase", "quest", "posterior".
+std::string_view to_string(AdaptiveProcedure::Kind kind) noexcept;
+std::span<const std::pair<std::string_view, AdaptiveProcedure::Kind>> procedure_words() noexcept;
 
 // The rule of one track: with its start, or its guess, and the clamp.
 StaircaseRule staircase_of_track(const AdaptiveProcedure& procedure, int track);

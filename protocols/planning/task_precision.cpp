@@ -9,6 +9,8 @@
 #include "protocols/planning/adaptive_run.h"
 #include "protocols/planning/plan.h"
 #include "protocols/random_stream.h"
+#include "protocols/tasks/posterior_model.h"
+#include "protocols/tasks/same_different_task.h"
 #include "protocols/tasks/task.h"
 
 namespace jnd {
@@ -21,6 +23,14 @@ double noise_of(const Series& series, const TaskPrecisionQuestion& question) {
   if (question.noise) return *question.noise;
   const double of = series.standard != 0 ? series.standard : 0.5 * (series.pair[0] + series.pair[1]);
   return kAssumedWeber * std::abs(of);
+}
+
+// Of a threshold by a response model, whose parameters are s, the noise, and the criterion: an observer of that model with
+// the criterion that the prior expects, so that the noise is the true JND.
+Answer answer_of_model(const Trial& trial, double criterion, double noise, RandomStream& stream) {
+  const double difference = std::abs(trial.stimuli[0] - trial.stimuli[1]);
+  const bool different = difference / noise - criterion + stream.normal() > 0;
+  return {.said = different ? kClassDifferent : kClassSame};
 }
 
 // The participant's answer to a trial, whatever looks that takes.
@@ -45,11 +55,16 @@ std::vector<std::vector<AnsweredTrial>> answers_of(const Protocol& protocol, int
   std::vector<std::vector<AnsweredTrial>> by_series(protocol.series.size());
   RandomStream stream(question.seed, static_cast<std::uint64_t>(participant), "precision");
   AdaptiveRun run(protocol);
+  const bool by_model = protocol.task.kind == TaskKind::same_different;  // others have a response model of their own
+  const double criterion =
+      by_model ? posterior_model(protocol, protocol.series.front()).configuration.shift_prior.mean : 0;
   for (const Trial& planned : make_plan(protocol, participant, question.seed).trials) {
     if (planned.practice || planned.condition != 0 || run.over(planned)) continue;
     const Trial trial = run.resolved(planned);
     const auto series = static_cast<std::size_t>(trial.series);
-    const auto answer = answer_to(trial, protocol, noise_of(protocol.series[series], question), stream);
+    const double noise = noise_of(protocol.series[series], question);
+    const auto answer = by_model ? std::optional(answer_of_model(trial, criterion, noise, stream))
+                                 : answer_to(trial, protocol, noise, stream);
     if (!answer) continue;
     run.answered(planned, *answer);
     by_series[series].push_back(

@@ -1,6 +1,6 @@
 // How well a design measures the outcomes of its task: many participants who feel alike go through its plan by the task's
-// own response model, and their estimates are compared. For every task but same-different with fixed series, whose
-// precision is computed (planned_precision.h).
+// own response model, and their estimates are compared. For every task but same-different, of which that has only thresholds
+// by the posterior of all answers; with fixed series its precision is computed (planned_precision.h).
 #pragma once
 
 #include <cstdint>

@@ -9,16 +9,13 @@
 #include "protocols/planning/adaptive_run.h"
 #include "protocols/reading/protocol_reading.h"
 #include "protocols/tasks/catch_trials.h"
+#include "protocols/tasks/posterior_model.h"
 #include "protocols/tasks/task.h"
 
 namespace jnd {
 namespace {
 
 constexpr std::string_view kPath = "$.design.procedure";
-
-std::string procedure_path(std::string_view member) {
-  return fmt::format("{}.{}", kPath, member);
-}
 
 std::string_view unit_of(const ProtocolReading& reading) {
   return to_string(reading.protocol.stimulus.unit);
@@ -72,11 +69,40 @@ constexpr std::array<std::string_view, 8> kStaircaseKeys = {
     "accelerated", "up", "down", "multiplicative", "step_up", "step_down", "halve_after", "averaged_reversals"};
 constexpr std::array<std::string_view, 7> kQuestKeys = {"guess_sd", "p_threshold", "gamma", "beta",
                                                         "delta",    "grain",       "range"};
+constexpr std::array<std::string_view, 2> kPosteriorKeys = {"levels", "utility"};
+constexpr std::array<std::string_view, 2> kModelKeys = {"grid", "prior"};  // of a posterior of all answers
+constexpr std::array<std::string_view, 1> kThresholdKeys = {"threshold"};  // of a staircase
 
 void refuse(JsonReader& reader, std::string_view kind, std::span<const std::string_view> keys) {
   for (const std::string_view key : keys)
     if (reader.member(key) != nullptr)
       reader.error(key, fmt::format("has no meaning in a {} procedure", kind), "remove it, or change the kind");
+}
+
+// The mean of reversals, or the posterior of all answers.
+void read_threshold(JsonReader& reader, AdaptiveProcedure& procedure, ProtocolReading& reading) {
+  procedure.joint_likelihood =
+      reader.one_of_or<bool>("threshold", {{"reversals", false}, {"joint-likelihood", true}}, false);
+  if (!procedure.joint_likelihood) {
+    for (const std::string_view key : kModelKeys)
+      if (reader.member(key) != nullptr)
+        reader.error(key, "belongs to a threshold by joint likelihood",
+                     R"(remove it, or write "threshold": "joint-likelihood")");
+    return;
+  }
+  if (reading.has_pairs()) return read_response_model(reader, procedure, reading);
+  for (const std::string_view key : kModelKeys) reader.ignore(key);
+  reader.error("threshold",
+               fmt::format("has no meaning with the task {}, whose results rest on all answers anyway",
+                           in_quotes(to_string(reading.protocol.task.kind))),
+               "remove it");
+}
+
+// What ends a track before its trials, by the names of its keys.
+std::string early_ends(AdaptiveProcedure::Kind kind) {
+  if (kind == AdaptiveProcedure::Kind::staircase) return R"(, or {"reversals": N, "at_most": N})";
+  if (kind == AdaptiveProcedure::Kind::posterior) return R"(, or {"precision": SD, "at_most": N})";
+  return "";
 }
 
 void read_stop(JsonReader& outer, AdaptiveProcedure& procedure, ProtocolReading& reading) {
@@ -85,24 +111,36 @@ void read_stop(JsonReader& outer, AdaptiveProcedure& procedure, ProtocolReading&
   JsonReader reader(*node, reading.errors, reading.file);
   const auto trials = reader.optional_integer("trials", {.min = 2, .max = 2000});
   const auto reversals = reader.optional_integer("reversals", {.min = 2, .max = 100});
+  const auto precision = reader.optional_number("precision", {.min = 0.01, .max = 2});
   const auto at_most = reader.optional_integer("at_most", {.min = 2, .max = 2000});
-  const bool names_trials = node->find("trials") != nullptr, names_reversals = node->find("reversals") != nullptr;
+  std::vector<std::string_view> named;  // of what may end a track
+  for (const std::string_view key : {"trials", "reversals", "precision"})
+    if (node->find(key) != nullptr) named.push_back(key);
   const bool names_bound = node->find("at_most") != nullptr;
+  const bool knows_kind = reading.sound(procedure_path("kind"));
   reader.finish();
-  if (names_trials == names_reversals) {
-    reading.error(*node, names_trials ? "names both \"trials\" and \"reversals\"" : "does not say when a track ends",
-                  R"(write {"trials": N}, or {"reversals": N, "at_most": N})");
-  } else if (names_reversals && procedure.kind == AdaptiveProcedure::Kind::quest &&
-             reading.sound(procedure_path("kind"))) {
-    reading.error(*node->find("reversals"), "QUEST has no reversals", R"(write {"trials": N})");
-  } else if (names_reversals && !names_bound) {
+  if (named.size() != 1) {
+    const AdaptiveProcedure::Kind kind = knows_kind ? procedure.kind : AdaptiveProcedure::Kind::staircase;
+    reading.error(*node,
+                  named.empty() ? std::string("does not say when a track ends")
+                                : fmt::format("names both {} and {}", in_quotes(named[0]), in_quotes(named[1])),
+                  fmt::format(R"(write {{"trials": N}}{})", early_ends(kind)));
+  } else if (named[0] == "reversals" && knows_kind && procedure.kind != AdaptiveProcedure::Kind::staircase) {
+    const bool quest = procedure.kind == AdaptiveProcedure::Kind::quest;
+    reading.error(*node->find("reversals"), quest ? "QUEST has no reversals" : "the posterior has no reversals",
+                  fmt::format(R"(write {{"trials": N}}{})", early_ends(procedure.kind)));
+  } else if (named[0] == "precision" && knows_kind && procedure.kind != AdaptiveProcedure::Kind::posterior) {
+    reading.error(*node->find("precision"), "belongs to a posterior procedure",
+                  fmt::format(R"(write {{"trials": N}}{})", early_ends(procedure.kind)));
+  } else if (named[0] != "trials" && !names_bound) {
     reading.error(*node, "does not say how many trials a track has at most",
-                  "reversals may never come: add \"at_most\"");
-  } else if (names_trials && names_bound) {
+                  fmt::format("{} may never come: add \"at_most\"", named[0]));
+  } else if (named[0] == "trials" && names_bound) {
     reading.error(*node->find("at_most"), "has no meaning beside \"trials\"", "remove it");
   }
   procedure.trials = trials ? *trials : at_most.value_or(0);
   procedure.reversals = reversals.value_or(0);
+  procedure.precision = precision;
 }
 
 void look_at_clamp(const JsonNode& clamp, const AdaptiveProcedure& procedure, ProtocolReading& reading) {
@@ -118,7 +156,7 @@ void look_at_clamp(const JsonNode& clamp, const AdaptiveProcedure& procedure, Pr
   const double softest = stiffness_limits(reading.protocol.stimulus.unit).min;
   if (reading.sound("$.stimulus.reference") && reference - highest < softest)
     reading.error(
-        clamp.items[1],
+        clamp.kind == JsonNode::Kind::array ? clamp.items.back() : clamp,
         fmt::format("a comparison {} {} softer than the reference, {} {}, would have {} {}", plain(highest),
                     unit_of(reading), plain(reference), unit_of(reading), plain(reference - highest), unit_of(reading)),
         fmt::format("levels are differences from the reference: at most {}", plain(reference - softest)));
@@ -153,7 +191,25 @@ void look_at_quest(const JsonNode& node, const AdaptiveProcedure& procedure, Pro
     reading.error(node, problem, "");
 }
 
+// First levels, and between which limits the answers may move them.
+void read_bounds(JsonReader& reader, AdaptiveProcedure& procedure, ProtocolReading& reading) {
+  const NumberLimits level{.min = 0, .max = 20000, .above = true, .unit = unit_of(reading)};
+  if (const JsonNode* starts = reader.array("starts", 1, 8))
+    for (const JsonNode& item : starts->items)
+      procedure.starts.push_back(number_of(item, level, reading.errors, reading.file).value_or(0));
+  const JsonNode* clamp = reader.array("clamp", 2, 2);
+  if (clamp != nullptr && clamp->items.size() == 2)
+    for (std::size_t i = 0; i < 2; ++i)
+      procedure.clamp[i] = number_of(clamp->items[i], level, reading.errors, reading.file).value_or(0);
+}
+
+constexpr double kPosteriorCatchShare = 1.0 / 3;
+
 }  // namespace
+
+std::string procedure_path(std::string_view member) {
+  return fmt::format("{}.{}", kPath, member);
+}
 
 bool ProtocolReading::adaptive() const {
   return node_at(root, kPath) != nullptr;
@@ -162,27 +218,36 @@ bool ProtocolReading::adaptive() const {
 void read_procedure(const JsonNode& node, ProtocolReading& reading) {
   AdaptiveProcedure procedure;
   JsonReader reader(node, reading.errors, reading.file);
-  const std::vector<std::string_view> kinds = {"staircase", "quest"};
+  using Kind = AdaptiveProcedure::Kind;
+  std::vector<std::string_view> kinds;
+  for (const auto& [word, value] : procedure_words()) kinds.push_back(word);
   const auto kind = reader.word("kind", kinds, {}, true);
-  if (kind) procedure.kind = *kind == 0 ? AdaptiveProcedure::Kind::staircase : AdaptiveProcedure::Kind::quest;
-  const NumberLimits level{.min = 0, .max = 20000, .above = true, .unit = unit_of(reading)};
-  const JsonNode* starts = reader.array("starts", 1, 8);
-  if (starts != nullptr)
-    for (const JsonNode& item : starts->items)
-      procedure.starts.push_back(number_of(item, level, reading.errors, reading.file).value_or(0));
-  const JsonNode* clamp = reader.array("clamp", 2, 2);
-  if (clamp != nullptr && clamp->items.size() == 2)
-    for (std::size_t i = 0; i < 2; ++i)
-      procedure.clamp[i] = number_of(clamp->items[i], level, reading.errors, reading.file).value_or(0);
+  if (kind) procedure.kind = procedure_words()[*kind].second;
+  const bool chooses = kind && procedure.kind == Kind::posterior;
+  if (!chooses) read_bounds(reader, procedure, reading);
   if (!kind) {
-    for (const std::string_view key : kStaircaseKeys) reader.ignore(key);
-    for (const std::string_view key : kQuestKeys) reader.ignore(key);
-  } else if (procedure.kind == AdaptiveProcedure::Kind::staircase) {
+    for (const auto& keys :
+         {std::span<const std::string_view>(kStaircaseKeys), std::span<const std::string_view>(kQuestKeys),
+          std::span<const std::string_view>(kPosteriorKeys), std::span<const std::string_view>(kModelKeys),
+          std::span<const std::string_view>(kThresholdKeys)})
+      for (const std::string_view key : keys) reader.ignore(key);
+  } else if (procedure.kind == Kind::staircase) {
     read_staircase(reader, procedure, reading);
+    read_threshold(reader, procedure, reading);
     refuse(reader, "staircase", kQuestKeys);
-  } else {
+    refuse(reader, "staircase", kPosteriorKeys);
+  } else if (procedure.kind == Kind::quest) {
     read_quest(reader, procedure);
     refuse(reader, "quest", kStaircaseKeys);
+    refuse(reader, "quest", kPosteriorKeys);
+    refuse(reader, "quest", kModelKeys);
+    refuse(reader, "quest", kThresholdKeys);
+  } else {
+    read_posterior(reader, procedure, reading);
+    read_response_model(reader, procedure, reading);
+    refuse(reader, "posterior", kStaircaseKeys);
+    refuse(reader, "posterior", kQuestKeys);
+    refuse(reader, "posterior", kThresholdKeys);
   }
   read_stop(reader, procedure, reading);
   const Task& task = task_of(reading.protocol.task.kind);
@@ -191,7 +256,9 @@ void read_procedure(const JsonNode& node, ProtocolReading& reading) {
                   fmt::format("the task {} has no levels that answers could set", in_quotes(to_string(task.kind()))),
                   "remove it: give constant levels");
   if (task.has_catch_trials()) {
-    procedure.catch_share = reader.number("catch_share", {.min = 0, .max = 0.75});
+    const NumberLimits share{.min = 0, .max = 0.75};
+    procedure.catch_share =
+        chooses ? reader.number_or("catch_share", kPosteriorCatchShare, share) : reader.number("catch_share", share);
   } else {
     procedure.catch_share = 0;
     if (reader.member("catch_share") != nullptr)
@@ -203,22 +270,25 @@ void read_procedure(const JsonNode& node, ProtocolReading& reading) {
     procedure.sides = reader.one_of<std::vector<int>>("side", {{"below", {-1}}, {"above", {1}}, {"both", {-1, 1}}});
   if (task.has_catch_trials() && procedure.sides.size() > 1)
     reader.error("side", "a signal lies on one side of the noise", "write \"above\" or \"below\"");
-  if (reading.sound(procedure_path("catch_share")) && !catch_block(procedure.catch_share))
+  if (reading.sound(procedure_path("catch_share")) && !catch_block_of(procedure))
     reader.error("catch_share",
                  fmt::format("{} of the trials cannot be kept in short blocks", plain(procedure.catch_share)),
                  "take a fraction with a denominator of at most 20, such as 0.5, 0.25 or 0.2");
   reader.finish();
-  if (clamp != nullptr) look_at_clamp(*clamp, procedure, reading);
-  if (starts != nullptr) look_at_starts(*starts, procedure, reading);
-  if (kind && procedure.kind == AdaptiveProcedure::Kind::quest) look_at_quest(node, procedure, reading);
+  if (const JsonNode* limits = node_at(reading.root, limits_path(procedure)))
+    look_at_clamp(*limits, procedure, reading);
+  if (const JsonNode* starts = node.find("starts"); starts != nullptr && !chooses)
+    look_at_starts(*starts, procedure, reading);
+  if (kind && procedure.kind == Kind::quest) look_at_quest(node, procedure, reading);
 
   Protocol& protocol = reading.protocol;
-  if (reading.has_pairs() && reading.sound(procedure_path("clamp")) && reading.sound("$.stimulus.reference"))
+  if (reading.has_pairs() && reading.sound(limits_path(procedure)) && reading.sound("$.stimulus.reference"))
     protocol.series = {{"adaptive",
                         {protocol.stimulus.reference - procedure.clamp[1], protocol.stimulus.reference},
                         protocol.stimulus.reference}};
   protocol.design.procedure = procedure;
   protocol.design.trials_per_cell = task.trials_of_cell(protocol, {});
+  if (has_posterior_threshold(protocol)) lint_response_model(node, reading);
 }
 
 // What would keep the levels from moving, or the threshold from being one.
@@ -304,12 +374,11 @@ void warn_about_quest(ProtocolReading& reading, const AdaptiveProcedure& procedu
 
 void warn_about_procedure(ProtocolReading& reading) {
   const AdaptiveProcedure& procedure = *reading.protocol.design.procedure;
-  if (procedure.kind == AdaptiveProcedure::Kind::staircase)
-    warn_about_staircase(reading, procedure);
-  else
-    warn_about_quest(reading, procedure);
+  if (procedure.kind == AdaptiveProcedure::Kind::staircase) warn_about_staircase(reading, procedure);
+  if (procedure.kind == AdaptiveProcedure::Kind::quest) warn_about_quest(reading, procedure);
+  if (has_posterior_threshold(reading.protocol)) warn_about_response_model(reading);
   if (procedure.trials < kFewTrials)
-    reading.warn_at(procedure_path(procedure.reversals > 0 ? "stop.at_most" : "stop.trials"),
+    reading.warn_at(procedure_path(can_end_early(procedure) ? "stop.at_most" : "stop.trials"),
                     fmt::format("{} trials with a difference a track are few", procedure.trials),
                     fmt::format("plan {} or more", kFewTrials));
   if (procedure.catch_share == 0 && task_of(reading.protocol.task.kind).has_catch_trials())

@@ -59,6 +59,9 @@ NumberLimits stiffness_limits(Unit unit);
 void read_task(JsonReader& outer, ProtocolReading& reading);
 void read_comparisons(JsonReader& outer, ProtocolReading& reading);
 void lint_task(ProtocolReading& reading);
+// {"from", "to", "step"}: values at equal distances, the first and the last among them, at most 400. Each is the number
+// that its decimals say: 0.55 is not 0.5 + 0.05.
+std::vector<double> read_steps(const JsonNode& node, const NumberLimits& limits, ProtocolReading& reading);
 // After the design: what a series presents at most, and the value that its participants have an idea of.
 void set_extremes(Protocol& protocol);
 // What a value of the study's quantity may be.
@@ -75,6 +78,16 @@ void read_series(const JsonNode& list, ProtocolReading& reading);
 void read_design(const JsonNode& node, ProtocolReading& reading);
 // protocol_procedure.cpp: how the answers set the levels. Sets the one series and the trials of a cell.
 void read_procedure(const JsonNode& node, ProtocolReading& reading);
+// protocol_posterior.cpp: levels and utility of the Bayesian procedure; grid and prior of the response model; and, once the
+// series are known, whether that makes a model.
+void read_posterior(JsonReader& reader, AdaptiveProcedure& procedure, ProtocolReading& reading);
+void read_response_model(JsonReader& reader, AdaptiveProcedure& procedure, ProtocolReading& reading);
+void lint_response_model(const JsonNode& node, ProtocolReading& reading);
+void warn_about_response_model(ProtocolReading& reading);
+// The path of one of its members.
+std::string procedure_path(std::string_view member);
+// Where a file says how far the levels of its procedure reach.
+std::string limits_path(const AdaptiveProcedure& procedure);
 // A name that CSV files, streams of random numbers and command lines can carry: [A-Za-z0-9_+-]{1,16}.
 std::optional<std::string> read_name(JsonReader& reader, std::string_view key, ProtocolReading& reading);
 // Places of conditions and series by name; an unknown name is reported.

@@ -35,36 +35,6 @@ double level_of(const Levels& levels, double value, double standard) {
   return value;
 }
 
-constexpr int kMostSteps = 400;
-
-// {"from", "to", "step"}: values at equal distances, the first and the last among them. Each is the number that its
-// decimals say: 0.55 is not 0.5 + 0.05.
-std::vector<double> read_steps(const JsonNode& node, const NumberLimits& limits, ProtocolReading& reading) {
-  JsonReader reader(node, reading.errors, reading.file);
-  const double from = reader.number("from", limits);
-  const double to = reader.number("to", limits);
-  const double step = reader.number("step", {.min = 0, .max = 1e12, .above = true});
-  reader.finish();
-  if (!reading.sound(node.path)) return {};
-  const double steps = std::round((to - from) / step);
-  if (!(to > from) || std::abs(from + steps * step - to) > 1e-6 * step) {
-    reading.error(
-        node, fmt::format("no whole number of steps of {} leads from {} to {}", plain(step), plain(from), plain(to)),
-        "move one of the ends, or change the step");
-    return {};
-  }
-  if (steps >= kMostSteps) {
-    reading.error(node, fmt::format("{} steps are more than {} values", plain(steps), kMostSteps),
-                  "take a larger step");
-    return {};
-  }
-  constexpr double kDecimals = 1e9;
-  std::vector<double> values;
-  for (int i = 0; i <= static_cast<int>(steps); ++i)
-    values.push_back(std::round((from + i * step) * kDecimals) / kDecimals);
-  return values;
-}
-
 std::optional<Levels> read_level_list(const JsonNode& node, bool has_standard, ProtocolReading& reading) {
   JsonReader reader(node, reading.errors, reading.file);
   Levels levels;
@@ -184,6 +154,33 @@ void lint_specimens(ProtocolReading& reading) {
 
 }  // namespace
 
+std::vector<double> read_steps(const JsonNode& node, const NumberLimits& limits, ProtocolReading& reading) {
+  constexpr int kMostSteps = 400;
+  JsonReader reader(node, reading.errors, reading.file);
+  const double from = reader.number("from", limits);
+  const double to = reader.number("to", limits);
+  const double step = reader.number("step", {.min = 0, .max = 1e12, .above = true});
+  reader.finish();
+  if (!reading.sound(node.path)) return {};
+  const double steps = std::round((to - from) / step);
+  if (!(to > from) || std::abs(from + steps * step - to) > 1e-6 * step) {
+    reading.error(
+        node, fmt::format("no whole number of steps of {} leads from {} to {}", plain(step), plain(from), plain(to)),
+        "move one of the ends, or change the step");
+    return {};
+  }
+  if (steps >= kMostSteps) {
+    reading.error(node, fmt::format("{} steps are more than {} values", plain(steps), kMostSteps),
+                  "take a larger step");
+    return {};
+  }
+  constexpr double kDecimals = 1e9;
+  std::vector<double> values;
+  for (int i = 0; i <= static_cast<int>(steps); ++i)
+    values.push_back(std::round((from + i * step) * kDecimals) / kDecimals);
+  return values;
+}
+
 NumberLimits value_limits(const Protocol& protocol) {
   if (protocol.rig.built_in()) return stiffness_limits(protocol.stimulus.unit);
   return {.min = -1e9, .max = 1e9, .unit = to_string(protocol.stimulus.unit)};
@@ -287,7 +284,7 @@ void lint_task(ProtocolReading& reading) {
         const double furthest = series.standard + side * design.procedure->clamp[1];
         if (furthest < limits.min || furthest > limits.max)
           reading.error_at(
-              "$.design.procedure.clamp",
+              limits_path(*design.procedure),
               fmt::format("a comparison {} from the standard {} would have {} {}",
                           plain(side * design.procedure->clamp[1]), plain(series.standard), plain(furthest),
                           limits.unit),

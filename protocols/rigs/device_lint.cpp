@@ -31,7 +31,8 @@ struct DeviceLinting {
   std::string_view unit() const { return to_string(protocol.stimulus.unit); }
   std::string depth(double value) const;  // "5.22 mm" or "0.240 rad"
   std::string press_path() const;         // of the expected press
-  // Where the stiffnesses of a series are written; beside an adaptive procedure, which makes its own series: its clamp.
+  // Where the stiffnesses of a series are written; beside an adaptive procedure, which makes its own series: its clamp
+  // or its levels.
   std::string series_path() const;
   std::string pair_path(std::size_t series) const;
   std::string stiffness_path(std::size_t series, std::size_t of_pair) const;
@@ -156,7 +157,9 @@ void look_at_levels(DeviceLinting& linting, const Condition& condition) {
                              start ? "" : ", and no track can settle there"),
                  alike.remedy);
   };
-  tell(procedure.clamp[0], "$.design.procedure.clamp[0]", false);
+  const bool chooses = procedure.kind == AdaptiveProcedure::Kind::posterior;  // among levels, without starts
+  tell(procedure.clamp[0], chooses ? linting.series_path() : linting.series_path() + "[0]", false);
+  if (chooses) return;
   for (std::size_t i = 0; i < procedure.starts.size(); ++i)
     tell(procedure.starts[i], fmt::format("$.design.procedure.starts[{}]", i), true);
 }
@@ -236,7 +239,9 @@ std::string DeviceLinting::press_path() const {
 
 std::string DeviceLinting::series_path() const {
   if (protocol.explore) return "$.stimulus.reference";
-  if (protocol.design.procedure) return "$.design.procedure.clamp";
+  if (protocol.design.procedure)
+    return protocol.design.procedure->kind == AdaptiveProcedure::Kind::posterior ? "$.design.procedure.levels"
+                                                                                 : "$.design.procedure.clamp";
   if (protocol.task.kind == TaskKind::same_different) return "$.series";
   return protocol.task.kind == TaskKind::identify ? "$.classes" : "$.levels";
 }
@@ -251,7 +256,9 @@ std::string DeviceLinting::stiffness_path(std::size_t series, std::size_t of_pai
   if (!protocol.design.procedure && protocol.task.kind == TaskKind::same_different)
     return fmt::format("{}[{}]", pair_path(series), of_pair);
   if (protocol.task.kind != TaskKind::same_different) return series_path();
-  return of_pair == 0 ? series_path() + "[1]" : "$.stimulus.reference";
+  if (of_pair != 0) return "$.stimulus.reference";
+  const bool clamps = protocol.design.procedure->kind != AdaptiveProcedure::Kind::posterior;
+  return clamps ? series_path() + "[1]" : series_path();
 }
 
 std::string DeviceLinting::objects(bool plural) const {

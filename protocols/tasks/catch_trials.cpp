@@ -7,7 +7,7 @@ namespace jnd {
 namespace {
 
 constexpr int kLargestDenominator = 20;
-constexpr int kShortestBlock = 8;
+constexpr int kShortestPosteriorBlock = 6;
 constexpr double kShareTolerance = 0.001;  // 0.333 means a third
 
 // Catch trials that go with so many others in a part of a block.
@@ -18,15 +18,21 @@ int catches_of_part(const CatchBlock& block, int different) {
 
 }  // namespace
 
-std::optional<CatchBlock> catch_block(double share) {
+std::optional<CatchBlock> catch_block(double share, int shortest) {
   if (!(share >= 0 && share < 1)) return std::nullopt;
   for (int denominator = 1; denominator <= kLargestDenominator; ++denominator) {
     const double catches = share * denominator;
     if (std::abs(catches - std::round(catches)) > kShareTolerance * denominator) continue;
-    const int times = (kShortestBlock + denominator - 1) / denominator;
+    const int times = (shortest + denominator - 1) / denominator;
     return CatchBlock{times * denominator, times * static_cast<int>(std::round(catches))};
   }
   return std::nullopt;
+}
+
+std::optional<CatchBlock> catch_block_of(const AdaptiveProcedure& procedure) {
+  return procedure.kind == AdaptiveProcedure::Kind::posterior
+             ? catch_block(procedure.catch_share, kShortestPosteriorBlock)
+             : catch_block(procedure.catch_share);
 }
 
 int slots_of_track(const CatchBlock& block, int different) {
@@ -36,7 +42,7 @@ int slots_of_track(const CatchBlock& block, int different) {
 }
 
 int trials_with_catches(const AdaptiveProcedure& procedure) {
-  const auto block = catch_block(procedure.catch_share);
+  const auto block = catch_block_of(procedure);
   if (!block || procedure.trials < 1) return 0;
   return slots_of_track(*block, procedure.trials) * static_cast<int>(procedure.starts.size());
 }

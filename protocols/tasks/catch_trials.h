@@ -13,11 +13,13 @@ namespace jnd {
 // A share of catch trials is kept in blocks of so many trials: short, so that it holds everywhere in a session, but
 // long enough that the last trial of a block is hard to foresee.
 struct CatchBlock {
-  int trials = 0;   // the least multiple, 8 or more, of the share's denominator
+  int trials = 0;   // the least multiple of the share's denominator that is long enough
   int catches = 0;  // of these
 };
-// None where the share is not a fraction with a denominator of at most 20.
-std::optional<CatchBlock> catch_block(double share);
+// None where the share is not a fraction with a denominator of at most 20. shortest: trials of the shortest block.
+std::optional<CatchBlock> catch_block(double share, int shortest = 8);
+// The block of a procedure: of the Bayesian one 6 trials or more, as its two kinds of trials have in its definition.
+std::optional<CatchBlock> catch_block_of(const AdaptiveProcedure& procedure);
 
 // How many trials a track has with `different` trials that have a difference.
 int slots_of_track(const CatchBlock& block, int different);

@@ -4,6 +4,7 @@
 
 #include "protocols/input/json_reader.h"
 #include "protocols/tasks/catch_trials.h"
+#include "protocols/tasks/posterior_model.h"
 
 namespace jnd {
 
@@ -44,11 +45,26 @@ std::vector<DrawnTrial> SameDifferentTask::draw(const CellDraw& cell, RandomStre
 
 std::vector<DrawnTrial> SameDifferentTask::draw_track(const CellDraw& track, RandomStream& stream) const {
   const AdaptiveProcedure& procedure = *track.protocol.design.procedure;
-  const CatchBlock catches = catch_block(procedure.catch_share).value();
+  const CatchBlock catches = catch_block_of(procedure).value();
   std::vector<DrawnTrial> trials;
   for (const auto& [first, second] : draw_slots(catches, track.trials, track.protocol.stimulus.reference, stream))
     trials.push_back({{first, second}, first == second ? kClassSame : kClassDifferent});
   return trials;
+}
+
+std::vector<TaskOutcome> SameDifferentTask::outcomes(const Protocol& protocol) const {
+  if (!has_posterior_threshold(protocol)) return {};
+  return {{"threshold", "threshold", to_string(protocol.stimulus.unit),
+           "JND, the difference at d' = 1: exp of the posterior mean of ln JND", 4, true},
+          {"weber", "Weber fraction", "", "threshold / reference", 3, true}};
+}
+
+TaskEstimates SameDifferentTask::estimate(const Protocol& protocol, const Series& series,
+                                          std::span<const AnsweredTrial> trials) const {
+  if (!has_posterior_threshold(protocol)) return {};
+  const AdaptiveThreshold threshold = posterior_of_trials(protocol, series, trials).threshold;
+  return {std::string(to_string(threshold.status)),
+          {posterior_estimate(threshold), posterior_estimate(threshold, 1 / series.standard)}};
 }
 
 int SameDifferentTask::target_of(const Intervals& stimuli, double, const TaskSpec&) const noexcept {

@@ -18,6 +18,7 @@ class SameDifferentTask final : public Task {
   void read(JsonReader& section, TaskSpec& spec) const override;
   std::vector<TaskProblem> problems(const Protocol& protocol) const override;
   bool has_procedures() const noexcept override { return true; }
+  std::optional<PosteriorTask> posterior_task() const noexcept override { return PosteriorTask::same_different; }
   bool has_catch_trials() const noexcept override { return true; }
   bool has_own_results() const noexcept override { return true; }
   int balance_of(const TaskSpec&) const noexcept override { return 4; }
@@ -29,8 +30,10 @@ class SameDifferentTask final : public Task {
   int target_of(const Intervals& stimuli, double standard, const TaskSpec& spec) const noexcept override;
   Answer answer(std::span<const Felt> felt, const Trial& trial, const Protocol& protocol,
                 RandomStream& stream) const override;
-  std::vector<TaskOutcome> outcomes(const Protocol&) const override { return {}; }
-  TaskEstimates estimate(const Protocol&, const Series&, std::span<const AnsweredTrial>) const override { return {}; }
+  // Of a threshold by the posterior of all answers, for what a design can be expected to measure; else none.
+  std::vector<TaskOutcome> outcomes(const Protocol& protocol) const override;
+  TaskEstimates estimate(const Protocol& protocol, const Series& series,
+                         std::span<const AnsweredTrial> trials) const override;
   std::string methods(const Protocol&) const override { return {}; }
 };
 

@@ -101,6 +101,9 @@ class Task {
   virtual std::vector<TaskProblem> problems(const Protocol&) const { return {}; }
   // Whether the levels are differences from a standard, so that a procedure can set them.
   virtual bool has_procedures() const noexcept { return false; }
+  // The response model by which the Bayesian procedure chooses such levels, and by which all answers together have a
+  // posterior; a yes-no signal is judged like a difference. None where it has none.
+  virtual std::optional<PosteriorTask> posterior_task() const noexcept { return std::nullopt; }
   // Whether trials without a difference, or without a signal, are part of the task.
   virtual bool has_catch_trials() const noexcept { return false; }
   // Whether what its answers measure has an analysis of its own, instead of estimate() and its neighbours.

@@ -10,12 +10,14 @@
 #include "analysis/numerics/normal.h"
 #include "protocols/input/json_reader.h"
 #include "protocols/tasks/arrangements.h"
+#include "protocols/tasks/posterior_model.h"
 #include "protocols/tasks/task_estimates.h"
 
 namespace jnd {
 namespace {
 
 constexpr int kFirst = 0, kSecond = 1;
+constexpr double kPosteriorSds = 1.959963984540054;  // on either side of a posterior mean: 95 % of a Gaussian
 
 // Which interval is to be chosen where the first is greater, or lesser, than the second.
 int chosen(bool first_greater, const TaskSpec& spec) noexcept {
@@ -118,6 +120,24 @@ double jnd_of(const ChoiceJnds& jnds, const std::string& convention) {
   return convention == "84 %" ? jnds.jnd_84 : convention == "d'=1" ? jnds.jnd_dprime1 : jnds.jnd_75;
 }
 
+// By the posterior of all answers: JND and PSE with the middle 95 % of it, of the PSE by 1.96 standard deviations.
+void set_by_posterior(TaskEstimates& estimates, const Protocol& protocol, const Series& series,
+                      std::span<const AnsweredTrial> trials) {
+  const PosteriorOfAnswers of = posterior_of_trials(protocol, series, trials);
+  const double factor = jnd_of(choice_jnds(TwoIntervalOptions().link, 1), protocol.analysis.jnd_convention);
+  const double standard = series.standard, bias = of.estimate.mean_shift;
+  const double half_width = kPosteriorSds * of.estimate.sd_shift;
+  const bool ok = of.threshold.status == AdaptiveStatus::ok;
+  const auto shift = [&](double from) {
+    return ok ? TaskEstimate{from + bias, from + bias - half_width, from + bias + half_width} : TaskEstimate{};
+  };
+  estimates.status = to_string(of.threshold.status);
+  estimates.values[0] = posterior_estimate(of.threshold, factor);
+  estimates.values[1] = standard != 0 ? posterior_estimate(of.threshold, factor / standard) : TaskEstimate{};
+  estimates.values[2] = shift(standard);
+  estimates.values[3] = shift(0);
+}
+
 }  // namespace
 
 std::vector<TaskOutcome> WhichTask::outcomes(const Protocol& protocol) const {
@@ -159,6 +179,7 @@ TaskEstimates WhichTask::estimate(const Protocol& protocol, const Series& series
       standard != 0 && jnd ? task_estimate(*jnd / standard, scaled(intervals.s, factor / standard)) : TaskEstimate{},
       task_estimate(fit.pse, intervals.pse), task_estimate(bias, moved(intervals.pse, -standard)),
       task_estimate(fit.order_b, intervals.order_b)};
+  if (has_posterior_threshold(protocol)) set_by_posterior(estimates, protocol, series, trials);
   return estimates;
 }
 
@@ -187,16 +208,27 @@ std::optional<TaskCurve> WhichTask::curve(const Protocol& protocol, const Series
 
 std::string WhichTask::methods(const Protocol& protocol) const {
   const AnalysisPlan& plan = protocol.analysis;
+  const std::string_view jnd =
+      plan.jnd_convention == "84 %"   ? "s, the difference from the PSE at which 84 % choose the comparison"
+      : plan.jnd_convention == "75 %" ? "0.6745 s, the difference from the PSE at which 75 % choose the comparison"
+                                      : "s / sqrt 2, d' = 1 of the two-interval task";
+  if (has_posterior_threshold(protocol))
+    return fmt::format(
+        "Of each participant, condition and standard JND and PSE are those of the posterior of the procedure's own response "
+        "model given all answers: s is exp of the posterior mean of ln s, the PSE the standard plus the posterior mean of "
+        "a. The JND is {}; the Weber fraction is JND / standard. The interval of the JND is the middle 95 % of the "
+        "posterior, that of the PSE 1.96 of its standard deviations on either side; the order effect is b of "
+        "P(comparison chosen) = Phi((x - PSE)/s + b o) by maximum likelihood. Status: too_few_answers, the answers say less "
+        "than the prior; pinned_at_grid, no s is likelier than one at an end of the grid: then there is neither JND nor "
+        "PSE.",
+        jnd);
   return fmt::format(
       "Of each participant, condition and standard P(comparison chosen) = l/2 + (1 - l) Phi((x - PSE)/s{}) was fitted by "
       "maximum likelihood, with the lapse rate l {}. The JND is {}; the Weber fraction is JND / standard. Intervals are "
       "profile likelihood, 95 %. Status: separated, the levels are told apart without an error (JND 0); flat, the best "
       "slope is not positive (JND infinite); all_same, one answer throughout.",
       protocol.task.standard_first ? "" : " + b o), o = 1 where the comparison came second and -1 where it came first",
-      plan.lapse_free ? "free from 0 to 0.1" : fmt::format("fixed at {:g}", plan.lapse),
-      plan.jnd_convention == "84 %"   ? "s, the difference from the PSE at which 84 % choose the comparison"
-      : plan.jnd_convention == "75 %" ? "0.6745 s, the difference from the PSE at which 75 % choose the comparison"
-                                      : "s / sqrt 2, d' = 1 of the two-interval task");
+      plan.lapse_free ? "free from 0 to 0.1" : fmt::format("fixed at {:g}", plan.lapse), jnd);
 }
 
 }  // namespace jnd

@@ -16,6 +16,7 @@ class WhichTask final : public Task {
   std::vector<TaskProblem> problems(const Protocol& protocol) const override;
   bool level_may_be_standard() const noexcept override { return true; }
   bool has_procedures() const noexcept override { return true; }
+  std::optional<PosteriorTask> posterior_task() const noexcept override { return PosteriorTask::which; }
   int balance_of(const TaskSpec& spec) const noexcept override { return spec.standard_first ? 1 : 2; }
   int intervals(const TaskSpec&) const noexcept override { return 2; }
   std::vector<DrawnTrial> draw(const CellDraw& cell, RandomStream& stream) const override;

@@ -10,6 +10,7 @@
 #include "analysis/ratings/rating_roc.h"
 #include "protocols/input/json_reader.h"
 #include "protocols/tasks/catch_trials.h"
+#include "protocols/tasks/posterior_model.h"
 #include "protocols/tasks/task_estimates.h"
 
 namespace jnd {
@@ -47,7 +48,7 @@ std::vector<DrawnTrial> YesNoTask::draw(const CellDraw& cell, RandomStream& stre
 
 std::vector<DrawnTrial> YesNoTask::draw_track(const CellDraw& track, RandomStream& stream) const {
   const AdaptiveProcedure& procedure = *track.protocol.design.procedure;
-  const CatchBlock block = catch_block(procedure.catch_share).value();
+  const CatchBlock block = catch_block_of(procedure).value();
   const int side = procedure.sides.front();
   const double comparison = set_by_answers(track.series.standard);
   std::vector<DrawnTrial> trials;
@@ -134,7 +135,7 @@ std::vector<TaskOutcome> YesNoTask::outcomes(const Protocol& protocol) const {
   return outcomes;
 }
 
-TaskEstimates YesNoTask::estimate(const Protocol& protocol, const Series&,
+TaskEstimates YesNoTask::estimate(const Protocol& protocol, const Series& series,
                                   std::span<const AnsweredTrial> trials) const {
   const YesNo rates = yes_no(counts_of(trials), Correction::loglinear);
   const std::vector<ChoiceRow> rows = yes_rows(trials);
@@ -142,8 +143,11 @@ TaskEstimates YesNoTask::estimate(const Protocol& protocol, const Series&,
   const TwoIntervalIntervals intervals = two_interval_intervals(rows);
   TaskEstimates estimates;
   estimates.status = to_string(rates.status);
-  estimates.values = {task_estimate(rates.dprime, ChoiceBounds{rates.ci_low, rates.ci_high}),
-                      task_estimate(rates.criterion), task_estimate(fit.s, intervals.s), share_correct(trials)};
+  estimates.values = {
+      task_estimate(rates.dprime, ChoiceBounds{rates.ci_low, rates.ci_high}), task_estimate(rates.criterion),
+      has_posterior_threshold(protocol) ? posterior_estimate(posterior_of_trials(protocol, series, trials).threshold)
+                                        : task_estimate(fit.s, intervals.s),
+      share_correct(trials)};
   if (protocol.task.sureness_levels > 0) {
     const RatingRoc roc = roc_of(trials, protocol.task.sureness_levels);
     const auto with_error = [](const RatingEstimate& one) {
@@ -173,10 +177,15 @@ std::optional<TaskCurve> YesNoTask::curve(const Protocol&, const Series&, std::s
 std::string YesNoTask::methods(const Protocol& protocol) const {
   std::string text =
       "d' = z(H) - z(F) and the criterion c are of all signals together, on rates corrected log-linearly, "
-      "(k + 0.5) / (n + 1) (Hautus 1995), with the interval of Gourevitch and Galanter 1967. The threshold is sigma of "
-      "P(yes) = Phi(distance / sigma - k), fitted by maximum likelihood to noise and signals together: the distance at "
-      "d' = 1; its interval is profile likelihood, 95 %. Status: no_information, one answer throughout; missing, no noise "
-      "or no signal.";
+      "(k + 0.5) / (n + 1) (Hautus 1995), with the interval of Gourevitch and Galanter 1967. ";
+  text +=
+      has_posterior_threshold(protocol)
+          ? "The threshold is s of the procedure's own response model, the distance at d' = 1: exp of the posterior "
+            "mean of ln s given all answers, with the middle 95 % of the posterior; there is none while the answers "
+            "say less than the prior, nor where the posterior is highest at an end of the grid. "
+          : "The threshold is sigma of P(yes) = Phi(distance / sigma - k), fitted by maximum likelihood to noise and "
+            "signals together: the distance at d' = 1; its interval is profile likelihood, 95 %. ";
+  text += "Status: no_information, one answer throughout; missing, no noise or no signal.";
   if (protocol.task.sureness_levels > 0)
     text +=
         " The ratings were fitted with normal distributions of unequal variances; d_a and the area A_z have intervals "

@@ -15,6 +15,7 @@ class YesNoTask final : public Task {
   std::string_view summary() const noexcept override { return "one interval: was the signal there?"; }
   void read(JsonReader& section, TaskSpec& spec) const override;
   bool has_procedures() const noexcept override { return true; }
+  std::optional<PosteriorTask> posterior_task() const noexcept override { return PosteriorTask::same_different; }
   bool has_catch_trials() const noexcept override { return true; }
   int balance_of(const TaskSpec&) const noexcept override { return 1; }
   int trials_of_cell(const Protocol& protocol, const Series& series) const override;

@@ -7,6 +7,7 @@
 
 #include "protocols/course/duration.h"
 #include "protocols/input/resources.h"
+#include "protocols/planning/adaptive_run.h"
 #include "protocols/planning/plan.h"
 #include "protocols/reading/protocol_json.h"
 #include "protocols/rigs/rig_description.h"
@@ -119,7 +120,7 @@ void print_check(const std::string& name, const CheckedFile& result) {
   }
   if (protocol.design.procedure) {
     const AdaptiveProcedure& procedure = *protocol.design.procedure;
-    const bool at_most = procedure.reversals > 0;
+    const bool at_most = can_end_early(procedure);
     const auto number = [](std::size_t many, std::string_view word) {
       return counted(static_cast<std::int64_t>(many), word);
     };
@@ -155,7 +156,7 @@ void print_check_json(const CheckedFile& result) {
   out["precision"] =
       result.precision ? precision_json(*result.precision, *result.check.protocol) : nlohmann::ordered_json(nullptr);
   if (ok && result.check.protocol->design.procedure)
-    out["trials_at_most"] = result.check.protocol->design.procedure->reversals > 0;
+    out["trials_at_most"] = can_end_early(*result.check.protocol->design.procedure);
   if (ok) out["tracker"] = result.check.protocol->rig.tracker;
   if (ok) out["sha256"] = result.check.protocol->sha256;
   fmt::print("{}\n", json_line(out));

@@ -8,6 +8,7 @@
 #include "data/files/draft.h"
 #include "protocols/input/read_file.h"
 #include "protocols/input/resources.h"
+#include "protocols/planning/adaptive_run.h"
 #include "protocols/reading/protocol_json.h"
 #include "protocols/tasks/task.h"
 #include "runner/commands/commands.h"
@@ -91,6 +92,12 @@ bool write_new_file(const std::filesystem::path& path, const std::string& bytes)
   return draft.publish();
 }
 
+std::vector<std::string> words_of_procedures() {
+  std::vector<std::string> words = {"constant"};
+  for (const auto& [word, kind] : procedure_words()) words.emplace_back(word);
+  return words;
+}
+
 std::vector<std::string> words_of_tasks() {
   std::vector<std::string> words;
   for (const TaskKind task : every_task()) words.emplace_back(to_string(task));
@@ -147,7 +154,7 @@ void add_new(CommandTree& tree) {
   command.add_option("--rig", options.rig, "with --task: what presents the stimuli (default: rrs3)")
       ->check(CLI::IsMember({"rrs3", "mckibben", "rrs3+mckibben", "external", "specimens"}));
   command.add_option("--procedure", options.procedure, "with --task: what sets the levels (default: constant)")
-      ->check(CLI::IsMember({"constant", "staircase", "quest"}));
+      ->check(CLI::IsMember(words_of_procedures()));
   command.add_flag("--list", options.list, "which protocols are shipped, by task");
   command.add_flag("--json", options.json, "with --list: as JSON");
 }

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include "data/study/blinding.h"
+#include "protocols/planning/adaptive_run.h"
 #include "protocols/planning/cohort.h"
 #include "protocols/planning/condition_codes.h"
 #include "protocols/planning/plan.h"
@@ -96,9 +97,10 @@ void print_plan(const Protocol& protocol, const Plan& plan) {
     table.add(row);
   }
   fmt::print("{}", table.text());
-  if (protocol.design.procedure && protocol.design.procedure->reversals > 0)
-    fmt::print("A track that has its {} reversals leaves the trials that are planned for it after them.\n",
-               protocol.design.procedure->reversals);
+  if (!protocol.design.procedure || !can_end_early(*protocol.design.procedure)) return;
+  const bool reversals = protocol.design.procedure->reversals > 0;
+  fmt::print("A track that has {}{} leaves the trials that are planned for it after {}.\n", reversals ? "its " : "",
+             early_end_of(*protocol.design.procedure), reversals ? "them" : "that");
 }
 
 void print_plan_json(const Protocol& protocol, const Plan& plan) {

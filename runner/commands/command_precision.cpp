@@ -7,6 +7,7 @@
 
 #include "protocols/planning/planned_precision.h"
 #include "protocols/planning/task_precision.h"
+#include "protocols/tasks/posterior_model.h"
 #include "protocols/tasks/task.h"
 #include "runner/commands/precision_options.h"
 #include "runner/opening/study_access.h"
@@ -93,8 +94,9 @@ void add_precision_options(CLI::App& plan, PrecisionOptions& options) {
   plan.add_option("--cv", options.cv, "wanted coefficient of variation of one participant's JND (default: 0.1)")
       ->needs(precision)
       ->check(CLI::Range(0.001, 10.0));
-  plan.add_option("--simulated", options.simulated,
-                  "how many participants are simulated, of tasks other than same-different (default: 400)")
+  plan.add_option(
+          "--simulated", options.simulated,
+          "how many participants are simulated, of tasks other than same-different and of procedures (default: 400)")
       ->needs(precision)
       ->check(CLI::Range(20, 100000));
   plan.add_flag("--markdown", options.markdown, "tables in Markdown")->needs(precision);
@@ -107,7 +109,7 @@ int plan_task_precision(const Protocol& protocol, const std::string& name, std::
                         const PrecisionOptions& options) {
   if (options.participants || options.between_cv > 0)
     throw UsageError(
-        fmt::format("{}: --participants and --between-cv are for same-different protocols; --simulated "
+        fmt::format("{}: --participants and --between-cv are for same-different with fixed series; --simulated "
                     "says how many participants are simulated here",
                     printable(name)));
   TaskPrecisionQuestion question;
@@ -136,11 +138,11 @@ int plan_task_precision(const Protocol& protocol, const std::string& name, std::
 
 int plan_precision(const std::string& name, std::uint64_t seed, bool json, const PrecisionOptions& options) {
   Protocol protocol = load_checked_protocol(name);
-  if (protocol.task.kind == TaskKind::explore ||
-      (protocol.task.kind == TaskKind::same_different && !has_precision(protocol)))
+  if (protocol.task.kind == TaskKind::explore || (protocol.task.kind == TaskKind::same_different &&
+                                                  !has_precision(protocol) && !has_posterior_threshold(protocol)))
     throw UsageError(
-        fmt::format("{}: precision cannot be foretold of free interaction, nor of same-different with "
-                    "levels that the answers set",
+        fmt::format("{}: precision cannot be foretold of free interaction, nor of same-different with a threshold from "
+                    "reversals or QUEST",
                     printable(name)));
   if (options.trials) protocol.design.trials_per_cell = *options.trials;
   if (!has_precision(protocol)) {
@@ -152,7 +154,7 @@ int plan_precision(const std::string& name, std::uint64_t seed, bool json, const
       throw UsageError("--trials: a procedure says itself when its tracks end");
     return plan_task_precision(protocol, name, seed, json, options);
   }
-  if (options.simulated) throw UsageError("--simulated is for tasks other than same-different");
+  if (options.simulated) throw UsageError("--simulated is for tasks other than same-different, and for procedures");
   if (protocol.design.sampling == Sampling::balanced && protocol.design.trials_per_cell % 4 != 0)
     throw UsageError(fmt::format("--trials {}: balanced cells need a multiple of 4", protocol.design.trials_per_cell));
   if (options.participants) protocol.design.participants = *options.participants;

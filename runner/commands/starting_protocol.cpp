@@ -130,9 +130,14 @@ ordered_json specimens(std::vector<double> values, double standard) {
 }
 
 ordered_json procedure_section(const StartingPoint& point, double standard) {
-  ordered_json section = {
-      {"kind", point.procedure}, {"starts", {0.4 * standard}}, {"clamp", {0.02 * standard, 0.5 * standard}}};
-  if (point.procedure == "staircase") {
+  ordered_json section = {{"kind", point.procedure}};
+  if (point.procedure == "posterior")
+    section["levels"] = {{"from", 0.05 * standard}, {"to", 0.5 * standard}, {"step", 0.05 * standard}};
+  else
+    section.update({{"starts", {0.4 * standard}}, {"clamp", {0.02 * standard, 0.5 * standard}}});
+  if (point.procedure == "posterior") {
+    section["utility"] = "variance";
+  } else if (point.procedure == "staircase") {
     section.update({{"up", 1},
                     {"down", 2},
                     {"step_up", 1.5},
@@ -143,7 +148,7 @@ ordered_json procedure_section(const StartingPoint& point, double standard) {
     const bool coin = point.task == TaskKind::which;
     section.update({{"guess_sd", 0.5}, {"p_threshold", 0.75}, {"gamma", coin ? 0.5 : 0.1}});
   }
-  if (point.task != TaskKind::which) section["catch_share"] = 0.5;
+  if (point.task != TaskKind::which && point.procedure != "posterior") section["catch_share"] = 0.5;
   if (point.task != TaskKind::same_different) section["side"] = "above";
   section["stop"] = {{"trials", 40}};
   return section;

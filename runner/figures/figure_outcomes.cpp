@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "analysis/numerics/moments.h"
+#include "data/results/adaptive_results.h"
 #include "runner/figures/figure.h"
 #include "runner/figures/figure_conditions.h"
 #include "runner/results/result_format.h"
@@ -77,9 +78,11 @@ std::vector<Figure> threshold_figures(const StudyResults& results, const Protoco
     figure.title = "Threshold by condition";
     figure.y_title = fmt::format("threshold ({})", outcome.unit);
     figure.joined = true;
-    const std::string caption =
-        fmt::format("The difference at which the procedure settles, averaged over the tracks of a condition. {}{}",
-                    kMarks, left_out_text(outcome));
+    const std::string_view what =
+        threshold_source(protocol) == ThresholdSource::answers
+            ? "The JND, the difference at d' = 1, by the posterior of all answers of a condition."
+            : "The difference at which the procedure settles, averaged over the tracks of a condition.";
+    const std::string caption = fmt::format("{} {}{}", what, kMarks, left_out_text(outcome));
     return {{figure.id, figure.title, caption, draw_condition_figure(figure, protocol)}};
   }
   return {};

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "analysis/numerics/special_values.h"
 #include "data/export/result_fields.h"
+#include "protocols/planning/adaptive_run.h"
 #include "runner/results/analysis_text.h"
 #include "runner/results/field_output.h"
 #include "runner/results/result_table_parts.h"
@@ -25,10 +27,11 @@ Json to_json(const AdaptiveResults& results, const Protocol& protocol) {
               {"unit", to_string(protocol.stimulus.unit)},
               {"reference", protocol.stimulus.reference},
               {"procedure",
-               {{"kind", by_staircase(protocol) ? "staircase" : "quest"},
-                {"target", json_number(adaptive_target(procedure))},
+               {{"kind", to_string(procedure.kind)},
+                {"target", json_number(adaptive_target(procedure).value_or(kNaN))},
                 {"clamp", procedure.clamp},
                 {"catch_share", procedure.catch_share}}}};
+  if (procedure.joint_likelihood) out["procedure"]["threshold"] = "joint-likelihood";
   const auto groups = adaptive_group_fields(protocol);
   const auto tracks = track_fields(protocol);
   out["group"] = Json::array();
@@ -37,7 +40,8 @@ Json to_json(const AdaptiveResults& results, const Protocol& protocol) {
   for (const AdaptiveRow& row : results.rows) {
     out["rows"].push_back(json_of(tracks, row, {"*"}));
     if (row.track != 0) out["rows"].back()["levels"] = row.levels;
-    if (row.track != 0 && by_staircase(protocol)) out["rows"].back()["reversals"] = row.reversals;
+    if (row.track != 0 && procedure.kind == AdaptiveProcedure::Kind::staircase)
+      out["rows"].back()["reversals"] = row.reversals;
   }
   return out;
 }

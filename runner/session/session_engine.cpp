@@ -6,6 +6,7 @@
 
 #include "data/log/event_body.h"
 #include "protocols/course/prescription.h"
+#include "protocols/planning/adaptive_run.h"
 #include "protocols/planning/condition_codes.h"
 
 namespace jnd {
@@ -213,7 +214,7 @@ TrialOutline SessionEngine::outline_of(const Trial& trial) const {
   } else {
     outline.number = course_.main_done() + 1;
     outline.total = course_.main_done() + left;
-    outline.at_most = protocol_.design.procedure && protocol_.design.procedure->reversals > 0;
+    outline.at_most = protocol_.design.procedure && can_end_early(*protocol_.design.procedure);
   }
   const Condition& condition = protocol_.conditions[static_cast<std::size_t>(trial.condition)];
   if (const Prescription* const prescription = prescription_of(protocol_, condition)) {

@@ -84,3 +84,29 @@ TEST_CASE("every status has its word") {
   CHECK(to_string(AdaptiveStatus::no_trials) == "no_trials");
   CHECK(to_string(AdaptiveStatus::pinned_at_clamp) == "pinned_at_clamp");
 }
+
+TEST_CASE("a posterior of all answers is ok, says less than the prior, or ends at the grid's end") {
+  LogPosterior of{std::log(200), 0.3, std::log(110), std::log(370), 0.7, false, 60};
+  const AdaptiveThreshold good = posterior_threshold(of);
+  CHECK(good.status == AdaptiveStatus::ok);
+  CHECK(good.threshold == Approx(200));
+  CHECK(good.sd == 0.3);
+  CHECK(good.low == Approx(110));
+  CHECK(good.high == Approx(370));
+  CHECK(good.n == 60);
+  of.sd = 0.494;  // half of the prior's variance is at 0.49497
+  CHECK(posterior_threshold(of).status == AdaptiveStatus::ok);
+  of.sd = 0.496;
+  const AdaptiveThreshold few = posterior_threshold(of);
+  CHECK(few.status == AdaptiveStatus::too_few_answers);
+  CHECK(std::isnan(few.threshold));
+  CHECK(std::isnan(few.high));
+  CHECK(few.sd == 0.496);
+  CHECK(few.n == 60);
+  of.at_end = true;
+  CHECK(posterior_threshold(of).status == AdaptiveStatus::pinned_at_grid);
+  of.trials = 0;
+  CHECK(posterior_threshold(of).status == AdaptiveStatus::no_trials);
+  CHECK(to_string(AdaptiveStatus::too_few_answers) == "too_few_answers");
+  CHECK(to_string(AdaptiveStatus::pinned_at_grid) == "pinned_at_grid");
+}

@@ -47,7 +47,7 @@ TEST_CASE("no two fields of a block have one name", "[data]") {
   }
   check_names(test_fields());
   check_names(effect_fields());
-  for (const char* name : {"adaptive-quest", "adaptive-staircase"}) {
+  for (const char* name : {"adaptive-quest", "adaptive-staircase", "adaptive-posterior", "adaptive-staircase-90"}) {
     const Protocol protocol = shipped(name);
     check_names(track_fields(protocol));
     check_names(adaptive_group_fields(protocol));

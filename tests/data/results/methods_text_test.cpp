@@ -31,7 +31,7 @@ bool has(const std::string& text, const std::string& part) {
 
 TEST_CASE("the methods name the generator that drew the plans", "[data]") {
   CHECK(kGeneratorName == "Philox4x64-10");
-  for (const char* name : {"tutorial", "adaptive-quest"}) {
+  for (const char* name : {"tutorial", "adaptive-quest", "adaptive-posterior"}) {
     const std::string text = methods_of(shipped(name));
     CHECK(has(text, "(Philox4x64-10, Salmon et al. 2011)"));
     CHECK_FALSE(has(text, "4x32"));
@@ -39,7 +39,8 @@ TEST_CASE("the methods name the generator that drew the plans", "[data]") {
 }
 
 TEST_CASE("what the methods cite is listed in full, and nothing else", "[data]") {
-  for (const char* name : {"chinello2017", "adaptive-staircase", "adaptive-quest"}) {
+  for (const char* name :
+       {"chinello2017", "adaptive-staircase", "adaptive-quest", "adaptive-posterior", "adaptive-staircase-90"}) {
     CAPTURE(name);
     const std::string text = methods_of(shipped(name));
     const std::size_t list = text.find("\n## References\n");
@@ -115,6 +116,13 @@ TEST_CASE("the methods say of tests and orders what was so", "[data]") {
   fixed.design.condition_order = Order::fixed;
   CHECK_FALSE(has(methods_of(fixed), "another one in each series"));
   CHECK(has(methods_of(shipped("adaptive-quest")), "Each condition had "));
+  const std::string posterior = methods_of(shipped("adaptive-posterior"));
+  CHECK(
+      has(posterior, "of 24 levels each trial had the one whose answer was expected to leave the smallest posterior"));
+  CHECK(has(posterior, "The threshold is the JND s, the difference at d' = 1"));
+  CHECK_FALSE(has(posterior, "moves with the criterion"));
+  CHECK(has(methods_of(shipped("adaptive-staircase-90")),
+            "given all answers of a condition at once, by the response model"));
 }
 
 }  // namespace

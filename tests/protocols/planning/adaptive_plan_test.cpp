@@ -14,6 +14,7 @@
 #include "protocols/reading/protocol_json.h"
 #include "protocols/rigs/device_lint.h"
 #include "protocols/tasks/catch_trials.h"
+#include "protocols/tasks/posterior_model.h"
 #include "protocols/tasks/same_different_task.h"
 #include "tests/catch.h"
 #include "tests/protocols/examples.h"
@@ -253,6 +254,133 @@ TEST_CASE("QUEST presents the mean of its posterior, within the clamp") {
   CHECK(quest_level(2, {20, 800}) == 100);
 }
 
+TEST_CASE("the Bayesian procedure presents the levels of the reference sequences") {
+  // The slots of sessions have a kind, or a side: where a sequence is free to take any, the one that it took, among whose
+  // levels the best of all is the best too.
+  const json reference = json::parse(read_text(JND_SOURCE_DIR "/analysis/selftest/posterior_reference.json"));
+  int compared = 0;
+  for (const json& one : reference.at("cases")) {
+    const json &input = one.at("input"), &trials = one.at("expected").at("trials");
+    const bool which = input.at("definition") != "same_different";
+    json document = good(which ? "task-posterior" : "posterior-plain");
+    json& procedure = document["design"]["procedure"];
+    procedure["utility"] = input.at("utility");
+    procedure["stop"]["trials"] = 100;
+    if (which) {
+      document["standards"] = json::parse(R"([{"name": "s", "value": 900}])");
+      procedure["levels"] = {{"from", 50}, {"to", 500}, {"step", 50}};
+      document["design"]["order"]["series"] = "fixed";
+      procedure.erase("grid");
+      procedure.erase("prior");
+    } else {
+      procedure["levels"] = {{"from", 25}, {"to", 600}, {"step", 25}};
+    }
+    const Protocol protocol = parsed(document);
+    AdaptiveRun run(protocol);
+    for (std::size_t t = 0; t < trials.size(); ++t) {
+      CAPTURE(one.at("name").get<std::string>(), t);
+      const bool positive = input.at("responses").at(t) == 1;
+      const double level = trials.at(t).at("level").get<double>();
+      Trial slot;
+      slot.task = protocol.task.kind;
+      slot.track = 1;
+      slot.standard = 900;
+      slot.side = which && level > 900 ? 1 : -1;
+      const bool same = !which && level == 0;
+      slot.stimuli = {900, same ? 900 : set_by_answers(900)};
+      // Of which the second interval has more where the comparison, which is second, lies above.
+      slot.target = which ? (slot.side > 0 ? 1 : 0) : (same ? kClassSame : kClassDifferent);
+      const double presented = run.resolved(slot).stimuli[1];
+      CHECK(presented == (which ? level : 900 - level));
+      run.answered(slot, said(positive ? 1 : 0));
+      ++compared;
+    }
+  }
+  CHECK(compared >= 96);
+}
+
+TEST_CASE("a track of the Bayesian procedure has blocks of six, and ends with its precision") {
+  const Protocol plain = parsed(good("posterior-plain"));
+  const Plan plan = make_plan(plain, 1, 1);
+  const std::vector<Trial> slots = slots_of(plan, 0, 1);
+  REQUIRE(slots.size() == 36);  // 24 with a difference
+  for (std::size_t first = 0; first < slots.size(); first += 6) {
+    int references = 0, comparisons = 0, reference_first = 0;
+    for (std::size_t i = first; i < first + 6; ++i) {
+      const Trial& slot = slots[i];
+      if (slot.target != kClassSame)
+        reference_first += slot.stimuli[0] == 900 ? 1 : 0;
+      else
+        ++(slot.stimuli[0] == 900 ? references : comparisons);
+    }
+    CHECK(references == 1);
+    CHECK(comparisons == 1);
+    CHECK(reference_first == 2);
+  }
+  const Protocol protocol = parsed(good("posterior"));
+  CHECK(can_end_early(*protocol.design.procedure));
+  CHECK_FALSE(can_end_early(*plain.design.procedure));
+  AdaptiveRun run(protocol);
+  Trial different, same;
+  different.track = same.track = 1;
+  different.standard = same.standard = 900;
+  different.stimuli = {900, set_by_answers(900)};
+  different.target = kClassDifferent;
+  same.stimuli = {set_by_answers(900), set_by_answers(900)};
+  same.target = kClassSame;
+  const Answer yes = said(kClassDifferent), no = said(kClassSame);
+  double before = *run.tracks()[0].sd_ln_s;
+  int answers = 0;
+  while (!run.over(different) && answers < 200) {
+    const double level = 900 - run.resolved(different).stimuli[1];
+    CHECK(run.resolved(same).stimuli == Intervals{900 - level, 900 - level});
+    const bool equal = answers++ % 3 == 2;
+    run.answered(equal ? same : different, !equal && level > 250 ? yes : no);
+  }
+  const AdaptiveTrack track = run.tracks()[0];
+  CHECK(track.finished);
+  CHECK(answers < 100);
+  CHECK(*track.sd_ln_s <= 0.25);
+  CHECK(*track.sd_ln_s < before);
+  CHECK(track.catch_trials == answers / 3);
+  CHECK(static_cast<int>(track.levels.size()) == answers - answers / 3);
+  CHECK_FALSE(run.tracks()[1].finished);  // another condition's
+}
+
+TEST_CASE("the posterior of all answers is what updates one by one lead to") {
+  const Protocol protocol = shipped_protocol("adaptive-posterior");
+  const PosteriorModel model = posterior_model(protocol, protocol.series[0]);
+  CHECK(model.distances.size() == 25);
+  PosteriorProcedure procedure(model.configuration);
+  const double prior_sd = procedure.estimate().sd_ln_s;
+  std::vector<AnsweredTrial> trials;
+  for (int i = 0; i < 60; ++i) {
+    const double level = i % 3 == 2 ? 0 : procedure.level(procedure.choose(PosteriorSlot::different).level);
+    const bool different = i % 6 == 5 || level > 300;
+    procedure.update_at(level, different);
+    trials.push_back({{900, 900 - level}, 900, level > 0 ? 1 : 0, different ? 1 : 0});
+  }
+  std::reverse(trials.begin(), trials.end());
+  const PosteriorOfAnswers of = posterior_of_trials(protocol, protocol.series[0], trials);
+  CHECK(of.threshold.status == AdaptiveStatus::ok);
+  CHECK(of.threshold.n == 60);
+  CHECK(of.threshold.threshold == Approx(std::exp(procedure.estimate().mean_ln_s)).epsilon(1e-10));
+  CHECK(of.threshold.sd == Approx(procedure.estimate().sd_ln_s).epsilon(1e-10));
+  CHECK(of.threshold.sd * of.threshold.sd < prior_sd * prior_sd / 2);
+  CHECK(of.threshold.low == Approx(std::exp(procedure.ln_s_quantile(0.025))).epsilon(1e-9));
+  CHECK(of.threshold.low < of.threshold.threshold);
+  CHECK(of.threshold.threshold < of.threshold.high);
+  // No value without answers, with hardly any, and of somebody to whom all is alike.
+  CHECK(posterior_of_trials(protocol, protocol.series[0], {}).threshold.status == AdaptiveStatus::no_trials);
+  trials.resize(3);
+  const AdaptiveThreshold few = posterior_of_trials(protocol, protocol.series[0], trials).threshold;
+  CHECK(few.status == AdaptiveStatus::too_few_answers);
+  CHECK(std::isnan(few.threshold));
+  for (int i = 0; i < 80; ++i)
+    trials.push_back({{900, i % 2 == 0 ? 300.0 : 900.0}, 900, i % 2 == 0 ? 1 : 0, i % 4 / 2});
+  CHECK(posterior_of_trials(protocol, protocol.series[0], trials).threshold.status == AdaptiveStatus::pinned_at_grid);
+}
+
 TEST_CASE("a session's length is the most that it can be") {
   const Protocol protocol = staircase();
   CHECK(expected_duration_s(protocol) == Approx((360 + 6) * expected_trial_s(protocol)));
@@ -299,6 +427,11 @@ TEST_CASE("what can hardly move is told at load") {
   CHECK(found(warnings("quest", {{"grain", 0.4}, {"range", 0.8}}), "grain", "can hardly move") == 1);
   CHECK(found(warnings("quest", {{"range", 0.5}}), "range", "only; the clamp allows") == 1);
   CHECK(found(warnings("quest", {{"stop", {{"trials", 10}}}}), "stop.trials", "are few") == 1);
+  CHECK(found(warnings("posterior-plain", {{"levels", {25, 50}}}), "levels", "below the JND that the prior expects") ==
+        1);
+  CHECK(found(warnings("posterior", {{"stop", {{"at_most", 10}}}}), "stop.at_most", "are few") == 1);
+  CHECK(found(warnings("staircase-joint", {{"clamp", {20, 200}}, {"starts", {100}}}), "clamp",
+              "that the prior expects") == 1);
 }
 
 TEST_CASE("levels that a device renders alike, or not at all, are told with the place of the clamp") {

@@ -84,7 +84,7 @@ TEST_CASE("sessions differ in orders and draws, and a plan knows its session") {
     CHECK(digests.insert(session_digest(protocol, plan)).second);
   }
   // Practice, slots of adaptive tracks and random orders have draws of their own too.
-  for (const char* const name : {"adaptive-quest", "tutorial"})
+  for (const char* const name : {"adaptive-quest", "adaptive-posterior", "tutorial"})
     CHECK(digest_of_many(shipped(name), 1) != digest_of_many(shipped(name), 2));
   CHECK_THROWS_AS(make_plan(protocol, 1, 1, 0), std::invalid_argument);
 }

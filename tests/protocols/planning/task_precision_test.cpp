@@ -39,16 +39,30 @@ TEST_CASE("simulated estimates lie about the truth, and scatter by half with fou
   CHECK(row_of(task_precision(protocol, question), protocol, "jnd").cv == Approx(jnd.cv / 2).epsilon(0.15));
 }
 
+TEST_CASE("of a threshold by the posterior of all answers the noise is the true JND") {
+  const Protocol protocol = shipped_protocol("adaptive-posterior");
+  TaskPrecisionQuestion question;
+  question.noise = 250;
+  const auto rows = task_precision(protocol, question);
+  const TaskPrecisionRow& threshold = row_of(rows, protocol, "threshold");
+  CHECK(threshold.median == Approx(250).epsilon(0.06));
+  CHECK(threshold.trials == 60);
+  CHECK(threshold.undefined < 0.01);
+  CHECK(row_of(rows, protocol, "weber").median == Approx(threshold.median / 900));
+}
+
 TEST_CASE("every task's precision can be foretold, of procedures too") {
-  for (const char* name : {"leib2015", "pang1991", "identify-stiffness2025", "carpenter2018-oddity", "abx-stiffness",
-                           "dhong2019-magnitude", "jones-hunter1990", "singhala2020"}) {
+  for (const char* name :
+       {"leib2015", "pang1991", "identify-stiffness2025", "carpenter2018-oddity", "abx-stiffness",
+        "dhong2019-magnitude", "jones-hunter1990", "singhala2020", "adaptive-posterior", "adaptive-staircase-90"}) {
     CAPTURE(name);
     const Protocol protocol = shipped_protocol(name);
     TaskPrecisionQuestion question;
     question.participants = 20;
     const auto rows = task_precision(protocol, question);
     CHECK(rows.size() == protocol.series.size() * task_of(protocol.task.kind).outcomes(protocol).size());
-    const TaskPrecisionRow& registered = row_of(rows, protocol, protocol.analysis.outcome);
+    const bool own = task_of(protocol.task.kind).has_own_results();
+    const TaskPrecisionRow& registered = row_of(rows, protocol, own ? "threshold" : protocol.analysis.outcome);
     CHECK(registered.trials > 0);
     CHECK(registered.undefined < 0.5);
     CHECK(std::isfinite(registered.median));

@@ -19,7 +19,7 @@ class Analyze(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
-        for protocol in ("chinello2017", "adaptive-staircase"):
+        for protocol in ("chinello2017", "adaptive-staircase", "adaptive-posterior", "adaptive-staircase-90"):
             subprocess.run([JND, "simulate", protocol, "--participants", "4", "--study", f"{protocol}.sqlite", "--seed", "3"],
                            cwd=cls.folder.name, check=True, capture_output=True)
 
@@ -132,8 +132,38 @@ class Analyze(unittest.TestCase):
         for name in ("group.csv", "cells.csv"):  # there is no d' of a cell: nothing pretends to be one
             self.assertFalse(os.path.exists(self.path("adaptive", name)))
 
+    def test_jnds_of_the_posterior_of_all_answers(self):
+        for name, kind in (("adaptive-posterior", "posterior"), ("adaptive-staircase-90", "staircase")):
+            study = f"{name}.sqlite"
+            self.jnd("verify", study, "--deep")
+            result = self.analysis(study)
+            self.assertEqual(result["procedure"]["kind"], kind)
+            whole = [row for row in result["rows"] if row["track"] is None]
+            self.assertEqual(len(whole), 4 * 3)
+            for row in whole:
+                self.assertEqual(row["n"], row["trials"] + row["catch_trials"])
+                if row["status"] == "ok":
+                    self.assertLess(row["ci_low"], row["threshold"])
+                    self.assertLess(row["threshold"], row["ci_high"])
+            self.assertGreater(sum(row["status"] == "ok" for row in whole), 8)
+            if kind == "posterior":
+                self.assertEqual({level % 25 for row in result["rows"] for level in row.get("levels", [])}, {0})
+            self.jnd("export", study, "--to", name)
+            with open(self.path(name, "tracks.csv"), newline="", encoding="utf-8") as file:
+                rows = list(csv.DictReader(file))
+            self.assertEqual(len(rows), len(result["rows"]))
+            self.assertIn("ci_low", rows[0])
+            with open(self.path(name, "methods.md"), encoding="utf-8") as file:
+                self.assertIn("Kontsevich" if kind == "posterior" else "by the response model", file.read())
+            self.assertNotIn("moves with the criterion", self.jnd("analyze", study, "--no-methods").stdout)
+            plan = json.loads(self.jnd("plan", name, "--json").stdout)["trials"]
+            self.assertIn(None, [stimulus for trial in plan for stimulus in trial["stimuli"]])
+            precision = json.loads(self.jnd("plan", name, "--precision", "--jnd", "250", "--simulated", "30", "--json").stdout)
+            self.assertEqual([row["outcome"] for row in precision["precision"]], ["threshold", "weber"])
+            self.assertTrue(120 < precision["precision"][0]["median"] < 500)
+
     def test_the_page_is_written_once_and_whole(self):
-        for study in ("chinello2017", "adaptive-staircase"):
+        for study in ("chinello2017", "adaptive-staircase", "adaptive-posterior", "adaptive-staircase-90"):
             self.jnd("report", f"{study}.sqlite", "--to", f"{study}.html")
             with open(self.path(f"{study}.html"), encoding="utf-8") as file:
                 page = file.read()

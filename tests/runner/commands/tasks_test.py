@@ -86,7 +86,7 @@ class Tasks(unittest.TestCase):
         refused = set()
         for task in (*TASKS, "explore"):
             for rig in ("rrs3", "mckibben", "rrs3+mckibben", "external", "specimens"):
-                for procedure in ("constant", "staircase", "quest"):
+                for procedure in ("constant", "staircase", "quest", "posterior"):
                     name = self.folder / f"{task}-{rig}-{procedure}.json"
                     done = subprocess.run([JND, "new", name, "--task", task, "--rig", rig, "--procedure", procedure],
                                           capture_output=True, text=True)
@@ -97,12 +97,13 @@ class Tasks(unittest.TestCase):
                     checked = json.loads(self.jnd("check", name, "--json"))
                     self.assertTrue(checked["ok"], (task, rig, procedure, checked["errors"]))
                     self.assertLess(max(map(len, name.read_text().splitlines())), 160)
-                    if procedure == "constant" and rig in ("rrs3", "external") or task == "which" and rig == "external":
+                    if procedure == "constant" and rig in ("rrs3", "external") or rig == "external" and (
+                            task == "which" or procedure == "posterior"):
                         study = name.with_suffix(".sqlite")
                         self.jnd("simulate", name, "--participants", 2, "--study", study, "--seed", 1)
                         self.jnd("verify", study, "--deep")
                         self.jnd("analyze", study)
-        adaptive = ("staircase", "quest")
+        adaptive = ("staircase", "quest", "posterior")
         self.assertEqual(refused, {(task, rig, procedure) for task in (*TASKS, "explore")
                                    for rig in ("rrs3", "mckibben", "rrs3+mckibben", "external", "specimens")
                                    for procedure in ("constant", *adaptive)

@@ -45,6 +45,28 @@ inline Protocol quest(int trials) {
       {"catch_share", 0.25}};
   return small_protocol(changes);
 }
+inline Protocol posterior(const json& stop) {
+  json changes = staircase_changes();
+  changes["design"]["procedure"] = {
+      {"kind", "posterior"}, {"levels", {{"from", 25}, {"to", 600}, {"step", 25}}}, {"stop", stop}};
+  return small_protocol(changes);
+}
+// A staircase whose threshold is that of all answers.
+inline Protocol joint_staircase(int trials) {
+  json changes = staircase_changes();
+  changes["design"]["procedure"] = {{"kind", "staircase"},
+                                    {"starts", {500}},
+                                    {"clamp", {20, 800}},
+                                    {"up", 1},
+                                    {"down", 1},
+                                    {"step_up", 180},
+                                    {"step_down", 20},
+                                    {"halve_after", {1}},
+                                    {"threshold", "joint-likelihood"},
+                                    {"stop", {{"trials", trials}}},
+                                    {"catch_share", 0.25}};
+  return small_protocol(changes);
+}
 
 // Says "different" from this difference on.
 inline std::function<std::optional<int>(const TrialQuestion&)> sharp(double threshold) {

@@ -14,6 +14,7 @@ namespace {
 
 using nlohmann::json;
 using test::Bench;
+using test::posterior;
 using test::quest;
 using test::rows_of;
 using test::sharp;
@@ -99,7 +100,8 @@ TEST_CASE("Who feels nothing stays at the clamp, until the bound; who always say
 
 TEST_CASE("A session interrupted before any trial, or after any event, ends like an undisturbed one") {
   for (const Protocol& protocol :
-       {short_staircase(), quest(10), short_staircase({{"design", {{"conditions", "mixed"}}}})}) {
+       {short_staircase(), quest(10), posterior({{"trials", 9}}), posterior({{"precision", 0.5}, {"at_most", 20}}),
+        short_staircase({{"design", {{"conditions", "mixed"}}}})}) {
     Bench undisturbed(protocol);
     undisturbed.responder.rule = sharp(170);
     REQUIRE(undisturbed.run() == SessionEnd::completed);

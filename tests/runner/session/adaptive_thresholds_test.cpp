@@ -23,6 +23,8 @@ namespace {
 
 using nlohmann::json;
 using test::Bench;
+using test::joint_staircase;
+using test::posterior;
 using test::quest;
 using test::rows_of;
 using test::sharp;
@@ -83,6 +85,44 @@ TEST_CASE("QUEST finds the threshold of an observer with its psychometric functi
     CHECK(group.n >= 38);
     CHECK(group.mean == Approx(truth).margin(4 * group.sd / std::sqrt(group.n) + 10));
     CHECK(group.false_alarms == Approx(0.1).margin(0.03));
+  }
+}
+
+// Observers with P("different") = Phi(difference / 220 - 0.75): the JND is found whatever the criterion, by the Bayesian
+// procedure and by a staircase whose answers are taken together.
+TEST_CASE("The posterior of all answers finds the JND of known observers") {
+  constexpr double kJnd = 220, kCriterion = 0.75;
+  constexpr int kObservers = 30;
+  for (const Protocol& protocol : {posterior({{"trials", 48}}), joint_staircase(48)}) {
+    std::vector<AdaptiveRow> rows;
+    int covered = 0, all = 0;
+    for (int observer = 1; observer <= kObservers; ++observer) {
+      Bench bench(protocol, observer);
+      bench.responder.rule = [&](const TrialQuestion& question) {
+        RandomStream noise(5, static_cast<std::uint64_t>(observer), "noise",
+                           static_cast<std::uint64_t>(question.trial.index));
+        const double difference = std::abs(question.trial.stimuli[0] - question.trial.stimuli[1]);
+        return std::optional(noise.uniform() < normal_cdf(difference / kJnd - kCriterion) ? kClassDifferent
+                                                                                          : kClassSame);
+      };
+      REQUIRE(bench.run() == SessionEnd::completed);
+      for (const AdaptiveRow& row : rows_of(bench)) {
+        CHECK(row.finished);
+        CHECK(row.threshold.n == row.trials + row.catch_trials);
+        rows.push_back(row);
+        if (row.track != 0 || row.threshold.status != AdaptiveStatus::ok) continue;
+        ++all;
+        covered += row.threshold.low < kJnd && kJnd < row.threshold.high ? 1 : 0;
+      }
+    }
+    CHECK(all > 0.95 * 2 * kObservers);
+    CHECK(covered > 0.85 * all);
+    for (const AdaptiveGroup& group : adaptive_group(rows, protocol)) {
+      CAPTURE(group.mean, group.sd);
+      CHECK(group.mean == Approx(kJnd).margin(4 * group.sd / std::sqrt(group.n) + 15));
+      CHECK(group.sd < 90);
+      CHECK(group.false_alarms == Approx(normal_cdf(-kCriterion)).margin(0.06));
+    }
   }
 }
 
