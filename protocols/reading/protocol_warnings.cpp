@@ -109,6 +109,15 @@ void warn_about_letters(ProtocolReading& reading) {
                     "write \"permuted\", \"williams\" or \"random\", or \"blinding\": \"open\"");
 }
 
+// Who says the group then knows which conditions come.
+void warn_about_given_groups(ProtocolReading& reading) {
+  const Protocol& protocol = reading.protocol;
+  if (protocol.blinded && protocol.allotment == Allotment::given && !everyone_has_all(protocol))
+    reading.warn_at("$.design.allotment",
+                    "who says the group knows its conditions: the letters of a coded study hide less",
+                    "give every group the same conditions, or let \"balanced\" allot them");
+}
+
 // Orders; and where each number has its group in turn, groups of one size.
 void warn_about_cohort(ProtocolReading& reading) {
   const Protocol& protocol = reading.protocol;
@@ -155,6 +164,7 @@ void warn_about_protocol(ProtocolReading& reading) {
     warn_about_draws(reading);
   }
   warn_about_letters(reading);
+  warn_about_given_groups(reading);
   warn_about_cohort(reading);
   warn_about_session(reading);
   warn_about_translations(reading);
