@@ -31,6 +31,12 @@ int number_of_member(const Protocol& protocol, int group, int member) noexcept {
   return (member - 1) * group_count(protocol) + group + 1;
 }
 
+int first_of(const Protocol& protocol, std::optional<int> group, std::uint64_t seed) {
+  int number = 1;
+  while (group && group_of(protocol, number, seed) != group) ++number;
+  return number;
+}
+
 std::optional<int> group_named(const Protocol& protocol, std::string_view name) noexcept {
   for (std::size_t i = 0; i < protocol.groups.size(); ++i)
     if (protocol.groups[i].name == name) return static_cast<int>(i);
@@ -40,6 +46,12 @@ std::optional<int> group_named(const Protocol& protocol, std::string_view name) 
 std::string_view group_name(const Protocol& protocol, std::optional<int> group) noexcept {
   if (!group || *group < 0 || static_cast<std::size_t>(*group) >= protocol.groups.size()) return {};
   return protocol.groups[static_cast<std::size_t>(*group)].name;
+}
+
+std::vector<std::string> group_names(const Protocol& protocol) {
+  std::vector<std::string> names;
+  for (const Group& group : protocol.groups) names.push_back(group.name);
+  return names;
 }
 
 std::vector<int> conditions_of(const Protocol& protocol, std::optional<int> group) {
@@ -53,6 +65,13 @@ bool has_condition(const Protocol& protocol, std::optional<int> group, int condi
   if (!group) return true;
   const std::vector<int>& own = protocol.groups[static_cast<std::size_t>(*group)].conditions;
   return std::find(own.begin(), own.end(), condition) != own.end();
+}
+
+bool anyone_has_both(const Protocol& protocol, int a, int b) noexcept {
+  if (protocol.groups.empty()) return true;
+  for (int group = 0; group < group_count(protocol); ++group)
+    if (has_condition(protocol, group, a) && has_condition(protocol, group, b)) return true;
+  return false;
 }
 
 bool everyone_has_all(const Protocol& protocol) noexcept {

@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -26,13 +27,19 @@ int member_of(const Protocol& protocol, int participant) noexcept;
 // The number of a member where groups are given.
 int number_of_member(const Protocol& protocol, int group, int member) noexcept;
 
+// The smallest number that belongs to a group; 1 where there is none.
+int first_of(const Protocol& protocol, std::optional<int> group, std::uint64_t seed);
+
 std::optional<int> group_named(const Protocol& protocol, std::string_view name) noexcept;
 // Its name; empty where there is none.
 std::string_view group_name(const Protocol& protocol, std::optional<int> group) noexcept;
+std::vector<std::string> group_names(const Protocol& protocol);
 // Places in Protocol::conditions, ascending; all of them where there is no group.
 std::vector<int> conditions_of(const Protocol& protocol, std::optional<int> group);
 
 bool has_condition(const Protocol& protocol, std::optional<int> group, int condition) noexcept;
+// Does anyone get both conditions?
+bool anyone_has_both(const Protocol& protocol, int a, int b) noexcept;
 // Does every participant get every condition?
 bool everyone_has_all(const Protocol& protocol) noexcept;
 // The group with the most conditions, the first of several; none where there are no groups.

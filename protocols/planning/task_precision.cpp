@@ -39,14 +39,15 @@ std::optional<Answer> answer_to(const Trial& trial, const Protocol& protocol, do
   return std::nullopt;
 }
 
-// What one participant answered in the first condition, by series: an observer feels the same in all of them.
+// What one participant answered in the first condition that they get, by series: an observer feels the same in all of them.
 std::vector<std::vector<AnsweredTrial>> answers_of(const Protocol& protocol, int participant,
                                                    const TaskPrecisionQuestion& question) {
   std::vector<std::vector<AnsweredTrial>> by_series(protocol.series.size());
   RandomStream stream(question.seed, static_cast<std::uint64_t>(participant), "precision");
   AdaptiveRun run(protocol);
-  for (const Trial& planned : make_plan(protocol, participant, question.seed).trials) {
-    if (planned.practice || planned.condition != 0 || run.over(planned)) continue;
+  const Plan plan = make_plan(protocol, participant, question.seed);
+  for (const Trial& planned : plan.trials) {
+    if (planned.practice || planned.condition != plan.conditions.front() || run.over(planned)) continue;
     const Trial trial = run.resolved(planned);
     const auto series = static_cast<std::size_t>(trial.series);
     const auto answer = answer_to(trial, protocol, noise_of(protocol.series[series], question), stream);

@@ -24,14 +24,6 @@ void read_conditions_of_group(const JsonNode& list, Group& group, ProtocolReadin
   std::sort(group.conditions.begin(), group.conditions.end());
 }
 
-// Some group has both.
-bool anyone_has_both(const Protocol& protocol, const Contrast& contrast) {
-  return std::any_of(protocol.groups.begin(), protocol.groups.end(), [&](const Group& group) {
-    return std::count_if(group.conditions.begin(), group.conditions.end(),
-                         [&](int one) { return one == contrast.a || one == contrast.b; }) == 2;
-  });
-}
-
 // The groups get the same conditions, of which there are at least two: groups and conditions can be crossed.
 bool groups_cross_conditions(const Protocol& protocol) {
   const std::vector<int>& first = protocol.groups.front().conditions;
@@ -42,10 +34,7 @@ bool groups_cross_conditions(const Protocol& protocol) {
 void lint_conditions_of_groups(ProtocolReading& reading) {
   const Protocol& protocol = reading.protocol;
   for (std::size_t i = 0; i < protocol.conditions.size(); ++i) {
-    const bool somebody = std::any_of(protocol.groups.begin(), protocol.groups.end(), [&](const Group& group) {
-      return std::find(group.conditions.begin(), group.conditions.end(), static_cast<int>(i)) != group.conditions.end();
-    });
-    if (!somebody)
+    if (!anyone_has_both(protocol, static_cast<int>(i), static_cast<int>(i)))
       reading.error_at(fmt::format("$.conditions[{}]", i),
                        fmt::format("no group gets condition {}", in_quotes(protocol.conditions[i].name)),
                        "name it in a group's \"conditions\", or remove it");
@@ -72,7 +61,7 @@ void lint_analysis_of_groups(ProtocolReading& reading) {
   const AnalysisPlan& analysis = reading.protocol.analysis;
   if (reading.sound("$.analysis.contrasts"))
     for (std::size_t i = 0; i < analysis.contrasts.size(); ++i)
-      if (!anyone_has_both(reading.protocol, analysis.contrasts[i]))
+      if (!anyone_has_both(reading.protocol, analysis.contrasts[i].a, analysis.contrasts[i].b))
         reading.error_at(fmt::format("$.analysis.contrasts[{}]", i),
                          "no group gets both conditions, so nobody has this difference",
                          "remove it: \"tests\": {\"between\"} compares groups");
