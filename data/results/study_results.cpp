@@ -4,6 +4,7 @@
 
 #include "data/results/rating_answers.h"
 #include "data/results/study_cautions.h"
+#include "data/study/blinding.h"
 #include "protocols/planning/allotment.h"
 
 namespace jnd {
@@ -98,6 +99,26 @@ StudyResults computed_results_of(const Study& study, const Protocol& protocol, S
 
 }  // namespace
 
+namespace {
+
+// Numbers of every kind of session are allotted to the same groups: where people's are sealed, so are all.
+struct ForgetGroups {
+  void operator()(ConstantResults& measured) const {
+    for (CellResult& row : measured.analysis.cells) row.group.reset();
+    for (ThresholdResult& row : measured.analysis.thresholds) row.group.reset();
+  }
+  void operator()(AdaptiveResults& measured) const {
+    for (AdaptiveRow& row : measured.rows) row.group.reset();
+  }
+  void operator()(MeasuredTask& measured) const {
+    for (TaskEstimateRow& row : measured.task.estimates) row.group.reset();
+    for (TaskCountRow& row : measured.task.counts) row.group.reset();
+  }
+  void operator()(ExplorationResults&) const {}
+};
+
+}  // namespace
+
 const Attendance& attendance_of(const StudyResults& results) {
   struct Found {
     const Attendance& operator()(const ConstantResults& measured) const { return measured.analysis.attendance; }
@@ -112,6 +133,8 @@ StudyResults results_of(const Study& study, const Protocol& protocol, SessionKin
   ChainReport chains = require_whole_chains(study);
   StudyResults results = computed_results_of(study, protocol, kind, by);
   add_cautions(results, protocol);
+  if (results.groups && protocol.allotment == Allotment::balanced && plan_sealed(study, protocol))
+    std::visit(ForgetGroups{}, results.measured);
   results.chains = std::move(chains);
   return results;
 }

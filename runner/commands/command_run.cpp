@@ -138,7 +138,8 @@ SessionCard card_of(const Protocol& protocol, const RunOptions& options, const S
   SessionCard card;
   card.title = protocol.title;
   card.participant = request.participant;
-  if (protocol.allotment == Allotment::given) card.group = target.group;  // one that was drawn stays sealed
+  // One that was drawn stays sealed in a blinded study.
+  if (protocol.allotment == Allotment::given || !protocol.blinded) card.group = target.group;
   card.session = target.number;
   card.sessions = protocol.design.sessions;
   card.kind = request.kind;
