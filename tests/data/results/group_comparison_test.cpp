@@ -31,7 +31,7 @@ std::vector<CellCounts> grouped_counts(const Protocol& protocol, int each) {
         cells.push_back({"P0" + std::to_string(i + 1),
                          condition,
                          series,
-                         {20, 18 - 3 * group - (i * (condition + 2)) % 4 - 2 * series, 20, 3 + (i + condition) % 2},
+                         {20, 18 - 3 * group - (i * (condition + 3)) % 5 - 2 * series, 20, 3 + (i + condition) % 2},
                          group});
   }
   return cells;

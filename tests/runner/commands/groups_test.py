@@ -59,7 +59,7 @@ class Groups(unittest.TestCase):
         trial.update(explore_s=0.5, gap_s=0, between_trials_s=0)
         for cue in trial["cues"].values():
             cue["kind"] = "none"
-        settings = {"levels": {"absolute": [500]}, "standards": [{"name": "s800", "value": 800}], "trial": trial, "instructions": [],
+        settings = {"levels": {"absolute": [500]}, "standards": [{"name": "s800", "value": 800}], "trial": trial, "instructions": [], "published": [],
                     "conditions": [{"name": name, "label": name, "parameters": {"hand": name}} for name in ("left", "right")],
                     "groups": [{"name": "novice", "label": "new to it", "conditions": ["left"]},
                                {"name": "expert", "label": "ten years of it"}],
