@@ -137,6 +137,11 @@ class Groups(unittest.TestCase):
         for text in told:
             for word in ("expert", "novice", "ten years of it"):
                 self.assertNotIn(word, text)
+        # A pilot session of that number has the same group, which stays sealed as well.
+        self.jnd("run", protocol, "--study", "s.sqlite", "--participant", "P09", "--kind", "pilot", *BY_HAND, keys=(" " * 3 + "1") * 4)
+        self.jnd("export", "s.sqlite", "--to", "pilot", "--kind", "pilot")
+        for name in ("sessions", "estimates", "counts"):
+            self.assertEqual({row["group"] for row in rows_of(self.folder / f"pilot/{name}.csv")}, {""}, name)
         # A simulated participant of that number would show it.
         self.assertIn("blinded", self.jnd("simulate", protocol, "--participants", 1, "--study", "s.sqlite", code=2))
         self.jnd("unblind", "s.sqlite", "--reason", "the test is over")
@@ -213,6 +218,8 @@ class Groups(unittest.TestCase):
         columns = {(row["file"], row["column"]) for row in rows_of(self.folder / "g/dictionary.csv")}
         for file in ("sub-*/trials.csv", "sub-*/report.csv", "sub-*/cells.csv", "sessions.csv", "groups.csv"):
             self.assertIn((file, "group"), columns)
+        counts = self.json_of("simulate", protocol, "--participants", 12, "--seed", 1, "--no-study")
+        self.assertEqual(counts["between"]["means"], results["between"]["means"])
         methods = (self.folder / "g/methods.md").read_text()
         self.assertIn("by Welch's t test (Welch 1947) of each pair, of each participant's mean over their conditions", methods)
         self.assertIn("Welch B. L. (1947)", methods)
