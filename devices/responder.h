@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "devices/rig.h"
 #include "protocols/protocol.h"
 #include "protocols/vocabulary.h"
 
@@ -31,6 +32,9 @@ class Responder {
   virtual ~Responder() = default;
   // None where no answer came within the time-out (or the operator interrupts: see the implementation).
   virtual std::optional<Answer> judge(const TrialQuestion& question) = 0;
+  // Of an interval that a key ends: whether it has been felt enough. Asked some 20 times a second once it is touched;
+  // elapsed_s: since it began.
+  virtual bool enough(const IntervalId& /*id*/, double /*elapsed_s*/) { return false; }
   // The answer as text: a number in plain decimals, one of the options, or free text; none = skipped.
   // condition: the condition's place in Protocol::conditions, or -1.
   virtual std::optional<std::string> reply(const Question& question, int condition) = 0;

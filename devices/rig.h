@@ -10,6 +10,7 @@
 #include "devices/emergency_stop.h"
 #include "devices/realtime.h"
 #include "protocols/protocol.h"
+#include "protocols/trace.h"
 #include "protocols/vocabulary.h"
 
 namespace jnd {
@@ -108,6 +109,20 @@ struct RigConnections {
 
 class TelemetryRing;
 
+// Buttons of a rig's own, by which participants answer. Thread rule: that of the rig's presentations.
+class RigButtons {
+ public:
+  struct Pressed {
+    std::size_t place = 0;     // in the answers
+    std::int64_t time_ns = 0;  // of the machine's monotonic clock
+  };
+  virtual ~RigButtons() = default;
+  // The question is asked: a button answers it from now on, until it is withdrawn. answers: the words of the protocol.
+  virtual void ask(const std::vector<std::string>& answers) = 0;
+  virtual std::optional<Pressed> pressed() = 0;  // once
+  virtual void withdraw() = 0;
+};
+
 // Thread rule: one thread at a time calls present and neutral; stop may be latched from any thread.
 class Rig {
  public:
@@ -123,6 +138,10 @@ class Rig {
 
   // Where every tick of a presentation is recorded, to be drained after it; null where none is.
   virtual TelemetryRing* telemetry() noexcept { return nullptr; }
+  // What a rig of the laboratory's own measured in the last presentation, taken away.
+  virtual Trace take_trace() { return {}; }
+  // Null where it has none.
+  virtual RigButtons* buttons() noexcept { return nullptr; }
   // While a presentation goes on, `look` is called some 20 times a second by the thread that called present, never by
   // the loop. Empty: no more. A rig whose loop runs inside present on a simulated clock never calls it.
   virtual void watch(const std::function<void(const LoopSnapshot&)>& /*look*/) {}

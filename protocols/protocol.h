@@ -151,6 +151,7 @@ struct Condition {
   bool devices = true;  // false, with the paradigm explore only: bare hands, nothing is rendered
   // What a rig that is none of ours is told of it, and what it means to whoever sets it up: "delay_ms": 30.
   std::map<std::string, ParameterValue> parameters{};
+  std::optional<Prescription> prescription{};  // in place of the timeline's: modes of exploration that are compared
 };
 
 // Free interaction for a set time in each condition (Chinello et al. 2017, experiment 2).

@@ -21,6 +21,7 @@
 #include "data/study/study_facts.h"
 #include "data/study/study_impl.h"
 #include "data/study/trial_rows.h"
+#include "protocols/course/prescription.h"
 #include "protocols/input/sha256.h"
 
 namespace jnd {
@@ -41,9 +42,9 @@ void read_session(const Study& study, const Protocol& protocol, const SessionInf
         ExportTrial row{session, event.seq, to_iso8601(event.stamp.utc_ns), trial_record_from(body), {}};
         const TrialRecord& record = row.record;
         if (!record.trial.practice)
-          row.excluded_reason =
-              exclusion_reason(protocol.analysis.exclude, record.answer.entered_by == EnteredBy::participant,
-                               record.answer.response_time_s, largest_saturated_share(record));
+          row.excluded_reason = exclusion_reason(
+              protocol.analysis.exclude, record.answer.entered_by == EnteredBy::participant,
+              record.answer.response_time_s, largest_saturated_share(record), breaks_limit(record.breach));
         trials.push_back(std::move(row));
       } else {
         const auto text_at = [&](const char* key) {
@@ -60,10 +61,15 @@ void read_session(const Study& study, const Protocol& protocol, const SessionInf
   }
 }
 
-// Writes the ticks of every interval of one session that kept them. lost: keys of what a recovery could not save.
+// Names that are taken.
+struct TelemetryFiles {
+  std::set<std::string> ticks, traces;
+};
+
+// Writes the ticks, or the rig's own trace, of every interval of one session that kept them. lost: keys of what a recovery could not save.
 void write_telemetry(const Study& study, const SessionInfo& session, const std::set<std::string>& lost,
                      const std::string& sub, const std::vector<CsvColumn<TelemetryRow>>& columns,
-                     std::set<std::string>& taken, ExportFolder& files) {
+                     TelemetryFiles& written, ExportFolder& files) {
   for (const Event& event : study.events(session.id)) {
     const auto body = nlohmann::ordered_json::parse(event.body, nullptr, false);
     const std::vector<TelemetryBlob> named = named_telemetry(body);
@@ -84,11 +90,17 @@ void write_telemetry(const Study& study, const SessionInfo& session, const std::
             fmt::format("session {}, event {} ({}): the telemetry of interval {} is missing or was changed; run jnd "
                         "verify, or export without telemetry",
                         session.id, event.seq, event.kind, one.interval + 1));
+      const bool trace = is_trace(found->bytes);
       std::string name;
       int again = 0;
       do {
-        name = sub + telemetry_file(what, at("index"), at("attempt"), one.interval, ++again);
-      } while (!taken.insert(name).second);
+        name = sub + telemetry_file(what, trace, at("index"), at("attempt"), one.interval, ++again);
+      } while (!(trace ? written.traces : written.ticks).insert(name).second);
+      if (trace) {
+        const Trace samples = decode_trace(found->bytes);
+        files.write(name, csv_table(trace_columns(), trace_rows(samples)));
+        continue;
+      }
       const Telemetry telemetry = decode_telemetry(found->bytes);
       files.write(name, csv_table(columns, telemetry_rows(telemetry)));
     }
@@ -129,7 +141,7 @@ std::vector<std::string> export_csv(const Study& study, const Protocol& protocol
   const auto ticks_columns =
       telemetry_columns(protocol, telemetry ? telemetry->limit_names : std::vector<std::string>{});
   const std::set<std::string> lost = telemetry && !sealed ? lost_in_recovery(study) : std::set<std::string>();
-  std::set<std::string> tick_files;
+  TelemetryFiles written;
   std::vector<ExportAnswer> answers;
   for (auto session = sessions.begin(); session != sessions.end();) {
     const std::string participant = session->participant;
@@ -137,7 +149,7 @@ std::vector<std::string> export_csv(const Study& study, const Protocol& protocol
     std::vector<ExportTrial> trials;
     for (; session != sessions.end() && session->participant == participant; ++session) {
       read_session(study, protocol, *session, not_counted[session->id], trials, answers);
-      if (telemetry && !sealed) write_telemetry(study, *session, lost, sub, ticks_columns, tick_files, files);
+      if (telemetry && !sealed) write_telemetry(study, *session, lost, sub, ticks_columns, written, files);
     }
     if (has_trials && !sealed) files.write(sub + "trials.csv", csv_table(trials_columns, trials));
     if (constant == nullptr) continue;
@@ -151,7 +163,8 @@ std::vector<std::string> export_csv(const Study& study, const Protocol& protocol
     describe("sub-*/cells.csv", cells_columns, dictionary);
     describe("sub-*/report.csv", reports_columns, dictionary);
   }
-  if (!tick_files.empty()) describe("sub-*/telemetry/*.csv", ticks_columns, dictionary);
+  if (!written.ticks.empty()) describe("sub-*/telemetry/*.csv", ticks_columns, dictionary);
+  if (!written.traces.empty()) describe("sub-*/telemetry/*-trace.csv", trace_columns(), dictionary);
   const auto write = [&](const std::string& name, const auto& columns, const auto& rows) {
     files.write(name, csv_table(columns, rows));
     describe(name, columns, dictionary);

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "data/export/between_fields.h"
+#include "protocols/course/prescription.h"
 #include "protocols/tasks/same_different_task.h"
 #include "protocols/tasks/task.h"
 #include "protocols/version.h"
@@ -246,8 +247,11 @@ std::vector<Column> trial_columns(const Protocol& protocol, const std::vector<De
                   {"excluded", "whether a registered rule leaves the trial out of the analysis", "", "0 1",
                    [](const R& r) { return csv_flag(!r.excluded_reason.empty()); }},
                   {"excluded_reason", "the first rule that applies; empty where the trial counts", "",
-                   "response_time_below response_time_above saturated_share_above",
+                   "response_time_below response_time_above saturated_share_above off_prescription",
                    [](const R& r) { return r.excluded_reason; }}});
+  if (judges_exploration(protocol))
+    columns.push_back({"breach", "what of the prescription was broken or not measured; empty where all was kept", "",
+                       "", [](const R& r) { return csv_text(r.record.breach); }});
   if (protocol.design.procedure)
     columns.push_back({"track", "track of the adaptive procedure in its condition, from 1; 0 in practice", "", "",
                        [](const R& r) { return csv_number(r.record.trial.track); }});

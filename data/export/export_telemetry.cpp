@@ -76,9 +76,31 @@ std::vector<TelemetryRow> telemetry_rows(const Telemetry& telemetry) {
   return rows;
 }
 
-std::string telemetry_file(std::string_view what, int index, int attempt, int interval, int again) {
-  return fmt::format("telemetry/{}-{:03}-attempt-{}-interval-{}{}.csv", what, index, attempt, interval + 1,
-                     again > 1 ? fmt::format("-{}", again) : std::string());
+std::vector<CsvColumn<TraceRow>> trace_columns() {
+  using R = TraceRow;
+  const auto channel = [](const R& r) -> const Trace::Channel& {
+    return r.trace->channels[static_cast<std::size_t>(r.sample->channel)];
+  };
+  return {{"heard_s", "when the sample came, since the interval began", "s", "",
+           [](const R& r) { return csv_number(r.sample->heard_s); }},
+          {"rig_s", "when it was measured, on the rig's own clock", "s", "",
+           [](const R& r) { return csv_number(r.sample->rig_s); }},
+          {"channel", "what was measured, as the rig names it", "", "",
+           [channel](const R& r) { return csv_text(channel(r).name); }},
+          {"unit", "unit of the value", "", "", [channel](const R& r) { return csv_text(channel(r).unit); }},
+          {"value", "what was measured, in its unit", "", "", [](const R& r) { return csv_number(r.sample->value); }}};
+}
+
+std::vector<TraceRow> trace_rows(const Trace& trace) {
+  std::vector<TraceRow> rows;
+  rows.reserve(trace.samples.size());
+  for (const Trace::Sample& sample : trace.samples) rows.push_back({&trace, &sample});
+  return rows;
+}
+
+std::string telemetry_file(std::string_view what, bool trace, int index, int attempt, int interval, int again) {
+  return fmt::format("telemetry/{}-{:03}-attempt-{}-interval-{}{}{}.csv", what, index, attempt, interval + 1,
+                     trace ? "-trace" : "", again > 1 ? fmt::format("-{}", again) : std::string());
 }
 
 }  // namespace jnd

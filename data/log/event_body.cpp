@@ -91,6 +91,7 @@ Json to_body(const TrialRecord& record) {
   }
   if (answer.sureness > 0) body["sureness"] = answer.sureness;
   if (!record.settings.empty()) body["settings"] = record.settings;
+  if (!record.breach.empty()) body["breach"] = record.breach;
   const std::optional<bool> correct = is_correct(record.trial, answer);
   body["correct"] = correct ? Json(*correct) : Json(nullptr);
   body["entered_by"] = to_string(record.answer.entered_by);
@@ -121,6 +122,7 @@ TrialRecord trial_record_from(const Json& body) {
     read_answer(body, record);
     if (const auto settings = body.find("settings"); settings != body.end())
       record.settings = settings->get<std::vector<double>>();
+    if (const auto breach = body.find("breach"); breach != body.end()) record.breach = breach->get<std::string>();
     const auto who = body.at("entered_by").get<std::string>();
     const std::optional<EnteredBy> entered_by = entered_by_from(who);
     if (!entered_by) throw StorageError(fmt::format("answer entered by unknown \"{}\"", who));

@@ -28,7 +28,7 @@ struct Event {
 
 // The ticks of one interval as they are stored beside an event. data/log/telemetry.h makes and reads them.
 struct TelemetryBlob {
-  int interval = 0;          // 0 or 1
+  int interval = 0;          // 0, 1 or 2
   std::string sha256;        // of bytes, 64 lower-case hexadecimal digits
   std::int64_t ticks = 0;    // records in it
   std::int64_t dropped = 0;  // records that were lost before they could be kept

@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cstring>
 #include <limits>
-#include <memory>
 #include <span>
 
 #include <fmt/format.h>
-#include <zstd.h>
 
+#include "data/log/blob_bytes.h"
 #include "data/log/body_numbers.h"
 #include "data/log/storage_error.h"
 #include "protocols/input/sha256.h"
@@ -24,30 +22,11 @@ constexpr std::size_t kHeaderSize = 8 + 4 + 4 + 4 + 4 + 8 + 8;  // magic .. drop
 constexpr std::size_t kChannelSize = 8;
 constexpr std::size_t kTickSize = 2 * 8 + 2 * 4 + 9 * 8;     // the fields of a TickRecord
 constexpr std::int64_t kLongest_ns = std::int64_t{1} << 62;  // 146 years: differences of times fit
-constexpr int kCompressionLevel = 3;                         // zstd's default: a higher one saves 2 % and costs tenfold
-
-StorageError broken(std::string_view why) {
-  return StorageError(fmt::format("the telemetry cannot be read: {}", why));
-}
-
-template <typename Integer>
-void put(std::string& bytes, Integer value) {
-  for (std::size_t i = 0; i < sizeof value; ++i) bytes.push_back(static_cast<char>((value >> (8 * i)) & 0xFF));
-}
-
-// Reads what `put` wrote, from a span whose size was checked.
-template <typename Integer>
-Integer get(std::string_view bytes, std::size_t at) {
-  Integer value = 0;
-  for (std::size_t i = 0; i < sizeof value; ++i)
-    value |= static_cast<Integer>(static_cast<Integer>(static_cast<unsigned char>(bytes[at + i])) << (8 * i));
-  return value;
-}
 
 // The control loop's clock never runs below 0, and no tick begins before its time.
 std::int64_t time_at(std::string_view bytes, std::size_t at) {
-  const auto value = static_cast<std::int64_t>(get<std::uint64_t>(bytes, at));
-  if (value < 0 || value > kLongest_ns) throw broken("a record has a time that cannot be");
+  const auto value = static_cast<std::int64_t>(integer_at<std::uint64_t>(bytes, at));
+  if (value < 0 || value > kLongest_ns) throw unreadable_blob("a record has a time that cannot be");
   return value;
 }
 
@@ -67,46 +46,23 @@ void set_double(TickRecord& tick, std::size_t place, double value) {
 std::string raw_bytes(const Telemetry& telemetry, std::span<const TickRecord> ticks, std::int64_t dropped) {
   std::string bytes(kMagic);
   bytes.reserve(kHeaderSize + kChannelSize * telemetry.channels.size() + kTickSize * ticks.size());
-  put(bytes, kTelemetryVersion);
-  put(bytes, static_cast<std::uint32_t>(telemetry.unit == Unit::n_per_rad ? 1 : 0));
-  put(bytes, static_cast<std::uint32_t>(telemetry.channels.size()));
-  put(bytes, std::uint32_t{0});
-  put(bytes, static_cast<std::uint64_t>(ticks.size()));
-  put(bytes, static_cast<std::uint64_t>(dropped));
+  put_integer(bytes, kTelemetryVersion);
+  put_integer(bytes, static_cast<std::uint32_t>(telemetry.unit == Unit::n_per_rad ? 1 : 0));
+  put_integer(bytes, static_cast<std::uint32_t>(telemetry.channels.size()));
+  put_integer(bytes, std::uint32_t{0});
+  put_integer(bytes, static_cast<std::uint64_t>(ticks.size()));
+  put_integer(bytes, static_cast<std::uint64_t>(dropped));
   for (const TelemetryChannel& channel : telemetry.channels) {
-    put(bytes, static_cast<std::uint32_t>(channel.finger));
-    put(bytes, static_cast<std::uint32_t>(channel.channel == Channel::kinaesthetic ? 1 : 0));
+    put_integer(bytes, static_cast<std::uint32_t>(channel.finger));
+    put_integer(bytes, static_cast<std::uint32_t>(channel.channel == Channel::kinaesthetic ? 1 : 0));
   }
-  for (const TickRecord& tick : ticks) put(bytes, static_cast<std::uint64_t>(tick.time_ns));
-  for (const TickRecord& tick : ticks) put(bytes, static_cast<std::uint64_t>(tick.lateness_ns));
-  for (const TickRecord& tick : ticks) put(bytes, static_cast<std::uint32_t>(tick.channel));
-  for (const TickRecord& tick : ticks) put(bytes, tick.limits);
+  for (const TickRecord& tick : ticks) put_integer(bytes, static_cast<std::uint64_t>(tick.time_ns));
+  for (const TickRecord& tick : ticks) put_integer(bytes, static_cast<std::uint64_t>(tick.lateness_ns));
+  for (const TickRecord& tick : ticks) put_integer(bytes, static_cast<std::uint32_t>(tick.channel));
+  for (const TickRecord& tick : ticks) put_integer(bytes, tick.limits);
   for (std::size_t place = 0; place < 9; ++place)
-    for (const TickRecord& tick : ticks) put(bytes, std::bit_cast<std::uint64_t>(doubles_of(tick)[place]));
+    for (const TickRecord& tick : ticks) put_integer(bytes, std::bit_cast<std::uint64_t>(doubles_of(tick)[place]));
   return bytes;
-}
-
-// One whole zstd frame, with its checksum and nothing behind it. Memory grows with what really comes out, not with
-// what a damaged header promises.
-std::string decompress(std::string_view bytes) {
-  constexpr std::size_t kLargest =
-      kHeaderSize + kChannelSize * kMaxTelemetryChannels + kTickSize * static_cast<std::size_t>(kMaxTelemetryTicks);
-  const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(), &ZSTD_freeDCtx);
-  if (!context) throw broken("there is too little memory");
-  std::string out, chunk(ZSTD_DStreamOutSize(), '\0');
-  ZSTD_inBuffer in{bytes.data(), bytes.size(), 0};
-  for (;;) {
-    ZSTD_outBuffer piece{chunk.data(), chunk.size(), 0};
-    const std::size_t before = in.pos;
-    const std::size_t left = ZSTD_decompressStream(context.get(), &piece, &in);
-    if (ZSTD_isError(left)) throw broken(ZSTD_getErrorName(left));
-    out.append(chunk, 0, piece.pos);
-    if (out.size() > kLargest) throw broken("it is larger than any telemetry");
-    if (left == 0) break;
-    if (piece.pos == 0 && in.pos == before) throw broken("its end is missing");
-  }
-  if (in.pos != in.size) throw broken("it goes on behind its end");
-  return out;
 }
 
 }  // namespace
@@ -131,43 +87,38 @@ TelemetryBlob encode_telemetry(int interval, const Telemetry& telemetry) {
   blob.ticks = static_cast<std::int64_t>(kept);
   blob.dropped = telemetry.dropped + static_cast<std::int64_t>(telemetry.ticks.size() - kept);
   const std::string raw = raw_bytes(telemetry, std::span(telemetry.ticks).first(kept), blob.dropped);
-  const std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> context(ZSTD_createCCtx(), &ZSTD_freeCCtx);
-  if (!context) throw StorageError("there is too little memory to compress the telemetry");
-  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_compressionLevel, kCompressionLevel);
-  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_checksumFlag, 1);
-  blob.bytes.resize(ZSTD_compressBound(raw.size()));
-  const std::size_t size = ZSTD_compress2(context.get(), blob.bytes.data(), blob.bytes.size(), raw.data(), raw.size());
-  if (ZSTD_isError(size))
-    throw StorageError(fmt::format("the telemetry could not be compressed: {}", ZSTD_getErrorName(size)));
-  blob.bytes.resize(size);
+  blob.bytes = compressed_blob(raw);
   blob.sha256 = sha256_hex(blob.bytes);
   return blob;
 }
 
 Telemetry decode_telemetry(std::string_view bytes) {
-  const std::string raw = decompress(bytes);
+  constexpr std::size_t kLargest =
+      kHeaderSize + kChannelSize * kMaxTelemetryChannels + kTickSize * static_cast<std::size_t>(kMaxTelemetryTicks);
+  const std::string raw = decompressed_blob(bytes, kLargest);
   const std::string_view view = raw;
-  if (view.size() < kHeaderSize || view.substr(0, kMagic.size()) != kMagic) throw broken("it is something else");
-  const auto version = get<std::uint32_t>(view, 8);
+  if (view.size() < kHeaderSize || view.substr(0, kMagic.size()) != kMagic)
+    throw unreadable_blob("it is something else");
+  const auto version = integer_at<std::uint32_t>(view, 8);
   if (version == 0 || version > kTelemetryVersion)
-    throw broken(fmt::format("it is of version {}; this program knows up to {}", version, kTelemetryVersion));
-  const auto unit = get<std::uint32_t>(view, 12), channels = get<std::uint32_t>(view, 16);
-  const auto count = get<std::uint64_t>(view, 24), dropped = get<std::uint64_t>(view, 32);
-  if (unit > 1 || channels > kMaxTelemetryChannels || get<std::uint32_t>(view, 20) != 0 ||
+    throw unreadable_blob(fmt::format("it is of version {}; this program knows up to {}", version, kTelemetryVersion));
+  const auto unit = integer_at<std::uint32_t>(view, 12), channels = integer_at<std::uint32_t>(view, 16);
+  const auto count = integer_at<std::uint64_t>(view, 24), dropped = integer_at<std::uint64_t>(view, 32);
+  if (unit > 1 || channels > kMaxTelemetryChannels || integer_at<std::uint32_t>(view, 20) != 0 ||
       count > static_cast<std::uint64_t>(kMaxTelemetryTicks) ||
       dropped > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()))
-    throw broken("its header holds values that cannot be");
+    throw unreadable_blob("its header holds values that cannot be");
   const auto ticks = static_cast<std::size_t>(count);
   if (view.size() != kHeaderSize + kChannelSize * channels + kTickSize * ticks)
-    throw broken("its size is not the one that its header gives");
+    throw unreadable_blob("its size is not the one that its header gives");
 
   Telemetry telemetry;
   telemetry.unit = unit == 1 ? Unit::n_per_rad : Unit::n_per_m;
   telemetry.dropped = static_cast<std::int64_t>(dropped);
   std::size_t at = kHeaderSize;
   for (std::uint32_t i = 0; i < channels; ++i, at += kChannelSize) {
-    const auto finger = get<std::uint32_t>(view, at), channel = get<std::uint32_t>(view, at + 4);
-    if (finger > 0x7FFFFFFF || channel > 1) throw broken("its header names a device that cannot be");
+    const auto finger = integer_at<std::uint32_t>(view, at), channel = integer_at<std::uint32_t>(view, at + 4);
+    if (finger > 0x7FFFFFFF || channel > 1) throw unreadable_blob("its header names a device that cannot be");
     telemetry.channels.push_back({static_cast<int>(finger), channel == 1 ? Channel::kinaesthetic : Channel::cutaneous});
   }
   telemetry.ticks.resize(ticks);
@@ -180,18 +131,18 @@ Telemetry decode_telemetry(std::string_view bytes) {
     at += 8;
   }
   for (TickRecord& tick : telemetry.ticks) {
-    tick.channel = static_cast<std::int32_t>(get<std::uint32_t>(view, at));
+    tick.channel = static_cast<std::int32_t>(integer_at<std::uint32_t>(view, at));
     if (tick.channel < 0 || tick.channel >= static_cast<std::int32_t>(channels))
-      throw broken("a record is of a device that there is not");
+      throw unreadable_blob("a record is of a device that there is not");
     at += 4;
   }
   for (TickRecord& tick : telemetry.ticks) {
-    tick.limits = get<std::uint32_t>(view, at);
+    tick.limits = integer_at<std::uint32_t>(view, at);
     at += 4;
   }
   for (std::size_t place = 0; place < 9; ++place)
     for (TickRecord& tick : telemetry.ticks) {
-      set_double(tick, place, std::bit_cast<double>(get<std::uint64_t>(view, at)));
+      set_double(tick, place, std::bit_cast<double>(integer_at<std::uint64_t>(view, at)));
       at += 8;
     }
   return telemetry;

@@ -20,6 +20,7 @@
 
 #include "analysis/numerics/special_values.h"
 #include "data/log/storage_error.h"
+#include "protocols/course/prescription.h"
 
 namespace jnd {
 
@@ -125,6 +126,8 @@ unsigned TrialBodyReader::Impl::field(std::string_view key, od::value value, Cou
     trial.duration_s = number(value);
   } else if (key == "saturated_share") {
     trial.saturated_share = number(value);
+  } else if (key == "breach") {
+    trial.off_prescription = breaks_limit(value.get_string());
   } else if (key == "presentations") {
     std::size_t place = 0;
     for (auto presentation : value.get_array()) {

@@ -34,6 +34,7 @@ struct CountedTrial {
   bool said_different() const noexcept { return said == 1; }
   bool by_participant = true;
   double response_time_s = 0, duration_s = 0, saturated_share = 0;
+  bool off_prescription = false;
   Intervals asked{};                                // of the intervals, in the study's unit
   std::array<IntervalCues, kMostIntervals> cues{};  // as delivered
   std::optional<double> delivered(std::size_t interval) const noexcept {

@@ -8,6 +8,7 @@
 #include "data/results/markdown_text.h"
 #include "data/results/references.h"
 #include "data/study/blinding.h"
+#include "protocols/course/prescription.h"
 #include "protocols/planning/allotment.h"
 #include "protocols/random_stream.h"
 #include "protocols/tasks/task.h"
@@ -75,10 +76,45 @@ std::string session_words(const Design& design) {
   return design.sessions == 1 ? "" : fmt::format(" in each of {} sessions", design.sessions);
 }
 
+// where: "In S, ", or nothing.
+std::string prescription_sentences(const Prescription& prescription, const std::string& where, Unit unit) {
+  std::string text;
+  if (!prescription.say.empty())
+    text += fmt::format("{}articipants were told: \"{}\". ", where.empty() ? "P" : where + "p",
+                        markdown_text(prescription.say));
+  if (prescription.pace_hz > 0)
+    text +=
+        fmt::format("{} metronome of {:g} Hz set the pace. ", where.empty() ? "A" : where + "a", prescription.pace_hz);
+  if (prescription.limits.empty()) return text;
+  std::vector<std::string> limits;
+  for (const Prescription::Limit& limit : prescription.limits) limits.push_back(limit_text(limit, unit));
+  return text + fmt::format("{}hat was measured in every interval was held against {}; a trial outside was {}. ",
+                            where.empty() ? "W" : where + "w", list_of(limits),
+                            prescription.on_breach == OnSaturation::repeat ? "voided and repeated" : "marked");
+}
+
+// What ended an interval, and what participants were told to do in it. Nothing where only time did.
+std::string exploration_sentences(const Protocol& protocol) {
+  const Timeline& timeline = protocol.timeline;
+  std::string text;
+  if (timeline.interval_end == IntervalEnd::contacts)
+    text += fmt::format("An interval ended after {} contact{}, at the latest {:g} s after the first. ",
+                        timeline.contacts, plural(static_cast<std::size_t>(timeline.contacts)), timeline.explore_s);
+  if (timeline.interval_end == IntervalEnd::key)
+    text += fmt::format(
+        "An interval ended when the participant had felt enough, at the latest {:g} s after the first contact. ",
+        timeline.explore_s);
+  if (timeline.prescription) text += prescription_sentences(*timeline.prescription, "", protocol.stimulus.unit);
+  for (const Condition& condition : protocol.conditions)
+    if (condition.prescription)
+      text += prescription_sentences(*condition.prescription, fmt::format("In {}, ", markdown_text(condition.name)),
+                                     protocol.stimulus.unit);
+  return text;
+}
 // In which order it came, and what decided that.
 std::string order_sentences(const Protocol& protocol) {
   const Design& design = protocol.design;
-  std::string text;
+  std::string text = exploration_sentences(protocol);
   if (protocol.series.size() > 1) text += fmt::format("Series came {}. ", order_words(design.series_order));
   const bool own_order = design.per_series && design.condition_order != Order::fixed && protocol.series.size() > 1;
   if (protocol.conditions.size() > 1)
@@ -419,6 +455,7 @@ std::string exclusion_paragraph(const Protocol& protocol, const std::map<std::st
     words.push_back(fmt::format("response times above {:g} s", *rules.response_time_above_s));
   if (rules.saturated_share_above)
     words.push_back(fmt::format("more than {:g} of the contact time at the force limit", *rules.saturated_share_above));
+  if (rules.off_prescription) words.emplace_back("a trial that broke the prescription of how to explore");
   if (words.empty()) return "No trial was excluded by a registered rule.\n";
   std::string counts;
   for (const auto& [reason, trials] : exclusions)

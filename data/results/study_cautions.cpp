@@ -126,10 +126,13 @@ std::vector<std::string> deviations_of(const StudyResults& results, const Protoc
     out.push_back(fmt::format("The protocol registers slopes over {} stiffness differences; these are over {} ones.",
                               to_string(registered_source(protocol)), to_string(constant->analysis.by)));
   const Exclusions& rules = protocol.analysis.exclude;
-  if (protocol.design.procedure &&
-      (rules.response_time_below_s || rules.response_time_above_s || rules.saturated_share_above))
+  if (protocol.design.procedure && (rules.response_time_below_s || rules.response_time_above_s ||
+                                    rules.saturated_share_above || rules.off_prescription))
     out.emplace_back(
         "The registered exclusions are not applied: an excluded answer has moved the levels all the same.");
+  if (results.off_prescription > 0)
+    out.push_back(fmt::format("{} answered trial{} broke the prescription of how to explore.", results.off_prescription,
+                              plural(results.off_prescription)));
   if (!attendance.excluded.empty()) {
     std::string who;
     for (const ExcludedParticipant& one : attendance.excluded)

@@ -1,10 +1,12 @@
 #include "data/results/study_results.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "data/results/rating_answers.h"
 #include "data/results/study_cautions.h"
 #include "data/study/blinding.h"
+#include "protocols/course/prescription.h"
 #include "protocols/planning/allotment.h"
 
 namespace jnd {
@@ -132,6 +134,11 @@ const Attendance& attendance_of(const StudyResults& results) {
 StudyResults results_of(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by) {
   ChainReport chains = require_whole_chains(study);
   StudyResults results = computed_results_of(study, protocol, kind, by);
+  if (judges_exploration(protocol)) {
+    const std::vector<CountedTrial> trials = read_counted_trials(study, protocol, sessions_of(study, kind));
+    results.off_prescription = static_cast<int>(
+        std::count_if(trials.begin(), trials.end(), [](const CountedTrial& trial) { return trial.off_prescription; }));
+  }
   add_cautions(results, protocol);
   if (results.groups && protocol.allotment == Allotment::balanced && plan_sealed(study, protocol))
     std::visit(ForgetGroups{}, results.measured);

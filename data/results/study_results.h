@@ -46,6 +46,7 @@ struct StudyResults {
                                                // interaction
   std::optional<GroupsCompared> groups;        // of participants; none where the protocol has none
   QuestionnaireResults questionnaire;          // what was answered to questions
+  int off_prescription = 0;                    // answered trials that broke a limit of the prescription
   std::vector<std::string> deviations;         // from what was registered
   std::vector<std::string> cautions;           // where the design cannot carry the number
 };

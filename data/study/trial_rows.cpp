@@ -15,17 +15,19 @@
 namespace jnd {
 
 std::string_view exclusion_reason(const Exclusions& rules, bool by_participant, double response_time_s,
-                                  double saturated_share) noexcept {
+                                  double saturated_share, bool off_prescription) noexcept {
   if (by_participant && rules.response_time_below_s && response_time_s < *rules.response_time_below_s)
     return kResponseTimeBelow;
   if (by_participant && rules.response_time_above_s && response_time_s > *rules.response_time_above_s)
     return kResponseTimeAbove;
   if (rules.saturated_share_above && saturated_share > *rules.saturated_share_above) return kSaturatedShareAbove;
+  if (rules.off_prescription && off_prescription) return kOffPrescription;
   return {};
 }
 
 std::string_view exclusion_reason(const Exclusions& rules, const CountedTrial& trial) noexcept {
-  return exclusion_reason(rules, trial.by_participant, trial.response_time_s, trial.saturated_share);
+  return exclusion_reason(rules, trial.by_participant, trial.response_time_s, trial.saturated_share,
+                          trial.off_prescription);
 }
 
 std::map<std::string, std::set<std::int64_t>> taken_back_of(const Study& study) {

@@ -18,11 +18,12 @@ namespace jnd {
 inline constexpr std::string_view kResponseTimeBelow = "response_time_below";
 inline constexpr std::string_view kResponseTimeAbove = "response_time_above";
 inline constexpr std::string_view kSaturatedShareAbove = "saturated_share_above";
+inline constexpr std::string_view kOffPrescription = "off_prescription";
 
 // Why a trial is left out, or an empty text. Response times are judged only where the participant pressed the key: an
 // operator's time says nothing about the participant.
 std::string_view exclusion_reason(const Exclusions& rules, bool by_participant, double response_time_s,
-                                  double saturated_share) noexcept;
+                                  double saturated_share, bool off_prescription) noexcept;
 std::string_view exclusion_reason(const Exclusions& rules, const CountedTrial& trial) noexcept;
 
 // By session: seq of the answers that were taken back.

@@ -11,6 +11,7 @@
 #include "data/log/event_body.h"
 #include "data/log/exploration_body.h"
 #include "data/log/telemetry.h"
+#include "data/log/trace_blob.h"
 #include "data/study/study_impl.h"
 #include "data/study/study_lock.h"
 #include "data/verify/verify_course.h"
@@ -143,6 +144,7 @@ class DeepVerifier {
     const Json body = Json::parse(event.body);
     const Unit unit = protocol.stimulus.unit;
     for (const TelemetryBlob& blob : blobs) {
+      if (is_trace(blob.bytes)) continue;  // nothing of the event was computed from it
       const Telemetry telemetry = decode_telemetry(blob.bytes);
       const auto tell = [&](const std::string& what) {
         problem(event, exploration ? what : fmt::format("interval {}: {}", blob.interval + 1, what));
@@ -154,7 +156,8 @@ class DeepVerifier {
       }
       const TrialRecord record = trial_record_from(body);
       const auto condition = static_cast<std::size_t>(record.trial.condition);
-      if (condition >= protocol.conditions.size() || blob.interval < 0 || blob.interval > 1)
+      if (condition >= protocol.conditions.size() || blob.interval < 0 ||
+          static_cast<std::size_t>(blob.interval) >= record.presentations.size())
         continue;  // verify says so
       report_.numbers += check_delivery(record.presentations[static_cast<std::size_t>(blob.interval)], telemetry,
                                         protocol.conditions[condition].cues, unit, tell);

@@ -7,6 +7,7 @@
 #include "data/log/plain_name.h"
 #include "data/log/storage_error.h"
 #include "data/verify/verify_fields.h"
+#include "protocols/course/prescription.h"
 #include "protocols/planning/allotment.h"
 #include "protocols/tasks/task.h"
 
@@ -141,6 +142,9 @@ void SessionCheck::check_completed(const Event& event, const Json& body) {
     problem(event, "trial {}: \"correct\" or \"saturated_share\" contradicts the rest of the event.", trial.index);
   check_names(event, record);
   check_settings(event, record);
+  if (has_plan_ && within(trial.condition, protocol_->conditions.size()) &&
+      record.breach != breach_of(trial, record.presentations, *protocol_))
+    problem(event, "trial {}: \"breach\" is not what follows from its presentations.", trial.index);
 }
 
 // A setting that was accepted is the last that was presented, each one came from the one before it, and the first is

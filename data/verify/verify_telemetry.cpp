@@ -1,10 +1,12 @@
 #include "data/verify/verify_telemetry.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "data/log/telemetry.h"
+#include "data/log/trace_blob.h"
 #include "data/study/study_facts.h"
 #include "protocols/input/sha256.h"
 
@@ -12,16 +14,26 @@ namespace jnd {
 
 namespace {
 
+// How many records a blob has, and how many were lost before.
+std::pair<std::int64_t, std::int64_t> held_by(const std::string& bytes) {
+  if (is_trace(bytes)) {
+    const Trace trace = decode_trace(bytes);
+    return {static_cast<std::int64_t>(trace.samples.size()), trace.dropped};
+  }
+  const Telemetry telemetry = decode_telemetry(bytes);
+  return {static_cast<std::int64_t>(telemetry.ticks.size()), telemetry.dropped};
+}
+
 // What is wrong with a stored blob, in words; empty where nothing is.
 std::string fault_of(const TelemetryBlob& stored, const TelemetryBlob& named) {
   if (sha256_hex(stored.bytes) != named.sha256) return "was changed: its SHA-256 is not the one in the event";
   if (stored.sha256 != named.sha256 || stored.ticks != named.ticks || stored.dropped != named.dropped)
     return "has a SHA-256, ticks or dropped beside it that contradict the event";
   try {
-    const Telemetry read = decode_telemetry(stored.bytes);
-    if (static_cast<std::int64_t>(read.ticks.size()) != named.ticks || read.dropped != named.dropped)
-      return fmt::format("holds {} ticks and {} dropped ones; the event says {} and {}", read.ticks.size(),
-                         read.dropped, named.ticks, named.dropped);
+    const auto [ticks, dropped] = held_by(stored.bytes);
+    if (ticks != named.ticks || dropped != named.dropped)
+      return fmt::format("holds {} ticks and {} dropped ones; the event says {} and {}", ticks, dropped, named.ticks,
+                         named.dropped);
   } catch (const StorageError& error) {
     return error.what();
   }

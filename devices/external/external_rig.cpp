@@ -26,6 +26,7 @@ constexpr int kMostGaps = 5;
 constexpr std::chrono::milliseconds kFaultGrace{300};
 constexpr std::chrono::milliseconds kByePatience{1000};
 constexpr std::int64_t kRenderLook_ns = 50'000'000;
+constexpr std::int64_t kAskEvery_ns = 50'000'000;  // whether it is enough
 constexpr int kPause_ms = 50;
 constexpr int kMostReads = 4;  // of 64 KiB, before it is looked at what is due
 
@@ -177,7 +178,8 @@ void ExternalRig::restart(const std::string& why) {
   (void)eventfd_write(wake_, 1);
 }
 
-Rendered ExternalRig::render(const RenderRequest& request, const std::function<void(const RigEvent&)>& hear) {
+Rendered ExternalRig::render(const RenderRequest& request, const std::function<void(const RigEvent&)>& hear,
+                             const std::function<bool()>& enough) {
   Rendered rendered;
   (void)wait(0);  // what came before is not of this presentation
   std::string why;
@@ -186,7 +188,14 @@ Rendered ExternalRig::render(const RenderRequest& request, const std::function<v
     rendered.voided = RigVoid{0, stop.latched() ? RigFailure::stopped : RigFailure::ended, why};
     return rendered;
   }
+  bool ends = false;
+  std::int64_t asked_ns = clock_.now_ns();
   while (!rendered.done && !rendered.voided) {
+    if (enough && !ends && clock_.now_ns() - asked_ns >= kAskEvery_ns) {
+      asked_ns = clock_.now_ns();
+      ends = enough();
+      if (ends) stop_with(RigStop::enough);
+    }
     for (const RigEvent& event : wait(clock_.now_ns() + kRenderLook_ns)) {
       if (hear) hear(event);
       if (const auto* ready = std::get_if<RigReady>(&event.what); ready != nullptr && ready->id == id)

@@ -69,8 +69,10 @@ class ExternalRig {
 
   // One presentation from "prepare" to its end. hear: each event as it comes, on this thread. While `stop` is latched
   // nothing is presented; latched meanwhile, it is passed on within 5 ms. It always returns: at the latest after
-  // prepare_s + time_out_s + 0.3 s.
-  Rendered render(const RenderRequest& request, const std::function<void(const RigEvent&)>& hear = {});
+  // prepare_s + time_out_s + 0.3 s. enough: asked some times a second on this thread; true ends the presentation as it
+  // should end, once.
+  Rendered render(const RenderRequest& request, const std::function<void(const RigEvent&)>& hear = {},
+                  const std::function<bool()>& enough = {});
 
   // The same in steps, for a caller that does something in between. Each id ends with RigDone or RigVoid in wait().
   // 0 and `why`: the rig is missing, or has not said that it can do this.

@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kPeriod_s = 1e-9 * static_cast<double>(kPeriod_ns);
 constexpr std::int64_t kSnapshotEvery_ticks = 25;  // what an operator sees is no older than this
+constexpr std::int64_t kAskEvery_ticks = 50;       // whether it is enough
 
 std::int64_t ns_of(double seconds) noexcept {
   constexpr double kMost = 9e9;  // s; longer waits are as good as for ever
@@ -77,11 +78,13 @@ Fault ControlLoop::engage(const PresentRequest& request, std::int64_t start_ns) 
   lateness_.clear();
   late_ns_ = 0;
   touched_ = false;
+  over_.store(false, std::memory_order_relaxed);
   tracker_.begin(request, start_ns);
   for (std::size_t i = 0; i < fingers_.size(); ++i) {
     Finger& finger = fingers_[i];
     finger.burst_until_ns = request.tap_g > 0 ? start_ns + ns_of(kBurst_s) : std::numeric_limits<std::int64_t>::min();
     finger.penetration = finger.penetration_rate = 0;
+    finger.contacts_ended = 0;
     finger.pose = FingerPose{};
     finger.pose.time_ns = std::numeric_limits<std::int64_t>::min() / 2;  // none yet: stale
     finger.object.begin(object, Eigen::Vector3d(i == 0 ? -1 : 1, 0, 0));
@@ -129,6 +132,7 @@ void ControlLoop::update_contact(const PresentRequest& request, std::int64_t now
     touched_ = touched_ || contact.touching;
     finger.penetration_rate = (contact.penetration_m - finger.penetration) / duration_s;
     finger.penetration = contact.penetration_m;
+    if (contact.event == ContactEvent::broken) ++finger.contacts_ended;
     if (contact.event == ContactEvent::made && request.stimulus.cues.vibration)
       finger.burst_until_ns = now_ns + ns_of(kBurst_s);
   }
@@ -264,6 +268,14 @@ void ControlLoop::summarise(Presentation& result) const {
     result.last_ticks = ring_.in_order(kTicksBeforeStop * devices_.size());
 }
 
+bool ControlLoop::ended_early(const PresentRequest& request, std::int64_t ticks) const {
+  if (over_.load(std::memory_order_relaxed)) return true;
+  if (request.enough && ticks % kAskEvery_ticks == 0 && request.enough()) return true;
+  return request.contacts > 0 && std::any_of(fingers_.begin(), fingers_.end(), [&](const Finger& finger) {
+           return finger.contacts_ended >= request.contacts;
+         });
+}
+
 Presentation ControlLoop::run(const PresentRequest& request, const EmergencyStop& stop) {
   Presentation result;
   const std::int64_t start_ns = clock_.now_ns();
@@ -300,6 +312,7 @@ Presentation ControlLoop::run(const PresentRequest& request, const EmergencyStop
     // Deadlines, not wake-ups, end an interval: its length does not depend on the machine.
     const std::int64_t explored_since_ns = free ? start_ns : first_contact_ns;
     if (explored_since_ns >= 0 && deadline_ns - explored_since_ns >= explore_ns) break;
+    if (first_contact_ns >= 0 && !free && ended_early(request, result.ticks)) break;
     if (explored_since_ns < 0 && deadline_ns - start_ns >= time_out_ns) {
       result.fault = Fault::no_contact;
       break;

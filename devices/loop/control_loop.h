@@ -5,6 +5,7 @@
 // deadlines are start + n periods for ever.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -55,10 +56,13 @@ class ControlLoop {
   ControlLoop(const std::vector<LoopDevice>& devices, Tracker& tracker, Clock& clock, const LoopScene& scene,
               TelemetryRing* telemetry = nullptr, LatestSnapshot* snapshot = nullptr);
 
-  // Renders until explore_s after the first contact of any finger, the no-contact time-out, a fault or the latch; ends
-  // with zero force and the devices neutral. Free interaction and taps last explore_s from their start. Throws
-  // std::invalid_argument where the request names an object that the scene has not.
+  // Renders until explore_s after the first contact of any finger, or what the request has end it before, the no-contact
+  // time-out, a fault or the latch; ends with zero force and the devices neutral. Free interaction and taps last
+  // explore_s from their start. PresentRequest::enough is asked from within, so it must be empty where the loop runs on
+  // a thread of its own. Throws std::invalid_argument where the request names an object that the scene has not.
   Presentation run(const PresentRequest& request, const EmergencyStop& stop);
+  // What goes on is over with the next tick, as it would be after explore_s. Any thread.
+  void end_interval() noexcept { over_.store(true, std::memory_order_relaxed); }
 
  private:
   struct Finger {
@@ -68,6 +72,7 @@ class ControlLoop {
     double penetration = 0;       // of the last tick
     double penetration_rate = 0;  // per second
     std::int64_t burst_until_ns = 0;
+    int contacts_ended = 0;
   };
   struct Channeled {  // a device at work
     LoopDevice setup;
@@ -79,6 +84,8 @@ class ControlLoop {
   };
 
   const VirtualObject& object_of(const PresentRequest& request) const;
+  // Ended before explore_s, after the first contact.
+  bool ended_early(const PresentRequest& request, std::int64_t ticks) const;
   Fault engage(const PresentRequest& request, std::int64_t start_ns);
   Fault tick(const PresentRequest& request, std::int64_t now_ns, double duration_s, bool stop) noexcept;
   Fault read(std::int64_t now_ns) noexcept;
@@ -102,6 +109,7 @@ class ControlLoop {
   LatenessHistogram lateness_;
   std::int64_t late_ns_ = 0;  // of this tick
   bool touched_ = false;      // any finger, in this tick
+  std::atomic<bool> over_{false};
 };
 
 }  // namespace jnd

@@ -76,6 +76,12 @@ class SimulatedParticipant final : public Responder {
     return answer;
   }
 
+  // A time of their own, keyed by the interval: 30 to 90 % of the longest.
+  bool enough(const IntervalId& id, double elapsed_s) override {
+    RandomStream random(seed_, static_cast<std::uint64_t>(participant_), "participant/enough", interval_part(id, 0));
+    return elapsed_s >= protocol_.timeline.explore_s * (0.3 + 0.6 * random.uniform());
+  }
+
   Answer pair_answer(const TrialQuestion& question, double factor, const PerceptNoise& noise) const {
     const PairJudgement judged = judge_cues(profile_, cues_of(question.presentations[0]),
                                             cues_of(question.presentations[1]), factor, noise, reference_);

@@ -27,15 +27,20 @@ FingertipRig::~FingertipRig() {
 Presentation FingertipRig::present(const PresentRequest& request) {
   if (!thread_) return loop_.run(request, stop);
   Presentation presentation;
-  const auto job = [&] { presentation = loop_.run(request, stop); };
-  if (!look_) {
+  PresentRequest without_questions = request;  // which are asked on this thread
+  without_questions.enough = {};
+  const auto job = [&] { presentation = loop_.run(without_questions, stop); };
+  if (!look_ && !request.enough) {
     thread_->run(job);
     return presentation;
   }
   snapshot_->put({});  // not what the last presentation left
+  bool touched = false;
   thread_->run(job, kLookEvery, [&] {
     const LoopSnapshot snapshot = snapshot_->look();
-    if (snapshot.ticks > 0) look_(snapshot);
+    if (snapshot.ticks > 0 && look_) look_(snapshot);
+    touched = touched || snapshot.contact;
+    if (touched && request.enough && request.enough()) loop_.end_interval();
   });
   return presentation;
 }

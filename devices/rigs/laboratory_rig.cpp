@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <set>
 #include <thread>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "devices/device_error.h"
+#include "protocols/course/prescription.h"
 #include "protocols/input/input_error.h"
 
 namespace jnd {
@@ -50,7 +53,7 @@ RigInfo laboratory_rig_info(const ExternalSettings& settings) {
 }
 
 LaboratoryRig::LaboratoryRig(const ExternalSettings& settings, const Protocol& protocol, Clock& clock)
-    : protocol_(protocol), rig_(settings, clock), info_(laboratory_rig_info(settings)) {
+    : protocol_(protocol), clock_(clock), rig_(settings, clock), info_(laboratory_rig_info(settings)) {
   if (!rig_.await_hello(settings.time_outs.hello_s)) throw DeviceError(rig_.missing());
   const RigHello hello = rig_.hello().value();
   const std::vector<std::string> problems = rig_problems(rig_demand(protocol), hello);
@@ -59,6 +62,8 @@ LaboratoryRig::LaboratoryRig(const ExternalSettings& settings, const Protocol& p
     for (const std::string& problem : problems) text += "\n  " + problem;
     throw InputError(text);
   }
+  for (const RigChannel& channel : hello.measures) measures_.push_back({channel.name, channel.unit});
+  has_buttons_ = hello.answers;
   info_.name = fmt::format("{} {}", hello.name, hello.version);
   info_.simulated = hello.model;
 }
@@ -78,14 +83,36 @@ Presentation LaboratoryRig::present(const PresentRequest& request) {
   asked.unit = to_string(protocol_.stimulus.unit);
   asked.value = request.stimulus.stiffness;
   if (request.condition != nullptr) asked.parameters = parameters_of(*request.condition);
+  asked.exploration.ends = request.contacts > 0 ? RigExplorationEnd::contacts
+                           : request.enough     ? RigExplorationEnd::stop
+                                                : RigExplorationEnd::time;
   asked.exploration.duration_s = request.explore_s;
+  asked.exploration.contacts = request.contacts;
+  if (request.condition != nullptr) {
+    const Prescription* const prescription = prescription_of(protocol_, *request.condition);
+    if (prescription != nullptr && prescription->pace_hz > 0) asked.exploration.pace_hz = prescription->pace_hz;
+  }
   asked.exploration.no_contact_s = request.no_contact_time_out_s;
   asked.time_out_s = request.explore_s + request.no_contact_time_out_s;
-  bool contact = false;
-  const Rendered rendered = rig_.render(asked, [&](const RigEvent& event) {
-    contact = contact || std::holds_alternative<RigContact>(event.what);
-    if (look_) look_({.contact = contact});
-  });
+  trace_ = {.channels = measures_, .samples = {}, .dropped = 0};
+  const std::int64_t began_ns = clock_.now_ns();
+  const std::int64_t dropped_before = rig_.report().traffic.dropped;
+  std::optional<std::int64_t> touched_ns;
+  const auto hear = [&](const RigEvent& event) {
+    if (!touched_ns && std::holds_alternative<RigContact>(event.what)) touched_ns = event.time_ns;
+    if (const auto* told = std::get_if<RigTelemetry>(&event.what))
+      keep(*told, 1e-9 * static_cast<double>(event.time_ns - began_ns));
+    if (look_) look_({.contact = touched_ns.has_value()});
+  };
+  // What its own time does not end is over with explore_s at the latest.
+  const auto enough = [&] {
+    if (!touched_ns) return false;
+    if (clock_.now_ns() - *touched_ns >= std::llround(1e9 * request.explore_s)) return true;
+    return request.enough && request.enough();
+  };
+  const bool by_time = asked.exploration.ends == RigExplorationEnd::time;
+  const Rendered rendered = rig_.render(asked, hear, by_time ? std::function<bool()>() : enough);
+  trace_.dropped = rig_.report().traffic.dropped - dropped_before;
   Presentation presentation = presentation_of(rendered, stop.source());
   if (!rendered.done) return presentation;
   const RigDone& done = *rendered.done;
@@ -95,6 +122,46 @@ Presentation LaboratoryRig::present(const PresentRequest& request) {
   for (const auto& [name, value] : done.peaks) presentation.measured["peak_" + name] = value;
   presentation.measured["contacts"] = done.contacts;
   return presentation;
+}
+
+void LaboratoryRig::ask(const std::vector<std::string>& answers) {
+  withdraw();
+  answers_ = answers;
+  asked_ns_ = clock_.now_ns();
+  question_ = rig_.ask(answers);
+}
+
+std::optional<RigButtons::Pressed> LaboratoryRig::pressed() {
+  if (question_ == 0) return std::nullopt;
+  std::optional<Pressed> pressed;
+  for (const RigEvent& event : rig_.wait(0)) {
+    if (const auto* voided = std::get_if<RigVoid>(&event.what); voided != nullptr && voided->id == question_)
+      question_ = 0;
+    const auto* const answer = std::get_if<RigAnswer>(&event.what);
+    if (answer == nullptr || answer->id != question_) continue;
+    question_ = 0;
+    const auto place = std::find(answers_.begin(), answers_.end(), answer->answer);
+    // By the rig's own clock where that can be: a press came after the question, and before it was heard.
+    const std::int64_t since_ns = std::llround(1e9 * answer->after_s.value_or(-1));
+    const std::int64_t said_ns = asked_ns_ + since_ns;
+    if (place != answers_.end())
+      pressed = {static_cast<std::size_t>(place - answers_.begin()),
+                 since_ns >= 0 && said_ns <= event.time_ns ? said_ns : event.time_ns};
+  }
+  return pressed;
+}
+
+void LaboratoryRig::withdraw() {
+  if (std::exchange(question_, 0) != 0) rig_.stop_with(RigStop::interrupted);
+}
+
+void LaboratoryRig::keep(const RigTelemetry& telemetry, double heard_s) {
+  for (const auto& [name, value] : telemetry.values) {
+    const auto channel = std::find_if(measures_.begin(), measures_.end(),
+                                      [&key = name](const Trace::Channel& one) { return one.name == key; });
+    if (channel != measures_.end())
+      trace_.samples.push_back({heard_s, telemetry.time_s, static_cast<int>(channel - measures_.begin()), value});
+  }
 }
 
 void LaboratoryRig::neutral() noexcept {

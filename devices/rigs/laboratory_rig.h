@@ -8,7 +8,7 @@
 
 namespace jnd {
 
-class LaboratoryRig final : public Rig {
+class LaboratoryRig final : public Rig, private RigButtons {
  public:
   // Starts the rig and waits for its hello. protocol, for its quantity and unit, and clock must outlive it. Throws
   // DeviceError where there is no hello in time, InputError where the rig cannot present what the protocol asks.
@@ -20,11 +20,25 @@ class LaboratoryRig final : public Rig {
   void watch(const std::function<void(const LoopSnapshot&)>& look) override { look_ = look; }
   std::string missing() override { return rig_.missing(); }
   RigConnections connections() const override;
+  Trace take_trace() override { return std::exchange(trace_, {}); }
+  RigButtons* buttons() noexcept override { return has_buttons_ ? this : nullptr; }
 
  private:
+  void ask(const std::vector<std::string>& answers) override;
+  std::optional<Pressed> pressed() override;
+  void withdraw() override;
+  void keep(const RigTelemetry& telemetry, double heard_s);
+
   const Protocol& protocol_;
+  Clock& clock_;
   ExternalRig rig_;
   RigInfo info_;
+  std::vector<Trace::Channel> measures_;  // of its hello
+  Trace trace_;
+  bool has_buttons_ = false;
+  std::uint64_t question_ = 0;  // that a button may answer; 0: none
+  std::int64_t asked_ns_ = 0;
+  std::vector<std::string> answers_;
   std::function<void(const LoopSnapshot&)> look_;
 };
 

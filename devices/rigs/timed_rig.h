@@ -13,7 +13,8 @@ class TimedRig final : public Rig {
   // then, so that a simulated participant has something to go by. Otherwise nothing is known of it.
   TimedRig(RigInfo info, Clock& clock) : info_(std::move(info)), clock_(clock) {}
   const RigInfo& info() const noexcept override { return info_; }
-  // Lasts PresentRequest::explore_s; a stop ends it.
+  // Lasts PresentRequest::explore_s, or until it is enough; so many contacts of a simulated participant take a second
+  // each. A stop ends it.
   Presentation present(const PresentRequest& request) override;
   void neutral() noexcept override {}
   void watch(const std::function<void(const LoopSnapshot&)>& look) override { look_ = look; }

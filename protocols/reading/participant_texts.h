@@ -50,13 +50,18 @@ void visit_participant_texts(AnyProtocol& protocol, Visit&& visit) {
   look("$.consent", protocol.consent, kPageLimits, Audience::participant);
   for (std::size_t i = 0; i < protocol.instructions.size(); ++i)
     look(fmt::format("$.instructions[{}].text", i), protocol.instructions[i].text, kPageLimits, Audience::participant);
+  if (protocol.timeline.prescription)
+    look("$.trial.prescription.say", protocol.timeline.prescription->say, kSayLimits, Audience::participant);
   look("$.trial.cues.first.say", protocol.timeline.interval_cues[0].say, kSayLimits, Audience::participant);
   look("$.trial.cues.second.say", protocol.timeline.interval_cues[1].say, kSayLimits, Audience::participant);
   look("$.trial.cues.third.say", protocol.timeline.interval_cues[2].say, kSayLimits, Audience::participant);
   look("$.trial.cues.question.say", protocol.timeline.question_cue.say, kSayLimits, Audience::participant);
   const Audience of_labels = shows_condition_labels(protocol) ? Audience::participant : Audience::operator_;
-  for (std::size_t i = 0; i < protocol.conditions.size(); ++i)
+  for (std::size_t i = 0; i < protocol.conditions.size(); ++i) {
     look(fmt::format("$.conditions[{}].label", i), protocol.conditions[i].label, kLabelLimits, of_labels);
+    if (auto& prescription = protocol.conditions[i].prescription)
+      look(fmt::format("$.conditions[{}].prescription.say", i), prescription->say, kSayLimits, Audience::participant);
+  }
   for (std::size_t i = 0; i < protocol.groups.size(); ++i)
     look(fmt::format("$.groups[{}].label", i), protocol.groups[i].label, kLabelLimits, Audience::operator_);
   for (std::size_t i = 0; i < protocol.breaks.size(); ++i)

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/course/prescription.h"
 #include "protocols/reading/protocol_reading.h"
 #include "protocols/tasks/task.h"
 
@@ -24,6 +25,11 @@ void read_exclusions(const JsonNode& node, ProtocolReading& reading) {
   exclude.response_time_above_s =
       reader.optional_number("response_time_above_s", {.min = 0, .max = 600, .above = true, .unit = "s"});
   exclude.saturated_share_above = reader.optional_number("saturated_share_above", {.min = 0, .max = 1});
+  exclude.off_prescription = reader.boolean_or("off_prescription", false);
+  if (exclude.off_prescription && !judges_exploration(reading.protocol) && reading.sound("$.trial") &&
+      reading.sound("$.conditions"))
+    reader.error("off_prescription", "there are no limits that a trial could break",
+                 "add \"limits\" to $.trial.prescription, or remove it");
   reader.finish();
   if (exclude.response_time_below_s && exclude.response_time_above_s &&
       *exclude.response_time_below_s >= *exclude.response_time_above_s) {

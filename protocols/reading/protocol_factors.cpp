@@ -140,6 +140,10 @@ void read_conditions(const JsonNode& list, ProtocolReading& reading) {
     } else {
       read_rig_settings(reader, condition, reading);
     }
+    if (reading.explores() && reader.member("prescription") != nullptr)
+      reader.error("prescription", "has no meaning with the paradigm \"explore\"", "remove it: there are no trials");
+    else if (const JsonNode* prescription = reader.object_or_null("prescription"))
+      condition.prescription = read_prescription(*prescription, reading);
     reader.finish();
     reading.protocol.conditions.push_back(std::move(condition));
   }

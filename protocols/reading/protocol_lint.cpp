@@ -50,7 +50,8 @@ void lint_conditions(ProtocolReading& reading) {
       const bool readable =
           reading.sound(element("conditions", i, "cues")) && reading.sound(element("conditions", j, "cues"));
       if (readable && reading.protocol.rig.built_in() && conditions[i].cues == conditions[j].cues &&
-          conditions[i].devices == conditions[j].devices) {
+          conditions[i].devices == conditions[j].devices && !conditions[i].prescription &&
+          !conditions[j].prescription) {
         reading.error_at(element("conditions", i, conditions[i].devices ? "cues" : "devices"),
                          fmt::format("has the same cues as condition {}", in_quotes(conditions[j].name)),
                          "the two would feel alike: change one, or remove it");

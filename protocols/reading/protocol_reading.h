@@ -66,6 +66,8 @@ NumberLimits value_limits(const Protocol& protocol);
 
 // protocol_trial.cpp: how a trial goes. After the task.
 void read_trial(const JsonNode& node, ProtocolReading& reading);
+// What participants are told to do in every interval: of all trials, or of a condition.
+Prescription read_prescription(const JsonNode& node, ProtocolReading& reading);
 
 // protocol_factors.cpp: conditions, series and the design that crosses them.
 void read_conditions(const JsonNode& list, ProtocolReading& reading);

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "protocols/course/prescription.h"
+#include "protocols/reading/participant_texts.h"
 #include "protocols/reading/protocol_reading.h"
 #include "protocols/tasks/task.h"
 
@@ -104,12 +106,89 @@ void read_interval_cues(const JsonNode& node, ProtocolReading& reading) {
   part.finish();
 }
 
+Prescription::Limit read_limit(const JsonNode& node, ProtocolReading& reading) {
+  Prescription::Limit limit;
+  JsonReader reader(node, reading.errors, reading.file);
+  JsonReader::Words<std::string> words;
+  for (const PrescribedMeasure& measure : kPrescribedMeasures)
+    words.emplace_back(measure.name, std::string(measure.name));
+  limit.measure = reader.one_of<std::string>("measure", words);
+  const auto measure = std::find_if(kPrescribedMeasures.begin(), kPrescribedMeasures.end(),
+                                    [&](const PrescribedMeasure& one) { return one.name == limit.measure; });
+  const NumberLimits bounds{.min = 0, .max = measure->most, .unit = measure->unit};
+  limit.low = reader.number_or("low", 0, bounds);
+  limit.high = reader.number("high", bounds);
+  reader.finish();
+  if (reading.sound(node.path) && limit.low > limit.high)
+    reader.error("high", fmt::format("{} is below low, {}", plain(limit.high), plain(limit.low)),
+                 "nothing could be between them: change one");
+  return limit;
+}
+
+// What a limit's measure may be of this rig: a specimen measures nothing.
+void read_limits(JsonReader& reader, Prescription& prescription, ProtocolReading& reading) {
+  const JsonNode* list = reader.array_or_null("limits", 1, kPrescribedMeasures.size());
+  if (list == nullptr) return;
+  if (reading.protocol.rig.device == kSpecimenRig) {
+    reading.error(*list, "nothing measures how specimens are felt", "remove it: the operator watches");
+    return;
+  }
+  for (const JsonNode& item : list->items) {
+    const Prescription::Limit limit = read_limit(item, reading);
+    const bool known = std::any_of(prescription.limits.begin(), prescription.limits.end(),
+                                   [&](const Prescription::Limit& other) { return other.measure == limit.measure; });
+    if (known && reading.sound(item.path))
+      reading.error(item, fmt::format("there are two limits on {}", limit.measure), "one of each measure: join them");
+    prescription.limits.push_back(limit);
+  }
+}
+
+}  // namespace
+
+Prescription read_prescription(const JsonNode& node, ProtocolReading& reading) {
+  Prescription prescription;
+  JsonReader reader(node, reading.errors, reading.file);
+  prescription.say = reader.text_or("say", "", kSayLimits);
+  prescription.pace_hz = reader.optional_number("pace_hz", {.min = 0.2, .max = 5, .unit = "Hz"}).value_or(0);
+  read_limits(reader, prescription, reading);
+  prescription.on_breach = reader.one_of_or<OnSaturation>(
+      "on_breach", {{"flag", OnSaturation::flag}, {"repeat", OnSaturation::repeat}}, OnSaturation::flag);
+  if (node.find("on_breach") != nullptr && prescription.limits.empty() && reading.sound(node.path))
+    reader.error("on_breach", "has no meaning without limits", "add \"limits\", or remove it");
+  reader.finish();
+  if (reading.sound(node.path) && prescription.say.empty() && prescription.pace_hz == 0 && prescription.limits.empty())
+    reading.error(node, "prescribes nothing", "give \"say\", \"pace_hz\" or \"limits\", or remove it");
+  return prescription;
+}
+
+namespace {
+
+// What ends an interval, and what is to be done in it.
+void read_exploration(JsonReader& reader, ProtocolReading& reading) {
+  Timeline& timeline = reading.protocol.timeline;
+  timeline.interval_end = reader.one_of_or<IntervalEnd>(
+      "interval_end", {{"time", IntervalEnd::time}, {"contacts", IntervalEnd::contacts}, {"key", IntervalEnd::key}},
+      IntervalEnd::time);
+  const bool by_contacts = timeline.interval_end == IntervalEnd::contacts;
+  if (by_contacts)
+    timeline.contacts = reader.integer("contacts", {.min = 1, .max = 100});
+  else if (reader.member("contacts") != nullptr)
+    reader.error("contacts", "has no meaning unless contacts end an interval",
+                 "write \"interval_end\": \"contacts\", or remove it");
+  if (by_contacts && reading.protocol.rig.device == kSpecimenRig)
+    reader.error("interval_end", "nothing counts the contacts with a specimen",
+                 "write \"key\": the operator counts, and presses it");
+  if (const JsonNode* prescription = reader.object_or_null("prescription"))
+    timeline.prescription = read_prescription(*prescription, reading);
+}
+
 }  // namespace
 
 void read_trial(const JsonNode& node, ProtocolReading& reading) {
   Timeline& timeline = reading.protocol.timeline;
   JsonReader reader(node, reading.errors, reading.file);
   timeline.explore_s = reader.number("explore_s", {.min = 0.5, .max = 60, .unit = "s"});
+  read_exploration(reader, reading);
   timeline.no_contact_time_out_s = reader.number("no_contact_time_out_s", {.min = 1, .max = 120, .unit = "s"});
   timeline.gap_s = task_of(reading.protocol.task.kind).intervals(reading.protocol.task) > 1
                        ? reader.number("gap_s", {.min = 0, .max = 60, .unit = "s"})

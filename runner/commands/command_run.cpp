@@ -113,6 +113,9 @@ std::unique_ptr<SessionSound> sound_of(const RunOptions& options, const Protocol
                                        const SoundSettings& settings) {
   if (options.bell && settings.masking)
     throw UsageError("--bell plays no sounds, and the rig file asks for masking noise: leave one of them out");
+  if (options.bell && !paces_of(protocol).empty())
+    throw UsageError(
+        "--bell plays no sounds, and the protocol prescribes a pace, which a metronome sets: leave it out");
   if (options.fast || options.bell || !asks_for_sound(protocol, settings)) return nullptr;
   return std::make_unique<SessionSound>(protocol, settings);
 }
@@ -224,6 +227,7 @@ int command_run(const RunOptions& options) {
   const StopOnButton stop_button(buttons, rig->stop);
 
   console_options.stop = &rig->stop;
+  console_options.rig_buttons = rig->buttons();
   const std::unique_ptr<Console> console = make_console(console_options, shown, keyboard.get(), *clock, interrupted);
   Readiness readiness;
   if (person) {

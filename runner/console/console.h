@@ -39,6 +39,7 @@ struct ConsoleOptions {
   bool plain = false;                           // lines, also on a terminal
   EnteredBy entered_by = EnteredBy::operator_;  // of answers by keys
   ButtonBox* buttons = nullptr;                 // the participant's own, where there are some; outlives the console
+  RigButtons* rig_buttons = nullptr;            // the rig's, where it has some; outlive the console
   std::vector<SessionListener*> listeners{};    // hear what the screen is told; they outlive the console
   const EmergencyStop* stop = nullptr;          // the rig's, which waits look at; outlives the console
 };

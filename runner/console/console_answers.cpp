@@ -12,6 +12,24 @@
 
 namespace jnd {
 
+namespace {
+
+// The rig's buttons answer no question that is over.
+class WithdrawnAtEnd {
+ public:
+  explicit WithdrawnAtEnd(RigButtons* buttons) noexcept : buttons_(buttons) {}
+  ~WithdrawnAtEnd() {
+    if (buttons_ != nullptr) buttons_->withdraw();
+  }
+  WithdrawnAtEnd(const WithdrawnAtEnd&) = delete;
+  WithdrawnAtEnd& operator=(const WithdrawnAtEnd&) = delete;
+
+ private:
+  RigButtons* buttons_;
+};
+
+}  // namespace
+
 Answer SessionConsole::answer_of(GivenAnswer given, EnteredBy who, std::int64_t pressed_ns) const {
   // The time of the press, not of its being noticed here; the session's clock may have skipped what was waiting.
   const std::int64_t age_ns = SteadyClock().now_ns() - pressed_ns;
@@ -28,6 +46,13 @@ std::optional<Answer> SessionConsole::question_over(const std::optional<Answer>&
 
 SessionConsole::ButtonReply SessionConsole::hear_buttons() {
   ButtonReply reply;
+  if (options_.rig_buttons != nullptr) {
+    if (const auto pressed = options_.rig_buttons->pressed()) {
+      const AnswerChoice& chosen = protocol_.task.answers[pressed->place];
+      reply.answer = answer_of({chosen.said, chosen.sureness}, EnteredBy::participant, pressed->time_ns);
+      return reply;
+    }
+  }
   if (options_.buttons == nullptr) return reply;
   tell_events();
   const ButtonsHeard heard = options_.buttons->hear();
@@ -68,6 +93,7 @@ std::optional<Answer> SessionConsole::judge_number(const TrialQuestion& question
 
 std::optional<Answer> SessionConsole::judge(const TrialQuestion& question) {
   if (protocol_.task.answers.empty()) return judge_number(question);
+  const WithdrawnAtEnd asking(options_.rig_buttons);
   const KeyMap& keys = question_keys_;
   Scene scene;
   scene.keys = keys.hints();
@@ -106,6 +132,18 @@ std::optional<Answer> SessionConsole::judge(const TrialQuestion& question) {
     }
   }
   return std::nullopt;
+}
+
+// A key that was pressed before the first contact, or is held down since before, does not end the interval.
+bool SessionConsole::enough(const IntervalId& /*id*/, double /*elapsed_s*/) {
+  if (!keys_.has_keyboard() || interrupted()) return false;
+  const KeyMap keys = presentation_keys(protocol_);
+  if (!std::exchange(asks_enough_, true)) note_in_trial(keys_.prompt());
+  const std::optional<Key> key = keys_.next();
+  if (!key) return false;
+  if (const auto binding = keys.binding_of(*key); binding && binding->asks(Request::go_on)) return true;
+  note_in_trial({*key});
+  return false;
 }
 
 std::optional<std::string> SessionConsole::reply(const Question& question, int condition) {

@@ -121,8 +121,12 @@ void SessionConsole::help_with_question() {
 }
 
 void SessionConsole::hear_in_trial() {
+  note_in_trial(keys_.drain());
+}
+
+void SessionConsole::note_in_trial(const std::vector<Key>& keys) {
   const std::size_t before = noted_.size();
-  note_requests(keys_.drain(), question_keys_);
+  note_requests(keys, question_keys_);
   if (noted_.size() == before) return;
   const KeyBinding& last = noted_.back();
   if (last.asks(Request::pause)) display_->explain(Tone::quiet, "the pause comes after this trial");

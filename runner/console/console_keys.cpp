@@ -156,13 +156,15 @@ KeyMap hand_over_keys(const TaskSpec& task) {
                  {'?', HelpWanted{}, "all keys", false}});
 }
 
-KeyMap presentation_keys(const TaskSpec& task) {
-  const auto key = [&](char32_t letter) { return spared(letter, task); };
-  return KeyMap({kStop,
-                 {key('r'), Request::repeat_trial, "repeat it, after this interval", true},
-                 {key('p'), Request::pause, "pause after this trial", false},
-                 {key('n'), Request::note, "note after this trial", false},
-                 {key('q'), Request::end_for_now, "end after this trial", true}});
+KeyMap presentation_keys(const Protocol& protocol) {
+  const auto key = [&](char32_t letter) { return spared(letter, protocol.task); };
+  const KeyMap keys({{' ', Request::go_on, "felt enough", true},
+                     kStop,
+                     {key('r'), Request::repeat_trial, "repeat it, after this interval", true},
+                     {key('p'), Request::pause, "pause after this trial", false},
+                     {key('n'), Request::note, "note after this trial", false},
+                     {key('q'), Request::end_for_now, "end after this trial", true}});
+  return protocol.timeline.interval_end == IntervalEnd::key ? keys : keys.without({Request::go_on});
 }
 
 KeyMap between_trials_keys(const TaskSpec& task) {

@@ -71,7 +71,7 @@ KeyMap question_keys(const TaskSpec& task);
 // The same letters during a presentation, where most of them act later, and say so; and between trials.
 // Until the participant has what is to be handed over.
 KeyMap hand_over_keys(const TaskSpec& task);
-KeyMap presentation_keys(const TaskSpec& task);
+KeyMap presentation_keys(const Protocol& protocol);
 KeyMap between_trials_keys(const TaskSpec& task);
 KeyMap pause_keys();
 KeyMap stopped_keys();

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "devices/hid/buttons/button_box.h"
+#include "protocols/course/prescription.h"
 #include "protocols/tasks/task.h"
 #include "runner/session/session_listener.h"
 #include "runner/terminal/terminal.h"
@@ -47,11 +48,12 @@ class SeeingToStop {
 
 // Why a trial did not count, in words.
 std::string reason_text(const std::string& reason) {
-  static constexpr std::array<std::pair<const char*, const char*>, 16> kWords = {
+  static constexpr std::array<std::pair<const char*, const char*>, 17> kWords = {
       {{"no_answer", "no answer in time"},
        {"no_contact", "the sphere was not touched"},
        {"emergency_stop", "stopped"},
        {"saturated", "by a rule of the protocol"},  // which one would tell how stiff the object was
+       {"off_prescription", "not felt as prescribed"},
        {"repeated", "repeated at your wish"},
        {"not_accepted", "nothing was accepted after many settings"},
        {"paused", "paused"},
@@ -217,17 +219,28 @@ OperatorRequest SessionConsole::ready(const TrialOutline& outline) {
     return *decided;
   TrialOutline shown = outline;
   // Where a limit voids a trial, an attempt of its own would say that one of the two objects is stiff.
-  if (protocol_.stimulus.on_saturation == OnSaturation::repeat) shown.attempt = 1;
+  if (rule_repeats(protocol_)) shown.attempt = 1;
   display_->outline(shown);
   Scene scene;
   outline_scene(shown, scene);
   scene.task = "Wait until the participant is ready";
+  scene.text = words_before(outline);
   OperatorRequest request = request_at(scene, ready_keys(outline.can_void_last), true);
   if (request.kind == Request::go_on) {
     noted_.clear();
     for (SessionListener* listener : options_.listeners) listener->trial(shown);
   }
   return request;
+}
+
+// At the beginning of a block or a round of practice, where it is another than before, and once more after a trial that
+// was not as prescribed.
+std::string SessionConsole::words_before(const TrialOutline& outline) {
+  const std::string part =
+      fmt::format("{} {} {}", outline.round, outline.practice ? 0 : outline.block, outline.prescribed);
+  if (outline.prescribed.empty() || part == prescribed_) return {};
+  prescribed_ = part;
+  return "Say: " + printable(outline.prescribed);
 }
 
 // After an interval, after free interaction that exploring() has broken off, or where judge() returned nothing.
@@ -265,7 +278,10 @@ void SessionConsole::health(const DeviceHealth& health) {
   display_->health(shown);
   if (!health.presenting && std::exchange(presenting_, false))
     for (SessionListener* listener : options_.listeners) listener->interval_over();
-  if (health.presenting && protocol_.task.kind != TaskKind::explore) hear_in_trial();
+  // Where a key ends an interval enough() hears the keys.
+  if (health.presenting && protocol_.task.kind != TaskKind::explore &&
+      protocol_.timeline.interval_end != IntervalEnd::key)
+    hear_in_trial();
 }
 
 namespace {
@@ -299,10 +315,16 @@ void SessionConsole::cue(CuePlace place, const CueSignal& cue) {
     // Only now can it be answered: a key or a button that came while it was drawn is early.
     note_requests(keys_.prompt(), question_keys_);
     if (options_.buttons != nullptr) options_.buttons->ask();
+    if (options_.rig_buttons != nullptr && !protocol_.task.answers.empty()) {
+      std::vector<std::string> words_of_answers;
+      for (const AnswerChoice& answer : protocol_.task.answers) words_of_answers.push_back(answer.word);
+      options_.rig_buttons->ask(words_of_answers);
+    }
     cue_shown_ns_ = clock_.now_ns();
     return;
   }
-  if (keys_.has_keyboard()) display_->working_keys(presentation_keys(protocol_.task).hints());
+  asks_enough_ = false;
+  if (keys_.has_keyboard()) display_->working_keys(presentation_keys(protocol_).hints());
   display_->say(place, words, aloud, beep);
 }
 
@@ -325,7 +347,13 @@ void SessionConsole::saved(const TrialOutline& outline, const Answer& answer) {
                    std::string(to_string(answer.entered_by)));
 }
 
+void SessionConsole::off_prescription(const TrialOutline& outline) {
+  prescribed_.clear();
+  display_->tell(Tone::warning, fmt::format("{} was not felt as prescribed; it is marked", full_name_of(outline)));
+}
+
 void SessionConsole::voided(const TrialOutline& outline, const std::string& reason, bool will_repeat) {
+  if (reason == "off_prescription") prescribed_.clear();
   for (SessionListener* listener : options_.listeners) listener->voided(outline, reason);
   if (keys_.has_keyboard()) display_->working_keys(between_trials_keys(protocol_.task).hints());
   display_->tell(Tone::warning,

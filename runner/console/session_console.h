@@ -34,6 +34,7 @@ class SessionConsole final : public Console, private Responder {
   void cue(CuePlace place, const CueSignal& cue) override;
   OperatorRequest hand_over(const HandOver& what) override;
   void saved(const TrialOutline& outline, const Answer& answer) override;
+  void off_prescription(const TrialOutline& outline) override;
   void voided(const TrialOutline& outline, const std::string& reason, bool will_repeat) override;
   void took_back(bool will_repeat) override;
   bool waiting(double left_s, double total_s) override;
@@ -52,11 +53,14 @@ class SessionConsole final : public Console, private Responder {
 
  private:
   std::optional<Answer> judge(const TrialQuestion& question) override;
+  bool enough(const IntervalId& id, double elapsed_s) override;
   // Typed, where the task is answered with a number.
   std::optional<Answer> judge_number(const TrialQuestion& question);
   std::optional<std::string> reply(const Question& question, int condition) override;
   std::optional<Replies> reply_all(const std::vector<AskedQuestion>& page) override;
 
+  // What participants are to be told before this trial; empty: they have heard it.
+  std::string words_before(const TrialOutline& outline);
   // Shows a scene and waits for one of its keys. Pauses, stops and ends come back as requests. over: asked some 20 times a second; true ends it as go_on.
   OperatorRequest request_at(const Scene& scene, const KeyMap& keys, bool pausable,
                              const std::function<bool()>& over = {});
@@ -82,6 +86,7 @@ class SessionConsole final : public Console, private Responder {
   void note_requests(const std::vector<Key>& keys, const KeyMap& map);
   // During a trial: what was pressed so far is noted, and the operator told when it is done.
   void hear_in_trial();
+  void note_in_trial(const std::vector<Key>& keys);
   std::optional<OperatorRequest> noted_request(const KeyMap& keys);
   // pressed_ns: on the machine's monotonic clock.
   Answer answer_of(GivenAnswer given, EnteredBy who, std::int64_t pressed_ns) const;
@@ -129,8 +134,10 @@ class SessionConsole final : public Console, private Responder {
   std::optional<KeyBinding> broken_off_by_;  // of it: what meanwhile() is to ask about
   std::vector<std::string> unfinished_;      // what was typed on a page that a pause or a dialog broke off
   std::vector<std::string> unfinished_ids_;
-  bool presenting_ = false;  // an interval is being felt
-  bool exploring_ = false;   // an object of free interaction is
+  bool presenting_ = false;   // an interval is being felt
+  bool asks_enough_ = false;  // of that interval, which a key ends
+  std::string prescribed_;    // what was said last, with its round of practice and block
+  bool exploring_ = false;    // an object of free interaction is
 };
 
 }  // namespace jnd

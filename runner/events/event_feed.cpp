@@ -71,7 +71,7 @@ bool is_number(const std::string& where, int& number) {
 
 // As the operator is told, and less: a force sensor tells that there was force, a limit how stiff an object is.
 std::string_view told_reason(std::string_view reason) {
-  if (reason == "saturated") return "rule";
+  if (reason == "saturated" || reason == "off_prescription") return "rule";
   if (reason == "sensor_stuck") return "device_fault";
   return reason;
 }

@@ -43,6 +43,8 @@ class FastRig final : public Rig {
   }
   void neutral() noexcept override { rig_->neutral(); }
   TelemetryRing* telemetry() noexcept override { return rig_->telemetry(); }
+  Trace take_trace() override { return rig_->take_trace(); }
+  RigButtons* buttons() noexcept override { return rig_->buttons(); }
   RealtimeReport realtime() const override { return rig_->realtime(); }
 
  private:

@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "data/log/event_body.h"
+#include "protocols/course/prescription.h"
 #include "protocols/planning/condition_codes.h"
 
 namespace jnd {
@@ -217,6 +218,11 @@ TrialOutline SessionEngine::outline_of(const Trial& trial) const {
     outline.number = course_.main_done() + 1;
     outline.total = course_.main_done() + left;
     outline.at_most = protocol_.design.procedure && protocol_.design.procedure->reversals > 0;
+  }
+  const Condition& condition = protocol_.conditions[static_cast<std::size_t>(trial.condition)];
+  if (const Prescription* const prescription = prescription_of(protocol_, condition)) {
+    outline.prescribed = prescription->say;
+    outline.pace_hz = prescription->pace_hz;
   }
   const Timeline& timeline = protocol_.timeline;
   const double pace = trials_timed_ > 0 ? seconds_in_trials_ / trials_timed_

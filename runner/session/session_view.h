@@ -27,6 +27,9 @@ struct TrialOutline {
   // "A", "B", ...: the same letter for a condition throughout the study. Empty in practice, whose conditions come in
   // the protocol's own order, which would say what the letters stand for.
   std::string condition_code;
+  // What participants are told to do in its intervals, and the pace of a metronome in them (0: none).
+  std::string prescribed;
+  double pace_hz = 0;
   double time_left_s = 0;      // at the participant's own pace
   bool can_void_last = false;  // there is a last answer, of the same part of the session, to take back
 };
@@ -91,6 +94,8 @@ class SessionView {
   // After the answer's transaction is committed, and not before.
   virtual void saved(const TrialOutline&, const Answer&) {}
   virtual void voided(const TrialOutline&, const std::string& /*reason*/, bool /*will_repeat*/) {}
+  // The trial that was saved broke the prescription. By how much may tell the stimulus, so it is not said here.
+  virtual void off_prescription(const TrialOutline&) {}
   // The last answer was taken back.
   virtual void took_back(bool /*will_repeat*/) {}
   // After an emergency stop, with the devices at rest: go_on clears it, its text is the operator's reason; an end ends

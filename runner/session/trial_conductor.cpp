@@ -5,7 +5,9 @@
 #include <optional>
 
 #include "data/log/telemetry.h"
+#include "data/log/trace_blob.h"
 #include "devices/loop/telemetry_ring.h"
+#include "protocols/course/prescription.h"
 #include "protocols/tasks/task.h"
 #include "runner/session/device_health.h"
 #include "runner/session/rig_connections.h"
@@ -100,6 +102,7 @@ std::optional<double> TrialConductor::conduct(const Trial& trial, const TrialOut
   ticks_.clear();
   // From here on the answer is safe; only now is anyone told.
   parts_.view.saved(outline, *answer);
+  if (breaks_limit(record.breach)) parts_.view.off_prescription(outline);
   const Feedback feedback = trial.practice ? protocol.practice->feedback : protocol.feedback;
   const std::optional<bool> correct = is_correct(trial, *answer);
   if (feedback == Feedback::correctness && correct) parts_.view.feedback(*correct);
@@ -122,10 +125,23 @@ bool TrialConductor::present_all(const Attempt& attempt, TrialRecord& record) {
     if (voided_after(attempt, interval, presentation)) return false;
   }
   if (protocol.task.together) record.presentations[1] = record.presentations[0];
-  const bool repeats = protocol.stimulus.on_saturation == OnSaturation::repeat;
-  if (!repeats || std::none_of(record.presentations.begin(), record.presentations.end(), saturated)) return true;
-  void_attempt(attempt, "saturated", {}, true);
+  record.breach = breach_of(attempt.trial, record.presentations, protocol);
+  const std::string against = rule_broken_by(record);
+  if (against.empty()) return true;
+  void_attempt(attempt, against, {}, true);
   return false;
+}
+
+std::string TrialConductor::rule_broken_by(const TrialRecord& record) const {
+  const Protocol& protocol = parts_.protocol;
+  if (protocol.stimulus.on_saturation == OnSaturation::repeat &&
+      std::any_of(record.presentations.begin(), record.presentations.end(), saturated))
+    return "saturated";
+  const Condition& condition = protocol.conditions[static_cast<std::size_t>(record.trial.condition)];
+  const Prescription* const prescription = prescription_of(protocol, condition);
+  if (prescription != nullptr && prescription->on_breach == OnSaturation::repeat && breaks_limit(record.breach))
+    return "off_prescription";
+  return {};
 }
 
 std::optional<Answer> TrialConductor::ask(const Attempt& attempt, const TrialRecord& record) {
@@ -281,9 +297,15 @@ Presentation TrialConductor::present(const Attempt& attempt, int interval) {
   request.stimulus.cues = condition.cues;
   request.condition = &condition;
   request.explore_s = timeline.explore_s;
+  request.contacts = timeline.interval_end == IntervalEnd::contacts ? timeline.contacts : 0;
   request.no_contact_time_out_s = timeline.no_contact_time_out_s;
   request.stimulus.damping_n_s_per_m = protocol.stimulus.damping_n_s_per_m;
   request.id = {trial.index, attempt.outline.attempt, interval};
+  if (timeline.interval_end == IntervalEnd::key) {
+    request.enough = [this, id = request.id, began = parts_.clock.now_ns()] {
+      return parts_.responder.enough(id, static_cast<double>(parts_.clock.now_ns() - began) * 1e-9);
+    };
+  }
   Presentation presentation = parts_.rig.present(request);
   keep_ticks(trial, interval, presentation);
   parts_.view.health(health_of(presentation));
@@ -292,6 +314,8 @@ Presentation TrialConductor::present(const Attempt& attempt, int interval) {
 
 // Every tick of the interval, to be stored with the trial.
 void TrialConductor::keep_ticks(const Trial& trial, int interval, const Presentation& presentation) {
+  if (const Trace trace = parts_.rig.take_trace(); !trace.samples.empty() || trace.dropped > 0)
+    ticks_.push_back(encode_trace(interval, trace));
   TelemetryRing* ring = parts_.rig.telemetry();
   if (ring == nullptr) return;
   Telemetry telemetry;

@@ -28,7 +28,7 @@ class TrialConductor {
   // again, which is to be seen to.
   bool rested();
 
-  // trial.voided. reason: "no_answer", "saturated", a fault, "repeated", "taken_back", "interrupted", ...; words: the
+  // trial.voided. reason: "no_answer", "saturated", "off_prescription", a fault, "repeated", "taken_back", "interrupted", ...; words: the
   // operator's. Of no attempt that is under way: take_back and the like, by the engine.
   void log_void(const Trial& trial, int attempt, const std::string& reason, const std::string& words, bool counts,
                 bool anew = false);
@@ -43,6 +43,8 @@ class TrialConductor {
   };
   // All intervals, then the question. False, or no answer: the attempt was voided.
   bool present_all(const Attempt& attempt, TrialRecord& record);
+  // Why the protocol has such a trial come again, before it is asked about; empty: it does not.
+  std::string rule_broken_by(const TrialRecord& record) const;
   std::optional<Answer> ask(const Attempt& attempt, const TrialRecord& record);
   // A cue to the participant, on the devices where the protocol says tap. False: the tap failed, and the attempt was
   // voided.

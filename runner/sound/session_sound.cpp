@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "devices/device_error.h"
+#include "protocols/course/prescription.h"
 #include "protocols/input/input_error.h"
 #include "runner/sound/wave.h"
 
@@ -59,8 +60,17 @@ std::string noise_text(const MaskingNoise& masking) {
 
 }  // namespace
 
+std::set<double> paces_of(const Protocol& protocol) {
+  std::set<double> paces;
+  for (const Condition& condition : protocol.conditions) {
+    const Prescription* const prescription = prescription_of(protocol, condition);
+    if (prescription != nullptr && prescription->pace_hz > 0) paces.insert(prescription->pace_hz);
+  }
+  return paces;
+}
+
 bool asks_for_sound(const Protocol& protocol, const SoundSettings& settings) {
-  return settings.masking || (!protocol.explore && has_sound_cue(protocol.timeline));
+  return settings.masking || !paces_of(protocol).empty() || (!protocol.explore && has_sound_cue(protocol.timeline));
 }
 
 SessionSound::SessionSound(const Protocol& protocol, const SoundSettings& settings) {
@@ -74,7 +84,9 @@ SessionSound::SessionSound(const Protocol& protocol, const SoundSettings& settin
     if (settings.masking)
       throw DeviceError(fmt::format("masking noise is asked for, and nothing can play it: {}", trial.trouble));
     check_.verdict = Verdict::warn;
-    check_.found = "cues are the terminal's bell; " + trial.trouble;
+    if (cues) check_.found = "cues are the terminal's bell; ";
+    if (!paces_of(protocol).empty()) check_.found += "no metronome sets the prescribed pace; ";
+    check_.found += trial.trouble;
     check_.what_to_do = "jnd doctor says whether sounds can be played";
     return;
   }
@@ -86,6 +98,13 @@ SessionSound::SessionSound(const Protocol& protocol, const SoundSettings& settin
     text = settings.cue.empty() ? fmt::format("a tone of {:g} Hz at {:g} dB", kTone_hz, settings.cue_level_db)
                                 : settings.cue.filename().string();
     text = "cues: " + text;
+  }
+  for (const double pace_hz : paces_of(protocol)) {
+    const Timeline& timeline = protocol.timeline;
+    metronomes_[pace_hz] = folder_->write(
+        fmt::format("metronome-{}", metronomes_.size()),
+        metronome(pace_hz, timeline.no_contact_time_out_s + timeline.explore_s + kMargin_s, settings.cue_level_db));
+    text += fmt::format("{}metronome: {:g} Hz", text.empty() ? "" : "; ", pace_hz);
   }
   if (settings.masking) {
     noise_file_ = folder_->write("noise", masking);
@@ -100,6 +119,9 @@ bool SessionSound::cue(CuePlace place, const CueSignal& cue) {
     stop_noise();
   else
     start_noise();
+  stop_metronome();
+  if (const auto found = metronomes_.find(pace_hz_); place != CuePlace::question && found != metronomes_.end())
+    metronome_.emplace(player_, found->second);
   if (cue.kind != "sound" || cue_file_.empty()) return false;
   playing_.emplace_back(player_, cue_file_);
   look_after();
@@ -107,7 +129,12 @@ bool SessionSound::cue(CuePlace place, const CueSignal& cue) {
 }
 
 void SessionSound::voided(const TrialOutline& /*outline*/, const std::string& /*reason*/) {
+  stop_metronome();
   stop_noise();
+}
+
+void SessionSound::interval_over() {
+  stop_metronome();
 }
 
 void SessionSound::happened(std::string_view moment) {
@@ -115,6 +142,7 @@ void SessionSound::happened(std::string_view moment) {
     start_noise();
   else
     stop_noise();
+  stop_metronome();
 }
 
 void SessionSound::start_noise() {
@@ -123,10 +151,18 @@ void SessionSound::start_noise() {
 }
 
 void SessionSound::stop_noise() {
-  if (noise_) {
-    noise_->stop();
-    playing_.push_back(std::move(*noise_));
-    noise_.reset();
+  end(noise_);
+}
+
+void SessionSound::stop_metronome() {
+  end(metronome_);
+}
+
+void SessionSound::end(std::optional<PlayingSound>& sound) {
+  if (sound) {
+    sound->stop();
+    playing_.push_back(std::move(*sound));
+    sound.reset();
   }
   look_after();
 }

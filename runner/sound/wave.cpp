@@ -150,6 +150,17 @@ Wave silence(double duration_s) {
   return wave;
 }
 
+Wave metronome(double pace_hz, double duration_s, double level_db) {
+  constexpr double kClick_hz = 1320, kClick_s = 0.03;
+  const Wave click = tone(kClick_hz, kClick_s, level_db);
+  Wave wave = silence(duration_s);
+  for (int n = 0;; ++n) {
+    const std::size_t at = frames_of(n / pace_hz, wave.rate_hz);
+    if (at + click.samples.size() > wave.samples.size()) return wave;
+    std::copy(click.samples.begin(), click.samples.end(), wave.samples.begin() + static_cast<std::ptrdiff_t>(at));
+  }
+}
+
 Wave noise(NoiseColour colour, double duration_s, double level_db) {
   Wave wave = colour == NoiseColour::white ? filled(UniformNoise(), duration_s) : filled(PinkNoise(), duration_s);
   return at_level(std::move(wave), level_db, colour == NoiseColour::white ? "white noise" : "pink noise");

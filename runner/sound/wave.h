@@ -29,6 +29,8 @@ double peak(const Wave& wave) noexcept;
 // 0.02.
 Wave tone(double frequency_hz, double duration_s, double level_db);
 Wave silence(double duration_s);
+// Short tones of that level, the first at once, then one in every 1 / pace_hz s. pace_hz: 0.2 to 5.
+Wave metronome(double pace_hz, double duration_s, double level_db);
 
 enum class NoiseColour { white, pink };
 // The same samples every time. Pink: power falls by 3 dB an octave from 20 Hz to 20 kHz, within 0.5 dB (P. Kellet's

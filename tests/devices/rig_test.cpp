@@ -143,6 +143,40 @@ TEST_CASE("an interval without contact ends at its time-out") {
   CHECK_FALSE(given.fingers[0].stiffness.has_value());
 }
 
+TEST_CASE("an interval ends when so many contacts have ended, and with its time at the latest") {
+  SimulatedSetup setup;
+  PresentRequest twice = request(500, kForce);
+  twice.contacts = 2;
+  const Presentation given = setup.rig->present(twice), whole = setup.rig->present(request(500, kForce));
+  REQUIRE(given.fault == Fault::none);
+  int most = 0;
+  for (const FingerPresentation& finger : given.fingers) most = std::max(most, finger.contacts);
+  CHECK(most == 2);
+  CHECK(given.first_contact_s == whole.first_contact_s);
+  // Both hands press once a second, for a share of it: the second contact has ended, the third has not begun.
+  CHECK(given.duration_s - given.first_contact_s > 1 + kPressShare - 0.1);
+  CHECK(given.duration_s - given.first_contact_s < 2);
+  PresentRequest many = request(500, kForce);
+  many.contacts = 50;
+  CHECK(setup.rig->present(many).ticks == whole.ticks);
+}
+
+TEST_CASE("an interval ends when it is enough, which is asked only once the object is touched") {
+  SimulatedSetup setup;
+  PresentRequest asked = request(500, kForce);
+  int times = 0;
+  asked.enough = [&times] { return ++times == 10; };
+  const Presentation given = setup.rig->present(asked);
+  REQUIRE(given.fault == Fault::none);
+  CHECK(times == 10);
+  CHECK(given.duration_s - given.first_contact_s == Approx(0.5).margin(0.051));
+  times = 0;
+  PresentRequest untouched = asked;
+  untouched.no_contact_time_out_s = 0.25;
+  CHECK(setup.rig->present(untouched).fault == Fault::no_contact);
+  CHECK(times == 0);
+}
+
 TEST_CASE("a set latch refuses the next presentation until it is cleared") {
   SimulatedSetup setup;
   setup.rig->stop.latch(StopSource::program);

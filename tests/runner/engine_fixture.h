@@ -61,6 +61,7 @@ class IdealRig final : public Rig {
       if (request.stimulus.cues.force) delivered.stiffness = request.stimulus.stiffness;
       if (request.stimulus.cues.vibration) delivered.vibration_g = request.stimulus.stiffness / 1500 + 0.4;
       delivered.saturated_share = saturated_share(request);
+      delivered.contacts = contacts(request);
       presentation.fingers.push_back(delivered);
     }
     return presentation;
@@ -69,6 +70,7 @@ class IdealRig final : public Rig {
 
   std::function<Fault(const PresentRequest&)> fault = [](const PresentRequest&) { return Fault::none; };
   std::function<double(const PresentRequest&)> saturated_share = [](const PresentRequest&) { return 0.0; };
+  std::function<int(const PresentRequest&)> contacts = [](const PresentRequest&) { return 0; };
   int neutral_calls = 0;
   std::string stopped_by;  // with an emergency stop
 

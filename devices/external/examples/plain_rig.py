@@ -61,12 +61,13 @@ class Presentation:
             self.contacts, self.first = self.contacts + 1, now if self.first is None else self.first
             say("contact", id=self.id, time_s=now)
         self.touching = touching
+        say("telemetry", id=self.id, time_s=time.monotonic(), values=measured)  # kept with the trial, as its trace
         self.peaks = {name: max(value, self.peaks.get(name, value)) for name, value in measured.items()}
         if self.first is None and now > self.how.get("no_contact_s", 1e9):
             return "no_contact"
         start = 0 if self.how.get("from") == "start" else self.first
         over = {"time": start is not None and now - start >= self.how.get("duration_s", 0),
-                "contacts": self.contacts >= self.how.get("contacts", 0), "stop": False}
+                "contacts": self.contacts - touching >= self.how.get("contacts", 0), "stop": False}
         return "complete" if over[self.how["ends"]] else None
 
     def done(self, outcome):

@@ -110,7 +110,8 @@ class Presentation {
   std::optional<std::string> ending(double now_s) const {
     if (!first_s_ && how_.contains("no_contact_s") && now_s > how_.at("no_contact_s")) return "no_contact";
     const std::string ends = how_.at("ends");
-    if (ends == "contacts" && contacts_ >= how_.at("contacts")) return "complete";
+    const int ended = depth_m_ > 0 ? contacts_ - 1 : contacts_;
+    if (ends == "contacts" && ended >= how_.at("contacts")) return "complete";
     if (ends != "time") return std::nullopt;
     const bool from_start = how_.at("from") == "start";
     if (!from_start && !first_s_) return std::nullopt;

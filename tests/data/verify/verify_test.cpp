@@ -189,8 +189,12 @@ TEST_CASE("trials that are not the plan's are found although their hashes are ri
   auto lie = to_body(record_of(tutorial(), plan.trials[13], kClassSame));
   lie["correct"] = !lie["correct"].get<bool>();
   log->append(event_kind::kTrialCompleted, lie, {6, 6});
+  TrialRecord broken = record_of(tutorial(), plan.trials[14], kClassSame);
+  broken.breach = "second interval: contacts 3, above 2";
+  log->append(event_kind::kTrialCompleted, to_body(broken), {7, 7});
   const std::vector<std::string> problems = texts(verify(*study).problems);
-  REQUIRE(problems.size() == 4);
+  REQUIRE(problems.size() == 5);
+  CHECK_THAT(problems[4], Catch::Contains("\"breach\" is not what follows"));
   CHECK_THAT(problems[0], Catch::Contains("event 2") && Catch::Contains("presented 450 and 900"));
   CHECK_THAT(problems[1], Catch::Contains("event 3") && Catch::Contains("block"));
   CHECK_THAT(problems[2], Catch::Contains("trial 999 is not in the plan"));

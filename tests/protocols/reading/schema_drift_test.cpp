@@ -42,8 +42,8 @@ void collect_required(const json& part, std::set<std::string>& keys) {
 std::vector<json> examples() {
   std::vector<json> documents;
   for (const char* const name : {"complete", "object", "joint", "two-devices", "staircase", "staircase-accelerated",
-                                 "quest", "explore", "task-which", "task-adaptive", "task-yes-no", "task-magnitude",
-                                 "task-identify", "task-specimens", "task-adjust", "groups"})
+                                 "quest", "explore", "prescription", "task-which", "task-adaptive", "task-yes-no",
+                                 "task-magnitude", "task-identify", "task-specimens", "task-adjust", "groups"})
     documents.push_back(json::parse(read_text(corpus_folder() / "good" / (std::string(name) + ".json"))));
   return documents;
 }

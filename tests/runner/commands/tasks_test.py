@@ -12,6 +12,8 @@ import sqlite3
 import subprocess
 import sys
 import tempfile
+import threading
+import time
 import unittest
 
 JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
@@ -120,8 +122,12 @@ class Tasks(unittest.TestCase):
             self.jnd("new", *wrong, code=2)
         self.assertFalse((self.folder / "x.json").exists())
 
-    def small(self, source, **changes):
-        path = self.folder / "small.json"
+    def rows(self, path):
+        with open(self.folder / path, newline="") as file:
+            return list(csv.DictReader(file))
+
+    def small(self, source, name="small", **changes):
+        path = self.folder / f"{name}.json"
         self.jnd("new", path, "--from", source)
         protocol = json.loads(path.read_text())
         for key in ("assumed", "instructions", "published", "notes"):
@@ -213,6 +219,94 @@ class Tasks(unittest.TestCase):
         results = json.loads(self.jnd("analyze", "s.sqlite", "--json", "--no-methods", "--kind", "pilot"))
         self.assertEqual(sum(row["n"] for row in results["answers"]), 4)
 
+    def test_an_interval_ends_with_the_key_and_what_is_prescribed_is_said(self):
+        """Specimens in the hand for as long as the participant likes: space begins a trial, hands over and ends the interval."""
+        protocol = self.small("zoeller2020", design={"trials_per_cell": 2, "order": {"series": "fixed", "conditions": "fixed"}},
+                              levels={"absolute": [20, 40]}, trial={"interval_end": "key", "explore_s": 50}, conditions=[
+                                  {"name": "free", "label": "free"},
+                                  {"name": "peak", "label": "same peak force", "prescription": {"say": "Press alike."}}])
+        began = time.monotonic()
+        screen = self.jnd("run", protocol, "--study", "k.sqlite", "--participant", "P01", "--rig", "specimens", "--kind", "pilot",
+                          "--plain", "--seed", 4, "--override-readiness", "a machine that runs tests", keys=(" " * 5 + "1") * 8)
+        self.assertLess(time.monotonic() - began, 200, "no key ended an interval")  # 16 intervals of 50 s
+        self.assertEqual(screen.count("Say: Press alike."), 1, screen)
+        self.jnd("verify", "k.sqlite", "--deep")
+        self.jnd("export", "k.sqlite", "--to", "k", "--kind", "pilot")
+        rows = self.rows("k/sub-P01/trials.csv")
+        self.assertEqual(len(rows), 8)
+        self.assertNotIn("breach", rows[0])
+        self.assertLess(max(float(row["duration_s"]) for row in rows), 50)
+        self.jnd("analyze", "k.sqlite", "--kind", "pilot")
+        methods = (self.folder / "methods.md").read_text()
+        self.assertIn("had felt enough, at the latest 50 s after", methods)
+        self.assertIn('In peak, participants were told: "Press alike."', methods)
+
+    def test_what_was_prescribed_is_judged_from_what_was_measured(self):
+        """Presses that are too deep are marked and left out; where they are repeated nothing that broke a limit is answered."""
+        def protocol(on_breach):
+            changes = {"trial": {"explore_s": 5, "interval_end": "contacts", "contacts": 2, "prescription": {
+                           "say": "Press twice, gently.", "on_breach": on_breach, "limits": [
+                               {"measure": "contacts", "low": 2, "high": 2}, {"measure": "depth", "high": 0.006}]}},
+                       "analysis": {"exclude": {"off_prescription": True}},
+                       "design": {"participants": 2, "trials_per_cell": 8}}
+            return self.small("chinello2017", name=on_breach, **changes)
+        self.jnd("simulate", protocol("flag"), "--study", "f.sqlite", "--participants", 2, "--seed", 3)
+        self.jnd("verify", "f.sqlite", "--deep")
+        self.jnd("export", "f.sqlite", "--to", "f", "--kind", "simulated")
+        rows = [row for place in (1, 2) for row in self.rows(f"f/sub-P{place:02}/trials.csv") if row["practice"] == "0"]
+        broken = [row for row in rows if row["breach"]]
+        self.assertTrue(0 < len(broken) < len(rows), len(broken))
+        for row in rows:
+            deep = any(float(row[f"i{i}_{finger}_deepest_penetration_m"]) > 0.006 for i in (1, 2) for finger in ("thumb", "index")
+                       if float(row[f"i{i}_{finger}_peak_force_n"]) == max(
+                           float(row[f"i{i}_{other}_peak_force_n"]) for other in ("thumb", "index")))
+            if "depth" in row["breach"]:
+                self.assertIn("above 0.006 m", row["breach"])
+            self.assertEqual(row["excluded_reason"], "off_prescription" if row["breach"] else "", row["breach"])
+            self.assertFalse(deep and not row["breach"])
+        text = self.jnd("analyze", "f.sqlite", "--json", "--no-methods")
+        self.assertEqual(json.loads(text)["exclusions"], {"off_prescription": len(broken)})
+        shown = self.jnd("analyze", "f.sqlite")
+        self.assertIn(f"{len(broken)} answered trials broke the prescription", shown)
+        self.jnd("simulate", protocol("repeat"), "--study", "r.sqlite", "--participants", 2, "--seed", 3)
+        self.jnd("verify", "r.sqlite", "--deep")
+        self.jnd("export", "r.sqlite", "--to", "r", "--kind", "simulated")
+        again = [row for place in (1, 2) for row in self.rows(f"r/sub-P{place:02}/trials.csv")]
+        self.assertEqual([row["breach"] for row in again if row["breach"]], [])
+        self.assertTrue(any(int(row["attempt"]) > 1 for row in again))
+
+    def test_a_rig_of_the_laboratorys_own_is_told_when_it_is_enough(self):
+        rig = self.folder / "rig.json"
+        rig.write_text(json.dumps({"format": 1, "title": "plain rig", "external": {
+            "command": [sys.executable, str(ROOT / "devices/external/examples/plain_rig.py")]}}))
+        changes = {"design": {"trials_per_cell": 2, "order": {"series": "fixed", "conditions": "fixed"}},
+                   "levels": {"absolute": [300, 500]}, "analysis": {"contrasts": []},
+                   "conditions": [{"name": "thumb", "label": "thumb", "parameters": {"finger": "thumb"}}]}
+        for ends in ("key", "contacts"):
+            trial = {"interval_end": ends, "explore_s": 40, "prescription": {"limits": [
+                {"measure": "contacts", "low": 2, "high": 2}, {"measure": "peak_force", "high": 100}]}}
+            if ends == "contacts":
+                trial["contacts"] = 2
+            protocol = self.small("maereg2017", name=ends, trial=trial, **changes)
+            keys = ("   1" if ends == "key" else " 1") * 12
+            for _ in range(10):  # on a busy machine the rig may answer late, which voids a trial: then once more
+                (self.folder / f"{ends}.sqlite").unlink(missing_ok=True)
+                done = subprocess.run([JND, "run", protocol, "--study", f"{ends}.sqlite", "--participant", "P01", "--rig", rig,
+                                       "--plain", "--seed", "4", "--override-readiness", "a machine that runs tests"],
+                                      capture_output=True, text=True, cwd=self.folder, input=keys)
+                if done.returncode == 0 or "silent" not in done.stdout:
+                    break
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            self.jnd("verify", f"{ends}.sqlite", "--deep")
+            self.jnd("export", f"{ends}.sqlite", "--to", ends, "--kind", "pilot")
+            rows = self.rows(f"{ends}/sub-P01/trials.csv")
+            self.assertEqual(len(rows), 4)
+            self.assertLess(max(float(row["duration_s"]) for row in rows), 40)
+            if ends == "contacts":
+                self.assertEqual({row["breach"] for row in rows}, {""})
+            else:
+                self.assertTrue(all("contacts 1, below 2" in row["breach"] for row in rows), rows)
+
     def test_a_rig_of_the_laboratorys_own_renders_a_session(self):
         rig = self.folder / "rig.json"
         rig.write_text(json.dumps({"format": 1, "title": "plain rig", "external": {
@@ -233,8 +327,62 @@ class Tasks(unittest.TestCase):
         with open(self.folder / "e/sub-P01/trials.csv", newline="") as file:
             rows = list(csv.DictReader(file))
         self.assertEqual(len(rows), 4)
+        self.jnd("export", "e.sqlite", "--to", "t", "--kind", "pilot", "--telemetry")
         for row in rows:
+            for interval in (1, 2):
+                trace = self.rows(f"t/sub-P01/telemetry/trial-{int(row['trial']):03}-attempt-{row['attempt']}"
+                                  f"-interval-{interval}-trace.csv")
+                forces = [float(one["value"]) for one in trace if one["channel"] == "force"]
+                self.assertEqual({(one["channel"], one["unit"]) for one in trace}, {("force", "N"), ("depth", "m")})
+                measured = dict(one.split("=") for one in row[f"i{interval}_measured"].split())
+                self.assertAlmostEqual(max(forces), float(measured["peak_force"]), places=9)
+                self.assertEqual(len(forces), len(trace) // 2)
             self.assertAlmostEqual(float(row["i1_delivered_n_per_m"]), float(row["stimulus_1_n_per_m"]), delta=1)
+
+    def test_the_rigs_own_buttons_answer(self):
+        """No key but space is pressed: the rig says the second answer, and when its button went down, which is when it counts."""
+        source = (ROOT / "devices/external/examples/plain_rig.py").read_text()
+        script = self.folder / "buttons.py"
+        script.write_text(source.replace('"answers": False', '"answers": True').replace("""            elif kind == "bye":
+""", """            elif kind == "ask":
+                time.sleep(0.02)
+                say("answer", id=message["id"], answer=message["answers"][1], after_s=0.01)
+            elif kind == "bye":
+"""))
+        rig = self.folder / "rig.json"
+        rig.write_text(json.dumps({"format": 1, "title": "buttons", "external": {"command": [sys.executable, str(script)]}}))
+        protocol = self.small("maereg2017", design={"trials_per_cell": 2, "order": {"series": "fixed", "conditions": "fixed"}},
+                              levels={"absolute": [300, 500]}, conditions=[
+                                  {"name": "thumb", "label": "thumb", "parameters": {"finger": "thumb"}}], analysis={"contrasts": []})
+        for _ in range(10):  # on a busy machine the rig may answer late, which voids a trial: then once more
+            (self.folder / "b.sqlite").unlink(missing_ok=True)
+            session = subprocess.Popen([JND, "run", protocol, "--study", "b.sqlite", "--participant", "P01", "--rig", rig, "--plain",
+                                        "--seed", "4", "--override-readiness", "a machine that runs tests"], cwd=self.folder,
+                                       stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+            said = []
+            reading = threading.Thread(target=lambda: said.append(session.stdout.read()))
+            reading.start()
+            while session.poll() is None:
+                try:
+                    session.stdin.write(" ")
+                    session.stdin.flush()
+                except BrokenPipeError:
+                    break
+                time.sleep(0.25)
+            session.wait()
+            reading.join()
+            session.stdin.close()
+            session.stdout.close()
+            done = subprocess.CompletedProcess([], session.returncode, said[0], "")
+            if done.returncode == 0 or "silent" not in done.stdout:
+                break
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.jnd("verify", "b.sqlite", "--deep")
+        self.jnd("export", "b.sqlite", "--to", "b", "--kind", "pilot")
+        rows = self.rows("b/sub-P01/trials.csv")
+        self.assertEqual([(row["answer"], row["entered_by"]) for row in rows], [("second", "participant")] * 4)
+        for row in rows:
+            self.assertLess(float(row["response_time_s"]), 0.02)
 
     def test_a_protocol_that_the_rig_cannot_render_is_refused_before_anything_is_made(self):
         rig = self.folder / "rig.json"

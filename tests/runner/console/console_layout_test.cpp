@@ -75,7 +75,7 @@ TEST_CASE("What matters is on the smallest screen, and below it one line says wh
 std::vector<ScreenModel> models_that_wait(const QuestionnairePage& page) {
   std::vector<ScreenModel> models(7, model_of(SessionKind::real));
   models[1].scene.keys = question_keys(TaskSpec()).hints();
-  models[2].scene.keys = presentation_keys(TaskSpec()).hints();
+  models[2].scene.keys = presentation_keys(Protocol()).hints();
   models[3].scene = {
       .heading = "Consent", .text = std::string(2000, 'a'), .keys = consent_keys().hints(), .to_read = true};
   models[4].dialog = {"Give up the rest of this block? Its trials are left out.",

@@ -165,6 +165,39 @@ TEST_CASE("Saturation is data by default, and repeats a trial where the protocol
   CHECK(repeated.completed().size() == 16);
 }
 
+TEST_CASE("A trial outside what was prescribed is marked, or comes again where the protocol says so") {
+  const auto prescribing = [](const char* on_breach) {
+    return small_protocol(
+        {{"trial",
+          {{"prescription", {{"limits", {{{"measure", "contacts"}, {"high", 2}}}}, {"on_breach", on_breach}}}}}});
+  };
+  const auto presses = [](const PresentRequest& request) {
+    return request.id.trial == 2 && request.id.attempt == 1 && request.id.interval == 1 ? 3 : 1;
+  };
+  class Told final : public SessionView {
+   public:
+    void off_prescription(const TrialOutline& outline) override { told.push_back(outline.plan_number); }
+    std::vector<int> told;
+  };
+  Bench flagged(prescribing("flag"));
+  flagged.rig.contacts = presses;
+  Told view;
+  flagged.run(view);
+  CHECK(replay(flagged.log.events()).voided.empty());
+  CHECK(flagged.completed()[1].breach == "second interval: contacts 3, above 2");
+  CHECK(flagged.completed()[0].breach.empty());
+  CHECK(view.told == std::vector<int>{2});
+
+  Bench repeated(prescribing("repeat"));
+  repeated.rig.contacts = presses;
+  Told nobody;
+  repeated.run(nobody);
+  CHECK(replay(repeated.log.events()).voided.at(2) == 1);
+  CHECK(repeated.completed().size() == 16);
+  CHECK(nobody.told.empty());
+  for (const TrialRecord& record : repeated.completed()) CHECK(record.breach.empty());
+}
+
 TEST_CASE("Nobody is told that an answer is saved before it is") {
   class Watcher final : public SessionView {
    public:

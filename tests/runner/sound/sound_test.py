@@ -17,7 +17,7 @@ DONE, USAGE, INPUT, DEVICE = 0, 2, 3, 4
 PLAYER = """#!/bin/sh
 for file in "$@"; do :; done
 echo "$(basename "$file") $(cksum < "$file" | cut -d' ' -f1)" >> "{record}"
-case "$file" in *noise*) exec sleep 60;; esac
+case "$file" in *noise*|*metronome*) exec sleep 60;; esac
 """
 
 
@@ -41,7 +41,7 @@ class Sound(unittest.TestCase):
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
         return done.stdout + done.stderr
 
-    def protocol(self):
+    def protocol(self, **trial):
         """Four short trials of one condition."""
         path = self.folder / "study.json"
         self.jnd("new", path, "--from", "tutorial")
@@ -52,7 +52,7 @@ class Sound(unittest.TestCase):
         protocol["analysis"].pop("contrasts")
         protocol["design"]["trials_per_cell"] = 4
         protocol["instructions"] = []
-        protocol["trial"].update(explore_s=0.5, gap_s=0.1, between_trials_s=0.1, max_attempts=10)
+        protocol["trial"].update(explore_s=0.5, gap_s=0.1, between_trials_s=0.1, max_attempts=10, **trial)
         path.write_text(json.dumps(protocol))
         return path
 
@@ -83,6 +83,19 @@ class Sound(unittest.TestCase):
         self.assertEqual(count("cue.wav"), questions + firsts + said.count("Second sphere."))
         self.assertEqual(count("noise.wav"), firsts)
         self.assertEqual(list(self.folder.glob("jnd-sound-*")), [])
+
+    def test_a_metronome_sets_the_pace_in_every_interval_alike(self):
+        self.protocol_file = self.protocol(prescription={"say": "Once with every beat.", "pace_hz": 2})
+        self.assertIn("prescribes a pace", self.run_session("--bell", "--rig", self.rig({}), code=USAGE))
+        if not any(os.access(f"/usr/bin/{name}", os.X_OK) for name in ("pw-play", "paplay", "aplay")):
+            self.assertIn("no metronome sets the prescribed pace", self.run_session("--rig", self.rig({})))
+            (self.folder / "study.sqlite").unlink()
+        self.player()
+        said = self.run_session("--rig", self.rig({}))
+        notes = [line.split() for line in self.record.read_text().splitlines() if line.startswith("metronome")]
+        self.assertEqual(len(set(total for _, total in notes)), 1, notes)
+        self.assertEqual(len(notes), said.count("First sphere.") + said.count("Second sphere."))
+        self.assertEqual(said.count("Say: Once with every beat."), 1, said)
 
     def test_the_bell_rings_where_nothing_can_play_or_is_to(self):
         self.protocol_file = self.protocol()

@@ -184,4 +184,19 @@ TEST_CASE("What is no WAV file of that kind is refused with what it should be", 
       (void)input_error_of([&] { (void)read_wav(saved(folder, changed(at, value))); });
 }
 
+TEST_CASE("a metronome is the same tone at every beat and nothing between") {
+  const Wave wave = metronome(2, 3.2, -20), beat = tone(1320, 0.03, -20);
+  CHECK(wave.duration_s() == Approx(3.2));
+  const auto rate = static_cast<std::size_t>(wave.rate_hz);
+  const std::size_t length = beat.samples.size();
+  std::size_t sounding = 0;
+  for (const float sample : wave.samples) sounding += sample != 0 ? 1 : 0;
+  for (std::size_t n = 0; n < 7; ++n) {
+    const auto from = wave.samples.begin() + static_cast<std::ptrdiff_t>(n * rate / 2);
+    CHECK(std::equal(beat.samples.begin(), beat.samples.end(), from));
+  }
+  CHECK(sounding <= 7 * length);
+  CHECK(sounding > 6 * length);
+}
+
 }  // namespace jnd
