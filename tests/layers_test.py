@@ -25,7 +25,7 @@ WINGS = {
         "psychometric": "numerics",
         "thresholds": "detection numerics",
         "behaviour": "detection numerics thresholds",
-        "group": "numerics thresholds",
+        "group": "numerics scaling thresholds",
         "precision": "detection numerics thresholds",
         "scaling": "numerics",
         "selftest": "choice detection group numerics procedures psychometric ratings scaling thresholds",

@@ -129,6 +129,8 @@ std::vector<std::string> export_csv(const Study& study, const Protocol& protocol
   ExportFolder files(folder, replace);
   std::vector<SessionInfo> listed = study.sessions();  // with those of excluded participants
   std::erase_if(listed, [&](const SessionInfo& session) { return session.kind != kind; });
+  if (sealed && protocol.allotment == Allotment::balanced)  // numbers of every kind have the same groups
+    for (SessionInfo& session : listed) session.group.clear();
   const std::vector<SessionInfo> sessions = sessions_of(study, kind);
   auto not_counted = taken_back_of(study);
 

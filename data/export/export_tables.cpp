@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "data/export/between_fields.h"
 #include "protocols/course/prescription.h"
 #include "protocols/tasks/same_different_task.h"
 #include "protocols/tasks/task.h"
@@ -232,6 +233,9 @@ std::vector<Column> trial_columns(const Protocol& protocol, const std::vector<De
        Reveals::nothing},
       {"series", "series of the trial", "", "", [](const R& r) { return csv_text(r.record.series_name); }},
       {"condition", "feedback condition", "", "", [](const R& r) { return csv_text(r.record.condition_name); }}};
+  if (!protocol.groups.empty())
+    columns.insert(columns.begin() + 1, {"group", "group of the participant", "", group_levels(protocol),
+                                         [](const R& r) { return csv_text(r.session.group); }});
   add_task(columns, protocol);
   columns.insert(columns.end(),
                  {{"entered_by", "who pressed the key", "", "participant operator",
@@ -294,7 +298,7 @@ std::vector<CsvColumn<ExportAnswer>> answer_columns() {
 std::vector<CsvColumn<SessionInfo>> session_columns(const std::string& seed, const std::string& study_head,
                                                     const Protocol& protocol) {
   using R = SessionInfo;
-  return {
+  std::vector<CsvColumn<R>> columns = {
       {"participant", "code of the participant", "", "", [](const R& r) { return csv_text(r.participant); },
        Reveals::nothing},
       {"participant_number", "number of the plan", "", "", [](const R& r) { return csv_number(r.participant_number); },
@@ -332,6 +336,12 @@ std::vector<CsvColumn<SessionInfo>> session_columns(const std::string& seed, con
        Reveals::nothing},
       {"exported_by", "version of the program that wrote these files", "", "",
        [](const R&) { return std::string("jnd ") + kVersion; }, Reveals::nothing}};
+  // Who says a group knows it; one that was drawn stays sealed.
+  if (!protocol.groups.empty())
+    columns.insert(columns.begin() + 1, {"group", "group of the participant", "", group_levels(protocol),
+                                         [](const R& r) { return csv_text(r.group); },
+                                         protocol.allotment == Allotment::given ? Reveals::nothing : Reveals::plan});
+  return columns;
 }
 
 std::vector<CsvColumn<DictionaryRow>> dictionary_columns() {

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "data/export/answer_fields.h"
+#include "data/export/between_fields.h"
 #include "data/export/export_tables.h"
 #include "data/export/result_fields.h"
 #include "data/export/task_fields.h"
@@ -63,6 +64,11 @@ std::vector<ResultFile> result_files(const StudyResults& results, const Protocol
     add_file(files, "counts.csv", task_count_fields(protocol), measured->task.counts);
     add_file(files, "group.csv", task_group_fields(protocol, kind), measured->task.group);
     add_file(files, "proportion.csv", proportion_fields(protocol), measured->task.proportion);
+  }
+  if (results.groups) {
+    const SessionKind kind = attendance_of(results).kind;
+    add_file(files, "groups.csv", group_mean_fields(protocol, kind), group_mean_rows(*results.groups));
+    add_file(files, "between.csv", between_fields(protocol, kind), between_rows(*results.groups));
   }
   add_file(files, "tests.csv", test_fields(), tests);
   add_file(files, "pairs.csv", pair_fields(protocol), pairs);

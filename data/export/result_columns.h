@@ -19,7 +19,7 @@ struct ResultFile {
   std::vector<DictionaryRow> dictionary;
 };
 
-// tests.csv, pairs.csv, sensitivity.csv, behaviour.csv, ratings.csv, and models.csv where models are given; of free
+// groups.csv and between.csv where there are groups of participants; tests.csv, pairs.csv, sensitivity.csv, behaviour.csv, ratings.csv, and models.csv where models are given; of free
 // interaction items.csv, choices.csv and exposure.csv. Files without rows are left out.
 std::vector<ResultFile> result_files(const StudyResults& results, const Protocol& protocol, const StudyModels* models);
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "analysis/numerics/special_values.h"
+#include "data/export/between_fields.h"
 
 namespace jnd {
 
@@ -165,6 +166,7 @@ Fields<CellResult> cell_fields(const Protocol& protocol) {
       F("status", "whether the row holds information", [](const R& r) { return r.yes_no.status; },
         {.levels = "ok no_information missing"})};
   add_convention(fields, protocol, false);
+  add_group_field(fields, protocol);
   return fields;
 }
 
@@ -207,6 +209,7 @@ Fields<ThresholdResult> threshold_fields(const Protocol& protocol) {
       F("mean_trial_s", "mean time of a counted trial; empty without one", &R::mean_trial_s,
         {.unit = "s", .title = "s per trial", .digits = 1})};
   add_convention(fields, protocol, true);
+  add_group_field(fields, protocol);
   return fields;
 }
 
@@ -399,7 +402,7 @@ Fields<ThresholdModel> model_fields(const Protocol& protocol) {
   const auto quality = [](double FitQuality::*member) {
     return [member](const R& r) { return r.quality ? std::optional((*r.quality).*member) : std::nullopt; };
   };
-  return {
+  Fields<R> fields = {
       F("participant", "code of the participant", &R::participant),
       condition_field<R>(protocol),
       F("model", "model of d'", [](const R& r) { return r.method.model; },
@@ -427,6 +430,8 @@ Fields<ThresholdModel> model_fields(const Protocol& protocol) {
                 [](const R& r) { return r.quality ? std::optional(r.quality->degrees_of_freedom) : std::nullopt; }),
       F("fit.p", "its chi-square p", quality(&FitQuality::deviance_p),
         {.column = "deviance_p", .title = "deviance p", .shown = Shown::p_value})};
+  add_group_field(fields, protocol);
+  return fields;
 }
 
 namespace {
@@ -495,6 +500,7 @@ Fields<AdaptiveRow> track_fields(const Protocol& protocol) {
   fields.push_back(F("weber", "threshold / reference", &R::weber, {.title = "Weber", .shown = Shown::percent}));
   fields.push_back(
       F("status", "what the threshold is", [](const R& r) { return r.threshold.status; }, {.levels = told.statuses}));
+  add_group_field(fields, protocol);
   return fields;
 }
 

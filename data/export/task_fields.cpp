@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "analysis/numerics/special_values.h"
+#include "data/export/between_fields.h"
 #include "data/export/result_fields.h"
 
 namespace jnd {
@@ -67,6 +68,7 @@ Fields<TaskCountRow> task_count_fields(const Protocol& protocol) {
                      {.levels = words}));
   if (protocol.task.sureness_levels > 0) fields.push_back(F("sureness", "how sure of it, from 1", &R::sureness));
   fields.push_back(F("n", "how often", &R::n));
+  add_group_field(fields, protocol);
   return fields;
 }
 
@@ -101,6 +103,7 @@ Fields<TaskEstimateRow> task_estimate_fields(const Protocol& protocol) {
                      &R::median_response_time_s, {.unit = "s"}));
   fields.push_back(F("mean_trial_s", "mean time of a counted trial; empty without one", &R::mean_trial_s,
                      {.unit = "s", .title = "s per trial", .digits = 1}));
+  add_group_field(fields, protocol);
   return fields;
 }
 

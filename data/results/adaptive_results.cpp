@@ -12,6 +12,7 @@
 #include "data/log/storage_error.h"
 #include "data/results/study_analysis.h"
 #include "protocols/planning/adaptive_run.h"
+#include "protocols/planning/allotment.h"
 #include "protocols/tasks/posterior_model.h"
 
 namespace jnd {
@@ -116,12 +117,13 @@ std::vector<AdaptiveRow> adaptive_rows(const std::vector<Event>& events, const P
 }
 
 std::vector<AdaptiveRow> adaptive_rows(const std::vector<std::vector<Event>>& sessions, const Protocol& protocol,
-                                       const std::string& participant, SessionKind kind) {
+                                       const std::string& participant, SessionKind kind, std::optional<int> group) {
   std::vector<AdaptiveTrack> tracks;
   for (const std::vector<Event>& events : sessions) {
     int before = 0;  // tracks of a condition in the sessions before
     for (const AdaptiveTrack& track : tracks) before = std::max(before, track.track);
     for (AdaptiveTrack& track : tracks_of(events, protocol, participant)) {
+      if (!has_condition(protocol, group, track.condition)) continue;
       track.track += before;
       tracks.push_back(std::move(track));
     }
@@ -143,6 +145,7 @@ std::vector<AdaptiveRow> adaptive_rows(const std::vector<std::vector<Event>>& se
   for (AdaptiveRow& row : rows) {
     row.participant = participant;
     row.kind = kind;
+    row.group = group;
   }
   return rows;
 }
@@ -179,9 +182,13 @@ AdaptiveResults adaptive_results(const Study& study, const Protocol& protocol, S
   results.attendance = attendance_of(study, kind, sessions);
   for (const std::string& participant : participants_of(sessions)) {
     std::vector<std::vector<Event>> events;
-    for (const SessionInfo& session : sessions)
-      if (session.participant == participant) events.push_back(study.events(session.id));
-    const std::vector<AdaptiveRow> rows = adaptive_rows(events, protocol, participant, kind);
+    std::optional<int> group;
+    for (const SessionInfo& session : sessions) {
+      if (session.participant != participant) continue;
+      group = group_named(protocol, session.group);
+      events.push_back(study.events(session.id));
+    }
+    const std::vector<AdaptiveRow> rows = adaptive_rows(events, protocol, participant, kind, group);
     results.rows.insert(results.rows.end(), rows.begin(), rows.end());
   }
   results.group = adaptive_group(results.rows, protocol);

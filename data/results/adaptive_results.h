@@ -27,19 +27,20 @@ struct AdaptiveRow {
   double weber = 0;               // of the reference; NaN without a threshold
   std::vector<double> levels;     // of a track: presented differences, in order
   std::vector<double> reversals;  // of a staircase's track: their levels
+  std::optional<int> group{};     // of the participant, place in Protocol::groups
 };
 
 // Over the participants whose threshold in the condition is ok.
 struct AdaptiveGroup {
   int condition = 0;
-  int n = 0, of = 0;        // used of all
+  int n = 0, of = 0;        // used of those who get it
   double mean = 0, sd = 0;  // of the thresholds; NaN for n = 0, and the sd for n = 1
   double false_alarms = 0;  // mean rate of the same participants; NaN where one has no catch trials
 };
 
 struct AdaptiveResults {
   Attendance attendance;
-  std::vector<AdaptiveRow> rows;     // by participant, condition; tracks first, then all
+  std::vector<AdaptiveRow> rows;     // by participant, condition that they get; tracks first, then all
   std::vector<AdaptiveGroup> group;  // by condition
 };
 
@@ -52,9 +53,10 @@ AdaptiveResults adaptive_results(const Study& study, const Protocol& protocol, S
 std::vector<AdaptiveRow> adaptive_rows(const std::vector<Event>& events, const Protocol& protocol,
                                        const std::string& participant, SessionKind kind);
 // Their summary. rows: of any number of sessions.
-// Over all sessions of a participant: the tracks of later ones are numbered on.
+// Over all sessions of a participant: the tracks of later ones are numbered on. group: of the participant.
 std::vector<AdaptiveRow> adaptive_rows(const std::vector<std::vector<Event>>& sessions, const Protocol& protocol,
-                                       const std::string& participant, SessionKind kind);
+                                       const std::string& participant, SessionKind kind,
+                                       std::optional<int> group = std::nullopt);
 std::vector<AdaptiveGroup> adaptive_group(const std::vector<AdaptiveRow>& rows, const Protocol& protocol);
 
 // Probability of "different" at which the procedure settles: of a staircase its target, of QUEST p_threshold. None of the

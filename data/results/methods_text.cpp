@@ -11,6 +11,7 @@
 #include "data/study/blinding.h"
 #include "protocols/course/prescription.h"
 #include "protocols/planning/adaptive_run.h"
+#include "protocols/planning/allotment.h"
 #include "protocols/random_stream.h"
 #include "protocols/tasks/posterior_model.h"
 #include "protocols/tasks/task.h"
@@ -54,6 +55,24 @@ std::string task_words(const Protocol& protocol, const StudyResults& results) {
       "intervals) under {} feedback condition{}: {}. ",
       participants, to_string(attendance_of(results).kind), plural(participants), conditions.size(),
       plural(conditions.size()), list_of(conditions));
+}
+
+// Who got which conditions, and what decided that.
+std::string group_sentences(const Protocol& protocol) {
+  if (protocol.groups.empty()) return "";
+  std::vector<std::string> groups;
+  for (const Group& group : protocol.groups) {
+    std::vector<std::string> conditions;
+    for (const int condition : group.conditions)
+      conditions.push_back(markdown_text(condition_name(protocol, condition)));
+    groups.push_back(fmt::format("{} ({}{})", markdown_text(group.name), markdown_text(group.label),
+                                 everyone_has_all(protocol) ? "" : fmt::format("; {}", list_of(conditions))));
+  }
+  return fmt::format(
+      "They were in {} groups: {}. {} ", groups.size(), list_of(groups),
+      protocol.allotment == Allotment::balanced
+          ? fmt::format("Each {} participants in turn were allotted to the groups in random order.", groups.size())
+          : "Who belonged to which group was said before the first session.");
 }
 
 std::string session_words(const Design& design) {
@@ -230,7 +249,7 @@ std::string comparison_sentences(const Protocol& protocol) {
 }
 
 std::string design_paragraph(const Protocol& protocol, const StudyResults& results) {
-  return task_words(protocol, results) +
+  return task_words(protocol, results) + group_sentences(protocol) +
          (!task_of(protocol.task.kind).has_own_results() ? comparison_sentences(protocol)
           : protocol.design.procedure                    ? procedure_sentences(protocol)
                                                          : series_sentences(protocol)) +
@@ -408,6 +427,52 @@ std::string other_tests(const StudyResults& results, bool any_registered) {
   return text;
 }
 
+// How the groups were compared: "by ..."; empty where that is not registered.
+std::string between_words(const Protocol& protocol) {
+  const bool several = protocol.groups.size() > 2;
+  const bool one_condition = conditions_of(protocol, largest_plan(protocol)).size() == 1;
+  const std::string values = one_condition ? "" : ", of each participant's mean over their conditions";
+  switch (protocol.analysis.tests.between) {
+    case BetweenTest::welch:
+      return several ? fmt::format(
+                           "by Welch's t test (Welch 1947) of each pair{}, with Holm's correction over the pairs "
+                           "(Holm 1979)",
+                           values)
+                     : fmt::format("by Welch's t test (Welch 1947){}", values);
+    case BetweenTest::mann_whitney:
+      return several ? fmt::format(
+                           "by the test of Mann and Whitney 1947 of each pair{}, with Holm's correction over the "
+                           "pairs (Holm 1979)",
+                           values)
+                     : fmt::format("by the test of Mann and Whitney 1947{}", values);
+    case BetweenTest::mixed_anova:
+      return "together with the conditions by an analysis of variance with groups between and conditions within "
+             "participants (Maxwell and Delaney 2004), what is within corrected as by Greenhouse and Geisser 1959";
+    case BetweenTest::none:
+      break;
+  }
+  return "";
+}
+
+std::string group_tests(const Protocol& protocol, const StudyResults& results) {
+  if (!results.groups) return "";
+  const GroupsCompared& groups = *results.groups;
+  const std::string words = between_words(protocol);
+  std::string text;
+  if (!results.comparisons.front().crossed && !protocol.analysis.contrasts.empty())
+    text += "\nGroups had different conditions: a contrast rests on the participants who had both.\n";
+  if (words.empty()) return text + "\nNo test of the groups was registered.\n";
+  if (!groups.refused.empty())
+    return text + fmt::format("\nThe registered test of the groups was refused: {}.\n", markdown_text(groups.refused));
+  return text + fmt::format("\nThe groups were compared on the {} {} ({} of {} participants; alpha = {:g}).{}\n",
+                            groups.title, words, groups.participants.size(),
+                            groups.participants.size() + groups.left_out.size(), protocol.analysis.tests.alpha,
+                            groups.test == BetweenTest::mixed_anova && groups.comparison.anova.unequal
+                                ? " The groups differed in size: sums of squares are of type I, in the order group, "
+                                  "condition, group x condition."
+                                : "");
+}
+
 std::string test_paragraph(const Protocol& protocol, const StudyResults& results) {
   const OutcomeComparison& outcome = results.comparisons.front();
   const std::size_t conditions = protocol.conditions.size();
@@ -417,10 +482,10 @@ std::string test_paragraph(const Protocol& protocol, const StudyResults& results
     return fmt::format("The tests on the {} were refused: {}.{}\n", outcome.title, markdown_text(outcome.refused),
                        other_tests(results, !tests.empty()));
   std::string text =
-      tests.empty()
-          ? std::string("No test was registered.")
-          : fmt::format("The {} was compared over {} ({} of {} participants; alpha = {:g}).", outcome.title, tests,
-                        outcome.table.n, outcome.table.n + outcome.left_out.size(), protocol.analysis.tests.alpha);
+      tests.empty() ? std::string("No test was registered.")
+                    : fmt::format("The {} was compared over {} ({} of {} participants{}; alpha = {:g}).", outcome.title,
+                                  tests, outcome.table.n, outcome.table.n + outcome.left_out.size(),
+                                  outcome.crossed ? "" : " who had every condition", protocol.analysis.tests.alpha);
   text += " The normality of residuals was looked at with Shapiro and Wilk's test (Royston 1995)";
   if (conditions > 2) text += ", sphericity with that of Mauchly 1940";
   text +=
@@ -540,7 +605,7 @@ struct Sections {
  private:
   std::string with_estimates(const std::string& estimates, const std::string& exclusions) const {
     return "## Design\n\n" + design_paragraph(protocol, results) + "\n## Estimates\n\n" + estimates + "\n" +
-           exclusions + "\n## Tests\n\n" + test_paragraph(protocol, results);
+           exclusions + "\n## Tests\n\n" + test_paragraph(protocol, results) + group_tests(protocol, results);
   }
 };
 

@@ -78,9 +78,16 @@ constexpr std::array kReferences = {
               "Macmillan N. A., Kaplan H. L. (1985). Detection theory analysis of group data: Estimating sensitivity "
               "from average hit and false-alarm rates. Psychological Bulletin 98(1), 185-199. "
               "https://doi.org/10.1037/0033-2909.98.1.185"},
+    Reference{"Mann and Whitney 1947",
+              "Mann H. B., Whitney D. R. (1947). On a test of whether one of two random variables is stochastically "
+              "larger than the other. Annals of Mathematical Statistics 18(1), 50-60. "
+              "https://doi.org/10.1214/aoms/1177730491"},
     Reference{"Mauchly 1940",
               "Mauchly J. W. (1940). Significance test for sphericity of a normal n-variate distribution. Annals of "
               "Mathematical Statistics 11(2), 204-209. https://doi.org/10.1214/aoms/1177731915"},
+    Reference{"Maxwell and Delaney 2004",
+              "Maxwell S. E., Delaney H. D. (2004). Designing Experiments and Analyzing Data: A Model Comparison "
+              "Perspective, 2nd ed. Lawrence Erlbaum Associates, Mahwah, NJ."},
     Reference{"Morey 2008",
               "Morey R. D. (2008). Confidence intervals from normalized data: A correction to Cousineau (2005). "
               "Tutorials in Quantitative Methods for Psychology 4(2), 61-64. https://doi.org/10.20982/tqmp.04.2.p061"},
@@ -94,6 +101,10 @@ constexpr std::array kReferences = {
     Reference{"Watson and Pelli 1983",
               "Watson A. B., Pelli D. G. (1983). QUEST: A Bayesian adaptive psychometric method. Perception & "
               "Psychophysics 33(2), 113-120. https://doi.org/10.3758/BF03202828"},
+    Reference{
+        "Welch 1947",
+        "Welch B. L. (1947). The generalization of 'Student's' problem when several different population variances "
+        "are involved. Biometrika 34(1-2), 28-35. https://doi.org/10.1093/biomet/34.1-2.28"},
     Reference{"Wilcoxon 1945",
               "Wilcoxon F. (1945). Individual comparisons by ranking methods. Biometrics Bulletin 1(6), 80-83. "
               "https://doi.org/10.2307/3001968"}};

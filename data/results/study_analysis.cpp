@@ -11,6 +11,7 @@
 #include "analysis/thresholds/jnd_bootstrap.h"
 #include "data/results/threshold_method.h"
 #include "data/study/trial_rows.h"
+#include "protocols/planning/allotment.h"
 
 namespace jnd {
 
@@ -64,13 +65,15 @@ struct ParticipantData {
     int trials = 0;
   };
   std::string participant;
+  std::optional<int> group;
   std::vector<Cell> cells;   // conditions x series
   std::vector<Times> times;  // conditions
 };
 
-ParticipantData empty_data(std::string participant, const Protocol& protocol) {
+ParticipantData empty_data(std::string participant, std::optional<int> group, const Protocol& protocol) {
   ParticipantData data;
   data.participant = std::move(participant);
+  data.group = group;
   data.cells.resize(protocol.conditions.size() * protocol.series.size());
   data.times.resize(protocol.conditions.size());
   return data;
@@ -94,13 +97,14 @@ DifferenceSource combined(const std::vector<DifferenceSource>& sources) {
 }
 
 void add_contrasts(StudyAnalysis& analysis, const Protocol& protocol) {
-  const std::size_t conditions = protocol.conditions.size();
+  const auto rows = by_participant(analysis.thresholds, protocol.conditions.size());
   for (const Contrast& contrast : protocol.analysis.contrasts) {
     std::vector<double> differences;
-    for (std::size_t row = 0; row + conditions <= analysis.thresholds.size(); row += conditions) {
-      const JndEstimate& a = analysis.thresholds[row + place(contrast.a)].jnd;
-      const JndEstimate& b = analysis.thresholds[row + place(contrast.b)].jnd;
-      if (a.status == JndStatus::ok && b.status == JndStatus::ok) differences.push_back(a.jnd - b.jnd);
+    for (const ParticipantRows<ThresholdResult>& row : rows) {
+      const ThresholdResult *a = row.of[place(contrast.a)], *b = row.of[place(contrast.b)];
+      if (a == nullptr || b == nullptr) continue;
+      if (a->jnd.status == JndStatus::ok && b->jnd.status == JndStatus::ok)
+        differences.push_back(a->jnd.jnd - b->jnd.jnd);
     }
     analysis.contrasts.push_back({contrast.a, contrast.b, mean_with_ci(differences),
                                   combined({analysis.group[place(contrast.a)].difference_source,
@@ -136,7 +140,7 @@ void estimate(StudyAnalysis& analysis, std::vector<ParticipantData> participants
             series = static_cast<int>(protocol.series.size());
   analysis.attendance.participants = static_cast<int>(participants.size());
   for (ParticipantData& data : participants) {
-    for (int condition = 0; condition < conditions; ++condition) {
+    for (const int condition : conditions_of(protocol, data.group)) {
       std::vector<SeriesCounts> of_series;
       std::vector<DifferenceSource> sources;  // of the series in the fit
       for (int one = 0; one < series; ++one) {
@@ -145,16 +149,17 @@ void estimate(StudyAnalysis& analysis, std::vector<ParticipantData> participants
                           condition,        one,
                           cell.counts,      cell.excluded,
                           cell.missing,     yes_no(cell.counts, rate_correction)};
+        result.group = data.group;
         set_difference(result, cell.delivered, protocol, analysis.by);
         of_series.push_back({result.difference, cell.counts});
         if (result.yes_no.status != RateStatus::missing) sources.push_back(result.difference_source);
         analysis.cells.push_back(std::move(result));
       }
       ParticipantData::Times& times = data.times[place(condition)];
-      analysis.thresholds.push_back({data.participant, analysis.attendance.kind, condition,
-                                     estimate_threshold(of_series, protocol, method, analysis.intervals, seed),
-                                     median_of(times.response_times_s),
-                                     times.trials > 0 ? times.sum_s / times.trials : std::nan(""), combined(sources)});
+      analysis.thresholds.push_back(
+          {data.participant, analysis.attendance.kind, condition,
+           estimate_threshold(of_series, protocol, method, analysis.intervals, seed), median_of(times.response_times_s),
+           times.trials > 0 ? times.sum_s / times.trials : std::nan(""), combined(sources), data.group});
     }
   }
   for (int condition = 0; condition < conditions; ++condition) {
@@ -224,7 +229,7 @@ StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind 
   std::vector<std::size_t> participant_of;  // session -> place in participants
   for (const SessionInfo& session : sessions) {
     if (participants.empty() || participants.back().participant != session.participant)
-      participants.push_back(empty_data(session.participant, protocol));
+      participants.push_back(empty_data(session.participant, group_named(protocol, session.group), protocol));
     participant_of.push_back(participants.size() - 1);
   }
 
@@ -272,7 +277,7 @@ StudyAnalysis analyze_counts(const std::vector<CellCounts>& cells, const Protoco
       throw StorageError(fmt::format("participant {}: condition {} or series {} is not in protocol {}",
                                      cell.participant, cell.condition, cell.series, protocol.name));
     const auto [found, is_new] = places.try_emplace(cell.participant, participants.size());
-    if (is_new) participants.push_back(empty_data(cell.participant, protocol));
+    if (is_new) participants.push_back(empty_data(cell.participant, cell.group, protocol));
     Counts& counts =
         participants[found->second].cells[place(cell.condition) * protocol.series.size() + place(cell.series)].counts;
     counts.n_diff += cell.counts.n_diff;

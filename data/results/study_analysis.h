@@ -57,6 +57,7 @@ struct CellResult {
   int without_fit = 0;  // the others of those trials
   // By nominal stiffness of the series' pair, the softer and the stiffer: mean k over the intervals that asked it.
   std::array<DeliveredMean, 2> delivered{};
+  std::optional<int> group{};  // of the participant, place in Protocol::groups
 };
 
 // One participant and condition.
@@ -68,8 +69,31 @@ struct ThresholdResult {
   double median_response_time_s = 0;                               // participant's own entries; NaN without one
   double mean_trial_s = 0;                                         // time per trial; NaN without one
   DifferenceSource difference_source = DifferenceSource::nominal;  // of the series in the fit
+  std::optional<int> group{};                                      // of the participant, place in Protocol::groups
 };
 
+// Rows by participant: where groups of participants get different conditions, nobody has a row of them all.
+template <typename Row>
+struct ParticipantRows {
+  std::string participant;
+  std::optional<int> group;    // place in Protocol::groups
+  std::vector<const Row*> of;  // by condition: null where the group does not get it
+};
+// rows: those of a participant together; of several of one participant and condition the first counts. They must
+// outlive the result.
+template <typename Row>
+std::vector<ParticipantRows<Row>> by_participant(const std::vector<Row>& rows, std::size_t conditions) {
+  std::vector<ParticipantRows<Row>> all;
+  for (const Row& row : rows) {
+    if (all.empty() || all.back().participant != row.participant)
+      all.push_back({row.participant, row.group, std::vector<const Row*>(conditions, nullptr)});
+    const Row*& place = all.back().of[static_cast<std::size_t>(row.condition)];
+    if (place == nullptr) place = &row;
+  }
+  return all;
+}
+
+// One condition, over all who get it.
 struct GroupResult {
   int condition = 0;
   JndGroup jnd;                                                    // mean, CI, median, ... with n used of N
@@ -107,8 +131,8 @@ struct StudyAnalysis {
   // Whether thresholds carry intervals: of the fit itself (maximum likelihood), or a bootstrap of least squares, which
   // is left out above 500 participants.
   bool intervals = true;
-  std::vector<CellResult> cells;            // by participant, condition, series
-  std::vector<ThresholdResult> thresholds;  // by participant, condition
+  std::vector<CellResult> cells;            // by participant, condition that they get, series
+  std::vector<ThresholdResult> thresholds;  // by participant, condition that they get
   std::vector<GroupResult> group;           // by condition
   std::vector<ContrastResult> contrasts;
   std::map<std::string, int> exclusions;  // reason -> trials
@@ -138,6 +162,7 @@ struct CellCounts {
   std::string participant;
   int condition = 0, series = 0;
   Counts counts;
+  std::optional<int> group{};  // of the participant, place in Protocol::groups
 };
 StudyAnalysis analyze_counts(const std::vector<CellCounts>& cells, const Protocol& protocol, SessionKind kind);
 

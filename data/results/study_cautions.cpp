@@ -157,6 +157,14 @@ std::vector<std::string> deviations_of(const StudyResults& results, const Protoc
       out.push_back(fmt::format("The registered tests leave out {} of {} participants: {}.", outcome->left_out.size(),
                                 attendance.participants, names(outcome->left_out)));
   }
+  if (results.groups && results.groups->test != BetweenTest::none) {
+    const GroupsCompared& groups = *results.groups;
+    if (!groups.refused.empty())
+      out.push_back(fmt::format("The registered test of the groups was refused: {}.", groups.refused));
+    else if (!groups.left_out.empty())
+      out.push_back(fmt::format("The registered test of the groups leaves out {} of {} participants: {}.",
+                                groups.left_out.size(), attendance.participants, names(groups.left_out)));
+  }
   if (const auto* exploration = std::get_if<ExplorationResults>(&results.measured))
     for (const std::string& one : exposure_deviations(*exploration, protocol)) out.push_back(one);
   return out;
@@ -169,6 +177,11 @@ std::vector<std::string> cautions_of(const StudyResults& results, const Protocol
     add_threshold_cautions(constant->analysis, protocol, out);
   }
   if (const OutcomeComparison* outcome = registered(results.comparisons)) add_test_cautions(*outcome, protocol, out);
+  if (results.groups && results.groups->tested() && results.groups->test == BetweenTest::mixed_anova &&
+      results.groups->comparison.anova.unequal)
+    out.emplace_back(
+        "The groups differ in size: the sums of squares of the mixed analysis of variance are of type I, so that the "
+        "larger group decides more about the conditions.");
   return out;
 }
 

@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <set>
 
 #include <fmt/format.h>
 
 #include "analysis/group/p_adjust.h"
+#include "analysis/numerics/moments.h"
 #include "analysis/numerics/special_values.h"
 #include "analysis/numerics/words.h"
+#include "protocols/planning/allotment.h"
 
 namespace jnd {
 
@@ -19,33 +22,59 @@ const std::string& condition_name(const Protocol& protocol, std::size_t place) {
 }
 
 // Fills the table with the participants who have a finite value under every condition. rows: how many participants;
-// value(row, condition); why(row, condition): the reason where the value is not finite.
+// value(row, condition); why(row, condition): the reason where the value is not finite. Neither is asked for conditions
+// that a participant's group does not get.
 void fill(OutcomeComparison& outcome, std::size_t rows, const Protocol& protocol,
           const std::function<const std::string&(std::size_t)>& name,
+          const std::function<std::optional<int>(std::size_t)>& group,
           const std::function<double(std::size_t, std::size_t)>& value,
           const std::function<std::string(std::size_t, std::size_t)>& why) {
+  outcome.crossed = everyone_has_all(protocol);
   outcome.table.k = protocol.conditions.size();
   for (std::size_t row = 0; row < rows; ++row) {
-    std::vector<double> values;
-    std::string reason;
-    for (std::size_t condition = 0; condition < outcome.table.k; ++condition) {
-      values.push_back(value(row, condition));
-      if (!std::isfinite(values.back()))
-        reason += fmt::format("{}{}: {}", reason.empty() ? "" : ", ", condition_name(protocol, condition),
-                              why(row, condition));
+    ParticipantValues one{name(row), group(row), std::vector<double>(outcome.table.k, kNaN), ""};
+    const std::vector<int> own = conditions_of(protocol, one.group);
+    for (const int place : own) {
+      const auto condition = static_cast<std::size_t>(place);
+      one.values[condition] = value(row, condition);
+      if (!std::isfinite(one.values[condition]))
+        one.missing += fmt::format("{}{}: {}", one.missing.empty() ? "" : ", ", condition_name(protocol, condition),
+                                   why(row, condition));
     }
-    if (!reason.empty()) {
-      outcome.left_out.push_back({name(row), reason});
+    outcome.everyone.push_back(std::move(one));
+    const ParticipantValues& known = outcome.everyone.back();
+    if (own.size() < outcome.table.k) continue;
+    if (!known.missing.empty()) {
+      outcome.left_out.push_back({known.participant, known.missing});
       continue;
     }
-    outcome.participants.push_back(name(row));
-    outcome.table.values.insert(outcome.table.values.end(), values.begin(), values.end());
+    outcome.participants.push_back(known.participant);
+    outcome.table.values.insert(outcome.table.values.end(), known.values.begin(), known.values.end());
     ++outcome.table.n;
   }
 }
 
+// The same of rows by participant and condition.
+template <typename Row>
+void fill(OutcomeComparison& outcome, const std::vector<ParticipantRows<Row>>& rows, const Protocol& protocol,
+          const std::function<double(const Row&)>& value, const std::function<std::string(const Row&)>& why) {
+  fill(
+      outcome, rows.size(), protocol, [&](std::size_t row) -> const std::string& { return rows[row].participant; },
+      [&](std::size_t row) { return rows[row].group; },
+      [&](std::size_t row, std::size_t condition) {
+        const Row* const found = rows[row].of[condition];
+        return found == nullptr ? kNaN : value(*found);
+      },
+      [&](std::size_t row, std::size_t condition) {
+        const Row* const found = rows[row].of[condition];
+        return found == nullptr ? std::string("no value") : why(*found);
+      });
+}
+
 void test(OutcomeComparison& outcome) {
   if (outcome.refused.empty() && outcome.table.k < 2) outcome.refused = "one condition has nothing to be compared with";
+  if (outcome.refused.empty() && outcome.table.n < 2 && !outcome.crossed && outcome.left_out.empty())
+    outcome.refused = "groups of participants get different conditions: fewer than 2 participants get them all";
   if (outcome.refused.empty() && outcome.table.n < 2)
     outcome.refused = fmt::format("{} complete participant{}: at least 2 are needed", outcome.table.n,
                                   outcome.table.n == 1 ? "" : "s");
@@ -56,6 +85,19 @@ double outcome_of(const JndEstimate& estimate, Outcome outcome) {
   if (outcome == Outcome::slope) return estimate.slope;
   if (estimate.status != JndStatus::ok) return kNaN;
   return outcome == Outcome::jnd ? estimate.jnd : std::log(estimate.jnd);
+}
+
+// Of a participant's values under the conditions of their group; NaN where one is missing.
+double mean_over_own(const ParticipantValues& one) {
+  if (!one.missing.empty()) return kNaN;
+  double sum = 0;
+  int n = 0;
+  for (const double value : one.values) {
+    if (!std::isfinite(value)) continue;
+    sum += value;
+    ++n;
+  }
+  return n > 0 ? sum / n : kNaN;
 }
 
 std::string joined_names(const std::vector<LeftOut>& left_out) {
@@ -75,9 +117,16 @@ std::string_view to_string(Outcome outcome) noexcept {
   return word_of(kWords, outcome);
 }
 
+std::string_view to_string(BetweenTest test) noexcept {
+  constexpr auto kWords = words<BetweenTest>({{"none", BetweenTest::none},
+                                              {"welch", BetweenTest::welch},
+                                              {"mann-whitney", BetweenTest::mann_whitney},
+                                              {"mixed-anova", BetweenTest::mixed_anova}});
+  return word_of(kWords, test);
+}
+
 OutcomeComparison compare_thresholds(const std::vector<ThresholdResult>& thresholds, const Protocol& protocol,
                                      Outcome outcome) {
-  const std::size_t conditions = protocol.conditions.size();
   const std::string unit(to_string(protocol.stimulus.unit));
   OutcomeComparison result;
   result.outcome = to_string(outcome);
@@ -88,16 +137,10 @@ OutcomeComparison compare_thresholds(const std::vector<ThresholdResult>& thresho
     result.title = outcome == Outcome::jnd ? "JND" : fmt::format("ln(JND / {})", unit);
     result.unit = outcome == Outcome::jnd ? unit : "";
   }
-  const auto row_of = [&](std::size_t row, std::size_t condition) -> const ThresholdResult& {
-    return thresholds[row * conditions + condition];
-  };
-  fill(
-      result, thresholds.size() / conditions, protocol,
-      [&](std::size_t row) -> const std::string& { return row_of(row, 0).participant; },
-      [&](std::size_t row, std::size_t condition) { return outcome_of(row_of(row, condition).jnd, outcome); },
-      [&](std::size_t row, std::size_t condition) {
-        return std::string(to_string(row_of(row, condition).jnd.status));
-      });
+  fill<ThresholdResult>(
+      result, by_participant(thresholds, protocol.conditions.size()), protocol,
+      [&](const ThresholdResult& row) { return outcome_of(row.jnd, outcome); },
+      [](const ThresholdResult& row) { return std::string(to_string(row.jnd.status)); });
   // 1/m of a shallow slope is anything at all: leaving those participants out would pick the good ones.
   if (outcome != Outcome::slope && !result.left_out.empty())
     result.refused =
@@ -107,24 +150,19 @@ OutcomeComparison compare_thresholds(const std::vector<ThresholdResult>& thresho
 }
 
 OutcomeComparison compare_adaptive(const std::vector<AdaptiveRow>& rows, const Protocol& protocol) {
-  const std::size_t conditions = protocol.conditions.size();
-  std::vector<const AdaptiveRow*> whole;  // by participant, condition
+  std::vector<AdaptiveRow> whole;
   for (const AdaptiveRow& row : rows)
-    if (row.track == 0) whole.push_back(&row);
+    if (row.track == 0) whole.push_back(row);
   OutcomeComparison result;
   result.outcome = "threshold";
   result.title = "adaptive threshold";
   result.unit = to_string(protocol.stimulus.unit);
-  fill(
-      result, whole.size() / conditions, protocol,
-      [&](std::size_t row) -> const std::string& { return whole[row * conditions]->participant; },
-      [&](std::size_t row, std::size_t condition) {
-        const AdaptiveThreshold& threshold = whole[row * conditions + condition]->threshold;
-        return threshold.status == AdaptiveStatus::ok ? threshold.threshold : kNaN;
+  fill<AdaptiveRow>(
+      result, by_participant(whole, protocol.conditions.size()), protocol,
+      [](const AdaptiveRow& row) {
+        return row.threshold.status == AdaptiveStatus::ok ? row.threshold.threshold : kNaN;
       },
-      [&](std::size_t row, std::size_t condition) {
-        return std::string(to_string(whole[row * conditions + condition]->threshold.status));
-      });
+      [](const AdaptiveRow& row) { return std::string(to_string(row.threshold.status)); });
   if (!result.left_out.empty())
     result.refused =
         fmt::format("tests on thresholds need one of everyone; without one: {}", joined_names(result.left_out));
@@ -135,23 +173,16 @@ OutcomeComparison compare_adaptive(const std::vector<AdaptiveRow>& rows, const P
 OutcomeComparison compare_task(const TaskResults& results, const Protocol& protocol) {
   const TaskOutcome& outcome = results.outcomes[results.registered];
   const bool logarithm = protocol.analysis.tests.outcome == Outcome::log_jnd;
-  const std::size_t conditions = protocol.conditions.size(), each = conditions * protocol.series.size();
   OutcomeComparison result;
   result.outcome = (logarithm ? "ln_" : "") + std::string(outcome.key);
   result.title = logarithm ? fmt::format("logarithm of the {}", outcome.title) : std::string(outcome.title);
   result.unit = logarithm ? "" : std::string(outcome.unit);
-  fill(
-      result, participants_of(results, protocol), protocol,
-      [&](std::size_t row) -> const std::string& { return results.estimates[row * each].participant; },
-      [&](std::size_t row, std::size_t condition) {
-        return registered_value(results, protocol, row, static_cast<int>(condition));
-      },
-      [&](std::size_t row, std::size_t condition) {
-        for (std::size_t series = 0; series < protocol.series.size(); ++series) {
-          const TaskEstimates& estimates =
-              results.estimates[row * each + condition * protocol.series.size() + series].estimates;
-          if (estimates.status != "ok") return estimates.status;
-        }
+  fill<TaskEstimateRow>(
+      result, by_participant(results.estimates, protocol.conditions.size()), protocol,
+      [&](const TaskEstimateRow& first) { return registered_value(first, results, protocol); },
+      [&](const TaskEstimateRow& first) {
+        for (const TaskEstimateRow& row : series_from(first, protocol))
+          if (row.estimates.status != "ok") return row.estimates.status;
         return std::string("no value");
       });
   // Leaving out who has none would pick the good ones.
@@ -163,22 +194,20 @@ OutcomeComparison compare_task(const TaskResults& results, const Protocol& proto
 }
 
 OutcomeComparison compare_times(const std::vector<ThresholdResult>& thresholds, const Protocol& protocol) {
-  const std::size_t conditions = protocol.conditions.size();
   OutcomeComparison result;
   result.outcome = "trial_time";
   result.title = "time per trial";
   result.unit = "s";
-  fill(
-      result, thresholds.size() / conditions, protocol,
-      [&](std::size_t row) -> const std::string& { return thresholds[row * conditions].participant; },
-      [&](std::size_t row, std::size_t condition) { return thresholds[row * conditions + condition].mean_trial_s; },
-      [](std::size_t, std::size_t) { return "no counted trial"; });
+  fill<ThresholdResult>(
+      result, by_participant(thresholds, protocol.conditions.size()), protocol,
+      [](const ThresholdResult& row) { return row.mean_trial_s; },
+      [](const ThresholdResult&) { return std::string("no counted trial"); });
   test(result);
   return result;
 }
 
 OutcomeComparison compare_ratings(const RatedQuestion& ratings, const std::vector<std::string>& participants,
-                                  const Protocol& protocol) {
+                                  const Protocol& protocol, const std::vector<std::optional<int>>& groups) {
   const Question& question = protocol.questions[static_cast<std::size_t>(ratings.question)];
   OutcomeComparison result;
   result.outcome = question.id;
@@ -186,11 +215,81 @@ OutcomeComparison compare_ratings(const RatedQuestion& ratings, const std::vecto
   result.question = true;
   fill(
       result, participants.size(), protocol, [&](std::size_t row) -> const std::string& { return participants[row]; },
+      [&](std::size_t row) { return row < groups.size() ? groups[row] : std::nullopt; },
       [&](std::size_t row, std::size_t condition) {
         return ratings.ratings[row * protocol.conditions.size() + condition];
       },
       [](std::size_t, std::size_t) { return "no answer"; });
   test(result);
+  return result;
+}
+
+namespace {
+
+// Over the participants who have a value, and how many there are.
+GroupMean group_mean(const OutcomeComparison& outcome, int group, int condition) {
+  GroupMean row;
+  row.group = group;
+  row.condition = condition;
+  std::vector<double> values;
+  for (const ParticipantValues& one : outcome.everyone) {
+    if (one.group != group) continue;
+    ++row.participants;
+    const double value = condition < 0 ? mean_over_own(one) : one.values[static_cast<std::size_t>(condition)];
+    if (std::isfinite(value)) values.push_back(value);
+  }
+  row.mean = mean_with_ci(values);
+  row.median = median_of(values);
+  return row;
+}
+
+void add_means(GroupsCompared& result, const OutcomeComparison& outcome, const Protocol& protocol) {
+  for (int group = 0; group < group_count(protocol); ++group) {
+    const std::vector<int> own = conditions_of(protocol, group);
+    for (const int condition : own) result.means.push_back(group_mean(outcome, group, condition));
+    if (own.size() > 1) result.means.push_back(group_mean(outcome, group, -1));
+  }
+}
+
+// Rows of those who have a value under each of their conditions.
+void add_tested(GroupsCompared& result, const OutcomeComparison& outcome, const Protocol& protocol) {
+  const bool mixed = result.test == BetweenTest::mixed_anova;
+  const std::vector<int> own = conditions_of(protocol, 0);  // of mixed_anova those of every group
+  result.table.groups = protocol.groups.size();
+  result.table.values.k = mixed ? own.size() : 1;
+  for (const ParticipantValues& one : outcome.everyone) {
+    if (!one.group || !one.missing.empty()) {
+      result.left_out.push_back({one.participant, one.group ? one.missing : "no group"});
+      continue;
+    }
+    if (!mixed) result.table.values.values.push_back(mean_over_own(one));
+    for (std::size_t i = 0; mixed && i < own.size(); ++i)
+      result.table.values.values.push_back(one.values[static_cast<std::size_t>(own[i])]);
+    result.table.group.push_back(static_cast<std::size_t>(*one.group));
+    result.participants.push_back(one.participant);
+    ++result.table.values.n;
+  }
+}
+
+}  // namespace
+
+GroupsCompared compare_groups(const OutcomeComparison& registered, const Protocol& protocol) {
+  GroupsCompared result;
+  result.outcome = registered.outcome;
+  result.title = registered.title;
+  result.unit = registered.unit;
+  result.test = protocol.analysis.tests.between;
+  add_means(result, registered, protocol);
+  if (result.test == BetweenTest::none) return result;
+  add_tested(result, registered, protocol);
+  const std::set<std::size_t> groups(result.table.group.begin(), result.table.group.end());
+  if (!result.left_out.empty() && registered.outcome != to_string(Outcome::slope))
+    result.refused = fmt::format("a comparison of the groups' {} needs a value of everyone; without one: {}",
+                                 result.title, joined_names(result.left_out));
+  else if (groups.size() < 2)
+    result.refused = "fewer than two groups have a participant";
+  else
+    result.comparison = compare_groups(result.table);
   return result;
 }
 
@@ -200,7 +299,11 @@ SeriesComparison compare_series(const std::vector<CellResult>& cells, const Prot
   table.a = protocol.conditions.size();
   table.b = protocol.series.size();
   const std::size_t each = table.a * table.b;
-  for (std::size_t first = 0; first + each <= cells.size(); first += each) {
+  const auto whole = [&](std::size_t first) {  // a participant who gets every condition
+    return first + each <= cells.size() && cells[first].participant == cells[first + each - 1].participant;
+  };
+  for (std::size_t first = 0; first < cells.size(); first += whole(first) ? each : table.b) {
+    if (!whole(first)) continue;
     std::string reason;
     for (std::size_t i = first; i < first + each && reason.empty(); ++i)
       if (!std::isfinite(cells[i].yes_no.dprime))
@@ -223,6 +326,58 @@ SeriesComparison compare_series(const std::vector<CellResult>& cells, const Prot
   else
     result.test = two_way_within(table);
   return result;
+}
+
+namespace {
+
+double p_within(const std::vector<double>& a, const std::vector<double>& b, PostHoc test, std::size_t conditions) {
+  switch (test) {
+    case PostHoc::holm_t:
+      return paired_t(a, b).p;
+    case PostHoc::wilcoxon:
+      return signed_rank(a, b).p;
+    case PostHoc::games_howell:
+      return games_howell(a, b, static_cast<int>(conditions)).p;
+    case PostHoc::tukey:
+      break;
+  }
+  return kNaN;
+}
+
+}  // namespace
+
+std::vector<ContrastWithin> contrasts_within(const OutcomeComparison& outcome, const Protocol& protocol) {
+  const PostHoc test = protocol.analysis.tests.post_hoc;
+  std::vector<ContrastWithin> all;
+  std::vector<double> p;
+  for (const Contrast& contrast : protocol.analysis.contrasts) {
+    ContrastWithin one;
+    std::vector<double> a, b;
+    for (const ParticipantValues& row : outcome.everyone) {
+      if (!has_condition(protocol, row.group, contrast.a) || !has_condition(protocol, row.group, contrast.b)) continue;
+      ++one.participants;
+      const double of_a = row.values[static_cast<std::size_t>(contrast.a)];
+      const double of_b = row.values[static_cast<std::size_t>(contrast.b)];
+      if (!std::isfinite(of_a) || !std::isfinite(of_b)) continue;
+      a.push_back(of_a);
+      b.push_back(of_b);
+      one.differences.push_back(of_a - of_b);
+    }
+    const auto n = static_cast<int>(a.size());
+    if (test == PostHoc::tukey)
+      one.refused = "Tukey's test needs every condition of every participant";
+    else if (n < one.participants && outcome.outcome != to_string(Outcome::slope))
+      one.refused = fmt::format("{} of the {} who get both have no value", one.participants - n, one.participants);
+    else if (n < 2)
+      one.refused = fmt::format("{} get both: at least 2 are needed", n);
+    else
+      one.p = p_within(a, b, test, protocol.conditions.size());
+    p.push_back(one.p);
+    all.push_back(std::move(one));
+  }
+  if (test == PostHoc::holm_t || test == PostHoc::wilcoxon) p = holm(p);
+  for (std::size_t i = 0; i < all.size(); ++i) all[i].p = p[i];
+  return all;
 }
 
 PairPlace pair_of(const Contrast& contrast, std::size_t conditions) noexcept {

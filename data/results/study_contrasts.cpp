@@ -21,13 +21,16 @@ std::vector<ContrastRow> contrast_rows(const std::vector<ContrastResult>& jnds, 
   const std::vector<Contrast>& contrasts = protocol.analysis.contrasts;
   const std::string jnd(to_string(Outcome::jnd));
   std::vector<double> p;
-  if (registered.refused.empty()) p = contrast_p(registered.comparison, protocol.analysis);
+  if (registered.crossed && registered.refused.empty()) p = contrast_p(registered.comparison, protocol.analysis);
+  std::vector<ContrastWithin> within;
+  if (!registered.crossed) within = contrasts_within(registered, protocol);
   std::vector<ContrastRow> rows;
   for (std::size_t i = 0; i < contrasts.size(); ++i) {
     ContrastRow row;
     row.a = contrasts[i].a;
     row.b = contrasts[i].b;
-    row.participants = static_cast<int>(registered.table.n + registered.left_out.size());
+    row.participants =
+        registered.crossed ? static_cast<int>(registered.table.n + registered.left_out.size()) : within[i].participants;
     // Of an adaptive study there is no other scale than its thresholds'.
     const bool has_jnds = i < jnds.size();
     if (has_jnds) row.difference_source = jnds[i].difference_source;
@@ -41,6 +44,11 @@ std::vector<ContrastRow> contrast_rows(const std::vector<ContrastResult>& jnds, 
     tested.difference =
         registered.outcome == jnd && has_jnds ? jnds[i].difference : difference_of(registered.table, contrasts[i]);
     if (i < p.size()) tested.p = p[i];
+    if (!registered.crossed) {
+      tested.difference = mean_with_ci(within[i].differences);
+      tested.p = within[i].p;
+      tested.refused = within[i].refused;
+    }
     rows.push_back(std::move(tested));
     if (registered.outcome == jnd || !has_jnds) continue;
 

@@ -18,7 +18,7 @@ struct ContrastRow {
   std::string outcome;      // "slope", "jnd", "log_jnd" or "threshold"
   std::string unit;         // of the difference; empty for none
   bool registered = false;  // the scale of the registered tests: the row has their p
-  int participants = 0;     // of all; difference.n says how many have both values
+  int participants = 0;     // of all who get both; difference.n says how many have both values
   MeanEstimate difference;  // of a - b within participants; its interval is Student's, without correction
   double p = kNaN;          // the registered one; NaN where there is none
   std::string refused;      // why a registered row has no p; empty where it has

@@ -19,6 +19,7 @@ StudyModels study_models(const StudyAnalysis& analysis, const Protocol& protocol
     for (std::size_t i = 0; i < methods.size(); ++i) {
       const ThresholdMethod& method = methods[i];
       ThresholdModel model{analysis.thresholds[row].participant, analysis.thresholds[row].condition, method, {}, {}};
+      model.group = analysis.thresholds[row].group;
       // The registered estimate carries its interval already.
       model.jnd = i == 0 ? analysis.thresholds[row].jnd
                          : estimate_jnd(series, protocol.stimulus.reference, method.method, method.correction);

@@ -19,6 +19,7 @@ struct ThresholdModel {
   ThresholdMethod method;
   JndEstimate jnd;
   std::optional<FitQuality> quality;  // of the maximum-likelihood methods; asymptotic p only
+  std::optional<int> group{};         // of the participant, place in Protocol::groups
 };
 
 struct CellModel {

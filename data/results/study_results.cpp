@@ -5,7 +5,9 @@
 
 #include "data/results/rating_answers.h"
 #include "data/results/study_cautions.h"
+#include "data/study/blinding.h"
 #include "protocols/course/prescription.h"
+#include "protocols/planning/allotment.h"
 
 namespace jnd {
 
@@ -14,14 +16,19 @@ namespace {
 void add_ratings(StudyResults& results, const Study& study, const Protocol& protocol,
                  const std::vector<SessionInfo>& sessions) {
   const std::vector<std::string> participants = participants_of(sessions);
+  std::vector<std::optional<int>> groups;
+  for (std::size_t i = 0; i < sessions.size(); ++i)
+    if (i == 0 || sessions[i].participant != sessions[i - 1].participant)
+      groups.push_back(group_named(protocol, sessions[i].group));
   const std::vector<RatedQuestion> ratings = read_ratings(study, protocol, sessions);
   for (const RatedQuestion& rated : ratings)
-    if (rated.paired) results.comparisons.push_back(compare_ratings(rated, participants, protocol));
+    if (rated.paired) results.comparisons.push_back(compare_ratings(rated, participants, protocol, groups));
   results.questionnaire = questionnaire_of(ratings, participants.size(), protocol);
 }
 
-void add_registered(StudyResults& results, OutcomeComparison comparison) {
+void add_registered(StudyResults& results, OutcomeComparison comparison, const Protocol& protocol) {
   comparison.registered = true;
+  if (!protocol.groups.empty()) results.groups = compare_groups(comparison, protocol);
   results.comparisons.push_back(std::move(comparison));
 }
 
@@ -46,7 +53,7 @@ StudyResults constant_results_of(const Study& study, const Protocol& protocol, S
   const std::vector<CountedTrial> trials = read_counted_trials(study, protocol, sessions);
   ConstantResults measured = constant_results(analyze(study, protocol, kind, by, sessions, trials), protocol);
   const std::vector<ThresholdResult>& thresholds = measured.analysis.thresholds;
-  add_registered(results, compare_thresholds(thresholds, protocol, protocol.analysis.tests.outcome));
+  add_registered(results, compare_thresholds(thresholds, protocol, protocol.analysis.tests.outcome), protocol);
   results.comparisons.push_back(compare_times(thresholds, protocol));
   add_ratings(results, study, protocol, sessions);
   if (measured.detailed) measured.behaviour = study_behaviour(protocol, sessions, trials);
@@ -59,7 +66,7 @@ StudyResults constant_results_of(const Study& study, const Protocol& protocol, S
 StudyResults adaptive_results_of(const Study& study, const Protocol& protocol, SessionKind kind) {
   StudyResults results;
   AdaptiveResults measured = adaptive_results(study, protocol, kind);
-  add_registered(results, compare_adaptive(measured.rows, protocol));
+  add_registered(results, compare_adaptive(measured.rows, protocol), protocol);
   add_ratings(results, study, protocol, sessions_of(study, kind));
   results.measured = std::move(measured);
   return results;
@@ -79,7 +86,7 @@ StudyResults task_results_of(const Study& study, const Protocol& protocol, Sessi
   const std::vector<SessionInfo> sessions = sessions_of(study, kind);
   const std::vector<CountedTrial> trials = read_counted_trials(study, protocol, sessions);
   MeasuredTask measured{attendance_of(study, kind, sessions), task_results(protocol, sessions, trials)};
-  add_registered(results, compare_task(measured.task, protocol));
+  add_registered(results, compare_task(measured.task, protocol), protocol);
   add_ratings(results, study, protocol, sessions);
   results.measured = std::move(measured);
   return results;
@@ -91,6 +98,26 @@ StudyResults computed_results_of(const Study& study, const Protocol& protocol, S
   if (protocol.design.procedure) return adaptive_results_of(study, protocol, kind);
   return constant_results_of(study, protocol, kind, by);
 }
+
+}  // namespace
+
+namespace {
+
+// Numbers of every kind of session are allotted to the same groups: where people's are sealed, so are all.
+struct ForgetGroups {
+  void operator()(ConstantResults& measured) const {
+    for (CellResult& row : measured.analysis.cells) row.group.reset();
+    for (ThresholdResult& row : measured.analysis.thresholds) row.group.reset();
+  }
+  void operator()(AdaptiveResults& measured) const {
+    for (AdaptiveRow& row : measured.rows) row.group.reset();
+  }
+  void operator()(MeasuredTask& measured) const {
+    for (TaskEstimateRow& row : measured.task.estimates) row.group.reset();
+    for (TaskCountRow& row : measured.task.counts) row.group.reset();
+  }
+  void operator()(ExplorationResults&) const {}
+};
 
 }  // namespace
 
@@ -113,6 +140,8 @@ StudyResults results_of(const Study& study, const Protocol& protocol, SessionKin
         std::count_if(trials.begin(), trials.end(), [](const CountedTrial& trial) { return trial.off_prescription; }));
   }
   add_cautions(results, protocol);
+  if (results.groups && protocol.allotment == Allotment::balanced && plan_sealed(study, protocol))
+    std::visit(ForgetGroups{}, results.measured);
   results.chains = std::move(chains);
   return results;
 }
@@ -130,7 +159,7 @@ std::vector<ContrastRow> contrasts_of(const StudyResults& results, const Protoco
 
 StudyResults results_of(StudyAnalysis analysis, const Protocol& protocol) {
   StudyResults results;
-  add_registered(results, compare_thresholds(analysis.thresholds, protocol, protocol.analysis.tests.outcome));
+  add_registered(results, compare_thresholds(analysis.thresholds, protocol, protocol.analysis.tests.outcome), protocol);
   results.measured = constant_results(std::move(analysis), protocol);
   add_cautions(results, protocol);
   return results;

@@ -2,6 +2,7 @@
 // `report` draws. Computed once, from the log alone.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -43,6 +44,7 @@ struct StudyResults {
   std::variant<ConstantResults, AdaptiveResults, ExplorationResults, MeasuredTask> measured;
   std::vector<OutcomeComparison> comparisons;  // the registered one first, then times, then ratings; none of free
                                                // interaction
+  std::optional<GroupsCompared> groups;        // of participants; none where the protocol has none
   QuestionnaireResults questionnaire;          // what was answered to questions
   int off_prescription = 0;                    // answered trials that broke a limit of the prescription
   std::vector<std::string> deviations;         // from what was registered

@@ -19,6 +19,7 @@ std::vector<ThresholdResult> thresholds_under(const StudyAnalysis& analysis, con
     ThresholdResult threshold;
     threshold.participant = analysis.thresholds[row].participant;
     threshold.condition = analysis.thresholds[row].condition;
+    threshold.group = analysis.thresholds[row].group;
     threshold.jnd = estimate_jnd(counts, protocol.stimulus.reference, method.method, method.correction);
     thresholds.push_back(std::move(threshold));
   }
@@ -30,10 +31,11 @@ SensitivityRow row_of(const std::vector<ThresholdResult>& thresholds, const Prot
   SensitivityRow row;
   row.method = method;
   const std::size_t conditions = protocol.conditions.size();
-  row.participants = static_cast<int>(thresholds.size() / conditions);
+  row.participants = static_cast<int>(by_participant(thresholds, conditions).size());
   for (std::size_t condition = 0; condition < conditions; ++condition) {
     std::vector<JndEstimate> estimates;
-    for (std::size_t i = condition; i < thresholds.size(); i += conditions) estimates.push_back(thresholds[i].jnd);
+    for (const ThresholdResult& threshold : thresholds)
+      if (threshold.condition == static_cast<int>(condition)) estimates.push_back(threshold.jnd);
     const JndGroup group = jnd_group(estimates);
     row.median_status.push_back(group.median_status);
     row.median_jnd.push_back(group.median_jnd);
@@ -45,6 +47,13 @@ SensitivityRow row_of(const std::vector<ThresholdResult>& thresholds, const Prot
   row.refused = outcome.refused;
   const bool tested = outcome.refused.empty();
   row.omnibus_p = tested ? omnibus_p(outcome.comparison, protocol.analysis) : kNaN;
+  if (!outcome.crossed) {
+    for (const ContrastWithin& contrast : contrasts_within(outcome, protocol)) {
+      row.contrast_p.push_back(contrast.p);
+      row.contrast_slope.push_back(contrast.refused.empty() ? mean_with_ci(contrast.differences).mean : kNaN);
+    }
+    return row;
+  }
   row.contrast_p = tested ? contrast_p(outcome.comparison, protocol.analysis)
                           : std::vector<double>(protocol.analysis.contrasts.size(), kNaN);
   for (const Contrast& contrast : protocol.analysis.contrasts) {

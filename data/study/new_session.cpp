@@ -71,6 +71,7 @@ nlohmann::ordered_json opened_body(const NewSession& session, const StudyInfo& s
       {"trials_total", session.trials_total},
       {"protocol_sha256", study.protocol_sha256},
       {"seed", std::to_string(study.seed)}};
+  if (!session.group.empty()) body["group"] = session.group;
   if (!session.language.empty()) body["language"] = session.language;
   if (!session.boot_id.empty()) body["boot_id"] = session.boot_id;
   // Simulated sessions begin side by side, in an order of their threads; their events must not depend on it.

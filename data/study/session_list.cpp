@@ -40,6 +40,7 @@ SessionInfo opened_info(const std::string& id, const Json& body) {
   info.trials_total = whole_or(body, "trials_total", 0);
   info.rig_sha256 = text_at(body, "rig_sha256");
   info.language = text_at(body, "language");
+  info.group = text_at(body, "group");
   return info;
 }
 

@@ -45,6 +45,7 @@ struct SessionInfo {
   std::string head;            // hash of its last event
   std::string rig_sha256;      // of the rig's description; empty where it has none
   std::string language;        // of the participant; empty where none was chosen
+  std::string group;           // of the participant; empty where the protocol has no groups
   bool ended_early = false;    // closed for good before its end: withdrawn, or without consent
   bool excluded = false;       // the participant: never analysed
   bool replaced = false;       // excluded, and the number is free again
@@ -56,6 +57,7 @@ struct NewSession {
   int participant_number = 0;
   int number = 1;        // which of the participant's sessions
   std::string language;  // of the participant; empty: the protocol's own
+  std::string group;     // of the participant; empty where the protocol has no groups
   std::string boot_id;   // of the machine's run: tells later whether the monotonic clock went on
   SessionKind kind = SessionKind::simulated;
   std::string responder;

@@ -75,12 +75,12 @@ void add_note(Study& study, const std::string& text, Stamp stamp, const std::opt
   study.add_study_event(event_kind::kNote, body, stamp);
 }
 
-int next_participant_number(const std::vector<SessionInfo>& sessions, SessionKind kind) {
+int next_participant_number(const std::vector<SessionInfo>& sessions, SessionKind kind, int first, int step) {
   std::set<int> taken;
   for (const SessionInfo& session : sessions)
     if (session.kind == kind && !session.replaced) taken.insert(session.participant_number);
-  int number = 1;
-  while (taken.contains(number)) ++number;
+  int number = first;
+  while (taken.contains(number)) number += step;
   return number;
 }
 

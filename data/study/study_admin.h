@@ -25,7 +25,8 @@ void add_note(Study& study, const std::string& text, Stamp stamp,
               const std::optional<std::string>& participant = std::nullopt);
 
 // The lowest number of the plan that no session of that kind has, counting those of replaced participants as free.
-int next_participant_number(const std::vector<SessionInfo>& sessions, SessionKind kind);
+// first, step: of the numbers that may be taken, where not every one may: 2, 5, 8, ...
+int next_participant_number(const std::vector<SessionInfo>& sessions, SessionKind kind, int first = 1, int step = 1);
 
 struct ExcludedParticipant {
   std::string participant;

@@ -8,6 +8,7 @@
 #include "analysis/numerics/moments.h"
 #include "analysis/numerics/special_values.h"
 #include "analysis/numerics/tail_probabilities.h"
+#include "protocols/planning/allotment.h"
 
 namespace jnd {
 namespace {
@@ -26,6 +27,7 @@ struct TaskCell {
 
 struct ParticipantCells {
   std::string participant;
+  std::optional<int> group;
   std::vector<TaskCell> cells;  // conditions x series
 };
 
@@ -45,7 +47,7 @@ void add_counts(TaskResults& results, const TaskEstimateRow& row, std::vector<An
   for (std::size_t i = 0; i < trials.size(); ++i) {
     if (i == 0 || key_of(trials[i]) != key_of(trials[i - 1]))
       results.counts.push_back({row.participant, row.kind, row.condition, row.series, trials[i].stimuli,
-                                trials[i].target, trials[i].said, trials[i].sureness, trials[i].number, 0});
+                                trials[i].target, trials[i].said, trials[i].sureness, trials[i].number, 0, row.group});
     ++results.counts.back().n;
   }
 }
@@ -53,10 +55,11 @@ void add_counts(TaskResults& results, const TaskEstimateRow& row, std::vector<An
 void add_estimates(TaskResults& results, const Protocol& protocol, const ParticipantCells& data, SessionKind kind) {
   const Task& task = task_of(protocol.task.kind);
   const auto all_series = static_cast<int>(protocol.series.size());
-  for (int condition = 0; condition < static_cast<int>(protocol.conditions.size()); ++condition) {
+  for (const int condition : conditions_of(protocol, data.group)) {
     for (int series = 0; series < all_series; ++series) {
       const TaskCell& cell = data.cells[place(condition * all_series + series)];
       TaskEstimateRow row;
+      row.group = data.group;
       row.participant = data.participant;
       row.kind = kind;
       row.condition = condition;
@@ -90,8 +93,11 @@ std::vector<double> values_of(const TaskResults& results, int condition, int ser
   return values;
 }
 
-void add_group(TaskResults& results, const Protocol& protocol, int participants) {
+void add_group(TaskResults& results, const Protocol& protocol, const std::vector<ParticipantCells>& all) {
   for (int condition = 0; condition < static_cast<int>(protocol.conditions.size()); ++condition) {
+    const auto participants = static_cast<int>(std::count_if(all.begin(), all.end(), [&](const ParticipantCells& one) {
+      return has_condition(protocol, one.group, condition);
+    }));
     for (int series = 0; series < static_cast<int>(protocol.series.size()); ++series) {
       for (std::size_t outcome = 0; outcome < results.outcomes.size(); ++outcome) {
         std::vector<double> values = values_of(results, condition, series, outcome);
@@ -103,14 +109,11 @@ void add_group(TaskResults& results, const Protocol& protocol, int participants)
 }
 
 // Slope of ln(outcome) on ln(standard); none with fewer than two different standards, or a value that has no logarithm.
-std::optional<double> exponent_of(const TaskResults& results, const Protocol& protocol, std::size_t participant,
-                                  int condition) {
-  const std::size_t all_series = protocol.series.size();
-  const std::size_t first = (participant * protocol.conditions.size() + place(condition)) * all_series;
+std::optional<double> exponent_of(const TaskEstimateRow& first, const TaskResults& results, const Protocol& protocol) {
   std::vector<double> x, y;
-  for (std::size_t series = 0; series < all_series; ++series) {
-    const std::optional<double>& value = results.estimates[first + series].estimates.values[results.registered].value;
-    const double standard = protocol.series[series].standard;
+  for (const TaskEstimateRow& row : series_from(first, protocol)) {
+    const std::optional<double>& value = row.estimates.values[results.registered].value;
+    const double standard = protocol.series[place(row.series)].standard;
     if (!value || !(*value > 0) || !std::isfinite(*value) || !(standard > 0)) return std::nullopt;
     x.push_back(std::log(standard));
     y.push_back(std::log(*value));
@@ -129,11 +132,12 @@ std::optional<double> exponent_of(const TaskResults& results, const Protocol& pr
 
 void add_proportion(TaskResults& results, const Protocol& protocol) {
   if (protocol.series.size() < 2 || !results.outcomes[results.registered].positive) return;
-  const std::size_t participants = participants_of(results, protocol);
   for (int condition = 0; condition < static_cast<int>(protocol.conditions.size()); ++condition) {
     std::vector<double> exponents;
-    for (std::size_t participant = 0; participant < participants; ++participant)
-      if (const auto exponent = exponent_of(results, protocol, participant, condition)) exponents.push_back(*exponent);
+    for (const TaskEstimateRow& row : results.estimates) {
+      if (row.condition != condition || row.series != 0) continue;
+      if (const auto exponent = exponent_of(row, results, protocol)) exponents.push_back(*exponent);
+    }
     ProportionRow row{condition, mean_with_ci(exponents), kNaN};
     const double n = row.exponent.n;
     if (n >= 2 && row.exponent.sd > 0)
@@ -171,7 +175,8 @@ TaskResults task_results(const Protocol& protocol, const std::vector<SessionInfo
   const std::size_t all_series = protocol.series.size();
   for (const SessionInfo& session : sessions) {
     if (participants.empty() || participants.back().participant != session.participant)
-      participants.push_back({session.participant, std::vector<TaskCell>(protocol.conditions.size() * all_series)});
+      participants.push_back({session.participant, group_named(protocol, session.group),
+                              std::vector<TaskCell>(protocol.conditions.size() * all_series)});
     participant_of.push_back(participants.size() - 1);
   }
   for (const CountedTrial& trial : trials) {
@@ -191,26 +196,24 @@ TaskResults task_results(const Protocol& protocol, const std::vector<SessionInfo
   }
   const SessionKind kind = sessions.empty() ? SessionKind::simulated : sessions.front().kind;
   for (const ParticipantCells& data : participants) add_estimates(results, protocol, data, kind);
-  add_group(results, protocol, static_cast<int>(participants.size()));
+  add_group(results, protocol, participants);
   add_proportion(results, protocol);
   add_curves(results, protocol, participants);
   return results;
 }
 
-double registered_value(const TaskResults& results, const Protocol& protocol, std::size_t participant, int condition) {
-  const std::size_t all_series = protocol.series.size();
-  const std::size_t first = (participant * protocol.conditions.size() + place(condition)) * all_series;
+std::span<const TaskEstimateRow> series_from(const TaskEstimateRow& first, const Protocol& protocol) noexcept {
+  return {&first, protocol.series.size()};
+}
+
+double registered_value(const TaskEstimateRow& first, const TaskResults& results, const Protocol& protocol) {
   double sum = 0;
-  for (std::size_t series = 0; series < all_series; ++series) {
-    const std::optional<double>& value = results.estimates[first + series].estimates.values[results.registered].value;
+  for (const TaskEstimateRow& row : series_from(first, protocol)) {
+    const std::optional<double>& value = row.estimates.values[results.registered].value;
     if (!value || !std::isfinite(*value)) return kNaN;
     sum += protocol.analysis.tests.outcome == Outcome::log_jnd ? std::log(*value) : *value;
   }
-  return std::isfinite(sum) ? sum / static_cast<double>(all_series) : kNaN;
-}
-
-std::size_t participants_of(const TaskResults& results, const Protocol& protocol) noexcept {
-  return results.estimates.size() / std::max<std::size_t>(1, protocol.conditions.size() * protocol.series.size());
+  return std::isfinite(sum) ? sum / static_cast<double>(protocol.series.size()) : kNaN;
 }
 
 }  // namespace jnd

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,7 @@ struct TaskCountRow {
   int target = -1, said = -1, sureness = 0;
   std::optional<double> number{};
   int n = 0;
+  std::optional<int> group{};  // of the participant, place in Protocol::groups
 };
 
 // One participant, condition and series.
@@ -37,13 +39,14 @@ struct TaskEstimateRow {
   TaskEstimates estimates;
   std::optional<double> median_response_time_s{};  // participant's own entries
   std::optional<double> mean_trial_s{};
+  std::optional<int> group{};  // of the participant, place in Protocol::groups
 };
 
 // One outcome in one condition and series, over the participants who have it.
 struct TaskGroupRow {
   int condition = 0, series = 0;
   std::size_t outcome = 0;  // place in TaskResults::outcomes
-  int participants = 0;     // of all
+  int participants = 0;     // who get the condition
   MeanEstimate mean;        // with Student's 95 % interval; of those who have a value
   double median = 0;        // NaN without one
 };
@@ -66,7 +69,7 @@ struct TaskResults {
   std::vector<TaskOutcome> outcomes;
   std::size_t registered = 0;  // place of the outcome that the protocol compares
   std::vector<TaskCountRow> counts;
-  std::vector<TaskEstimateRow> estimates;  // by participant, condition, series
+  std::vector<TaskEstimateRow> estimates;  // by participant, condition that they get, series
   std::vector<TaskGroupRow> group;         // by condition, series, outcome
   std::vector<ProportionRow> proportion;   // by condition; empty with fewer than two standards
   std::vector<TaskCurveRow> curves;
@@ -77,9 +80,10 @@ struct TaskResults {
 TaskResults task_results(const Protocol& protocol, const std::vector<SessionInfo>& sessions,
                          const std::vector<CountedTrial>& trials);
 
+// All series of one participant and condition. first: the first of them, in results.estimates.
+std::span<const TaskEstimateRow> series_from(const TaskEstimateRow& first, const Protocol& protocol) noexcept;
 // The registered outcome of one participant and condition: its mean over the series, of logarithms where the tests are
 // on them. NaN where a series has none.
-double registered_value(const TaskResults& results, const Protocol& protocol, std::size_t participant, int condition);
-std::size_t participants_of(const TaskResults& results, const Protocol& protocol) noexcept;
+double registered_value(const TaskEstimateRow& first, const TaskResults& results, const Protocol& protocol);
 
 }  // namespace jnd

@@ -31,7 +31,8 @@ std::string fault_of(const Question& question, const Json& answer) {
 
 }  // namespace
 
-CourseOfQuestions::CourseOfQuestions(const Protocol& protocol, const Plan& plan) : protocol_(protocol) {
+CourseOfQuestions::CourseOfQuestions(const Protocol& protocol, const Plan& plan)
+    : protocol_(protocol), conditions_(plan.conditions) {
   int planned = 0;
   const auto add = [&](int block, int condition) {
     ++planned;
@@ -76,7 +77,7 @@ void CourseOfQuestions::add_missing(Question::When when, int condition, int afte
   for (const Question& question : protocol_.questions) {
     if (question.when != when) continue;
     if (question.per_condition) {
-      for (int i = 0; i < static_cast<int>(protocol_.conditions.size()); ++i) look(question, i);
+      for (const int one : conditions_) look(question, one);
     } else {
       look(question, condition);
     }

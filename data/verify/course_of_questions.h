@@ -38,6 +38,7 @@ class CourseOfQuestions {
   void add_missing_after(const Block& block, std::vector<std::string>& missing) const;
 
   const Protocol& protocol_;
+  std::vector<int> conditions_;     // that the participant gets
   std::vector<Block> blocks_;       // in order
   std::set<std::string> answered_;  // question_key of each
   std::set<int> breaks_;

@@ -30,6 +30,7 @@ constexpr std::array kFields = {Field{event_kind::kNote, "text", Type::text, tru
                                 Field{event_kind::kPaused, "cause", Type::text},
                                 Field{event_kind::kPaused, "reason", Type::text},
                                 Field{event_kind::kPaused, "after_trial", Type::whole},
+                                Field{event_kind::kSessionOpened, "group", Type::text},
                                 Field{event_kind::kContinued, "paused_s", Type::number},
                                 Field{event_kind::kLeft, "cause", Type::text},
                                 Field{event_kind::kLeft, "reason", Type::text},

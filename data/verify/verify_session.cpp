@@ -8,6 +8,7 @@
 #include "data/log/storage_error.h"
 #include "data/verify/verify_fields.h"
 #include "protocols/course/prescription.h"
+#include "protocols/planning/allotment.h"
 #include "protocols/tasks/task.h"
 
 namespace jnd {
@@ -70,6 +71,17 @@ void SessionCheck::open(const Event& event, const Json& body) {
   if (protocol_ != nullptr && !has_plan_)
     open_problem(event, "no plan for session {} of participant number {}, so that no trial can be compared with it.",
                  number_, participant_number_);
+  if (has_plan_) check_group(event, body);
+}
+
+// Numbers are allotted to groups by the study's seed, or by the group that the operator said.
+void SessionCheck::check_group(const Event& event, const Json& body) {
+  const auto found = body.find("group");
+  const std::string recorded = found != body.end() && found->is_string() ? found->get<std::string>() : std::string();
+  const std::string_view allotted = group_name(*protocol_, group_);
+  if (recorded == allotted) return;
+  problem(event, "is of group \"{}\"; participant number {} is allotted to {}.", recorded, participant_number_,
+          group_ ? fmt::format("\"{}\"", allotted) : "none, the protocol has no groups");
 }
 
 void SessionCheck::make_the_plan() {
@@ -77,6 +89,7 @@ void SessionCheck::make_the_plan() {
   if (protocol_ == nullptr || !seed) return;
   try {
     const Plan plan = make_plan(*protocol_, participant_number_, *seed, number_);
+    group_ = plan.group;
     for (const Trial& trial : plan.trials) planned_[trial.index] = trial;
     for (const ExplorationSlot& slot : plan.explorations) explorations_[slot.index] = slot;
     adaptive_.emplace(*protocol_);

@@ -59,6 +59,7 @@ class SessionCheck {
 
   void open(const Event& event, const nlohmann::ordered_json& body);
   void make_the_plan();
+  void check_group(const Event& event, const nlohmann::ordered_json& body);
   void check_began(const Event& event, const nlohmann::ordered_json& body);
   void check_completed(const Event& event, const nlohmann::ordered_json& body);
   void check_voided(const Event& event, const nlohmann::ordered_json& body);
@@ -82,6 +83,7 @@ class SessionCheck {
   std::map<int, Trial> planned_;  // by index
   std::map<int, ExplorationSlot> explorations_;
   bool has_plan_ = false;
+  std::optional<int> group_;             // as the plan has it
   std::optional<AdaptiveRun> adaptive_;  // over given_
   std::vector<Given> given_;             // in order
   std::set<int> given_up_;               // with their block

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "protocols/planning/allotment.h"
 #include "protocols/tasks/task.h"
 
 namespace jnd {
@@ -63,18 +64,18 @@ std::vector<CourseBlock> course_blocks(const Protocol& protocol) {
   std::vector<CourseBlock> blocks;
   const bool explore = protocol.task.kind == TaskKind::explore;
   const bool mixed = !explore && protocol.design.arrangement == Arrangement::mixed;
-  const auto conditions = static_cast<int>(protocol.conditions.size());
+  const std::vector<int> conditions = conditions_of(protocol, largest_plan(protocol));
   const int series = explore ? 1 : static_cast<int>(protocol.series.size());
   std::size_t place = 0;
   for (int one = 0; one < series; ++one) {
     const int each = explore ? static_cast<int>(protocol.explore ? protocol.explore->objects.size() : 0)
-                             : trials_of_cell(protocol, one) * (mixed ? conditions : 1);
-    for (int condition = mixed ? conditions - 1 : 0; condition < conditions; ++condition) {
+                             : trials_of_cell(protocol, one) * (mixed ? static_cast<int>(conditions.size()) : 1);
+    for (std::size_t turn = mixed ? conditions.size() - 1 : 0; turn < conditions.size(); ++turn) {
       blocks.push_back({.begin = place,
                         .end = place + static_cast<std::size_t>(each),
-                        .condition = condition,
+                        .condition = conditions[turn],
                         .one_condition = !mixed,
-                        .series_over = !explore && condition + 1 == conditions});
+                        .series_over = !explore && turn + 1 == conditions.size()});
       place = blocks.back().end;
     }
   }
@@ -90,14 +91,14 @@ std::vector<CoursePage> pages_after(const CourseBlock& block, TaskKind task) {
   return pages;
 }
 
-std::vector<AskedPlace> questions_on(const CoursePage& page, const Protocol& protocol) {
+std::vector<AskedPlace> questions_on(const CoursePage& page, const Protocol& protocol,
+                                     const std::vector<int>& conditions) {
   std::vector<AskedPlace> asked;
   for (std::size_t i = 0; i < protocol.questions.size(); ++i) {
     const Question& question = protocol.questions[i];
     if (question.when != page.when) continue;
     if (question.per_condition) {
-      for (int condition = 0; condition < static_cast<int>(protocol.conditions.size()); ++condition)
-        asked.push_back({static_cast<int>(i), condition});
+      for (const int condition : conditions) asked.push_back({static_cast<int>(i), condition});
     } else {
       asked.push_back({static_cast<int>(i), page.condition});
     }
@@ -337,7 +338,7 @@ std::optional<Step> Course::instruct(Instruction::When when) const {
 }
 
 std::optional<Step> Course::ask(const CoursePage& page) const {
-  step::Ask due{page, questions_on(page, protocol_)};
+  step::Ask due{page, questions_on(page, protocol_, plan_.conditions)};
   std::erase_if(due.questions, [&](const AskedPlace& asked) {
     const std::string name = asked.condition < 0 ? "" : condition_name(protocol_, asked.condition);
     return state_.answered.contains(question_key(question_of(asked.question, protocol_).id, name, page.after_trial));

@@ -33,6 +33,7 @@ struct CourseBlock {
 };
 std::vector<CourseBlock> course_blocks(const Protocol& protocol, const Plan& plan);
 // The same of every participant's plan, from the protocol alone: the most trials, and each condition in its own place.
+// Of groups, the one with the most conditions.
 std::vector<CourseBlock> course_blocks(const Protocol& protocol);
 
 // Questions that are answered together, as a page.
@@ -48,7 +49,9 @@ struct AskedPlace {
   bool operator==(const AskedPlace&) const = default;
 };
 std::vector<CoursePage> pages_after(const CourseBlock& block, TaskKind task);
-std::vector<AskedPlace> questions_on(const CoursePage& page, const Protocol& protocol);
+// conditions: that the participant gets.
+std::vector<AskedPlace> questions_on(const CoursePage& page, const Protocol& protocol,
+                                     const std::vector<int>& conditions);
 
 // The break at one place, the first that the protocol names; null where there is none. None comes after the last block.
 const Break* break_after(const CourseBlock& block, const Protocol& protocol);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "protocols/course/course.h"
+#include "protocols/planning/allotment.h"
 #include "protocols/tasks/task.h"
 
 namespace jnd {
@@ -24,8 +25,9 @@ Tally tally_of(const Protocol& protocol) {
   Tally counts;
   counts.breaks.assign(protocol.breaks.size(), 0);
   counts.questions.assign(protocol.questions.size(), 0);
+  const std::vector<int> conditions = conditions_of(protocol, largest_plan(protocol));
   const auto ask = [&](const CoursePage& page) {
-    for (const AskedPlace& asked : questions_on(page, protocol))
+    for (const AskedPlace& asked : questions_on(page, protocol, conditions))
       ++counts.questions[static_cast<std::size_t>(asked.question)];
   };
   const auto rest = [&](const Break* pause) {

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "protocols/input/json_reader.h"
+#include "protocols/planning/allotment.h"
 #include "protocols/planning/exploration_assignment.h"
 #include "protocols/planning/order.h"
 #include "protocols/planning/plan.h"
@@ -42,6 +43,10 @@ std::size_t cell_of(const Trial& trial, const Protocol& protocol) {
          static_cast<std::size_t>(trial.condition);
 }
 
+bool gets(const Plan& plan, int condition) {
+  return std::find(plan.conditions.begin(), plan.conditions.end(), condition) != plan.conditions.end();
+}
+
 void count_arrangements(const Plan& plan, const Protocol& protocol, CohortBalance& balance) {
   for (const Trial& trial : plan.trials) {
     if (trial.practice) continue;
@@ -72,7 +77,8 @@ void count_trials(const Plan& plan, const Protocol& protocol, CohortBalance& bal
   }
   for (std::size_t i = 0; i < same_of_cell.size(); ++i) {
     CellBalance& cell = balance.cells[i];
-    const bool is_first = plan.participant == 1;
+    if (!gets(plan, cell.condition)) continue;
+    const bool is_first = cell.participants++ == 0;
     cell.least_same = is_first ? same_of_cell[i] : std::min(cell.least_same, same_of_cell[i]);
     cell.most_same = std::max(cell.most_same, same_of_cell[i]);
   }
@@ -120,11 +126,14 @@ void count_explorations(const Protocol& protocol, CohortBalance& balance) {
 
 }  // namespace
 
-CohortBalance balance_of_cohort(const Protocol& protocol, int participants, std::uint64_t seed, int session) {
+CohortBalance balance_of_cohort(const Protocol& protocol, int participants, std::uint64_t seed, int session,
+                                std::optional<int> group) {
   if (participants < 1) throw std::invalid_argument("a cohort has at least one participant");
   if (session < 1) throw std::invalid_argument("sessions are numbered from 1");
   CohortBalance balance;
+  balance.group = group;
   balance.participants = participants;
+  balance.conditions = conditions_of(protocol, group);
   balance.session = session;
   balance.seed = seed;
   if (protocol.task.kind == TaskKind::explore) {
@@ -148,6 +157,10 @@ CohortBalance balance_of_cohort(const Protocol& protocol, int participants, std:
   std::map<std::vector<int>, int> series_orders, condition_orders;
   std::map<std::pair<std::vector<int>, std::vector<int>>, int> pairs;
   for (int participant = 1; participant <= participants; ++participant) {
+    if (group && group_of(protocol, participant, seed) != group) {
+      --balance.participants;
+      continue;
+    }
     const Plan plan = make_plan(protocol, participant, seed, session);
     ++series_orders[plan.series_order];
     ++condition_orders[plan.condition_orders.front()];
@@ -160,11 +173,26 @@ CohortBalance balance_of_cohort(const Protocol& protocol, int participants, std:
   balance.different_pairs_of_orders = static_cast<int>(pairs.size());
   for (const auto& [pair, count] : pairs) balance.most_used_pair = std::max(balance.most_used_pair, count);
 
-  const OrderAssignment assignment(protocol, seed, session);
+  // Cells are placed by all conditions; those that a group does not get are then left out.
+  std::erase_if(balance.cells,
+                [&](const CellBalance& cell) { return !has_condition(protocol, group, cell.condition); });
+  const OrderAssignment assignment(protocol, seed, session, group);
   const bool random = assignment.series_list().empty() || assignment.condition_list().empty();
   balance.group_size = random ? 0 : assignment.group_size();
   balance.pair_count = random ? 0 : assignment.pair_count();
   return balance;
+}
+
+int balanced_at(const Protocol& protocol) {
+  if (protocol.task.kind == TaskKind::explore) return ExplorationAssignment(protocol, 0).group_size();
+  int members = 1;
+  for (int group = 0; group < group_count(protocol); ++group) {
+    const OrderAssignment assignment(protocol, 0, 1,
+                                     protocol.groups.empty() ? std::nullopt : std::optional<int>(group));
+    if (assignment.series_list().empty() || assignment.condition_list().empty()) return 0;
+    members = std::lcm(members, assignment.group_size());
+  }
+  return members * group_count(protocol);
 }
 
 // A cohort's balance as people read it.
@@ -320,17 +348,39 @@ std::string explorations_text(const CohortBalance& balance, const Protocol& prot
   return text;
 }
 
-std::string head(const CohortBalance& balance) {
+std::string head(const CohortBalance& balance, const Protocol& protocol) {
   const std::string session = balance.session == 1 ? "" : fmt::format(", session {}", balance.session);
-  return fmt::format("Balance of {} participants, seed {}{}\n\n", balance.participants, balance.seed, session);
+  const std::string group =
+      balance.group ? fmt::format(" of group {}", group_name(protocol, balance.group)) : std::string();
+  return fmt::format("Balance of {} participants{}, seed {}{}\n\n", balance.participants, group, balance.seed, session);
+}
+
+// The rows of the conditions that are there, and so many columns; or their own columns.
+std::vector<std::vector<int>> part_of(const std::vector<std::vector<int>>& table, const std::vector<int>& conditions,
+                                      bool by_condition) {
+  std::vector<std::vector<int>> part;
+  for (const int row : conditions) {
+    const std::vector<int>& whole = table[static_cast<std::size_t>(row)];
+    part.emplace_back();
+    for (std::size_t i = 0; i < conditions.size(); ++i)
+      part.back().push_back(whole[by_condition ? static_cast<std::size_t>(conditions[i]) : i]);
+  }
+  return part;
 }
 
 }  // namespace
 
 std::string to_text(const CohortBalance& balance, const Protocol& protocol) {
   if (protocol.task.kind == TaskKind::explore)
-    return head(balance) + explorations_text(balance, protocol) + verdict(balance, "condition and object");
-  std::string text = head(balance);
+    return head(balance, protocol) + explorations_text(balance, protocol) + verdict(balance, "condition and object");
+  if (balance.participants == 0) return head(balance, protocol) + "Nobody is in it yet.\n";
+  std::vector<Named> conditions;
+  std::vector<std::string> names;
+  for (const int condition : balance.conditions) {
+    conditions.push_back({condition_name(protocol, condition)});
+    names.push_back(conditions.back().name);
+  }
+  std::string text = head(balance, protocol);
   text += cells_text(balance, protocol) + "\n";
   text += orders_text("Orders of series", balance.series_orders, protocol.series);
   text += "\nSeries by place in the session (participants)\n" +
@@ -340,12 +390,11 @@ std::string to_text(const CohortBalance& balance, const Protocol& protocol) {
   } else {
     text += orders_text("Orders of conditions (first series)", balance.condition_orders, protocol.conditions);
     text += "\nConditions by place in a series (series of all participants)\n" +
-            table_text(balance.condition_positions, protocol.conditions, positions(protocol.conditions.size()));
-    if (protocol.conditions.size() > 1) {
-      std::vector<std::string> names;
-      for (const Condition& condition : protocol.conditions) names.push_back(condition.name);
+            table_text(part_of(balance.condition_positions, balance.conditions, false), conditions,
+                       positions(conditions.size()));
+    if (conditions.size() > 1) {
       text += "\nCondition of the row directly before that of the column (times)\n" +
-              table_text(balance.condition_transitions, protocol.conditions, names);
+              table_text(part_of(balance.condition_transitions, balance.conditions, true), conditions, names);
     }
     text += fmt::format("\nPairs of orders: {} of {} participants differ; the commonest is shared by {}.\n",
                         balance.different_pairs_of_orders, balance.participants, balance.most_used_pair);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,8 @@ struct CellBalance {
   int series = 0, condition = 0;  // places in the protocol
   std::array<int, 4> pairs{};     // (a, a), (b, b), (a, b), (b, a) with pair [a, b]
   int same = 0, different = 0;
-  int least_same = 0, most_same = 0;  // of a single participant
+  int participants = 0;               // who get the condition
+  int least_same = 0, most_same = 0;  // of a single one
   // Of the tasks that have no pairs: how often each arrangement of stimuli comes, and each class of the task.
   std::map<std::vector<double>, int> arrangements{};
   std::vector<int> targets{};
@@ -28,7 +30,9 @@ struct OrderUse {
 };
 
 struct CohortBalance {
-  int participants = 0;
+  std::optional<int> group;     // whose members alone are counted, place in Protocol::groups
+  int participants = 0;         // counted
+  std::vector<int> conditions;  // that they get: places in the protocol
   int session = 1;
   std::uint64_t seed = 0;
   std::vector<CellBalance> cells;          // series by series, conditions within
@@ -49,9 +53,14 @@ struct CohortBalance {
   int pair_count = 1;           // pairs of orders are equally used at its multiples; 0: random orders
 };
 
-// The plans of participants 1..participants in their first session, or a later one. Throws std::invalid_argument where
-// participants < 1 or session < 1.
-CohortBalance balance_of_cohort(const Protocol& protocol, int participants, std::uint64_t seed, int session = 1);
+// The plans of participants 1..participants in their first session, or a later one; with a group, of its members among
+// them. Throws std::invalid_argument where participants < 1 or session < 1.
+CohortBalance balance_of_cohort(const Protocol& protocol, int participants, std::uint64_t seed, int session = 1,
+                                std::optional<int> group = std::nullopt);
+
+// How many participants it takes until each order of series and conditions, or of objects, has been used equally often
+// in every group; 0: random orders.
+int balanced_at(const Protocol& protocol);
 
 // For people: at most 100 columns wide.
 std::string to_text(const CohortBalance& balance, const Protocol& protocol);

@@ -4,6 +4,7 @@
 #include <numeric>
 #include <string>
 
+#include "protocols/planning/allotment.h"
 #include "protocols/random_stream.h"
 
 namespace jnd {
@@ -13,6 +14,12 @@ std::vector<int> counting(int k) {
   std::vector<int> items(static_cast<std::size_t>(k));
   std::iota(items.begin(), items.end(), 0);
   return items;
+}
+
+// An order of places in a list, as the list's own items.
+std::vector<int> picked(std::vector<int> order, const std::vector<int>& items) {
+  for (int& item : order) item = items[static_cast<std::size_t>(item)];
+  return order;
 }
 
 bool is_assigned(Order order) noexcept {
@@ -82,9 +89,11 @@ std::string session_purpose(int session, const std::string& name) {
   return session == 1 ? name : "session/" + std::to_string(session) + "/" + name;
 }
 
-OrderAssignment::OrderAssignment(const Protocol& protocol, std::uint64_t study_seed, int session)
+OrderAssignment::OrderAssignment(const Protocol& protocol, std::uint64_t study_seed, int session,
+                                 std::optional<int> group)
     : series_count_(static_cast<int>(protocol.series.size())),
-      condition_count_(static_cast<int>(protocol.conditions.size())),
+      groups_(group_count(protocol)),
+      conditions_(conditions_of(protocol, group)),
       per_series_(protocol.design.per_series),
       seed_(study_seed),
       session_(session),
@@ -92,16 +101,18 @@ OrderAssignment::OrderAssignment(const Protocol& protocol, std::uint64_t study_s
       series_backwards_(turn_.backwards && is_assigned(protocol.design.series_order)),
       conditions_backwards_(turn_.backwards && is_assigned(protocol.design.condition_order)),
       series_list_(order_list(protocol.design.series_order, series_count_, study_seed, "series")),
-      condition_list_(order_list(protocol.design.condition_order, condition_count_, study_seed, "conditions")) {
+      condition_list_(
+          order_list(protocol.design.condition_order, static_cast<int>(conditions_.size()), study_seed, "conditions")) {
+  for (std::vector<int>& order : condition_list_) order = picked(order, conditions_);
   for (const Series& series : protocol.series) series_names_.push_back(series.name);
 }
 
 int OrderAssignment::series_place(int participant) const noexcept {
-  return (participant - 1 + turn_.places) % size_of(series_list_);
+  return ((participant - 1) / groups_ + turn_.places) % size_of(series_list_);
 }
 
 int OrderAssignment::condition_place(int participant) const noexcept {
-  const int i = participant - 1;
+  const int i = (participant - 1) / groups_;
   return static_cast<int>((static_cast<std::int64_t>(i) + i / group_size() + turn_.places) % size_of(condition_list_));
 }
 
@@ -141,7 +152,7 @@ std::vector<std::vector<int>> OrderAssignment::condition_orders(int participant,
     const std::string purpose = per_series_
                                     ? "order/conditions/" + series_names_[static_cast<std::size_t>(series_order[j])]
                                     : "order/conditions";
-    std::vector<int> order = counting(condition_count_);
+    std::vector<int> order = conditions_;
     RandomStream(seed_, static_cast<std::uint64_t>(participant), session_purpose(session_, purpose)).shuffle(order);
     orders.push_back(std::move(order));
   }

@@ -4,7 +4,8 @@
 // (`williams`), shuffled once for the whole study. Participant i (from 0) gets order i mod A of the A series orders and
 // order (i + floor(i / L)) mod B of the B condition orders, L = lcm(A, B): every L participants use each order of a
 // factor equally often, and all A B pairs occur before any repeats. For A = B = 6, participant 6r + s takes series
-// order s and condition order (s + r) mod 6. `random` orders are drawn for each participant and are not assigned.
+// order s and condition order (s + r) mod 6. `random` orders are drawn for each participant and are not assigned. With
+// groups of participants i counts the members of one group, whose conditions alone are ordered.
 //
 // Further sessions of a participant come in twos: session 2m + 1 takes the orders that are m places further in each
 // list, and session 2m + 2 presents those of session 2m + 1 backwards. Both move a list onto itself (permutations and
@@ -15,6 +16,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -50,8 +52,10 @@ std::string session_purpose(int session, const std::string& name);
 
 class OrderAssignment {
  public:
-  // protocol: as loaded. study_seed: shuffles the lists and the labels of Williams squares. session: from 1.
-  OrderAssignment(const Protocol& protocol, std::uint64_t study_seed, int session = 1);
+  // protocol: as loaded. study_seed: shuffles the lists and the labels of Williams squares. session: from 1. group: of
+  // the participants who are asked for; none where there are none.
+  OrderAssignment(const Protocol& protocol, std::uint64_t study_seed, int session = 1,
+                  std::optional<int> group = std::nullopt);
 
   // participant: from 1. Places in Protocol::series, in presented order.
   std::vector<int> series_order(int participant) const;
@@ -71,7 +75,8 @@ class OrderAssignment {
   int pair_count() const noexcept;
 
  private:
-  int series_count_, condition_count_;
+  int series_count_, groups_;
+  std::vector<int> conditions_;  // of the group
   std::vector<std::string> series_names_;
   bool per_series_;
   std::uint64_t seed_;

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/planning/allotment.h"
 #include "protocols/planning/exploration_assignment.h"
 #include "protocols/planning/order.h"
 #include "protocols/planning/run_limit.h"
@@ -21,12 +22,13 @@ namespace {
 // or participant never changes it. The names are part of every plan: they never change.
 class Draws {
  public:
-  Draws(const Protocol& protocol, std::uint64_t seed, int participant, int session)
+  Draws(const Protocol& protocol, const Plan& plan)
       : protocol_(protocol),
         task_(task_of(protocol.task.kind)),
-        seed_(seed),
-        participant_(static_cast<std::uint64_t>(participant)),
-        session_(session) {}
+        seed_(plan.seed),
+        participant_(static_cast<std::uint64_t>(plan.participant)),
+        session_(plan.session),
+        conditions_(plan.conditions) {}
 
   // The trials of one condition in one series, in order.
   std::vector<DrawnTrial> cell(int series, int condition) const {
@@ -55,26 +57,25 @@ class Draws {
 
   // A block in which the conditions of a series take turns at random. Each condition keeps its own cell's draws.
   std::vector<Drawn> mixed_block(int series) const {
-    const auto conditions = static_cast<int>(protocol_.conditions.size());
     RandomStream interleave = stream("interleave/" + series_name(series));
     std::vector<Drawn> block;
     if (!protocol_.design.run_limit) {
       std::vector<int> turns;
       std::vector<std::vector<DrawnTrial>> cells;
-      for (int c = 0; c < conditions; ++c) {
-        cells.push_back(cell(series, c));
+      for (int c = 0; c < static_cast<int>(conditions_.size()); ++c) {
+        cells.push_back(cell(series, condition_at(c)));
         turns.insert(turns.end(), cells.back().size(), c);
       }
       interleave.shuffle(turns);
       std::vector<std::size_t> next(cells.size(), 0);
       for (const int c : turns)
-        block.push_back({c, cells[static_cast<std::size_t>(c)][next[static_cast<std::size_t>(c)]++]});
+        block.push_back({condition_at(c), cells[static_cast<std::size_t>(c)][next[static_cast<std::size_t>(c)]++]});
       return block;
     }
     std::vector<Classes> cells;
     std::vector<int> one_turns, other_turns;
-    for (int c = 0; c < conditions; ++c) {
-      cells.emplace_back(cell(series, c));
+    for (int c = 0; c < static_cast<int>(conditions_.size()); ++c) {
+      cells.emplace_back(cell(series, condition_at(c)));
       one_turns.insert(one_turns.end(), cells.back().one.size(), c);
       other_turns.insert(other_turns.end(), cells.back().other.size(), c);
     }
@@ -84,9 +85,9 @@ class Draws {
     std::vector<std::size_t> next_one(cells.size(), 0), next_other(cells.size(), 0);
     std::size_t one_turn = 0, other_turn = 0;
     for (const bool one : limited(one_turns.size(), other_turns.size(), classes)) {
-      const int condition = one ? one_turns[one_turn++] : other_turns[other_turn++];
-      const auto c = static_cast<std::size_t>(condition);
-      block.push_back({condition, one ? cells[c].one[next_one[c]++] : cells[c].other[next_other[c]++]});
+      const int turn = one ? one_turns[one_turn++] : other_turns[other_turn++];
+      const auto c = static_cast<std::size_t>(turn);
+      block.push_back({condition_at(turn), one ? cells[c].one[next_one[c]++] : cells[c].other[next_other[c]++]});
     }
     return block;
   }
@@ -104,7 +105,7 @@ class Draws {
     std::string of_series;
     if (protocol_.series.size() > 1) of_series = fmt::format("{}/", series_name(series));
     std::vector<std::vector<Slot>> tracks;
-    for (int condition = 0; condition < static_cast<int>(protocol_.conditions.size()); ++condition) {
+    for (const int condition : conditions_) {
       if (only && condition != *only) continue;
       for (int track = 1; track <= static_cast<int>(procedure.starts.size()); ++track) {
         RandomStream slots = stream(fmt::format("slots/{}{}", of_series, condition_name(condition)), track);
@@ -168,6 +169,7 @@ class Draws {
   std::vector<bool> limited(std::size_t one, std::size_t other, RandomStream& stream) const {
     return draw_limited_sequence(static_cast<int>(one), static_cast<int>(other), *protocol_.design.run_limit, stream);
   }
+  int condition_at(int place) const { return conditions_[static_cast<std::size_t>(place)]; }
   const Series& series_at(int series) const { return protocol_.series[static_cast<std::size_t>(series)]; }
   const std::string& series_name(int series) const { return series_at(series).name; }
   const std::string& condition_name(int c) const { return protocol_.conditions[static_cast<std::size_t>(c)].name; }
@@ -177,6 +179,7 @@ class Draws {
   std::uint64_t seed_;
   std::uint64_t participant_;
   int session_;
+  std::vector<int> conditions_;  // of the participant, places in the protocol
 };
 
 // Numbers the trials as they are added.
@@ -199,7 +202,10 @@ class TrialList {
   const Protocol& protocol_;
 };
 
-void add_practice(const Practice& practice, const Draws& draws, TrialList& list) {
+// Conditions that the participant does not get are not practised.
+void add_practice(const Practice& practice, const std::vector<int>& own, const Draws& draws, TrialList& list) {
+  std::vector<int> conditions = practice.conditions;
+  std::erase_if(conditions, [&](int one) { return std::find(own.begin(), own.end(), one) == own.end(); });
   for (int round = 1; round <= practice.max_rounds; ++round) {
     std::size_t turn = 0;
     for (const DrawnTrial& drawn : draws.practice(practice, round)) {
@@ -207,7 +213,7 @@ void add_practice(const Practice& practice, const Draws& draws, TrialList& list)
       trial.practice = true;
       trial.round = round;
       trial.series = practice.series;
-      trial.condition = practice.conditions[turn++ % practice.conditions.size()];
+      trial.condition = conditions[turn++ % conditions.size()];
       list.add(trial, drawn);
     }
   }
@@ -240,17 +246,19 @@ Plan make_plan(const Protocol& protocol, int participant, std::uint64_t seed, in
   plan.session = session;
   plan.participant = participant;
   plan.seed = seed;
+  plan.group = group_of(protocol, participant, seed);
+  plan.conditions = conditions_of(protocol, plan.group);
   if (protocol.task.kind == TaskKind::explore) {
     plan.explorations = ExplorationAssignment(protocol, seed, session).slots(participant);
     return plan;
   }
-  const OrderAssignment assignment(protocol, seed, session);
-  const Draws draws(protocol, seed, participant, session);
+  const OrderAssignment assignment(protocol, seed, session, plan.group);
+  const Draws draws(protocol, plan);
   plan.series_order = assignment.series_order(participant);
   plan.condition_orders = assignment.condition_orders(participant, plan.series_order);
 
   TrialList list(protocol);
-  if (protocol.practice) add_practice(*protocol.practice, draws, list);
+  if (protocol.practice) add_practice(*protocol.practice, plan.conditions, draws, list);
   int block = 0;
   for (std::size_t j = 0; j < plan.series_order.size(); ++j) {
     Trial trial;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "protocols/protocol.h"
@@ -22,6 +23,8 @@ struct Plan {
   int session = 1;                                 // of the participant, from 1
   int participant = 0;                             // number, from 1
   std::uint64_t seed = 0;                          // of the study
+  std::optional<int> group;                        // place in Protocol::groups; none where there are none
+  std::vector<int> conditions;                     // that the participant gets: places in Protocol::conditions
   std::vector<int> series_order;                   // places in Protocol::series
   std::vector<std::vector<int>> condition_orders;  // for each series in presented order: places in Protocol::conditions
   std::vector<ExplorationSlot> explorations;       // with the paradigm explore, which has no trials

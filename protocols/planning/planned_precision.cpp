@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "analysis/numerics/words.h"
+#include "protocols/planning/allotment.h"
 
 namespace jnd {
 
@@ -76,9 +77,11 @@ PrecisionQuestion precision_question(const Protocol& protocol) {
   if (question.contrasts.empty()) {
     const int conditions = static_cast<int>(protocol.conditions.size());
     for (int a = 0; a < conditions; ++a)
-      for (int b = a + 1; b < conditions; ++b) question.contrasts.push_back({a, b});
+      for (int b = a + 1; b < conditions; ++b)
+        if (anyone_has_both(protocol, a, b)) question.contrasts.push_back({a, b});
   }
   question.participants = protocol.design.participants;
+  if (!everyone_has_all(protocol)) question.participants = std::max(1, question.participants / group_count(protocol));
   question.experiments = experiments_of(question);
   return question;
 }
@@ -92,6 +95,9 @@ std::string precision_note(const Protocol& protocol) {
                     analysis.jnd_method, analysis.model);
   if (analysis.by_delivered)
     note += fmt::format("{}the figures are for the nominal differences; the protocol registers the delivered ones",
+                        note.empty() ? "" : "; ");
+  if (!everyone_has_all(protocol))
+    note += fmt::format("{}groups get different conditions: the figures are for the participants of one",
                         note.empty() ? "" : "; ");
   return note;
 }

@@ -34,7 +34,8 @@ bool has_precision(const Protocol& protocol) noexcept;
 CountsDesign counts_design(const Protocol& protocol);
 
 // Conditions in the protocol's order with their planned JNDs, its contrasts (without any: every pair), its
-// participants. Where conditions x series x participants is above 500, fewer than 20,000 studies are drawn, but at
+// participants; where groups get different conditions, pairs that somebody has, and the participants of one group. Where
+// conditions x series x participants is above 500, fewer than 20,000 studies are drawn, but at
 // least 1,000: 10 million draws of a participant's answers to one series in all.
 PrecisionQuestion precision_question(const Protocol& protocol);
 

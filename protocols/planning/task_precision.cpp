@@ -49,7 +49,7 @@ std::optional<Answer> answer_to(const Trial& trial, const Protocol& protocol, do
   return std::nullopt;
 }
 
-// What one participant answered in the first condition, by series: an observer feels the same in all of them.
+// What one participant answered in the first condition that they get, by series: an observer feels the same in all of them.
 std::vector<std::vector<AnsweredTrial>> answers_of(const Protocol& protocol, int participant,
                                                    const TaskPrecisionQuestion& question) {
   std::vector<std::vector<AnsweredTrial>> by_series(protocol.series.size());
@@ -58,8 +58,9 @@ std::vector<std::vector<AnsweredTrial>> answers_of(const Protocol& protocol, int
   const bool by_model = protocol.task.kind == TaskKind::same_different;  // others have a response model of their own
   const double criterion =
       by_model ? posterior_model(protocol, protocol.series.front()).configuration.shift_prior.mean : 0;
-  for (const Trial& planned : make_plan(protocol, participant, question.seed).trials) {
-    if (planned.practice || planned.condition != 0 || run.over(planned)) continue;
+  const Plan plan = make_plan(protocol, participant, question.seed);
+  for (const Trial& planned : plan.trials) {
+    if (planned.practice || planned.condition != plan.conditions.front() || run.over(planned)) continue;
     const Trial trial = run.resolved(planned);
     const auto series = static_cast<std::size_t>(trial.series);
     const double noise = noise_of(protocol.series[series], question);

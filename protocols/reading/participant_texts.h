@@ -17,7 +17,7 @@ namespace jnd {
 inline constexpr TextLimits kTitleLimits{.max_length = 200};
 inline constexpr TextLimits kSayLimits{.max_length = 200};
 inline constexpr TextLimits kQuestionLimits{.max_length = 500};
-inline constexpr TextLimits kLabelLimits{.max_length = 100};  // of conditions, options and ends of a scale
+inline constexpr TextLimits kLabelLimits{.max_length = 100};  // of conditions, groups, options, ends of a scale
 inline constexpr TextLimits kPageLimits{.max_length = 4000, .page = true};
 
 // Whom a text is for. A translation that leaves out one of the participant's is incomplete.
@@ -62,6 +62,8 @@ void visit_participant_texts(AnyProtocol& protocol, Visit&& visit) {
     if (auto& prescription = protocol.conditions[i].prescription)
       look(fmt::format("$.conditions[{}].prescription.say", i), prescription->say, kSayLimits, Audience::participant);
   }
+  for (std::size_t i = 0; i < protocol.groups.size(); ++i)
+    look(fmt::format("$.groups[{}].label", i), protocol.groups[i].label, kLabelLimits, Audience::operator_);
   for (std::size_t i = 0; i < protocol.breaks.size(); ++i)
     look(fmt::format("$.breaks[{}].say", i), protocol.breaks[i].say, kSayLimits, Audience::participant);
   for (std::size_t i = 0; i < protocol.questions.size(); ++i)

@@ -75,6 +75,7 @@ void read_tests(const JsonNode& node, ProtocolReading& reading) {
                                               {"tukey", PostHoc::tukey},
                                               {"wilcoxon", PostHoc::wilcoxon}},
                                              tests.post_hoc);
+  read_between_test(reader, reading);
   tests.alpha = reader.optional_number("alpha", {.min = 0, .max = 0.5, .above = true}).value_or(tests.alpha);
   reader.finish();
 }
@@ -122,7 +123,7 @@ void read_analysis_of_ratings(JsonReader& reader, ProtocolReading& reading) {
   if (const JsonNode* contrasts = reader.array_or_null("contrasts", 0, 190)) read_contrasts(*contrasts, reading);
   if (const JsonNode* tests = reader.object_or_null("tests")) {
     JsonReader part(*tests, reading.errors, reading.file);
-    for (const std::string_view key : {"on", "omnibus", "post_hoc"})
+    for (const std::string_view key : {"on", "omnibus", "post_hoc", "between"})
       if (part.member(key) != nullptr)
         part.error(key, "has no meaning with the paradigm \"explore\"",
                    "remove it: ratings are compared by Wilcoxon's signed-rank test");

@@ -179,6 +179,7 @@ void read_design(const JsonNode& node, ProtocolReading& reading) {
   JsonReader reader(node, reading.errors, reading.file);
   design.participants = reader.integer("participants", {.min = 1, .max = 1000});
   design.sessions = reader.integer_or("sessions", 1, {.min = 1, .max = 20});
+  read_allotment(reader, reading);
   if (reading.explores()) {
     for (const std::string_view key :
          {"trials_per_cell", "sampling", "run_limit", "procedure", "conditions", "per_series"})

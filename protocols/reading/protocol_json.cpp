@@ -84,6 +84,7 @@ void read_protocol(ProtocolReading& reading) {
   if (!reading.explores()) read_task(reader, reading);
   if (const JsonNode* node = reader.object("stimulus")) read_stimulus(*node, reading);
   if (const JsonNode* list = reader.array("conditions", 1, 20)) read_conditions(*list, reading);
+  if (const JsonNode* list = reader.array_or_null("groups", 2, 20)) read_groups(*list, reading);
   read_what_is_presented(reader, reading);
   if (!reading.explores())
     if (const JsonNode* node = reader.object("trial")) read_trial(*node, reading);

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/planning/allotment.h"
 #include "protocols/reading/protocol_reading.h"
 #include "protocols/tasks/task.h"
 
@@ -34,6 +35,12 @@ void lint_names(ProtocolReading& reading) {
   };
   look(reading.protocol.conditions, "conditions", "conditions");
   look(reading.protocol.series, "series", "series");
+  look(reading.protocol.groups, "groups", "groups");
+}
+
+// That one participant gets: of groups, the most.
+std::size_t most_conditions(const Protocol& protocol) {
+  return conditions_of(protocol, largest_plan(protocol)).size();
 }
 
 void lint_conditions(ProtocolReading& reading) {
@@ -85,7 +92,7 @@ void lint_orders(ProtocolReading& reading) {
       reading.error_at(path, fmt::format("a Williams square of {} {} is too large", items, what), "use \"random\"");
   };
   if (!reading.explores()) look(design.series_order, protocol.series.size(), "series", "series");
-  look(design.condition_order, protocol.conditions.size(), "conditions", "conditions");
+  look(design.condition_order, most_conditions(protocol), "conditions", "conditions");
 
   const bool mixed = design.arrangement == Arrangement::mixed && reading.sound("$.design.conditions");
   if (!mixed) return;
@@ -112,8 +119,8 @@ void lint_adaptive(ProtocolReading& reading) {
   if (one_series && design.per_series && reading.sound("$.design.per_series"))
     reading.error_at("$.design.per_series", "there are no series that could change the order beside a procedure",
                      "remove it");
-  if (!reading.sound("$.design.procedure") || !reading.sound("$.conditions")) return;
-  const int total = design.trials_per_cell * static_cast<int>(reading.protocol.conditions.size()) *
+  if (!reading.sound("$.design.procedure") || !reading.sound("$.conditions") || !reading.sound("$.groups")) return;
+  const int total = design.trials_per_cell * static_cast<int>(most_conditions(reading.protocol)) *
                     static_cast<int>(std::max<std::size_t>(reading.protocol.series.size(), 1));
   if (total > kMostTrialsOfSession)
     reading.error_at("$.design.procedure.stop",
@@ -139,8 +146,8 @@ void lint_trials(ProtocolReading& reading) {
     reading.error_at("$.design.run_limit", "a run limit changes P(same) of independent random draws",
                      "remove it, or write \"sampling\": \"balanced\"");
   }
-  if (!counts || !reading.sound("$.conditions") || !reading.sound("$.series")) return;
-  const auto conditions = static_cast<int>(protocol.conditions.size());
+  if (!counts || !reading.sound("$.conditions") || !reading.sound("$.groups") || !reading.sound("$.series")) return;
+  const auto conditions = static_cast<int>(most_conditions(protocol));
   int cells = 0, largest = 0;
   for (int series = 0; series < static_cast<int>(protocol.series.size()); ++series) {
     const int cell = trials_of_cell(protocol, series);
@@ -166,6 +173,7 @@ void lint_protocol(ProtocolReading& reading) {
   lint_conditions(reading);
   lint_question_ids(reading);
   lint_orders(reading);
+  lint_groups(reading);
   if (reading.explores()) return lint_explore(reading);
   if (reading.has_pairs()) lint_series(reading);
   lint_task(reading);

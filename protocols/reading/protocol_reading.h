@@ -94,6 +94,12 @@ std::optional<std::string> read_name(JsonReader& reader, std::string_view key, P
 std::optional<int> condition_place(const JsonNode& name, ProtocolReading& reading);
 std::optional<int> series_place(const JsonNode& name, ProtocolReading& reading);
 
+// protocol_groups.cpp: groups of participants. After the conditions; the other two are members of other sections.
+void read_groups(const JsonNode& list, ProtocolReading& reading);
+void read_allotment(JsonReader& design, ProtocolReading& reading);
+void read_between_test(JsonReader& tests, ProtocolReading& reading);
+void lint_groups(ProtocolReading& reading);
+
 // protocol_session.cpp: what surrounds the trials.
 void read_practice(const JsonNode& node, ProtocolReading& reading);
 void read_breaks(const JsonNode& list, ProtocolReading& reading);

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "protocols/course/duration.h"
-#include "protocols/planning/exploration_assignment.h"
-#include "protocols/planning/order.h"
+#include "protocols/planning/allotment.h"
+#include "protocols/planning/cohort.h"
 #include "protocols/planning/planned_precision.h"
 #include "protocols/reading/protocol_reading.h"
 
@@ -101,21 +101,33 @@ void warn_about_draws(ProtocolReading& reading) {
 void warn_about_letters(ProtocolReading& reading) {
   const Protocol& protocol = reading.protocol;
   const Design& design = protocol.design;
-  if (protocol.blinded && protocol.conditions.size() > 1 && design.arrangement == Arrangement::blocked &&
-      design.condition_order == Order::fixed)
+  if (protocol.blinded && conditions_of(protocol, largest_plan(protocol)).size() > 1 &&
+      design.arrangement == Arrangement::blocked && design.condition_order == Order::fixed)
     reading.warn_at("$.design.order.conditions",
                     "everybody has the blocks in the order of \"conditions\": the letters of a coded study follow it "
                     "and hide nothing",
                     "write \"permuted\", \"williams\" or \"random\", or \"blinding\": \"open\"");
 }
 
-int group_size(const Protocol& protocol) {
-  if (protocol.task.kind == TaskKind::explore) return std::max(1, ExplorationAssignment(protocol, 0).group_size());
-  return OrderAssignment(protocol, 0).group_size();
+// Who says the group then knows which conditions come.
+void warn_about_given_groups(ProtocolReading& reading) {
+  const Protocol& protocol = reading.protocol;
+  if (protocol.blinded && protocol.allotment == Allotment::given && !everyone_has_all(protocol))
+    reading.warn_at("$.design.allotment",
+                    "who says the group knows its conditions: the letters of a coded study hide less",
+                    "give every group the same conditions, or let \"balanced\" allot them");
 }
 
+// Orders; and where each number has its group in turn, groups of one size.
 void warn_about_cohort(ProtocolReading& reading) {
-  const int group = group_size(reading.protocol);
+  const Protocol& protocol = reading.protocol;
+  const int groups = group_count(protocol);
+  if (protocol.allotment == Allotment::balanced && protocol.design.participants % groups != 0)
+    return reading.warn_at(
+        "$.design.participants",
+        fmt::format("{} participants do not fill {} groups equally", protocol.design.participants, groups),
+        fmt::format("plan a multiple of {}", groups));
+  const int group = std::max(balanced_at(protocol), groups);
   const int participants = reading.protocol.design.participants;
   if (participants % group != 0) {
     const int above = (participants / group + 1) * group;
@@ -152,6 +164,7 @@ void warn_about_protocol(ProtocolReading& reading) {
     warn_about_draws(reading);
   }
   warn_about_letters(reading);
+  warn_about_given_groups(reading);
   warn_about_cohort(reading);
   warn_about_session(reading);
   warn_about_translations(reading);

@@ -5,12 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "analysis/group/between_groups.h"
-#include "analysis/group/mixed_anova.h"
-#include "analysis/group/p_adjust.h"
-#include "analysis/group/shapiro_wilk.h"
-#include "analysis/numerics/moments.h"
-#include "analysis/scaling/mean_interval.h"
+#include "analysis/group/compare_groups.h"
 #include "runner/calc/calc_group.h"
 #include "runner/terminal/json_output.h"
 #include "runner/terminal/number_text.h"
@@ -23,59 +18,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using Align = TextTable::Align;
-
-struct GroupCell {
-  std::size_t group = 0, condition = 0;
-  MeanInterval mean;
-  double median = 0;
-  ShapiroWilk shapiro;
-};
-
-// Two groups under one condition; p_holm over all pairs and conditions.
-struct GroupPair {
-  std::size_t a = 0, b = 0, condition = 0;
-  WelchT welch;
-  double welch_p_holm = 0;
-  MannWhitney ranks;
-  double ranks_p_holm = 0;
-};
-
-struct GroupComparison {
-  std::vector<GroupCell> cells;
-  MixedAnova anova;
-  std::vector<GroupPair> pairs;
-};
-
-void correct_pairs(std::vector<GroupPair>& pairs) {
-  std::vector<double> welch, ranks;
-  for (const GroupPair& pair : pairs) {
-    welch.push_back(pair.welch.p);
-    ranks.push_back(pair.ranks.p);
-  }
-  welch = holm(welch);
-  ranks = holm(ranks);
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    pairs[i].welch_p_holm = welch[i];
-    pairs[i].ranks_p_holm = ranks[i];
-  }
-}
-
-GroupComparison compare_groups(const GroupedTable& table) {
-  GroupComparison found;
-  found.anova = mixed_anova(table);
-  for (std::size_t j = 0; j < table.values.k; ++j) {
-    std::vector<std::vector<double>> values;
-    for (std::size_t g = 0; g < table.groups; ++g) {
-      values.push_back(table.cell(g, j));
-      found.cells.push_back({g, j, mean_interval(values[g]), median_of(values[g]), shapiro_wilk(values[g])});
-    }
-    for (std::size_t a = 0; a < table.groups; ++a)
-      for (std::size_t b = a + 1; b < table.groups; ++b)
-        found.pairs.push_back({a, b, j, welch_t(values[a], values[b]), 0, mann_whitney(values[a], values[b]), 0});
-  }
-  correct_pairs(found.pairs);
-  return found;
-}
 
 // ---- JSON
 
@@ -136,7 +78,9 @@ Json group_pair_json(const GroupedLongTable& table, const GroupPair& pair) {
   return out;
 }
 
-Json groups_json(const GroupedLongTable& table, const GroupComparison& found) {
+}  // namespace
+
+nlohmann::ordered_json groups_json(const GroupedLongTable& table, const GroupComparison& found) {
   const MixedAnova& anova = found.anova;
   Json out = {{"design", table.mixed() ? "mixed" : "between"},
               {"n", table.values.values.n},
@@ -157,6 +101,8 @@ Json groups_json(const GroupedLongTable& table, const GroupComparison& found) {
   if (table.mixed() && anova.unequal) out["cautions"].push_back("unequal_groups");
   return out;
 }
+
+namespace {
 
 // ---- text
 

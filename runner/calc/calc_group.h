@@ -7,6 +7,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "analysis/group/compare.h"
+#include "analysis/group/compare_groups.h"
 #include "analysis/group/signed_rank.h"
 #include "runner/calc/calc_group_input.h"
 
@@ -20,7 +21,9 @@ struct NamedComparison {
 nlohmann::ordered_json comparison_json(const NamedComparison& named);
 std::string comparison_text(const NamedComparison& named);
 
-// The comparison of groups of participants, with conditions within them or without: prints it.
+// The comparison of groups of participants, with conditions within them or without.
+nlohmann::ordered_json groups_json(const GroupedLongTable& table, const GroupComparison& found);
+// Computes and prints it.
 void print_groups(const GroupedLongTable& table, bool json);
 
 struct WilcoxonRow {

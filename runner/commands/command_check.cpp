@@ -8,6 +8,7 @@
 #include "protocols/course/duration.h"
 #include "protocols/input/resources.h"
 #include "protocols/planning/adaptive_run.h"
+#include "protocols/planning/allotment.h"
 #include "protocols/planning/plan.h"
 #include "protocols/reading/protocol_json.h"
 #include "protocols/rigs/rig_description.h"
@@ -58,7 +59,8 @@ CheckedFile check_file(const std::string& name_or_path) {
   result.check = check_fitness(find_resource(Resource::protocol, name_or_path));
   if (!result.check.errors.empty()) return result;
   const Protocol& protocol = *result.check.protocol;
-  result.trials = main_trial_count(make_plan(protocol, 1, 1));
+  constexpr std::uint64_t kAnySeed = 1;
+  result.trials = main_trial_count(make_plan(protocol, first_of(protocol, largest_plan(protocol), kAnySeed), kAnySeed));
   result.duration_s = expected_duration_s(protocol);
   if (has_precision(protocol)) result.precision = planned_precision(protocol);
   return result;
@@ -75,13 +77,43 @@ void print_tracker(const Protocol& protocol) {
   fmt::print("  tracker: {}, {} (jnd run --rig FILE)\n", tracker, is);
 }
 
+// Of one participant; of groups, of the one with the most.
+std::size_t conditions_each(const Protocol& protocol) {
+  return conditions_of(protocol, largest_plan(protocol)).size();
+}
+
+// Which conditions each group gets, and how they are compared.
+void print_groups(const Protocol& protocol) {
+  if (protocol.groups.empty()) return;
+  fmt::print("  {} groups, {}; compared by: {}{}\n", protocol.groups.size(),
+             protocol.allotment == Allotment::balanced ? "allotted in balanced blocks" : "as the operator says",
+             to_string(protocol.analysis.tests.between),
+             everyone_has_all(protocol) ? "" : "; trials are those of the group with the most");
+  for (const Group& group : protocol.groups) {
+    std::string names;
+    for (const int condition : group.conditions)
+      names += (names.empty() ? "" : ", ") + condition_name(protocol, condition);
+    fmt::print("    {} ({}): {}\n", group.name, printable(group.label), names);
+  }
+}
+
+nlohmann::ordered_json groups_json(const Protocol& protocol) {
+  nlohmann::ordered_json out = nlohmann::ordered_json::array();
+  for (const Group& group : protocol.groups) {
+    out.push_back({{"name", group.name}, {"conditions", nlohmann::ordered_json::array()}});
+    for (const int condition : group.conditions)
+      out.back()["conditions"].push_back(condition_name(protocol, condition));
+  }
+  return out;
+}
+
 // "2 conditions x 1 standard x 8 levels x 10 trials per cell".
 std::string factors_text(const Protocol& protocol) {
   const Task& task = task_of(protocol.task.kind);
   const auto text = [](std::size_t number, std::string_view word) {
     return counted(static_cast<std::int64_t>(number), word);
   };
-  std::string factors = text(protocol.conditions.size(), "condition");
+  std::string factors = text(conditions_each(protocol), "condition");
   const Series& first = protocol.series.front();
   if (protocol.task.kind == TaskKind::same_different)
     return fmt::format("{} x {} series x {} trials per cell", factors, protocol.series.size(),
@@ -115,6 +147,7 @@ void print_check(const std::string& name, const CheckedFile& result) {
         protocol.explore->duration_s, protocol.explore->objects.size(),
         protocol.explore->objects.size() == 1 ? "" : "s", protocol.questions.size(),
         protocol.questions.size() == 1 ? "" : "s", duration_text(result.duration_s), protocol.sha256);
+    print_groups(protocol);
     print_tracker(protocol);
     return;
   }
@@ -130,15 +163,17 @@ void print_check(const std::string& name, const CheckedFile& result) {
                                          ? fmt::format(", {:.0f} % of them catch trials", 100 * procedure.catch_share)
                                          : "";
     fmt::print("{}: {}\n  {}\n  {} x {}{} = {}{} trials per participant{}, {}about {} per session\n  SHA-256 {}\n",
-               printable(name), bold("ok"), printable(protocol.title), number(protocol.conditions.size(), "condition"),
+               printable(name), bold("ok"), printable(protocol.title), number(conditions_each(protocol), "condition"),
                standards, number(procedure.starts.size(), "track"), at_most ? "at most " : "", result.trials,
                catch_trials, at_most ? "at most " : "", duration_text(result.duration_s), protocol.sha256);
+    print_groups(protocol);
     print_tracker(protocol);
     return;
   }
   fmt::print("{}: {}\n  {}\n  {} = {} trials per participant, about {} per session\n  SHA-256 {}\n", printable(name),
              bold("ok"), printable(protocol.title), factors_text(protocol), result.trials,
              duration_text(result.duration_s), protocol.sha256);
+  print_groups(protocol);
   print_tracker(protocol);
   if (result.precision) fmt::print("\n{}", precision_summary(*result.precision, protocol, name));
 }
@@ -157,6 +192,10 @@ void print_check_json(const CheckedFile& result) {
       result.precision ? precision_json(*result.precision, *result.check.protocol) : nlohmann::ordered_json(nullptr);
   if (ok && result.check.protocol->design.procedure)
     out["trials_at_most"] = can_end_early(*result.check.protocol->design.procedure);
+  if (ok && !result.check.protocol->groups.empty()) {
+    out["groups"] = groups_json(*result.check.protocol);
+    out["between"] = to_string(result.check.protocol->analysis.tests.between);
+  }
   if (ok) out["tracker"] = result.check.protocol->rig.tracker;
   if (ok) out["sha256"] = result.check.protocol->sha256;
   fmt::print("{}\n", json_line(out));

@@ -5,6 +5,7 @@
 
 #include "data/study/blinding.h"
 #include "protocols/planning/adaptive_run.h"
+#include "protocols/planning/allotment.h"
 #include "protocols/planning/cohort.h"
 #include "protocols/planning/condition_codes.h"
 #include "protocols/planning/plan.h"
@@ -28,7 +29,8 @@ struct PlanOptions {
   std::string protocol;
   std::optional<std::string> study;  // its protocol and seed, instead of those here
   int participant = 1;
-  int session = 1;  // of that participant, or of all of them
+  int session = 1;    // of that participant, or of all of them
+  std::string group;  // whose member the participant is, or whose balance is asked for
   std::optional<int> cohort;
   std::optional<std::uint64_t> seed;  // 1 where not given
   bool json = false;
@@ -58,9 +60,14 @@ nlohmann::ordered_json stimulus_json(const Trial& trial, std::size_t interval) {
   return trial.stimuli[interval];
 }
 
+// ", group old"; empty where there are none.
+std::string group_text(const Protocol& protocol, const Plan& plan) {
+  return plan.group ? fmt::format(", group {}", group_name(protocol, plan.group)) : std::string();
+}
+
 void print_plan(const Protocol& protocol, const Plan& plan) {
   fmt::print("{}\n{}\n", bold(printable(protocol.title)),
-             dim(fmt::format("participant {}{}, seed {}, protocol {}", plan.participant,
+             dim(fmt::format("participant {}{}{}, seed {}, protocol {}", plan.participant, group_text(protocol, plan),
                              plan.session == 1 ? "" : fmt::format(", session {}", plan.session), plan.seed,
                              protocol.sha256.substr(0, 12))));
   if (protocol.task.kind == TaskKind::explore) return print_explorations(protocol, plan);
@@ -106,6 +113,7 @@ void print_plan(const Protocol& protocol, const Plan& plan) {
 void print_plan_json(const Protocol& protocol, const Plan& plan) {
   nlohmann::ordered_json out = {
       {"participant", plan.participant}, {"protocol_sha256", protocol.sha256}, {"seed", plan.seed}};
+  if (plan.group) out["group"] = group_name(protocol, plan.group);
   if (plan.session > 1) out["session"] = plan.session;
   if (protocol.task.kind == TaskKind::explore) out["explorations"] = explorations_json(protocol, plan);
   out["trials"] = nlohmann::ordered_json::array();
@@ -143,6 +151,7 @@ nlohmann::ordered_json to_json(const CohortBalance& balance, const Protocol& pro
                                 {"series_positions", balance.series_positions},
                                 {"condition_transitions", balance.condition_transitions},
                                 {"cells", nlohmann::ordered_json::array()}};
+  if (balance.group) out["group"] = group_name(protocol, balance.group);
   if (balance.session > 1) out["session"] = balance.session;
   if (protocol.task.kind == TaskKind::explore) out["object_positions"] = balance.object_positions;
   const bool pairs = protocol.task.kind == TaskKind::same_different;
@@ -172,6 +181,48 @@ std::string round_text(const Trial& trial) {
   return trial.practice ? fmt::format("practice round {}", trial.round) : "";
 }
 
+// The place of the group that is named; none where none is.
+std::optional<int> group_asked(const Protocol& protocol, const PlanOptions& options) {
+  if (options.group.empty()) return std::nullopt;
+  if (protocol.groups.empty()) throw UsageError("--group: the protocol has no groups");
+  const std::optional<int> group = group_named(protocol, options.group);
+  if (!group)
+    throw UsageError(fmt::format("--group {}: the protocol has the groups {}", printable(options.group),
+                                 fmt::join(group_names(protocol), ", ")));
+  return group;
+}
+
+// Of the participant that is asked for: a number, or with a group that is given one of its members.
+int number_of(const Protocol& protocol, const PlanOptions& options) {
+  const std::optional<int> group = group_asked(protocol, options);
+  if (!group) return options.participant;
+  if (protocol.allotment != Allotment::given)
+    throw UsageError("--group: numbers are allotted to groups by the seed; leave it out, and the plan says the group");
+  return number_of_member(protocol, *group, options.participant);
+}
+
+// The groups one by one, each with its own balance; or the one that is named.
+int print_cohort(const Protocol& protocol, std::uint64_t seed, const PlanOptions& options) {
+  std::vector<std::optional<int>> groups = {group_asked(protocol, options)};
+  if (!protocol.groups.empty() && !groups.front()) {
+    groups.clear();
+    for (int group = 0; group < group_count(protocol); ++group) groups.emplace_back(group);
+  }
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (const std::optional<int> group : groups) {
+    const CohortBalance balance = balance_of_cohort(protocol, *options.cohort, seed, options.session, group);
+    if (options.json)
+      all.push_back(to_json(balance, protocol));
+    else
+      fmt::print("{}{}", group == groups.front() ? "" : "\n", to_text(balance, protocol));
+  }
+  if (options.json)
+    fmt::print("{}\n", json_line(groups.size() == 1
+                                     ? all.front()
+                                     : nlohmann::ordered_json({{"participants", *options.cohort}, {"groups", all}})));
+  return exit_code::kDone;
+}
+
 // What the operator's console may show: place, block and coded condition. Practice has no code: it takes the conditions
 // in the protocol's own order, which would name the letters.
 int plan_in_code(const Study& study, const Protocol& protocol, const PlanOptions& options) {
@@ -179,7 +230,9 @@ int plan_in_code(const Study& study, const Protocol& protocol, const PlanOptions
   const std::string line = blinding_line(state, *options.study);
   if (options.cohort)
     throw UsageError(line + "\nThe balance of the cohort names conditions: leave --cohort out until then");
-  const Plan plan = make_plan(protocol, options.participant, study.info().seed, options.session);
+  const Plan plan = make_plan(protocol, number_of(protocol, options), study.info().seed, options.session);
+  // Who says a group knows it; one that was drawn stays sealed.
+  const bool knows_group = protocol.allotment == Allotment::given;
   const std::vector<std::string> codes = condition_codes(protocol, study.info().seed);
   const auto code = [&](int condition) { return codes[static_cast<std::size_t>(condition)]; };
   if (options.json) {
@@ -187,6 +240,7 @@ int plan_in_code(const Study& study, const Protocol& protocol, const PlanOptions
                                   {"protocol_sha256", protocol.sha256},
                                   {"seed", nullptr},
                                   {"blinding", to_json(state)}};
+    if (plan.group && knows_group) out["group"] = group_name(protocol, plan.group);
     out["trials"] = nlohmann::ordered_json::array();
     for (const Trial& trial : plan.trials)
       out["trials"].push_back({{"index", trial.index},
@@ -202,7 +256,8 @@ int plan_in_code(const Study& study, const Protocol& protocol, const PlanOptions
     return exit_code::kDone;
   }
   fmt::print("{}\n{}\n{}\n\n", bold(printable(protocol.title)),
-             dim(fmt::format("participant {}, protocol {}", plan.participant, protocol.sha256.substr(0, 12))),
+             dim(fmt::format("participant {}{}, protocol {}", plan.participant,
+                             knows_group ? group_text(protocol, plan) : "", protocol.sha256.substr(0, 12))),
              warn(printable(line)));
   using Align = TextTable::Align;
   TextTable table({"trial", "block", "condition", ""}, {Align::right, Align::right, Align::left, Align::left});
@@ -216,15 +271,8 @@ int plan_in_code(const Study& study, const Protocol& protocol, const PlanOptions
 }
 
 int plan_of_protocol(const Protocol& protocol, std::uint64_t seed, const PlanOptions& options) {
-  if (options.cohort) {
-    const CohortBalance balance = balance_of_cohort(protocol, *options.cohort, seed, options.session);
-    if (options.json)
-      fmt::print("{}\n", json_line(to_json(balance, protocol)));
-    else
-      fmt::print("{}", to_text(balance, protocol));
-    return exit_code::kDone;
-  }
-  const Plan plan = make_plan(protocol, options.participant, seed, options.session);
+  if (options.cohort) return print_cohort(protocol, seed, options);
+  const Plan plan = make_plan(protocol, number_of(protocol, options), seed, options.session);
   if (options.json)
     print_plan_json(protocol, plan);
   else
@@ -258,6 +306,8 @@ void add_plan(CommandTree& tree) {
   command.add_option("--participant", options.participant, "participant number, from 1")->check(CLI::Range(1, 100'000));
   command.add_option("--session", options.session, "which of the participant's sessions, from 1 (default: 1)")
       ->check(CLI::Range(1, 20));
+  command.add_option("--group", options.group,
+                     "where groups are given: --participant counts its members; with --cohort: its balance alone");
   command.add_option("--cohort", options.cohort, "show the balance over participants 1..N instead")
       ->check(CLI::Range(1, 10'000));
   command.add_option("--seed", options.seed, "the study's seed (default: 1)");

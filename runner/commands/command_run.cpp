@@ -47,6 +47,7 @@ struct RunOptions {
   bool bell = false;                              // cues ring the terminal's bell, and no sound is played
   std::optional<std::string> kind;                // real or pilot; what the rig is for where not given
   std::optional<std::string> language;            // of the participant's texts
+  std::string group;                              // of the participant, where the operator says it
   bool beside = false;                            // another participant's session may stay unfinished
   std::string accept_gap;                         // why a too long interruption does not matter
   std::optional<std::string> override_readiness;  // why a bad finding does not matter
@@ -140,6 +141,8 @@ SessionCard card_of(const Protocol& protocol, const RunOptions& options, const S
   SessionCard card;
   card.title = protocol.title;
   card.participant = request.participant;
+  // One that was drawn stays sealed in a blinded study.
+  if (protocol.allotment == Allotment::given || !protocol.blinded) card.group = target.group;
   card.session = target.number;
   card.sessions = protocol.design.sessions;
   card.kind = request.kind;
@@ -167,9 +170,13 @@ int command_run(const RunOptions& options) {
   request.beside = options.beside;
   request.accept_gap = options.accept_gap;
   request.language = options.language;
+  request.group = options.group;
   request.now = resume_moment(options.fast);
   request.participant = !options.participant.empty() || person ? options.participant : participant_code(1);
-  if (options.language) in_language(protocol, *options.language);  // refused before anything is made
+  // Refused before anything is made.
+  if (options.language) in_language(protocol, *options.language);
+  std::error_code no_study;
+  check_group(protocol, options.group, !std::filesystem::exists(options.study, no_study));
 
   if (!options.buttons.empty() && !person) throw UsageError("--responder answers for nobody: leave --buttons out");
   // They come before the study: where they are not there, nothing is made.
@@ -310,6 +317,8 @@ void add_run(CommandTree& tree) {
   command.add_option("--buttons", options.buttons,
                      "the participant answers with buttons: a mapping of jnd device learn-buttons");
   command.add_option("--language", options.language, "language of the participant's texts, of those in the protocol");
+  command.add_option("--group", options.group,
+                     "group of the participant, in a study whose protocol leaves it to you (allotment \"given\")");
   command.add_flag("--plain", options.plain,
                    "a line at a time instead of a full screen: for screen readers and scripts");
   command.add_option("--events", options.events,

@@ -61,7 +61,8 @@ int simulate_without_study(const Simulation& simulation, bool json) {
     return exit_code::kDone;
   }
   for (const ResultTable& table : result_tables(results, simulation.protocol))
-    if (table.id == "group" || table.id == "contrasts") print_table(table);
+    if (table.id == "group" || table.id == "contrasts" || table.id == "groups" || table.id == "between")
+      print_table(table);
   return exit_code::kDone;
 }
 

@@ -52,6 +52,8 @@ int command_status(const StatusOptions& options) {
   const Protocol protocol = protocol_of(*study);
   const BlindingState blinding = blinding_of(*study, protocol, SessionKind::real);
   const bool sealed = plan_sealed(*study, protocol);
+  // Who says a group knows it; one that was drawn stays sealed.
+  const bool shows_groups = !protocol.groups.empty() && (!sealed || protocol.allotment == Allotment::given);
   if (options.json) {
     nlohmann::ordered_json out = {
         {"protocol", info.protocol_name},
@@ -60,7 +62,7 @@ int command_status(const StatusOptions& options) {
         {"blinding", to_json(blinding)},
         {"study_head", study->head()}};
     out["sessions"] = nlohmann::ordered_json::array();
-    for (const SessionInfo& session : sessions)
+    for (const SessionInfo& session : sessions) {
       out["sessions"].push_back(
           {{"id", session.id},
            {"participant", session.participant},
@@ -73,6 +75,8 @@ int command_status(const StatusOptions& options) {
            {"started", session.started},
            {"ended", session.ended.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(session.ended)},
            {"head", session.head}});
+      if (shows_groups) out["sessions"].back()["group"] = session.group;
+    }
     fmt::print("{}\n", json_line(out));
     return exit_code::kDone;
   }
@@ -84,14 +88,27 @@ int command_status(const StatusOptions& options) {
     return exit_code::kDone;
   }
   using Align = TextTable::Align;
-  TextTable table(
-      {"participant", "kind", "state", "trials", "voided", "started", "ended", "answers by"},
-      {Align::left, Align::left, Align::left, Align::right, Align::right, Align::left, Align::left, Align::left});
-  for (const SessionInfo& session : sessions)
-    table.add({printable(session.participant), std::string(to_string(session.kind)), session.state,
-               fmt::format("{} of {}", session.trials_done, session.trials_total),
-               std::to_string(session.trials_voided), session.started.substr(0, 19),
-               session.ended.substr(0, std::min<std::size_t>(19, session.ended.size())), printable(session.responder)});
+  std::vector<std::string> heads = {"participant", "kind",    "state", "trials",
+                                    "voided",      "started", "ended", "answers by"};
+  std::vector<Align> aligned = {Align::left,  Align::left, Align::left, Align::right,
+                                Align::right, Align::left, Align::left, Align::left};
+  if (shows_groups) {
+    heads.insert(heads.begin() + 1, "group");
+    aligned.insert(aligned.begin() + 1, Align::left);
+  }
+  TextTable table(heads, aligned);
+  for (const SessionInfo& session : sessions) {
+    std::vector<std::string> row = {printable(session.participant),
+                                    std::string(to_string(session.kind)),
+                                    session.state,
+                                    fmt::format("{} of {}", session.trials_done, session.trials_total),
+                                    std::to_string(session.trials_voided),
+                                    session.started.substr(0, 19),
+                                    session.ended.substr(0, std::min<std::size_t>(19, session.ended.size())),
+                                    printable(session.responder)};
+    if (shows_groups) row.insert(row.begin() + 1, printable(session.group));
+    table.add(row);
+  }
   fmt::print("{}  {}\n", table.text(), dim("head of the study's own chain: " + study->head()));
   return exit_code::kDone;
 }

@@ -69,6 +69,9 @@ int command_exclude(const ExcludeOptions& options) {
   const SessionKind kind = kind_of_participant(*study, options);
   exclude_participant(*study, options.participant, kind, options.reason, options.replace, stamp_now());
   const Event event = study->study_events().back();
+  const Protocol protocol = protocol_of(*study);
+  // Where the operator says groups, the next number depends on what is said.
+  const bool given = !protocol.groups.empty() && protocol.allotment == Allotment::given;
   const int next = next_participant_number(study->sessions(), kind);
   study->close();
   if (options.json) {
@@ -76,7 +79,7 @@ int command_exclude(const ExcludeOptions& options) {
                 {"participant", options.participant},
                 {"kind", to_string(kind)},
                 {"replace", options.replace},
-                {"next_participant_number", next},
+                {"next_participant_number", given ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(next)},
                 {"event", event.seq},
                 {"head", event.hash}});
     return exit_code::kDone;
@@ -84,7 +87,10 @@ int command_exclude(const ExcludeOptions& options) {
   fmt::print("{}: participant {} ({} sessions) is excluded, with your reason, as event {} of the study\n",
              printable(options.study), printable(options.participant), to_string(kind), event.seq);
   fmt::print("  Every analysis, export and report leaves this participant out from now on; nothing is deleted.\n");
-  if (options.replace)
+  if (given)
+    fmt::print("  The number {}.\n",
+               options.replace ? "is free again, for a newcomer of the same group" : "stays taken");
+  else if (options.replace)
     fmt::print("  The number is free again: the next newcomer gets number {}.\n", next);
   else
     fmt::print("  The number stays taken; the next newcomer gets number {}.\n", next);

@@ -27,6 +27,7 @@ class SessionListener;
 struct SessionCard {
   std::string title;        // of the protocol
   std::string participant;  // code
+  std::string group;        // of the participant; empty where the operator may not know it
   int session = 1, sessions = 1;
   SessionKind kind = SessionKind::pilot;
   bool resumed = false;

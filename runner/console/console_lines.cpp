@@ -87,7 +87,8 @@ std::string kind_banner(SessionKind kind) {
 
 std::string card_line(const SessionCard& card) {
   const std::string session = card.sessions > 1 ? fmt::format(", session {} of {}", card.session, card.sessions) : "";
-  return fmt::format("participant {}{}, {} of {} trials done{}{}", card.participant, session, card.trials_done,
+  const std::string group = card.group.empty() ? "" : fmt::format(", group {}", card.group);
+  return fmt::format("participant {}{}{}, {} of {} trials done{}{}", card.participant, group, session, card.trials_done,
                      card.trials_total, card.resumed ? "; going on with the session" : "",
                      card.fast ? "; waiting takes no time (--fast)" : "");
 }

@@ -72,6 +72,7 @@ Row banner_row(const Area& area, const SessionCard& card) {
 
 Row card_row(const Area& area, const SessionCard& card) {
   std::string text = fmt::format("Participant {}", card.participant);
+  if (!card.group.empty()) text += fmt::format("   group {}", card.group);
   if (card.sessions > 1) text += fmt::format("   session {} of {}", card.session, card.sessions);
   if (card.resumed) text += "   resumed";
   if (card.fast) text += "   --fast";

@@ -85,7 +85,7 @@ SessionConsole::SessionConsole(const ConsoleOptions& options, const Protocol& pr
 
 void SessionConsole::begin(const SessionCard& card) {
   SessionCard safe = card;
-  for (std::string* text : {&safe.title, &safe.participant}) *text = printable(*text);
+  for (std::string* text : {&safe.title, &safe.participant, &safe.group}) *text = printable(*text);
   display_->begin(safe);
   happened(moment::kBegan);
   if (display_->by_lines() || !warned_) return;

@@ -16,11 +16,11 @@ namespace {
 // The JNDs of those who have one under every condition.
 WithinTable complete_jnds(const StudyAnalysis& analysis, std::size_t conditions) {
   WithinTable table{0, conditions, {}};
-  for (std::size_t first = 0; first + conditions <= analysis.thresholds.size(); first += conditions) {
-    const auto begin = analysis.thresholds.begin() + static_cast<std::ptrdiff_t>(first);
-    const auto end = begin + static_cast<std::ptrdiff_t>(conditions);
-    if (!std::all_of(begin, end, [](const ThresholdResult& row) { return row.jnd.status == JndStatus::ok; })) continue;
-    for (auto row = begin; row != end; ++row) table.values.push_back(row->jnd.jnd);
+  for (const ParticipantRows<ThresholdResult>& one : by_participant(analysis.thresholds, conditions)) {
+    if (!std::all_of(one.of.begin(), one.of.end(),
+                     [](const ThresholdResult* row) { return row != nullptr && row->jnd.status == JndStatus::ok; }))
+      continue;
+    for (const ThresholdResult* row : one.of) table.values.push_back(row->jnd.jnd);
     ++table.n;
   }
   return table;

@@ -6,6 +6,7 @@
 
 #include "analysis/numerics/moments.h"
 #include "data/results/adaptive_results.h"
+#include "protocols/planning/allotment.h"
 #include "runner/figures/figure.h"
 #include "runner/figures/figure_conditions.h"
 #include "runner/results/result_format.h"
@@ -13,6 +14,26 @@
 namespace jnd {
 
 namespace {
+
+// Where groups get different conditions: those who get this one.
+ConditionColumn column_of_groups(const OutcomeComparison& outcome, std::size_t place, const Protocol& protocol) {
+  ConditionColumn column;
+  column.condition = static_cast<int>(place);
+  std::vector<double> values;
+  for (const ParticipantValues& one : outcome.everyone) {
+    if (!has_condition(protocol, one.group, column.condition)) continue;
+    ++column.participants;
+    if (!std::isfinite(one.values[place])) continue;
+    values.push_back(one.values[place]);
+    column.points.push_back({values.back(), one.participant});
+  }
+  column.edges = {{EdgeCount::Side::none, column.participants - static_cast<int>(values.size()), "no value"}};
+  const MeanEstimate mean = mean_with_ci(values);
+  if (mean.n > 0) column.mean = mean.mean;
+  if (std::isfinite(mean.ci_low)) column.interval = {mean.mean, mean.ci_low, mean.ci_high};
+  if (!values.empty()) column.median = median_of(values);
+  return column;
+}
 
 ConditionColumn column_of(const OutcomeComparison& outcome, std::size_t place) {
   ConditionColumn column;
@@ -38,7 +59,7 @@ ConditionFigure figure_of(const OutcomeComparison& outcome, const Protocol& prot
   figure.decimals = decimals;
   figure.unit = outcome.unit.empty() ? "" : " " + outcome.unit;
   for (std::size_t place = 0; place < protocol.conditions.size() && place < outcome.table.k; ++place) {
-    figure.columns.push_back(column_of(outcome, place));
+    figure.columns.push_back(outcome.crossed ? column_of(outcome, place) : column_of_groups(outcome, place, protocol));
     const ConditionColumn& column = figure.columns.back();
     if (column.mean)
       figure.description +=
@@ -61,7 +82,7 @@ std::string left_out_text(const OutcomeComparison& outcome) {
 }
 
 bool has_no_participants(const OutcomeComparison& outcome) {
-  return outcome.table.n + outcome.left_out.size() == 0 || outcome.table.k == 0;
+  return outcome.everyone.empty() || outcome.table.k == 0;
 }
 
 constexpr std::string_view kMarks =
@@ -93,7 +114,10 @@ std::vector<Figure> task_figures(const StudyResults& results, const Protocol& pr
   if (measured == nullptr || results.comparisons.empty()) return {};
   const OutcomeComparison& outcome = results.comparisons.front();
   const bool negative =
-      std::any_of(outcome.table.values.begin(), outcome.table.values.end(), [](double value) { return value < 0; });
+      std::any_of(outcome.everyone.begin(), outcome.everyone.end(), [&](const ParticipantValues& one) {
+        return (outcome.crossed ? one.missing.empty() : true) &&
+               std::any_of(one.values.begin(), one.values.end(), [](double value) { return value < 0; });
+      });
   if (negative || has_no_participants(outcome)) return {};  // the picture is for quantities that are never negative
   ConditionFigure figure = figure_of(outcome, protocol, 3);
   figure.id = "outcome";

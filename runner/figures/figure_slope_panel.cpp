@@ -63,11 +63,11 @@ void draw_point(Svg& svg, const SlopePoint& point, int condition, double x, cons
 }  // namespace
 
 std::vector<SlopePanel> slope_panels(const StudyAnalysis& analysis, const Protocol& protocol) {
-  const std::size_t conditions = protocol.conditions.size(), series = protocol.series.size();
+  const std::size_t series = protocol.series.size();
   std::vector<SlopePanel> panels;
   for (std::size_t i = 0; i < analysis.thresholds.size(); ++i) {
     const ThresholdResult& row = analysis.thresholds[i];
-    if (i % conditions == 0) panels.push_back({row.participant, {}});
+    if (i == 0 || analysis.thresholds[i - 1].participant != row.participant) panels.push_back({row.participant, {}});
     SlopeCurve curve{row.condition, {}, row.jnd.slope, row.jnd.status};
     for (std::size_t place = i * series; place < (i + 1) * series && place < analysis.cells.size(); ++place) {
       const CellResult& cell = analysis.cells[place];

@@ -89,17 +89,17 @@ Check check_plan_balance(const Protocol& protocol, const Plan& plan) {
   Check check = item("plan", fmt::format("participant {} of {} planned, session {} of {}, {} trials", plan.participant,
                                          planned, plan.session, protocol.design.sessions, main_trial_count(plan)));
   if (!plan.explorations.empty()) check.found += fmt::format(", {} free interactions", plan.explorations.size());
-  if (plan.participant > planned)
+  // Where the operator says the group, one may have more members than another, and numbers of the others are left out.
+  if (plan.participant > planned && (protocol.groups.empty() || protocol.allotment == Allotment::balanced))
     complain(check, Verdict::warn, "more participants than the protocol plans",
              "say in the report why, or end the study here");
   if (!plan.trials.empty()) judge_cells(protocol, plan, check);
-  const CohortBalance balance = balance_of_cohort(protocol, 1, plan.seed);
-  if (balance.group_size > 1 && planned % balance.group_size != 0)
-    complain(
-        check, Verdict::warn,
-        fmt::format("orders are balanced at multiples of {}, {} participants are planned", balance.group_size, planned),
-        fmt::format("plan {} participants in the next study (jnd plan --cohort shows the balance)",
-                    (planned / balance.group_size + 1) * balance.group_size));
+  const int balanced = balanced_at(protocol);
+  if (balanced > 1 && planned % balanced != 0)
+    complain(check, Verdict::warn,
+             fmt::format("orders are balanced at multiples of {}, {} participants are planned", balanced, planned),
+             fmt::format("plan {} participants in the next study (jnd plan --cohort shows the balance)",
+                         (planned / balanced + 1) * balanced));
   return check;
 }
 

@@ -8,10 +8,12 @@
 #include <boost/uuid/random_generator.hpp>
 #include <boost/uuid/uuid_io.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "data/log/event_body.h"
 #include "data/log/replay.h"
 #include "data/study/study_admin.h"
+#include "protocols/planning/allotment.h"
 #include "runner/session/simulate.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/terminal.h"
@@ -54,6 +56,17 @@ void refuse_while_another_waits(const std::vector<SessionInfo>& sessions, const 
           session.participant, session.trials_done, session.trials_total, session.participant, request.participant));
 }
 
+// Of a participant whose number is known: the group belongs to it.
+std::string group_of_number(const Study& study, const Protocol& protocol, const SessionRequest& request, int number) {
+  const std::string group(group_name(protocol, group_of(protocol, number, study.info().seed)));
+  if (!request.group.empty() && request.group != group)
+    throw UsageError(fmt::format(
+        "participant {} is of group {}, not {}: leave --group out, or look whether the code is right; a "
+        "participant who began in a wrong group is excluded (jnd exclude --replace) and begins anew with another code",
+        request.participant, group, printable(request.group)));
+  return group;
+}
+
 SessionTarget resumed_target(const Study& study, const Protocol& protocol, const SessionRequest& request,
                              const SessionInfo& session) {
   if (session.responder != request.responder)
@@ -61,6 +74,7 @@ SessionTarget resumed_target(const Study& study, const Protocol& protocol, const
                                  session.participant, printable(session.responder), printable(request.responder)));
   SessionTarget target;
   target.participant_number = session.participant_number;
+  target.group = group_of_number(study, protocol, request, session.participant_number);
   target.number = session.number;
   target.resumed = session;
   target.state = replay(study.events(session.id));
@@ -86,6 +100,19 @@ void check_participant_code(const std::string& code) {
                                  printable(code), kLongestCode));
 }
 
+void check_group(const Protocol& protocol, const std::string& group, bool newcomer) {
+  const std::string names = fmt::format("{}", fmt::join(group_names(protocol), ", "));
+  if (!group.empty()) {
+    if (protocol.groups.empty()) throw UsageError("--group: the protocol has no groups of participants; leave it out");
+    if (!group_named(protocol, group))
+      throw UsageError(fmt::format("--group {}: the protocol has the groups {}", printable(group), names));
+    if (protocol.allotment == Allotment::balanced)
+      throw UsageError("--group: this study allots its participants itself, by their numbers; leave it out");
+  } else if (newcomer && !protocol.groups.empty() && protocol.allotment == Allotment::given) {
+    throw UsageError(fmt::format("say the participant's group: --group NAME, with one of {}", names));
+  }
+}
+
 SessionTarget choose_session(const Study& study, const Protocol& protocol, const SessionRequest& request) {
   const std::vector<SessionInfo> sessions = study.sessions();
   refuse_excluded(sessions, request);
@@ -105,7 +132,13 @@ SessionTarget choose_session(const Study& study, const Protocol& protocol, const
                                  request.participant, to_string(request.kind), last_ended));
   refuse_while_another_waits(sessions, request);
   target.number = finished + 1;
-  if (finished == 0) target.participant_number = next_participant_number(sessions, request.kind);
+  if (finished == 0) {
+    check_group(protocol, request.group, true);
+    const std::optional<int> group = group_named(protocol, request.group);
+    target.participant_number =
+        next_participant_number(sessions, request.kind, group ? *group + 1 : 1, group ? group_count(protocol) : 1);
+  }
+  target.group = group_of_number(study, protocol, request, target.participant_number);
   target.language = request.language.value_or("");
   return target;
 }
@@ -141,6 +174,7 @@ OpenedSession open_session(Study& study, const SessionRequest& request, const Se
   session.responder = request.responder;
   session.profile_sha256 = request.profile_sha256;
   session.language = target.language;
+  session.group = target.group;
   session.boot_id = request.now.boot_id;
   session.rig = rig.name;
   session.rig_mode = rig.mode;

@@ -23,6 +23,7 @@ struct SessionRequest {
   bool beside = false;         // another participant's session may stay unfinished
   std::string accept_gap;  // why an interruption that is longer than the protocol allows does not matter; may be empty
   std::optional<std::string> language;
+  std::string group;  // of the participant, as the operator says it; may be empty
   ResumeMoment now;
 };
 
@@ -34,13 +35,18 @@ struct SessionTarget {
   SessionState state;                  // of the one that is resumed
   ResumeCheck check;                   // of the one that is resumed
   std::string language;                // of the participant's texts
+  std::string group;                   // of the participant; empty where the protocol has no groups
 };
 
 // 1 to 32 letters and digits. Throws UsageError.
 void check_participant_code(const std::string& code);
 
-// Throws UsageError where the session must not be run: finished, excluded, another's unfinished, another responder, a
-// gap that is too long without a reason.
+// Throws UsageError where the group that the operator says is none of the protocol's, or is not theirs to say; of a
+// newcomer also where it is missing.
+void check_group(const Protocol& protocol, const std::string& group, bool newcomer);
+
+// Throws UsageError where the session must not be run: finished, excluded, another's unfinished, another responder, another
+// group, a gap that is too long without a reason.
 SessionTarget choose_session(const Study& study, const Protocol& protocol, const SessionRequest& request);
 
 // Throws UsageError where the session that is to go on was begun with another rig.

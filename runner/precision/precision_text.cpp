@@ -8,6 +8,7 @@
 
 #include "analysis/numerics/words.h"
 #include "protocols/course/duration.h"
+#include "protocols/planning/allotment.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {
@@ -114,7 +115,7 @@ std::string session_of_proposal(const Precision& precision, const Protocol& prot
   }
   Protocol proposed = protocol;
   proposed.design.trials_per_cell = trials;
-  const std::size_t cells = protocol.conditions.size() * protocol.series.size();
+  const std::size_t cells = conditions_of(protocol, largest_plan(protocol)).size() * protocol.series.size();
   return fmt::format("{} trials per cell in every condition are {} trials per participant, about {}.\n", trials,
                      static_cast<std::size_t>(trials) * cells, duration_text(expected_duration_s(proposed)));
 }

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/planning/allotment.h"
 #include "runner/figures/figure_style.h"
 #include "runner/report/report_html.h"
 #include "runner/report/report_markdown.h"
@@ -116,12 +117,34 @@ struct SummaryHtml {
   }
 };
 
+// The groups of participants, each over its conditions.
+std::string groups_html(const StudyResults& results, const Protocol& protocol) {
+  if (!results.groups) return {};
+  const GroupsCompared& groups = *results.groups;
+  std::string html = fmt::format("<p>{} of the groups of participants:</p>\n<ul>\n", escape_markup(groups.title));
+  for (const GroupMean& row : groups.means) {
+    const bool whole = row.condition < 0 || conditions_of(protocol, row.group).size() == 1;
+    if (!whole) continue;
+    const std::string name = escape_markup(std::string(group_name(protocol, row.group)));
+    if (row.mean.n == 0)
+      html += fmt::format("<li><strong>{}</strong>: no participant has a value</li>\n", name);
+    else
+      html += fmt::format("<li><strong>{}</strong>: mean <strong>{:.4g}{}{}</strong>{}; {} of {} participants</li>\n",
+                          name, row.mean.mean, groups.unit.empty() ? "" : " ", escape_markup(groups.unit),
+                          std::isfinite(row.mean.ci_low)
+                              ? fmt::format(" (95 % CI {:.4g} to {:.4g})", row.mean.ci_low, row.mean.ci_high)
+                              : std::string(),
+                          row.mean.n, row.participants);
+  }
+  return html + "</ul>\n";
+}
+
 std::string summary_html(const StudyResults& results, const Protocol& protocol) {
   const Attendance& attendance = attendance_of(results);
   if (attendance.participants == 0)
     return fmt::format("<p class=\"lead\">This study holds no {} session yet: there is nothing to report.</p>\n",
                        to_string(attendance.kind));
-  return std::visit(SummaryHtml{results, protocol}, results.measured);
+  return std::visit(SummaryHtml{results, protocol}, results.measured) + groups_html(results, protocol);
 }
 
 std::string alert_html(std::string_view id, std::string_view title, const std::vector<std::string>& items) {

@@ -58,6 +58,7 @@ Json to_json(const StudyAnalysis& analysis, const Protocol& protocol) {
     Json participant = json_of(thresholds, row,
                                {"participant", "condition", "slope", "jnd", "weber", "ci_low", "ci_high",
                                 "slope_ci_low", "slope_ci_high", "method", "status"});
+    if (!protocol.groups.empty()) add_json(participant, thresholds, row, {"group"});
     participant["cautions"] = cautions_json(row.jnd);
     add_json(participant, thresholds, row,
              {"series_used", "difference_source", "mean_trial_s", "median_response_time_s"});

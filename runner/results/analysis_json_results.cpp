@@ -8,6 +8,7 @@
 #include "runner/results/adaptive_text.h"
 #include "runner/results/analysis_text.h"
 #include "runner/results/field_output.h"
+#include "runner/results/result_table_parts.h"
 #include "runner/results/result_tables_questionnaire.h"
 #include "runner/terminal/json_output.h"
 
@@ -32,7 +33,7 @@ Json outcome_json(const OutcomeComparison& outcome, const Protocol& protocol) {
   out["left_out"] = left_out_json(outcome.left_out);
   out["refused"] = outcome.refused.empty() ? Json(nullptr) : Json(outcome.refused);
   if (!outcome.refused.empty()) return out;
-  if (outcome.registered) {
+  if (outcome.registered && outcome.crossed) {
     out["omnibus_p"] = json_number(omnibus_p(outcome.comparison, protocol.analysis));
     out["contrasts"] = Json::array();
     const std::vector<double> p = contrast_p(outcome.comparison, protocol.analysis);
@@ -194,6 +195,7 @@ struct ResultsJson {
       out["contrasts"].push_back(json_of(contrasts, row,
                                          {"a", "b", "outcome", "unit", "registered", "participants", "difference.*",
                                           "p", "refused", "difference_source"}));
+    if (results.groups) out["between"] = groups_json(results, protocol);
     out["comparisons"] = Json::array();
     for (const OutcomeComparison& outcome : results.comparisons)
       out["comparisons"].push_back(outcome_json(outcome, protocol));

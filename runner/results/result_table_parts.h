@@ -1,6 +1,8 @@
 // The makers of the tables that result_tables() puts in order; each returns a table that may have no rows.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "runner/results/result_tables.h"
 
 namespace jnd {
@@ -31,5 +33,10 @@ ResultTable task_estimates_table(const TaskResults& results, const Protocol& pro
 ResultTable task_group_table(const StudyResults& results, const TaskResults& measured, const Protocol& protocol);
 ResultTable proportion_table(const TaskResults& results, const Protocol& protocol);
 ResultTable task_counts_table(const TaskResults& results, const Protocol& protocol);
+
+// between_tables.cpp: groups of participants. The JSON is of results that have groups.
+ResultTable groups_table(const StudyResults& results, const Protocol& protocol);
+ResultTable between_table(const StudyResults& results, const Protocol& protocol);
+nlohmann::ordered_json groups_json(const StudyResults& results, const Protocol& protocol);
 
 }  // namespace jnd

@@ -79,14 +79,14 @@ ResultTable participants_table(const StudyAnalysis& analysis, const Protocol& pr
   ResultTable table{"participants", "Participants", method_note(analysis, protocol), {}, {}, {}};
   if (analysis.intervals) table.note += "; " + interval_note(analysis);
   const TableMaker of(threshold_fields(protocol));
-  table = of(std::move(table),
-             {of("participant"), of("condition"), of("slope"), of("jnd"), of.range("ci_low", "ci_high"), of("weber"),
-              of("mean_trial_s"),
-              of.words("cautions",
-                       [&](const ThresholdResult& row) {
-                         return joined(cautions_text(row.jnd), source_caution(row.difference_source, analysis));
-                       })},
-             analysis.thresholds);
+  std::vector<TableColumn<ThresholdResult>> columns = {of("participant")};
+  if (!protocol.groups.empty()) columns.push_back(of("group"));
+  columns.insert(columns.end(), {of("condition"), of("slope"), of("jnd"), of.range("ci_low", "ci_high"), of("weber"),
+                                 of("mean_trial_s"), of.words("cautions", [&](const ThresholdResult& row) {
+                                   return joined(cautions_text(row.jnd),
+                                                 source_caution(row.difference_source, analysis));
+                                 })});
+  table = of(std::move(table), columns, analysis.thresholds);
   // A participant is named once.
   for (std::size_t i = table.rows.size(); i-- > 1;)
     if (table.rows[i].front() == table.rows[i - 1].front()) table.rows[i].front().clear();
@@ -162,17 +162,21 @@ struct TablesOf {
 
   std::vector<ResultTable> operator()(const ConstantResults& measured) const {
     const StudyAnalysis& analysis = measured.analysis;
-    return {
-        participants_table(analysis, protocol), group_table(analysis, protocol),    contrasts_table(results, protocol),
-        omnibus_table(results, protocol),       pairs_table(results, protocol),     series_table(measured, protocol),
-        sensitivity_table(measured, protocol),  sureness_table(measured, protocol), behaviour_table(measured, protocol),
-        cues_table(measured, protocol),         items_table(results, protocol),     ratings_table(results, protocol),
-        cells_table(analysis, protocol)};
+    return {participants_table(analysis, protocol), group_table(analysis, protocol),
+            contrasts_table(results, protocol),     groups_table(results, protocol),
+            between_table(results, protocol),       omnibus_table(results, protocol),
+            pairs_table(results, protocol),         series_table(measured, protocol),
+            sensitivity_table(measured, protocol),  sureness_table(measured, protocol),
+            behaviour_table(measured, protocol),    cues_table(measured, protocol),
+            items_table(results, protocol),         ratings_table(results, protocol),
+            cells_table(analysis, protocol)};
   }
   std::vector<ResultTable> operator()(const AdaptiveResults& measured) const {
     return {adaptive_rows_table(measured, protocol, true),
             adaptive_group_table(measured, protocol),
             contrasts_table(results, protocol),
+            groups_table(results, protocol),
+            between_table(results, protocol),
             omnibus_table(results, protocol),
             pairs_table(results, protocol),
             items_table(results, protocol),
@@ -182,6 +186,8 @@ struct TablesOf {
     return {task_estimates_table(measured.task, protocol),
             task_group_table(results, measured.task, protocol),
             contrasts_table(results, protocol),
+            groups_table(results, protocol),
+            between_table(results, protocol),
             omnibus_table(results, protocol),
             pairs_table(results, protocol),
             proportion_table(measured.task, protocol),

@@ -70,16 +70,12 @@ ResultTable adaptive_rows_table(const AdaptiveResults& results, const Protocol& 
   const auto status = [&](const Row& row) { return of.text("status", row) + (row.finished ? "" : ", not finished"); };
   std::vector<Row> rows = results.rows;
   if (!tracks) std::erase_if(rows, [](const Row& row) { return row.track != 0; });
-  std::vector<TableColumn<Row>> columns = {of("participant"),
-                                           of("condition"),
-                                           of.words("track", track, true),
-                                           of("trials"),
-                                           of("hits"),
-                                           of("catch_trials"),
-                                           of("false_alarm_rate"),
-                                           of.words(reversals ? "reversals" : "posterior of", behind, true),
-                                           of("threshold"),
-                                           reversals ? of("sd") : of.words("sd", factor, true)};
+  std::vector<TableColumn<Row>> columns = {of("participant")};
+  if (!protocol.groups.empty()) columns.push_back(of("group"));
+  columns.insert(columns.end(),
+                 {of("condition"), of.words("track", track, true), of("trials"), of("hits"), of("catch_trials"),
+                  of("false_alarm_rate"), of.words(reversals ? "reversals" : "posterior of", behind, true),
+                  of("threshold"), reversals ? of("sd") : of.words("sd", factor, true)});
   if (source == ThresholdSource::answers) columns.push_back(of.range("ci_low", "ci_high", "95 %"));
   columns.insert(columns.end(), {of("weber"), of.words("status", status)});
   return of({"participants", "Participants", "", {}, {}, {}}, columns, rows);

@@ -30,7 +30,9 @@ std::string words_about(const TaskEstimateRow& row) {
 
 ResultTable task_estimates_table(const TaskResults& results, const Protocol& protocol) {
   const TableMaker of(task_estimate_fields(protocol));
-  std::vector<TableColumn<TaskEstimateRow>> columns = {of("participant"), of("condition")};
+  std::vector<TableColumn<TaskEstimateRow>> columns = {of("participant")};
+  if (!protocol.groups.empty()) columns.push_back(of("group"));
+  columns.push_back(of("condition"));
   if (has_several_standards(protocol)) columns.push_back(of("standard"));
   columns.push_back(of("trials"));
   for (std::size_t i = 0; i < results.outcomes.size(); ++i) {

@@ -1,6 +1,7 @@
 #include "runner/session/counts_log.h"
 
 #include "data/log/event_body.h"
+#include "protocols/planning/allotment.h"
 #include "protocols/tasks/same_different_task.h"
 
 namespace jnd {
@@ -18,13 +19,14 @@ void CountsLog::append(std::string_view kind, const nlohmann::ordered_json& body
   }
 }
 
-std::vector<CellCounts> CountsLog::cells(const Protocol& protocol, const std::string& participant) const {
+std::vector<CellCounts> CountsLog::cells(const Protocol& protocol, const std::string& participant,
+                                         std::optional<int> group) const {
   std::vector<CellCounts> cells;
-  for (std::size_t condition = 0; condition < protocol.conditions.size(); ++condition) {
+  for (const int condition : conditions_of(protocol, group)) {
     for (std::size_t series = 0; series < protocol.series.size(); ++series) {
-      const auto found = counts_.find({protocol.conditions[condition].name, protocol.series[series].name});
-      cells.push_back({participant, static_cast<int>(condition), static_cast<int>(series),
-                       found == counts_.end() ? Counts{} : found->second});
+      const auto found = counts_.find({condition_name(protocol, condition), protocol.series[series].name});
+      cells.push_back(
+          {participant, condition, static_cast<int>(series), found == counts_.end() ? Counts{} : found->second, group});
     }
   }
   return cells;

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <map>
+#include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -17,7 +19,8 @@ class CountsLog final : public SessionLog {
   void append(std::string_view kind, const nlohmann::ordered_json& body, Stamp stamp) override;
   std::vector<Event> events() const override { return {}; }
   // By condition, then series, as the protocol lists them.
-  std::vector<CellCounts> cells(const Protocol& protocol, const std::string& participant) const;
+  std::vector<CellCounts> cells(const Protocol& protocol, const std::string& participant,
+                                std::optional<int> group = std::nullopt) const;
 
  private:
   std::map<std::pair<std::string, std::string>, Counts> counts_;  // condition and series names

@@ -192,6 +192,10 @@ std::vector<ConditionProgress> SessionEngine::by_condition() const {
     condition.done += done ? 1 : 0;
     condition.total += done || !course_.over(trial) ? 1 : 0;
   }
+  // Of the conditions that the participant gets.
+  std::vector<ConditionProgress> own;
+  for (const int condition : parts_.plan.conditions) own.push_back(progress[static_cast<std::size_t>(condition)]);
+  progress = std::move(own);
   std::sort(progress.begin(), progress.end(),
             [](const ConditionProgress& a, const ConditionProgress& b) { return a.code < b.code; });
   return progress;

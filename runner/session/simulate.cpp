@@ -17,6 +17,7 @@
 #include "devices/rigs/rig_factory.h"
 #include "protocols/input/input_error.h"
 #include "protocols/input/sha256.h"
+#include "protocols/planning/allotment.h"
 #include "protocols/planning/plan.h"
 #include "runner/keys/interrupt.h"
 #include "runner/session/counts_log.h"
@@ -56,6 +57,13 @@ int steps_of(const Plan& plan) {
 std::int64_t main_trials(const SessionState& state) {
   return std::count_if(state.completed.begin(), state.completed.end(),
                        [](const TrialRecord& record) { return !record.trial.practice; });
+}
+
+// For the bar: of groups with different conditions as if everybody had as many trials as the group with the most.
+std::int64_t trials_of_all(const Simulation& simulation) {
+  const int someone = first_of(simulation.protocol, largest_plan(simulation.protocol), simulation.seed);
+  return std::int64_t{simulation.participants} * simulation.protocol.design.sessions *
+         main_trial_count(make_plan(simulation.protocol, someone, simulation.seed));
 }
 
 // Each session's noise is drawn anew.
@@ -210,6 +218,7 @@ SimulationResult simulate_study(const Simulation& simulation, Study& study) {
       session.participant = participant_code(turn.participant);
       session.participant_number = turn.participant;
       session.number = turn.session;
+      session.group = group_name(simulation.protocol, plan.group);
       session.kind = SessionKind::simulated;
       session.responder = responder;
       session.profile_sha256 = simulation.profile.sha256;
@@ -240,8 +249,7 @@ SimulationResult simulate_study(const Simulation& simulation, Study& study) {
 std::vector<CellCounts> simulate_counts(const Simulation& simulation, const RigFilter& rig_filter) {
   std::vector<std::vector<CellCounts>> cells(static_cast<std::size_t>(simulation.participants) + 1);
   std::atomic<std::int64_t> trials{0};
-  const std::int64_t total = std::int64_t{simulation.participants} * simulation.protocol.design.sessions *
-                             main_trial_count(make_plan(simulation.protocol, 1, simulation.seed));
+  const std::int64_t total = trials_of_all(simulation);
   const auto work = [&](int participant) {
     if (interrupt_requested()) return Work::interrupted;
     CountsLog log;  // over all of the participant's sessions
@@ -249,7 +257,9 @@ std::vector<CellCounts> simulate_counts(const Simulation& simulation, const RigF
       const Plan plan = make_plan(simulation.protocol, participant, simulation.seed, session);
       if (run_participant(simulation, rig_filter, plan, log, trials) != SessionEnd::completed) return Work::interrupted;
     }
-    cells[static_cast<std::size_t>(participant)] = log.cells(simulation.protocol, participant_code(participant));
+    cells[static_cast<std::size_t>(participant)] =
+        log.cells(simulation.protocol, participant_code(participant),
+                  group_of(simulation.protocol, participant, simulation.seed));
     return Work::finished;
   };
   for_each_place(simulation, simulation.participants, trials, total, work, [](int) {});
@@ -262,8 +272,7 @@ std::vector<CellCounts> simulate_counts(const Simulation& simulation, const RigF
 AdaptiveResults simulate_thresholds(const Simulation& simulation) {
   std::vector<std::vector<AdaptiveRow>> rows(static_cast<std::size_t>(simulation.participants) + 1);
   std::atomic<std::int64_t> trials{0};
-  const std::int64_t total = std::int64_t{simulation.participants} * simulation.protocol.design.sessions *
-                             main_trial_count(make_plan(simulation.protocol, 1, simulation.seed));
+  const std::int64_t total = trials_of_all(simulation);
   const auto work = [&](int participant) {
     if (interrupt_requested()) return Work::interrupted;
     std::vector<std::vector<Event>> sessions;
@@ -274,7 +283,8 @@ AdaptiveResults simulate_thresholds(const Simulation& simulation) {
       sessions.push_back(log.events());
     }
     rows[static_cast<std::size_t>(participant)] =
-        adaptive_rows(sessions, simulation.protocol, participant_code(participant), SessionKind::simulated);
+        adaptive_rows(sessions, simulation.protocol, participant_code(participant), SessionKind::simulated,
+                      group_of(simulation.protocol, participant, simulation.seed));
     return Work::finished;
   };
   for_each_place(simulation, simulation.participants, trials, total, work, [](int) {});

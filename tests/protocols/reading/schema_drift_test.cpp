@@ -41,10 +41,13 @@ void collect_required(const json& part, std::set<std::string>& keys) {
 // Together these use every member: those of fingertip devices and of joints exclude each other.
 std::vector<json> examples() {
   std::vector<json> documents;
-  for (const char* const name :
-       {"complete", "object", "joint", "two-devices", "staircase", "staircase-accelerated", "quest", "posterior",
-        "staircase-joint", "explore", "prescription", "task-which", "task-adaptive", "task-posterior", "task-yes-no",
-        "task-magnitude", "task-identify", "task-specimens", "task-adjust"})
+  for (const char* const name : {"complete",       "object",         "joint",
+                                 "two-devices",    "staircase",      "staircase-accelerated",
+                                 "quest",          "posterior",      "staircase-joint",
+                                 "explore",        "prescription",   "task-which",
+                                 "task-adaptive",  "task-posterior", "task-yes-no",
+                                 "task-magnitude", "task-identify",  "task-specimens",
+                                 "task-adjust",    "groups"})
     documents.push_back(json::parse(read_text(corpus_folder() / "good" / (std::string(name) + ".json"))));
   return documents;
 }

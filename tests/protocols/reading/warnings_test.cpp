@@ -55,6 +55,18 @@ TEST_CASE("letters that follow the file are told") {
   CHECK(warnings_with(read_text(corpus_folder() / "good/mixed.json"), path, part) == 0);
 }
 
+TEST_CASE("groups that participants do not fill, and groups that tell their conditions, are told") {
+  const std::string given = read_text(corpus_folder() / "good/groups.json");
+  const std::string path = "$.design.participants", part = "do not fill 3 groups equally";
+  const std::string balanced = replaced(given, R"("allotment": "given")", R"("allotment": "balanced")");
+  CHECK(warnings_with(balanced, path, part) == 0);
+  CHECK(warnings_with(replaced(balanced, "\"participants\": 12", "\"participants\": 13"), path, part) == 1);
+  CHECK(warnings_with(replaced(given, "\"participants\": 12", "\"participants\": 13"), path, part) == 0);
+  const std::string says = "who says the group knows its conditions";
+  CHECK(warnings_with(given, "$.design.allotment", says) == 1);
+  CHECK(warnings_with(balanced, "$.design.allotment", says) == 0);
+}
+
 TEST_CASE("following the advice about scatter ends the warning") {
   const Protocol protocol = load_protocol(protocols_folder() / "chinello2017.json");
   const std::string bytes = protocol.bytes;

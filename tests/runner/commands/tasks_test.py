@@ -22,7 +22,7 @@ STUDIES = {"leib2015": "pse", "jones1997-viscosity": "weber", "pang1991": "thres
            "bergmann-tiest2009": "weber", "zoeller2020": "jnd", "dhong2019-magnitude": "exponent",
            "carpenter2018-oddity": "dprime", "van-beek2015": "exponent", "varadharajan2008-magnitude": "exponent",
            "lee2007-delay": "threshold", "identify-stiffness2025": "information", "brown2019-prosthesis": "jnd",
-           "singhala2020": "weber", "abx-stiffness": "jnd", "jones-hunter1990": "weber"}
+           "singhala2020": "weber", "abx-stiffness": "jnd", "jones-hunter1990": "weber", "sandpaper-hands2013": "jnd"}
 
 TASKS = ("same-different", "which", "yes-no", "identify", "oddity", "abx", "magnitude", "adjust")
 ADAPTIVE = ("same-different", "which", "yes-no")
