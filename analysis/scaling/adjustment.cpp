@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <boost/math/special_functions/gamma.hpp>
+
 #include "analysis/numerics/moments.h"
 #include "analysis/numerics/special_values.h"
 #include "analysis/numerics/tail_probabilities.h"
@@ -59,6 +61,12 @@ Adjustment adjustment(std::span<const Setting> settings, double standard) {
   result.constant_error = result.settings.mean - standard;
   result.jnd = kProbableError * result.settings.sd;
   result.weber = result.jnd / standard;
+  const double half_df = 0.5 * (static_cast<double>(values.size()) - 1);
+  result.jnd_low = result.jnd_high = kNaN;
+  if (half_df > 0) {
+    result.jnd_low = result.jnd * std::sqrt(half_df / boost::math::gamma_p_inv(half_df, 0.975));
+    result.jnd_high = result.jnd * std::sqrt(half_df / boost::math::gamma_p_inv(half_df, 0.025));
+  }
   result.mean_from_above = result.mean_from_below = result.start_effect = kNaN;
   result.variable_error = result.jnd_within_side = result.start_t = result.start_p = kNaN;
   const Moments above = moments(settings_from(settings, StartSide::above));

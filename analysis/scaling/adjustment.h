@@ -30,6 +30,9 @@ struct Adjustment {
   MeanInterval settings;      // mean: the PSE
   double constant_error = 0;  // PSE - standard
   double jnd = 0, weber = 0;  // of all settings, both sides together; NaN for fewer than two settings
+  // 95 %, of normal settings: kProbableError * sqrt((n - 1) SD^2 / chi^2), the 97.5 and 2.5 % quantiles of n - 1 degrees
+  // of freedom. NaN for fewer than two settings.
+  double jnd_low = 0, jnd_high = 0;
 
   // Where both sides occur; else NaN, status not_applicable. Settings whose side is unknown take no part.
   double mean_from_above = 0, mean_from_below = 0, start_effect = 0;  // above - below

@@ -153,20 +153,25 @@ TaskEstimates AdjustTask::estimate(const Protocol& protocol, const Series& serie
   };
   TaskEstimates estimates;
   estimates.status = spread ? "ok" : "too_few";
-  estimates.values = {task_estimate(defined(found.jnd)),
-                      standard != 0 ? task_estimate(defined(found.jnd / standard)) : TaskEstimate{},
-                      task_estimate(defined(mean.mean), about(0)),
-                      task_estimate(defined(mean.mean - standard), about(standard)),
-                      task_estimate(defined(found.start_effect)),
-                      task_estimate(defined(found.variable_error))};
+  const auto scatter = [&](double unit) {
+    return std::isnan(found.jnd_low) ? std::nullopt
+                                     : std::optional(ChoiceBounds{found.jnd_low / unit, found.jnd_high / unit});
+  };
+  estimates.values = {
+      task_estimate(defined(found.jnd), scatter(1)),
+      standard != 0 ? task_estimate(defined(found.jnd / standard), scatter(std::abs(standard))) : TaskEstimate{},
+      task_estimate(defined(mean.mean), about(0)),
+      task_estimate(defined(mean.mean - standard), about(standard)),
+      task_estimate(defined(found.start_effect)),
+      task_estimate(defined(found.variable_error))};
   return estimates;
 }
 
 std::string AdjustTask::methods(const Protocol&) const {
   return "The PSE is the mean of the settings that a participant accepted in a condition, with Student's 95 % interval, "
          "and the constant error its distance from the standard. The JND is 0.6745 times their standard deviation, the "
-         "half-width that holds half of the settings of a normal distribution (Gescheider 1997); the Weber fraction is "
-         "JND / standard. The start effect is the difference between the means of the settings that started above and "
+         "half-width that holds half of the settings of a normal distribution (Gescheider 1997); its 95 % interval is that of "
+         "the standard deviation by the chi-square distribution. The Weber fraction is JND / standard. The start effect is the difference between the means of the settings that started above and "
          "below the standard; the variable error is the standard deviation within these. Status: too_few, fewer than "
          "two settings.";
 }

@@ -255,6 +255,7 @@ Json adjustment_json(const std::string& name, const Adjustment& of) {
               {"constant_error", json_number(of.constant_error)},
               {"sd", json_number(of.settings.sd)},
               {"jnd", json_number(of.jnd)},
+              {"jnd_ci", bounds_json(of.jnd_low, of.jnd_high)},
               {"weber", json_number(of.weber)},
               {"se", json_number(of.settings.se)},
               {"pse_ci", bounds_json(of.settings.ci_low, of.settings.ci_high)},

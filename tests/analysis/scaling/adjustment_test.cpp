@@ -29,6 +29,18 @@ TEST_CASE("start effect and variable error by hand", "[analysis][scaling]") {
   CHECK(of.weber == Approx(of.jnd / 10).epsilon(1e-15));
 }
 
+// The quantiles of 9 degrees of freedom were checked by integrating the density, that of 1 is the square of a normal one.
+TEST_CASE("the JND's interval is that of a standard deviation", "[analysis][scaling]") {
+  std::vector<Setting> settings;
+  for (int i = 0; i < 10; ++i) settings.push_back({500.0 + 10 * i, StartSide::unknown});
+  const Adjustment found = adjustment(settings, 500);
+  CHECK(found.jnd_low == Approx(found.jnd * std::sqrt(9 / 19.02276780213923)).epsilon(1e-12));
+  CHECK(found.jnd_high == Approx(found.jnd * std::sqrt(9 / 2.7003894999803584)).epsilon(1e-12));
+  const Adjustment two = adjustment(std::vector<Setting>{{1, StartSide::above}, {2, StartSide::below}}, 1);
+  CHECK(two.jnd_high == Approx(two.jnd / std::sqrt(0.0009820691171752583)).epsilon(1e-9));
+  CHECK(std::isnan(adjustment(std::vector<Setting>{{1, StartSide::above}}, 1).jnd_low));
+}
+
 TEST_CASE("a large offset costs no digits", "[analysis][scaling]") {
   const Adjustment near = adjustment(settings_of({3, 5, 4}, {1, 2, 0}), 2);
   const Adjustment far = adjustment(settings_of({1e9 + 3, 1e9 + 5, 1e9 + 4}, {1e9 + 1, 1e9 + 2, 1e9}), 1e9 + 2);
