@@ -34,7 +34,7 @@ TEST_CASE("the JND's interval is that of a standard deviation", "[analysis][scal
   std::vector<Setting> settings;
   for (int i = 0; i < 10; ++i) settings.push_back({500.0 + 10 * i, StartSide::unknown});
   const Adjustment found = adjustment(settings, 500);
-  CHECK(found.jnd_low == Approx(found.jnd * std::sqrt(9 / 19.02276780213923)).epsilon(1e-12));
+  CHECK(found.jnd_low == Approx(found.jnd * std::sqrt(9 / 19.022767798641)).epsilon(1e-12));
   CHECK(found.jnd_high == Approx(found.jnd * std::sqrt(9 / 2.7003894999803584)).epsilon(1e-12));
   const Adjustment two = adjustment(std::vector<Setting>{{1, StartSide::above}, {2, StartSide::below}}, 1);
   CHECK(two.jnd_high == Approx(two.jnd / std::sqrt(0.0009820691171752583)).epsilon(1e-9));

@@ -176,6 +176,11 @@ TEST_CASE("The first player that can play is taken, and the bell rings where non
   CHECK(silent.check().verdict == Verdict::warn);
   CHECK(contains(silent.check().found, "cues are the terminal's bell; pw-play cannot play (exit code 1: no server)"));
   CHECK_FALSE(silent.cue(CuePlace::first, kSound));
+  Protocol paced = with_sounds();
+  paced.conditions.resize(1);
+  paced.timeline.prescription = Prescription{.say = "", .pace_hz = 2, .limits = {}};
+  CHECK(contains(SessionSound(paced, {}).check().found,
+                 "cues are the terminal's bell; no metronome sets the prescribed pace; pw-play"));
   CHECK(check_sound().verdict == Verdict::warn);
   CHECK_FALSE(check_sound().what_to_do.empty());
   CHECK(contains(said_by<DeviceError>([] { SessionSound(with_sounds(), with_noise(true, -30)); }),

@@ -87,9 +87,6 @@ class Sound(unittest.TestCase):
     def test_a_metronome_sets_the_pace_in_every_interval_alike(self):
         self.protocol_file = self.protocol(prescription={"say": "Once with every beat.", "pace_hz": 2})
         self.assertIn("prescribes a pace", self.run_session("--bell", "--rig", self.rig({}), code=USAGE))
-        if not any(os.access(f"/usr/bin/{name}", os.X_OK) for name in ("pw-play", "paplay", "aplay")):
-            self.assertIn("no metronome sets the prescribed pace", self.run_session("--rig", self.rig({})))
-            (self.folder / "study.sqlite").unlink()
         self.player()
         said = self.run_session("--rig", self.rig({}))
         notes = [line.split() for line in self.record.read_text().splitlines() if line.startswith("metronome")]
