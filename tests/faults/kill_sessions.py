@@ -2,10 +2,10 @@
 """Kills sessions with SIGKILL at random instants and runs the same command again, until the session is complete.
 
 After every kill: each answer that the program had acknowledged is in the study, no trial is torn, every stimulus is the planned
-one, and `jnd verify` agrees. At the end of a session its trials table equals an undisturbed run's (times aside). Three kinds of
-session: simulated participants, the same with levels that their answers set, and a person at a pseudo-terminal. A person's
-trial that was felt and not answered comes again at the end of its block, so there the tables are compared trial by trial, and
-answers with what the program said it saved.
+one, and `jnd verify` agrees. At the end of a session its trials table equals an undisturbed run's (times aside). Four kinds of
+session: simulated participants, the same with levels that their answers set by a staircase and by a posterior, and a person at
+a pseudo-terminal. A person's trial that was felt and not answered comes again at the end of its block, so there the tables are
+compared trial by trial, and answers with what the program said it saved.
 
 Usage: kill_sessions.py JND [--kills N] [--seed N]        --kills 1000 is the long form
 """
@@ -92,14 +92,16 @@ def check_study(jnd, study, session, expected, tally, name):
 
 
 def small_protocol(jnd, folder, name="chinello2017"):
-    """A shipped design, shortened to 8 trials a cell, or 4 reversals, and short explorations."""
+    """A shipped design, shortened to 8 trials a cell, 4 reversals or 12 trials a track, and short explorations."""
     path = os.path.join(folder, f"small-{name}.json")
     subprocess.run([jnd, "new", path, "--from", name], check=True, stdout=subprocess.DEVNULL)
     with open(path) as file:
         protocol = json.load(file)
     for part in ("assumed", "practice", "checklist", "consent", "instructions", "translations"):
         protocol.pop(part, None)
-    if "procedure" in protocol["design"]:
+    if protocol["design"].get("procedure", {}).get("kind") == "posterior":
+        protocol["design"]["procedure"].update(stop={"precision": 0.5, "at_most": 12})
+    elif "procedure" in protocol["design"]:
         protocol["design"]["procedure"].update(stop={"reversals": 4, "at_most": 12}, averaged_reversals=2)
     else:
         protocol["design"]["trials_per_cell"] = 8
@@ -231,17 +233,18 @@ def campaign(name, make, jnd, folder, protocol, kills, generator):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("jnd")
-    parser.add_argument("--kills", type=int, default=36, help="of all three kinds of session together (default 36)")
+    parser.add_argument("--kills", type=int, default=36, help="of all four kinds of session together (default 36)")
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     jnd = os.path.abspath(options.jnd)
     generator = random.Random(options.seed)
-    each = -(-options.kills // 3)
+    each = -(-options.kills // 4)
     with tempfile.TemporaryDirectory() as folder:
-        fixed, adaptive = small_protocol(jnd, folder), small_protocol(jnd, folder, "adaptive-staircase")
+        fixed, adaptive, posterior = (small_protocol(jnd, folder, name)
+                                      for name in ("chinello2017", "adaptive-staircase", "adaptive-posterior"))
         tallies = {name: campaign(name, make, jnd, folder, protocol, each, generator)
                    for name, make, protocol in (("simulated", Simulated, fixed), ("adaptive", Simulated, adaptive),
-                                                ("interactive", Person, fixed))}
+                                                ("posterior", Simulated, posterior), ("interactive", Person, fixed))}
     rows = [("kills", [t.kills for t in tallies.values()]), ("answers acknowledged", [t.acknowledged for t in tallies.values()])]
     rows += [(name, [t.wrong[name] for t in tallies.values()]) for name in Tally.NAMES]
     print(f"\n{'':26}" + "".join(f"{name:>13}" for name in (*tallies, "all")))
