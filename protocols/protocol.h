@@ -151,6 +151,7 @@ struct Condition {
   bool devices = true;  // false, with the paradigm explore only: bare hands, nothing is rendered
   // What a rig that is none of ours is told of it, and what it means to whoever sets it up: "delay_ms": 30.
   std::map<std::string, ParameterValue> parameters{};
+  std::map<std::string, ParameterValue> standard_parameters{};  // what of them is otherwise where the standard is felt
   std::optional<Prescription> prescription{};  // in place of the timeline's: modes of exploration that are compared
 };
 

@@ -96,10 +96,23 @@ std::string prescription_sentences(const Prescription& prescription, const std::
                             prescription.on_breach == OnSaturation::repeat ? "voided and repeated" : "marked");
 }
 
-// What ended an interval, and what participants were told to do in it. Nothing where only time did.
+std::string parameter_text(const ParameterValue& value) {
+  if (const double* number = std::get_if<double>(&value)) return fmt::format("{:g}", *number);
+  if (const bool* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
+  return std::get<std::string>(value);
+}
+
+// How the standard was felt, what ended an interval, and what participants were told to do in it. Nothing where only time did.
 std::string exploration_sentences(const Protocol& protocol) {
   const Timeline& timeline = protocol.timeline;
   std::string text;
+  for (const Condition& condition : protocol.conditions) {
+    if (condition.standard_parameters.empty()) continue;
+    std::vector<std::string> words;
+    for (const auto& [name, value] : condition.standard_parameters)
+      words.push_back(fmt::format("{} = {}", markdown_text(name), markdown_text(parameter_text(value))));
+    text += fmt::format("In {} the standard was presented with {}. ", markdown_text(condition.name), list_of(words));
+  }
   if (timeline.interval_end == IntervalEnd::contacts)
     text += fmt::format("An interval ended after {} contact{}, at the latest {:g} s after the first. ",
                         timeline.contacts, plural(static_cast<std::size_t>(timeline.contacts)), timeline.explore_s);

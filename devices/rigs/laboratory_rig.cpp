@@ -16,9 +16,11 @@
 namespace jnd {
 namespace {
 
-std::map<std::string, RigParameterValue> parameters_of(const Condition& condition) {
+std::map<std::string, RigParameterValue> parameters_of(const Condition& condition, bool of_standard) {
+  std::map<std::string, ParameterValue> all = of_standard ? condition.standard_parameters : condition.parameters;
+  all.insert(condition.parameters.begin(), condition.parameters.end());  // those that are not otherwise
   std::map<std::string, RigParameterValue> parameters;
-  for (const auto& [name, value] : condition.parameters) {
+  for (const auto& [name, value] : all) {
     if (const double* number = std::get_if<double>(&value))
       parameters[name] = *number;
     else if (const bool* flag = std::get_if<bool>(&value))
@@ -41,7 +43,10 @@ RigDemand rig_demand(const Protocol& protocol) {
   }
   demand.values.assign(values.begin(), values.end());
   if (protocol.task.together) demand.places = 2;
-  for (const Condition& condition : protocol.conditions) demand.conditions.push_back(parameters_of(condition));
+  for (const Condition& condition : protocol.conditions) {
+    demand.conditions.push_back(parameters_of(condition, false));
+    if (!condition.standard_parameters.empty()) demand.conditions.push_back(parameters_of(condition, true));
+  }
   return demand;
 }
 
@@ -84,7 +89,7 @@ Presentation LaboratoryRig::present(const PresentRequest& request) {
   asked.unit = to_string(protocol_.stimulus.unit);
   asked.value = request.stimulus.stiffness;
   asked.beside = request.beside;
-  if (request.condition != nullptr) asked.parameters = parameters_of(*request.condition);
+  if (request.condition != nullptr) asked.parameters = parameters_of(*request.condition, request.of_standard);
   asked.exploration.ends = request.contacts > 0 ? RigExplorationEnd::contacts
                            : request.enough     ? RigExplorationEnd::stop
                                                 : RigExplorationEnd::time;

@@ -43,7 +43,8 @@ Cues read_cues(const JsonNode& list, ProtocolReading& reading) {
 }
 
 // What a rig that is none of ours is told of the condition.
-void read_parameters(const JsonNode& node, Condition& condition, ProtocolReading& reading) {
+void read_parameters(const JsonNode& node, std::map<std::string, ParameterValue>& parameters,
+                     ProtocolReading& reading) {
   for (std::size_t i = 0; i < node.items.size(); ++i) {
     const JsonNode& item = node.items[i];
     const std::string& key = node.keys[i];
@@ -52,21 +53,42 @@ void read_parameters(const JsonNode& node, Condition& condition, ProtocolReading
     });
     if (!good)
       reading.error(item, in_quotes(key) + " cannot be the name of a parameter", "1 to 32 letters, digits or _");
-    else if (condition.parameters.contains(key))
+    else if (parameters.contains(key))
       reading.error(item, in_quotes(key) + " is given twice", "remove one");
     else if (item.kind == JsonNode::Kind::number)
-      condition.parameters[key] = item.number;
+      parameters[key] = item.number;
     else if (item.kind == JsonNode::Kind::boolean)
-      condition.parameters[key] = item.boolean;
+      parameters[key] = item.boolean;
     else if (const auto text = text_of(item, {.max_length = 200, .may_be_empty = true}, reading.errors, reading.file))
-      condition.parameters[key] = *text;
+      parameters[key] = *text;
   }
+}
+
+// What of them is otherwise where the standard is felt.
+void read_standard_parameters(const JsonNode& node, Condition& condition, ProtocolReading& reading) {
+  read_parameters(node, condition.standard_parameters, reading);
+  const TaskSpec& task = reading.protocol.task;
+  if ((task.kind != TaskKind::which && task.kind != TaskKind::adjust) || task.together) {
+    reading.error(node, "needs a standard that is felt in an interval of its own",
+                  "remove it, or take the task \"which\" or \"adjust\", one value after the other");
+    return;
+  }
+  if (reading.protocol.rig.device == kSpecimenRig) {
+    reading.error(node, "is for a rig that is told its parameters", "remove it: the operator's hands are told nothing");
+    return;
+  }
+  for (const auto& [name, value] : condition.standard_parameters)
+    if (!condition.parameters.contains(name))
+      reading.error(node, fmt::format("{} is no parameter of the condition", in_quotes(name)),
+                    "give it in \"parameters\" too: that is what holds for the comparison");
 }
 
 // Of a rig that is none of ours: parameters instead of cues.
 void read_rig_settings(JsonReader& reader, Condition& condition, ProtocolReading& reading) {
   if (const JsonNode* parameters = reader.object_or_null("parameters"))
-    read_parameters(*parameters, condition, reading);
+    read_parameters(*parameters, condition.parameters, reading);
+  if (const JsonNode* parameters = reader.object_or_null("standard_parameters"))
+    read_standard_parameters(*parameters, condition, reading);
   for (const char* const key : {"cues", "devices"})
     if (reader.member(key) != nullptr)
       reader.error(key, fmt::format("belongs to our own devices, not to {}", in_quotes(reading.protocol.rig.device)),
@@ -134,9 +156,9 @@ void read_conditions(const JsonNode& list, ProtocolReading& reading) {
     condition.label = reader.text("label", {.max_length = 100});
     if (reading.protocol.rig.built_in()) {
       read_devices(reader, condition, reading);
-      if (reader.member("parameters") != nullptr)
-        reader.error("parameters", "belong to the rigs \"external\" and \"specimens\"",
-                     "remove them: our devices have cues");
+      for (const char* const key : {"parameters", "standard_parameters"})
+        if (reader.member(key) != nullptr)
+          reader.error(key, "belong to the rigs \"external\" and \"specimens\"", "remove them: our devices have cues");
     } else {
       read_rig_settings(reader, condition, reading);
     }

@@ -53,6 +53,10 @@ std::span<const TaskKind> all_tasks() noexcept {
   return kAll;
 }
 
+bool holds_standard(const Intervals& stimuli, std::size_t interval, double standard) noexcept {
+  return std::find(stimuli.begin(), stimuli.end(), standard) == stimuli.begin() + interval;
+}
+
 int felt_intervals(const TaskSpec& spec) {
   return spec.together ? 1 : task_of(spec.kind).intervals(spec);
 }

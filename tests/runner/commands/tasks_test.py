@@ -385,6 +385,42 @@ class Tasks(unittest.TestCase):
         for row in rows:
             self.assertLess(float(row["response_time_s"]), 0.02)
 
+    def test_the_standard_may_have_parameters_of_its_own(self):
+        """The rig is told of each interval; a condition's standard_parameters hold where the standard is felt, in either place."""
+        source = (ROOT / "devices/external/examples/plain_rig.py").read_text()
+        script = self.folder / "told.py"
+        script.write_text(source.replace("device.begin(message)", """device.begin(message)
+                with open("told.jsonl", "a") as told:
+                    told.write(json.dumps(message) + chr(10))"""))
+        rig = self.folder / "rig.json"
+        rig.write_text(json.dumps({"format": 1, "title": "told", "external": {"command": [sys.executable, str(script)]}}))
+        protocol = self.small("maereg2017", name="own", design={"trials_per_cell": 4, "order": {"series": "fixed", "conditions": "fixed"}},
+                              levels={"absolute": [300, 400]}, analysis={"contrasts": []}, conditions=[
+                                  {"name": "index", "label": "index beside thumb", "parameters": {"finger": "index"},
+                                   "standard_parameters": {"finger": "thumb"}}])
+        self.jnd("check", protocol, "--rig", rig)
+        for _ in range(10):  # on a busy machine the rig may answer late, which voids a trial: then once more
+            (self.folder / "o.sqlite").unlink(missing_ok=True)
+            (self.folder / "told.jsonl").unlink(missing_ok=True)
+            done = subprocess.run([JND, "run", protocol, "--study", "o.sqlite", "--participant", "P01", "--rig", rig, "--plain",
+                                   "--seed", "4", "--override-readiness", "a machine that runs tests"],
+                                  capture_output=True, text=True, cwd=self.folder, input=" 1" * 24)
+            if done.returncode == 0:
+                break
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        told = [json.loads(line) for line in (self.folder / "told.jsonl").read_text().splitlines()]
+        trials = {}
+        for request in told:
+            trials.setdefault((request["trial"], request["attempt"]), []).append((request["value"], request["parameters"]["finger"]))
+        whole = [felt for felt in trials.values() if len(felt) == 2]
+        self.assertGreaterEqual(len(whole), 8)
+        for felt in whole:
+            self.assertEqual({finger for _, finger in felt}, {"thumb", "index"}, felt)
+            self.assertEqual(dict(reversed(felt))[400], "thumb", felt)  # of two equal values the first
+        self.assertEqual({felt[0][1] for felt in whole}, {"thumb", "index"})  # the standard comes first and second
+        self.jnd("analyze", "o.sqlite", "--kind", "pilot")
+        self.assertIn("In index the standard was presented with finger = thumb.", (self.folder / "methods.md").read_text())
+
     def test_two_values_are_felt_side_by_side(self):
         """A rig of two places is told both; what it delivers is kept for each, and a rehearsal answers by both."""
         source = (ROOT / "devices/external/examples/plain_rig.py").read_text()
