@@ -114,8 +114,8 @@ Prescription::Limit read_limit(const JsonNode& node, ProtocolReading& reading) {
   for (const PrescribedMeasure& measure : kPrescribedMeasures)
     words.emplace_back(measure.name, std::string(measure.name));
   limit.measure = reader.one_of<std::string>("measure", words);
-  const auto measure = std::find_if(kPrescribedMeasures.begin(), kPrescribedMeasures.end(),
-                                    [&](const PrescribedMeasure& one) { return one.name == limit.measure; });
+  const auto* const measure = std::find_if(kPrescribedMeasures.begin(), kPrescribedMeasures.end(),
+                                           [&](const PrescribedMeasure& one) { return one.name == limit.measure; });
   const NumberLimits bounds{.min = 0, .max = measure->most, .unit = measure->unit};
   limit.low = reader.number_or("low", 0, bounds);
   limit.high = reader.number("high", bounds);

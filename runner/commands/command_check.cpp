@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "data/results/study_comparisons.h"
 #include "protocols/course/duration.h"
 #include "protocols/input/resources.h"
 #include "protocols/planning/adaptive_run.h"

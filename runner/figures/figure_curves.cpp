@@ -67,9 +67,10 @@ std::vector<Figure> curve_figures(const StudyResults& results, const Protocol& p
           static_cast<double>(rows) * step_y, title,
           "A panel for every condition and standard, all participants together.");
   for (std::size_t i = 0; i < curves.size(); ++i) {
-    const double left = kCurveLeft + static_cast<double>(i % columns) * step_x;
-    const double top = kCurveTop + static_cast<double>(i / columns) * step_y;
-    draw_curve(svg, {left, top, left + kCurveWidth, top + kCurveHeight}, curves[i], protocol, i % columns == 0);
+    const std::size_t column = i % columns, row = i / columns;
+    const double left = kCurveLeft + static_cast<double>(column) * step_x;
+    const double top = kCurveTop + static_cast<double>(row) * step_y;
+    draw_curve(svg, {left, top, left + kCurveWidth, top + kCurveHeight}, curves[i], protocol, column == 0);
   }
   return {
       {"curves", title,

@@ -58,7 +58,7 @@ void refuse_while_another_waits(const std::vector<SessionInfo>& sessions, const 
 
 // Of a participant whose number is known: the group belongs to it.
 std::string group_of_number(const Study& study, const Protocol& protocol, const SessionRequest& request, int number) {
-  const std::string group(group_name(protocol, group_of(protocol, number, study.info().seed)));
+  std::string group(group_name(protocol, group_of(protocol, number, study.info().seed)));
   if (!request.group.empty() && request.group != group)
     throw UsageError(fmt::format(
         "participant {} is of group {}, not {}: leave --group out, or look whether the code is right; a "

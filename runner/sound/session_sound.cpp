@@ -21,10 +21,9 @@ constexpr double kMargin_s = 5;
 constexpr double kLongestNoise_s = 600;
 
 bool has_sound_cue(const Timeline& timeline) {
-  for (const CueSignal* cue :
-       {&timeline.interval_cues[0], &timeline.interval_cues[1], &timeline.interval_cues[2], &timeline.question_cue})
-    if (cue->kind == "sound") return true;
-  return false;
+  return timeline.question_cue.kind == "sound" ||
+         std::any_of(timeline.interval_cues.begin(), timeline.interval_cues.end(),
+                     [](const CueSignal& cue) { return cue.kind == "sound"; });
 }
 
 // From the first cue to the question, or of a free interaction, at most.

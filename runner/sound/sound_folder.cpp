@@ -1,12 +1,12 @@
 #include "runner/sound/sound_folder.h"
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <system_error>
 
 #include <fmt/format.h>
-#include <stdlib.h>
 
 #include "devices/device_error.h"
 
@@ -28,7 +28,7 @@ SoundFolder::~SoundFolder() {
 }
 
 std::filesystem::path SoundFolder::write(const std::string& name, const Wave& wave) const {
-  const std::filesystem::path file = path_ / (name + ".wav");
+  std::filesystem::path file = path_ / (name + ".wav");
   const std::string bytes = wav_bytes(wave);
   std::ofstream out(file, std::ios::binary);
   out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));

@@ -174,7 +174,8 @@ Wave repeated(const Wave& wave, double duration_s) {
   while (out.samples.size() < wanted && wave.samples.size() > joint) {
     const std::size_t from = out.samples.size() - joint;
     for (std::size_t i = 0; i < joint; ++i) {  // powers add to one, as of sounds that are not alike
-      const double place = (static_cast<double>(i / channels) + 0.5) * static_cast<double>(channels) /
+      const std::size_t frame = i / channels;
+      const double place = (static_cast<double>(frame) + 0.5) * static_cast<double>(channels) /
                            static_cast<double>(joint) * std::numbers::pi / 2;
       out.samples[from + i] =
           static_cast<float>(std::cos(place) * out.samples[from + i] + std::sin(place) * wave.samples[i]);

@@ -41,7 +41,7 @@ Wave noise(NoiseColour colour, double duration_s, double level_db);
 // Repeated to that length, each joint faded over 50 ms so that it is not heard; one that is long enough is cut.
 Wave repeated(const Wave& wave, double duration_s);
 // As loud as that. Throws InputError where it would clip, or is silent; what: the sound's name in the message.
-Wave at_level(Wave wave, double level_db, const std::string& what);
+Wave at_level(Wave wave, double wanted_db, const std::string& what);
 
 // The bytes of a WAV file: RIFF, PCM of 16 bits.
 std::string wav_bytes(const Wave& wave);
