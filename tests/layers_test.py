@@ -47,7 +47,8 @@ WINGS = {
         "task_results": "log study",
         "copies": "files log study verify",
         "results": "log study task_results verify",
-        "export": "files log results study task_results",
+        "methods": "log results study task_results verify",
+        "export": "files log methods results study task_results",
     },
     "devices": {
         ".": "",

@@ -16,7 +16,7 @@
 #include "data/log/body_numbers.h"
 #include "data/log/event_body.h"
 #include "data/log/utc_time.h"
-#include "data/results/methods_text.h"
+#include "data/methods/methods_text.h"
 #include "data/study/blinding.h"
 #include "data/study/study_facts.h"
 #include "data/study/study_impl.h"

@@ -10,7 +10,7 @@
 #include "data/export/result_columns.h"
 #include "data/files/draft.h"
 #include "data/files/seal.h"
-#include "data/results/methods_text.h"
+#include "data/methods/methods_text.h"
 #include "data/results/study_results.h"
 #include "data/study/blinding.h"
 #include "runner/commands/commands.h"

@@ -5,7 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "data/results/methods_text.h"
+#include "data/methods/methods_text.h"
 #include "data/results/study_results.h"
 #include "data/study/blinding.h"
 #include "protocols/version.h"

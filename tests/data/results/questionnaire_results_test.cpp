@@ -8,7 +8,7 @@
 #include "data/export/result_columns.h"
 #include "data/log/exploration_body.h"
 #include "data/log/replay.h"
-#include "data/results/methods_text.h"
+#include "data/methods/methods_text.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "data/export/result_columns.h"
-#include "data/results/methods_text.h"
+#include "data/methods/methods_text.h"
 #include "data/results/rating_answers.h"
 #include "tests/catch.h"
 #include "tests/data/constant_results.h"

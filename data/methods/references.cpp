@@ -1,4 +1,4 @@
-#include "data/results/references.h"
+#include "data/methods/references.h"
 
 #include <array>
 

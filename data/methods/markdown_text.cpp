@@ -1,4 +1,4 @@
-#include "data/results/markdown_text.h"
+#include "data/methods/markdown_text.h"
 
 #include <cstddef>
 

@@ -1,12 +1,12 @@
 // The methods in words: nothing that is not so, and every reference cited.
-#include "data/results/methods_text.h"
+#include "data/methods/methods_text.h"
 
 #include <algorithm>
 #include <regex>
 #include <set>
 
-#include "data/results/markdown_text.h"
-#include "data/results/references.h"
+#include "data/methods/markdown_text.h"
+#include "data/methods/references.h"
 #include "protocols/random_stream.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
