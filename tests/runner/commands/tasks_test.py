@@ -18,6 +18,7 @@ import unittest
 
 JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
 ROOT = pathlib.Path(__file__).resolve().parents[3]
+PLAIN_RIG = ROOT / "devices/external/examples/plain_rig.py"
 STUDIES = {"leib2015": "pse", "jones1997-viscosity": "weber", "pang1991": "threshold", "maereg2017": "weber",
            "bergmann-tiest2009": "weber", "zoeller2020": "jnd", "dhong2019-magnitude": "exponent",
            "carpenter2018-oddity": "dprime", "van-beek2015": "exponent", "varadharajan2008-magnitude": "exponent",
@@ -126,6 +127,26 @@ class Tasks(unittest.TestCase):
     def rows(self, path):
         with open(self.folder / path, newline="") as file:
             return list(csv.DictReader(file))
+
+    def session_on(self, rig, protocol, study, keys):
+        """A session of P01 on a rig of the laboratory's own, verified and exported. Returns its trials."""
+        for _ in range(10):  # on a busy machine the rig may answer late, which voids a trial: then once more
+            for file in (f"{study}.sqlite", "told.jsonl"):
+                (self.folder / file).unlink(missing_ok=True)
+            done = subprocess.run([JND, "run", protocol, "--study", f"{study}.sqlite", "--participant", "P01", "--rig", rig,
+                                   "--plain", "--seed", "4", "--override-readiness", "a machine that runs tests"],
+                                  capture_output=True, text=True, cwd=self.folder, input=keys)
+            if done.returncode == 0 or "silent" not in done.stdout:
+                break
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.jnd("verify", f"{study}.sqlite", "--deep")
+        self.jnd("export", f"{study}.sqlite", "--to", study, "--kind", "pilot")
+        return self.rows(f"{study}/sub-P01/trials.csv")
+
+    def rig_of(self, script=PLAIN_RIG, name="rig"):
+        path = self.folder / f"{name}.json"
+        path.write_text(json.dumps({"format": 1, "title": name, "external": {"command": [sys.executable, str(script)]}}))
+        return path
 
     def small(self, source, name="small", **changes):
         path = self.folder / f"{name}.json"
@@ -277,9 +298,7 @@ class Tasks(unittest.TestCase):
         self.assertTrue(any(int(row["attempt"]) > 1 for row in again))
 
     def test_a_rig_of_the_laboratorys_own_is_told_when_it_is_enough(self):
-        rig = self.folder / "rig.json"
-        rig.write_text(json.dumps({"format": 1, "title": "plain rig", "external": {
-            "command": [sys.executable, str(ROOT / "devices/external/examples/plain_rig.py")]}}))
+        rig = self.rig_of()
         changes = {"design": {"trials_per_cell": 2, "order": {"series": "fixed", "conditions": "fixed"}},
                    "levels": {"absolute": [300, 500]}, "analysis": {"contrasts": []},
                    "conditions": [{"name": "thumb", "label": "thumb", "parameters": {"finger": "thumb"}}]}
@@ -290,17 +309,7 @@ class Tasks(unittest.TestCase):
                 trial["contacts"] = 2
             protocol = self.small("maereg2017", name=ends, trial=trial, **changes)
             keys = ("   1" if ends == "key" else " 1") * 12
-            for _ in range(10):  # on a busy machine the rig may answer late, which voids a trial: then once more
-                (self.folder / f"{ends}.sqlite").unlink(missing_ok=True)
-                done = subprocess.run([JND, "run", protocol, "--study", f"{ends}.sqlite", "--participant", "P01", "--rig", rig,
-                                       "--plain", "--seed", "4", "--override-readiness", "a machine that runs tests"],
-                                      capture_output=True, text=True, cwd=self.folder, input=keys)
-                if done.returncode == 0 or "silent" not in done.stdout:
-                    break
-            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-            self.jnd("verify", f"{ends}.sqlite", "--deep")
-            self.jnd("export", f"{ends}.sqlite", "--to", ends, "--kind", "pilot")
-            rows = self.rows(f"{ends}/sub-P01/trials.csv")
+            rows = self.session_on(rig, protocol, ends, keys)
             self.assertEqual(len(rows), 4)
             self.assertLess(max(float(row["duration_s"]) for row in rows), 40)
             if ends == "contacts":
@@ -309,24 +318,11 @@ class Tasks(unittest.TestCase):
                 self.assertTrue(all("contacts 1, below 2" in row["breach"] for row in rows), rows)
 
     def test_a_rig_of_the_laboratorys_own_renders_a_session(self):
-        rig = self.folder / "rig.json"
-        rig.write_text(json.dumps({"format": 1, "title": "plain rig", "external": {
-            "command": [sys.executable, str(ROOT / "devices/external/examples/plain_rig.py")]}}))
+        rig = self.rig_of()
         protocol = self.small("maereg2017", design={"trials_per_cell": 2, "order": {"series": "fixed", "conditions": "fixed"}},
                               levels={"absolute": [300, 500]}, conditions=[
                                   {"name": "thumb", "label": "thumb", "parameters": {"finger": "thumb"}}], analysis={"contrasts": []})
-        for _ in range(10):  # on a busy machine the rig may answer late, which voids a trial: then once more
-            (self.folder / "e.sqlite").unlink(missing_ok=True)
-            done = subprocess.run([JND, "run", protocol, "--study", "e.sqlite", "--participant", "P01", "--rig", rig, "--plain",
-                                   "--seed", "4", "--override-readiness", "a machine that runs tests"],
-                                  capture_output=True, text=True, cwd=self.folder, input=" 1" * 12)
-            if done.returncode == 0 or "silent" not in done.stdout:
-                break
-        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        self.jnd("verify", "e.sqlite", "--deep")
-        self.jnd("export", "e.sqlite", "--to", "e", "--kind", "pilot")
-        with open(self.folder / "e/sub-P01/trials.csv", newline="") as file:
-            rows = list(csv.DictReader(file))
+        rows = self.session_on(rig, protocol, "e", " 1" * 12)
         self.assertEqual(len(rows), 4)
         self.jnd("export", "e.sqlite", "--to", "t", "--kind", "pilot", "--telemetry")
         for row in rows:
@@ -342,7 +338,7 @@ class Tasks(unittest.TestCase):
 
     def test_the_rigs_own_buttons_answer(self):
         """No key but space is pressed: the rig says the second answer, and when its button went down, which is when it counts."""
-        source = (ROOT / "devices/external/examples/plain_rig.py").read_text()
+        source = PLAIN_RIG.read_text()
         script = self.folder / "buttons.py"
         script.write_text(source.replace('"answers": False', '"answers": True').replace("""            elif kind == "bye":
 """, """            elif kind == "ask":
@@ -350,8 +346,7 @@ class Tasks(unittest.TestCase):
                 say("answer", id=message["id"], answer=message["answers"][1], after_s=0.01)
             elif kind == "bye":
 """))
-        rig = self.folder / "rig.json"
-        rig.write_text(json.dumps({"format": 1, "title": "buttons", "external": {"command": [sys.executable, str(script)]}}))
+        rig = self.rig_of(script)
         protocol = self.small("maereg2017", design={"trials_per_cell": 2, "order": {"series": "fixed", "conditions": "fixed"}},
                               levels={"absolute": [300, 500]}, conditions=[
                                   {"name": "thumb", "label": "thumb", "parameters": {"finger": "thumb"}}], analysis={"contrasts": []})
@@ -387,27 +382,18 @@ class Tasks(unittest.TestCase):
 
     def test_the_standard_may_have_parameters_of_its_own(self):
         """The rig is told of each interval; a condition's standard_parameters hold where the standard is felt, in either place."""
-        source = (ROOT / "devices/external/examples/plain_rig.py").read_text()
+        source = PLAIN_RIG.read_text()
         script = self.folder / "told.py"
         script.write_text(source.replace("device.begin(message)", """device.begin(message)
                 with open("told.jsonl", "a") as told:
                     told.write(json.dumps(message) + chr(10))"""))
-        rig = self.folder / "rig.json"
-        rig.write_text(json.dumps({"format": 1, "title": "told", "external": {"command": [sys.executable, str(script)]}}))
+        rig = self.rig_of(script)
         protocol = self.small("maereg2017", name="own", design={"trials_per_cell": 4, "order": {"series": "fixed", "conditions": "fixed"}},
                               levels={"absolute": [300, 400]}, analysis={"contrasts": []}, conditions=[
                                   {"name": "index", "label": "index beside thumb", "parameters": {"finger": "index"},
                                    "standard_parameters": {"finger": "thumb"}}])
         self.jnd("check", protocol, "--rig", rig)
-        for _ in range(10):  # on a busy machine the rig may answer late, which voids a trial: then once more
-            (self.folder / "o.sqlite").unlink(missing_ok=True)
-            (self.folder / "told.jsonl").unlink(missing_ok=True)
-            done = subprocess.run([JND, "run", protocol, "--study", "o.sqlite", "--participant", "P01", "--rig", rig, "--plain",
-                                   "--seed", "4", "--override-readiness", "a machine that runs tests"],
-                                  capture_output=True, text=True, cwd=self.folder, input=" 1" * 24)
-            if done.returncode == 0:
-                break
-        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.session_on(rig, protocol, "o", " 1" * 24)
         told = [json.loads(line) for line in (self.folder / "told.jsonl").read_text().splitlines()]
         trials = {}
         for request in told:
@@ -423,13 +409,12 @@ class Tasks(unittest.TestCase):
 
     def test_two_values_are_felt_side_by_side(self):
         """A rig of two places is told both; what it delivers is kept for each, and a rehearsal answers by both."""
-        source = (ROOT / "devices/external/examples/plain_rig.py").read_text()
+        source = PLAIN_RIG.read_text()
         script = self.folder / "two.py"
         script.write_text(source.replace('"answers": False', '"answers": False, "places": 2').replace(
             'say("done", id=self.id', 'say("done", delivered_beside=self.beside, id=self.id').replace(
             "self.first, self.contacts", 'self.beside = request["beside"]\n        self.first, self.contacts', 1))
-        rig = self.folder / "rig.json"
-        rig.write_text(json.dumps({"format": 1, "title": "two", "external": {"command": [sys.executable, str(script)]}}))
+        rig = self.rig_of(script)
         changes = {"design": {"trials_per_cell": 4, "order": {"series": "fixed", "conditions": "fixed"}},
                    "levels": {"absolute": [200, 600]}, "analysis": {"contrasts": []},
                    "conditions": [{"name": "thumb", "label": "thumb", "parameters": {"finger": "thumb"}}],
@@ -445,23 +430,11 @@ class Tasks(unittest.TestCase):
         felt = [row for place in range(1, 5) for row in self.rows(f"m/sub-P{place:02}/trials.csv")]
         self.assertGreater(sum(row["correct"] == "1" for row in felt), 0.8 * len(felt))  # 200, 400 and 600 are told apart
         self.assertEqual({row["answer"] for row in felt}, {"left", "right"})
-        plain = self.folder / "plain.json"
-        plain.write_text(json.dumps({"format": 1, "title": "one", "external": {
-            "command": [sys.executable, str(ROOT / "devices/external/examples/plain_rig.py")]}}))
+        plain = self.rig_of(name="plain")
         said = subprocess.run([JND, "check", protocol, "--rig", plain], capture_output=True, text=True, cwd=self.folder)
         self.assertNotEqual(said.returncode, 0)
         self.assertIn("side by side", said.stdout + said.stderr)
-        for _ in range(10):  # on a busy machine the rig may answer late, which voids a trial: then once more
-            (self.folder / "e.sqlite").unlink(missing_ok=True)
-            done = subprocess.run([JND, "run", protocol, "--study", "e.sqlite", "--participant", "P01", "--rig", rig, "--plain",
-                                   "--seed", "4", "--override-readiness", "a machine that runs tests"],
-                                  capture_output=True, text=True, cwd=self.folder, input=" 1" * 24)
-            if done.returncode == 0 or "silent" not in done.stdout:
-                break
-        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        self.jnd("verify", "e.sqlite", "--deep")
-        self.jnd("export", "e.sqlite", "--to", "e", "--kind", "pilot")
-        rows = self.rows("e/sub-P01/trials.csv")
+        rows = self.session_on(rig, protocol, "e", " 1" * 24)
         self.assertEqual(len(rows), 8)
         for row in rows:
             self.assertAlmostEqual(float(row["i1_delivered_n_per_m"]), float(row["stimulus_1_n_per_m"]), delta=1)
@@ -469,9 +442,7 @@ class Tasks(unittest.TestCase):
         self.assertEqual(len({row["stimulus_2_n_per_m"] for row in rows}), 3)
 
     def test_a_protocol_that_the_rig_cannot_render_is_refused_before_anything_is_made(self):
-        rig = self.folder / "rig.json"
-        rig.write_text(json.dumps({"format": 1, "title": "plain rig", "external": {
-            "command": [sys.executable, str(ROOT / "devices/external/examples/plain_rig.py")]}}))
+        rig = self.rig_of()
         done = subprocess.run([JND, "run", "lee2007-delay", "--study", "no.sqlite", "--participant", "P01", "--rig", rig],
                               capture_output=True, text=True, cwd=self.folder, input="")
         self.assertEqual(done.returncode, 3, done.stdout + done.stderr)
