@@ -8,6 +8,7 @@
 #include "devices/device_error.h"
 #include "protocols/course/prescription.h"
 #include "protocols/input/input_error.h"
+#include "protocols/tasks/task.h"
 #include "runner/sound/wave.h"
 
 namespace jnd {
@@ -29,9 +30,10 @@ bool has_sound_cue(const Timeline& timeline) {
 // From the first cue to the question, or of a free interaction, at most.
 double longest_noise_s(const Protocol& protocol) {
   const Timeline& timeline = protocol.timeline;
-  const double longest_s = protocol.explore
-                               ? protocol.explore->duration_s
-                               : 2 * (timeline.no_contact_time_out_s + timeline.explore_s) + timeline.gap_s;
+  const int intervals = felt_intervals(protocol.task);
+  const double longest_s = protocol.explore ? protocol.explore->duration_s
+                                            : intervals * (timeline.no_contact_time_out_s + timeline.explore_s) +
+                                                  (intervals - 1) * timeline.gap_s;
   return std::min(longest_s + kMargin_s, kLongestNoise_s);
 }
 
