@@ -10,6 +10,7 @@
 #include "data/methods/markdown_text.h"
 #include "data/methods/references.h"
 #include "data/study/blinding.h"
+#include "protocols/planning/allotment.h"
 #include "protocols/tasks/task.h"
 #include "protocols/version.h"
 
