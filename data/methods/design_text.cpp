@@ -142,22 +142,6 @@ std::string order_sentences(const Protocol& protocol) {
   return text + "\n";
 }
 
-// The response model and its prior, of the first series: those of others are in proportion.
-std::string model_words(const Protocol& protocol) {
-  const PosteriorConfiguration c = posterior_model(protocol, protocol.series.front()).configuration;
-  const std::string_view unit = unit_of(protocol);
-  const bool which = c.task == PosteriorTask::which;
-  return fmt::format(
-      "P({}) = l/2 + (1 - l) Phi({}), on a grid of {} values of ln s, {} of {} and {} of l, with a prior of ln s about ln "
-      "{:.4g} {}, standard deviation {:.3g}, and of {} about {:.3g}, standard deviation {:.3g}",
-      which                                    ? "the comparison chosen"
-      : protocol.task.kind == TaskKind::yes_no ? "yes"
-                                               : "\"different\"",
-      which ? "(x - standard - a)/s" : "difference/s - k", c.ln_s.size(), c.shift.size(), which ? "a" : "k",
-      c.lapse.size(), std::exp(c.ln_s_prior.mean), unit, c.ln_s_prior.sd, which ? "a" : "k", c.shift_prior.mean,
-      c.shift_prior.sd);
-}
-
 std::string posterior_words(const Protocol& protocol) {
   const AdaptiveProcedure& procedure = *protocol.design.procedure;
   const std::vector<double>& levels = procedure.posterior.levels;
@@ -258,6 +242,21 @@ std::string comparison_sentences(const Protocol& protocol) {
 }
 
 }  // namespace
+
+std::string model_words(const Protocol& protocol) {
+  const PosteriorConfiguration c = posterior_model(protocol, protocol.series.front()).configuration;
+  const std::string_view unit = unit_of(protocol);
+  const bool which = c.task == PosteriorTask::which;
+  return fmt::format(
+      "P({}) = l/2 + (1 - l) Phi({}), on a grid of {} values of ln s, {} of {} and {} of l, with a prior of ln s about ln "
+      "{:.4g} {}, standard deviation {:.3g}, and of {} about {:.3g}, standard deviation {:.3g}",
+      which                                    ? "the comparison chosen"
+      : protocol.task.kind == TaskKind::yes_no ? "yes"
+                                               : "\"different\"",
+      which ? "(x - standard - a)/s" : "difference/s - k", c.ln_s.size(), c.shift.size(), which ? "a" : "k",
+      c.lapse.size(), std::exp(c.ln_s_prior.mean), unit, c.ln_s_prior.sd, which ? "a" : "k", c.shift_prior.mean,
+      c.shift_prior.sd);
+}
 
 std::string design_paragraph(const Protocol& protocol, const StudyResults& results) {
   return task_words(protocol, results) + group_sentences(protocol) +

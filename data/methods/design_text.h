@@ -14,4 +14,8 @@ std::string design_paragraph(const Protocol& protocol, const StudyResults& resul
 // The same of free interaction.
 std::string exploration_design(const Protocol& protocol, const StudyResults& results);
 
+// The response model and its prior, of the first series: those of others are in proportion. Of a protocol with a
+// posterior, within a sentence.
+std::string model_words(const Protocol& protocol);
+
 }  // namespace jnd
