@@ -6,6 +6,7 @@
 
 #include "analysis/numerics/special_values.h"
 #include "data/export/between_fields.h"
+#include "protocols/planning/track_threshold.h"
 
 namespace jnd {
 

@@ -11,6 +11,7 @@
 #include "data/methods/references.h"
 #include "data/study/blinding.h"
 #include "protocols/planning/allotment.h"
+#include "protocols/planning/track_threshold.h"
 #include "protocols/tasks/task.h"
 #include "protocols/version.h"
 

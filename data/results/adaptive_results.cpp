@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -13,7 +14,7 @@
 #include "data/results/study_analysis.h"
 #include "protocols/planning/adaptive_run.h"
 #include "protocols/planning/allotment.h"
-#include "protocols/tasks/posterior_model.h"
+#include "protocols/planning/track_threshold.h"
 
 namespace jnd {
 namespace {
@@ -21,32 +22,6 @@ namespace {
 void set_rates(AdaptiveRow& row, double reference) {
   row.false_alarm_rate = row.catch_trials > 0 ? static_cast<double>(row.false_alarms) / row.catch_trials : kNaN;
   row.weber = row.threshold.threshold / reference;
-}
-
-// The answers of a track, for the response model of same-different.
-std::vector<PosteriorAnswer> answers_of(const AdaptiveTrack& track) {
-  std::vector<PosteriorAnswer> answers;
-  for (std::size_t i = 0; i < track.levels.size(); ++i) answers.push_back({track.levels[i], track.correct[i]});
-  for (int i = 0; i < track.catch_trials; ++i) answers.push_back({0, i < track.false_alarms});
-  return answers;
-}
-
-AdaptiveThreshold threshold_of(const std::vector<PosteriorAnswer>& answers, const Protocol& protocol) {
-  return posterior_of_answers(posterior_model(protocol, protocol.series.front()).configuration, answers).threshold;
-}
-
-AdaptiveThreshold threshold_of(const AdaptiveTrack& track, const Protocol& protocol) {
-  const AdaptiveProcedure& procedure = *protocol.design.procedure;
-  switch (threshold_source(protocol)) {
-    case ThresholdSource::reversals:
-      return staircase_threshold(track.levels, track.reversals, procedure.averaged_reversals, procedure.clamp);
-    case ThresholdSource::quest:
-      return quest_threshold(track.quest->mean, track.quest->sd, static_cast<int>(track.levels.size()),
-                             procedure.clamp);
-    case ThresholdSource::answers:
-      break;
-  }
-  return threshold_of(answers_of(track), protocol);
 }
 
 AdaptiveRow row_of(const AdaptiveTrack& track, const Protocol& protocol) {
@@ -60,37 +35,28 @@ AdaptiveRow row_of(const AdaptiveTrack& track, const Protocol& protocol) {
   row.false_alarms = track.false_alarms;
   row.levels = track.levels;
   row.reversals = track.reversals;
-  row.threshold = threshold_of(track, protocol);
+  row.threshold = track_threshold(track, protocol);
   set_rates(row, protocol.stimulus.reference);
   return row;
 }
 
-// answers: of all these tracks.
-AdaptiveRow sum_of(const std::vector<AdaptiveRow>& tracks, const std::vector<PosteriorAnswer>& answers,
+// rows: of these tracks.
+AdaptiveRow sum_of(const std::vector<AdaptiveRow>& rows, std::span<const AdaptiveTrack> tracks,
                    const Protocol& protocol) {
   AdaptiveRow all;
-  all.condition = tracks.front().condition;
+  all.condition = rows.front().condition;
   all.finished = true;
-  std::vector<AdaptiveThreshold> thresholds;
-  for (const AdaptiveRow& track : tracks) {
-    all.finished = all.finished && track.finished;
-    all.trials += track.trials;
-    all.hits += track.hits;
-    all.catch_trials += track.catch_trials;
-    all.false_alarms += track.false_alarms;
-    thresholds.push_back(track.threshold);
+  for (const AdaptiveRow& row : rows) {
+    all.finished = all.finished && row.finished;
+    all.trials += row.trials;
+    all.hits += row.hits;
+    all.catch_trials += row.catch_trials;
+    all.false_alarms += row.false_alarms;
   }
-  const ThresholdSource source = threshold_source(protocol);
-  all.threshold = source == ThresholdSource::reversals ? combined_staircases(thresholds)
-                  : source == ThresholdSource::quest   ? combined_quests(thresholds)
-                                                       : threshold_of(answers, protocol);
+  all.threshold = condition_threshold(tracks, protocol);
   set_rates(all, protocol.stimulus.reference);
   return all;
 }
-
-}  // namespace
-
-namespace {
 
 // Of one session; without answers that were taken back.
 std::vector<AdaptiveTrack> tracks_of(const std::vector<Event>& events, const Protocol& protocol,
@@ -131,16 +97,13 @@ std::vector<AdaptiveRow> adaptive_rows(const std::vector<std::vector<Event>>& se
   std::stable_sort(tracks.begin(), tracks.end(),
                    [](const AdaptiveTrack& a, const AdaptiveTrack& b) { return a.condition < b.condition; });
   std::vector<AdaptiveRow> rows, of_condition;
-  std::vector<PosteriorAnswer> answers;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     of_condition.push_back(row_of(tracks[i], protocol));
-    const std::vector<PosteriorAnswer> of_track = answers_of(tracks[i]);
-    answers.insert(answers.end(), of_track.begin(), of_track.end());
     if (i + 1 < tracks.size() && tracks[i + 1].condition == tracks[i].condition) continue;
-    of_condition.push_back(sum_of(of_condition, answers, protocol));
+    const std::size_t count = of_condition.size();
+    of_condition.push_back(sum_of(of_condition, std::span(tracks).subspan(i + 1 - count, count), protocol));
     rows.insert(rows.end(), of_condition.begin(), of_condition.end());
     of_condition.clear();
-    answers.clear();
   }
   for (AdaptiveRow& row : rows) {
     row.participant = participant;
@@ -205,12 +168,6 @@ std::optional<double> adaptive_target(const AdaptiveProcedure& procedure) {
       break;
   }
   return std::nullopt;
-}
-
-ThresholdSource threshold_source(const Protocol& protocol) noexcept {
-  if (has_posterior_threshold(protocol)) return ThresholdSource::answers;
-  return protocol.design.procedure->kind == AdaptiveProcedure::Kind::staircase ? ThresholdSource::reversals
-                                                                               : ThresholdSource::quest;
 }
 
 }  // namespace jnd

@@ -63,9 +63,4 @@ std::vector<AdaptiveGroup> adaptive_group(const std::vector<AdaptiveRow>& rows, 
 // Bayesian procedure, which settles nowhere.
 std::optional<double> adaptive_target(const AdaptiveProcedure& procedure);
 
-// What a threshold rests on: a staircase's last reversals, averaged; QUEST's posterior of the threshold; or the posterior
-// of the response model, of all answers of a condition at once. Of protocols with a procedure.
-enum class ThresholdSource { reversals, quest, answers };
-ThresholdSource threshold_source(const Protocol& protocol) noexcept;
-
 }  // namespace jnd

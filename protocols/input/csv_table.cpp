@@ -165,8 +165,12 @@ CsvTable CsvTable::parse(std::string text, const std::string& file, const std::v
 }
 
 CsvTable CsvTable::read_among(const std::string& file, const std::vector<std::string>& wanted) {
-  if (file == "-") return scan(read_standard_input(kMostBytes), "standard input", wanted, {}, Others::passed_over);
-  return scan(read_input_file(file, kMostBytes), file, wanted, {}, Others::passed_over);
+  if (file == "-") return parse_among(read_standard_input(kMostBytes), "standard input", wanted);
+  return parse_among(read_input_file(file, kMostBytes), file, wanted);
+}
+
+CsvTable CsvTable::parse_among(std::string text, const std::string& file, const std::vector<std::string>& wanted) {
+  return scan(std::move(text), file, wanted, {}, Others::passed_over);
 }
 
 CsvTable CsvTable::scan(std::string text, const std::string& file, const std::vector<std::string>& required,

@@ -37,6 +37,7 @@ class CsvTable {
   // The same of a table of another program: columns that are not asked for are passed over, whatever is
   // in them. wanted: not empty, each a different one.
   static CsvTable read_among(const std::string& file, const std::vector<std::string>& wanted);
+  static CsvTable parse_among(std::string text, const std::string& file, const std::vector<std::string>& wanted);
 
   std::size_t rows() const noexcept { return lines_.size(); }
   bool has(std::string_view column) const noexcept;  // an optional column that the file has

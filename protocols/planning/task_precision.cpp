@@ -8,6 +8,7 @@
 #include "analysis/numerics/sample_quantile.h"
 #include "protocols/planning/adaptive_run.h"
 #include "protocols/planning/plan.h"
+#include "protocols/planning/track_threshold.h"
 #include "protocols/random_stream.h"
 #include "protocols/tasks/posterior_model.h"
 #include "protocols/tasks/same_different_task.h"
@@ -25,8 +26,8 @@ double noise_of(const Series& series, const TaskPrecisionQuestion& question) {
   return kAssumedWeber * std::abs(of);
 }
 
-// Of a threshold by a response model, whose parameters are s, the noise, and the criterion: an observer of that model with
-// the criterion that the prior expects, so that the noise is the true JND.
+// Of a threshold of same-different: an observer of the response model of the Bayesian procedure, whose parameters are s, the
+// noise, and the criterion that its prior expects, so that the noise is the true JND.
 Answer answer_of_model(const Trial& trial, double criterion, double noise, RandomStream& stream) {
   const double difference = std::abs(trial.stimuli[0] - trial.stimuli[1]);
   const bool different = difference / noise - criterion + stream.normal() > 0;
@@ -49,10 +50,14 @@ std::optional<Answer> answer_to(const Trial& trial, const Protocol& protocol, do
   return std::nullopt;
 }
 
-// What one participant answered in the first condition that they get, by series: an observer feels the same in all of them.
-std::vector<std::vector<AnsweredTrial>> answers_of(const Protocol& protocol, int participant,
-                                                   const TaskPrecisionQuestion& question) {
-  std::vector<std::vector<AnsweredTrial>> by_series(protocol.series.size());
+// What became of one participant in the first condition that they get, by series: an observer feels the same in all of them.
+struct Simulated {
+  std::vector<std::vector<AnsweredTrial>> answers;
+  std::vector<std::vector<AdaptiveTrack>> tracks;  // of a procedure
+};
+Simulated simulated(const Protocol& protocol, int participant, const TaskPrecisionQuestion& question) {
+  Simulated result{std::vector<std::vector<AnsweredTrial>>(protocol.series.size()),
+                   std::vector<std::vector<AdaptiveTrack>>(protocol.series.size())};
   RandomStream stream(question.seed, static_cast<std::uint64_t>(participant), "precision");
   AdaptiveRun run(protocol);
   const bool by_model = protocol.task.kind == TaskKind::same_different;  // others have a response model of their own
@@ -68,10 +73,21 @@ std::vector<std::vector<AnsweredTrial>> answers_of(const Protocol& protocol, int
                                  : answer_to(trial, protocol, noise, stream);
     if (!answer) continue;
     run.answered(planned, *answer);
-    by_series[series].push_back(
+    result.answers[series].push_back(
         {trial.stimuli, trial.standard, trial.target, answer->said, answer->sureness, answer->number});
   }
-  return by_series;
+  for (AdaptiveTrack& track : run.tracks())
+    if (track.condition == plan.conditions.front())
+      result.tracks[static_cast<std::size_t>(track.series)].push_back(std::move(track));
+  return result;
+}
+
+TaskEstimates estimates_of(const Simulated& participant, const Protocol& protocol, std::size_t series) {
+  const Task& task = task_of(protocol.task.kind);
+  if (!task.has_own_results()) return task.estimate(protocol, protocol.series[series], participant.answers[series]);
+  const AdaptiveThreshold threshold = condition_threshold(participant.tracks[series], protocol);
+  return {std::string(to_string(threshold.status)),
+          {posterior_estimate(threshold), posterior_estimate(threshold, 1 / protocol.stimulus.reference)}};
 }
 
 void summarize(TaskPrecisionRow& row, const std::vector<double>& values, int participants) {
@@ -97,10 +113,10 @@ std::vector<TaskPrecisionRow> task_precision(const Protocol& protocol, const Tas
   std::vector<std::vector<double>> values(all_series * outcomes);
   std::vector<std::size_t> trials(all_series);
   for (int participant = 1; participant <= question.participants; ++participant) {
-    const auto by_series = answers_of(protocol, participant, question);
+    const Simulated answered = simulated(protocol, participant, question);
     for (std::size_t series = 0; series < all_series; ++series) {
-      trials[series] += by_series[series].size();
-      const TaskEstimates estimates = task.estimate(protocol, protocol.series[series], by_series[series]);
+      trials[series] += answered.answers[series].size();
+      const TaskEstimates estimates = estimates_of(answered, protocol, series);
       for (std::size_t outcome = 0; outcome < outcomes; ++outcome)
         if (const auto& value = estimates.values[outcome].value; value && std::isfinite(*value))
           values[series * outcomes + outcome].push_back(*value);

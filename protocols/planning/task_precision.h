@@ -1,6 +1,6 @@
 // How well a design measures the outcomes of its task: many participants who feel alike go through its plan by the task's
-// own response model, and their estimates are compared. For every task but same-different, of which that has only thresholds
-// by the posterior of all answers; with fixed series its precision is computed (planned_precision.h).
+// own response model, and their estimates are compared. For every task that has trials but same-different with fixed series,
+// whose precision is computed (planned_precision.h).
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,8 @@ namespace jnd {
 struct TaskPrecisionQuestion {
   int participants = 400;  // simulated, 2..100000
   std::uint64_t seed = 1;
-  // Standard deviation of the felt difference of two intervals, in the study's unit; none: kAssumedWeber of the standard,
+  // Standard deviation of the felt difference of two intervals, in the study's unit, which is the JND of same-different
+  // (d' = 1); none: kAssumedWeber of the standard,
   // or where there is none of the middle of the levels.
   std::optional<double> noise{};
 };

@@ -57,8 +57,10 @@ PosteriorModel posterior_model(const Protocol& protocol, const Series& series) {
   if (!given.ln_s.empty()) c.ln_s = given.ln_s;
   if (!given.shift.empty()) c.shift = given.shift;
   if (!given.lapse.empty()) c.lapse = given.lapse;
-  if (given.ln_s_prior.sd > 0) c.ln_s_prior = given.ln_s_prior;
-  if (given.shift_prior.sd > 0) c.shift_prior = given.shift_prior;
+  // Of other procedures nothing of it was read.
+  const bool was_read = has_posterior_threshold(protocol);
+  if (was_read && given.ln_s_prior.sd > 0) c.ln_s_prior = given.ln_s_prior;
+  if (was_read && given.shift_prior.sd > 0) c.shift_prior = given.shift_prior;
   if (!given.lapse_weights.empty()) c.lapse_weights = given.lapse_weights;
   set_levels(model, procedure);
   return model;

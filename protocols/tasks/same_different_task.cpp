@@ -53,18 +53,17 @@ std::vector<DrawnTrial> SameDifferentTask::draw_track(const CellDraw& track, Ran
 }
 
 std::vector<TaskOutcome> SameDifferentTask::outcomes(const Protocol& protocol) const {
-  if (!has_posterior_threshold(protocol)) return {};
+  if (!protocol.design.procedure) return {};
   return {{"threshold", "threshold", to_string(protocol.stimulus.unit),
-           "JND, the difference at d' = 1: exp of the posterior mean of ln JND", 4, true},
+           has_posterior_threshold(protocol) ? "JND, the difference at d' = 1: exp of the posterior mean of ln JND"
+                                             : "difference at the procedure's target rate",
+           4, true},
           {"weber", "Weber fraction", "", "threshold / reference", 3, true}};
 }
 
-TaskEstimates SameDifferentTask::estimate(const Protocol& protocol, const Series& series,
-                                          std::span<const AnsweredTrial> trials) const {
-  if (!has_posterior_threshold(protocol)) return {};
-  const AdaptiveThreshold threshold = posterior_of_trials(protocol, series, trials).threshold;
-  return {std::string(to_string(threshold.status)),
-          {posterior_estimate(threshold), posterior_estimate(threshold, 1 / series.standard)}};
+// Thresholds follow from the tracks (track_threshold.h), and JNDs from the counts of answers.
+TaskEstimates SameDifferentTask::estimate(const Protocol&, const Series&, std::span<const AnsweredTrial>) const {
+  return {};
 }
 
 int SameDifferentTask::target_of(const Intervals& stimuli, double, const TaskSpec&) const noexcept {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <tuple>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -89,6 +90,8 @@ int order_at(const CsvTable& table, std::size_t row, const std::string& column) 
 }
 
 std::vector<std::string> wanted_columns(const TrialOptions& options) {
+  if (options.level.empty() || options.answer.empty())
+    throw UsageError("--trials needs --level and --answer, the columns of the level and of the answer");
   std::vector<std::string> columns = {options.level, options.answer};
   for (const std::string& more : {options.participant, options.condition, options.order})
     if (!more.empty()) columns.push_back(more);
@@ -98,6 +101,36 @@ std::vector<std::string> wanted_columns(const TrialOptions& options) {
         columns.begin() + static_cast<std::ptrdiff_t>(i))
       throw UsageError(fmt::format("column {} is named for two things: each option takes one of its own", columns[i]));
   return columns;
+}
+
+// file: its name in messages.
+TrialTable trials_of(const CsvTable& table, const std::string& file, const TrialOptions& options, const TrialUse& use) {
+  const TwoAnswers answers(table, options.answer);
+  TrialTable out;
+  out.file = file;
+  const std::optional<std::string> counted = counted_word(out.file, answers, options, use);
+  const std::optional<double> one_standard = number_in(options.standard);
+  std::map<std::tuple<std::string_view, std::string_view, double>, std::size_t> places;
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    TrialUnit unit;
+    std::string_view participant, condition;
+    if (!options.participant.empty()) unit.participant = participant = table.text(row, options.participant);
+    if (!options.condition.empty()) unit.condition = condition = table.text(row, options.condition);
+    if (!options.standard.empty()) unit.standard = one_standard ? *one_standard : table.number(row, options.standard);
+    const auto [place, added] =
+        places.try_emplace({participant, condition, unit.standard.value_or(0)}, out.units.size());
+    if (added) out.units.push_back(unit);
+    CsvTrial trial;
+    trial.unit = place->second;
+    trial.level = table.number(row, options.level);
+    if (use.differences) trial.level -= unit.standard.value_or(0);
+    if (!options.order.empty()) trial.order = order_at(table, row, options.order);
+    const std::string_view answer = table.text(row, options.answer);
+    trial.positive = counted ? answer == *counted : (answer == "second") == (trial.order == 1);
+    out.trials.push_back(trial);
+  }
+  for (TrialUnit& unit : out.units) unit.one_of_several = !one_standard && !options.standard.empty();
+  return out;
 }
 
 }  // namespace
@@ -140,35 +173,12 @@ std::string TrialUnit::name() const {
 }
 
 TrialTable read_trials(const std::string& file, const TrialOptions& options, const TrialUse& use) {
-  if (options.level.empty() || options.answer.empty())
-    throw UsageError("--trials needs --level and --answer, the columns of the level and of the answer");
-  const CsvTable table = CsvTable::read_among(file, wanted_columns(options));
-  const TwoAnswers answers(table, options.answer);
-  TrialTable out;
-  out.file = file == "-" ? "standard input" : file;
-  const std::optional<std::string> counted = counted_word(out.file, answers, options, use);
-  const std::optional<double> one_standard = number_in(options.standard);
-  std::map<std::tuple<std::string_view, std::string_view, double>, std::size_t> places;
-  for (std::size_t row = 0; row < table.rows(); ++row) {
-    TrialUnit unit;
-    std::string_view participant, condition;
-    if (!options.participant.empty()) unit.participant = participant = table.text(row, options.participant);
-    if (!options.condition.empty()) unit.condition = condition = table.text(row, options.condition);
-    if (!options.standard.empty()) unit.standard = one_standard ? *one_standard : table.number(row, options.standard);
-    const auto [place, added] =
-        places.try_emplace({participant, condition, unit.standard.value_or(0)}, out.units.size());
-    if (added) out.units.push_back(unit);
-    CsvTrial trial;
-    trial.unit = place->second;
-    trial.level = table.number(row, options.level);
-    if (use.differences) trial.level -= unit.standard.value_or(0);
-    if (!options.order.empty()) trial.order = order_at(table, row, options.order);
-    const std::string_view answer = table.text(row, options.answer);
-    trial.positive = counted ? answer == *counted : (answer == "second") == (trial.order == 1);
-    out.trials.push_back(trial);
-  }
-  for (TrialUnit& unit : out.units) unit.one_of_several = !one_standard && !options.standard.empty();
-  return out;
+  const std::vector<std::string> wanted = wanted_columns(options);
+  return trials_of(CsvTable::read_among(file, wanted), file == "-" ? "standard input" : file, options, use);
+}
+
+TrialTable parse_trials(std::string text, const std::string& file, const TrialOptions& options, const TrialUse& use) {
+  return trials_of(CsvTable::parse_among(std::move(text), file, wanted_columns(options)), file, options, use);
 }
 
 std::vector<std::vector<TrialCount>> count_trials(const TrialTable& table) {

@@ -62,6 +62,8 @@ struct TrialTable {
 // missing, a level or standard is not a number, an order is neither 1 nor -1 (or second, first), or there are more than
 // two different answers; and where nothing says which answer is counted.
 TrialTable read_trials(const std::string& file, const TrialOptions& options, const TrialUse& use);
+// The same from a text in memory; file is its name in messages.
+TrialTable parse_trials(std::string text, const std::string& file, const TrialOptions& options, const TrialUse& use);
 
 // Throws UsageError where an option of trials is given without --trials.
 void refuse_trial_options(const TrialOptions& options, const TrialUse& use);

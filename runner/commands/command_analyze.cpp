@@ -63,11 +63,8 @@ void write_methods_file(const AnalyzeOptions& options, const std::string& text) 
 
 void print_results(const StudyResults& results, const Protocol& protocol, const AnalyzeOptions& options) {
   // A terminal shows the end: what the study found comes last, after everything that it rests on.
-  const auto conclusion = [](const ResultTable& table) {
-    return table.id == "group" || table.id == "contrasts" || table.id == "groups" || table.id == "between";
-  };
   std::vector<ResultTable> tables = result_tables(results, protocol);
-  std::stable_partition(tables.begin(), tables.end(), [&](const ResultTable& table) { return !conclusion(table); });
+  std::stable_partition(tables.begin(), tables.end(), [](const ResultTable& table) { return !is_conclusion(table); });
   for (const ResultTable& table : tables)
     if (table.id != "cells" || options.cells) print_table(table);
   const auto* constant = std::get_if<ConstantResults>(&results.measured);

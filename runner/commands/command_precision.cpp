@@ -7,7 +7,6 @@
 
 #include "protocols/planning/planned_precision.h"
 #include "protocols/planning/task_precision.h"
-#include "protocols/tasks/posterior_model.h"
 #include "protocols/tasks/task.h"
 #include "runner/commands/precision_options.h"
 #include "runner/opening/study_access.h"
@@ -138,12 +137,8 @@ int plan_task_precision(const Protocol& protocol, const std::string& name, std::
 
 int plan_precision(const std::string& name, std::uint64_t seed, bool json, const PrecisionOptions& options) {
   Protocol protocol = load_checked_protocol(name);
-  if (protocol.task.kind == TaskKind::explore || (protocol.task.kind == TaskKind::same_different &&
-                                                  !has_precision(protocol) && !has_posterior_threshold(protocol)))
-    throw UsageError(
-        fmt::format("{}: precision cannot be foretold of free interaction, nor of same-different with a threshold from "
-                    "reversals or QUEST",
-                    printable(name)));
+  if (protocol.task.kind == TaskKind::explore)
+    throw UsageError(fmt::format("{}: precision cannot be foretold of free interaction", printable(name)));
   if (options.trials) protocol.design.trials_per_cell = *options.trials;
   if (!has_precision(protocol)) {
     const int balance = task_of(protocol.task.kind).balance_of(protocol.task);

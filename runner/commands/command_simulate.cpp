@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "data/files/scratch_folder.h"
 #include "data/study/blinding.h"
 #include "protocols/input/resources.h"
 #include "protocols/tasks/task.h"
@@ -42,27 +43,47 @@ int interrupted() {
   return exit_code::kInterrupted;
 }
 
+// What the group came to, as jnd analyze shows it.
+void print_group(const StudyResults& results, const Protocol& protocol, bool json) {
+  if (json) {
+    fmt::print("{}\n", json_line(to_json(results, protocol)));
+    return;
+  }
+  std::vector<ResultTable> tables = result_tables(results, protocol);
+  // Of free interaction there are ratings only.
+  if (std::any_of(tables.begin(), tables.end(), is_conclusion))
+    std::erase_if(tables, [](const ResultTable& table) { return !is_conclusion(table); });
+  for (const ResultTable& table : tables) print_table(table);
+}
+
+// Answers that are analysed one by one go through a study that nobody keeps.
+int simulate_answers(const Simulation& simulation, bool json) {
+  const ScratchFolder folder("simulated");
+  const std::unique_ptr<Study> study = open_or_create_study(folder.path() / "study.sqlite", simulation.protocol,
+                                                            simulation.seed, {simulated_epoch_ns(1), 0});
+  if (simulate_study(simulation, *study).interrupted) return interrupted();
+  print_group(results_of(*study, simulation.protocol, SessionKind::simulated,
+                         source_to_analyse(simulation.protocol, std::nullopt)),
+              simulation.protocol, json);
+  return exit_code::kDone;
+}
+
 int simulate_without_study(const Simulation& simulation, bool json) {
-  if (simulation.protocol.design.procedure) {
+  const Protocol& protocol = simulation.protocol;
+  if (protocol.task.kind == TaskKind::explore || !task_of(protocol.task.kind).has_own_results())
+    return simulate_answers(simulation, json);
+  if (protocol.design.procedure) {
     const AdaptiveResults results = simulate_thresholds(simulation);
     if (interrupt_requested()) return interrupted();
     if (json)
-      fmt::print("{}\n", json_line(to_json(results, simulation.protocol)));
+      fmt::print("{}\n", json_line(to_json(results, protocol)));
     else
-      fmt::print("{}", to_text(results, simulation.protocol));
+      fmt::print("{}", to_text(results, protocol));
     return exit_code::kDone;
   }
   const std::vector<CellCounts> cells = simulate_counts(simulation);
   if (interrupt_requested()) return interrupted();
-  const StudyResults results =
-      results_of(analyze_counts(cells, simulation.protocol, SessionKind::simulated), simulation.protocol);
-  if (json) {
-    fmt::print("{}\n", json_line(to_json(results, simulation.protocol)));
-    return exit_code::kDone;
-  }
-  for (const ResultTable& table : result_tables(results, simulation.protocol))
-    if (table.id == "group" || table.id == "contrasts" || table.id == "groups" || table.id == "between")
-      print_table(table);
+  print_group(results_of(analyze_counts(cells, protocol, SessionKind::simulated), protocol), protocol, json);
   return exit_code::kDone;
 }
 
@@ -72,13 +93,6 @@ int command_simulate(const SimulateOptions& options) {
     throw UsageError("say where the data go: --study FILE, or --no-study to keep nothing");
   const Protocol protocol = load_checked_protocol(options.protocol);
   const bool explores = protocol.task.kind == TaskKind::explore;
-  if (explores && options.no_study)
-    throw UsageError("free interaction has answers, not counts: give --study FILE, and jnd analyze shows them");
-  if (!explores && options.no_study && !task_of(protocol.task.kind).has_own_results())
-    throw UsageError(
-        fmt::format("the answers to \"{}\" are analysed trial by trial: give --study FILE, and jnd analyze "
-                    "shows them",
-                    to_string(protocol.task.kind)));
   const RigDescription rig = rig_of(protocol);
   const ParticipantProfile profile = load_profile(
       find_resource(Resource::profile, options.profile.empty() ? default_profile(protocol) : options.profile));

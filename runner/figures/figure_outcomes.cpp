@@ -7,6 +7,7 @@
 #include "analysis/numerics/moments.h"
 #include "data/results/adaptive_results.h"
 #include "protocols/planning/allotment.h"
+#include "protocols/planning/track_threshold.h"
 #include "runner/figures/figure.h"
 #include "runner/figures/figure_conditions.h"
 #include "runner/results/result_format.h"

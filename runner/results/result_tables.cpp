@@ -202,6 +202,10 @@ struct TablesOf {
 
 }  // namespace
 
+bool is_conclusion(const ResultTable& table) {
+  return table.id == "group" || table.id == "contrasts" || table.id == "groups" || table.id == "between";
+}
+
 std::vector<ResultTable> result_tables(const StudyResults& results, const Protocol& protocol) {
   std::vector<ResultTable> tables = std::visit(TablesOf{results, protocol}, results.measured);
   std::erase_if(tables, [](const ResultTable& table) { return table.rows.empty(); });

@@ -14,6 +14,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "data/log/storage_error.h"
 #include "devices/device_error.h"
 #include "devices/machine/child_process.h"
 #include "runner/sound/sound_folder.h"
@@ -127,7 +128,7 @@ PlayerTrial try_players() {
       }
       trial.trouble += (trial.trouble.empty() ? "" : "; ") + why;
     }
-  } catch (const DeviceError& error) {
+  } catch (const StorageError& error) {
     trial.trouble = error.what();
   }
   return trial;

@@ -1,26 +1,21 @@
-// A folder of this program's own, in which a player finds its sounds; it goes with its owner.
+// A folder of this program's own, in which a player finds its sounds.
 #pragma once
 
 #include <filesystem>
 #include <string>
 
+#include "data/files/scratch_folder.h"
 #include "runner/sound/wave.h"
 
 namespace jnd {
 
 class SoundFolder {
  public:
-  // Throws DeviceError where no temporary folder can be made.
-  SoundFolder();
-  ~SoundFolder();
-  SoundFolder(const SoundFolder&) = delete;
-  SoundFolder& operator=(const SoundFolder&) = delete;
-
-  // As NAME.wav; returns its path. Throws DeviceError where there is no room.
+  // As NAME.wav; returns its path. Throws StorageError where there is no room.
   std::filesystem::path write(const std::string& name, const Wave& wave) const;
 
  private:
-  std::filesystem::path path_;
+  ScratchFolder folder_{"sound"};  // throws StorageError where none can be made
 };
 
 }  // namespace jnd

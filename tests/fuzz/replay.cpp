@@ -15,6 +15,8 @@ extern "C" {
 int fuzz_protocol(const std::uint8_t* data, std::size_t size);
 int fuzz_profile(const std::uint8_t* data, std::size_t size);
 int fuzz_csv(const std::uint8_t* data, std::size_t size);
+int fuzz_trials(const std::uint8_t* data, std::size_t size);
+int fuzz_trace(const std::uint8_t* data, std::size_t size);
 int fuzz_events(const std::uint8_t* data, std::size_t size);
 int fuzz_keys(const std::uint8_t* data, std::size_t size);
 int fuzz_report(const std::uint8_t* data, std::size_t size);
@@ -28,10 +30,10 @@ struct Target {
   int (*run)(const std::uint8_t* data, std::size_t size);
 };
 
-constexpr std::array kTargets = {Target{"protocol", fuzz_protocol}, Target{"profile", fuzz_profile},
-                                 Target{"csv", fuzz_csv},           Target{"events", fuzz_events},
-                                 Target{"keys", fuzz_keys},         Target{"report", fuzz_report},
-                                 Target{"rig_line", fuzz_rig_line}};
+constexpr std::array kTargets = {
+    Target{"protocol", fuzz_protocol}, Target{"profile", fuzz_profile}, Target{"csv", fuzz_csv},
+    Target{"trials", fuzz_trials},     Target{"trace", fuzz_trace},     Target{"events", fuzz_events},
+    Target{"keys", fuzz_keys},         Target{"report", fuzz_report},   Target{"rig_line", fuzz_rig_line}};
 
 // Returns how many files there were; a property that does not hold aborts.
 int replay(const Target& target, const std::filesystem::path& corpora) {

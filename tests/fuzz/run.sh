@@ -8,7 +8,7 @@ set -euo pipefail
 cd "$(dirname "$0")/../.."
 runs=${1:-1000000}
 cmake --preset fuzz >/dev/null
-cmake --build --preset fuzz --target fuzz_protocol fuzz_profile fuzz_csv fuzz_events fuzz_keys fuzz_report fuzz_rig_line
+cmake --build --preset fuzz --target fuzz_protocol fuzz_profile fuzz_csv fuzz_trials fuzz_trace fuzz_events fuzz_keys fuzz_report fuzz_rig_line
 cd build/fuzz
 fuzz() {
   local target=$1 status=0 log
@@ -24,4 +24,4 @@ fuzz() {
 export runs
 export -f fuzz
 # As many at a time as there are processors, the slowest first.
-printf '%s\n' protocol rig_line report profile events csv keys | xargs -P "$(nproc)" -n 1 bash -c 'fuzz "$0"'
+printf '%s\n' protocol rig_line trace trials report profile events csv keys | xargs -P "$(nproc)" -n 1 bash -c 'fuzz "$0"'

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "analysis/numerics/normal.h"
 #include "protocols/tasks/task.h"
 #include "tests/catch.h"
 #include "tests/protocols/examples.h"
@@ -51,10 +52,29 @@ TEST_CASE("of a threshold by the posterior of all answers the noise is the true 
   CHECK(row_of(rows, protocol, "weber").median == Approx(threshold.median / 900));
 }
 
+TEST_CASE("thresholds by reversals and by QUEST lie where the procedure settles") {
+  TaskPrecisionQuestion question;
+  question.noise = 250;
+  // "different" is said with Phi(difference / JND - criterion), about 0.75 by the default prior.
+  for (const char* name : {"adaptive-staircase", "adaptive-quest"}) {
+    CAPTURE(name);
+    const Protocol protocol = shipped_protocol(name);
+    const AdaptiveProcedure& procedure = *protocol.design.procedure;
+    const double target = procedure.kind == AdaptiveProcedure::Kind::quest ? procedure.quest.p_threshold
+                                                                           : staircase_target(procedure.staircase);
+    const auto rows = task_precision(protocol, question);
+    const TaskPrecisionRow& threshold = row_of(rows, protocol, "threshold");
+    CHECK(threshold.median == Approx(250 * (0.75 + normal_quantile(target))).epsilon(0.12));
+    CHECK(threshold.cv < 0.5);
+    CHECK(threshold.undefined < 0.1);
+    CHECK(row_of(rows, protocol, "weber").median == Approx(threshold.median / 900));
+  }
+}
+
 TEST_CASE("every task's precision can be foretold, of procedures too") {
-  for (const char* name :
-       {"leib2015", "pang1991", "identify-stiffness2025", "carpenter2018-oddity", "abx-stiffness",
-        "dhong2019-magnitude", "jones-hunter1990", "singhala2020", "adaptive-posterior", "adaptive-staircase-90"}) {
+  for (const char* name : {"leib2015", "pang1991", "identify-stiffness2025", "carpenter2018-oddity", "abx-stiffness",
+                           "dhong2019-magnitude", "jones-hunter1990", "singhala2020", "adaptive-posterior",
+                           "adaptive-staircase-90", "adaptive-staircase", "adaptive-quest"}) {
     CAPTURE(name);
     const Protocol protocol = shipped_protocol(name);
     TaskPrecisionQuestion question;

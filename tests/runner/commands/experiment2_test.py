@@ -156,7 +156,6 @@ class Experiment2(unittest.TestCase):
         self.assertIn("4 of 4", self.jnd("status", "e2.sqlite").stdout)
         self.jnd("plan", PROTOCOL, "--participant", "1")
         self.jnd("plan", PROTOCOL, "--cohort", "12")
-        self.assertIn("--study FILE", self.jnd("simulate", PROTOCOL, "--no-study", code=2).stderr)
 
     def test_an_interrupted_simulation_goes_on_to_the_same_study(self):
         command = [JND, "simulate", PROTOCOL, "--participants", "12", "--study", "again.sqlite", "--seed", "1"]

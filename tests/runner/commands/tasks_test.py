@@ -83,6 +83,18 @@ class Tasks(unittest.TestCase):
         database.close()
         self.jnd("verify", "a.sqlite", code=1)
 
+    def test_a_simulation_that_keeps_nothing_finds_what_a_kept_one_does(self):
+        before = set(pathlib.Path(tempfile.gettempdir()).glob("jnd-simulated-*"))
+        for name in ("maereg2017", "jones-hunter1990", "chinello2017-experiment2"):
+            with self.subTest(name):
+                command = ("simulate", name, "--participants", 3, "--seed", 4)
+                self.jnd(*command, "--study", f"{name}.sqlite")
+                kept = self.jnd("analyze", f"{name}.sqlite", "--no-methods", "--json")
+                self.assertEqual(json.loads(self.jnd(*command, "--no-study", "--json")), json.loads(kept))
+                shown = self.jnd(*command, "--no-study")
+                self.assertIn("Group" if "chinello" not in name else "Ratings", shown)
+        self.assertEqual(set(pathlib.Path(tempfile.gettempdir()).glob("jnd-simulated-*")), before)
+
     def test_a_protocol_to_start_from_of_every_task_rig_and_procedure(self):
         refused = set()
         for task in (*TASKS, "explore"):
