@@ -33,7 +33,8 @@ struct PresentRequest {
   double no_contact_time_out_s = 0;
   IntervalId id;
   const Condition* condition = nullptr;  // of the trial: what a rig that is none of ours is told of it
-  bool of_standard = false;              // what is felt is the standard: Condition::standard_parameters
+  // What is felt is the standard, and what is felt beside it is: Condition::standard_parameters hold there.
+  bool of_standard = false, beside_of_standard = false;
   // Name of a virtual object instead of the protocol's; empty: the protocol's. It is free interaction: explore_s counts
   // from the start, and a finger that touches nothing is no fault.
   std::string object{};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <vector>
 
 #include <boost/math/special_functions/gamma.hpp>
 
@@ -62,6 +63,21 @@ bool steps_are_impossible(const ChoiceData& data, const TwoIntervalOptions& opti
     if (data.k[i] < data.n[i]) highest_rest = std::fmax(highest_rest, data.t[i]);
   }
   return lowest_chosen < highest_rest;
+}
+
+// Each row once more, mirrored at the PSE with the other order and the other answers, and all with half their weight: no row
+// says anything about the PSE any more, and about s and b what it did.
+ChoiceData mirrored_data(std::span<const ChoiceRow> rows, const TwoIntervalOptions& options) {
+  std::vector<ChoiceRow> both(rows.begin(), rows.end());
+  for (const ChoiceRow& row : rows)
+    both.push_back({2 * *options.pse - row.level, row.n, row.n - row.chosen, -row.order});
+  ChoiceData data = choice_data(both, options.link, options.order_term);
+  for (double& n : data.n) n *= 0.5;
+  for (double& k : data.k) k *= 0.5;
+  data.trials *= 0.5;
+  data.chosen *= 0.5;
+  data.saturated *= 0.5;
+  return data;
 }
 
 // Exactly the level where t is one.
@@ -186,9 +202,10 @@ ChoicePeak solve_choice(const ChoiceData& data, const ChoiceBox& box, const Choi
 TwoIntervalSolution solve_two_interval(std::span<const ChoiceRow> rows, const TwoIntervalOptions& options) {
   if (options.lapse && !(*options.lapse >= 0 && *options.lapse < 1))
     throw std::invalid_argument("the lapse rate must lie in 0..1, 1 left out");
+  if (options.pse && !std::isfinite(*options.pse)) throw std::invalid_argument("a fixed PSE must be finite");
   TwoIntervalSolution solution;
   solution.options = options;
-  solution.data = choice_data(rows, options.link, options.order_term);
+  solution.data = options.pse ? mirrored_data(rows, options) : choice_data(rows, options.link, options.order_term);
   const ChoiceData& data = solution.data;
   if (options.order_term && !has_both_orders(data)) {
     solution.options.order_term = false;
@@ -209,6 +226,10 @@ TwoIntervalSolution solve_two_interval(std::span<const ChoiceRow> rows, const Tw
     find_maximum(solution);
   }
   fit.deviance = std::fmax(0, 2 * (data.saturated - *fit.log_likelihood));
+  if (options.pse) {
+    fit.pse = options.pse;
+    fit.pse_range.reset();
+  }
   return solution;
 }
 

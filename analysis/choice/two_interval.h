@@ -40,6 +40,9 @@ struct TwoIntervalOptions {
   ChoiceLink link = ChoiceLink::probit;
   std::optional<double> lapse = 0.0;  // fixed, 0 <= lapse < 1; none: free in 0..kLargestChoiceLapse
   bool order_term = false;            // estimate b; else b = 0
+  // Fixed; none: estimated. Comparisons on one side of a standard do not tell the PSE from s, so that there it is the
+  // standard.
+  std::optional<double> pse = std::nullopt;
 };
 inline constexpr double kLargestChoiceLapse = 0.1;
 
@@ -89,7 +92,8 @@ TwoIntervalFit fit_two_interval(std::span<const ChoiceRow> rows, const TwoInterv
 // 95 % profile-likelihood intervals: the connected set about the estimate that is not rejected at 5 %, the other
 // parameters at their best. Open ends are infinite.
 struct TwoIntervalIntervals {
-  std::optional<ChoiceBounds> pse, s, order_b;  // none under missing; order_b as in the fit, also where any b does
+  // None under missing; pse also where it is fixed; order_b as in the fit, also where any b does.
+  std::optional<ChoiceBounds> pse, s, order_b;
 };
 TwoIntervalIntervals two_interval_intervals(std::span<const ChoiceRow> rows, const TwoIntervalOptions& options = {});
 

@@ -5,6 +5,7 @@
 #include "analysis/numerics/special_values.h"
 #include "data/export/between_fields.h"
 #include "data/export/result_fields.h"
+#include "protocols/planning/track_threshold.h"
 
 namespace jnd {
 namespace {
@@ -85,7 +86,7 @@ Fields<TaskEstimateRow> task_estimate_fields(const Protocol& protocol) {
                       F("missing", "planned trials without an answer", &R::missing),
                       F("status", "what the estimates are; methods.md says what each status means",
                         [](const R& r) { return r.estimates.status; })};
-  const std::vector<TaskOutcome> outcomes = task_of(protocol.task.kind).outcomes(protocol);
+  const std::vector<TaskOutcome> outcomes = measured_outcomes(protocol);
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
     const TaskOutcome& outcome = outcomes[i];
     const std::string key(outcome.key), unit(outcome.unit), title(outcome.title);
@@ -110,7 +111,7 @@ Fields<TaskEstimateRow> task_estimate_fields(const Protocol& protocol) {
 Fields<TaskGroupRow> task_group_fields(const Protocol& protocol, SessionKind kind) {
   using R = TaskGroupRow;
   using F = Field<R>;
-  const std::vector<TaskOutcome> outcomes = task_of(protocol.task.kind).outcomes(protocol);
+  const std::vector<TaskOutcome> outcomes = measured_outcomes(protocol);
   const FieldTraits number{.shown = Shown::compact};
   return {condition_of_row<R>(protocol),
           series_of_row<R>(protocol),
@@ -137,14 +138,16 @@ Fields<TaskGroupRow> task_group_fields(const Protocol& protocol, SessionKind kin
 Fields<ProportionRow> proportion_fields(const Protocol& protocol) {
   using R = ProportionRow;
   using F = Field<R>;
-  return {condition_of_row<R>(protocol),
-          F("outcome", "what was measured", [&protocol](const R&) { return protocol.analysis.outcome; }),
-          F("n_used", "participants who have a value at every standard", [](const R& r) { return r.exponent.n; }),
-          F("exponent", "mean slope of its logarithm on that of the standard; 1: proportional (Weber's law)",
-            [](const R& r) { return r.exponent.mean; }),
-          F("ci95_low", "lower end of Student's 95 % interval", [](const R& r) { return r.exponent.ci_low; }),
-          F("ci95_high", "upper end", [](const R& r) { return r.exponent.ci_high; }),
-          F("p", "of an exponent of 1, Student's t", &R::p, {.title = "p of 1", .shown = Shown::p_value})};
+  return {
+      condition_of_row<R>(protocol),
+      F("outcome", "what was measured", [&protocol](const R&) { return protocol.analysis.outcome; }),
+      F("n_used", "participants who have a value at every standard", [](const R& r) { return r.exponent.n; }),
+      F("exponent",
+        "mean slope of its logarithm (of a Weber fraction: of its JND) on that of the standard; 1: proportional (Weber's law)",
+        [](const R& r) { return r.exponent.mean; }),
+      F("ci95_low", "lower end of Student's 95 % interval", [](const R& r) { return r.exponent.ci_low; }),
+      F("ci95_high", "upper end", [](const R& r) { return r.exponent.ci_high; }),
+      F("p", "of an exponent of 1, Student's t", &R::p, {.title = "p of 1", .shown = Shown::p_value})};
 }
 
 }  // namespace jnd

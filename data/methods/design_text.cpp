@@ -127,6 +127,8 @@ std::string exploration_sentences(const Protocol& protocol) {
 std::string order_sentences(const Protocol& protocol) {
   const Design& design = protocol.design;
   std::string text = exploration_sentences(protocol);
+  if (protocol.feedback == Feedback::correctness)
+    text += "After each answer participants were told whether it was correct. ";
   if (protocol.series.size() > 1) text += fmt::format("Series came {}. ", order_words(design.series_order));
   const bool own_order = design.per_series && design.condition_order != Order::fixed && protocol.series.size() > 1;
   if (protocol.conditions.size() > 1)
@@ -220,7 +222,9 @@ std::string comparison_sentences(const Protocol& protocol) {
     std::vector<std::string> levels;
     for (const double level : series.levels) levels.push_back(fmt::format("{:g}", level));
     if (task.has_standard())
-      text += fmt::format("The standard {} was {:g} {}", markdown_text(series.name), series.standard, unit);
+      text += fmt::format("The standard{} was {:g} {}",
+                          protocol.series.size() > 1 ? fmt::format(" {}", markdown_text(series.name)) : std::string(),
+                          series.standard, unit);
     else
       text += "The values";
     if (!levels.empty())
@@ -231,14 +235,14 @@ std::string comparison_sentences(const Protocol& protocol) {
     return text +
            fmt::format(
                "The answers set the difference from the standard, within {:g} to {:g} {}: {}. Each condition and "
-               "standard had {} track{}{} of at most {} trials with a difference. ",
+               "standard had {} track{}{} of {}{} trials with a difference. {}",
                design.procedure->clamp[0], design.procedure->clamp[1], unit, procedure_words(protocol),
                design.procedure->starts.size(), plural(design.procedure->starts.size()), session_words(design),
-               design.procedure->trials);
-  return text + fmt::format("Each level was presented {} time{} in every condition{}; {}. ", design.trials_per_cell,
-                            plural(static_cast<std::size_t>(design.trials_per_cell)), session_words(design),
-                            design.sampling == Sampling::balanced ? "its orders were balanced"
-                                                                  : "its orders were drawn at random");
+               can_end_early(*design.procedure) ? "at most " : "", design.procedure->trials,
+               task.arrangement(protocol));
+  return text + fmt::format("Each level was presented {} time{} in every condition{}, in random order. {}",
+                            design.trials_per_cell, plural(static_cast<std::size_t>(design.trials_per_cell)),
+                            session_words(design), task.arrangement(protocol));
 }
 
 }  // namespace

@@ -113,6 +113,14 @@ std::string adaptive_paragraph(const Protocol& protocol) {
   return text;
 }
 
+// What the tracks of a task's procedure come to, beside what its answers say together; nothing without such.
+std::string track_sentence(const TaskResults& results) {
+  const TaskOutcome& last = results.outcomes.back();
+  return last.key == kTrackThreshold
+             ? fmt::format(" The {} is the {}; tracks without one are left out.", last.title, last.meaning)
+             : std::string();
+}
+
 std::string estimate_paragraph(const Protocol& protocol, const StudyAnalysis& analysis) {
   return fmt::format(
       "{}{}{}; JND = 1/m, the difference at d' = 1, and the Weber fraction is JND / {:g} {}. Differences are the {} "
@@ -336,8 +344,9 @@ struct Sections {
         "No answered trial was excluded: an excluded answer would have moved the levels all the same.\n");
   }
   std::string operator()(const MeasuredTask& measured) const {
-    return with_estimates(task_of(protocol.task.kind).methods(protocol) + "\n",
-                          exclusion_paragraph(protocol, measured.task.exclusions));
+    return with_estimates(
+        fmt::format("{}{}\n", task_of(protocol.task.kind).methods(protocol), track_sentence(measured.task)),
+        exclusion_paragraph(protocol, measured.task.exclusions));
   }
   std::string operator()(const ExplorationResults& measured) const {
     return "## Design\n\n" + exploration_design(protocol, results) + "\n## Tests\n\n" +
@@ -346,8 +355,8 @@ struct Sections {
 
  private:
   std::string with_estimates(const std::string& estimates, const std::string& exclusions) const {
-    return "## Design\n\n" + design_paragraph(protocol, results) + "\n## Estimates\n\n" + estimates + "\n" +
-           exclusions + "\n## Tests\n\n" + test_paragraph(protocol, results) + group_tests(protocol, results);
+    return fmt::format("## Design\n\n{}\n## Estimates\n\n{}\n{}\n## Tests\n\n{}{}", design_paragraph(protocol, results),
+                       estimates, exclusions, test_paragraph(protocol, results), group_tests(protocol, results));
   }
 };
 

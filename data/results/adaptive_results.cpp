@@ -3,15 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
-#include <stdexcept>
-
-#include <fmt/format.h>
 
 #include "analysis/numerics/special_values.h"
-#include "data/log/event_body.h"
-#include "data/log/replay.h"
-#include "data/log/storage_error.h"
 #include "data/results/study_analysis.h"
+#include "data/task_results/participant_tracks.h"
 #include "protocols/planning/adaptive_run.h"
 #include "protocols/planning/allotment.h"
 #include "protocols/planning/track_threshold.h"
@@ -58,23 +53,6 @@ AdaptiveRow sum_of(const std::vector<AdaptiveRow>& rows, std::span<const Adaptiv
   return all;
 }
 
-// Of one session; without answers that were taken back.
-std::vector<AdaptiveTrack> tracks_of(const std::vector<Event>& events, const Protocol& protocol,
-                                     const std::string& participant) {
-  AdaptiveRun run(protocol);
-  for (const TrialRecord& record : replay(events).completed) {
-    try {
-      run.answered(record.trial, record.answer);
-    } catch (const std::out_of_range&) {
-      throw StorageError(
-          fmt::format("participant {}: trial {} belongs to track {} of condition {}, which the protocol "
-                      "does not have; run jnd verify",
-                      participant, record.trial.index, record.trial.track, record.trial.condition));
-    }
-  }
-  return run.tracks();
-}
-
 }  // namespace
 
 std::vector<AdaptiveRow> adaptive_rows(const std::vector<Event>& events, const Protocol& protocol,
@@ -82,20 +60,10 @@ std::vector<AdaptiveRow> adaptive_rows(const std::vector<Event>& events, const P
   return adaptive_rows(std::vector<std::vector<Event>>{events}, protocol, participant, kind);
 }
 
-std::vector<AdaptiveRow> adaptive_rows(const std::vector<std::vector<Event>>& sessions, const Protocol& protocol,
-                                       const std::string& participant, SessionKind kind, std::optional<int> group) {
-  std::vector<AdaptiveTrack> tracks;
-  for (const std::vector<Event>& events : sessions) {
-    int before = 0;  // tracks of a condition in the sessions before
-    for (const AdaptiveTrack& track : tracks) before = std::max(before, track.track);
-    for (AdaptiveTrack& track : tracks_of(events, protocol, participant)) {
-      if (!has_condition(protocol, group, track.condition)) continue;
-      track.track += before;
-      tracks.push_back(std::move(track));
-    }
-  }
-  std::stable_sort(tracks.begin(), tracks.end(),
-                   [](const AdaptiveTrack& a, const AdaptiveTrack& b) { return a.condition < b.condition; });
+namespace {
+
+std::vector<AdaptiveRow> rows_of(const std::vector<AdaptiveTrack>& tracks, const Protocol& protocol,
+                                 const std::string& participant, SessionKind kind, std::optional<int> group) {
   std::vector<AdaptiveRow> rows, of_condition;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     of_condition.push_back(row_of(tracks[i], protocol));
@@ -111,6 +79,13 @@ std::vector<AdaptiveRow> adaptive_rows(const std::vector<std::vector<Event>>& se
     row.group = group;
   }
   return rows;
+}
+
+}  // namespace
+
+std::vector<AdaptiveRow> adaptive_rows(const std::vector<std::vector<Event>>& sessions, const Protocol& protocol,
+                                       const std::string& participant, SessionKind kind, std::optional<int> group) {
+  return rows_of(participant_tracks(sessions, protocol, participant, group), protocol, participant, kind, group);
 }
 
 std::vector<AdaptiveGroup> adaptive_group(const std::vector<AdaptiveRow>& rows, const Protocol& protocol) {
@@ -143,31 +118,16 @@ AdaptiveResults adaptive_results(const Study& study, const Protocol& protocol, S
   AdaptiveResults results;
   const std::vector<SessionInfo> sessions = sessions_of(study, kind);
   results.attendance = attendance_of(study, kind, sessions);
-  for (const std::string& participant : participants_of(sessions)) {
-    std::vector<std::vector<Event>> events;
-    std::optional<int> group;
-    for (const SessionInfo& session : sessions) {
-      if (session.participant != participant) continue;
-      group = group_named(protocol, session.group);
-      events.push_back(study.events(session.id));
-    }
-    const std::vector<AdaptiveRow> rows = adaptive_rows(events, protocol, participant, kind, group);
+  for (std::span rest = std::span<const SessionInfo>(sessions); !rest.empty();) {
+    const std::span<const SessionInfo> own = sessions_of_next(rest);
+    rest = rest.subspan(own.size());
+    const std::vector<AdaptiveRow> rows =
+        rows_of(participant_tracks(study, protocol, own), protocol, own.front().participant, kind,
+                group_named(protocol, own.front().group));
     results.rows.insert(results.rows.end(), rows.begin(), rows.end());
   }
   results.group = adaptive_group(results.rows, protocol);
   return results;
-}
-
-std::optional<double> adaptive_target(const AdaptiveProcedure& procedure) {
-  switch (procedure.kind) {
-    case AdaptiveProcedure::Kind::staircase:
-      return staircase_target(procedure.staircase);
-    case AdaptiveProcedure::Kind::quest:
-      return procedure.quest.p_threshold;
-    case AdaptiveProcedure::Kind::posterior:
-      break;
-  }
-  return std::nullopt;
 }
 
 }  // namespace jnd

@@ -59,8 +59,4 @@ std::vector<AdaptiveRow> adaptive_rows(const std::vector<std::vector<Event>>& se
                                        std::optional<int> group = std::nullopt);
 std::vector<AdaptiveGroup> adaptive_group(const std::vector<AdaptiveRow>& rows, const Protocol& protocol);
 
-// Probability of "different" at which the procedure settles: of a staircase its target, of QUEST p_threshold. None of the
-// Bayesian procedure, which settles nowhere.
-std::optional<double> adaptive_target(const AdaptiveProcedure& procedure);
-
 }  // namespace jnd

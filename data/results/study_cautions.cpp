@@ -150,7 +150,7 @@ std::vector<std::string> deviations_of(const StudyResults& results, const Protoc
                               protocol.design.participants == 1 ? "was" : "were"));
   if (constant != nullptr) add_cell_deviations(constant->analysis, out);
   if (const OutcomeComparison* outcome = registered(results.comparisons)) {
-    if (!outcome->refused.empty())
+    if (!outcome->refused.empty() && protocol.conditions.size() > 1)
       out.push_back(
           fmt::format("The registered tests on the {} were refused: {}.", outcome->outcome, outcome->refused));
     else if (!outcome->left_out.empty())

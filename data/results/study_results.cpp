@@ -85,7 +85,7 @@ StudyResults task_results_of(const Study& study, const Protocol& protocol, Sessi
   StudyResults results;
   const std::vector<SessionInfo> sessions = sessions_of(study, kind);
   const std::vector<CountedTrial> trials = read_counted_trials(study, protocol, sessions);
-  MeasuredTask measured{attendance_of(study, kind, sessions), task_results(protocol, sessions, trials)};
+  MeasuredTask measured{attendance_of(study, kind, sessions), task_results(study, protocol, sessions, trials)};
   add_registered(results, compare_task(measured.task, protocol), protocol);
   add_ratings(results, study, protocol, sessions);
   results.measured = std::move(measured);

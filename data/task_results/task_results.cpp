@@ -8,7 +8,9 @@
 #include "analysis/numerics/moments.h"
 #include "analysis/numerics/special_values.h"
 #include "analysis/numerics/tail_probabilities.h"
+#include "data/task_results/participant_tracks.h"
 #include "protocols/planning/allotment.h"
+#include "protocols/planning/track_threshold.h"
 
 namespace jnd {
 namespace {
@@ -28,7 +30,8 @@ struct TaskCell {
 struct ParticipantCells {
   std::string participant;
   std::optional<int> group;
-  std::vector<TaskCell> cells;  // conditions x series
+  std::vector<TaskCell> cells;          // conditions x series
+  std::vector<AdaptiveTrack> tracks{};  // by condition and series
 };
 
 AnsweredTrial answered(const CountedTrial& trial) {
@@ -52,8 +55,15 @@ void add_counts(TaskResults& results, const TaskEstimateRow& row, std::vector<An
   }
 }
 
+std::span<const AdaptiveTrack> tracks_in(const std::vector<AdaptiveTrack>& tracks, int condition, int series) {
+  const auto is_there = [&](const AdaptiveTrack& track) {
+    return track.condition == condition && track.series == series;
+  };
+  const auto first = std::find_if(tracks.begin(), tracks.end(), is_there);
+  return {first, std::find_if_not(first, tracks.end(), is_there)};
+}
+
 void add_estimates(TaskResults& results, const Protocol& protocol, const ParticipantCells& data, SessionKind kind) {
-  const Task& task = task_of(protocol.task.kind);
   const auto all_series = static_cast<int>(protocol.series.size());
   for (const int condition : conditions_of(protocol, data.group)) {
     for (int series = 0; series < all_series; ++series) {
@@ -73,7 +83,8 @@ void add_estimates(TaskResults& results, const Protocol& protocol, const Partici
       if (cell.trials.empty()) {
         row.estimates = {"no_trials", std::vector<TaskEstimate>(results.outcomes.size())};
       } else {
-        row.estimates = task.estimate(protocol, protocol.series[place(series)], cell.trials);
+        row.estimates = measured_estimates(protocol, protocol.series[place(series)], cell.trials,
+                                           tracks_in(data.tracks, condition, series));
         row.mean_trial_s = cell.sum_s / row.trials;
       }
       if (!cell.response_times_s.empty()) row.median_response_time_s = median_of(cell.response_times_s);
@@ -108,7 +119,7 @@ void add_group(TaskResults& results, const Protocol& protocol, const std::vector
   }
 }
 
-// Slope of ln(outcome) on ln(standard); none with fewer than two different standards, or a value that has no logarithm.
+// Slope of ln(outcome) on ln(standard), of a Weber fraction that of its JND; none with fewer than two different standards, or a value that has no logarithm.
 std::optional<double> exponent_of(const TaskEstimateRow& first, const TaskResults& results, const Protocol& protocol) {
   std::vector<double> x, y;
   for (const TaskEstimateRow& row : series_from(first, protocol)) {
@@ -116,7 +127,8 @@ std::optional<double> exponent_of(const TaskEstimateRow& first, const TaskResult
     const double standard = protocol.series[place(row.series)].standard;
     if (!value || !(*value > 0) || !std::isfinite(*value) || !(standard > 0)) return std::nullopt;
     x.push_back(std::log(standard));
-    y.push_back(std::log(*value));
+    // A share of the standard grows with it as its JND does, less 1.
+    y.push_back(std::log(*value) + (results.outcomes[results.registered].of_standard ? x.back() : 0));
   }
   double mean_x = 0, mean_y = 0, xx = 0, xy = 0;
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -164,10 +176,10 @@ void add_curves(TaskResults& results, const Protocol& protocol, const std::vecto
 
 }  // namespace
 
-TaskResults task_results(const Protocol& protocol, const std::vector<SessionInfo>& sessions,
+TaskResults task_results(const Study& study, const Protocol& protocol, const std::vector<SessionInfo>& sessions,
                          const std::vector<CountedTrial>& trials) {
   TaskResults results;
-  results.outcomes = task_of(protocol.task.kind).outcomes(protocol);
+  results.outcomes = measured_outcomes(protocol);
   for (std::size_t i = 0; i < results.outcomes.size(); ++i)
     if (results.outcomes[i].key == protocol.analysis.outcome) results.registered = i;
   std::vector<ParticipantCells> participants;
@@ -195,6 +207,14 @@ TaskResults task_results(const Protocol& protocol, const std::vector<SessionInfo
     if (trial.by_participant) cell.response_times_s.push_back(trial.response_time_s);
   }
   const SessionKind kind = sessions.empty() ? SessionKind::simulated : sessions.front().kind;
+  if (protocol.design.procedure) {
+    std::span<const SessionInfo> rest = sessions;
+    for (ParticipantCells& data : participants) {
+      const std::span<const SessionInfo> own = sessions_of_next(rest);
+      data.tracks = participant_tracks(study, protocol, own);
+      rest = rest.subspan(own.size());
+    }
+  }
   for (const ParticipantCells& data : participants) add_estimates(results, protocol, data, kind);
   add_group(results, protocol, participants);
   add_proportion(results, protocol);

@@ -52,7 +52,7 @@ struct TaskGroupRow {
 };
 
 // Whether the outcome grows in proportion to the standard: Weber's law for a JND. Of each participant the slope of its
-// logarithm on that of the standard, least squares; 1 is proportional.
+// logarithm on that of the standard, least squares; 1 is proportional. Of a Weber fraction that of its JND.
 struct ProportionRow {
   int condition = 0;
   MeanEstimate exponent;
@@ -76,8 +76,8 @@ struct TaskResults {
   std::map<std::string, int> exclusions;  // reason -> trials
 };
 
-// sessions: of one kind, by participant; trials: of these.
-TaskResults task_results(const Protocol& protocol, const std::vector<SessionInfo>& sessions,
+// sessions: of one kind, by participant; trials: of these. Throws StorageError where an event contradicts the protocol.
+TaskResults task_results(const Study& study, const Protocol& protocol, const std::vector<SessionInfo>& sessions,
                          const std::vector<CountedTrial>& trials);
 
 // All series of one participant and condition. first: the first of them, in results.estimates.

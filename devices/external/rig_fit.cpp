@@ -124,7 +124,8 @@ std::string rig_request_problem(const RenderRequest& request, const RigHello& he
     if (hello.places < 2) return "the rig presents one value at a time";
     if (std::string problem = value_problem(*request.beside, *range); !problem.empty()) return problem;
   }
-  const std::vector<std::string> problems = parameter_problems(request.parameters, hello);
+  std::vector<std::string> problems = parameter_problems(request.parameters, hello);
+  if (problems.empty() && request.beside_parameters) problems = parameter_problems(*request.beside_parameters, hello);
   return problems.empty() ? std::string() : problems.front();
 }
 

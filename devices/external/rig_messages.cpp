@@ -21,15 +21,18 @@ Json to_json(const RigExploration& exploration) {
   if (exploration.ends == RigExplorationEnd::contacts) json["contacts"] = exploration.contacts;
   if (exploration.no_contact_s > 0) json["no_contact_s"] = exploration.no_contact_s;
   if (exploration.pace_hz) json["pace_hz"] = *exploration.pace_hz;
-  if (exploration.target_force_n) json["target_force_n"] = *exploration.target_force_n;
-  if (exploration.target_depth_m) json["target_depth_m"] = *exploration.target_depth_m;
+  for (const auto& [measure, ends] : exploration.limits) json["limits"][measure] = ends;
+  return json;
+}
+
+Json to_json(const std::map<std::string, RigParameterValue>& parameters) {
+  Json json = Json::object();
+  for (const auto& [name, value] : parameters)
+    std::visit([&, &key = name](const auto& its) { json[key] = its; }, value);
   return json;
 }
 
 std::string request_line(std::string_view type, std::uint64_t id, const RenderRequest& request) {
-  Json parameters = Json::object();
-  for (const auto& [name, value] : request.parameters)
-    std::visit([&, &key = name](const auto& its) { parameters[key] = its; }, value);
   Json json = {{"type", type},
                {"id", id},
                {"trial", request.id.trial},
@@ -38,10 +41,11 @@ std::string request_line(std::string_view type, std::uint64_t id, const RenderRe
                {"quantity", request.quantity},
                {"unit", request.unit},
                {"value", request.value},
-               {"parameters", parameters},
+               {"parameters", to_json(request.parameters)},
                {"exploration", to_json(request.exploration)},
                {"time_out_s", request.time_out_s}};
   if (request.beside) json["beside"] = *request.beside;
+  if (request.beside_parameters) json["beside_parameters"] = to_json(*request.beside_parameters);
   return line_of(json);
 }
 

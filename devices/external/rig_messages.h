@@ -1,6 +1,7 @@
 // What the program and an external rig say to each other, as records: version 1 of devices/external/PROTOCOL.md.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -107,8 +108,10 @@ struct RigExploration {
   bool from_contact = true;  // what the duration counts from; false: the beginning
   int contacts = 0;          // where they end it
   double no_contact_s = 0;   // without a contact for so long from the beginning: outcome no_contact; 0: no such limit
-  // What the participant was told to keep to, for a rig that shows it; the program judges.
-  std::optional<double> pace_hz{}, target_force_n{}, target_depth_m{};
+  // What the participant was told to keep to, for a rig that shows it; the program judges. limits: by the measure, in its
+  // unit, lowest and highest.
+  std::optional<double> pace_hz{};
+  std::map<std::string, std::array<double, 2>> limits{};
 };
 
 // One interval, as a task asks for it.
@@ -118,6 +121,7 @@ struct RenderRequest {
   double value = 0;                // of two, the one on the left
   std::optional<double> beside{};  // the one on the right
   std::map<std::string, RigParameterValue> parameters;
+  std::optional<std::map<std::string, RigParameterValue>> beside_parameters{};  // of the one on the right, where others
   RigExploration exploration;
   double time_out_s = 10;  // from "present" to "done"; what takes longer is stopped, and void
 };

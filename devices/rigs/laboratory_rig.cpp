@@ -89,7 +89,11 @@ Presentation LaboratoryRig::present(const PresentRequest& request) {
   asked.unit = to_string(protocol_.stimulus.unit);
   asked.value = request.stimulus.stiffness;
   asked.beside = request.beside;
-  if (request.condition != nullptr) asked.parameters = parameters_of(*request.condition, request.of_standard);
+  if (const Condition* const condition = request.condition) {
+    asked.parameters = parameters_of(*condition, request.of_standard);
+    if (request.beside && !condition->standard_parameters.empty())
+      asked.beside_parameters = parameters_of(*condition, request.beside_of_standard);
+  }
   asked.exploration.ends = request.contacts > 0 ? RigExplorationEnd::contacts
                            : request.enough     ? RigExplorationEnd::stop
                                                 : RigExplorationEnd::time;
@@ -98,6 +102,9 @@ Presentation LaboratoryRig::present(const PresentRequest& request) {
   if (request.condition != nullptr) {
     const Prescription* const prescription = prescription_of(protocol_, *request.condition);
     if (prescription != nullptr && prescription->pace_hz > 0) asked.exploration.pace_hz = prescription->pace_hz;
+    if (prescription != nullptr)
+      for (const Prescription::Limit& limit : prescription->limits)
+        asked.exploration.limits[limit.measure] = {limit.low, limit.high};
   }
   asked.exploration.no_contact_s = request.no_contact_time_out_s;
   asked.time_out_s = request.explore_s + request.no_contact_time_out_s;

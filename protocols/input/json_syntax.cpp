@@ -39,8 +39,15 @@ SyntaxError explain_string(std::string_view bytes, std::size_t begin, std::size_
   return {begin, "this text cannot be read", "look at its quotes and backslashes"};
 }
 
+// Where the number begins that ends there.
+std::size_t number_before(std::string_view bytes, std::size_t end) noexcept {
+  while (end > 0 && kNumberCharacters.find(bytes[end - 1]) != std::string_view::npos) --end;
+  return end;
+}
+
 SyntaxError explain_word(std::string_view bytes, std::size_t begin) {
   const std::string_view word = word_at(bytes, begin);
+  if (word.empty()) return {begin, "the file ends before its value is complete", ""};
   std::string lower;
   for (const char c : word) lower += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   const std::string bare =
@@ -129,6 +136,9 @@ SyntaxError explain_syntax_error(std::string_view bytes, std::size_t end_of_last
     const std::size_t extra = skip(bytes, end_of_last, kJsonBlanks);
     return {extra, "something follows the end of the document: " + in_quotes(word_at(bytes, extra)), "remove it"};
   }
+  // "00e" was taken for one number, and is a 0 with more behind it.
+  if ((has("invalid literal") || has("invalid number")) && position <= end_of_last + 1)
+    return explain_word(bytes, number_before(bytes, end_of_last));
   if (has("invalid literal") || has("invalid number")) return explain_word(bytes, begin);
 
   // From here on single tokens are fine and their order is not; one-character tokens end where the parser stands.

@@ -83,8 +83,9 @@ Simulated simulated(const Protocol& protocol, int participant, const TaskPrecisi
 }
 
 TaskEstimates estimates_of(const Simulated& participant, const Protocol& protocol, std::size_t series) {
-  const Task& task = task_of(protocol.task.kind);
-  if (!task.has_own_results()) return task.estimate(protocol, protocol.series[series], participant.answers[series]);
+  if (!task_of(protocol.task.kind).has_own_results())
+    return measured_estimates(protocol, protocol.series[series], participant.answers[series],
+                              participant.tracks[series]);
   const AdaptiveThreshold threshold = condition_threshold(participant.tracks[series], protocol);
   return {std::string(to_string(threshold.status)),
           {posterior_estimate(threshold), posterior_estimate(threshold, 1 / protocol.stimulus.reference)}};
@@ -108,8 +109,7 @@ void summarize(TaskPrecisionRow& row, const std::vector<double>& values, int par
 
 std::vector<TaskPrecisionRow> task_precision(const Protocol& protocol, const TaskPrecisionQuestion& question,
                                              const std::function<void(int)>& progress) {
-  const Task& task = task_of(protocol.task.kind);
-  const std::size_t outcomes = task.outcomes(protocol).size(), all_series = protocol.series.size();
+  const std::size_t outcomes = measured_outcomes(protocol).size(), all_series = protocol.series.size();
   std::vector<std::vector<double>> values(all_series * outcomes);
   std::vector<std::size_t> trials(all_series);
   for (int participant = 1; participant <= question.participants; ++participant) {

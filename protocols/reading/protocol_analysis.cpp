@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "protocols/course/prescription.h"
+#include "protocols/planning/track_threshold.h"
 #include "protocols/reading/protocol_reading.h"
 #include "protocols/tasks/task.h"
 
@@ -143,7 +144,7 @@ void read_analysis_of_task(JsonReader& reader, ProtocolReading& reading) {
       reader.error(key, fmt::format("belongs to the task \"same-different\", not to {}", in_quotes(task)),
                    "remove it: \"outcome\" says what is compared");
   JsonReader::Words<std::string> keys;
-  const auto outcomes = task_of(reading.protocol.task.kind).outcomes(reading.protocol);
+  const auto outcomes = measured_outcomes(reading.protocol);
   for (const TaskOutcome& outcome : outcomes) keys.emplace_back(outcome.key, std::string(outcome.key));
   analysis.outcome = reader.one_of_or<std::string>("outcome", keys, std::string(outcomes.front().key));
   analysis.jnd_convention = reader.one_of_or<std::string>(
@@ -181,7 +182,7 @@ namespace {
 JsonReader::Words<std::string> published_quantities(const ProtocolReading& reading) {
   if (reading.has_pairs() || reading.explores()) return {{"jnd", "jnd"}, {"weber", "weber"}, {"rating", "rating"}};
   JsonReader::Words<std::string> words;
-  for (const TaskOutcome& outcome : task_of(reading.protocol.task.kind).outcomes(reading.protocol))
+  for (const TaskOutcome& outcome : measured_outcomes(reading.protocol))
     words.emplace_back(outcome.key, std::string(outcome.key));
   words.emplace_back("rating", "rating");
   return words;

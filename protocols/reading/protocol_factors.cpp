@@ -68,9 +68,9 @@ void read_parameters(const JsonNode& node, std::map<std::string, ParameterValue>
 void read_standard_parameters(const JsonNode& node, Condition& condition, ProtocolReading& reading) {
   read_parameters(node, condition.standard_parameters, reading);
   const TaskSpec& task = reading.protocol.task;
-  if ((task.kind != TaskKind::which && task.kind != TaskKind::adjust) || task.together) {
-    reading.error(node, "needs a standard that is felt in an interval of its own",
-                  "remove it, or take the task \"which\" or \"adjust\", one value after the other");
+  if (task.kind != TaskKind::which && task.kind != TaskKind::adjust) {
+    reading.error(node, "needs a standard that is felt in an interval or a place of its own",
+                  "remove it, or take the task \"which\" or \"adjust\"");
     return;
   }
   if (reading.protocol.rig.device == kSpecimenRig) {

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "protocols/input/json_reader.h"
 #include "protocols/tasks/arrangements.h"
 #include "protocols/tasks/task_estimates.h"
@@ -12,16 +14,35 @@ void AbxTask::read(JsonReader&, TaskSpec& spec) const {
   spec.classes = {"A", "B"};
 }
 
+namespace {
+
+// Either of the two first, and either of them once more as X.
+std::vector<DrawnTrial> arrangements_of(double standard, double comparison, int side = -1) {
+  std::vector<DrawnTrial> arrangements;
+  for (const Intervals& pair : orders_of(standard, comparison, false))
+    for (int x = 0; x < 2; ++x)
+      arrangements.push_back({{pair[0], pair[1], pair[static_cast<std::size_t>(x)]}, x, side});
+  return arrangements;
+}
+
+}  // namespace
+
 std::vector<DrawnTrial> AbxTask::draw(const CellDraw& cell, RandomStream& stream) const {
   std::vector<DrawnTrial> trials;
-  for (const double level : cell.series.levels) {
-    std::vector<DrawnTrial> arrangements;
-    for (const Intervals& pair : orders_of(cell.series.standard, level, false))
-      for (int x = 0; x < 2; ++x) arrangements.push_back({{pair[0], pair[1], pair[static_cast<std::size_t>(x)]}, x});
-    add_level(trials, std::move(arrangements), cell.trials, cell.sampling, stream);
-  }
+  for (const double level : cell.series.levels)
+    add_level(trials, arrangements_of(cell.series.standard, level), cell.trials, cell.sampling, stream);
   stream.shuffle(trials);
   return trials;
+}
+
+std::vector<DrawnTrial> AbxTask::draw_track(const CellDraw& track, RandomStream& stream) const {
+  const double standard = track.series.standard;
+  std::vector<DrawnTrial> block;
+  for (const int side : track.protocol.design.procedure->sides) {
+    const std::vector<DrawnTrial> both = arrangements_of(standard, set_by_answers(standard), side);
+    block.insert(block.end(), both.begin(), both.end());
+  }
+  return track_of(block, track.trials, stream);
 }
 
 int AbxTask::target_of(const Intervals& stimuli, double, const TaskSpec&) const noexcept {
@@ -48,11 +69,15 @@ std::optional<TaskCurve> AbxTask::curve(const Protocol&, const Series&, std::spa
   return choice_curve(ChoiceTask::abx_differencing, trials);
 }
 
+std::string AbxTask::arrangement(const Protocol& protocol) const {
+  return fmt::format("Standard and comparison came first, and again as the third, {}. ", how_often(protocol));
+}
+
 std::string AbxTask::methods(const Protocol&) const {
   return "The JND is the difference at d' = 1, with d' in proportion to the difference, by maximum likelihood under "
          "the differencing model of ABX (Macmillan and Creelman 2005); its interval is profile likelihood, 95 %. d' and the share of correct answers beside it are of all trials "
-         "together. Status: ceiling, every answer was correct (JND 0); no_sensitivity, not better than chance (JND "
-         "infinite).";
+         "together. There is no JND where the status is ceiling (every answer was correct) or no_sensitivity (not "
+         "better than chance): its interval is open on one side.";
 }
 
 }  // namespace jnd

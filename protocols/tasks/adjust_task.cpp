@@ -128,7 +128,7 @@ std::vector<TaskOutcome> AdjustTask::outcomes(const Protocol& protocol) const {
   const std::string_view unit = to_string(protocol.stimulus.unit);
   return {
       {"jnd", "JND", unit, "0.6745 SD of the settings: half of them lie nearer to their mean", 4, true},
-      {"weber", "Weber fraction", "", "jnd / standard", 3, true},
+      {"weber", "Weber fraction", "", "jnd / standard", 3, true, true},
       {"pse", "PSE", unit, "mean setting", 4, false},
       {"bias", "constant error", unit, "PSE less the standard", 4, false},
       {"start_effect", "start effect", unit, "mean of the settings from above less that from below", 3, false},
@@ -165,6 +165,10 @@ TaskEstimates AdjustTask::estimate(const Protocol& protocol, const Series& serie
       task_estimate(defined(found.start_effect)),
       task_estimate(defined(found.variable_error))};
   return estimates;
+}
+
+std::string AdjustTask::arrangement(const Protocol& protocol) const {
+  return fmt::format("What was adjusted started below and above the standard {}. ", how_often(protocol));
 }
 
 std::string AdjustTask::methods(const Protocol&) const {

@@ -33,6 +33,7 @@ class AdjustTask final : public Task {
   std::vector<TaskOutcome> outcomes(const Protocol& protocol) const override;
   TaskEstimates estimate(const Protocol& protocol, const Series& series,
                          std::span<const AnsweredTrial> trials) const override;
+  std::string arrangement(const Protocol& protocol) const override;
   std::string methods(const Protocol& protocol) const override;
 };
 

@@ -63,37 +63,48 @@ std::vector<TaskOutcome> MagnitudeTask::outcomes(const Protocol&) const {
       {"exponent", "exponent", "", "of the power law: slope of ln answer on ln stimulus", 3, true},
       {"intercept", "intercept", "", "ln answer at ln stimulus = 0", 3, false},
       {"r2", "r2", "", "share of the variance of ln answer that the line explains", 3, false},
-      {"mean_answer", "mean answer", "", "geometric mean of the answers, every stimulus weighing the same", 3, true}};
+      {"mean_answer", "mean answer", "", "geometric mean of the answers, every stimulus weighing the same", 3, true},
+      {"arithmetic_mean", "arithmetic mean", "", "mean of the answers, every stimulus weighing the same", 3, false}};
 }
 
-// Every stimulus weighs the same, whatever its repeats.
+// Every stimulus weighs the same, whatever its repeats. A stimulus of 0 has no place on the line of the power law; an answer
+// of 0 has no logarithm, and leaving it out would be a bias.
 TaskEstimates MagnitudeTask::estimate(const Protocol&, const Series&, std::span<const AnsweredTrial> trials) const {
   struct Cell {
-    double sum = 0;
+    double sum = 0, sum_of_logarithms = 0;
     int n = 0;
   };
   std::map<double, Cell> cells;
+  bool positive = true;
   for (const AnsweredTrial& trial : trials) {
-    const double stimulus = trial.stimuli[trial.stimuli.size() - 1];
     if (!trial.number) continue;
-    if (!(*trial.number > 0) || !(stimulus > 0))
-      return {"not_positive", std::vector<TaskEstimate>(4)};  // it has no logarithm, and leaving it out would be a bias
-    cells[stimulus].sum += std::log(*trial.number);
-    ++cells[stimulus].n;
+    Cell& cell = cells[trial.stimuli[trial.stimuli.size() - 1]];
+    positive = positive && *trial.number > 0;
+    cell.sum += *trial.number;
+    cell.sum_of_logarithms += std::log(*trial.number);
+    ++cell.n;
   }
+  TaskEstimates estimates{"no_trials", std::vector<TaskEstimate>(5)};
+  if (cells.empty()) return estimates;
+  const auto all = static_cast<double>(cells.size());
+  double mean = 0, mean_of_logarithms = 0;
   std::vector<double> ln_stimulus, ln_answer;
-  double sum = 0;
   for (const auto& [stimulus, cell] : cells) {
+    mean += cell.sum / cell.n / all;
+    mean_of_logarithms += cell.sum_of_logarithms / cell.n / all;
+    if (!(stimulus > 0)) continue;
     ln_stimulus.push_back(std::log(stimulus));
-    ln_answer.push_back(cell.sum / cell.n);
-    sum += ln_answer.back();
+    ln_answer.push_back(cell.sum_of_logarithms / cell.n);
   }
-  if (cells.empty()) return {"no_trials", std::vector<TaskEstimate>(4)};
+  estimates.status = "not_positive";
+  estimates.values[4] = task_estimate(mean);
+  if (!positive) return estimates;
   const PowerLaw law = power_law(ln_stimulus, ln_answer);
-  TaskEstimates estimates;
   estimates.status = law.status == StatisticStatus::ok ? "ok" : "too_few";
-  estimates.values = {task_estimate(law.exponent, ChoiceBounds{law.ci_low, law.ci_high}), task_estimate(law.intercept),
-                      task_estimate(law.r2), task_estimate(std::exp(sum / static_cast<double>(cells.size())))};
+  estimates.values[0] = task_estimate(law.exponent, ChoiceBounds{law.ci_low, law.ci_high});
+  estimates.values[1] = task_estimate(law.intercept);
+  estimates.values[2] = task_estimate(law.r2);
+  estimates.values[3] = task_estimate(std::exp(mean_of_logarithms));
   return estimates;
 }
 
@@ -101,8 +112,9 @@ std::string MagnitudeTask::methods(const Protocol& protocol) const {
   return std::string(protocol.task.modulus ? "Numbers were given in relation to a modulus. "
                                            : "Numbers were free: participants chose their own modulus. ") +
          "The exponent of the power law is the least-squares slope of the mean ln answer on ln stimulus, of each "
-         "participant and condition, every stimulus weighing the same; its interval is Student's, 95 %. Status: "
-         "not_positive, an answer of 0 or below has no logarithm; too_few, fewer than two stimuli.";
+         "participant and condition, every stimulus weighing the same; its interval is Student's, 95 %. A stimulus of 0, which "
+         "has no logarithm, takes no part in it. Status: not_positive, an answer of 0 has no logarithm, so that there is "
+         "the arithmetic mean only; too_few, fewer than two stimuli above 0.";
 }
 
 }  // namespace jnd

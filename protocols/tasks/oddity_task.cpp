@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "protocols/input/json_reader.h"
 #include "protocols/tasks/arrangements.h"
 #include "protocols/tasks/task_estimates.h"
@@ -12,21 +14,39 @@ void OddityTask::read(JsonReader&, TaskSpec& spec) const {
   spec.classes = {"first", "second", "third"};
 }
 
+namespace {
+
+// Either of the two odd, in every place.
+std::vector<DrawnTrial> triads_of(double standard, double comparison, int side = -1) {
+  std::vector<DrawnTrial> triads;
+  for (const auto& [odd, others] : {std::pair(comparison, standard), std::pair(standard, comparison)}) {
+    for (std::size_t place = 0; place < 3; ++place) {
+      Intervals stimuli{others, others, others};
+      stimuli[place] = odd;
+      triads.push_back({stimuli, static_cast<int>(place), side});
+    }
+  }
+  return triads;
+}
+
+}  // namespace
+
 std::vector<DrawnTrial> OddityTask::draw(const CellDraw& cell, RandomStream& stream) const {
   std::vector<DrawnTrial> trials;
-  for (const double level : cell.series.levels) {
-    std::vector<DrawnTrial> triads;
-    for (const auto& [odd, others] : {std::pair(level, cell.series.standard), std::pair(cell.series.standard, level)}) {
-      for (std::size_t place = 0; place < 3; ++place) {
-        Intervals stimuli{others, others, others};
-        stimuli[place] = odd;
-        triads.push_back({stimuli, static_cast<int>(place)});
-      }
-    }
-    add_level(trials, std::move(triads), cell.trials, cell.sampling, stream);
-  }
+  for (const double level : cell.series.levels)
+    add_level(trials, triads_of(cell.series.standard, level), cell.trials, cell.sampling, stream);
   stream.shuffle(trials);
   return trials;
+}
+
+std::vector<DrawnTrial> OddityTask::draw_track(const CellDraw& track, RandomStream& stream) const {
+  const double standard = track.series.standard;
+  std::vector<DrawnTrial> block;
+  for (const int side : track.protocol.design.procedure->sides) {
+    const std::vector<DrawnTrial> triads = triads_of(standard, set_by_answers(standard), side);
+    block.insert(block.end(), triads.begin(), triads.end());
+  }
+  return track_of(block, track.trials, stream);
 }
 
 int OddityTask::target_of(const Intervals& stimuli, double, const TaskSpec&) const noexcept {
@@ -56,11 +76,16 @@ std::optional<TaskCurve> OddityTask::curve(const Protocol&, const Series&,
   return choice_curve(ChoiceTask::oddity, trials);
 }
 
+std::string OddityTask::arrangement(const Protocol& protocol) const {
+  return fmt::format("Standard and comparison were the odd one, in each of the three places, {}. ",
+                     how_often(protocol));
+}
+
 std::string OddityTask::methods(const Protocol&) const {
   return "The JND is the difference at d' = 1, with d' in proportion to the difference, by maximum likelihood under "
          "the Thurstonian model of the triangle, comparison of distances (Ennis 1993); its interval is profile likelihood, 95 %. d' and the share of correct answers beside it are of all trials "
-         "together. Status: ceiling, every answer was correct (JND 0); no_sensitivity, not better than chance (JND "
-         "infinite).";
+         "together. There is no JND where the status is ceiling (every answer was correct) or no_sensitivity (not "
+         "better than chance): its interval is open on one side.";
 }
 
 }  // namespace jnd

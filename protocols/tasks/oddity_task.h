@@ -13,9 +13,11 @@ class OddityTask final : public Task {
   TaskKind kind() const noexcept override { return TaskKind::oddity; }
   std::string_view summary() const noexcept override { return "three intervals: which is the odd one?"; }
   void read(JsonReader& section, TaskSpec& spec) const override;
+  bool has_procedures() const noexcept override { return true; }
   int balance_of(const TaskSpec&) const noexcept override { return 6; }
   int intervals(const TaskSpec&) const noexcept override { return 3; }
   std::vector<DrawnTrial> draw(const CellDraw& cell, RandomStream& stream) const override;
+  std::vector<DrawnTrial> draw_track(const CellDraw& track, RandomStream& stream) const override;
   int target_of(const Intervals& stimuli, double standard, const TaskSpec& spec) const noexcept override;
   Answer answer(std::span<const Felt> felt, const Trial& trial, const Protocol& protocol,
                 RandomStream& stream) const override;
@@ -24,6 +26,7 @@ class OddityTask final : public Task {
                          std::span<const AnsweredTrial> trials) const override;
   std::optional<TaskCurve> curve(const Protocol& protocol, const Series& series,
                                  std::span<const AnsweredTrial> trials) const override;
+  std::string arrangement(const Protocol& protocol) const override;
   std::string methods(const Protocol& protocol) const override;
 };
 

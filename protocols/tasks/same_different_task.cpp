@@ -58,7 +58,7 @@ std::vector<TaskOutcome> SameDifferentTask::outcomes(const Protocol& protocol) c
            has_posterior_threshold(protocol) ? "JND, the difference at d' = 1: exp of the posterior mean of ln JND"
                                              : "difference at the procedure's target rate",
            4, true},
-          {"weber", "Weber fraction", "", "threshold / reference", 3, true}};
+          {"weber", "Weber fraction", "", "threshold / reference", 3, true, true}};
 }
 
 // Thresholds follow from the tracks (track_threshold.h), and JNDs from the counts of answers.

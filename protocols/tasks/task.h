@@ -60,12 +60,13 @@ struct AnsweredTrial {
 
 // A number that a task measures.
 struct TaskOutcome {
-  std::string_view key;     // of files: "pse"
-  std::string_view title;   // of tables: "PSE"
-  std::string_view unit{};  // as people write it; empty: none
-  std::string meaning{};    // one line, for the dictionary
-  int digits = 3;           // significant ones
-  bool positive = false;    // its logarithm may be compared
+  std::string_view key;      // of files: "pse"
+  std::string_view title;    // of tables: "PSE"
+  std::string_view unit{};   // as people write it; empty: none
+  std::string meaning{};     // one line, for the dictionary
+  int digits = 3;            // significant ones
+  bool positive = false;     // its logarithm may be compared
+  bool of_standard = false;  // a share of the standard, such as a Weber fraction
 };
 
 // What became of one outcome. Where there is no value the status says why; an interval's end may be infinite.
@@ -156,6 +157,9 @@ class Task {
   virtual std::optional<TaskCurve> curve(const Protocol&, const Series&, std::span<const AnsweredTrial>) const {
     return std::nullopt;
   }
+  // How what is presented in a trial was arranged, in a sentence for a paper that ends with a blank; empty where there is
+  // one way only.
+  virtual std::string arrangement(const Protocol&) const { return {}; }
   // How the estimates come about, in sentences for a paper.
   virtual std::string methods(const Protocol& protocol) const = 0;
 };

@@ -146,7 +146,7 @@ TaskCurve choice_curve(ChoiceTask task, std::span<const AnsweredTrial> trials) {
 std::vector<TaskOutcome> choice_outcomes(const Protocol& protocol) {
   const std::string_view unit = to_string(protocol.stimulus.unit);
   return {{"jnd", "JND", unit, "difference at d' = 1, d' in proportion to the difference, maximum likelihood", 4, true},
-          {"weber", "Weber fraction", "", "jnd / standard", 3, true},
+          {"weber", "Weber fraction", "", "jnd / standard", 3, true, true},
           {"dprime", "d'", "", "d' of all trials together, whatever their difference", 3, false},
           {"correct", "share correct", "", "share of correct answers, exact interval", 3, true}};
 }
@@ -162,12 +162,12 @@ TaskEstimates choice_estimates(ChoiceTask task, const Series& series, std::span<
   const ChoiceDprime dprime = choice_dprime_of_counts(task, correct, n);
   TaskEstimates estimates;
   estimates.status = jnd.status;
-  const ChoiceBounds bounds{jnd.low, jnd.high};
   const double standard = series.standard;
-  estimates.values = {task_estimate(jnd.jnd, bounds),
-                      standard != 0
-                          ? task_estimate(jnd.jnd / standard, ChoiceBounds{jnd.low / standard, jnd.high / standard})
-                          : TaskEstimate{},
+  const auto estimate = [&](double unit) {
+    const std::optional<double> value = jnd.status == "ok" ? std::optional(jnd.jnd / unit) : std::nullopt;
+    return task_estimate(value, ChoiceBounds{jnd.low / unit, jnd.high / unit});
+  };
+  estimates.values = {estimate(1), standard != 0 ? estimate(standard) : TaskEstimate{},
                       task_estimate(dprime.dprime, ChoiceBounds{dprime.ci_low, dprime.ci_high}), share_correct(trials)};
   return estimates;
 }

@@ -52,7 +52,6 @@ std::vector<DrawnTrial> WhichTask::draw(const CellDraw& cell, RandomStream& stre
   return trials;
 }
 
-// In blocks of every order on every side, so that the share of each holds everywhere in a session.
 std::vector<DrawnTrial> WhichTask::draw_track(const CellDraw& track, RandomStream& stream) const {
   const TaskSpec& spec = track.protocol.task;
   const AdaptiveProcedure& procedure = *track.protocol.design.procedure;
@@ -64,15 +63,7 @@ std::vector<DrawnTrial> WhichTask::draw_track(const CellDraw& track, RandomStrea
       block.push_back({stimuli, chosen(comparison_first == (side > 0), spec), side});
     }
   }
-  std::vector<DrawnTrial> trials;
-  while (static_cast<int>(trials.size()) < track.trials) {
-    std::vector<DrawnTrial> part;
-    for (int twice = 0; twice < 2; ++twice) part.insert(part.end(), block.begin(), block.end());
-    stream.shuffle(part);
-    trials.insert(trials.end(), part.begin(), part.end());
-  }
-  trials.resize(static_cast<std::size_t>(track.trials));
-  return trials;
+  return track_of(block, track.trials, stream);
 }
 
 int WhichTask::target_of(const Intervals& stimuli, double, const TaskSpec& spec) const noexcept {
@@ -108,8 +99,22 @@ std::vector<ChoiceRow> choice_rows(std::span<const AnsweredTrial> trials, const 
   return all;
 }
 
-TwoIntervalOptions options_of(const Protocol& protocol, std::span<const ChoiceRow> rows) {
+// Whether comparisons lie on both sides of the standard, or at it: on one side alone they do not tell the PSE from s.
+bool measures_pse(const Protocol& protocol, const Series& series) {
+  if (const auto& procedure = protocol.design.procedure)
+    return procedure->sides.size() > 1 || has_posterior_threshold(protocol);
+  const auto [least, greatest] = std::minmax_element(series.levels.begin(), series.levels.end());
+  return series.levels.empty() || (*least <= series.standard && *greatest >= series.standard);
+}
+
+bool measures_any_pse(const Protocol& protocol) {
+  const auto measures = [&](const Series& series) { return measures_pse(protocol, series); };
+  return protocol.series.empty() || std::any_of(protocol.series.begin(), protocol.series.end(), measures);
+}
+
+TwoIntervalOptions options_of(const Protocol& protocol, const Series& series, std::span<const ChoiceRow> rows) {
   TwoIntervalOptions options;
+  if (!measures_pse(protocol, series)) options.pse = series.standard;
   options.lapse = protocol.analysis.lapse_free ? std::nullopt : std::optional(protocol.analysis.lapse);
   const auto first = [](const ChoiceRow& row) { return row.order < 0; };
   options.order_term = std::any_of(rows.begin(), rows.end(), first) && !std::all_of(rows.begin(), rows.end(), first);
@@ -142,22 +147,28 @@ void set_by_posterior(TaskEstimates& estimates, const Protocol& protocol, const 
 
 std::vector<TaskOutcome> WhichTask::outcomes(const Protocol& protocol) const {
   const std::string_view unit = to_string(protocol.stimulus.unit);
-  return {{"jnd", "JND", unit,
-           fmt::format("just-noticeable difference, {}", protocol.analysis.jnd_convention == "d'=1"
-                                                             ? std::string("d' = 1 of the two-interval task")
-                                                             : protocol.analysis.jnd_convention + " chosen"),
-           4, true},
-          {"weber", "Weber fraction", "", "jnd / standard", 3, true},
-          {"pse", "PSE", unit, "point of subjective equality: chosen half of the time", 4, false},
-          {"bias", "bias", unit, "PSE less the standard", 4, false},
-          {"order", "order effect", "", "b of the model: above 0 the second interval is favoured; in units of s", 3,
-           false}};
+  std::vector<TaskOutcome> outcomes = {
+      {"jnd", "JND", unit,
+       fmt::format("just-noticeable difference, {}", protocol.analysis.jnd_convention == "d'=1"
+                                                         ? std::string("d' = 1 of the two-interval task")
+                                                         : protocol.analysis.jnd_convention + " chosen"),
+       4, true},
+      {"weber", "Weber fraction", "", "jnd / standard", 3, true, true}};
+  if (measures_any_pse(protocol))
+    outcomes.insert(outcomes.end(),
+                    {{"pse", "PSE", unit, "point of subjective equality: chosen half of the time", 4, false},
+                     {"bias", "bias", unit, "PSE less the standard", 4, false}});
+  if (!protocol.task.standard_first)
+    outcomes.push_back({"order", "order effect", "",
+                        "b of the model: above 0 the second interval is favoured; in units of s", 3, false});
+  outcomes.push_back({"correct", "share correct", "", "share of correct answers, exact interval", 3, true});
+  return outcomes;
 }
 
 TaskEstimates WhichTask::estimate(const Protocol& protocol, const Series& series,
                                   std::span<const AnsweredTrial> trials) const {
   const std::vector<ChoiceRow> rows = choice_rows(trials, protocol.task);
-  const TwoIntervalOptions options = options_of(protocol, rows);
+  const TwoIntervalOptions options = options_of(protocol, series, rows);
   const TwoIntervalFit fit = fit_two_interval(rows, options);
   const TwoIntervalIntervals intervals = two_interval_intervals(rows, options);
   const double factor = jnd_of(choice_jnds(options.link, 1), protocol.analysis.jnd_convention);
@@ -172,18 +183,25 @@ TaskEstimates WhichTask::estimate(const Protocol& protocol, const Series& series
   const double standard = series.standard;
   TaskEstimates estimates;
   estimates.status = word_of(kTwoIntervalStatusWords, fit.status);
-  const std::optional<double> jnd = fit.s ? std::optional(*fit.s * factor) : std::nullopt;
-  const std::optional<double> bias = fit.pse ? std::optional(*fit.pse - standard) : std::nullopt;
-  estimates.values = {
-      task_estimate(jnd, scaled(intervals.s, factor)),
-      standard != 0 && jnd ? task_estimate(*jnd / standard, scaled(intervals.s, factor / standard)) : TaskEstimate{},
-      task_estimate(fit.pse, intervals.pse), task_estimate(bias, moved(intervals.pse, -standard)),
-      task_estimate(fit.order_b, intervals.order_b)};
+  // Levels told apart without an error, or not at all, bound the JND on one side only.
+  const std::optional<double> jnd = fit.status == TwoIntervalStatus::ok ? std::optional(*fit.s * factor) : std::nullopt;
+  estimates.values = {task_estimate(jnd, scaled(intervals.s, factor)),
+                      standard != 0 ? task_estimate(jnd ? std::optional(*jnd / standard) : std::nullopt,
+                                                    scaled(intervals.s, factor / standard))
+                                    : TaskEstimate{}};
+  if (measures_any_pse(protocol)) {
+    const std::optional<double> pse = options.pse ? std::nullopt : fit.pse;
+    estimates.values.push_back(task_estimate(pse, intervals.pse));
+    estimates.values.push_back(
+        task_estimate(pse ? std::optional(*pse - standard) : std::nullopt, moved(intervals.pse, -standard)));
+  }
+  if (!protocol.task.standard_first) estimates.values.push_back(task_estimate(fit.order_b, intervals.order_b));
+  estimates.values.push_back(share_correct(trials));
   if (has_posterior_threshold(protocol)) set_by_posterior(estimates, protocol, series, trials);
   return estimates;
 }
 
-std::optional<TaskCurve> WhichTask::curve(const Protocol& protocol, const Series&,
+std::optional<TaskCurve> WhichTask::curve(const Protocol& protocol, const Series& series,
                                           std::span<const AnsweredTrial> trials) const {
   const std::vector<ChoiceRow> rows = choice_rows(trials, protocol.task);
   std::map<double, TaskCurve::Point> points;
@@ -196,7 +214,7 @@ std::optional<TaskCurve> WhichTask::curve(const Protocol& protocol, const Series
   TaskCurve curve;
   curve.said = "the comparison has more";
   for (const auto& [level, point] : points) curve.points.push_back(point);
-  TwoIntervalOptions options = options_of(protocol, rows);
+  TwoIntervalOptions options = options_of(protocol, series, rows);
   options.order_term = false;  // both orders together
   const TwoIntervalFit fit = fit_two_interval(rows, options);
   if (fit.status != TwoIntervalStatus::ok || curve.points.size() < 2) return curve;
@@ -206,12 +224,27 @@ std::optional<TaskCurve> WhichTask::curve(const Protocol& protocol, const Series
   return curve;
 }
 
+std::string WhichTask::arrangement(const Protocol& protocol) const {
+  const TaskSpec& spec = protocol.task;
+  if (spec.standard_first)
+    return spec.together ? "The standard was always on the left. " : "The standard always came first. ";
+  return spec.together ? fmt::format("The two were felt side by side, the standard on the left and on the right {}. ",
+                                     how_often(protocol))
+                       : fmt::format("The standard came first and second {}. ", how_often(protocol));
+}
+
 std::string WhichTask::methods(const Protocol& protocol) const {
   const AnalysisPlan& plan = protocol.analysis;
   const std::string_view jnd =
       plan.jnd_convention == "84 %"   ? "s, the difference from the PSE at which 84 % choose the comparison"
       : plan.jnd_convention == "75 %" ? "0.6745 s, the difference from the PSE at which 75 % choose the comparison"
                                       : "s / sqrt 2, d' = 1 of the two-interval task";
+  const auto one_sided = std::count_if(protocol.series.begin(), protocol.series.end(),
+                                       [&](const Series& series) { return !measures_pse(protocol, series); });
+  const std::string_view pse = one_sided == 0 ? ""
+                               : static_cast<std::size_t>(one_sided) == protocol.series.size()
+                                   ? " and the PSE fixed at the standard, on one side of which all comparisons lay"
+                                   : " and the PSE fixed at the standard where all comparisons lay on one side of it";
   if (has_posterior_threshold(protocol))
     return fmt::format(
         "Of each participant, condition and standard JND and PSE are those of the posterior of the procedure's own response "
@@ -223,12 +256,14 @@ std::string WhichTask::methods(const Protocol& protocol) const {
         "PSE.",
         jnd);
   return fmt::format(
-      "Of each participant, condition and standard P(comparison chosen) = l/2 + (1 - l) Phi((x - PSE)/s{}) was fitted by "
-      "maximum likelihood, with the lapse rate l {}. The JND is {}; the Weber fraction is JND / standard. Intervals are "
-      "profile likelihood, 95 %. Status: separated, the levels are told apart without an error (JND 0); flat, the best "
-      "slope is not positive (JND infinite); all_same, one answer throughout.",
-      protocol.task.standard_first ? "" : " + b o), o = 1 where the comparison came second and -1 where it came first",
-      plan.lapse_free ? "free from 0 to 0.1" : fmt::format("fixed at {:g}", plan.lapse), jnd);
+      "Of each participant, condition and standard P(comparison chosen) = l/2 + (1 - l) Phi((x - PSE)/s{} was fitted by "
+      "maximum likelihood, with the lapse rate l {}{}. The JND is {}; the Weber fraction is JND / standard. Intervals are "
+      "profile likelihood, 95 %. There is no JND, and an interval that is open on one side, where the status is separated "
+      "(the levels are told apart without an error) or flat (the best slope is not positive), and none of either where it "
+      "is all_same (one answer throughout).",
+      protocol.task.standard_first ? ")"
+                                   : " + b o), o = 1 where the comparison came second and -1 where it came first,",
+      plan.lapse_free ? "free from 0 to 0.1" : fmt::format("fixed at {:g}", plan.lapse), pse, jnd);
 }
 
 }  // namespace jnd

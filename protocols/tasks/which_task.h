@@ -29,6 +29,7 @@ class WhichTask final : public Task {
                          std::span<const AnsweredTrial> trials) const override;
   std::optional<TaskCurve> curve(const Protocol& protocol, const Series& series,
                                  std::span<const AnsweredTrial> trials) const override;
+  std::string arrangement(const Protocol& protocol) const override;
   std::string methods(const Protocol& protocol) const override;
 };
 

@@ -142,12 +142,15 @@ TaskEstimates YesNoTask::estimate(const Protocol& protocol, const Series& series
   const TwoIntervalFit fit = fit_two_interval(rows);
   const TwoIntervalIntervals intervals = two_interval_intervals(rows);
   TaskEstimates estimates;
-  estimates.status = to_string(rates.status);
-  estimates.values = {
-      task_estimate(rates.dprime, ChoiceBounds{rates.ci_low, rates.ci_high}), task_estimate(rates.criterion),
-      has_posterior_threshold(protocol) ? posterior_estimate(posterior_of_trials(protocol, series, trials).threshold)
-                                        : task_estimate(fit.s, intervals.s),
-      share_correct(trials)};
+  const bool ok = fit.status == TwoIntervalStatus::ok, by_posterior = has_posterior_threshold(protocol);
+  estimates.status = rates.status != RateStatus::ok || ok || by_posterior
+                         ? to_string(rates.status)
+                         : word_of(kTwoIntervalStatusWords, fit.status);
+  estimates.values = {task_estimate(rates.dprime, ChoiceBounds{rates.ci_low, rates.ci_high}),
+                      task_estimate(rates.criterion),
+                      by_posterior ? posterior_estimate(posterior_of_trials(protocol, series, trials).threshold)
+                                   : task_estimate(ok ? fit.s : std::nullopt, intervals.s),
+                      share_correct(trials)};
   if (protocol.task.sureness_levels > 0) {
     const RatingRoc roc = roc_of(trials, protocol.task.sureness_levels);
     const auto with_error = [](const RatingEstimate& one) {
@@ -184,7 +187,9 @@ std::string YesNoTask::methods(const Protocol& protocol) const {
             "mean of ln s given all answers, with the middle 95 % of the posterior; there is none while the answers "
             "say less than the prior, nor where the posterior is highest at an end of the grid. "
           : "The threshold is sigma of P(yes) = Phi(distance / sigma - k), fitted by maximum likelihood to noise and "
-            "signals together: the distance at d' = 1; its interval is profile likelihood, 95 %. ";
+            "signals together: the distance at d' = 1; its interval is profile likelihood, 95 %. There is no threshold, and "
+            "an interval that is open on one side, where the status is separated (noise and signals are told apart without "
+            "an error) or flat (they are not told apart). ";
   text += "Status: no_information, one answer throughout; missing, no noise or no signal.";
   if (protocol.task.sureness_levels > 0)
     text +=

@@ -30,6 +30,7 @@ struct WhichOptions {
   CalcInput input;
   TrialOptions trials;
   std::string lapse = "0", link = "probit";
+  bool pse_is_standard = false;
 };
 
 const TrialUse kWhichUse = {"the comparison was chosen", {{"comparison", "standard"}}, true, false};
@@ -127,8 +128,9 @@ std::vector<ChoiceGroup> trial_groups(const WhichOptions& options, const TwoInte
   return groups;
 }
 
-TwoIntervalAnswer answer_of(const ChoiceGroup& group) {
+TwoIntervalAnswer answer_of(const ChoiceGroup& group, bool pse_is_standard) {
   TwoIntervalAnswer answer = group.answer;
+  if (pse_is_standard) answer.options.pse = answer.standard;
   answer.fit = fit_two_interval(group.rows, answer.options);
   answer.intervals = two_interval_intervals(group.rows, answer.options);
   answer.constants = log_binomial_constants(group.rows);
@@ -143,7 +145,7 @@ int which(const WhichOptions& options) {
       options.trials.trials ? trial_groups(options, model) : counted_groups(options, model);
   std::vector<TwoIntervalAnswer> answers;
   for (const ChoiceGroup& group : groups) {
-    answers.push_back(answer_of(group));
+    answers.push_back(answer_of(group, options.pse_is_standard));
     if (options.input.json) fmt::print("{}\n", json_line(two_interval_json(answers.back())));
   }
   if (!options.input.json) fmt::print("{}", two_interval_text(answers));
@@ -166,6 +168,9 @@ void add_calc_which(CommandTree& calc) {
   command.add_option("--link", options.link, "probit (normal distribution) or logit (logistic)")
       ->check(CLI::IsMember({"probit", "logit"}))
       ->capture_default_str();
+  command.add_flag(
+      "--pse-is-standard", options.pse_is_standard,
+      "the PSE is not estimated: for levels on one side of the standard, which do not tell it from the JND");
   add_trial_options(command, options.trials, kWhichUse);
 }
 
@@ -299,8 +304,9 @@ std::string two_interval_text(const std::vector<TwoIntervalAnswer>& answers) {
   }
   const std::string lapse = model.lapse ? fmt::format("lapse {:g}", *model.lapse)
                                         : fmt::format("lapse free (0 to {:g})", kLargestChoiceLapse);
-  std::string text =
-      bold(fmt::format("choices between two intervals, {}, {}", word_of(kChoiceLinkWords, model.link), lapse)) + "\n";
+  std::string text = bold(fmt::format("choices between two intervals, {}, {}{}", word_of(kChoiceLinkWords, model.link),
+                                      lapse, model.pse ? ", the PSE at the standard" : "")) +
+                     "\n";
   text += table.text();
   text +=
       dim(model.link == ChoiceLink::probit

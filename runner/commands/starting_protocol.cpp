@@ -131,6 +131,7 @@ ordered_json specimens(std::vector<double> values, double standard) {
 
 ordered_json procedure_section(const StartingPoint& point, double standard) {
   ordered_json section = {{"kind", point.procedure}};
+  const bool catches = task_of(point.task).has_catch_trials();
   if (point.procedure == "posterior")
     section["levels"] = {{"from", 0.05 * standard}, {"to", 0.5 * standard}, {"step", 0.05 * standard}};
   else
@@ -145,10 +146,11 @@ ordered_json procedure_section(const StartingPoint& point, double standard) {
                     {"multiplicative", true},
                     {"halve_after", {1, 2}}});
   } else {
-    const bool coin = point.task == TaskKind::which;
-    section.update({{"guess_sd", 0.5}, {"p_threshold", 0.75}, {"gamma", coin ? 0.5 : 0.1}});
+    // The rate of correct answers by guessing; of tasks with catch trials that of false alarms.
+    const double gamma = catches ? 0.1 : point.task == TaskKind::oddity ? 1.0 / 3 : 0.5;
+    section.update({{"guess_sd", 0.5}, {"p_threshold", 0.75}, {"gamma", gamma}});
   }
-  if (point.task != TaskKind::which && point.procedure != "posterior") section["catch_share"] = 0.5;
+  if (catches && point.procedure != "posterior") section["catch_share"] = 0.5;
   if (point.task != TaskKind::same_different) section["side"] = "above";
   section["stop"] = {{"trials", 40}};
   return section;
@@ -164,6 +166,8 @@ void require_fitting(const StartingPoint& point) {
   if (point.rig == kSpecimenRig) refuse("specimens have fixed values");
   if (point.task == TaskKind::explore || !task_of(point.task).has_procedures())
     refuse(fmt::format("the task {} has no levels that answers could set", to_string(point.task)));
+  if (point.procedure == "posterior" && !task_of(point.task).posterior_task())
+    refuse(fmt::format("the task {} has no response model that it could choose from", to_string(point.task)));
 }
 
 ordered_json opening(std::string_view title) {

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/planning/track_threshold.h"
 #include "protocols/tasks/task.h"
 #include "runner/terminal/json_output.h"
 #include "runner/terminal/number_text.h"
@@ -26,7 +27,7 @@ const Series& series_of(const TaskPrecisionRow& row, const Protocol& protocol) {
 
 std::string task_precision_text(const std::vector<TaskPrecisionRow>& rows, const TaskPrecisionQuestion& question,
                                 const Protocol& protocol, TableStyle style) {
-  const std::vector<TaskOutcome> outcomes = task_of(protocol.task.kind).outcomes(protocol);
+  const std::vector<TaskOutcome> outcomes = measured_outcomes(protocol);
   const std::string_view unit = to_string(protocol.stimulus.unit);
   PrecisionTable table({"standard", "noise " + std::string(unit), "trials", "outcome", "median", "95 % of participants",
                         "CV", "undefined"});
@@ -53,7 +54,7 @@ std::string task_precision_text(const std::vector<TaskPrecisionRow>& rows, const
 
 nlohmann::ordered_json task_precision_json(const std::vector<TaskPrecisionRow>& rows,
                                            const TaskPrecisionQuestion& question, const Protocol& protocol) {
-  const std::vector<TaskOutcome> outcomes = task_of(protocol.task.kind).outcomes(protocol);
+  const std::vector<TaskOutcome> outcomes = measured_outcomes(protocol);
   nlohmann::ordered_json out = {{"protocol_sha256", protocol.sha256},
                                 {"registered", protocol.analysis.outcome},
                                 {"simulated", question.participants},

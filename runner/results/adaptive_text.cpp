@@ -5,6 +5,7 @@
 #include "analysis/numerics/special_values.h"
 #include "data/export/result_fields.h"
 #include "protocols/planning/adaptive_run.h"
+#include "protocols/planning/track_threshold.h"
 #include "runner/results/analysis_text.h"
 #include "runner/results/field_output.h"
 #include "runner/results/result_table_parts.h"

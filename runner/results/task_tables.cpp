@@ -81,10 +81,20 @@ ResultTable task_group_table(const StudyResults& results, const TaskResults& mea
   return table;
 }
 
+namespace {
+
+// Of a Weber fraction the difference behind it is looked at.
+std::string_view proportional_title(const TaskResults& results) {
+  const TaskOutcome& outcome = results.outcomes[results.registered];
+  return outcome.of_standard ? "just-noticeable difference" : outcome.title;
+}
+
+}  // namespace
+
 ResultTable proportion_table(const TaskResults& results, const Protocol& protocol) {
   const TableMaker of(proportion_fields(protocol));
   return of({"proportion",
-             fmt::format("Is the {} proportional to the standard?", results.outcomes[results.registered].title),
+             fmt::format("Is the {} proportional to the standard?", proportional_title(results)),
              "slope of its logarithm on that of the standard, of each participant; 1: Weber's law",
              {},
              {},

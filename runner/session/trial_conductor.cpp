@@ -299,11 +299,14 @@ Presentation TrialConductor::present(const Attempt& attempt, int interval) {
   const Trial& trial = attempt.trial;
   PresentRequest request;
   request.stimulus.stiffness = attempt.stimuli[static_cast<std::size_t>(interval)];
-  if (protocol.task.together) request.beside = attempt.stimuli[1];
   const Condition& condition = protocol.conditions[static_cast<std::size_t>(trial.condition)];
   request.stimulus.cues = condition.cues;
   request.condition = &condition;
   request.of_standard = holds_standard(attempt.stimuli, static_cast<std::size_t>(interval), trial.standard);
+  if (protocol.task.together) {
+    request.beside = attempt.stimuli[1];
+    request.beside_of_standard = !request.of_standard;
+  }
   request.explore_s = timeline.explore_s;
   request.contacts = timeline.interval_end == IntervalEnd::contacts ? timeline.contacts : 0;
   request.no_contact_time_out_s = timeline.no_contact_time_out_s;

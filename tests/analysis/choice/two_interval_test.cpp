@@ -2,6 +2,7 @@
 #include "analysis/choice/two_interval.h"
 
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "analysis/selftest/reference_numbers.h"
@@ -200,4 +201,50 @@ TEST_CASE("rows and options outside their range are refused", "[choice]") {
 }
 
 }  // namespace
+
+TEST_CASE("with the PSE at the standard, levels on one side of it have a JND", "[choice]") {
+  // R 4.2.2: glm(cbind(k, n - k) ~ 0 + I(x - 400) [+ o], binomial(link)); intervals by uniroot on the profile likelihood.
+  TwoIntervalOptions options;
+  options.pse = 400;
+  const std::vector<ChoiceRow> above = {{450, 20, 12}, {500, 20, 15}, {550, 20, 18}, {600, 20, 19}};
+  const TwoIntervalFit fit = fit_two_interval(above, options);
+  CHECK(fit.status == TwoIntervalStatus::ok);
+  CHECK(*fit.pse == 400);
+  CHECK(*fit.s == Approx(128.117670722).epsilon(1e-9));
+  CHECK(*fit.log_likelihood == Approx(-35.4139770076).epsilon(1e-9));
+  CHECK(fit.trials == 80);
+  const TwoIntervalIntervals intervals = two_interval_intervals(above, options);
+  CHECK(intervals.s->low == Approx(92.96345642).epsilon(1e-8));
+  CHECK(intervals.s->high == Approx(193.6923487).epsilon(1e-8));
+  CHECK_FALSE(intervals.pse.has_value());
+
+  options.order_term = true;
+  const std::vector<ChoiceRow> orders = {{440, 24, 15, 1},  {480, 24, 19, 1},  {520, 24, 22, 1},
+                                         {440, 24, 11, -1}, {480, 24, 16, -1}, {520, 24, 21, -1}};
+  const TwoIntervalFit both = fit_two_interval(orders, options);
+  CHECK(*both.s == Approx(113.512066359).epsilon(1e-8));
+  CHECK(*both.order_b == Approx(0.179948969904).epsilon(1e-8));
+  CHECK(*both.log_likelihood == Approx(-77.375148969).epsilon(1e-9));
+  CHECK(*both.deviance == Approx(2.92175941599).epsilon(1e-8));
+  const TwoIntervalIntervals of_both = two_interval_intervals(orders, options);
+  CHECK(of_both.s->low == Approx(85.43353232).epsilon(1e-7));
+  CHECK(of_both.s->high == Approx(165.129356).epsilon(1e-7));
+  CHECK(of_both.order_b->low == Approx(-0.04720191741).epsilon(1e-6));
+  CHECK(of_both.order_b->high == Approx(0.4100362035).epsilon(1e-6));
+  options.link = ChoiceLink::logit;
+  CHECK(*fit_two_interval(orders, options).s == Approx(69.1616801159).epsilon(1e-8));
+
+  options = {};
+  options.pse = 400;
+  CHECK(fit_two_interval(std::vector<ChoiceRow>{{450, 20, 20}, {500, 20, 20}}, options).status ==
+        TwoIntervalStatus::separated);
+  CHECK(fit_two_interval(std::vector<ChoiceRow>{{450, 20, 8}, {500, 20, 9}}, options).status ==
+        TwoIntervalStatus::flat);
+  // Mirroring a table changes neither s nor its interval.
+  const std::vector<ChoiceRow> below = {{350, 20, 8}, {300, 20, 5}, {250, 20, 2}, {200, 20, 1}};
+  CHECK(*fit_two_interval(below, options).s == Approx(*fit.s).epsilon(1e-9));
+  options.pse = std::numeric_limits<double>::infinity();
+  CHECK_THROWS_AS(fit_two_interval(above, options), std::invalid_argument);
+}
+
 }  // namespace jnd

@@ -83,8 +83,9 @@ TEST_CASE("every line that the program says is the schema's") {
   request.exploration.from_contact = false;
   request.exploration.no_contact_s = 5;
   request.exploration.pace_hz = 1.5;
-  request.exploration.target_force_n = 2;
-  request.exploration.target_depth_m = 0.004;
+  request.exploration.limits = {{"peak_force", {1, 4}}};
+  request.beside = 5;
+  request.beside_parameters = {{"gain", 0.5}};
   CHECK(program.accepts(present_line(2, request)));
   for (const auto& [word, ends] : kRigExplorationEndWords) {
     request.exploration.ends = ends;

@@ -38,6 +38,15 @@ TEST_CASE("every value and key knows its place") {
   CHECK(root.find("zzz") == nullptr);
 }
 
+TEST_CASE("a number with more behind it is named whole, also where the text ends with it") {
+  for (const std::string end : {"", "}", ", \"b\": 1}"}) {
+    CAPTURE(end);
+    CHECK_THROWS_WITH(parse_json("{\"a\": 00e" + end, "f"),
+                      Catch::Contains("f:1:7: \"00e\" is not a number that JSON knows"));
+    CHECK_THROWS_WITH(parse_json("{\"a\": 1.e" + end, "f"), Catch::Contains("\"1.e\" is not a number that JSON knows"));
+  }
+}
+
 TEST_CASE("depth 64 and a mebibyte are read; more is refused") {
   CHECK_NOTHROW(parse_json(std::string(64, '[') + std::string(64, ']'), "f"));
   CHECK_THROWS_AS(parse_json(std::string(65, '[') + std::string(65, ']'), "f"), InputError);

@@ -3,7 +3,9 @@
 
 #include <cmath>
 
+#include "analysis/choice/choice_task.h"
 #include "analysis/numerics/normal.h"
+#include "protocols/planning/track_threshold.h"
 #include "protocols/tasks/task.h"
 #include "tests/catch.h"
 #include "tests/protocols/examples.h"
@@ -15,7 +17,7 @@ namespace {
 
 const TaskPrecisionRow& row_of(const std::vector<TaskPrecisionRow>& rows, const Protocol& protocol,
                                std::string_view key) {
-  const auto outcomes = task_of(protocol.task.kind).outcomes(protocol);
+  const auto outcomes = measured_outcomes(protocol);
   for (const TaskPrecisionRow& row : rows)
     if (outcomes[row.outcome].key == key) return row;
   throw std::logic_error("no such outcome");
@@ -71,6 +73,37 @@ TEST_CASE("thresholds by reversals and by QUEST lie where the procedure settles"
   }
 }
 
+TEST_CASE("a staircase of three intervals settles where so many answers are correct") {
+  for (const char* name : {"carpenter2018-oddity", "abx-stiffness"}) {
+    CAPTURE(name);
+    Protocol protocol = shipped_protocol(name);
+    const Series& series = protocol.series.front();
+    const double noise = 0.5 * std::abs(series.levels.front() - series.standard);
+    AdaptiveProcedure& procedure = protocol.design.procedure.emplace();
+    procedure.kind = AdaptiveProcedure::Kind::staircase;
+    procedure.staircase = {.up = 1, .down = 3, .step_up = 1.2, .step_down = 1.2, .multiplicative = true};
+    procedure.starts = {4 * noise};
+    procedure.clamp = {0.01 * noise, 100 * noise};
+    procedure.sides = {1};
+    procedure.trials = 300;
+    procedure.averaged_reversals = 20;
+    TaskPrecisionQuestion question;
+    question.noise = noise;
+    question.participants = 60;
+    const auto rows = task_precision(protocol, question);
+    const std::vector<TaskOutcome> outcomes = measured_outcomes(protocol);
+    const auto median_of = [&](std::string_view key) {
+      for (const TaskPrecisionRow& row : rows)
+        if (outcomes[row.outcome].key == key) return row.median;
+      throw std::logic_error("no such outcome");
+    };
+    // Where the task's own curve, by the JND of the same answers, has the staircase's target.
+    const ChoiceTask task = protocol.task.kind == TaskKind::oddity ? ChoiceTask::oddity : ChoiceTask::abx_differencing;
+    const double at_threshold = choice_rate(task, median_of("track_threshold") / median_of("jnd")).correct;
+    CHECK(at_threshold == Approx(adaptive_target(procedure).value()).margin(0.03));
+  }
+}
+
 TEST_CASE("every task's precision can be foretold, of procedures too") {
   for (const char* name : {"leib2015", "pang1991", "identify-stiffness2025", "carpenter2018-oddity", "abx-stiffness",
                            "dhong2019-magnitude", "jones-hunter1990", "singhala2020", "adaptive-posterior",
@@ -80,7 +113,7 @@ TEST_CASE("every task's precision can be foretold, of procedures too") {
     TaskPrecisionQuestion question;
     question.participants = 20;
     const auto rows = task_precision(protocol, question);
-    CHECK(rows.size() == protocol.series.size() * task_of(protocol.task.kind).outcomes(protocol).size());
+    CHECK(rows.size() == protocol.series.size() * measured_outcomes(protocol).size());
     const bool own = task_of(protocol.task.kind).has_own_results();
     const TaskPrecisionRow& registered = row_of(rows, protocol, own ? "threshold" : protocol.analysis.outcome);
     CHECK(registered.trials > 0);

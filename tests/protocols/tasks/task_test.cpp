@@ -218,4 +218,60 @@ TEST_CASE("a task without an answer to give says so") {
   const TaskEstimates estimates = task_of(TaskKind::which).estimate(which, which.series[0], same);
   CHECK(estimates.status == "all_same");
   CHECK_FALSE(outcome(estimates, which, "jnd").value.has_value());
+  // Told apart without an error: the JND is below what the levels show.
+  const TaskEstimates sharp =
+      task_of(TaskKind::which).estimate(which, which.series[0], answered(which, make_plan(which, 1, 3), 1e-6, 0));
+  CHECK(sharp.status == "separated");
+  CHECK_FALSE(outcome(sharp, which, "jnd").value.has_value());
+  CHECK(outcome(sharp, which, "jnd").low == 0);
+  CHECK(*outcome(sharp, which, "jnd").high > 0);
+  CHECK_FALSE(outcome(sharp, which, "weber").value.has_value());
+  const Protocol detection = shipped_task("yes-no/lee2007-delay");
+  const TaskEstimates seen =
+      task_of(TaskKind::yes_no)
+          .estimate(detection, detection.series[0], answered(detection, make_plan(detection, 1, 3), 1e-6, 0));
+  CHECK(seen.status == "separated");
+  CHECK_FALSE(outcome(seen, detection, "threshold").value.has_value());
+  CHECK(outcome(seen, detection, "dprime").value.has_value());
+  const Protocol oddity = shipped_task("oddity/carpenter2018-oddity");
+  const TaskEstimates odd =
+      task_of(TaskKind::oddity).estimate(oddity, oddity.series[0], answered(oddity, make_plan(oddity, 1, 3), 1e-9, 0));
+  CHECK(odd.status == "ceiling");
+  CHECK_FALSE(outcome(odd, oddity, "jnd").value.has_value());
+}
+
+TEST_CASE("comparisons on one side of the standard have no PSE, and a JND that is not moved by that") {
+  Protocol which = shipped_task("which/maereg2017");
+  which.series[0].levels = {430, 460, 490, 520};
+  which.design.trials_per_cell = 2000;
+  const auto outcomes = task_of(TaskKind::which).outcomes(which);
+  CHECK(std::none_of(outcomes.begin(), outcomes.end(),
+                     [](const auto& one) { return one.key == "pse" || one.key == "bias"; }));
+  const TaskEstimates estimates =
+      task_of(TaskKind::which)
+          .estimate(which, which.series[0], answered(which, make_plan(which, 1, 3), 60 / std::sqrt(2.0), 0));
+  CHECK(estimates.values.size() == outcomes.size());
+  CHECK(*outcome(estimates, which, "jnd").value == Approx(0.67449 * 60).epsilon(0.06));
+  which.series[0].levels = {400, 460, 490, 520};  // one at the standard tells
+  CHECK(task_of(TaskKind::which).outcomes(which).size() == outcomes.size() + 2);
+}
+
+TEST_CASE("a stimulus of 0 takes no part in the power law, and an answer of 0 leaves the arithmetic mean") {
+  const Protocol magnitude = shipped_task("magnitude/dhong2019-magnitude");
+  const auto trial = [](double stimulus, double number) {
+    return AnsweredTrial{
+        .stimuli = {stimulus}, .standard = 0, .target = -1, .said = -1, .sureness = 0, .number = number};
+  };
+  std::vector<AnsweredTrial> trials = {trial(0, 1), trial(1, 2), trial(2, 4), trial(4, 8), trial(4, 8)};
+  const Task& task = task_of(TaskKind::magnitude);
+  const TaskEstimates whole = task.estimate(magnitude, magnitude.series[0], trials);
+  CHECK(whole.status == "ok");
+  CHECK(*outcome(whole, magnitude, "exponent").value == Approx(1));
+  CHECK(*outcome(whole, magnitude, "mean_answer").value == Approx(std::pow(64, 0.25)));
+  CHECK(*outcome(whole, magnitude, "arithmetic_mean").value == Approx(3.75));
+  trials.push_back(trial(1, 0));
+  const TaskEstimates with_none = task.estimate(magnitude, magnitude.series[0], trials);
+  CHECK(with_none.status == "not_positive");
+  CHECK_FALSE(outcome(with_none, magnitude, "exponent").value.has_value());
+  CHECK(*outcome(with_none, magnitude, "arithmetic_mean").value == Approx(3.5));
 }

@@ -237,7 +237,7 @@ class Groups(unittest.TestCase):
         self.assertIsNone(results["between"]["refused"])
         self.jnd("export", "s.sqlite", "--to", "s")
         estimates = rows_of(self.folder / "s/estimates.csv")
-        calc = self.compare([(row["participant"], row["group"], row["condition"], row["jnd"]) for row in estimates])
+        calc = self.compare([(row["participant"], row["group"], row["condition"], row["correct"]) for row in estimates])
         self.held_against(results, calc, [one["name"] for one in json.loads(
             (ROOT / "protocols/studies/sandpaper-hands2013.json").read_text())["groups"]])
         effects = {row["effect"]: row for row in rows_of(self.folder / "s/between.csv")}

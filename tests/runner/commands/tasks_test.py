@@ -23,10 +23,10 @@ STUDIES = {"leib2015": "pse", "jones1997-viscosity": "weber", "pang1991": "thres
            "bergmann-tiest2009": "weber", "zoeller2020": "jnd", "dhong2019-magnitude": "exponent",
            "carpenter2018-oddity": "dprime", "van-beek2015": "exponent", "varadharajan2008-magnitude": "exponent",
            "lee2007-delay": "threshold", "identify-stiffness2025": "information", "brown2019-prosthesis": "jnd",
-           "singhala2020": "weber", "abx-stiffness": "jnd", "jones-hunter1990": "weber", "sandpaper-hands2013": "jnd"}
+           "singhala2020": "weber", "abx-stiffness": "jnd", "jones-hunter1990": "weber", "sandpaper-hands2013": "correct"}
 
 TASKS = ("same-different", "which", "yes-no", "identify", "oddity", "abx", "magnitude", "adjust")
-ADAPTIVE = ("same-different", "which", "yes-no")
+ADAPTIVE = ("same-different", "which", "yes-no", "oddity", "abx")
 
 
 class Tasks(unittest.TestCase):
@@ -111,7 +111,7 @@ class Tasks(unittest.TestCase):
                     self.assertTrue(checked["ok"], (task, rig, procedure, checked["errors"]))
                     self.assertLess(max(map(len, name.read_text().splitlines())), 160)
                     if procedure == "constant" and rig in ("rrs3", "external") or rig == "external" and (
-                            task == "which" or procedure == "posterior"):
+                            task in ("which", "oddity", "abx") or procedure == "posterior"):
                         study = name.with_suffix(".sqlite")
                         self.jnd("simulate", name, "--participants", 2, "--study", study, "--seed", 1)
                         self.jnd("verify", study, "--deep")
@@ -121,7 +121,8 @@ class Tasks(unittest.TestCase):
                                    for rig in ("rrs3", "mckibben", "rrs3+mckibben", "external", "specimens")
                                    for procedure in ("constant", *adaptive)
                                    if task == "explore" and (rig != "rrs3" or procedure in adaptive)
-                                   or procedure in adaptive and (rig == "specimens" or task not in ADAPTIVE)})
+                                   or procedure in adaptive and (rig == "specimens" or task not in ADAPTIVE)
+                                   or procedure == "posterior" and task in ("oddity", "abx")})
 
     def test_the_list_names_every_shipped_protocol(self):
         shipped = {path.stem for path in (ROOT / "protocols").rglob("*.json") if path.name != "protocol.schema.json"}
@@ -442,6 +443,22 @@ class Tasks(unittest.TestCase):
         felt = [row for place in range(1, 5) for row in self.rows(f"m/sub-P{place:02}/trials.csv")]
         self.assertGreater(sum(row["correct"] == "1" for row in felt), 0.8 * len(felt))  # 200, 400 and 600 are told apart
         self.assertEqual({row["answer"] for row in felt}, {"left", "right"})
+        # The standard has parameters of its own, on whichever side it is.
+        told = self.folder / "told.py"
+        told.write_text(script.read_text().replace("device.begin(message)", """device.begin(message)
+                with open("told.jsonl", "a") as told:
+                    told.write(json.dumps(message) + chr(10))"""))
+        content["conditions"][0]["standard_parameters"] = {"finger": "index"}
+        own = self.folder / "own-place.json"
+        own.write_text(json.dumps(content))
+        self.session_on(self.rig_of(told, name="told"), own, "w", " 1" * 24)
+        requests = [json.loads(line) for line in (self.folder / "told.jsonl").read_text().splitlines()]
+        self.assertGreaterEqual(len(requests), 8)
+        for request in requests:
+            fingers = {request["value"]: request["parameters"]["finger"], request["beside"]: request["beside_parameters"]["finger"]}
+            self.assertEqual(fingers[400], "index", request)
+            self.assertEqual(sorted(fingers.values()), ["index", "thumb"], request)
+        self.assertEqual({request["value"] == 400 for request in requests}, {True, False})
         plain = self.rig_of(name="plain")
         said = subprocess.run([JND, "check", protocol, "--rig", plain], capture_output=True, text=True, cwd=self.folder)
         self.assertNotEqual(said.returncode, 0)
