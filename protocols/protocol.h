@@ -122,11 +122,12 @@ struct TaskSpec {
   std::vector<std::string> classes = {"same", "different"};  // the words of Answer::said
   // In the order in which keys are shown; empty: a number is answered.
   std::vector<AnswerChoice> answers = {{"same", 's', 0, 0}, {"different", 'd', 1, 0}};
-  int sureness_levels = 0;                  // how many degrees of sureness each class has; 0: it is not asked
-  bool greater = true;                      // of which: the greater value is asked for ("stiffer"), else the lesser
-  bool standard_first = false;              // of which: else either comes first
-  double signal_share = 0.5;                // of yes-no: share of trials with a signal
-  bool together = false;                    // of which: both at once, side by side, instead of one after the other
+  int sureness_levels = 0;      // how many degrees of sureness each class has; 0: it is not asked
+  bool greater = true;          // of which and directed: the greater value is asked for ("stiffer"), else the lesser
+  bool directed = false;        // of oddity: the odd one is always the greater, or the lesser
+  bool standard_first = false;  // of which: else either comes first
+  double signal_share = 0.5;    // of yes-no: share of trials with a signal
+  bool together = false;        // of which: both at once, side by side, instead of one after the other
   std::vector<double> class_values{};       // of identify: the value of each class
   std::optional<double> modulus{};          // of magnitude: the number that the standard is said to have; none: free
   double number_min = 0, number_max = 1e6;  // of an answer with a number

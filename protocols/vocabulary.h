@@ -210,6 +210,8 @@ struct Trial {
   // its turn comes.
   int track = 0;
   int side = -1;  // of such a stimulus: below (-1) or above (1) its standard
+  int standard_place =
+      -1;  // of two equal stimuli: the interval, from 0, whose stimulus is the standard; -1: values tell
   bool operator==(const Trial&) const = default;
 };
 

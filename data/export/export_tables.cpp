@@ -164,6 +164,11 @@ void add_task(std::vector<Column>& columns, const Protocol& protocol) {
                          const auto place = static_cast<std::size_t>(i);
                          return place < stimuli.size() ? csv_number(stimuli[place]) : std::string();
                        }});
+  // Where a level may equal the standard, the values do not always tell which is which.
+  if (task.level_may_be_standard())
+    columns.push_back({"standard_interval", "the interval that held the standard", "", "1 2", [](const R& r) {
+                         return csv_number(holds_standard(r.record.trial, r.record.trial.stimuli, 0) ? 1 : 2);
+                       }});
   std::string words;
   if (!task.adjusts())  // its answers only move what is presented
     for (const std::string& word : protocol.task.classes) words.append(words.empty() ? "" : " ").append(word);

@@ -52,6 +52,7 @@ void add_trial(Json& body, const Trial& trial, int attempt) {
   body["target"] = trial.target < 0 ? Json(nullptr) : Json(trial.target);
   if (trial.track > 0) body["track"] = trial.track;
   if (trial.side > 0) body["side"] = trial.side;
+  if (trial.standard_place >= 0) body["standard_place"] = trial.standard_place;
 }
 
 constexpr std::size_t kMostOfUnit = 64;  // bytes; protocols have 16 characters
@@ -168,6 +169,7 @@ Trial trial_from(const Json& body) {
       throw StorageError("\"same\" and \"target\" contradict each other");
     if (body.contains("track")) trial.track = whole_at(body, "track");
     trial.side = whole_or(body, "side", -1);
+    trial.standard_place = whole_or(body, "standard_place", -1);
     return trial;
   } catch (const Json::exception& error) {
     throw StorageError(fmt::format("the body is not a trial: {}", error.what()));

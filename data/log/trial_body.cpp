@@ -114,6 +114,8 @@ unsigned TrialBodyReader::Impl::field(std::string_view key, od::value value, Cou
     }
   } else if (key == "standard") {
     trial.standard = number(value);
+  } else if (key == "standard_place") {
+    trial.standard_place = whole();
   } else if (key == "index") {
     trial.index = whole();
   } else if (key == "practice") {

@@ -30,6 +30,7 @@ struct CountedTrial {
   int sureness = 0;
   std::optional<double> number{};  // of an answer with a number
   double standard = 0;
+  int standard_place = -1;                            // Trial::standard_place
   bool same() const noexcept { return target == 0; }  // of same-different
   bool said_different() const noexcept { return said == 1; }
   bool by_participant = true;

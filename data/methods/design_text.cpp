@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "data/methods/markdown_text.h"
+#include "protocols/condition_words.h"
 #include "protocols/course/prescription.h"
 #include "protocols/planning/adaptive_run.h"
 #include "protocols/planning/allotment.h"
@@ -89,12 +90,6 @@ std::string prescription_sentences(const Prescription& prescription, const std::
   return text + fmt::format("{}hat was measured in every interval was held against {}; a trial outside was {}. ",
                             where.empty() ? "W" : where + "w", list_of(limits),
                             prescription.on_breach == OnSaturation::repeat ? "voided and repeated" : "marked");
-}
-
-std::string parameter_text(const ParameterValue& value) {
-  if (const double* number = std::get_if<double>(&value)) return fmt::format("{:g}", *number);
-  if (const bool* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
-  return std::get<std::string>(value);
 }
 
 // How the standard was felt, what ended an interval, and what participants were told to do in it. Nothing where only time did.

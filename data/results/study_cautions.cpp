@@ -151,8 +151,7 @@ std::vector<std::string> deviations_of(const StudyResults& results, const Protoc
   if (constant != nullptr) add_cell_deviations(constant->analysis, out);
   if (const OutcomeComparison* outcome = registered(results.comparisons)) {
     if (!outcome->refused.empty() && protocol.conditions.size() > 1)
-      out.push_back(
-          fmt::format("The registered tests on the {} were refused: {}.", outcome->outcome, outcome->refused));
+      out.push_back(fmt::format("The registered tests on the {} were refused: {}.", outcome->title, outcome->refused));
     else if (!outcome->left_out.empty())
       out.push_back(fmt::format("The registered tests leave out {} of {} participants: {}.", outcome->left_out.size(),
                                 attendance.participants, names(outcome->left_out)));

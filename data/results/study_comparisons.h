@@ -103,7 +103,8 @@ SeriesComparison compare_series(const std::vector<CellResult>& cells, const Prot
 // outcome are refused where a participant has no value. Of a protocol with groups.
 GroupsCompared compare_groups(const OutcomeComparison& registered, const Protocol& protocol);
 
-// A registered contrast where groups get different conditions: over the participants who get both.
+// A registered contrast by itself, over the participants who get both: where groups get different conditions, and where not
+// everyone has every value.
 struct ContrastWithin {
   int participants = 0;             // who get both
   std::vector<double> differences;  // a - b, of those who have both values

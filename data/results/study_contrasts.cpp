@@ -23,14 +23,16 @@ std::vector<ContrastRow> contrast_rows(const std::vector<ContrastResult>& jnds, 
   std::vector<double> p;
   if (registered.crossed && registered.refused.empty()) p = contrast_p(registered.comparison, protocol.analysis);
   std::vector<ContrastWithin> within;
-  if (!registered.crossed) within = contrasts_within(registered, protocol);
+  // Where somebody has no value in one condition, contrasts of the others are tested all the same.
+  const bool each_alone = !registered.crossed || (!registered.refused.empty() && !registered.left_out.empty());
+  if (each_alone) within = contrasts_within(registered, protocol);
   std::vector<ContrastRow> rows;
   for (std::size_t i = 0; i < contrasts.size(); ++i) {
     ContrastRow row;
     row.a = contrasts[i].a;
     row.b = contrasts[i].b;
     row.participants =
-        registered.crossed ? static_cast<int>(registered.table.n + registered.left_out.size()) : within[i].participants;
+        each_alone ? within[i].participants : static_cast<int>(registered.table.n + registered.left_out.size());
     // Of an adaptive study there is no other scale than its thresholds'.
     const bool has_jnds = i < jnds.size();
     if (has_jnds) row.difference_source = jnds[i].difference_source;
@@ -44,7 +46,7 @@ std::vector<ContrastRow> contrast_rows(const std::vector<ContrastResult>& jnds, 
     tested.difference =
         registered.outcome == jnd && has_jnds ? jnds[i].difference : difference_of(registered.table, contrasts[i]);
     if (i < p.size()) tested.p = p[i];
-    if (!registered.crossed) {
+    if (each_alone) {
       tested.difference = mean_with_ci(within[i].differences);
       tested.p = within[i].p;
       tested.refused = within[i].refused;

@@ -35,7 +35,7 @@ struct ParticipantCells {
 };
 
 AnsweredTrial answered(const CountedTrial& trial) {
-  return {trial.asked, trial.standard, trial.target, trial.said, trial.sureness, trial.number};
+  return {trial.asked, trial.standard, trial.target, trial.said, trial.sureness, trial.number, trial.standard_place};
 }
 
 auto key_of(const AnsweredTrial& trial) {

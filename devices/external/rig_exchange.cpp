@@ -243,7 +243,12 @@ void RigExchange::tick(std::int64_t now_ns) {
   if (lost_ || leaving_) return;
   if (!greeted_) {
     if (now_ns - began_ns_ > nanoseconds(time_outs_.hello_s))
-      end(RigFailure::no_hello, fmt::format("no hello within {:g} s", time_outs_.hello_s), now_ns);
+      end(RigFailure::no_hello,
+          refused_lines_.empty()
+              ? fmt::format("no hello within {:g} s", time_outs_.hello_s)
+              : fmt::format("no hello that can be taken within {:g} s; the last line was refused: {}",
+                            time_outs_.hello_s, refused_lines_.back().why),
+          now_ns);
     return;
   }
   if (!alive_unanswered_.empty() && now_ns - alive_unanswered_.front() > kRigSilence_ns) {

@@ -45,6 +45,24 @@ std::string quantity_problem(const std::string& quantity, const std::string& uni
   return {};
 }
 
+// What a channel of the rig may be called: its peaks are "peak_" and its name.
+std::string_view peak_of(std::string_view measure) noexcept {
+  constexpr std::string_view kPeak = "peak_";
+  return measure == "depth" ? "depth" : measure.starts_with(kPeak) ? measure.substr(kPeak.size()) : std::string_view();
+}
+
+bool is_measured(std::string_view measure, const RigHello& hello) {
+  if (measure == "contacts") return true;  // every `done` says how many
+  return std::any_of(hello.measures.begin(), hello.measures.end(), [&](const RigChannel& channel) {
+    return channel.name == measure || (!peak_of(measure).empty() && channel.name == peak_of(measure));
+  });
+}
+
+std::string names_of_measure(std::string_view measure) {
+  const std::string_view peak = peak_of(measure);
+  return peak.empty() || peak == measure ? std::string(measure) : fmt::format("{} or {}", peak, measure);
+}
+
 std::string parameter_problem(const std::string& name, const RigParameterValue& value, const RigHello& hello) {
   const RigParameter* parameter = find_parameter(hello, name);
   if (parameter == nullptr) {
@@ -108,6 +126,10 @@ std::vector<std::string> rig_problems(const RigDemand& demand, const RigHello& h
     for (const double value : demand.values) add(value_problem(value, *range));
   for (const auto& parameters : demand.conditions)
     for (std::string& problem : parameter_problems(parameters, hello)) add(std::move(problem));
+  for (const std::string& measure : demand.measures)
+    if (!is_measured(measure, hello))
+      add(fmt::format("{} is held against limits, and the rig does not measure it: \"measures\" would say {}", measure,
+                      names_of_measure(measure)));
   if (demand.places > hello.places) add("two values are to be felt side by side, and the rig presents one at a time");
   if (demand.answers && !hello.answers) add("participants are to answer on the rig, and it has no buttons");
   if (demand.real && hello.model)

@@ -15,6 +15,7 @@ struct RigDemand {
   std::string quantity, unit;
   std::vector<double> values{};                                        // all levels and standards
   std::vector<std::map<std::string, RigParameterValue>> conditions{};  // the parameters of each
+  std::vector<std::string> measures{};                                 // what is held against limits: "peak_force"
   int places = 1;                                                      // side by side
   bool answers = false;                                                // the participant answers on the rig
   bool real = false;                                                   // a model would not do

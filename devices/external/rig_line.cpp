@@ -153,10 +153,13 @@ class RigLineReading {
     return result;
   }
 
-  static bool is_name(std::string_view text) noexcept {
+  // blanks: whether there may be some within, as in quantities.
+  static bool is_name(std::string_view text, bool blanks = false) noexcept {
     const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
-    const auto other = [](char c) { return (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '.'; };
-    return !text.empty() && text.size() <= kLongestRigName && letter(text.front()) &&
+    const auto other = [blanks](char c) {
+      return (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '.' || (blanks && c == ' ');
+    };
+    return !text.empty() && text.size() <= kLongestRigName && letter(text.front()) && text.back() != ' ' &&
            std::all_of(text.begin(), text.end(), [&](char c) { return letter(c) || other(c); });
   }
 
@@ -164,8 +167,11 @@ class RigLineReading {
   std::string name(JsonReader& reader, std::string_view list) {
     std::string name = reader.text("name", {.max_length = kLongestRigName});
     if (name.empty()) return name;  // told already
-    if (!is_name(name))
-      reader.error("name", in_quotes(name) + " is no name", "a letter, then letters, digits, \"_\", \"-\" and \".\"");
+    const bool blanks = list == "quantities";
+    if (!is_name(name, blanks))
+      reader.error("name", in_quotes(name) + " is no name",
+                   blanks ? "a letter, then letters, digits, \"_\", \"-\", \".\" and blanks"
+                          : "a letter, then letters, digits, \"_\", \"-\" and \".\"");
     const std::pair<std::string, std::string> entry{list, name};
     if (std::find(names_.begin(), names_.end(), entry) != names_.end())
       reader.error("name", in_quotes(name) + " is there twice");

@@ -45,6 +45,8 @@ RigDemand rig_demand(const Protocol& protocol) {
   if (protocol.task.together) demand.places = 2;
   for (const Condition& condition : protocol.conditions) {
     demand.conditions.push_back(parameters_of(condition, false));
+    if (const Prescription* const prescription = prescription_of(protocol, condition))
+      for (const Prescription::Limit& limit : prescription->limits) demand.measures.push_back(limit.measure);
     if (!condition.standard_parameters.empty()) demand.conditions.push_back(parameters_of(condition, true));
   }
   return demand;

@@ -194,6 +194,7 @@ class TrialList {
     trial.target = drawn.target;
     trial.standard = protocol_.series[static_cast<std::size_t>(trial.series)].standard;
     trial.side = drawn.side;
+    trial.standard_place = drawn.standard_place;
     trials.push_back(trial);
   }
   std::vector<Trial> trials;

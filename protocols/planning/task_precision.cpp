@@ -73,8 +73,8 @@ Simulated simulated(const Protocol& protocol, int participant, const TaskPrecisi
                                  : answer_to(trial, protocol, noise, stream);
     if (!answer) continue;
     run.answered(planned, *answer);
-    result.answers[series].push_back(
-        {trial.stimuli, trial.standard, trial.target, answer->said, answer->sureness, answer->number});
+    result.answers[series].push_back({trial.stimuli, trial.standard, trial.target, answer->said, answer->sureness,
+                                      answer->number, trial.standard_place});
   }
   for (AdaptiveTrack& track : run.tracks())
     if (track.condition == plan.conditions.front())

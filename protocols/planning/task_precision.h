@@ -15,8 +15,8 @@ namespace jnd {
 struct TaskPrecisionQuestion {
   int participants = 400;  // simulated, 2..100000
   std::uint64_t seed = 1;
-  // Standard deviation of the felt difference of two intervals, in the study's unit, which is the JND of same-different
-  // (d' = 1); none: kAssumedWeber of the standard,
+  // Standard deviation of the felt difference of two intervals, in the study's unit; Task::jnd_of_noise says how large a JND
+  // that is. None: kAssumedWeber of the standard,
   // or where there is none of the middle of the levels.
   std::optional<double> noise{};
 };

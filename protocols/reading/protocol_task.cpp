@@ -201,7 +201,7 @@ void read_task(JsonReader& outer, ProtocolReading& reading) {
   task_of(task.kind).read(section, task);
   // Those of the other tasks.
   for (const std::string_view key :
-       {"chosen", "standard", "presentation", "sureness", "signal_share", "modulus", "lowest", "highest", "start"}) {
+       {"chosen", "odd", "standard", "presentation", "sureness", "signal_share", "modulus", "lowest", "highest", "start"}) {
     const auto& known = section.known_keys();
     if (std::find(known.begin(), known.end(), key) == known.end())
       refuse_member(section, key, std::string(to_string(task.kind)), "remove it");

@@ -1,7 +1,9 @@
 // What a reviewer would ask about a protocol: every finding is a warning with its numbers.
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -118,6 +120,39 @@ void warn_about_given_groups(ProtocolReading& reading) {
                     "give every group the same conditions, or let \"balanced\" allot them");
 }
 
+// A rig is told every parameter in every condition, and of one kind.
+void warn_about_parameters(ProtocolReading& reading) {
+  const std::vector<Condition>& conditions = reading.protocol.conditions;
+  std::map<std::string, ParameterValue> first;
+  for (const Condition& condition : conditions) first.insert(condition.parameters.begin(), condition.parameters.end());
+  for (std::size_t i = 0; i < conditions.size(); ++i) {
+    const std::string path = fmt::format("$.conditions[{}].parameters", i);
+    for (const auto& [name, value] : first) {
+      const auto own = conditions[i].parameters.find(name);
+      if (own == conditions[i].parameters.end())
+        reading.warn_at(path,
+                        fmt::format("{} is a parameter of other conditions, and not of this one", in_quotes(name)),
+                        "give it here too: a rig is told every parameter in every condition");
+      else if (own->second.index() != value.index())
+        reading.warn_at(path, fmt::format("{} is of another kind here than in other conditions", in_quotes(name)),
+                        "write a number everywhere, or a text");
+    }
+  }
+}
+
+// Values that are above 0 in the standard are seldom meant to go below.
+void warn_about_negative_comparisons(ProtocolReading& reading) {
+  const auto& procedure = reading.protocol.design.procedure;
+  if (!procedure || reading.has_pairs() || procedure->kind == AdaptiveProcedure::Kind::posterior) return;
+  for (const Series& series : reading.protocol.series)
+    for (const int side : procedure->sides)
+      if (series.standard > 0 && series.standard + side * procedure->clamp[1] < 0)
+        return reading.warn_at(
+            "$.design.procedure.clamp",
+            fmt::format("a comparison {:g} below the standard {:g} is below 0", procedure->clamp[1], series.standard),
+            "end the clamp at the standard, or before it");
+}
+
 // Orders; and where each number has its group in turn, groups of one size.
 void warn_about_cohort(ProtocolReading& reading) {
   const Protocol& protocol = reading.protocol;
@@ -163,6 +198,8 @@ void warn_about_protocol(ProtocolReading& reading) {
     if (has_precision(reading.protocol)) warn_about_precision(reading);
     warn_about_draws(reading);
   }
+  warn_about_parameters(reading);
+  warn_about_negative_comparisons(reading);
   warn_about_letters(reading);
   warn_about_given_groups(reading);
   warn_about_cohort(reading);

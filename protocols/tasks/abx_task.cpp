@@ -73,6 +73,11 @@ std::string AbxTask::arrangement(const Protocol& protocol) const {
   return fmt::format("Standard and comparison came first, and again as the third, {}. ", how_often(protocol));
 }
 
+// At d' = 1, which is of one interval's noise.
+std::optional<double> AbxTask::jnd_of_noise(const Protocol&) const {
+  return 1 / std::sqrt(2.0);
+}
+
 std::string AbxTask::methods(const Protocol&) const {
   return "The JND is the difference at d' = 1, with d' in proportion to the difference, by maximum likelihood under "
          "the differencing model of ABX (Macmillan and Creelman 2005); its interval is profile likelihood, 95 %. d' and the share of correct answers beside it are of all trials "

@@ -1,5 +1,6 @@
 #include "protocols/tasks/oddity_task.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -10,16 +11,42 @@
 
 namespace jnd {
 
-void OddityTask::read(JsonReader&, TaskSpec& spec) const {
+void OddityTask::read(JsonReader& section, TaskSpec& spec) const {
+  enum class Odd { either, greater, lesser };
+  const Odd odd = section.one_of_or<Odd>(
+      "odd", {{"either", Odd::either}, {"greater", Odd::greater}, {"lesser", Odd::lesser}}, Odd::either);
+  spec.directed = odd != Odd::either;
+  spec.greater = odd != Odd::lesser;
   spec.classes = {"first", "second", "third"};
+}
+
+std::vector<TaskProblem> OddityTask::problems(const Protocol& protocol) const {
+  if (!protocol.task.directed) return {};
+  const std::string_view word = protocol.task.greater ? "greater" : "lesser",
+                         side = protocol.task.greater ? "above" : "below";
+  std::vector<TaskProblem> problems;
+  for (const Series& series : protocol.series)
+    for (const double level : series.levels)
+      if ((level > series.standard) != protocol.task.greater)
+        problems.push_back({"$.levels",
+                            fmt::format("the odd one is to be the {}, and {:g} is not {} the standard, {:g}", word,
+                                        level, side, series.standard),
+                            fmt::format("give levels {} it, or \"odd\": \"either\"", side)});
+  if (const auto& procedure = protocol.design.procedure)
+    for (const int of : procedure->sides)
+      if ((of > 0) != protocol.task.greater)
+        problems.push_back({"$.design.procedure.side", fmt::format("the odd one is to be the {}", word),
+                            fmt::format("write \"{}\", or \"odd\": \"either\" in the task", side)});
+  return problems;
 }
 
 namespace {
 
-// Either of the two odd, in every place.
-std::vector<DrawnTrial> triads_of(double standard, double comparison, int side = -1) {
+// In every place the comparison, or where the odd one is not directed either of the two.
+std::vector<DrawnTrial> triads_of(double standard, double comparison, const TaskSpec& spec, int side = -1) {
   std::vector<DrawnTrial> triads;
   for (const auto& [odd, others] : {std::pair(comparison, standard), std::pair(standard, comparison)}) {
+    if (spec.directed && odd == standard) continue;
     for (std::size_t place = 0; place < 3; ++place) {
       Intervals stimuli{others, others, others};
       stimuli[place] = odd;
@@ -34,7 +61,7 @@ std::vector<DrawnTrial> triads_of(double standard, double comparison, int side =
 std::vector<DrawnTrial> OddityTask::draw(const CellDraw& cell, RandomStream& stream) const {
   std::vector<DrawnTrial> trials;
   for (const double level : cell.series.levels)
-    add_level(trials, triads_of(cell.series.standard, level), cell.trials, cell.sampling, stream);
+    add_level(trials, triads_of(cell.series.standard, level, cell.protocol.task), cell.trials, cell.sampling, stream);
   stream.shuffle(trials);
   return trials;
 }
@@ -43,7 +70,7 @@ std::vector<DrawnTrial> OddityTask::draw_track(const CellDraw& track, RandomStre
   const double standard = track.series.standard;
   std::vector<DrawnTrial> block;
   for (const int side : track.protocol.design.procedure->sides) {
-    const std::vector<DrawnTrial> triads = triads_of(standard, set_by_answers(standard), side);
+    const std::vector<DrawnTrial> triads = triads_of(standard, set_by_answers(standard), track.protocol.task, side);
     block.insert(block.end(), triads.begin(), triads.end());
   }
   return track_of(block, track.trials, stream);
@@ -54,8 +81,16 @@ int OddityTask::target_of(const Intervals& stimuli, double, const TaskSpec&) con
   return stimuli[0] == stimuli[2] ? 1 : stimuli[1] == stimuli[2] ? 0 : -1;
 }
 
-// The two that feel nearest to each other are taken for alike: the third is odd.
-Answer OddityTask::answer(std::span<const Felt> felt, const Trial&, const Protocol&, RandomStream&) const {
+// The two that feel nearest to each other are taken for alike: the third is odd. Directed, the greatest or the least is.
+Answer OddityTask::answer(std::span<const Felt> felt, const Trial&, const Protocol& protocol, RandomStream&) const {
+  if (protocol.task.directed) {
+    const auto less = [](const Felt& a, const Felt& b) { return a.value < b.value; };
+    const auto odd = protocol.task.greater ? std::max_element(felt.begin(), felt.end(), less)
+                                           : std::min_element(felt.begin(), felt.end(), less);
+    Answer answer;
+    answer.said = static_cast<int>(odd - felt.begin());
+    return answer;
+  }
   const auto distance = [&](std::size_t a, std::size_t b) { return std::abs(felt[a].value - felt[b].value); };
   const double d01 = distance(0, 1), d02 = distance(0, 2), d12 = distance(1, 2);
   Answer answer;
@@ -67,25 +102,45 @@ std::vector<TaskOutcome> OddityTask::outcomes(const Protocol& protocol) const {
   return choice_outcomes(protocol);
 }
 
-TaskEstimates OddityTask::estimate(const Protocol&, const Series& series, std::span<const AnsweredTrial> trials) const {
-  return choice_estimates(ChoiceTask::oddity, series, trials);
+namespace {
+
+ChoiceTask model_of(const Protocol& protocol) {
+  return protocol.task.directed ? ChoiceTask::three_afc : ChoiceTask::oddity;
 }
 
-std::optional<TaskCurve> OddityTask::curve(const Protocol&, const Series&,
+}  // namespace
+
+TaskEstimates OddityTask::estimate(const Protocol& protocol, const Series& series,
+                                   std::span<const AnsweredTrial> trials) const {
+  return choice_estimates(model_of(protocol), series, trials);
+}
+
+std::optional<TaskCurve> OddityTask::curve(const Protocol& protocol, const Series&,
                                            std::span<const AnsweredTrial> trials) const {
-  return choice_curve(ChoiceTask::oddity, trials);
+  return choice_curve(model_of(protocol), trials);
 }
 
 std::string OddityTask::arrangement(const Protocol& protocol) const {
-  return fmt::format("Standard and comparison were the odd one, in each of the three places, {}. ",
+  return fmt::format("{} the odd one, in each of the three places, {}. ",
+                     protocol.task.directed ? "The comparison was" : "Standard and comparison were",
                      how_often(protocol));
 }
 
-std::string OddityTask::methods(const Protocol&) const {
-  return "The JND is the difference at d' = 1, with d' in proportion to the difference, by maximum likelihood under "
-         "the Thurstonian model of the triangle, comparison of distances (Ennis 1993); its interval is profile likelihood, 95 %. d' and the share of correct answers beside it are of all trials "
-         "together. There is no JND where the status is ceiling (every answer was correct) or no_sensitivity (not "
-         "better than chance): its interval is open on one side.";
+// At d' = 1, which is of one interval's noise.
+std::optional<double> OddityTask::jnd_of_noise(const Protocol&) const {
+  return 1 / std::sqrt(2.0);
+}
+
+std::string OddityTask::methods(const Protocol& protocol) const {
+  return fmt::format(
+      "The JND is the difference at d' = 1, with d' in proportion to the difference, by maximum likelihood under {}; its "
+      "interval is profile likelihood, 95 %. d' and the share of correct answers beside it are of all trials together. There "
+      "is no JND where the status is ceiling (every answer was correct) or no_sensitivity (not better than chance): its "
+      "interval is open on one side.",
+      protocol.task.directed
+          ? fmt::format("the model of three alternatives, of which the {} is chosen (Macmillan and Creelman 2005)",
+                        protocol.task.greater ? "greatest" : "least")
+          : std::string("the Thurstonian model of the triangle, comparison of distances (Ennis 1993)"));
 }
 
 }  // namespace jnd

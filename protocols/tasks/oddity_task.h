@@ -1,7 +1,8 @@
-// "Which is the odd one?", three intervals: two of them alike, a standard and a comparison in either role.
+// "Which is the odd one?", three intervals: two of them alike, a standard and a comparison in either role. Directed, "which of
+// the three is stiffer?": the comparison is always the greater, or the lesser (3AFC).
 //
-// Its response model is the Thurstonian triangle: the two that feel nearest to each other are taken for alike
-// (analysis/choice).
+// Its response model is the Thurstonian triangle, where the two that feel nearest to each other are taken for alike;
+// directed, that of three alternatives, where the greatest is chosen (analysis/choice).
 #pragma once
 
 #include "protocols/tasks/task.h"
@@ -14,7 +15,8 @@ class OddityTask final : public Task {
   std::string_view summary() const noexcept override { return "three intervals: which is the odd one?"; }
   void read(JsonReader& section, TaskSpec& spec) const override;
   bool has_procedures() const noexcept override { return true; }
-  int balance_of(const TaskSpec&) const noexcept override { return 6; }
+  std::vector<TaskProblem> problems(const Protocol& protocol) const override;
+  int balance_of(const TaskSpec& spec) const noexcept override { return spec.directed ? 3 : 6; }
   int intervals(const TaskSpec&) const noexcept override { return 3; }
   std::vector<DrawnTrial> draw(const CellDraw& cell, RandomStream& stream) const override;
   std::vector<DrawnTrial> draw_track(const CellDraw& track, RandomStream& stream) const override;
@@ -27,6 +29,7 @@ class OddityTask final : public Task {
   std::optional<TaskCurve> curve(const Protocol& protocol, const Series& series,
                                  std::span<const AnsweredTrial> trials) const override;
   std::string arrangement(const Protocol& protocol) const override;
+  std::optional<double> jnd_of_noise(const Protocol& protocol) const override;
   std::string methods(const Protocol& protocol) const override;
 };
 

@@ -28,6 +28,8 @@ class SameDifferentTask final : public Task {
   std::vector<DrawnTrial> draw(const CellDraw& cell, RandomStream& stream) const override;
   std::vector<DrawnTrial> draw_track(const CellDraw& track, RandomStream& stream) const override;
   int target_of(const Intervals& stimuli, double standard, const TaskSpec& spec) const noexcept override;
+  // By the response model of its thresholds.
+  std::optional<double> jnd_of_noise(const Protocol&) const override { return 1; }
   Answer answer(std::span<const Felt> felt, const Trial& trial, const Protocol& protocol,
                 RandomStream& stream) const override;
   // Of a threshold by the posterior of all answers, for what a design can be expected to measure; else none.

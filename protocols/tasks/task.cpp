@@ -53,8 +53,9 @@ std::span<const TaskKind> all_tasks() noexcept {
   return kAll;
 }
 
-bool holds_standard(const Intervals& stimuli, std::size_t interval, double standard) noexcept {
-  return std::find(stimuli.begin(), stimuli.end(), standard) == stimuli.begin() + interval;
+bool holds_standard(const Trial& trial, const Intervals& stimuli, std::size_t interval) noexcept {
+  if (trial.standard_place >= 0) return interval == static_cast<std::size_t>(trial.standard_place);
+  return std::find(stimuli.begin(), stimuli.end(), trial.standard) == stimuli.begin() + interval;
 }
 
 int felt_intervals(const TaskSpec& spec) {

@@ -30,7 +30,8 @@ struct TaskProblem {
 struct DrawnTrial {
   Intervals stimuli;
   int target = -1;
-  int side = -1;  // of a stimulus that the answers set
+  int side = -1;            // of a stimulus that the answers set
+  int standard_place = -1;  // Trial::standard_place
 };
 
 // What is drawn: `trials` of each level, or of the cell where the task has no levels, or of a track.
@@ -55,6 +56,7 @@ struct AnsweredTrial {
   int said = 0;
   int sureness = 0;
   std::optional<double> number{};
+  int standard_place = -1;  // Trial::standard_place
   bool correct() const noexcept { return said == target; }
 };
 
@@ -160,6 +162,9 @@ class Task {
   // How what is presented in a trial was arranged, in a sentence for a paper that ends with a blank; empty where there is
   // one way only.
   virtual std::string arrangement(const Protocol&) const { return {}; }
+  // How large the JND that it measures is for somebody to whom two equal intervals differ with a standard deviation of 1;
+  // none where it measures none.
+  virtual std::optional<double> jnd_of_noise(const Protocol&) const { return std::nullopt; }
   // How the estimates come about, in sentences for a paper.
   virtual std::string methods(const Protocol& protocol) const = 0;
 };
@@ -173,8 +178,8 @@ std::span<const TaskKind> all_tasks() noexcept;
 // The word of what was said, such as "second"; empty where the answer is a number.
 // How often something is felt one after the other: in every interval, or once where all are felt together.
 int felt_intervals(const TaskSpec& spec);
-// Whether that interval holds the standard: the first that has its value.
-bool holds_standard(const Intervals& stimuli, std::size_t interval, double standard) noexcept;
+// Whether that interval holds the standard: the first that has its value, or of two that have it the planned one.
+bool holds_standard(const Trial& trial, const Intervals& stimuli, std::size_t interval) noexcept;
 std::string_view said_word(const TaskSpec& spec, int said) noexcept;
 
 // Task::trials_of_cell of the protocol's task; series: place in Protocol::series.

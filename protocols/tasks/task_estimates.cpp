@@ -69,6 +69,12 @@ TaskEstimate task_estimate(std::optional<double> value, std::optional<ChoiceBoun
   return estimate;
 }
 
+TaskEstimate scaled(TaskEstimate estimate, double by) noexcept {
+  for (std::optional<double>* const number : {&estimate.value, &estimate.low, &estimate.high})
+    if (*number) **number *= by;
+  return estimate;
+}
+
 TaskEstimate share_correct(std::span<const AnsweredTrial> trials) {
   int n = 0, correct = 0;
   for (const AnsweredTrial& trial : trials) {

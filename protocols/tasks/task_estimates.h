@@ -20,6 +20,9 @@ inline std::optional<double> defined(double value) noexcept {
   return std::isnan(value) ? std::nullopt : std::optional(value);
 }
 
+// The same times a number above 0.
+TaskEstimate scaled(TaskEstimate estimate, double by) noexcept;
+
 // The share of correct answers, with its exact 95 % interval (Clopper and Pearson 1934).
 TaskEstimate share_correct(std::span<const AnsweredTrial> trials);
 

@@ -44,8 +44,11 @@ std::vector<DrawnTrial> WhichTask::draw(const CellDraw& cell, RandomStream& stre
   std::vector<DrawnTrial> trials;
   for (const double level : cell.series.levels) {
     std::vector<DrawnTrial> orders;
-    for (const Intervals& stimuli : orders_of(cell.series.standard, level, spec.standard_first))
-      orders.push_back({stimuli, target_of(stimuli, cell.series.standard, spec)});
+    for (const Intervals& stimuli : orders_of(cell.series.standard, level, spec.standard_first)) {
+      const int place = level == cell.series.standard ? static_cast<int>(orders.size()) : -1;
+      orders.push_back(
+          {.stimuli = stimuli, .target = target_of(stimuli, cell.series.standard, spec), .standard_place = place});
+    }
     add_level(trials, std::move(orders), cell.trials, cell.sampling, stream);
   }
   stream.shuffle(trials);
@@ -84,7 +87,9 @@ namespace {
 std::vector<ChoiceRow> choice_rows(std::span<const AnsweredTrial> trials, const TaskSpec& spec) {
   std::map<std::pair<double, int>, ChoiceRow> rows;
   for (const AnsweredTrial& trial : trials) {
-    const int order = trial.stimuli[0] == trial.standard ? 1 : -1;
+    const bool standard_first =
+        trial.standard_place < 0 ? trial.stimuli[0] == trial.standard : trial.standard_place == 0;
+    const int order = standard_first ? 1 : -1;
     const double level = trial.stimuli[order > 0 ? 1 : 0];
     ChoiceRow& row = rows[{level, order}];
     row.level = level;
@@ -147,8 +152,12 @@ void set_by_posterior(TaskEstimates& estimates, const Protocol& protocol, const 
 
 std::vector<TaskOutcome> WhichTask::outcomes(const Protocol& protocol) const {
   const std::string_view unit = to_string(protocol.stimulus.unit);
+  const std::string& convention = protocol.analysis.jnd_convention;
+  const std::string_view title = convention == "75 %"   ? "JND (75 %)"
+                                 : convention == "84 %" ? "JND (84 %)"
+                                                        : "JND (d' = 1)";
   std::vector<TaskOutcome> outcomes = {
-      {"jnd", "JND", unit,
+      {"jnd", title, unit,
        fmt::format("just-noticeable difference, {}", protocol.analysis.jnd_convention == "d'=1"
                                                          ? std::string("d' = 1 of the two-interval task")
                                                          : protocol.analysis.jnd_convention + " chosen"),
@@ -222,6 +231,10 @@ std::optional<TaskCurve> WhichTask::curve(const Protocol& protocol, const Series
   curve.x = evenly(curve.points.front().x, curve.points.back().x, 60);
   for (const double x : curve.x) curve.fitted.push_back(lapse / 2 + (1 - lapse) * normal_cdf((x - *fit.pse) / *fit.s));
   return curve;
+}
+
+std::optional<double> WhichTask::jnd_of_noise(const Protocol& protocol) const {
+  return jnd_of(choice_jnds(ChoiceLink::probit, 1), protocol.analysis.jnd_convention);
 }
 
 std::string WhichTask::arrangement(const Protocol& protocol) const {

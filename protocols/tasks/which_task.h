@@ -30,6 +30,7 @@ class WhichTask final : public Task {
   std::optional<TaskCurve> curve(const Protocol& protocol, const Series& series,
                                  std::span<const AnsweredTrial> trials) const override;
   std::string arrangement(const Protocol& protocol) const override;
+  std::optional<double> jnd_of_noise(const Protocol& protocol) const override;
   std::string methods(const Protocol& protocol) const override;
 };
 

@@ -5,8 +5,11 @@
 #include <map>
 #include <numeric>
 
+#include <fmt/format.h>
+
 #include "analysis/detection/yes_no.h"
 #include "analysis/numerics/normal.h"
+#include "analysis/numerics/special_values.h"
 #include "analysis/ratings/rating_roc.h"
 #include "protocols/input/json_reader.h"
 #include "protocols/tasks/catch_trials.h"
@@ -34,6 +37,18 @@ int YesNoTask::trials_of_cell(const Protocol& protocol, const Series& series) co
   if (protocol.design.procedure) return trials_with_catches(*protocol.design.procedure);
   const int signals = protocol.design.trials_per_cell * static_cast<int>(series.levels.size());
   return signals + noises_of(signals, protocol.task);
+}
+
+std::vector<TaskProblem> YesNoTask::problems(const Protocol& protocol) const {
+  for (const Series& series : protocol.series) {
+    const auto above = std::count_if(series.levels.begin(), series.levels.end(),
+                                     [&](double level) { return level > series.standard; });
+    if (above != 0 && static_cast<std::size_t>(above) != series.levels.size())
+      return {
+          {"$.levels", fmt::format("signals lie on both sides of the noise, {:g}", series.standard),
+           "a signal is more, or less, than the noise: give levels on one side, and the others a protocol of their own"}};
+  }
+  return {};
 }
 
 std::vector<DrawnTrial> YesNoTask::draw(const CellDraw& cell, RandomStream& stream) const {
@@ -121,6 +136,16 @@ RatingRoc roc_of(std::span<const AnsweredTrial> trials, int levels) {
 
 }  // namespace
 
+namespace {
+
+// Whether the noise has a size of its own, of which a threshold may be a share.
+bool has_weber_fraction(const Protocol& protocol) {
+  return protocol.series.empty() || std::any_of(protocol.series.begin(), protocol.series.end(),
+                                                [](const Series& series) { return series.standard > 0; });
+}
+
+}  // namespace
+
 std::vector<TaskOutcome> YesNoTask::outcomes(const Protocol& protocol) const {
   const std::string_view unit = to_string(protocol.stimulus.unit);
   std::vector<TaskOutcome> outcomes = {
@@ -128,6 +153,8 @@ std::vector<TaskOutcome> YesNoTask::outcomes(const Protocol& protocol) const {
       {"criterion", "criterion c", "", "-(z(H) + z(F)) / 2; above 0: tends to say no", 3, false},
       {"threshold", "threshold", unit, "distance of the signal from the noise at d' = 1, maximum likelihood", 4, true},
       {"correct", "share correct", "", "share of correct answers, exact interval", 3, true}};
+  if (has_weber_fraction(protocol))
+    outcomes.push_back({"weber", "Weber fraction", "", "threshold / standard", 3, true, true});
   if (protocol.task.sureness_levels > 0) {
     outcomes.push_back({"d_a", "d_a", "", "d_a of the ratings, unequal variances", 3, false});
     outcomes.push_back({"area", "A_z", "", "area under the ROC of the ratings, unequal variances", 3, true});
@@ -146,20 +173,23 @@ TaskEstimates YesNoTask::estimate(const Protocol& protocol, const Series& series
   estimates.status = rates.status != RateStatus::ok || ok || by_posterior
                          ? to_string(rates.status)
                          : word_of(kTwoIntervalStatusWords, fit.status);
+  const TaskEstimate threshold = by_posterior
+                                     ? posterior_estimate(posterior_of_trials(protocol, series, trials).threshold)
+                                     : task_estimate(ok ? fit.s : std::nullopt, intervals.s);
   estimates.values = {task_estimate(rates.dprime, ChoiceBounds{rates.ci_low, rates.ci_high}),
-                      task_estimate(rates.criterion),
-                      by_posterior ? posterior_estimate(posterior_of_trials(protocol, series, trials).threshold)
-                                   : task_estimate(ok ? fit.s : std::nullopt, intervals.s),
-                      share_correct(trials)};
+                      task_estimate(rates.criterion), threshold, share_correct(trials)};
+  if (has_weber_fraction(protocol))
+    estimates.values.push_back(series.standard > 0 ? scaled(threshold, 1 / series.standard) : TaskEstimate{});
   if (protocol.task.sureness_levels > 0) {
     const RatingRoc roc = roc_of(trials, protocol.task.sureness_levels);
-    const auto with_error = [](const RatingEstimate& one) {
+    const auto with_error = [](const RatingEstimate& one, double least, double most) {
+      const double half_width = 1.959963984540054 * one.se;
       return task_estimate(
-          one.value, ChoiceBounds{one.value - 1.959963984540054 * one.se, one.value + 1.959963984540054 * one.se});
+          one.value, ChoiceBounds{std::max(one.value - half_width, least), std::min(one.value + half_width, most)});
     };
-    const bool ok = roc.unequal.status == RatingStatus::ok;
-    estimates.values.push_back(ok ? with_error(roc.unequal.d_a) : TaskEstimate{});
-    estimates.values.push_back(ok ? with_error(roc.unequal.area) : TaskEstimate{});
+    const bool fitted = roc.unequal.status == RatingStatus::ok;
+    estimates.values.push_back(fitted ? with_error(roc.unequal.d_a, -kInf, kInf) : TaskEstimate{});
+    estimates.values.push_back(fitted ? with_error(roc.unequal.area, 0, 1) : TaskEstimate{});
   }
   return estimates;
 }
@@ -175,6 +205,11 @@ std::optional<TaskCurve> YesNoTask::curve(const Protocol&, const Series&, std::s
   curve.x = evenly(0, rows.back().level, 60);
   for (const double x : curve.x) curve.fitted.push_back(normal_cdf((x - *fit.pse) / *fit.s));
   return curve;
+}
+
+// At d' = 1, which is of one interval's noise.
+std::optional<double> YesNoTask::jnd_of_noise(const Protocol&) const {
+  return 1 / std::sqrt(2.0);
 }
 
 std::string YesNoTask::methods(const Protocol& protocol) const {

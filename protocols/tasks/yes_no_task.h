@@ -17,6 +17,7 @@ class YesNoTask final : public Task {
   bool has_procedures() const noexcept override { return true; }
   std::optional<PosteriorTask> posterior_task() const noexcept override { return PosteriorTask::same_different; }
   bool has_catch_trials() const noexcept override { return true; }
+  std::vector<TaskProblem> problems(const Protocol& protocol) const override;
   int balance_of(const TaskSpec&) const noexcept override { return 1; }
   int trials_of_cell(const Protocol& protocol, const Series& series) const override;
   int intervals(const TaskSpec&) const noexcept override { return 1; }
@@ -30,6 +31,7 @@ class YesNoTask final : public Task {
                          std::span<const AnsweredTrial> trials) const override;
   std::optional<TaskCurve> curve(const Protocol& protocol, const Series& series,
                                  std::span<const AnsweredTrial> trials) const override;
+  std::optional<double> jnd_of_noise(const Protocol& protocol) const override;
   std::string methods(const Protocol& protocol) const override;
 };
 

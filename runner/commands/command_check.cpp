@@ -127,7 +127,14 @@ std::string factors_text(const Protocol& protocol) {
     factors += " x their levels";
   else if (cells > 1)
     factors += fmt::format(" x {} {}", cells, protocol.task.class_values.empty() ? "levels" : "classes");
-  return fmt::format("{} x {} trials per cell", factors, protocol.design.trials_per_cell);
+  int of_cells = 0, all = 0;
+  for (const Series& series : protocol.series) {
+    of_cells += task.cells_in(series) * protocol.design.trials_per_cell;
+    all += task.trials_of_cell(protocol, series);
+  }
+  const std::string noise =
+      all > of_cells ? fmt::format(" and {} without a signal per condition", all - of_cells) : std::string();
+  return fmt::format("{} x {} trials per cell{}", factors, protocol.design.trials_per_cell, noise);
 }
 
 void print_check(const std::string& name, const CheckedFile& result) {

@@ -98,6 +98,11 @@ void add_precision_options(CLI::App& plan, PrecisionOptions& options) {
           "how many participants are simulated, of tasks other than same-different and of procedures (default: 400)")
       ->needs(precision)
       ->check(CLI::Range(20, 100000));
+  plan.add_option(
+          "--noise", options.noise,
+          "the same of tasks by the standard deviation of a felt difference of two intervals, in the study's unit")
+      ->needs(precision)
+      ->check(CLI::Range(1e-9, kLargestJnd));
   plan.add_flag("--markdown", options.markdown, "tables in Markdown")->needs(precision);
 }
 
@@ -117,8 +122,16 @@ int plan_task_precision(const Protocol& protocol, const std::string& name, std::
   for (const std::string& text : options.jnds) {
     if (text.find('=') != std::string::npos)
       throw UsageError(fmt::format("--jnd {}: one number here, the same for every condition", printable(text)));
-    question.noise = jnd_from(text, text);
+    const std::optional<double> of_one = task_of(protocol.task.kind).jnd_of_noise(protocol);
+    if (!of_one)
+      throw UsageError(
+          fmt::format("--jnd {}: the task \"{}\" measures no JND; --noise N is the noise of a felt difference",
+                      printable(text), to_string(protocol.task.kind)));
+    question.noise = jnd_from(text, text) / *of_one;
   }
+  if (options.noise && !options.jnds.empty())
+    throw UsageError("--jnd and --noise say the same thing: give one of them");
+  if (options.noise) question.noise = options.noise;
   const std::vector<TaskPrecisionRow> rows = [&] {
     ProgressBar bar("simulating participants", question.participants);
     return task_precision(protocol, question, [&bar](int done) { bar.update(done); });
@@ -149,6 +162,7 @@ int plan_precision(const std::string& name, std::uint64_t seed, bool json, const
       throw UsageError("--trials: a procedure says itself when its tracks end");
     return plan_task_precision(protocol, name, seed, json, options);
   }
+  if (options.noise) throw UsageError("--noise is for tasks other than same-different, and for procedures: give --jnd");
   if (options.simulated) throw UsageError("--simulated is for tasks other than same-different, and for procedures");
   if (protocol.design.sampling == Sampling::balanced && protocol.design.trials_per_cell % 4 != 0)
     throw UsageError(fmt::format("--trials {}: balanced cells need a multiple of 4", protocol.design.trials_per_cell));

@@ -20,6 +20,7 @@ struct PrecisionOptions {
   double between_cv = 0;  // of the participants' true JNDs
   double cv = 0.10;       // wanted, of one participant's JND
   bool markdown = false;
+  std::optional<double> noise;   // of a felt difference, of a task whose precision is simulated
   std::optional<int> simulated;  // participants of a task whose precision is simulated
 };
 // Adds the options to `jnd plan`.

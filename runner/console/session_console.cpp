@@ -336,6 +336,7 @@ OperatorRequest SessionConsole::hand_over(const HandOver& what) {
   Scene scene;
   scene.tone = Tone::strong;
   scene.heading = fmt::format("Hand over  {}", words);
+  scene.beside = printable(what.condition);
   return request_at(scene, hand_over_keys(protocol_.task), true);
 }
 

@@ -48,8 +48,11 @@ std::string task_precision_text(const std::vector<TaskPrecisionRow>& rows, const
              "with a standard deviation of the noise{}. CV: standard deviation over mean of what is measured of "
              "them. * the registered outcome.\n",
              question.participants,
-             question.noise ? ""
-                            : fmt::format(", {:g} % of the standard (--jnd N says otherwise)", 100 * kAssumedWeber));
+             question.noise
+                 ? ""
+                 : fmt::format(
+                       ", {:g} % of the standard or, where that is 0, of the middle of the levels (--jnd N or --noise N says otherwise)",
+                       100 * kAssumedWeber));
 }
 
 nlohmann::ordered_json task_precision_json(const std::vector<TaskPrecisionRow>& rows,

@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "data/log/event_body.h"
+#include "protocols/course/duration.h"
 #include "protocols/course/prescription.h"
 #include "protocols/planning/adaptive_run.h"
 #include "protocols/planning/condition_codes.h"
@@ -12,8 +13,6 @@
 namespace jnd {
 
 namespace {
-
-constexpr double kAssumedTrialOverhead_s = 4;  // before any trial was timed: reaching, cues and the answer
 
 // Nothing but the main part, and what comes behind it, is left.
 bool opens_main(const Step& step) {
@@ -225,10 +224,9 @@ TrialOutline SessionEngine::outline_of(const Trial& trial) const {
     outline.prescribed = prescription->say;
     outline.pace_hz = prescription->pace_hz;
   }
-  const Timeline& timeline = protocol_.timeline;
-  const double pace = trials_timed_ > 0 ? seconds_in_trials_ / trials_timed_
-                                        : 2 * timeline.explore_s + timeline.gap_s + kAssumedTrialOverhead_s;
-  outline.time_left_s = left * (pace + timeline.between_trials_s);
+  outline.time_left_s =
+      left * (trials_timed_ > 0 ? seconds_in_trials_ / trials_timed_ + protocol_.timeline.between_trials_s
+                                : expected_trial_s(protocol_));
   outline.can_void_last = course_.last_answer(trial) != nullptr;
   return outline;
 }

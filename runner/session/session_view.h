@@ -61,12 +61,14 @@ struct ExplorationOutline {
   int attempt = 1;
 };
 
-// Specimens to hand over now: what is written on each, and where it goes ("left"; empty where there is one place).
+// Specimens to hand over now: what is written on each, and where it goes ("left") or which interval it is for ("second";
+// empty where there is one).
 struct HandOver {
   struct Item {
     std::string place, code;
   };
   std::vector<Item> items;
+  std::string condition;  // its label and parameters: the operator's hands carry it out
 };
 
 enum class CuePlace { first, second, third, question };

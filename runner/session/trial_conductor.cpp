@@ -8,6 +8,7 @@
 #include "data/log/telemetry.h"
 #include "data/log/trace_blob.h"
 #include "devices/loop/telemetry_ring.h"
+#include "protocols/condition_words.h"
 #include "protocols/course/prescription.h"
 #include "protocols/tasks/task.h"
 #include "runner/session/device_health.h"
@@ -28,15 +29,17 @@ constexpr int kMostLooks = 200;
 // twice has two of them, so that no code says how often a value comes.
 HandOver specimens_of(const Trial& trial, const Intervals& stimuli, int interval, const Protocol& protocol) {
   static constexpr std::array<const char*, 2> kSides = {"left", "right"};
+  static constexpr std::array<const char*, kMostIntervals> kTurns = {"first", "second", "third"};
   const bool together = protocol.task.together;
   HandOver what;
+  what.condition = condition_words(protocol.conditions[static_cast<std::size_t>(trial.condition)]);
   for (std::size_t i = 0; i < stimuli.size(); ++i) {
     if (!together && static_cast<int>(i) != interval) continue;
     const auto before = std::count(stimuli.begin(), stimuli.begin() + i, stimuli[i]);
     for (const Specimen& specimen : protocol.rig.specimens) {
       if (specimen.value != stimuli[i]) continue;
       const std::size_t turn = static_cast<std::size_t>(trial.index + before) % specimen.codes.size();
-      what.items.push_back({together ? kSides[i] : "", specimen.codes[turn]});
+      what.items.push_back({together ? kSides[i] : stimuli.size() > 1 ? kTurns[i] : "", specimen.codes[turn]});
     }
   }
   return what;
@@ -302,7 +305,7 @@ Presentation TrialConductor::present(const Attempt& attempt, int interval) {
   const Condition& condition = protocol.conditions[static_cast<std::size_t>(trial.condition)];
   request.stimulus.cues = condition.cues;
   request.condition = &condition;
-  request.of_standard = holds_standard(attempt.stimuli, static_cast<std::size_t>(interval), trial.standard);
+  request.of_standard = holds_standard(trial, attempt.stimuli, static_cast<std::size_t>(interval));
   if (protocol.task.together) {
     request.beside = attempt.stimuli[1];
     request.beside_of_standard = !request.of_standard;

@@ -13,3 +13,7 @@ cd "$folder"
 "$jnd" new mine --from tutorial >/dev/null
 "$jnd" simulate mine.json --participants 1 --study s.sqlite --seed 1 --profile chinello2017-varied >/dev/null 2>&1
 "$jnd" verify s.sqlite
+# The pages come along, with the pictures that they show.
+pages=$folder/moved/share/doc/jnd
+for page in README.md protocols/README.md runner/OPERATOR.md; do test -s "$pages/$page"; done
+grep -o '(runner/pictures/[^)]*)' "$pages/README.md" | tr -d '()' | while read -r picture; do test -s "$pages/$picture"; done

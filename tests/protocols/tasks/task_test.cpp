@@ -256,6 +256,72 @@ TEST_CASE("comparisons on one side of the standard have no PSE, and a JND that i
   CHECK(task_of(TaskKind::which).outcomes(which).size() == outcomes.size() + 2);
 }
 
+TEST_CASE("of two equal stimuli the plan says which is the standard, and the order effect goes by that") {
+  Protocol which = shipped_task("which/maereg2017");
+  which.series[0].levels = {360, 400, 440};
+  which.design.trials_per_cell = 40;
+  const Plan plan = make_plan(which, 1, 3);
+  std::map<int, int> places;
+  std::vector<AnsweredTrial> trials;
+  for (const Trial& trial : plan.trials) {
+    if (trial.practice) continue;
+    const bool equal = trial.stimuli[0] == trial.stimuli[1];
+    CHECK((trial.standard_place >= 0) == equal);
+    if (equal) ++places[trial.standard_place];
+    CHECK(holds_standard(trial, trial.stimuli, 0) != holds_standard(trial, trial.stimuli, 1));
+    CHECK(trial.stimuli[holds_standard(trial, trial.stimuli, 0) ? 0 : 1] == 400);
+    if (!equal || trial.condition != 0) continue;
+    // Who always says "second": all order, no preference.
+    trials.push_back({.stimuli = trial.stimuli,
+                      .standard = 400,
+                      .target = trial.target,
+                      .said = 1,
+                      .number = {},
+                      .standard_place = trial.standard_place});
+  }
+  CHECK(places[0] == places[1]);
+  const TaskCurve curve = *task_of(TaskKind::which).curve(which, which.series[0], trials);
+  REQUIRE(curve.points.size() == 1);
+  CHECK(2 * curve.points[0].said == curve.points[0].n);
+}
+
+TEST_CASE("which of the three is stiffer: the odd one is directed, and judged as one of three") {
+  Protocol three = shipped_task("oddity/carpenter2018-oddity");
+  three.task.directed = true;
+  const Task& task = task_of(TaskKind::oddity);
+  three.series[0].levels = {three.series[0].standard + 0.1, three.series[0].standard + 0.2};
+  CHECK(task.problems(three).empty());
+  CHECK(task.balance_of(three.task) == 3);
+  three.design.trials_per_cell = 1998;
+  const Plan plan = make_plan(three, 1, 3);
+  for (const Trial& trial : plan.trials) {
+    if (trial.practice) continue;
+    CHECK(trial.stimuli[static_cast<std::size_t>(trial.target)] ==
+          *std::max_element(trial.stimuli.begin(), trial.stimuli.end()));
+  }
+  const TaskEstimates estimates = task.estimate(three, three.series[0], answered(three, plan, 0.1, 0));
+  CHECK(*outcome(estimates, three, "jnd").value == Approx(0.1).epsilon(0.06));
+  three.task.greater = false;
+  CHECK(task.problems(three).size() == 2);
+}
+
+TEST_CASE("noise that makes a JND of one is measured as one") {
+  for (const char* place :
+       {"which/maereg2017", "oddity/carpenter2018-oddity", "abx/abx-stiffness", "yes-no/pang1991"}) {
+    CAPTURE(place);
+    Protocol protocol = shipped_task(place);
+    protocol.design.trials_per_cell = protocol.design.trials_per_cell * 40;
+    const Task& task = task_of(protocol.task.kind);
+    const double jnd = 0.5 * std::abs(protocol.series[0].levels.back() - protocol.series[0].standard);
+    const double noise = jnd / task.jnd_of_noise(protocol).value();
+    const TaskEstimates estimates = task.estimate(
+        protocol, protocol.series[0], answered(protocol, make_plan(protocol, 1, 3), noise / std::sqrt(2.0), 0));
+    CHECK(*outcome(estimates, protocol, protocol.task.kind == TaskKind::yes_no ? "threshold" : "jnd").value ==
+          Approx(jnd).epsilon(0.12));
+  }
+  CHECK_FALSE(task_of(TaskKind::magnitude).jnd_of_noise(shipped_task("magnitude/dhong2019-magnitude")).has_value());
+}
+
 TEST_CASE("a stimulus of 0 takes no part in the power law, and an answer of 0 leaves the arithmetic mean") {
   const Protocol magnitude = shipped_task("magnitude/dhong2019-magnitude");
   const auto trial = [](double stimulus, double number) {

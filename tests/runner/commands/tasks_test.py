@@ -248,7 +248,9 @@ class Tasks(unittest.TestCase):
         self.assertEqual(screen.count("Hand over"), 8, screen)
         codes = {500: "7", 800: "K", 1200: "5"}
         plan = json.loads(self.jnd("plan", protocol, "--participant", 1, "--seed", 4, "--json"))["trials"]
-        told = [line.split("Hand over", 1)[1].strip().split()[0] for line in screen.splitlines() if "Hand over" in line]
+        handed = [line.split("Hand over", 1)[1].split() for line in screen.splitlines() if "Hand over" in line]
+        self.assertEqual([words[0] for words in handed], ["first:", "second:"] * 4)  # the interval it is for
+        told = [words[1] for words in handed]
         self.assertEqual(told, [codes[value] for trial in plan for value in trial["stimuli"]])
         self.jnd("verify", "s.sqlite", "--deep")
         results = json.loads(self.jnd("analyze", "s.sqlite", "--json", "--no-methods", "--kind", "pilot"))
@@ -265,6 +267,8 @@ class Tasks(unittest.TestCase):
                           "--plain", "--seed", 4, "--override-readiness", "a machine that runs tests", keys=(" " * 5 + "1") * 8)
         self.assertLess(time.monotonic() - began, 200, "no key ended an interval")  # 16 intervals of 50 s
         self.assertEqual(screen.count("Say: Press alike."), 1, screen)
+        handed = [line for line in screen.splitlines() if "Hand over" in line]
+        self.assertEqual(sum("same peak force" in line for line in handed), 8, handed)  # the operator carries it out
         self.jnd("verify", "k.sqlite", "--deep")
         self.jnd("export", "k.sqlite", "--to", "k", "--kind", "pilot")
         rows = self.rows("k/sub-P01/trials.csv")
@@ -415,8 +419,14 @@ class Tasks(unittest.TestCase):
         self.assertGreaterEqual(len(whole), 8)
         for felt in whole:
             self.assertEqual({finger for _, finger in felt}, {"thumb", "index"}, felt)
-            self.assertEqual(dict(reversed(felt))[400], "thumb", felt)  # of two equal values the first
-        self.assertEqual({felt[0][1] for felt in whole}, {"thumb", "index"})  # the standard comes first and second
+            if felt[0][0] != felt[1][0]:
+                self.assertEqual(dict(felt)[400], "thumb", felt)
+        # The standard comes first and second, also of two equal values, and the trials say which it was.
+        self.assertEqual({felt[0][1] for felt in whole}, {"thumb", "index"})
+        self.assertEqual({felt[0][1] for felt in whole if felt[0][0] == felt[1][0]}, {"thumb", "index"})
+        rows = self.rows("o/sub-P01/trials.csv")
+        first = {trial: felt[0][1] for (trial, _), felt in sorted(trials.items()) if len(felt) == 2}  # of the last attempt
+        self.assertEqual([row["standard_interval"] for row in rows], ["1" if first[int(row["trial"])] == "thumb" else "2" for row in rows])
         self.jnd("analyze", "o.sqlite", "--kind", "pilot")
         self.assertIn("In index the standard was presented with finger = thumb.", (self.folder / "methods.md").read_text())
 

@@ -1,0 +1,22 @@
+#include "protocols/condition_words.h"
+
+#include <variant>
+
+#include <fmt/format.h>
+
+namespace jnd {
+
+std::string parameter_text(const ParameterValue& value) {
+  if (const double* number = std::get_if<double>(&value)) return fmt::format("{:g}", *number);
+  if (const bool* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
+  return std::get<std::string>(value);
+}
+
+std::string condition_words(const Condition& condition) {
+  std::string parameters;
+  for (const auto& [name, value] : condition.parameters)
+    parameters += fmt::format("{}{} = {}", parameters.empty() ? "" : ", ", name, parameter_text(value));
+  return parameters.empty() ? condition.label : fmt::format("{} ({})", condition.label, parameters);
+}
+
+}  // namespace jnd
