@@ -44,10 +44,10 @@ std::vector<json> examples() {
   for (const char* const name : {"complete",       "object",         "joint",
                                  "two-devices",    "staircase",      "staircase-accelerated",
                                  "quest",          "posterior",      "staircase-joint",
-                                 "explore",        "prescription",   "task-which",
-                                 "task-adaptive",  "task-posterior", "task-yes-no",
-                                 "task-magnitude", "task-identify",  "task-specimens",
-                                 "task-adjust",    "groups"})
+                                 "explore",        "prescription",   "task-three-alternatives",
+                                 "task-which",     "task-adaptive",  "task-posterior",
+                                 "task-yes-no",    "task-magnitude", "task-identify",
+                                 "task-specimens", "task-adjust",    "groups"})
     documents.push_back(json::parse(read_text(corpus_folder() / "good" / (std::string(name) + ".json"))));
   return documents;
 }
