@@ -15,6 +15,7 @@
 #include "runner/report/report_files.h"
 #include "runner/report/report_page.h"
 #include "runner/terminal/exit_code.h"
+#include "runner/terminal/number_text.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {
@@ -76,7 +77,8 @@ int command_report(const ReportOptions& options) {
   fmt::print("{}: {} {} participant{}; one page that needs nothing else\n", bold(printable(files.page.string())),
              attendance_of(results).participants, to_string(kind), attendance_of(results).participants == 1 ? "" : "s");
   if (!figures.empty())
-    fmt::print("{}: its {} figures, each an SVG file\n", printable(files.folder.string()), figures.size());
+    fmt::print("{}: its {}, each an SVG file\n", printable(files.folder.string()),
+               counted(static_cast<std::int64_t>(figures.size()), "figure"));
   for (const std::string& text : results.deviations) fmt::print("{}\n", warn("deviation: " + printable(text)));
   for (const std::string& text : results.cautions) fmt::print("{}\n", warn("caution: " + printable(text)));
   say_other_kinds(*study, kind);

@@ -18,6 +18,7 @@
 #include "runner/report/blinded_files.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
+#include "runner/terminal/number_text.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/text_table.h"
 
@@ -151,8 +152,9 @@ int command_verify(const VerifyOptions& options) {
     if (!report.study_head.empty())
       fmt::print("  {}\n", dim("head of the study's own chain: " + printable(report.study_head)));
     if (options.deep)
-      fmt::print("  the course of {} sessions was followed, {} numbers of {} intervals computed again, {} bytes read\n",
-                 deep.sessions, deep.numbers, deep.intervals, deep.bytes);
+      fmt::print("  the course of {} was followed, {} of {} computed again, {} bytes read\n",
+                 counted(deep.sessions, "session"), counted(deep.numbers, "number"),
+                 counted(deep.intervals, "interval"), deep.bytes);
     for (const std::string& finding : deep.findings) fmt::print("  {}\n", printable(finding));
   }
   return ok ? exit_code::kDone : exit_code::kProblemFound;

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "devices/hid/buttons/button_box.h"
+#include "protocols/input/blank_text.h"
 #include "protocols/input/number_from.h"
 #include "runner/console/session_console.h"
 #include "runner/terminal/terminal.h"
@@ -77,8 +78,9 @@ std::optional<Answer> SessionConsole::judge_number(const TrialQuestion& question
   while (!interrupted()) {
     const std::optional<std::string> line = keys_.line("Number (empty: no answer)");
     if (keys_.ended()) decided_ = OperatorRequest{Request::end_for_now, {}};
-    if (!line || line->empty()) return std::nullopt;
-    const std::optional<double> number = number_from<double>(*line);
+    const std::string_view typed = line ? without_blanks(*line) : std::string_view();
+    if (typed.empty()) return std::nullopt;
+    const std::optional<double> number = number_from<double>(typed);
     if (!number || !std::isfinite(*number) || *number < task.number_min || *number > task.number_max) {
       display_->explain(Tone::warning, fmt::format("not a number from {:g} to {:g}: type it once more, such as 12.5",
                                                    task.number_min, task.number_max));

@@ -14,7 +14,7 @@ ChosenRig choose_rig(const std::string& rig, bool fast) {
   }
   if (fast)
     throw UsageError(
-        "--fast skips time, and real devices do not: leave it out, or rehearse with --rig simulated (the default)");
+        "--fast skips time, and devices and other programs do not: leave it out, or rehearse with --rig simulated (the default)");
   if (rig != "hid") chosen.file = load_rig_file(rig);
   chosen.own = chosen.file.external ? make_laboratory_rigs(*chosen.file.external) : make_hid_rigs(chosen.file);
   return chosen;

@@ -40,6 +40,9 @@ Readiness check_readiness(const ReadinessInput& input) {
     items.push_back(input.fast ? left_out("loop") : check_loop_jitter(input.rig.realtime().policy));
   items.push_back(check_keyboard(input.keyboard_is_terminal));
   if (input.buttons != nullptr) items.push_back(check_buttons(*input.buttons));
+  if (input.rig.buttons() != nullptr)
+    items.push_back(
+        {.what = "buttons", .verdict = Verdict::ok, .found = "the rig's own: what is pressed there answers"});
   items.push_back(check_study(input.study));
   items.push_back(check_plan_balance(input.protocol, input.plan));
   items.push_back(

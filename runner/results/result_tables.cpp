@@ -11,6 +11,7 @@
 #include "runner/results/result_format.h"
 #include "runner/results/result_table_parts.h"
 #include "runner/results/result_tables_questionnaire.h"
+#include "runner/terminal/number_text.h"
 
 namespace jnd {
 
@@ -144,8 +145,8 @@ ResultTable group_table(const StudyAnalysis& analysis, const Protocol& protocol)
     columns.push_back(of.words("Weber", source_weber, true));
   }
   return of({"group",
-             fmt::format("Group ({}, {} participants)", to_string(analysis.attendance.kind),
-                         analysis.attendance.participants),
+             fmt::format("Group ({}, {})", to_string(analysis.attendance.kind),
+                         counted(analysis.attendance.participants, "participant")),
              method_note(analysis, protocol),
              {},
              {},

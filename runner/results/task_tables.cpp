@@ -8,6 +8,7 @@
 #include "runner/results/field_output.h"
 #include "runner/results/result_format.h"
 #include "runner/results/result_table_parts.h"
+#include "runner/terminal/number_text.h"
 
 namespace jnd {
 namespace {
@@ -70,7 +71,7 @@ ResultTable task_group_table(const StudyResults& results, const TaskResults& mea
   if (!protocol.published.empty()) columns.push_back(of.words("published", published, true));
   ResultTable table =
       of({"group",
-          fmt::format("Group ({}, {} participants)", to_string(attendance.kind), attendance.participants),
+          fmt::format("Group ({}, {})", to_string(attendance.kind), counted(attendance.participants, "participant")),
           "*: the registered outcome; means with Student's 95 % interval",
           {},
           {},
