@@ -185,8 +185,9 @@ struct AdaptiveProcedure {
   int trials = 0;                     // most trials of a track that have a difference
   int reversals = 0;                  // that end a track before; 0: its trials only
   double catch_share = 0.5;           // of a track's trials, those with equal stimuli
-  std::vector<int> sides = {-1};      // of the standard, on which comparisons lie: below (-1), above (1), or both
-  int averaged_reversals = 6;         // the last ones, of which a staircase's threshold is the mean
+  // Of the standard, on which comparisons lie: below (-1), above (1), or both; {0}: across it, the level is the comparison.
+  std::vector<int> sides = {-1};
+  int averaged_reversals = 6;  // the last ones, of which a staircase's threshold is the mean
 };
 
 // Participants who get some of the conditions: a factor between them.

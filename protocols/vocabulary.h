@@ -209,9 +209,10 @@ struct Trial {
   // plan a stimulus that the answers set is set_by_answers(standard); protocols/planning/adaptive_run.h knows it when
   // its turn comes.
   int track = 0;
-  int side = -1;  // of such a stimulus: below (-1) or above (1) its standard
-  int standard_place =
-      -1;  // of two equal stimuli: the interval, from 0, whose stimulus is the standard; -1: values tell
+  // Of such a stimulus: below (-1) or above (1) its standard; 0: on either, as the answers move it across.
+  int side = -1;
+  // The interval, from 0, whose stimulus is the standard, where two are or may become equal; -1: values tell.
+  int standard_place = -1;
   bool operator==(const Trial&) const = default;
 };
 

@@ -51,7 +51,7 @@ void add_trial(Json& body, const Trial& trial, int attempt) {
   if (trial.task == TaskKind::same_different) body["same"] = trial.target == 0;
   body["target"] = trial.target < 0 ? Json(nullptr) : Json(trial.target);
   if (trial.track > 0) body["track"] = trial.track;
-  if (trial.side > 0) body["side"] = trial.side;
+  if (trial.side >= 0) body["side"] = trial.side;
   if (trial.standard_place >= 0) body["standard_place"] = trial.standard_place;
 }
 

@@ -227,14 +227,16 @@ std::string comparison_sentences(const Protocol& protocol) {
     text += ". ";
   }
   if (design.procedure)
-    return text +
-           fmt::format(
-               "The answers set the difference from the standard, within {:g} to {:g} {}: {}. Each condition and "
-               "standard had {} track{}{} of {}{} trials with a difference. {}",
-               design.procedure->clamp[0], design.procedure->clamp[1], unit, procedure_words(protocol),
-               design.procedure->starts.size(), plural(design.procedure->starts.size()), session_words(design),
-               can_end_early(*design.procedure) ? "at most " : "", design.procedure->trials,
-               task.arrangement(protocol));
+    return text + fmt::format(
+                      "The answers set {}, within {:g} to {:g} {}: {}. Each condition and "
+                      "standard had {} track{}{} of {}{} trials with a difference. {}",
+                      design.procedure->sides.front() == 0
+                          ? "the comparison, down where it was said to have more and up where it was not"
+                          : "the difference from the standard",
+                      design.procedure->clamp[0], design.procedure->clamp[1], unit, procedure_words(protocol),
+                      design.procedure->starts.size(), plural(design.procedure->starts.size()), session_words(design),
+                      can_end_early(*design.procedure) ? "at most " : "", design.procedure->trials,
+                      task.arrangement(protocol));
   return text + fmt::format("Each level was presented {} time{} in every condition{}, in random order. {}",
                             design.trials_per_cell, plural(static_cast<std::size_t>(design.trials_per_cell)),
                             session_words(design), task.arrangement(protocol));

@@ -94,7 +94,16 @@ struct AdaptiveRun::State {
   }
 };
 
-AdaptiveRun::AdaptiveRun(const Protocol& protocol) : procedure_(protocol.design.procedure) {
+namespace {
+
+// Whether the comparison was said to have more of the quantity, of two intervals.
+bool says_more(const Trial& trial, const Answer& answer, const TaskSpec& task) noexcept {
+  return (answer.said != trial.standard_place) == task.greater;
+}
+
+}  // namespace
+
+AdaptiveRun::AdaptiveRun(const Protocol& protocol) : procedure_(protocol.design.procedure), task_(protocol.task) {
   if (!procedure_) return;
   const std::vector<State::Posterior> posteriors = State::posteriors(protocol);
   const auto all_series = static_cast<int>(protocol.series.size());
@@ -135,9 +144,12 @@ const AdaptiveRun::State& AdaptiveRun::state_of(const Trial& trial) const {
 
 Trial AdaptiveRun::resolved(Trial planned) const {
   if (planned.track == 0) return planned;
-  const double comparison = planned.standard + planned.side * state_of(planned).level_on(planned.side);
+  const double level = state_of(planned).level_on(planned.side);
+  const double comparison = planned.side == 0 ? level : planned.standard + planned.side * level;
   for (double& stimulus : planned.stimuli)
     if (stimulus == set_by_answers(planned.standard)) stimulus = comparison;
+  // Only now it is known on which side of the standard it lies.
+  if (planned.side == 0) planned.target = task_of(planned.task).target_of(planned.stimuli, planned.standard, task_);
   return planned;
 }
 
@@ -156,6 +168,8 @@ void AdaptiveRun::answered(const Trial& trial, const Answer& answer) {
   }
   if (state.posterior)
     state.answer_posterior(*procedure_, trial.side, equal, correct);
+  else if (trial.side == 0)
+    state.answer(*procedure_, says_more(trial, answer, task_));
   else if (!equal)
     state.answer(*procedure_, correct);
 }

@@ -18,13 +18,14 @@ namespace jnd {
 
 // What one track has come to.
 struct AdaptiveTrack {
-  int condition = 0;                   // place in Protocol::conditions
-  int series = 0;                      // place in Protocol::series
-  int track = 1;                       // from 1, place in AdaptiveProcedure::starts + 1
-  double level = 0;                    // of the next trial; where both sides have one, of that below the standard
+  int condition = 0;  // place in Protocol::conditions
+  int series = 0;     // place in Protocol::series
+  int track = 1;      // from 1, place in AdaptiveProcedure::starts + 1
+  double level =
+      0;  // of the next trial; across the standard the comparison itself; where both sides have one, of that below the standard
   bool finished = false;               // it has its trials, or ended before
   std::vector<double> levels;          // of the answered trials with a difference
-  std::vector<bool> correct;           // whether they were answered correctly
+  std::vector<bool> correct;           // whether they were answered correctly; across: the comparison said to have more
   std::vector<double> reversals;       // of a staircase
   int catch_trials = 0;                // answered
   int false_alarms = 0;                // of these, answered wrongly: a difference said where there was none
@@ -60,6 +61,7 @@ class AdaptiveRun {
   const State& state_of(const Trial& trial) const;
 
   std::optional<AdaptiveProcedure> procedure_;
+  TaskSpec task_;
   std::map<std::array<int, 3>, std::unique_ptr<State>> states_;  // by condition, series and track
 };
 

@@ -1,5 +1,6 @@
 #include "protocols/planning/track_threshold.h"
 
+#include <cmath>
 #include <vector>
 
 #include <fmt/format.h>
@@ -72,6 +73,17 @@ std::vector<TaskOutcome> measured_outcomes(const Protocol& protocol) {
   if (!tracks_have_threshold(protocol)) return outcomes;
   const AdaptiveProcedure& procedure = *protocol.design.procedure;
   const bool reversals = threshold_source(protocol) == ThresholdSource::reversals;
+  if (procedure.sides.front() == 0) {
+    const double target = adaptive_target(procedure).value_or(kNaN);
+    outcomes.push_back(
+        {kTrackThreshold, std::abs(target - 0.5) < 1e-9 ? "PSE by reversals" : "level by reversals",
+         to_string(protocol.stimulus.unit),
+         fmt::format("comparison that is said to have more in {:.1f} %: mean of the last {} reversals of "
+                     "each track",
+                     100 * target, procedure.averaged_reversals),
+         4, false});
+    return outcomes;
+  }
   outcomes.push_back(
       {kTrackThreshold, reversals ? "threshold by reversals" : "threshold by QUEST", to_string(protocol.stimulus.unit),
        fmt::format("difference from the standard at {:.1f} % correct: {}",

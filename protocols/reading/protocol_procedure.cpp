@@ -267,9 +267,13 @@ void read_procedure(const JsonNode& node, ProtocolReading& reading) {
   if (reading.has_pairs() && reader.member("side") != nullptr)
     reader.error("side", "belongs to tasks with standards: comparisons of pairs are softer", "remove it");
   if (!reading.has_pairs())
-    procedure.sides = reader.one_of<std::vector<int>>("side", {{"below", {-1}}, {"above", {1}}, {"both", {-1, 1}}});
+    procedure.sides =
+        reader.one_of<std::vector<int>>("side", {{"below", {-1}}, {"above", {1}}, {"both", {-1, 1}}, {"across", {0}}});
   if (task.has_catch_trials() && procedure.sides.size() > 1)
     reader.error("side", "a signal lies on one side of the noise", "write \"above\" or \"below\"");
+  if (procedure.sides.front() == 0 && (task.kind() != TaskKind::which || (kind && procedure.kind != Kind::staircase)))
+    reading.error_at(procedure_path("side"), "only a staircase of the task \"which\" goes across the standard",
+                     "write \"below\", \"above\" or \"both\"");
   if (reading.sound(procedure_path("catch_share")) && !catch_block_of(procedure))
     reader.error("catch_share",
                  fmt::format("{} of the trials cannot be kept in short blocks", plain(procedure.catch_share)),

@@ -200,8 +200,8 @@ void read_task(JsonReader& outer, ProtocolReading& reading) {
   task.answers.clear();
   task_of(task.kind).read(section, task);
   // Those of the other tasks.
-  for (const std::string_view key :
-       {"chosen", "odd", "standard", "presentation", "sureness", "signal_share", "modulus", "lowest", "highest", "start"}) {
+  for (const std::string_view key : {"chosen", "odd", "standard", "presentation", "sureness", "signal_share", "modulus",
+                                     "lowest", "highest", "start"}) {
     const auto& known = section.known_keys();
     if (std::find(known.begin(), known.end(), key) == known.end())
       refuse_member(section, key, std::string(to_string(task.kind)), "remove it");
@@ -237,14 +237,22 @@ void read_comparisons(JsonReader& outer, ProtocolReading& reading) {
   reading.protocol.series.push_back(std::move(series));
 }
 
+// Those that the clamp allows at most.
+std::vector<double> furthest_comparisons(const AdaptiveProcedure& procedure, double standard) {
+  if (procedure.sides.front() == 0) return {procedure.clamp.begin(), procedure.clamp.end()};
+  std::vector<double> comparisons;
+  for (const int side : procedure.sides) comparisons.push_back(standard + side * procedure.clamp[1]);
+  return comparisons;
+}
+
 void set_extremes(Protocol& protocol) {
   const bool standard = task_of(protocol.task.kind).has_standard() || protocol.task.modulus.has_value();
   for (Series& series : protocol.series) {
     std::vector<double> values = series.levels;
     if (standard) values.push_back(series.standard);
     if (protocol.design.procedure)
-      for (const int side : protocol.design.procedure->sides)
-        values.push_back(series.standard + side * protocol.design.procedure->clamp[1]);
+      for (const double comparison : furthest_comparisons(*protocol.design.procedure, series.standard))
+        values.push_back(comparison);
     if (values.empty()) continue;
     const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
     series.pair = {*least, *greatest};
@@ -280,14 +288,12 @@ void lint_task(ProtocolReading& reading) {
   if (design.procedure && !reading.has_pairs() && reading.sound("$.design.procedure")) {
     const NumberLimits limits = value_limits(protocol);
     for (const Series& series : protocol.series) {
-      for (const int side : design.procedure->sides) {
-        const double furthest = series.standard + side * design.procedure->clamp[1];
+      for (const double furthest : furthest_comparisons(*design.procedure, series.standard)) {
         if (furthest < limits.min || furthest > limits.max)
           reading.error_at(
               limits_path(*design.procedure),
-              fmt::format("a comparison {} from the standard {} would have {} {}",
-                          plain(side * design.procedure->clamp[1]), plain(series.standard), plain(furthest),
-                          limits.unit),
+              fmt::format("a comparison {} from the standard {} would have {} {}", plain(furthest - series.standard),
+                          plain(series.standard), plain(furthest), limits.unit),
               fmt::format("values lie between {} and {} {}", plain(limits.min), plain(limits.max), limits.unit));
       }
     }

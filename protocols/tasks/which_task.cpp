@@ -63,7 +63,10 @@ std::vector<DrawnTrial> WhichTask::draw_track(const CellDraw& track, RandomStrea
   for (const int side : procedure.sides) {
     for (const Intervals& stimuli : orders_of(track.series.standard, comparison, spec.standard_first)) {
       const bool comparison_first = stimuli[0] == comparison;
-      block.push_back({stimuli, chosen(comparison_first == (side > 0), spec), side});
+      if (side == 0)  // what is correct is known once the comparison is
+        block.push_back({.stimuli = stimuli, .side = side, .standard_place = comparison_first ? 1 : 0});
+      else
+        block.push_back({stimuli, chosen(comparison_first == (side > 0), spec), side});
     }
   }
   return track_of(block, track.trials, stream);
@@ -107,7 +110,7 @@ std::vector<ChoiceRow> choice_rows(std::span<const AnsweredTrial> trials, const 
 // Whether comparisons lie on both sides of the standard, or at it: on one side alone they do not tell the PSE from s.
 bool measures_pse(const Protocol& protocol, const Series& series) {
   if (const auto& procedure = protocol.design.procedure)
-    return procedure->sides.size() > 1 || has_posterior_threshold(protocol);
+    return procedure->sides.size() > 1 || procedure->sides.front() == 0 || has_posterior_threshold(protocol);
   const auto [least, greatest] = std::minmax_element(series.levels.begin(), series.levels.end());
   return series.levels.empty() || (*least <= series.standard && *greatest >= series.standard);
 }

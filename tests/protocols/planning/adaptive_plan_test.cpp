@@ -7,10 +7,12 @@
 #include <nlohmann/json.hpp>
 #include <rapidcheck.h>
 
+#include "analysis/numerics/moments.h"
 #include "protocols/course/duration.h"
 #include "protocols/planning/adaptive_run.h"
 #include "protocols/planning/cohort.h"
 #include "protocols/planning/plan.h"
+#include "protocols/planning/track_threshold.h"
 #include "protocols/reading/protocol_json.h"
 #include "protocols/rigs/device_lint.h"
 #include "protocols/tasks/catch_trials.h"
@@ -460,4 +462,34 @@ TEST_CASE("levels that a device renders alike, or not at all, are told with the 
   CHECK(told(never.errors, "$.design.procedure.clamp", "in condition V both spheres vibrate") == 1);
   const DeviceLint beyond = lint_with(2500, {20, 800}, {500});
   CHECK(told(beyond.errors, "$.stimulus.reference", "2500 N/m is more than") == 1);
+}
+
+TEST_CASE("a staircase across the standard settles at the PSE, whatever is correct") {
+  const Protocol protocol = load_protocol(corpus_folder() / "good" / "task-across.json");
+  constexpr double kBias = 40, kNoise = 30;  // the comparison feels so much more than it is
+  const Task& task = task_of(TaskKind::which);
+  std::vector<double> levels;
+  for (int participant = 1; participant <= 40; ++participant) {
+    RandomStream stream(3, static_cast<std::uint64_t>(participant), "test/across");
+    AdaptiveRun run(protocol);
+    for (const Trial& planned : make_plan(protocol, participant, 3).trials) {
+      if (planned.practice) continue;
+      CHECK(planned.side == 0);
+      CHECK(planned.standard_place >= 0);
+      const Trial trial = run.resolved(planned);
+      CHECK(trial.target == task.target_of(trial.stimuli, 500, protocol.task));
+      std::vector<Felt> felt;
+      for (std::size_t i = 0; i < 2; ++i)
+        felt.push_back(
+            {trial.stimuli[i] + (holds_standard(trial, trial.stimuli, i) ? 0 : kBias) + kNoise * stream.normal(),
+             kNoise});
+      // As planned and as logged it moves the level alike.
+      run.answered(participant % 2 == 0 ? planned : trial, task.answer(felt, trial, protocol, stream));
+    }
+    const AdaptiveThreshold found = condition_threshold(run.tracks(), protocol);
+    if (found.status == AdaptiveStatus::ok) levels.push_back(found.threshold);
+  }
+  REQUIRE(levels.size() > 35);
+  CHECK(moments(levels).mean == Approx(500 - kBias).margin(8));
+  CHECK(measured_outcomes(protocol).back().title == "PSE by reversals");
 }
