@@ -119,7 +119,8 @@ void add_group(TaskResults& results, const Protocol& protocol, const std::vector
   }
 }
 
-// Slope of ln(outcome) on ln(standard), of a Weber fraction that of its JND; none with fewer than two different standards, or a value that has no logarithm.
+// Slope of ln(outcome) on ln(standard), of a Weber fraction that of its JND; none with fewer than two different standards, or
+// a value that has no logarithm.
 std::optional<double> exponent_of(const TaskEstimateRow& first, const TaskResults& results, const Protocol& protocol) {
   std::vector<double> x, y;
   for (const TaskEstimateRow& row : series_from(first, protocol)) {

@@ -21,8 +21,8 @@ struct AdaptiveTrack {
   int condition = 0;  // place in Protocol::conditions
   int series = 0;     // place in Protocol::series
   int track = 1;      // from 1, place in AdaptiveProcedure::starts + 1
-  double level =
-      0;  // of the next trial; across the standard the comparison itself; where both sides have one, of that below the standard
+  // Of the next trial: its distance from the standard; where both sides have one, of that below it; across it the comparison.
+  double level = 0;
   bool finished = false;               // it has its trials, or ended before
   std::vector<double> levels;          // of the answered trials with a difference
   std::vector<bool> correct;           // whether they were answered correctly; across: the comparison said to have more
