@@ -188,6 +188,7 @@ TaskEstimates YesNoTask::estimate(const Protocol& protocol, const Series& series
           one.value, ChoiceBounds{std::max(one.value - half_width, least), std::min(one.value + half_width, most)});
     };
     const bool fitted = roc.unequal.status == RatingStatus::ok;
+    if (!fitted && rates.status == RateStatus::ok) estimates.status = to_string(roc.unequal.status);
     estimates.values.push_back(fitted ? with_error(roc.unequal.d_a, -kInf, kInf) : TaskEstimate{});
     estimates.values.push_back(fitted ? with_error(roc.unequal.area, 0, 1) : TaskEstimate{});
   }
@@ -229,7 +230,8 @@ std::string YesNoTask::methods(const Protocol& protocol) const {
   if (protocol.task.sureness_levels > 0)
     text +=
         " The ratings were fitted with normal distributions of unequal variances; d_a and the area A_z have intervals "
-        "of 1.96 standard errors.";
+        "of 1.96 standard errors, and there is neither where the ratings of noise and signals do not overlap (separated, "
+        "not_applicable) or bound no variance (unbounded).";
   return text;
 }
 
