@@ -92,7 +92,7 @@ TwoIntervalFit fit_two_interval(std::span<const ChoiceRow> rows, const TwoInterv
 // 95 % profile-likelihood intervals: the connected set about the estimate that is not rejected at 5 %, the other
 // parameters at their best. Open ends are infinite.
 struct TwoIntervalIntervals {
-  // None under missing; pse also where it is fixed; order_b as in the fit, also where any b does.
+  // None under missing; pse has no meaning where it is fixed; order_b as in the fit, also where any b does.
   std::optional<ChoiceBounds> pse, s, order_b;
 };
 TwoIntervalIntervals two_interval_intervals(std::span<const ChoiceRow> rows, const TwoIntervalOptions& options = {});

@@ -231,7 +231,7 @@ TwoIntervalIntervals two_interval_intervals(std::span<const ChoiceRow> rows, con
     return intervals;
   }
   ChoiceIntervals of(solution);
-  if (!options.pse) intervals.pse = of.pse();
+  intervals.pse = of.pse();
   intervals.s = of.s();
   if (with_order) intervals.order_b = of.order();
   return intervals;

@@ -56,6 +56,7 @@ double crossing(Function&& function, double inside, double outside) {
 }
 
 constexpr double kWidest = 12;  // of ln slope on either side of d' = 1 at the largest difference
+constexpr int kLooks = 96;      // over that range, to bracket the peak
 
 }  // namespace
 
@@ -111,8 +112,8 @@ ChoiceJnd choice_jnd(ChoiceTask task, std::span<const ChoiceCount> counts) {
   const double at_zero = log_likelihood(task, counts, 0);
   // A coarse look first: the peak is bracketed whatever the data.
   double best = -kWidest, best_value = value(-kWidest);
-  // NOLINTNEXTLINE(cert-flp30-c)
-  for (double ln_slope = -kWidest; ln_slope <= kWidest; ln_slope += 0.25) {
+  for (int step = 0; step <= kLooks; ++step) {
+    const double ln_slope = -kWidest + 2 * kWidest * step / kLooks;
     const double here = value(ln_slope);
     if (here > best_value) {
       best = ln_slope;

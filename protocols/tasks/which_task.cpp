@@ -203,9 +203,10 @@ TaskEstimates WhichTask::estimate(const Protocol& protocol, const Series& series
                                     : TaskEstimate{}};
   if (measures_any_pse(protocol)) {
     const std::optional<double> pse = options.pse ? std::nullopt : fit.pse;
-    estimates.values.push_back(task_estimate(pse, intervals.pse));
+    const std::optional<ChoiceBounds> bounds = options.pse ? std::nullopt : intervals.pse;
+    estimates.values.push_back(task_estimate(pse, bounds));
     estimates.values.push_back(
-        task_estimate(pse ? std::optional(*pse - standard) : std::nullopt, moved(intervals.pse, -standard)));
+        task_estimate(pse ? std::optional(*pse - standard) : std::nullopt, moved(bounds, -standard)));
   }
   if (!protocol.task.standard_first) estimates.values.push_back(task_estimate(fit.order_b, intervals.order_b));
   estimates.values.push_back(share_correct(trials));

@@ -133,6 +133,7 @@ TwoIntervalAnswer answer_of(const ChoiceGroup& group, bool pse_is_standard) {
   if (pse_is_standard) answer.options.pse = answer.standard;
   answer.fit = fit_two_interval(group.rows, answer.options);
   answer.intervals = two_interval_intervals(group.rows, answer.options);
+  if (pse_is_standard) answer.intervals.pse.reset();
   answer.constants = log_binomial_constants(group.rows);
   if (answer.options.order_term) answer.order = test_order_term(group.rows, answer.options, answer.fit);
   return answer;
