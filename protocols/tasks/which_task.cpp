@@ -17,7 +17,6 @@ namespace jnd {
 namespace {
 
 constexpr int kFirst = 0, kSecond = 1;
-constexpr double kPosteriorSds = 1.959963984540054;  // on either side of a posterior mean: 95 % of a Gaussian
 
 // Which interval is to be chosen where the first is greater, or lesser, than the second.
 int chosen(bool first_greater, const TaskSpec& spec) noexcept {
@@ -139,7 +138,7 @@ void set_by_posterior(TaskEstimates& estimates, const Protocol& protocol, const 
   const PosteriorOfAnswers of = posterior_of_trials(protocol, series, trials);
   const double factor = jnd_of(choice_jnds(TwoIntervalOptions().link, 1), protocol.analysis.jnd_convention);
   const double standard = series.standard, bias = of.estimate.mean_shift;
-  const double half_width = kPosteriorSds * of.estimate.sd_shift;
+  const double half_width = kNormal975 * of.estimate.sd_shift;
   const bool ok = of.threshold.status == AdaptiveStatus::ok;
   const auto shift = [&](double from) {
     return ok ? TaskEstimate{from + bias, from + bias - half_width, from + bias + half_width} : TaskEstimate{};

@@ -183,7 +183,7 @@ TaskEstimates YesNoTask::estimate(const Protocol& protocol, const Series& series
   if (protocol.task.sureness_levels > 0) {
     const RatingRoc roc = roc_of(trials, protocol.task.sureness_levels);
     const auto with_error = [](const RatingEstimate& one, double least, double most) {
-      const double half_width = 1.959963984540054 * one.se;
+      const double half_width = kNormal975 * one.se;
       return task_estimate(
           one.value, ChoiceBounds{std::max(one.value - half_width, least), std::min(one.value + half_width, most)});
     };

@@ -101,6 +101,29 @@ TEST_CASE("a row of the contrasts is on one scale: the registered one with its p
   CHECK(std::isfinite(one[0].p));
 }
 
+TEST_CASE("who has no value in one condition is missing from its contrasts, and from no others", "[data]") {
+  Protocol protocol = chinello();
+  protocol.analysis.contrasts = {{0, 1}, {2, 0}};
+  protocol.analysis.tests.outcome = Outcome::jnd;
+  std::vector<CellCounts> cells = group_counts();
+  const std::string who = cells.front().participant;
+  for (CellCounts& cell : cells)
+    if (cell.participant == who && cell.condition == 2) cell.counts = {20, 2, 20, 10};  // more false alarms than hits
+  const StudyResults results = results_of(analyze_counts(cells, protocol, SessionKind::real), protocol);
+  const OutcomeComparison& outcome = results.comparisons.front();
+  REQUIRE(outcome.left_out.size() == 1);
+  CHECK_FALSE(outcome.refused.empty());  // the test over all conditions
+  const std::vector<ContrastRow> rows = contrasts_of(results, protocol);
+  REQUIRE(rows.size() == 2);
+  CHECK(rows[0].refused.empty());
+  CHECK(rows[0].difference.n == 5);
+  CHECK(std::isfinite(rows[0].p));
+  CHECK_FALSE(rows[1].refused.empty());
+  CHECK(rows[1].participants == 5);
+  CHECK(rows[1].difference.n == 4);
+  CHECK(std::isnan(rows[1].p));
+}
+
 TEST_CASE("a method that has a value for nobody has a status as its median", "[data]") {
   std::vector<CellCounts> cells;
   for (const char* name : {"P01", "P02", "P03"})

@@ -229,6 +229,19 @@ TEST_CASE("babble is a fault") {
   CHECK(talk.exchange.refused_lines().size() == kRefusedLinesKept);
 }
 
+TEST_CASE("a hello that is refused gives the reason when the time is over") {
+  RigExchange exchange("test", {});
+  exchange.begin(1);
+  exchange.hear(R"({"type":"hello","protocol":1})", 2);
+  exchange.tick(3);
+  CHECK_FALSE(exchange.lost());
+  exchange.tick(3'600'000'000'000);
+  REQUIRE(exchange.lost());
+  CHECK(exchange.lost()->failure == RigFailure::no_hello);
+  CHECK(exchange.lost()->words.find("the last line was refused: ") != std::string::npos);
+  CHECK(exchange.lost()->words.find("name") != std::string::npos);
+}
+
 TEST_CASE("another rig behind the same command is not taken for the first") {
   Talk talk;
   talk.greet();
@@ -301,6 +314,22 @@ TEST_CASE("a protocol is held against the ranges of hello") {
             "gain 3 is out of the rig's range, gain 0 to 2", "gain is a word here and a number for the rig",
             "the rig has no parameter hand: it has gain",
             "the rig is a model in software by its own word: what is felt with it is no real data"});
+  // A limit on a peak is met by a channel, whose peak it is, or by one of that name; contacts every rig counts.
+  RigHello measuring = hello;
+  measuring.measures = {{"force", "N"}};
+  demand = {.quantity = "stiffness",
+            .unit = "N/m",
+            .values = {100},
+            .conditions = {{{"gain", 0.5}}},
+            .measures = {"contacts", "peak_force"}};
+  CHECK(rig_problems(demand, measuring).empty());
+  measuring.measures = {{"peak_force", "N"}};
+  CHECK(rig_problems(demand, measuring).empty());
+  demand.measures = {"depth", "mean_speed"};
+  CHECK(rig_problems(demand, measuring) ==
+        std::vector<std::string>{
+            "depth is held against limits, and the rig does not measure it: \"measures\" would say depth",
+            "mean_speed is held against limits, and the rig does not measure it: \"measures\" would say mean_speed"});
   demand = {.quantity = "force", .unit = "N", .values = {1}};
   CHECK(rig_problems(demand, hello).front() == "the rig cannot present force: it presents stiffness");
   demand = {.quantity = "stiffness", .unit = "N/mm", .values = {1}};

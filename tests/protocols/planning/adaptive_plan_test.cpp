@@ -432,8 +432,28 @@ TEST_CASE("what can hardly move is told at load") {
   CHECK(found(warnings("posterior-plain", {{"levels", {25, 50}}}), "levels", "below the JND that the prior expects") ==
         1);
   CHECK(found(warnings("posterior", {{"stop", {{"at_most", 10}}}}), "stop.at_most", "are few") == 1);
+  CHECK(found(warnings("task-across", {{"side", "below"}, {"clamp", {100, 600}}, {"starts", {350}}}), "clamp",
+              "is below 0") == 1);
+  CHECK(found(warnings("task-across", {{"side", "below"}, {"clamp", {100, 500}}, {"starts", {350}}}), "clamp",
+              "is below 0") == 0);
   CHECK(found(warnings("staircase-joint", {{"clamp", {20, 200}}, {"starts", {100}}}), "clamp",
               "that the prior expects") == 1);
+}
+
+TEST_CASE("parameters that a condition lacks, or has of another kind, are told at load") {
+  json document = good("task-across");
+  document["conditions"] = {{{"name", "a"}, {"label", "a"}, {"parameters", {{"gain", 1}, {"hand", "left"}}}},
+                            {{"name", "b"}, {"label", "b"}, {"parameters", {{"gain", "high"}}}}};
+  const ProtocolCheck check = check_protocol(document.dump(1), "p.json");
+  REQUIRE(check.errors.empty());
+  const auto told = [&](std::string_view path, std::string_view part) {
+    return std::count_if(check.warnings.begin(), check.warnings.end(), [&](const Diagnostic& warning) {
+      return warning.path == path && warning.message.find(part) != std::string::npos;
+    });
+  };
+  CHECK(told("$.conditions[1].parameters", "\"gain\" is of another kind here") == 1);
+  CHECK(told("$.conditions[1].parameters", "\"hand\" is a parameter of other conditions") == 1);
+  CHECK(told("$.conditions[0].parameters", "") == 0);
 }
 
 TEST_CASE("levels that a device renders alike, or not at all, are told with the place of the clamp") {
