@@ -175,11 +175,11 @@ const Task& task_of(TaskKind kind);
 // Every task that has trials.
 std::span<const TaskKind> all_tasks() noexcept;
 
-// The word of what was said, such as "second"; empty where the answer is a number.
 // How often something is felt one after the other: in every interval, or once where all are felt together.
 int felt_intervals(const TaskSpec& spec);
 // Whether that interval holds the standard: the first that has its value, or of two that have it the planned one.
 bool holds_standard(const Trial& trial, const Intervals& stimuli, std::size_t interval) noexcept;
+// The word of what was said, such as "second"; empty where the answer is a number.
 std::string_view said_word(const TaskSpec& spec, int said) noexcept;
 
 // Task::trials_of_cell of the protocol's task; series: place in Protocol::series.
