@@ -49,6 +49,8 @@ Fields<BehaviourRow> behaviour_fields(const Protocol& protocol) {
          [](const R& r) { return r.order.ci_low; });
   number("order_effect.ci_high", "order_ci95_high", "upper end", "", 2, [](const R& r) { return r.order.ci_high; });
   number("order_effect.p", "order_p", "Fisher's exact p", "p", 0, [](const R& r) { return r.order.p; });
+  number("order_effect.holm.p", "order_p_holm", "that p, Holm over the conditions or over the participants", "p(Holm)",
+         0, [](const R& r) { return r.holm.order; });
 
   add(F("response_bias.status", "whether the criterion is defined", [](const R& r) { return r.bias.status; },
         {.column = "bias_status"}));
@@ -64,6 +66,8 @@ Fields<BehaviourRow> behaviour_fields(const Protocol& protocol) {
   add(beside<R>("response_bias.planned_share", [](const R& r) { return r.bias.planned_share; }));
   number("response_bias.p", "bias_p", "exact binomial p of that share against the planned one", "p", 0,
          [](const R& r) { return r.bias.p; });
+  number("response_bias.holm.p", "bias_p_holm", "that p, Holm over the conditions or over the participants", "p(Holm)",
+         0, [](const R& r) { return r.holm.bias; });
 
   add(F("drift.status", "whether both halves have both classes", [](const R& r) { return r.drift.status; },
         {.column = "drift_status"}));
@@ -77,6 +81,8 @@ Fields<BehaviourRow> behaviour_fields(const Protocol& protocol) {
          [](const R& r) { return r.drift.dprime.ci_high; });
   number("drift.dprime.p", "drift_dprime_p", "likelihood-ratio p of no change", "p", 0,
          [](const R& r) { return r.drift.dprime.p; });
+  number("drift.dprime.holm.p", "drift_dprime_p_holm", "that p, Holm over the conditions or over the participants",
+         "p(Holm)", 0, [](const R& r) { return r.holm.drift; });
   add(beside<R>("drift.criterion.first", [](const R& r) { return r.drift.criterion.first; }));
   add(beside<R>("drift.criterion.second", [](const R& r) { return r.drift.criterion.second; }));
   number("drift.criterion.difference", "drift_criterion",
@@ -97,6 +103,8 @@ Fields<BehaviourRow> behaviour_fields(const Protocol& protocol) {
   add(beside<R>("session_drift.ci_low", session(&StratifiedDrift::ci_low)));
   add(beside<R>("session_drift.ci_high", session(&StratifiedDrift::ci_high)));
   number("session_drift.p", "session_drift_dprime_p", "p of no change", "p", 0, session(&StratifiedDrift::p));
+  number("session_drift.holm.p", "session_drift_dprime_p_holm", "that p, Holm over the conditions", "p(Holm)", 0,
+         [](const R& r) { return r.session_drift ? std::optional(r.holm.session) : std::nullopt; });
   return fields;
 }
 

@@ -251,7 +251,7 @@ Fields<GroupResult> group_fields(const Protocol& protocol, SessionKind kind) {
   add_convention(fields, protocol, true);
   // As a table shows them.
   for (F& field : fields) {
-    if (field.key == "jnd.mean") field.title = "mean JND";
+    if (field.key == "jnd.mean") field.title = "mean JND " + unit;
     if (field.key == "weber.mean") field.title = "mean Weber";
     if (field.key == "weber.mean") field.shown = Shown::percent;
     if (field.unit == unit) field.digits = stiffness_decimals(protocol);

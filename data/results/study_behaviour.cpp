@@ -3,6 +3,8 @@
 #include <cmath>
 #include <optional>
 
+#include "analysis/group/p_adjust.h"
+
 namespace jnd {
 
 namespace {
@@ -30,7 +32,7 @@ CueTrial cue_trial(const CountedTrial& trial) {
 constexpr double kPlannedShare = 0.5;
 
 BehaviourRow row_of(const std::string& participant, int condition, const std::vector<JudgedTrial>& trials) {
-  return {participant, condition, order_effect(trials), response_bias(trials, kPlannedShare), drift(trials), {}};
+  return {participant, condition, order_effect(trials), response_bias(trials, kPlannedShare), drift(trials), {}, {}};
 }
 
 double fraction(std::size_t position, std::size_t of) noexcept {
@@ -71,6 +73,20 @@ void count_best(CueRow& row, const std::vector<std::vector<CueTrial>>& of_partic
     }
     for (std::size_t i = 0; i < kCues.size(); ++i) row.best_of[i] += kCues[i] == *best ? 1 : 0;
   }
+}
+
+void correct_for_many(std::vector<BehaviourRow>& rows) {
+  const auto correct = [&rows](double (*p_of)(const BehaviourRow&), double BehaviourHolm::*member) {
+    std::vector<double> p;
+    for (const BehaviourRow& row : rows) p.push_back(p_of(row));
+    const std::vector<double> corrected = holm(p);
+    for (std::size_t i = 0; i < rows.size(); ++i) rows[i].holm.*member = corrected[i];
+  };
+  correct([](const BehaviourRow& row) { return row.order.p; }, &BehaviourHolm::order);
+  correct([](const BehaviourRow& row) { return row.bias.p; }, &BehaviourHolm::bias);
+  correct([](const BehaviourRow& row) { return row.drift.dprime.p; }, &BehaviourHolm::drift);
+  correct([](const BehaviourRow& row) { return row.session_drift ? row.session_drift->p : kNaN; },
+          &BehaviourHolm::session);
 }
 
 }  // namespace
@@ -123,6 +139,8 @@ StudyBehaviour study_behaviour(const Protocol& protocol, const std::vector<Sessi
     count_best(row, cues[condition]);
     behaviour.cues.push_back(std::move(row));
   }
+  correct_for_many(behaviour.conditions);
+  correct_for_many(behaviour.participants);
   return behaviour;
 }
 

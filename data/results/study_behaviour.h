@@ -11,11 +11,17 @@
 #include "analysis/behaviour/drift.h"
 #include "analysis/behaviour/order_effect.h"
 #include "analysis/behaviour/response_bias.h"
+#include "analysis/numerics/special_values.h"
 #include "data/study/study.h"
 #include "data/study/trial_rows.h"
 #include "protocols/protocol.h"
 
 namespace jnd {
+
+// Holm's p of each test over the rows of one kind: the conditions, or the participants. NaN where there is no test.
+struct BehaviourHolm {
+  double order = kNaN, bias = kNaN, drift = kNaN, session = kNaN;
+};
 
 struct BehaviourRow {
   std::string participant;  // empty: all together
@@ -28,6 +34,7 @@ struct BehaviourRow {
   // Of everyone together, where the orders differ between participants: the second half of the session against the
   // first, each series held against itself. Empty in a participant's row.
   std::optional<StratifiedDrift> session_drift;
+  BehaviourHolm holm;
 };
 
 struct CueRow {

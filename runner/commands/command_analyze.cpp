@@ -1,5 +1,6 @@
 // jnd analyze: the registered analysis of a study, what stands beside it, and the methods in words.
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <optional>
 
@@ -18,8 +19,10 @@
 #include "runner/opening/study_access.h"
 #include "runner/report/blinded_files.h"
 #include "runner/results/analysis_text.h"
+#include "runner/results/answer_tables.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
+#include "runner/terminal/pager.h"
 #include "runner/terminal/standard_streams.h"
 #include "runner/terminal/terminal.h"
 
@@ -27,58 +30,95 @@ namespace jnd {
 
 namespace {
 
+// In the order in which they are printed.
+struct SectionOption {
+  Section section;
+  const char* option;
+  const char* what;
+};
+constexpr std::array<SectionOption, 6> kSections = {
+    {{Section::participants, "--participants", "every participant with intervals, and all means of the group"},
+     {Section::tests, "--tests", "contrasts on every scale, tests over all conditions, pairs, series, groups"},
+     {Section::models, "--models", "other models, methods and corrections: would one change the conclusion?"},
+     {Section::behaviour, "--behaviour", "order of intervals, bias, drift, cues, sureness"},
+     {Section::questions, "--questions", "answers to the questions, and their tests"},
+     {Section::cells, "--cells", "every count, rate, z and d'"}}};
+
 struct AnalyzeOptions {
   std::string study;
-  std::optional<std::string> kind;    // real, pilot or simulated
-  std::optional<std::string> by;      // nominal or delivered; without it, what the protocol registers
-  std::string models = "registered";  // or "all": every model, method and correction beside the registered one
-  bool cells = false;
+  std::optional<std::string> kind;  // real, pilot or simulated
+  std::optional<std::string> by;    // nominal or delivered; without it, what the protocol registers
+  // What is shown behind the answer; by Section.
+  std::array<bool, kSections.size()> sections{};
+  bool all = false;
   bool json = false;
   std::string csv;       // a folder for the results as CSV; empty: none
   bool replace = false;  // that folder, where an earlier one is there
-  std::string methods;   // the file for the methods in words; empty: methods.md beside the study
-  bool no_methods = false;
+  std::string methods;   // the file for the methods in words; empty: none
+  std::string word;      // "all", behind --models
+
+  bool shows(Section section) const { return all || sections[static_cast<std::size_t>(section)]; }
 };
 
 namespace fs = std::filesystem;
 
 constexpr std::string_view kCommand = "analyze";
 
-// The numbers come first: a file that cannot be written, or that is not to be written over, is said and does not take
-// the analysis with it.
-void write_methods_file(const AnalyzeOptions& options, const std::string& text) {
-  const bool named = !options.methods.empty();
-  const fs::path path = named ? fs::path(options.methods) : fs::path(options.study).parent_path() / "methods.md";
-  try {
-    Draft draft(path, Draft::What::file);
-    draft.write(sealed(text, kCommand));
-    draft.replace([](const fs::path& earlier) { require_sealed(earlier, kCommand); });
-  } catch (const StorageError& error) {
-    if (named) throw;
-    write_marked_message(fmt::format("{} (--methods FILE names another place)", error.what()));
-    return;
-  }
-  if (!options.json) fmt::print("The methods in words: {}\n", printable(path.string()));
+// An edited file is not written over.
+void write_methods_file(const std::string& file, const std::string& text) {
+  Draft draft(file, Draft::What::file);
+  draft.write(sealed(text, kCommand));
+  draft.replace([](const fs::path& earlier) { require_sealed(earlier, kCommand); });
 }
 
-void print_results(const StudyResults& results, const Protocol& protocol, const AnalyzeOptions& options) {
-  // A terminal shows the end: what the study found comes last, after everything that it rests on.
+std::string head_text(const Study& study, const StudyResults& results, const Protocol& protocol) {
+  return paragraph(protocol.title, "", bold) +
+         dim(fmt::format("{}; protocol {}, seed {}\n", who_took_part(results, protocol), protocol.sha256.substr(0, 12),
+                         seed_text(study, protocol, "sealed while real sessions are blinded"))) +
+         "\n";
+}
+
+// Where the rest is. tables: all that there are.
+std::string rest_text(const std::vector<ResultTable>& tables, const std::string& study) {
+  std::string options;
+  for (const SectionOption& one : kSections)
+    if (std::any_of(tables.begin(), tables.end(),
+                    [&](const ResultTable& table) { return section_of(table) == one.section; }))
+      options += fmt::format("{}, ", one.option);
+  return paragraph(fmt::format("More: {}or --all", options)) +
+         fmt::format("As a page: jnd report {}\n", printable(study));
+}
+
+std::string results_text(const StudyResults& results, const Protocol& protocol, const std::vector<ResultTable>& models,
+                         const AnalyzeOptions& options) {
   std::vector<ResultTable> tables = result_tables(results, protocol);
-  std::stable_partition(tables.begin(), tables.end(), [](const ResultTable& table) { return !is_conclusion(table); });
-  for (const ResultTable& table : tables)
-    if (table.id != "cells" || options.cells) print_table(table);
+  std::string text = answer_text(results, protocol) + cautions_text(results);
+  // A study of free interaction is answered by all that there is to show.
+  const bool explored = std::holds_alternative<ExplorationResults>(results.measured);
+  const std::string rest = explored ? "" : rest_text(tables, options.study);
+  tables.insert(tables.end(), models.begin(), models.end());
+  bool shown = false;
+  for (const SectionOption& one : kSections)
+    for (const ResultTable& table : tables) {
+      if (explored || section_of(table) != one.section || !options.shows(one.section)) continue;
+      text += text_of(table);
+      shown = true;
+    }
   const auto* constant = std::get_if<ConstantResults>(&results.measured);
-  if (constant != nullptr && !constant->detailed)
-    fmt::print("{}\n", dim(fmt::format("Above {} participants other methods and the manner of answering are left out.",
-                                       kMostInDetail)));
-  print_cautions(results);
+  if (constant != nullptr && !constant->detailed &&
+      (options.shows(Section::models) || options.shows(Section::behaviour)))
+    text += dim(
+        fmt::format("Above {} participants other methods and the manner of answering are left out.\n", kMostInDetail));
+  return shown ? text : text + rest;
 }
 
 int analyze_blinded(const Study& study, const Protocol& protocol, const AnalyzeOptions& options) {
   const BlindedResults results =
       blinded_results(study, protocol, source_to_analyse(protocol, options.by), options.study);
-  if (options.cells || options.models == "all" || !options.methods.empty())
-    throw UsageError(results.line + "\n--cells, --models all and --methods name conditions: leave them out until then");
+  if (options.all || options.sections != AnalyzeOptions().sections || !options.methods.empty())
+    throw UsageError(results.line +
+                     "\n--all, --cells, --tests and their like, and --methods, name conditions: leave them out until "
+                     "then");
   if (!options.csv.empty()) {
     const HoldInterrupts hold;
     ExportFolder files(options.csv, options.replace);
@@ -89,11 +129,12 @@ int analyze_blinded(const Study& study, const Protocol& protocol, const AnalyzeO
     fmt::print("{}\n", json_line(to_json(results, protocol)));
     return exit_code::kDone;
   }
-  fmt::print("{}\n{}\n{}\n{}\n\n", bold(printable(protocol.title)),
-             dim(fmt::format("protocol {}", protocol.sha256.substr(0, 12))), dim(chain_line(results.chains)),
-             warn(printable(results.line)));
-  if (results.participants.empty()) fmt::print("  no real session yet\n");
-  for (const ResultTable& table : blinded_tables(results, protocol)) print_table(table);
+  std::string text = paragraph(protocol.title, "", bold) +
+                     dim(fmt::format("protocol {}", protocol.sha256.substr(0, 12))) + "\n\n" +
+                     warn(printable(results.line)) + "\n\n";  // it ends with a command, in one line
+  if (results.participants.empty()) text += "  no real session yet\n";
+  for (const ResultTable& table : blinded_tables(results, protocol)) text += text_of(table);
+  print_paged(text + paragraph(chain_line(results.chains), "", dim));
   say_other_kinds(study, SessionKind::real);
   if (!options.csv.empty()) fmt::print("CSV files of these results are in {}\n", printable(options.csv));
   return exit_code::kDone;
@@ -107,7 +148,7 @@ int command_analyze(const AnalyzeOptions& options) {
   const StudyResults results = results_of(*study, protocol, kind, source_to_analyse(protocol, options.by));
   // Only JNDs over given levels have other models.
   const auto* constant = std::get_if<ConstantResults>(&results.measured);
-  const bool all_models = options.models == "all" && constant != nullptr;
+  const bool all_models = options.shows(Section::models) && constant != nullptr;
   const StudyModels models = all_models ? study_models(constant->analysis, protocol) : StudyModels{};
   const HoldInterrupts hold;
   // Its place is taken last: where something else that was asked for cannot be written, nothing stays behind.
@@ -118,29 +159,27 @@ int command_analyze(const AnalyzeOptions& options) {
     csv->finish();
   }
 
+  const bool methods = !options.methods.empty() && attendance_of(results).participants > 0;
+  if (methods) write_methods_file(options.methods, methods_text(*study, protocol, results));
+  if (csv) csv->publish();
   if (options.json) {
     nlohmann::ordered_json out = to_json(results, protocol);
     if (all_models) out["models"] = to_json(models, protocol);
     fmt::print("{}\n", json_line(out));
-  } else {
-    fmt::print("{}\n{}\n{}\n\n", bold(printable(protocol.title)),
-               dim(fmt::format("protocol {}, seed {}", protocol.sha256.substr(0, 12),
-                               seed_text(*study, protocol, "sealed while real sessions are blinded"))),
-               dim(chain_line(results.chains)));
-    if (attendance_of(results).participants == 0) {
-      fmt::print("  no {} session yet\n", to_string(kind));
-    } else {
-      if (all_models) print_table(models_table(models, protocol));
-      print_results(results, protocol, options);
-      say_other_kinds(*study, kind);
-    }
+    return exit_code::kDone;
   }
-  if (attendance_of(results).participants > 0 && !options.no_methods)
-    write_methods_file(options, methods_text(*study, protocol, results));
-  if (csv) {
-    csv->publish();
-    if (!options.json) fmt::print("CSV files of these results are in {}\n", printable(options.csv));
-  }
+  std::string text = head_text(*study, results, protocol);
+  if (attendance_of(results).participants == 0)
+    text += fmt::format("  no {} session yet\n", to_string(kind));
+  else
+    text +=
+        results_text(results, protocol,
+                     all_models ? std::vector{models_table(models, protocol)} : std::vector<ResultTable>(), options);
+  text += paragraph(chain_line(results.chains), "", dim);
+  print_paged(text);
+  say_other_kinds(*study, kind);
+  if (methods) fmt::print("The methods in words: {}\n", printable(options.methods));
+  if (!options.csv.empty()) fmt::print("CSV files of these results are in {}\n", printable(options.csv));
   return exit_code::kDone;
 }
 
@@ -151,15 +190,16 @@ void add_analyze(CommandTree& tree) {
                                            "jnd analyze s.sqlite", command_analyze);
   command.add_option("STUDY", options.study, "the study's file")->required();
   add_kind_and_by(command, options.kind, options.by);
-  command.add_option("--models", options.models, "registered (default), or all: every model beside it")
-      ->check(CLI::IsMember({"registered", "all"}));
-  command.add_flag("--cells", options.cells, "also every cell: counts, rates, z and d'");
+  for (const SectionOption& one : kSections)
+    command.add_flag(one.option, options.sections[static_cast<std::size_t>(one.section)], one.what);
+  command.add_flag("--all", options.all, "all of these");
   command.add_option("--csv", options.csv, "also the results as CSV files in this folder");
   command.add_flag("--replace", options.replace, "replace the CSV folder of an earlier analysis");
-  command.add_option("--methods", options.methods,
-                     "the file for the methods in words (default: methods.md beside the study)");
-  command.add_flag("--no-methods", options.no_methods, "write no methods file");
+  command.add_option("--methods", options.methods, "also the methods in words, as Markdown, in this file");
   command.add_flag("--json", options.json, "machine-readable");
+  // Scripts of before: nothing is written unasked any more, and --models needs no word.
+  command.add_flag("--no-methods")->group("");
+  command.add_option("WORD", options.word)->check(CLI::IsMember({"all"}))->group("");
 }
 
 }  // namespace jnd

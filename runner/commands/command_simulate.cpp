@@ -49,11 +49,7 @@ void print_group(const StudyResults& results, const Protocol& protocol, bool jso
     fmt::print("{}\n", json_line(to_json(results, protocol)));
     return;
   }
-  std::vector<ResultTable> tables = result_tables(results, protocol);
-  // Of free interaction there are ratings only.
-  if (std::any_of(tables.begin(), tables.end(), is_conclusion))
-    std::erase_if(tables, [](const ResultTable& table) { return !is_conclusion(table); });
-  for (const ResultTable& table : tables) print_table(table);
+  fmt::print("{}", answer_text(results, protocol));
 }
 
 // Answers that are analysed one by one go through a study that nobody keeps.

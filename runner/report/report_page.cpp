@@ -1,18 +1,15 @@
 #include "runner/report/report_page.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
 
-#include "protocols/planning/allotment.h"
+#include "data/methods/verdict_text.h"
 #include "runner/figures/figure_style.h"
 #include "runner/report/report_html.h"
 #include "runner/report/report_markdown.h"
 #include "runner/report/report_style.h"
-#include "runner/results/result_format.h"
-#include "runner/results/result_table_parts.h"
-#include "runner/results/result_tables_questionnaire.h"
+#include "runner/results/answer_tables.h"
 
 namespace jnd {
 
@@ -28,123 +25,21 @@ std::string head_html(const Protocol& protocol, const ReportFacts& facts) {
       report_style());
 }
 
-std::string group_sentence(const GroupResult& row, const Protocol& protocol) {
-  const JndGroup& jnd = row.jnd;
-  const std::string name = user_text(condition_title(protocol.conditions[static_cast<std::size_t>(row.condition)]));
-  const std::string unit(unit_of(protocol));
-  std::string text;
-  if (std::isnan(jnd.mean_jnd.mean)) {
-    text = fmt::format("<strong>{}</strong>: no participant has a JND", name);
-  } else {
-    text = fmt::format("<strong>{}</strong>: mean JND <strong>{} {}</strong>", name,
-                       stiffness_text(jnd.mean_jnd.mean, protocol), escape_markup(unit));
-    if (std::isfinite(jnd.mean_jnd.ci_low))
-      text += fmt::format(" (95 % CI {})",
-                          range_text(jnd.mean_jnd.ci_low, jnd.mean_jnd.ci_high, stiffness_decimals(protocol)));
-    if (std::isfinite(jnd.mean_weber.mean)) text += ", Weber fraction " + percent_text(jnd.mean_weber.mean);
-  }
-  if (std::isfinite(jnd.median_jnd))
-    text += fmt::format(", median {} {}", stiffness_text(jnd.median_jnd, protocol), escape_markup(unit));
-  else if (jnd.median_status == JndStatus::no_sensitivity)
-    text += ", median infinite";
-  else if (jnd.median_status == JndStatus::ceiling)
-    text += ", median at the ceiling";
-  return text + fmt::format("; {} of {} participants", jnd.mean_jnd.n, jnd.n);
-}
-
-// What was found, in a few sentences.
-struct SummaryHtml {
-  const StudyResults& results;
-  const Protocol& protocol;
-
-  std::string operator()(const ConstantResults& measured) const {
-    const StudyAnalysis& analysis = measured.analysis;
-    std::string html = fmt::format(
-        "<p class=\"lead\">{}. JND: {}, through the origin of the {} stiffness differences; Weber fraction = JND / {:g} "
-        "{}. The means are over those who have a JND.</p>\n<ul>\n",
-        who(), escape_markup(describe(analysis.method)), to_string(analysis.by), protocol.stimulus.reference,
-        escape_markup(unit_of(protocol)));
-    for (const GroupResult& row : analysis.group) html += "<li>" + group_sentence(row, protocol) + "</li>\n";
-    return html + "</ul>\n";
-  }
-  std::string operator()(const AdaptiveResults& measured) const {
-    const ResultTable table = adaptive_group_table(measured, protocol);
-    std::string html = fmt::format("<p class=\"lead\">{}. {}.</p>\n<ul>\n", who(), escape_markup(table.note));
-    for (const AdaptiveGroup& row : measured.group)
-      html += fmt::format(
-          "<li><strong>{}</strong>: mean threshold <strong>{} {}</strong>, Weber fraction {}, false alarms {}; "
-          "{} of {} participants</li>\n",
-          escape_markup(condition_text(protocol, row.condition)), stiffness_text(row.mean, protocol),
-          escape_markup(unit_of(protocol)), percent_text(row.mean / protocol.stimulus.reference),
-          percent_text(row.false_alarms), row.n, row.of);
-    return html + "</ul>\n";
-  }
-  std::string operator()(const MeasuredTask& measured) const {
-    const TaskResults& task = measured.task;
-    const TaskOutcome& outcome = task.outcomes[task.registered];
-    std::string html = fmt::format("<p class=\"lead\">{}. {}: {}.</p>\n<ul>\n", who(),
-                                   escape_markup(std::string(outcome.title)), escape_markup(outcome.meaning));
-    for (const TaskGroupRow& row : task.group) {
-      if (row.outcome != task.registered) continue;
-      const std::string of = protocol.series.size() > 1
-                                 ? ", " + protocol.series[static_cast<std::size_t>(row.series)].name
-                                 : std::string();
-      if (row.mean.n == 0)
-        html += fmt::format("<li><strong>{}</strong>: no participant has a value</li>\n",
-                            escape_markup(condition_text(protocol, row.condition) + of));
-      else
-        html += fmt::format(
-            "<li><strong>{}</strong>: mean {} <strong>{:.4g} {}</strong>{}; {} of {} participants</li>\n",
-            escape_markup(condition_text(protocol, row.condition) + of), escape_markup(std::string(outcome.title)),
-            row.mean.mean, escape_markup(std::string(outcome.unit)),
-            std::isfinite(row.mean.ci_low)
-                ? fmt::format(" (95 % CI {:.4g} to {:.4g})", row.mean.ci_low, row.mean.ci_high)
-                : std::string(),
-            row.mean.n, row.participants);
-    }
-    return html + "</ul>\n";
-  }
-  std::string operator()(const ExplorationResults&) const {
-    return fmt::format("<p class=\"lead\">{} after free interaction. {}.</p>\n", who(),
-                       escape_markup(questionnaire_summary(results.questionnaire)));
-  }
-
- private:
-  std::string who() const {
-    const Attendance& attendance = attendance_of(results);
-    return fmt::format("{} {} participant{} ({} planned)", attendance.participants, to_string(attendance.kind),
-                       attendance.participants == 1 ? "" : "s", protocol.design.participants);
-  }
-};
-
-// The groups of participants, each over its conditions.
-std::string groups_html(const StudyResults& results, const Protocol& protocol) {
-  if (!results.groups) return {};
-  const GroupsCompared& groups = *results.groups;
-  std::string html = fmt::format("<p>{} of the groups of participants:</p>\n<ul>\n", escape_markup(groups.title));
-  for (const GroupMean& row : groups.means) {
-    const bool whole = row.condition < 0 || conditions_of(protocol, row.group).size() == 1;
-    if (!whole) continue;
-    const std::string name = escape_markup(std::string(group_name(protocol, row.group)));
-    if (row.mean.n == 0)
-      html += fmt::format("<li><strong>{}</strong>: no participant has a value</li>\n", name);
-    else
-      html += fmt::format("<li><strong>{}</strong>: mean <strong>{:.4g}{}{}</strong>{}; {} of {} participants</li>\n",
-                          name, row.mean.mean, groups.unit.empty() ? "" : " ", escape_markup(groups.unit),
-                          std::isfinite(row.mean.ci_low)
-                              ? fmt::format(" (95 % CI {:.4g} to {:.4g})", row.mean.ci_low, row.mean.ci_high)
-                              : std::string(),
-                          row.mean.n, row.participants);
-  }
-  return html + "</ul>\n";
-}
-
+// What was found: the same verdict and tables that `jnd analyze` begins with.
 std::string summary_html(const StudyResults& results, const Protocol& protocol) {
   const Attendance& attendance = attendance_of(results);
   if (attendance.participants == 0)
     return fmt::format("<p class=\"lead\">This study holds no {} session yet: there is nothing to report.</p>\n",
                        to_string(attendance.kind));
-  return std::visit(SummaryHtml{results, protocol}, results.measured) + groups_html(results, protocol);
+  std::string html = fmt::format("<p>{}.</p>\n", escape_markup(who_took_part(results, protocol)));
+  if (const std::string verdict = verdict_text(results, protocol); !verdict.empty())
+    html += fmt::format("<p class=\"lead\">{}</p>\n", escape_markup(verdict));
+  if (std::holds_alternative<ExplorationResults>(results.measured)) return html;  // its tables follow all the same
+  for (ResultTable table : answer_tables(results, protocol)) {
+    table.id = fmt::format("answer-{}", table.id);
+    html += table_html(table);
+  }
+  return html;
 }
 
 std::string alert_html(std::string_view id, std::string_view title, const std::vector<std::string>& items) {
@@ -180,11 +75,11 @@ std::string contents_html(const std::vector<Figure>& figures, const std::vector<
 
 std::string source_html(const Source& source) {
   if (source.citation.empty() && source.doi.empty()) return {};
-  std::string html = "<dt>Source</dt><dd>" + user_text(source.citation);
+  std::string html = fmt::format("<dt>Source</dt><dd>{}", user_text(source.citation));
   if (source.doi.starts_with("10."))
     html += fmt::format(" <a href=\"https://doi.org/{0}\" rel=\"noreferrer\">doi:{0}</a>", escape_markup(source.doi));
   else if (!source.doi.empty())
-    html += " " + user_text(source.doi);
+    html += fmt::format(" {}", user_text(source.doi));
   return html + "</dd>\n";
 }
 

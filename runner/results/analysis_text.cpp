@@ -1,11 +1,37 @@
 #include "runner/results/analysis_text.h"
 
-#include <fmt/format.h>
+#include <algorithm>
 
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "data/methods/verdict_text.h"
+#include "runner/results/answer_tables.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/text_table.h"
 
 namespace jnd {
+
+namespace {
+
+// 0: as many columns as it takes.
+std::size_t table_columns() {
+  return is_terminal(STDOUT_FILENO) ? static_cast<std::size_t>(std::max(terminal_width(), 20)) : 0;
+}
+
+std::size_t text_columns() {
+  constexpr std::size_t kMost = 80;
+  return table_columns() == 0 ? kMost : std::min(kMost, table_columns());
+}
+
+}  // namespace
+
+std::string paragraph(const std::string& text, std::string_view indent, std::string (*style)(std::string_view)) {
+  std::string all;
+  for (const std::string& line : wrapped_words(printable(text), text_columns() - indent.size()))
+    all += fmt::format("{}{}\n", indent, style == nullptr ? line : style(line));
+  return all;
+}
 
 std::string text_of(const ResultTable& table) {
   std::vector<std::string> header;
@@ -20,10 +46,10 @@ std::string text_of(const ResultTable& table) {
     for (const std::string& cell : row) cells.push_back(printable(cell));
     text.add(cells);
   }
-  std::string all = bold(table.title) + "\n";
-  if (!table.note.empty()) all += dim(table.note) + "\n";
-  all += text.text();
-  for (const std::string& note : table.footnotes) all += fmt::format("  {}\n", printable(note));
+  std::string all = paragraph(table.title, "", bold);
+  if (!table.note.empty()) all += paragraph(table.note, "", dim);
+  all += text.text(table_columns());
+  for (const std::string& note : table.footnotes) all += paragraph(note, "  ");
   return all + "\n";
 }
 
@@ -31,9 +57,19 @@ void print_table(const ResultTable& table) {
   fmt::print("{}", text_of(table));
 }
 
-void print_cautions(const StudyResults& results) {
-  for (const std::string& one : results.deviations) fmt::print("{}\n", warn("deviation: " + printable(one)));
-  for (const std::string& one : results.cautions) fmt::print("{}\n", warn("caution: " + printable(one)));
+std::string answer_text(const StudyResults& results, const Protocol& protocol) {
+  std::string text;
+  for (const ResultTable& table : answer_tables(results, protocol)) text += text_of(table);
+  if (const std::string verdict = verdict_text(results, protocol); !verdict.empty())
+    text += paragraph(verdict, "", bold) + "\n";
+  return text;
+}
+
+std::string cautions_text(const StudyResults& results) {
+  std::string text;
+  for (const std::string& one : results.deviations) text += paragraph("deviation: " + one, "", warn);
+  for (const std::string& one : results.cautions) text += paragraph("caution: " + one, "", warn);
+  return text.empty() ? text : text + "\n";
 }
 
 }  // namespace jnd

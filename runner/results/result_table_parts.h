@@ -11,7 +11,9 @@ namespace jnd {
 ResultTable cells_table(const StudyAnalysis& analysis, const Protocol& protocol);
 ResultTable participants_table(const StudyAnalysis& analysis, const Protocol& protocol);
 ResultTable group_table(const StudyAnalysis& analysis, const Protocol& protocol);
-ResultTable contrasts_table(const StudyResults& results, const Protocol& protocol);
+enum class ContrastScales { all, registered };
+ResultTable contrasts_table(const StudyResults& results, const Protocol& protocol,
+                            ContrastScales scales = ContrastScales::all);
 // result_tables_tests.cpp
 ResultTable omnibus_table(const StudyResults& results, const Protocol& protocol);
 ResultTable pairs_table(const StudyResults& results, const Protocol& protocol);

@@ -1,7 +1,10 @@
 #include "runner/results/result_tables.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -203,8 +206,24 @@ struct TablesOf {
 
 }  // namespace
 
-bool is_conclusion(const ResultTable& table) {
-  return table.id == "group" || table.id == "contrasts" || table.id == "groups" || table.id == "between";
+Section section_of(const ResultTable& table) {
+  constexpr std::array<std::pair<std::string_view, Section>, 14> kSections = {{{"participants", Section::participants},
+                                                                               {"group", Section::participants},
+                                                                               {"contrasts", Section::tests},
+                                                                               {"groups", Section::tests},
+                                                                               {"between", Section::tests},
+                                                                               {"tests", Section::tests},
+                                                                               {"pairs", Section::tests},
+                                                                               {"series", Section::tests},
+                                                                               {"proportion", Section::tests},
+                                                                               {"sensitivity", Section::models},
+                                                                               {"models", Section::models},
+                                                                               {"behaviour", Section::behaviour},
+                                                                               {"cues", Section::behaviour},
+                                                                               {"sureness", Section::behaviour}}};
+  for (const auto& [id, section] : kSections)
+    if (table.id == id) return section;
+  return table.id == "cells" ? Section::cells : Section::questions;
 }
 
 std::vector<ResultTable> result_tables(const StudyResults& results, const Protocol& protocol) {

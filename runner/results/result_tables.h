@@ -25,8 +25,9 @@ struct ResultTable {
 // In the order in which they are read. Tables without rows are left out.
 std::vector<ResultTable> result_tables(const StudyResults& results, const Protocol& protocol);
 
-// Whether it says what the study found, of the group, and not what that rests on.
-bool is_conclusion(const ResultTable& table);
+// What of the results a table is about.
+enum class Section { participants, tests, models, behaviour, questions, cells };
+Section section_of(const ResultTable& table);
 
 // Every model beside the registered one, by participant and condition.
 ResultTable models_table(const StudyModels& models, const Protocol& protocol);

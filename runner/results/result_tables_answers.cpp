@@ -54,19 +54,18 @@ ResultTable behaviour_table(const ConstantResults& results, const Protocol& prot
       {"behaviour",
        "How the answers were given",
        "order: rate of \"different\" with the stiffer stimulus first minus second; c: criterion over all trials (c > 0 "
-       "leans "
-       "to \"same\"), with the share of \"different\" answers; drift: d' in the second half of each cell minus the "
-       "first; session: second half of the session minus the first, each series held against itself; no "
-       "correction for many tests",
+       "leans to \"same\"), with the share of \"different\" answers; drift: d' in the second half of each cell minus "
+       "the first; session: second half of the session minus the first, each series held against itself; p(Holm): "
+       "over the conditions, or over the participants",
        {},
        {},
        {}},
       {or_all("participant"), or_all("condition"), of("order_effect.difference"),
-       of.range("order_effect.ci_low", "order_effect.ci_high"), of("order_effect.p"), of("response_bias.criterion"),
-       of.range("response_bias.ci_low", "response_bias.ci_high"), of("response_bias.said_different.value"),
-       of("response_bias.p"), of("drift.dprime.difference"), of.range("drift.dprime.ci_low", "drift.dprime.ci_high"),
-       of("drift.dprime.p"), of("session_drift.difference"), of("session_drift.p"),
-       of.words("cautions", behaviour_cautions)},
+       of.range("order_effect.ci_low", "order_effect.ci_high"), of("order_effect.holm.p"),
+       of("response_bias.criterion"), of.range("response_bias.ci_low", "response_bias.ci_high"),
+       of("response_bias.said_different.value"), of("response_bias.holm.p"), of("drift.dprime.difference"),
+       of.range("drift.dprime.ci_low", "drift.dprime.ci_high"), of("drift.dprime.holm.p"),
+       of("session_drift.difference"), of("session_drift.holm.p"), of.words("cautions", behaviour_cautions)},
       rows);
 }
 

@@ -208,12 +208,4 @@ std::vector<ResultTable> questionnaire_tables(const QuestionnaireResults& result
   return tables;
 }
 
-std::string questionnaire_summary(const QuestionnaireResults& results) {
-  const TestCount& below = results.below_alpha;
-  return fmt::format(
-      "{} of {} Wilcoxon tests fall below {:g} by the exact p, {} with Holm's correction and {} with "
-      "Benjamini-Hochberg's",
-      below.exact, results.tests.family, results.alpha, below.holm, below.bh);
-}
-
 }  // namespace jnd

@@ -21,7 +21,4 @@ std::vector<ResultTable> questionnaire_tables(const QuestionnaireResults& result
 nlohmann::ordered_json to_json(const QuestionnaireResults& results, const ExplorationResults& exploration,
                                const Protocol& protocol);
 
-// What was found, in one sentence of plain text.
-std::string questionnaire_summary(const QuestionnaireResults& results);
-
 }  // namespace jnd

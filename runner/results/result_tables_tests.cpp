@@ -48,7 +48,8 @@ struct ScaleText {
   int decimals = 3;
 };
 
-ScaleText scale_text(const ContrastRow& row, const Protocol& protocol) {
+// tested: the comparison of the registered outcome.
+ScaleText scale_text(const ContrastRow& row, const OutcomeComparison& tested, const Protocol& protocol) {
   ScaleText text;
   text.name = row.outcome;
   if (row.outcome == to_string(Outcome::slope)) {
@@ -60,31 +61,33 @@ ScaleText scale_text(const ContrastRow& row, const Protocol& protocol) {
     text.name = fmt::format("{} {}", row.outcome == to_string(Outcome::jnd) ? "JND" : row.outcome, unit_of(protocol));
     text.decimals = stiffness_decimals(protocol);
   } else {
-    text.name = row.unit.empty() ? row.outcome : fmt::format("{} {}", row.outcome, row.unit);
+    text.name = row.unit.empty() ? tested.title : fmt::format("{} {}", tested.title, row.unit);
   }
-  if (row.registered) text.name += " *";
   return text;
 }
 
 }  // namespace
 
-ResultTable contrasts_table(const StudyResults& results, const Protocol& protocol) {
+ResultTable contrasts_table(const StudyResults& results, const Protocol& protocol, ContrastScales scales) {
   ResultTable table{"contrasts", "Registered contrasts", "", {}, {}, {}};
-  const std::vector<ContrastRow> rows = contrasts_of(results, protocol);
+  std::vector<ContrastRow> rows = contrasts_of(results, protocol);
+  const bool registered_only = scales == ContrastScales::registered;
+  if (registered_only) std::erase_if(rows, [](const ContrastRow& row) { return !row.registered; });
   if (rows.empty()) return table;
   const OutcomeComparison& tested = results.comparisons.front();
   const auto* constant = std::get_if<ConstantResults>(&results.measured);
   table.note = fmt::format(
-      "paired differences with Student's interval, each row on one scale; p: {}, on the registered scale (*)",
-      post_hoc_name(protocol.analysis.tests.post_hoc));
+      "paired differences with Student's interval{}; p: {}{}", registered_only ? "" : ", each row on one scale",
+      post_hoc_name(protocol.analysis.tests.post_hoc), registered_only ? "" : ", on the registered scale (*)");
+  if (registered_only) table.title += ": " + scale_text(rows.front(), tested, protocol).name;
   const TableMaker of(contrast_fields(protocol, attendance_of(results).kind));
   using Row = ContrastRow;
   const auto mean = [&](const Row& row) {
-    const ScaleText scale = scale_text(row, protocol);
+    const ScaleText scale = scale_text(row, tested, protocol);
     return number_text(scale.factor * row.difference.mean, scale.decimals);
   };
   const auto interval = [&](const Row& row) {
-    const ScaleText scale = scale_text(row, protocol);
+    const ScaleText scale = scale_text(row, tested, protocol);
     return range_text(scale.factor * row.difference.ci_low, scale.factor * row.difference.ci_high, scale.decimals);
   };
   const auto p = [&](const Row& row) { return row.registered ? of.text("p", row) : ""; };
@@ -92,15 +95,17 @@ ResultTable contrasts_table(const StudyResults& results, const Protocol& protoco
     return joined(constant == nullptr ? "" : source_caution(row.difference_source, constant->analysis),
                   row.refused.empty() ? "" : "refused");
   };
-  table = of(std::move(table),
-             {of.words("contrast",
-                       [&](const Row& row) {
-                         return contrast_name({row.a, row.b}, protocol);
-                       }),
-              of.words("scale", [&](const Row& row) { return scale_text(row, protocol).name; }),
-              of.share("difference.n", "participants", "n"), of.words("mean difference", mean, true),
-              of.words("95 % CI", interval, true), of.words("p", p, true), of.words("cautions", cautions)},
-             rows);
+  std::vector<TableColumn<Row>> columns = {of.words("contrast", [&](const Row& row) {
+    return contrast_name({row.a, row.b}, protocol);
+  })};
+  if (!registered_only)
+    columns.push_back(of.words("scale", [&](const Row& row) {
+      return scale_text(row, tested, protocol).name + (row.registered ? " *" : "");
+    }));
+  columns.insert(columns.end(),
+                 {of.share("difference.n", "participants", "n"), of.words("mean difference", mean, true),
+                  of.words("95 % CI", interval, true), of.words("p", p, true), of.words("cautions", cautions)});
+  table = of(std::move(table), columns, rows);
   if (!tested.refused.empty()) table.footnotes.push_back("no tests: " + tested.refused);
   if (std::all_of(table.rows.begin(), table.rows.end(), [](const auto& row) { return row.back().empty(); })) {
     table.columns.pop_back();
@@ -178,8 +183,10 @@ ResultTable series_table(const ConstantResults& results, const Protocol& protoco
 ResultTable sensitivity_table(const ConstantResults& results, const Protocol& protocol) {
   using Row = MethodRow;
   const TableMaker of(sensitivity_fields(protocol));
+  const auto number = [&results](const Row& row) { return std::to_string(row.row - results.sensitivity.data() + 1); };
   std::vector<TableColumn<Row>> columns = {
-      of("model"), of.words("rates", [](const Row& row) { return rates_name(row.row->method); }), of("method")};
+      of.words("no.", number), of("model"),
+      of.words("rates", [](const Row& row) { return rates_name(row.row->method); }), of("method")};
   for (std::size_t i = 0; i < protocol.conditions.size(); ++i)
     columns.push_back(of.words(
         protocol.conditions[i].name,

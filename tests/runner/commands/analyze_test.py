@@ -36,7 +36,7 @@ class Analyze(unittest.TestCase):
         return os.path.join(self.folder.name, *names)
 
     def analysis(self, *arguments):
-        out = self.jnd("analyze", *arguments, "--json", "--no-methods").stdout
+        out = self.jnd("analyze", *arguments, "--json").stdout
         return json.loads(out, parse_constant=lambda name: self.fail(f"{arguments} print {name}"))
 
     def test_every_number_names_what_it_rests_on(self):
@@ -72,7 +72,7 @@ class Analyze(unittest.TestCase):
         self.assertAlmostEqual(float(table[0]["difference_mean"]), mean, places=12)
 
     def test_all_models_stand_beside_the_registered_one(self):
-        models = self.analysis("chinello2017.sqlite", "--models", "all")["models"]
+        models = self.analysis("chinello2017.sqlite", "--models")["models"]
         self.assertEqual(len(models["thresholds"]), 4 * 3 * 11)
         self.assertEqual(len(models["cells"]), 4 * 9)
         for cell in models["cells"]:
@@ -90,7 +90,7 @@ class Analyze(unittest.TestCase):
         self.assertFalse(os.path.exists(self.path("alone")))
 
     def test_results_as_csv_have_a_dictionary(self):
-        self.jnd("analyze", "chinello2017.sqlite", "--csv", "out", "--models", "all", "--no-methods")
+        self.jnd("analyze", "chinello2017.sqlite", "--csv", "out", "--models")
         with open(self.path("out", "dictionary.csv"), newline="", encoding="utf-8") as file:
             described = {(row["file"], row["column"]) for row in csv.DictReader(file)}
         for name in set(os.listdir(self.path("out"))) - {"SHA256SUMS"}:
@@ -98,8 +98,8 @@ class Analyze(unittest.TestCase):
                 for column in csv.DictReader(file).fieldnames:
                     self.assertIn((name, column), described)
         self.assertIn("models.csv", os.listdir(self.path("out")))
-        self.jnd("analyze", "chinello2017.sqlite", "--csv", "out", "--no-methods", code=5)
-        self.jnd("analyze", "chinello2017.sqlite", "--csv", "out", "--replace", "--no-methods")
+        self.jnd("analyze", "chinello2017.sqlite", "--csv", "out", code=5)
+        self.jnd("analyze", "chinello2017.sqlite", "--csv", "out", "--replace")
 
     def test_methods_in_words_never_replace_a_foreign_file(self):
         self.jnd("analyze", "chinello2017.sqlite", "--methods", "words.md")
@@ -155,7 +155,7 @@ class Analyze(unittest.TestCase):
             self.assertIn("ci_low", rows[0])
             with open(self.path(name, "methods.md"), encoding="utf-8") as file:
                 self.assertIn("Kontsevich" if kind == "posterior" else "by the response model", file.read())
-            self.assertNotIn("moves with the criterion", self.jnd("analyze", study, "--no-methods").stdout)
+            self.assertNotIn("moves with the criterion", self.jnd("analyze", study).stdout)
             plan = json.loads(self.jnd("plan", name, "--json").stdout)["trials"]
             self.assertIn(None, [stimulus for trial in plan for stimulus in trial["stimuli"]])
             precision = json.loads(self.jnd("plan", name, "--precision", "--jnd", "250", "--simulated", "30", "--json").stdout)

@@ -194,7 +194,7 @@ class CommandLine(unittest.TestCase):
 
     def test_streams_that_cannot_be_written(self):
         study = self.study("streams.sqlite", participants=1)
-        for arguments in (("status", study), ("verify", study), ("analyze", study, "--no-methods", "--json"), ("check", self.small),
+        for arguments in (("status", study), ("verify", study), ("analyze", study, "--json"), ("check", self.small),
                           ("plan", self.small), ("--help",)):
             with open("/dev/full", "w") as full:
                 done = subprocess.run([JND, *arguments], stdout=full, stderr=subprocess.PIPE, text=True, cwd=self.path)

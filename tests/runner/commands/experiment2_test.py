@@ -56,7 +56,7 @@ class Experiment2(unittest.TestCase):
             return list(csv.DictReader(file))
 
     def analysis(self, study="e2.sqlite"):
-        out = self.jnd("analyze", study, "--json", "--no-methods").stdout
+        out = self.jnd("analyze", study, "--json").stdout
         return json.loads(out, parse_constant=lambda name: self.fail(f"prints {name}"))["questionnaire"]
 
     def ratings(self):
@@ -130,7 +130,7 @@ class Experiment2(unittest.TestCase):
         self.assertEqual(choice["options"][0]["ci_high"], 1)
 
     def test_tables_export_report_and_methods(self):
-        text = self.jnd("analyze", "e2.sqlite").stdout
+        text = self.jnd("analyze", "e2.sqlite", "--methods", "methods.md").stdout
         for words in ("Ratings given once", "Ratings by condition", "Of 17 tests, below 0.05", "6.7 ± 7.6", "Free interaction"):
             self.assertIn(words, text)
         self.assertNotIn("JND", text.split("\n", 2)[2].replace("jnd", ""))

@@ -197,7 +197,7 @@ class Groups(unittest.TestCase):
         protocol = self.protocol(GOOD, analysis={"tests": {"on": "slope", "between": "welch"}})
         self.jnd("simulate", protocol, "--participants", 12, "--study", "g.sqlite", "--seed", 1)
         self.jnd("verify", "g.sqlite", "--deep")
-        results = self.json_of("analyze", "g.sqlite", "--no-methods")
+        results = self.json_of("analyze", "g.sqlite")
         self.jnd("export", "g.sqlite", "--to", "g")
         slopes = {}
         for folder in sorted((self.folder / "g").glob("sub-*")):
@@ -227,12 +227,12 @@ class Groups(unittest.TestCase):
         self.assertIn("Groups of participants", text)
         self.assertIn("young - old", text)
         self.jnd("report", "g.sqlite", "--to", "g.html")
-        self.assertIn("of the groups of participants", (self.folder / "g.html").read_text())
+        self.assertIn("Groups of participants</a>", (self.folder / "g.html").read_text())
 
     def test_groups_and_conditions_crossed_of_another_task(self):
         self.jnd("simulate", "sandpaper-hands2013", "--participants", 24, "--study", "s.sqlite", "--seed", 3)
         self.jnd("verify", "s.sqlite", "--deep")
-        results = self.json_of("analyze", "s.sqlite", "--no-methods")
+        results = self.json_of("analyze", "s.sqlite")
         self.assertEqual(results["between"]["test"], "mixed-anova")
         self.assertIsNone(results["between"]["refused"])
         self.jnd("export", "s.sqlite", "--to", "s")
@@ -246,7 +246,7 @@ class Groups(unittest.TestCase):
         self.assertEqual((effects["group"]["df1"], effects["group"]["df2"]), ("5", "18"))
         # Too few to be tested: a status, and no number.
         self.jnd("simulate", "sandpaper-hands2013", "--participants", 6, "--study", "few.sqlite", "--seed", 3)
-        few = self.json_of("analyze", "few.sqlite", "--no-methods")["between"]["comparison"]["anova"]["group"]
+        few = self.json_of("analyze", "few.sqlite")["between"]["comparison"]["anova"]["group"]
         self.assertEqual((few["p"], few["status"]), (None, "too_few"))
 
     def test_answers_that_set_the_levels(self):
@@ -260,7 +260,7 @@ class Groups(unittest.TestCase):
         protocol.write_text(json.dumps(kept))
         self.jnd("simulate", protocol, "--participants", 8, "--study", "a.sqlite", "--seed", 2)
         self.jnd("verify", "a.sqlite", "--deep")
-        results = self.json_of("analyze", "a.sqlite", "--no-methods")
+        results = self.json_of("analyze", "a.sqlite")
         self.assertEqual({(row["group"], row["condition"]) for row in results["rows"]}, {("a", "S"), ("b", "V")})
         self.assertEqual([(row["condition"], row["of"]) for row in results["group"]], [("S", 4), ("V", 4)])
         self.assertEqual(results["between"]["test"], "welch")

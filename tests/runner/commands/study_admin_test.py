@@ -61,7 +61,7 @@ class Care(unittest.TestCase):
         self.jnd("exclude", "s.sqlite", "--participant", "P02", "--reason", "again", code=5)
         self.jnd("exclude", "s.sqlite", "--participant", "P02", code=2)
         self.assertTrue(self.json("verify", "s.sqlite", "--deep")["ok"])
-        analysis = self.json("analyze", "s.sqlite", "--no-methods")
+        analysis = self.json("analyze", "s.sqlite")
         self.assertEqual({row["participant"] for row in analysis["participants"]}, {"P01"})
 
     def test_unblind_happens_once(self):
@@ -146,7 +146,7 @@ class Care(unittest.TestCase):
             head = study.execute("SELECT hash FROM event WHERE session = 'study' ORDER BY seq DESC").fetchone()[0]
         self.jnd("report", "s.sqlite", "--to", "r.html")
         self.jnd("export", "s.sqlite", "--to", "e")
-        for arguments in (("status",), ("verify",), ("analyze", "--no-methods")):
+        for arguments in (("status",), ("verify",), ("analyze",)):
             self.assertIn(head, self.jnd(arguments[0], "s.sqlite", *arguments[1:]).stdout, arguments)
             self.assertEqual(self.json(arguments[0], "s.sqlite", *arguments[1:])["study_head"], head)
         for name in ("r.html", "e/sessions.csv", "e/methods.md"):
@@ -171,7 +171,7 @@ class Care(unittest.TestCase):
     def test_a_file_with_a_foreign_trigger_is_refused_in_words(self):
         with sqlite3.connect(self.path("s.sqlite")) as study:
             study.execute("CREATE TRIGGER z BEFORE INSERT ON event WHEN NEW.kind = 'note' BEGIN SELECT RAISE(IGNORE); END")
-        for arguments in (("verify",), ("status",), ("analyze", "--no-methods"), ("note", "hello")):
+        for arguments in (("verify",), ("status",), ("analyze",), ("note", "hello")):
             refused = self.jnd(arguments[0], "s.sqlite", *arguments[1:], code=5).stderr
             self.assertIn("is not a study of this program: it has a trigger z that no study has; it was not changed", refused)
 
@@ -182,7 +182,7 @@ class Care(unittest.TestCase):
             study.execute("PRAGMA user_version = 4")
         with open(self.path("s.sqlite"), "rb") as file:
             before = file.read()
-        for arguments in (("status", "s.sqlite"), ("verify", "s.sqlite"), ("verify", "s.sqlite", "--deep"), ("analyze", "s.sqlite", "--no-methods"),
+        for arguments in (("status", "s.sqlite"), ("verify", "s.sqlite"), ("verify", "s.sqlite", "--deep"), ("analyze", "s.sqlite"),
                           ("export", "s.sqlite", "--to", "out"), ("report", "s.sqlite", "--to", "r.html"), ("note", "s.sqlite", "hello"),
                           ("exclude", "s.sqlite", "--participant", "P01", "--reason", "ill"), ("unblind", "s.sqlite", "--reason", "safety"),
                           ("plan", "--study", "s.sqlite", "--participant", "1"), ("backup", "s.sqlite", "--to", "b.sqlite"),

@@ -49,12 +49,12 @@ class Tasks(unittest.TestCase):
                 self.assertIn("arrangements", self.jnd("plan", name, "--cohort", 4, "--seed", 3))
                 self.jnd("simulate", name, "--participants", 3, "--study", study, "--seed", 3)
                 self.jnd("verify", study, "--deep")
-                results = json.loads(self.jnd("analyze", study, "--json", "--no-methods"))
+                results = json.loads(self.jnd("analyze", study, "--json"))
                 self.assertEqual(results["outcome"], outcome)
                 self.assertEqual(len({row["participant"] for row in results["participants"]}), 3)
                 used = [row["n_used"] for row in results["group"] if row["outcome"] == outcome]
                 self.assertGreater(max(used), 0, results["group"])
-                self.assertIn("the registered outcome", self.jnd("analyze", study))
+                self.assertIn(" by condition", self.jnd("analyze", study))
                 self.jnd("export", study, "--to", self.folder / name)
                 with open(self.folder / name / "sub-P02" / "trials.csv", newline="") as file:
                     rows = list(csv.DictReader(file))
@@ -89,7 +89,7 @@ class Tasks(unittest.TestCase):
             with self.subTest(name):
                 command = ("simulate", name, "--participants", 3, "--seed", 4)
                 self.jnd(*command, "--study", f"{name}.sqlite")
-                kept = self.jnd("analyze", f"{name}.sqlite", "--no-methods", "--json")
+                kept = self.jnd("analyze", f"{name}.sqlite", "--json")
                 self.assertEqual(json.loads(self.jnd(*command, "--no-study", "--json")), json.loads(kept))
                 shown = self.jnd(*command, "--no-study")
                 self.assertIn("Group" if "chinello" not in name else "Ratings", shown)
@@ -218,7 +218,7 @@ class Tasks(unittest.TestCase):
         path.write_text(json.dumps(protocol))
         self.jnd("simulate", path, "--participants", 2, "--study", "q.sqlite", "--seed", 5)
         self.jnd("verify", "q.sqlite", "--deep")
-        results = json.loads(self.jnd("analyze", "q.sqlite", "--json", "--no-methods"))
+        results = json.loads(self.jnd("analyze", "q.sqlite", "--json"))
         self.assertEqual(len(results["sureness"]), 2 * len(protocol["conditions"]))
         self.jnd("export", "q.sqlite", "--to", "q")
         with open(self.folder / "q/trials.csv" if (self.folder / "q/trials.csv").exists()
@@ -238,7 +238,7 @@ class Tasks(unittest.TestCase):
         calc = json.loads(self.jnd("calc", "sureness", "sure.csv", "--json"))
         ours = next(row for row in results["sureness"] if row["participant"] == "P01" and row["condition"] == condition)
         self.assertAlmostEqual(ours["jnd"], calc["sigma"], places=6)
-        self.assertIn("how sure", self.jnd("analyze", "q.sqlite"))
+        self.assertIn("how sure", self.jnd("analyze", "q.sqlite", "--behaviour"))
 
     def test_specimens_are_handed_over_by_their_codes(self):
         """Keys in, screen out: space begins a trial and hands a specimen over, 1 and 2 answer."""
@@ -253,7 +253,7 @@ class Tasks(unittest.TestCase):
         told = [words[1] for words in handed]
         self.assertEqual(told, [codes[value] for trial in plan for value in trial["stimuli"]])
         self.jnd("verify", "s.sqlite", "--deep")
-        results = json.loads(self.jnd("analyze", "s.sqlite", "--json", "--no-methods", "--kind", "pilot"))
+        results = json.loads(self.jnd("analyze", "s.sqlite", "--json", "--kind", "pilot"))
         self.assertEqual(sum(row["n"] for row in results["answers"]), 4)
 
     def test_an_interval_ends_with_the_key_and_what_is_prescribed_is_said(self):
@@ -275,7 +275,7 @@ class Tasks(unittest.TestCase):
         self.assertEqual(len(rows), 8)
         self.assertNotIn("breach", rows[0])
         self.assertLess(max(float(row["duration_s"]) for row in rows), 50)
-        self.jnd("analyze", "k.sqlite", "--kind", "pilot")
+        self.jnd("analyze", "k.sqlite", "--kind", "pilot", "--methods", str(self.folder / "methods.md"))
         methods = (self.folder / "methods.md").read_text()
         self.assertIn("had felt enough, at the latest 50 s after", methods)
         self.assertIn('In peak, participants were told: "Press alike."', methods)
@@ -303,7 +303,7 @@ class Tasks(unittest.TestCase):
                 self.assertIn("above 0.006 m", row["breach"])
             self.assertEqual(row["excluded_reason"], "off_prescription" if row["breach"] else "", row["breach"])
             self.assertFalse(deep and not row["breach"])
-        text = self.jnd("analyze", "f.sqlite", "--json", "--no-methods")
+        text = self.jnd("analyze", "f.sqlite", "--json")
         self.assertEqual(json.loads(text)["exclusions"], {"off_prescription": len(broken)})
         shown = self.jnd("analyze", "f.sqlite")
         self.assertIn(f"{len(broken)} answered trials broke the prescription", shown)
@@ -427,7 +427,7 @@ class Tasks(unittest.TestCase):
         rows = self.rows("o/sub-P01/trials.csv")
         first = {trial: felt[0][1] for (trial, _), felt in sorted(trials.items()) if len(felt) == 2}  # of the last attempt
         self.assertEqual([row["standard_interval"] for row in rows], ["1" if first[int(row["trial"])] == "thumb" else "2" for row in rows])
-        self.jnd("analyze", "o.sqlite", "--kind", "pilot")
+        self.jnd("analyze", "o.sqlite", "--kind", "pilot", "--methods", str(self.folder / "methods.md"))
         self.assertIn("In index the standard was presented with finger = thumb.", (self.folder / "methods.md").read_text())
 
     def test_two_values_are_felt_side_by_side(self):

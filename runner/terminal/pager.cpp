@@ -1,0 +1,92 @@
+#include "runner/terminal/pager.h"
+
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "runner/terminal/terminal.h"
+
+namespace jnd {
+
+namespace {
+
+constexpr int kNotFound = 127;  // what a shell ends with where it does not find the command
+
+std::string environment(const char* name) {
+  const char* const value = std::getenv(name);
+  return value == nullptr ? std::string() : value;
+}
+
+bool is_installed(std::string_view program) {
+  const std::string path = environment("PATH");
+  for (std::size_t from = 0; from <= path.size();) {
+    const std::size_t to = std::min(path.find(':', from), path.size());
+    const std::filesystem::path place = std::filesystem::path(path.substr(from, to - from)) / program;
+    if (access(place.c_str(), X_OK) == 0) return true;
+    from = to + 1;
+  }
+  return false;
+}
+
+// Empty for none. less: with colours, ending by itself where all fits, and leaving the text on the screen.
+std::string pager() {
+  for (const char* const name : {"JND_PAGER", "PAGER"})
+    if (std::getenv(name) != nullptr) return environment(name) == "cat" ? std::string() : environment(name);
+  return is_installed("less") ? "less -FRX" : "";
+}
+
+bool longer_than_terminal(const std::string& text) {
+  winsize size{};
+  if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_row == 0) return false;
+  return std::count(text.begin(), text.end(), '\n') >= size.ws_row;
+}
+
+// While one lives, Ctrl-C is the pager's, and a pager that has ended is no signal.
+class LeaveSignalsToPager {
+ public:
+  LeaveSignalsToPager() {
+    struct sigaction ignored {};
+    ignored.sa_handler = SIG_IGN;
+    for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &ignored, &before_[i]);
+  }
+  ~LeaveSignalsToPager() {
+    for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &before_[i], nullptr);
+  }
+  LeaveSignalsToPager(const LeaveSignalsToPager&) = delete;
+  LeaveSignalsToPager& operator=(const LeaveSignalsToPager&) = delete;
+
+ private:
+  static constexpr std::array kSignals = {SIGPIPE, SIGINT};
+  std::array<struct sigaction, kSignals.size()> before_{};
+};
+
+// False where it was not shown.
+bool shown_by(const std::string& command, const std::string& text) {
+  std::fflush(stdout);
+  const LeaveSignalsToPager signals;
+  // The user's own command, as git and man run it.
+  std::FILE* const pipe = popen(command.c_str(), "w");  // NOLINT(cert-env33-c)
+  if (pipe == nullptr) return false;
+  std::fwrite(text.data(), 1, text.size(), pipe);
+  const int status = pclose(pipe);
+  return !(WIFEXITED(status) && WEXITSTATUS(status) == kNotFound);
+}
+
+}  // namespace
+
+void print_paged(const std::string& text) {
+  if (is_terminal(STDOUT_FILENO) && longer_than_terminal(text))
+    if (const std::string command = pager(); !command.empty() && shown_by(command, text)) return;
+  fmt::print("{}", text);
+}
+
+}  // namespace jnd
