@@ -72,10 +72,10 @@ void write_methods_file(const std::string& file, const std::string& text) {
 }
 
 std::string head_text(const Study& study, const StudyResults& results, const Protocol& protocol) {
-  return paragraph(protocol.title, "", bold) +
-         dim(fmt::format("{}; protocol {}, seed {}\n", who_took_part(results, protocol), protocol.sha256.substr(0, 12),
-                         seed_text(study, protocol, "sealed while real sessions are blinded"))) +
-         "\n";
+  const std::string origin =
+      fmt::format("{}; protocol {}, seed {}", who_took_part(results, protocol), protocol.sha256.substr(0, 12),
+                  seed_text(study, protocol, "sealed while real sessions are blinded"));
+  return paragraph(protocol.title, "", bold) + paragraph(origin, "", dim) + "\n";
 }
 
 // Where the rest is. tables: all that there are.

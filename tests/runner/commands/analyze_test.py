@@ -4,12 +4,16 @@
 Usage: analyze_test.py JND
 """
 import csv
+import fcntl
 import json
 import os
+import pty
 import re
+import struct
 import subprocess
 import sys
 import tempfile
+import termios
 import unittest
 
 JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
@@ -70,6 +74,59 @@ class Analyze(unittest.TestCase):
             table = list(csv.DictReader(file))
         self.assertEqual([(r["outcome"], r["p"] != "") for r in table], [("slope", True), ("jnd", False)] * 3)
         self.assertAlmostEqual(float(table[0]["difference_mean"]), mean, places=12)
+
+    def test_it_opens_with_the_answer_and_shows_the_rest_on_request(self):
+        before = sorted(os.listdir(self.folder.name))
+        text = self.jnd("analyze", "chinello2017.sqlite").stdout
+        self.assertEqual(sorted(os.listdir(self.folder.name)), before)  # nothing is written unasked
+        self.assertLessEqual(max(len(line) for line in text.splitlines()), 80)
+        for part in ("JND by condition", "Registered contrasts: d' per 100 N/m", "registered contrast", "caution: ",
+                     "More: --participants, --tests, --models"):
+            self.assertIn(part, text)
+        titles = {"--participants": "Participants", "--tests": "Pairs of conditions", "--models": "Every model",
+                  "--behaviour": "How the answers were given", "--questions": "Answers to the questions", "--cells": "Cells"}
+        for option in titles:
+            shown = self.jnd("analyze", "chinello2017.sqlite", option).stdout
+            self.assertEqual({title for title in titles.values() if f"\n{title}\n" in shown}, {titles[option]})
+            self.assertTrue(shown.startswith(text[:text.index("More:")]))
+        everything = self.jnd("analyze", "chinello2017.sqlite", "--all").stdout
+        self.assertTrue(all(f"\n{title}\n" in everything for title in titles.values()))
+        self.assertEqual(self.jnd("analyze", "chinello2017.sqlite", "--models", "all").stdout,
+                         self.jnd("analyze", "chinello2017.sqlite", "--models").stdout)
+
+    def on_terminal(self, rows, columns, *arguments, **environment):
+        """What a terminal of this size shows of the command."""
+        ours, theirs = pty.openpty()
+        fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
+        done = subprocess.Popen([JND, *arguments], cwd=self.folder.name, stdin=subprocess.DEVNULL, stdout=theirs, stderr=theirs,
+                                env={**os.environ, "NO_COLOR": "1", "JND_PAGER": "cat", **environment})
+        os.close(theirs)
+        text = b""
+        while True:
+            try:
+                read = os.read(ours, 65536)
+            except OSError:  # the end, on Linux
+                break
+            if not read:
+                break
+            text += read
+        os.close(ours)
+        self.assertEqual(done.wait(), 0)
+        return text.decode().replace("\r\n", "\n")
+
+    def test_on_a_terminal_tables_fit_and_long_output_is_paged(self):
+        for columns in (80, 60, 120):
+            text = self.on_terminal(2000, columns, "analyze", "chinello2017.sqlite", "--all")
+            wide = [line for line in text.splitlines() if len(line) > columns and " " in line and "jnd report" not in line]
+            self.assertEqual(wide, [])
+        paged = self.on_terminal(24, 80, "analyze", "chinello2017.sqlite", "--all", JND_PAGER="cat > paged.txt")
+        self.assertEqual(paged, "")
+        with open(self.path("paged.txt"), encoding="utf-8") as file:
+            self.assertEqual(file.read(), self.on_terminal(2000, 80, "analyze", "chinello2017.sqlite", "--all"))
+        short = self.on_terminal(24, 80, "analyze", "chinello2017.sqlite", "--all", JND_PAGER="true")  # left at once: no error
+        self.assertEqual(short, "")
+        for pager in ("cat", "", "no-such-pager 2> /dev/null"):
+            self.assertIn("Pairs of conditions", self.on_terminal(24, 80, "analyze", "chinello2017.sqlite", "--all", JND_PAGER=pager))
 
     def test_all_models_stand_beside_the_registered_one(self):
         models = self.analysis("chinello2017.sqlite", "--models")["models"]
