@@ -29,6 +29,14 @@ std::vector<Figure> threshold_figures(const StudyResults& results, const Protoco
 // 96 participants a panel for every condition instead, with everyone in it.
 std::vector<Figure> slope_figures(const StudyResults& results, const Protocol& protocol);
 
+// Hit rate against false-alarm rate with lines of equal d', a panel for every condition and series. For at most five
+// conditions.
+std::vector<Figure> roc_figures(const StudyResults& results, const Protocol& protocol);
+// Each registered contrast with its interval, on the scale on which it is tested.
+std::vector<Figure> contrast_figures(const StudyResults& results, const Protocol& protocol);
+// Where the answers set the levels: the levels of every track, a panel for every participant.
+std::vector<Figure> track_figures(const StudyResults& results, const Protocol& protocol);
+
 // The share of an answer over the levels of a task, with the fitted curve.
 std::vector<Figure> curve_figures(const StudyResults& results, const Protocol& protocol);
 // The registered outcome of a task by condition.

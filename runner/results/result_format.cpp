@@ -28,4 +28,21 @@ std::string source_caution(DifferenceSource source, const StudyAnalysis& analysi
   return source == DifferenceSource::mixed ? "nominal differences in part" : "nominal difference";
 }
 
+ContrastScale contrast_scale(const ContrastRow& row, const OutcomeComparison& tested, const Protocol& protocol) {
+  ContrastScale text;
+  text.name = row.outcome;
+  if (row.outcome == to_string(Outcome::slope)) {
+    text.factor = slope_step(protocol);
+    text.name = fmt::format("d' per {} {}", slope_step(protocol), unit_of(protocol));
+  } else if (row.outcome == to_string(Outcome::log_jnd)) {
+    text.name = "ln JND";
+  } else if (protocol.task.kind == TaskKind::same_different) {
+    text.name = fmt::format("{} {}", row.outcome == to_string(Outcome::jnd) ? "JND" : row.outcome, unit_of(protocol));
+    text.decimals = stiffness_decimals(protocol);
+  } else {
+    text.name = row.unit.empty() ? tested.title : fmt::format("{} {}", tested.title, row.unit);
+  }
+  return text;
+}
+
 }  // namespace jnd

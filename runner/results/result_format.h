@@ -6,6 +6,7 @@
 
 #include "data/export/result_fields.h"
 #include "data/results/study_analysis.h"
+#include "data/results/study_contrasts.h"
 #include "protocols/protocol.h"
 #include "runner/terminal/number_text.h"
 
@@ -21,5 +22,14 @@ const std::string& condition_text(const Protocol& protocol, int place);  // its 
 std::string joined(const std::string& a, const std::string& b);          // "a, b", or the one that is not empty
 // Where the fit rests on another difference than the one asked for; empty where it does not.
 std::string source_caution(DifferenceSource source, const StudyAnalysis& analysis);
+
+// How people read the numbers of a contrast's scale.
+struct ContrastScale {
+  std::string name;   // "d' per 100 N/m"
+  double factor = 1;  // of the row's numbers
+  int decimals = 3;
+};
+// tested: the comparison of the registered outcome.
+ContrastScale contrast_scale(const ContrastRow& row, const OutcomeComparison& tested, const Protocol& protocol);
 
 }  // namespace jnd

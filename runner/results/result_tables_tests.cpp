@@ -41,31 +41,6 @@ TableColumn<Row> degrees_of_freedom(const TableMaker<Row>& of, const WithinEffec
       "df", [effect](const Row& row) { return fmt::format("{:g}, {:g}", effect(row).df1, effect(row).df2); }, true);
 }
 
-// How people read the numbers of a contrast's scale.
-struct ScaleText {
-  std::string name;
-  double factor = 1;
-  int decimals = 3;
-};
-
-// tested: the comparison of the registered outcome.
-ScaleText scale_text(const ContrastRow& row, const OutcomeComparison& tested, const Protocol& protocol) {
-  ScaleText text;
-  text.name = row.outcome;
-  if (row.outcome == to_string(Outcome::slope)) {
-    text.factor = slope_step(protocol);
-    text.name = fmt::format("d' per {} {}", slope_step(protocol), unit_of(protocol));
-  } else if (row.outcome == to_string(Outcome::log_jnd)) {
-    text.name = "ln JND";
-  } else if (protocol.task.kind == TaskKind::same_different) {
-    text.name = fmt::format("{} {}", row.outcome == to_string(Outcome::jnd) ? "JND" : row.outcome, unit_of(protocol));
-    text.decimals = stiffness_decimals(protocol);
-  } else {
-    text.name = row.unit.empty() ? tested.title : fmt::format("{} {}", tested.title, row.unit);
-  }
-  return text;
-}
-
 }  // namespace
 
 ResultTable contrasts_table(const StudyResults& results, const Protocol& protocol, ContrastScales scales) {
@@ -79,15 +54,15 @@ ResultTable contrasts_table(const StudyResults& results, const Protocol& protoco
   table.note = fmt::format(
       "paired differences with Student's interval{}; p: {}{}", registered_only ? "" : ", each row on one scale",
       post_hoc_name(protocol.analysis.tests.post_hoc), registered_only ? "" : ", on the registered scale (*)");
-  if (registered_only) table.title += ": " + scale_text(rows.front(), tested, protocol).name;
+  if (registered_only) table.title += ": " + contrast_scale(rows.front(), tested, protocol).name;
   const TableMaker of(contrast_fields(protocol, attendance_of(results).kind));
   using Row = ContrastRow;
   const auto mean = [&](const Row& row) {
-    const ScaleText scale = scale_text(row, tested, protocol);
+    const ContrastScale scale = contrast_scale(row, tested, protocol);
     return number_text(scale.factor * row.difference.mean, scale.decimals);
   };
   const auto interval = [&](const Row& row) {
-    const ScaleText scale = scale_text(row, tested, protocol);
+    const ContrastScale scale = contrast_scale(row, tested, protocol);
     return range_text(scale.factor * row.difference.ci_low, scale.factor * row.difference.ci_high, scale.decimals);
   };
   const auto p = [&](const Row& row) { return row.registered ? of.text("p", row) : ""; };
@@ -100,7 +75,7 @@ ResultTable contrasts_table(const StudyResults& results, const Protocol& protoco
   })};
   if (!registered_only)
     columns.push_back(of.words("scale", [&](const Row& row) {
-      return scale_text(row, tested, protocol).name + (row.registered ? " *" : "");
+      return contrast_scale(row, tested, protocol).name + (row.registered ? " *" : "");
     }));
   columns.insert(columns.end(),
                  {of.share("difference.n", "participants", "n"), of.words("mean difference", mean, true),

@@ -11,6 +11,7 @@
 #include "runner/figures/figure_axis.h"
 #include "runner/figures/figure_conditions.h"
 #include "runner/figures/figure_style.h"
+#include "runner/terminal/number_text.h"
 #include "tests/catch.h"
 #include "tests/runner/markup_check.h"
 #include "tests/runner/report_fixture.h"
@@ -130,7 +131,7 @@ TEST_CASE("a usual study has every figure, with every participant in it") {
   const StudyResults results = invented_study(protocol, 18);
   const std::vector<Figure> figures = study_figures(results, protocol);
   check_figures(figures);
-  REQUIRE(figures.size() == 5);
+  REQUIRE(figures.size() == 7);
   const std::string slopes = figure_named(figures, "slopes").svg.file();
   CHECK(count_of(slopes, "class=\"panel\"") == 18);
   CHECK(count_of(slopes, "class=\"point\"") == 18 * 9);
@@ -143,6 +144,24 @@ TEST_CASE("a usual study has every figure, with every participant in it") {
   const std::string models = figure_named(figures, "sensitivity").svg.file();
   for (const SensitivityRow& row : constant(results).sensitivity)
     CHECK(models.find(escape_markup(describe(row.method).substr(0, 20))) != std::string::npos);
+}
+
+TEST_CASE("every registered contrast is drawn with its numbers, and every participant's rates once") {
+  const Protocol protocol = published_protocol();
+  const StudyResults results = invented_study(protocol, 18);
+  const std::vector<Figure> figures = study_figures(results, protocol);
+  const std::string contrasts = figure_named(figures, "contrasts").svg.file();
+  CHECK(count_of(contrasts, "class=\"mean\"") == protocol.analysis.contrasts.size());
+  for (const ContrastRow& row : contrasts_of(results, protocol))
+    if (row.registered) CHECK(contrasts.find("p = " + p_value_text(row.p)) != std::string::npos);
+  // Of 18 people under 3 conditions in 3 series.
+  const std::string roc = figure_named(figures, "roc").svg.file();
+  int people = 0;
+  for (std::size_t at = roc.find(" participant"); at != std::string::npos; at = roc.find(" participant", at + 1)) {
+    const std::size_t from = roc.rfind(": ", at);
+    if (from != std::string::npos && at - from < 6) people += std::stoi(roc.substr(from + 2, at - from - 2));
+  }
+  CHECK(people == 18 * 9);
 }
 
 TEST_CASE("who has no JND stands at the edge, counted") {

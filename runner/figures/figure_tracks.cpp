@@ -1,0 +1,123 @@
+// The levels that the answers chose: every track of a participant, trial by trial.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "runner/figures/figure.h"
+#include "runner/figures/figure_axis.h"
+#include "runner/figures/figure_style.h"
+#include "runner/results/result_format.h"
+
+namespace jnd {
+
+namespace {
+
+constexpr double kTrackLeft = 62, kTrackWidth = 230, kTrackHeight = 130, kTrackGapX = 22, kTrackGapY = 34,
+                 kTrackBottom = 52;
+constexpr std::size_t kTrackColumns = 3, kMostTrackPanels = 24;
+
+struct TrackPanel {
+  std::string participant;
+  std::vector<const AdaptiveRow*> tracks, whole;  // whole: of all tracks of a condition
+};
+
+std::vector<TrackPanel> track_panels(const AdaptiveResults& results) {
+  std::vector<TrackPanel> panels;
+  for (const AdaptiveRow& row : results.rows) {
+    if (panels.empty() || panels.back().participant != row.participant) panels.push_back({row.participant, {}, {}});
+    (row.track == 0 ? panels.back().whole : panels.back().tracks).push_back(&row);
+  }
+  return panels;
+}
+
+struct TrackScales {
+  Range trial, level;
+};
+
+TrackScales track_scales(const std::vector<TrackPanel>& panels) {
+  double trials = 1, level = 0;
+  for (const TrackPanel& panel : panels)
+    for (const AdaptiveRow* row : panel.tracks) {
+      trials = std::max(trials, static_cast<double>(row->levels.size()));
+      for (const double one : row->levels) level = std::max(level, one);
+    }
+  return {round_range(0, trials, 4), round_range(0, level > 0 ? level : 1, 4)};
+}
+
+void draw_track(Svg& svg, const AdaptiveRow& row, const Scale& x, const Scale& y, const Protocol& protocol) {
+  std::vector<SvgPoint> corners;
+  for (std::size_t i = 0; i < row.levels.size(); ++i)
+    corners.emplace_back(x.at(static_cast<double>(i) + 1), y.at(row.levels[i]));
+  svg.begin("", fmt::format("{}, {}, track {}: {}", row.participant, condition_text(protocol, row.condition), row.track,
+                            counted(static_cast<std::int64_t>(row.levels.size()), "trial")));
+  ShapeStyle line = condition_line(row.condition);
+  line.stroke_width = 1.4;
+  if (row.track % 2 == 0) line.dash = "4 2";
+  if (corners.size() > 1) svg.polyline(corners, line);
+  if (!corners.empty())
+    draw_marker(svg, row.condition, corners.back().first, corners.back().second, 3, condition_fill(row.condition));
+  svg.end();
+}
+
+void draw_tracks(Svg& svg, const Panel& panel, const TrackPanel& content, const TrackScales& scales,
+                 const Protocol& protocol, bool y_labels, bool x_labels) {
+  const Scale x{scales.trial.low, scales.trial.high, panel.left, panel.right};
+  const Scale y{scales.level.low, scales.level.high, panel.bottom, panel.top};
+  svg.text(panel.left, panel.top - 8, fitted(content.participant, kLabel.size, panel.width()), strong(kLabel));
+  draw_grid_rows(svg, panel, y, 4);
+  svg.rectangle(panel.left, panel.top, panel.width(), panel.height(), kFrame);
+  if (y_labels) draw_y_axis(svg, panel, y, "", 4);
+  if (x_labels) draw_x_axis(svg, panel, x, "", 4);
+  for (const AdaptiveRow* row : content.tracks) draw_track(svg, *row, x, y, protocol);
+  // What they come to stands at the right edge.
+  for (const AdaptiveRow* row : content.whole) {
+    const double threshold = row->threshold.threshold;
+    if (row->threshold.status != AdaptiveStatus::ok || !y.inside(threshold)) continue;
+    const double at = y.at(threshold);
+    svg.polygon({{panel.right - 8, at}, {panel.right + 1, at - 4}, {panel.right + 1, at + 4}},
+                condition_fill(row->condition));
+  }
+}
+
+}  // namespace
+
+std::vector<Figure> track_figures(const StudyResults& results, const Protocol& protocol) {
+  const auto* adaptive = std::get_if<AdaptiveResults>(&results.measured);
+  if (adaptive == nullptr || adaptive->rows.empty()) return {};
+  std::vector<TrackPanel> panels = track_panels(*adaptive);
+  const std::size_t participants = panels.size();
+  panels.resize(std::min(participants, kMostTrackPanels));
+  const TrackScales scales = track_scales(panels);
+  const std::size_t columns = std::min(kTrackColumns, panels.size()), rows = (panels.size() + columns - 1) / columns;
+  const double width = std::max(480.0, kTrackLeft + static_cast<double>(columns) * (kTrackWidth + kTrackGapX));
+  std::vector<LegendEntry> legend;
+  for (std::size_t i = 0; i < protocol.conditions.size(); ++i)
+    legend.push_back({LegendEntry::Kind::condition, static_cast<int>(i), condition_title(protocol.conditions[i])});
+  const double top = 8 + draw_legend(nullptr, legend, 0, 0, width - kTrackLeft - 10) + 24;
+  const double bottom = top + static_cast<double>(rows) * (kTrackHeight + kTrackGapY) - kTrackGapY;
+  const std::string title = "Levels that the answers chose";
+  Svg svg("figure-tracks", width, bottom + kTrackBottom, title,
+          fmt::format("A panel for every participant, from {} to {}.", panels.front().participant,
+                      panels.back().participant));
+  draw_legend(&svg, legend, kTrackLeft, 8, width - kTrackLeft - 10);
+  for (std::size_t i = 0; i < panels.size(); ++i) {
+    const double left = kTrackLeft + static_cast<double>(i % columns) * (kTrackWidth + kTrackGapX);
+    const double upper = top + static_cast<double>(i / columns) * (kTrackHeight + kTrackGapY);
+    draw_tracks(svg, {left, upper, left + kTrackWidth, upper + kTrackHeight}, panels[i], scales, protocol,
+                i % columns == 0, i + columns >= panels.size());
+  }
+  TextStyle upwards = anchored(kLabel, "middle");
+  upwards.upwards = true;
+  svg.text(18, (top + bottom) / 2, fmt::format("difference ({})", unit_of(protocol)), upwards);
+  svg.text((kTrackLeft + width) / 2, bottom + 42, "trial of the track", anchored(kLabel, "middle"));
+  return {{"tracks", title,
+           fmt::format("Presented differences of every track in the order of its trials; a second track of a condition "
+                       "is dashed. The wedges at the right are what the tracks of a condition come to.{}",
+                       participants > kMostTrackPanels
+                           ? fmt::format(" The first {} of {} participants.", kMostTrackPanels, participants)
+                           : std::string()),
+           std::move(svg)}};
+}
+
+}  // namespace jnd
