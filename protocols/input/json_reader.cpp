@@ -51,6 +51,18 @@ std::string range_text(double min, double max, bool above, std::string_view unit
   return fmt::format("at most {}{}", plain(max), of_unit);
 }
 
+// "; 4 mm are 0.004 m": where the number is in range once it is taken for one of a unit that people use as often.
+std::string in_smaller_unit(double number, const NumberLimits& limits) {
+  const auto fits = [&](double value) {
+    return value <= limits.max && (limits.above ? value > limits.min : value >= limits.min);
+  };
+  if (limits.unit.empty() && limits.min >= 0 && limits.max == 1 && fits(number / 100))
+    return fmt::format("; {} % are {}", plain(number), plain(number / 100));
+  if ((limits.unit == "m" || limits.unit == "s") && fits(number / 1000))
+    return fmt::format("; {} m{} are {} {}", plain(number), limits.unit, plain(number / 1000), limits.unit);
+  return {};
+}
+
 // The character at `at` if it is one that may not stand in a text: its code point, else 0.
 std::uint32_t forbidden_character(std::string_view text, std::size_t at) noexcept {
   const auto byte = [text](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U; };
@@ -75,8 +87,10 @@ std::optional<double> number_of(const JsonNode& node, const NumberLimits& limits
   }
   const bool too_low = limits.above ? node.number <= limits.min : node.number < limits.min;
   if (too_low || node.number > limits.max) {
-    diagnostics.push_back(diagnostic_at(node, file, fmt::format("{} is out of range", node.text),
-                                        "must be " + range_text(limits.min, limits.max, limits.above, limits.unit)));
+    diagnostics.push_back(
+        diagnostic_at(node, file, fmt::format("{} is out of range", node.text),
+                      fmt::format("must be {}{}", range_text(limits.min, limits.max, limits.above, limits.unit),
+                                  in_smaller_unit(node.number, limits))));
     return std::nullopt;
   }
   return node.number;

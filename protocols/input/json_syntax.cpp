@@ -1,7 +1,9 @@
 #include "protocols/input/json_syntax.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -45,7 +47,87 @@ std::size_t number_before(std::string_view bytes, std::size_t end) noexcept {
   return end;
 }
 
+// What word processors and web pages write where JSON has a quote or a blank.
+struct LookAlike {
+  std::string_view bytes, name, instead;
+};
+constexpr std::array kLookAlikes = {LookAlike{"\u201c", "a curly quote", "straight quotes: \""},
+                                    LookAlike{"\u201d", "a curly quote", "straight quotes: \""},
+                                    LookAlike{"\u201e", "a curly quote", "straight quotes: \""},
+                                    LookAlike{"\u2018", "a curly quote", "straight quotes: \""},
+                                    LookAlike{"\u2019", "a curly quote", "straight quotes: \""},
+                                    LookAlike{"\u00ab", "an angled quote", "straight quotes: \""},
+                                    LookAlike{"\u00bb", "an angled quote", "straight quotes: \""},
+                                    LookAlike{"\u00a0", "a no-break space", "an ordinary blank"},
+                                    LookAlike{"\u2009", "a thin space", "an ordinary blank"},
+                                    LookAlike{"\u202f", "a narrow no-break space", "an ordinary blank"},
+                                    LookAlike{"\u200b", "a zero-width space", "nothing"}};
+
+const LookAlike* look_alike_at(std::string_view bytes, std::size_t at) noexcept {
+  for (const LookAlike& one : kLookAlikes)
+    if (bytes.substr(std::min(at, bytes.size())).starts_with(one.bytes)) return &one;
+  return nullptr;
+}
+
+// "0900": JSON's own reading ends behind the 0. end: of the number.
+std::optional<SyntaxError> leading_zero(std::string_view bytes, std::size_t end) {
+  const std::size_t begin = number_before(bytes, end);
+  const std::string_view number = bytes.substr(begin, end - begin);
+  const std::size_t first = number.starts_with('-') ? 1 : 0;
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  if (number.size() < first + 2 || number[first] != '0' || !is_digit(number[first + 1])) return std::nullopt;
+  const std::size_t rest = std::min(number.find_first_not_of('0', first), number.size() - 1);
+  if (!is_digit(number[rest])) return std::nullopt;
+  return SyntaxError{begin, fmt::format("{} begins with a zero", number),
+                     fmt::format("write {}{}", number.substr(0, first), number.substr(rest))};
+}
+
+// "900,5" in an object. begin: of the 5.
+std::optional<SyntaxError> decimal_comma(std::string_view bytes, std::size_t begin) {
+  const auto is_digit = [&](std::size_t at) { return at < bytes.size() && bytes[at] >= '0' && bytes[at] <= '9'; };
+  if (begin < 2 || !is_digit(begin) || bytes[begin - 1] != ',' || !is_digit(begin - 2)) return std::nullopt;
+  const std::size_t whole = number_before(bytes, begin - 1);
+  const std::string_view before = bytes.substr(whole, begin - 1 - whole);
+  const std::string_view after = bytes.substr(begin, skip(bytes, begin, kNumberCharacters) - begin);
+  return SyntaxError{whole, fmt::format("{},{} is written with a comma", before, after),
+                     fmt::format("numbers have a decimal point: {}.{}", before, after)};
+}
+
+// Columns before the first character of the line, or nothing where `at` is not it.
+std::optional<std::size_t> indentation_at(std::string_view bytes, std::size_t at) noexcept {
+  const std::size_t line = at == 0 ? 0 : bytes.find_last_of('\n', at - 1) + 1;
+  if (bytes.substr(line, at - line).find_first_not_of(" \t") != std::string_view::npos) return std::nullopt;
+  return at - line;
+}
+
+std::size_t indentation_of_line(std::string_view bytes, std::size_t at) noexcept {
+  const std::size_t line = at == 0 ? 0 : bytes.find_last_of('\n', at - 1) + 1;
+  return skip(bytes, line, " \t") - line;
+}
+
+// Brackets that are indented as people do give the one away that was forgotten: the first that is closed at a line that
+// is indented less than the one that opens it.
+std::optional<std::size_t> unclosed_by_indentation(std::string_view bytes) {
+  std::vector<std::size_t> open;
+  for (std::size_t at = 0; at < bytes.size(); ++at) {
+    const char c = bytes[at];
+    if (c == '"') {
+      for (++at; at < bytes.size() && bytes[at] != '"'; ++at)
+        if (bytes[at] == '\\') ++at;
+    } else if (c == '{' || c == '[') {
+      open.push_back(at);
+    } else if ((c == '}' || c == ']') && !open.empty()) {
+      const std::optional<std::size_t> closes = indentation_at(bytes, at);
+      if (closes && *closes < indentation_of_line(bytes, open.back())) return open.back();
+      open.pop_back();
+    }
+  }
+  return std::nullopt;
+}
+
 SyntaxError explain_word(std::string_view bytes, std::size_t begin) {
+  if (const LookAlike* const found = look_alike_at(bytes, begin))
+    return {begin, fmt::format("{} stands here", found->name), fmt::format("write {}", found->instead)};
   const std::string_view word = word_at(bytes, begin);
   if (word.empty()) return {begin, "the file ends before its value is complete", ""};
   std::string lower;
@@ -128,6 +210,11 @@ SyntaxError explain_syntax_error(std::string_view bytes, std::size_t end_of_last
   if (has("invalid string")) return explain_string(bytes, begin, position, what);
   if (has("unexpected end of input")) {
     if (open_brackets.empty()) return {bytes.size(), "the file ends before its value is complete", ""};
+    if (const std::optional<std::size_t> likely = unclosed_by_indentation(bytes);
+        likely && *likely != open_brackets.back())
+      return {*likely,
+              fmt::format("the '{}' that opens here is not closed, to judge by the indentation", bytes[*likely]),
+              fmt::format("add the missing '{}'", bytes[*likely] == '{' ? '}' : ']')};
     const std::size_t bracket = open_brackets.back();
     return {bracket, fmt::format("the '{}' that opens here is never closed", bytes[bracket]),
             fmt::format("add the missing '{}'", bytes[bracket] == '{' ? '}' : ']')};
@@ -136,6 +223,8 @@ SyntaxError explain_syntax_error(std::string_view bytes, std::size_t end_of_last
     const std::size_t extra = skip(bytes, end_of_last, kJsonBlanks);
     return {extra, "something follows the end of the document: " + in_quotes(word_at(bytes, extra)), "remove it"};
   }
+  if (position <= end_of_last + 1)
+    if (const std::optional<SyntaxError> zero = leading_zero(bytes, end_of_last)) return *zero;
   // "00e" was taken for one number, and is a 0 with more behind it.
   if ((has("invalid literal") || has("invalid number")) && position <= end_of_last + 1)
     return explain_word(bytes, number_before(bytes, end_of_last));
@@ -153,6 +242,8 @@ SyntaxError explain_syntax_error(std::string_view bytes, std::size_t end_of_last
             "are the brackets in order?"};
   }
   if (has("object separator")) return {begin, "a ':' is missing between the key and this value", "add it"};
+  if (has("object key"))
+    if (const std::optional<SyntaxError> comma = decimal_comma(bytes, begin)) return *comma;
   if (has("object key")) return {begin, "a key in double quotes should stand here", "keys stand in double quotes"};
   return {begin, "a comma is missing before " + in_quotes(word_at(bytes, begin)), "separate members with commas"};
 }

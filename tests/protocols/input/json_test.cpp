@@ -47,6 +47,29 @@ TEST_CASE("a number with more behind it is named whole, also where the text ends
   }
 }
 
+TEST_CASE("the commonest slips are named, with what to write") {
+  const auto message = [](const std::string& text) -> std::string {
+    try {
+      parse_json(text, "f");
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "none";
+  };
+  CHECK(message("{\"a\": 900,5, \"b\": 1}") ==
+        "f:1:7: 900,5 is written with a comma (numbers have a decimal point: 900.5)");
+  CHECK(message("{\"a\": 900, 5}") == "f:1:12: a key in double quotes should stand here (keys stand in double quotes)");
+  CHECK(message("{\"a\": 0900, \"b\": 1}") == "f:1:7: 0900 begins with a zero (write 900)");
+  CHECK(message("{\"a\": [1, -007.5]}") == "f:1:11: -007.5 begins with a zero (write -7.5)");
+  CHECK(message("{\"a\": 00}") == "f:1:7: 00 begins with a zero (write 0)");
+  CHECK(message("{“a”: 1}") == "f:1:2: a curly quote stands here (write straight quotes: \")");
+  CHECK(message("{\"a\":\u00a01}") == "f:1:6: a no-break space stands here (write an ordinary blank)");
+  // The object that is not closed, and not the one around it.
+  CHECK(message("{\n  \"a\": {\n    \"b\": 1\n  ,\n  \"c\": [\n    2\n  ]\n}\n") ==
+        "f:2:8: the '{' that opens here is not closed, to judge by the indentation (add the missing '}')");
+  CHECK(message("{\"a\": {\"b\": 1}") == "f:1:1: the '{' that opens here is never closed (add the missing '}')");
+}
+
 TEST_CASE("depth 64 and a mebibyte are read; more is refused") {
   CHECK_NOTHROW(parse_json(std::string(64, '[') + std::string(64, ']'), "f"));
   CHECK_THROWS_AS(parse_json(std::string(65, '[') + std::string(65, ']'), "f"), InputError);
@@ -141,6 +164,19 @@ TEST_CASE("ranges: ends belong to them, unless `above`") {
   CHECK_FALSE(reader.optional_number("a", {.min = 0, .max = 1, .above = true, .unit = "m"}));
   REQUIRE(diagnostics.size() == 1);
   CHECK(diagnostics[0].suggestion == "must be above 0 and at most 1 m");
+}
+
+TEST_CASE("a number of another unit is recognised") {
+  const auto message = [](const std::string& number, const NumberLimits& limits) {
+    std::vector<Diagnostic> diagnostics;
+    CHECK_FALSE(number_of(parse_json(number, "f"), limits, diagnostics, "f"));
+    return diagnostics.front().suggestion;
+  };
+  CHECK(message("4", {.min = 0.0005, .max = 0.03, .unit = "m"}) == "must be from 0.0005 to 0.03 m; 4 mm are 0.004 m");
+  CHECK(message("3000", {.min = 0.5, .max = 60, .unit = "s"}) == "must be from 0.5 to 60 s; 3000 ms are 3 s");
+  CHECK(message("75", {.min = 0, .max = 1}) == "must be from 0 to 1; 75 % are 0.75");
+  CHECK(message("750", {.min = 0, .max = 1}) == "must be from 0 to 1");
+  CHECK(message("-4", {.min = 0, .max = 0.03, .unit = "m"}) == "must be from 0 to 0.03 m");
 }
 
 TEST_CASE("nearest words") {
