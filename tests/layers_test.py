@@ -77,6 +77,7 @@ WINGS = {
         "terminal": "",
         "calc": "terminal",
         "keys": "terminal",
+        "help": "keys terminal",
         "results": "calc terminal",
         "precision": "terminal",
         "session": "keys terminal",
@@ -88,7 +89,7 @@ WINGS = {
         "device_commands": "keys opening sound terminal",
         "report": "figures keys results",
         "commands": "console events keys opening precision report results session sound terminal",
-        ".": "calc commands device_commands keys terminal",
+        ".": "calc commands device_commands help keys terminal",
     },
 }
 

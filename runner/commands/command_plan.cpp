@@ -303,8 +303,8 @@ void add_plan(CommandTree& tree) {
                                            "jnd plan chinello2017 --participant 7 --seed 1", command_plan);
   command.add_option("PROTOCOL", options.protocol,
                      "protocol file, or name of a shipped one (with --precision: chinello2017 where none is named)");
-  command.add_option("--participant", options.participant, "participant number, from 1")->check(CLI::Range(1, 100'000));
-  command.add_option("--session", options.session, "which of the participant's sessions, from 1 (default: 1)")
+  command.add_option("--participant", options.participant, "participant number")->check(CLI::Range(1, 100'000));
+  command.add_option("--session", options.session, "which of the participant's sessions (default: 1)")
       ->check(CLI::Range(1, 20));
   command.add_option("--group", options.group,
                      "where groups are given: --participant counts its members; with --cohort: its balance alone");

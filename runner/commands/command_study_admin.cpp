@@ -1,5 +1,8 @@
 // jnd note, exclude and unblind: what is said about a study outside its sessions.
+#include <cstdlib>
+#include <filesystem>
 #include <set>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -12,6 +15,8 @@
 #include "runner/opening/study_access.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
+#include "runner/terminal/standard_streams.h"
+#include "runner/terminal/study_variable.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {
@@ -50,7 +55,20 @@ SessionKind kind_of_participant(const Study& study, const ExcludeOptions& option
   return kinds.empty() ? SessionKind::real : *kinds.begin();
 }
 
-int command_note(const NoteOptions& options) {
+// One word alone is the text, where the variable names the study; a file's name is hardly a note.
+NoteOptions with_study_of_variable(NoteOptions options) {
+  if (!options.text.empty()) return options;
+  const char* const study = std::getenv(kStudyVariable);
+  std::error_code error;
+  if (study == nullptr || options.study == study || std::filesystem::exists(options.study, error))
+    throw CLI::RequiredError("TEXT");
+  options.text = std::exchange(options.study, study);
+  print_message("jnd: the study is {} ({})\n", printable(options.study), kStudyVariable);
+  return options;
+}
+
+int command_note(const NoteOptions& given) {
+  const NoteOptions options = with_study_of_variable(given);
   const HoldInterrupts hold;
   const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_write);
   add_note(*study, options.text, stamp_now(), options.participant);
@@ -124,7 +142,7 @@ void add_note(CommandTree& tree) {
                                            "jnd note s.sqlite \"lab repainted\" --participant P01", command_note);
   command.add_flag("--json", options.json, "machine-readable");
   command.add_option("STUDY", options.study, "the study's file")->required();
-  command.add_option("TEXT", options.text, "what there is to say")->required();
+  command.add_option("TEXT", options.text, "what there is to say; alone, where JND_STUDY names the study");
   command.add_option("--participant", options.participant, "the participant that it is about");
 }
 
