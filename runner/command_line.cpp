@@ -17,6 +17,7 @@
 #include "runner/help/usage_error.h"
 #include "runner/help/version_text.h"
 #include "runner/keys/interrupt.h"
+#include "runner/study_commands/study_commands.h"
 #include "runner/terminal/command_outcome.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/standard_streams.h"
@@ -32,11 +33,14 @@ void add_commands(CommandTree& tree) {
   add_new(tree);
   add_check(tree);
   add_plan(tree);
+  add_diff(tree);
   tree.heading("Run it");
   add_run(tree);
   add_simulate(tree);
   tree.heading("Look after it");
+  add_studies(tree);
   add_status(tree);
+  add_watch(tree);
   add_verify(tree);
   add_note(tree);
   add_exclude(tree);

@@ -11,7 +11,7 @@
 #include "data/verify/verify.h"
 #include "data/verify/verify_deep.h"
 #include "devices/loop/governor.h"
-#include "runner/commands/blinded_problem.h"
+#include "runner/study_commands/blinded_problem.h"
 #include "runner/commands/commands.h"
 #include "runner/keys/interrupt.h"
 #include "runner/opening/study_access.h"

@@ -12,6 +12,7 @@ namespace jnd {
 void add_new(CommandTree& tree);
 void add_check(CommandTree& tree);
 void add_plan(CommandTree& tree);
+void add_diff(CommandTree& tree);
 void add_run(CommandTree& tree);
 void add_simulate(CommandTree& tree);
 void add_status(CommandTree& tree);
@@ -19,12 +20,6 @@ void add_verify(CommandTree& tree);
 void add_analyze(CommandTree& tree);
 void add_export(CommandTree& tree);
 void add_report(CommandTree& tree);
-void add_note(CommandTree& tree);
-void add_exclude(CommandTree& tree);
-void add_unblind(CommandTree& tree);
-void add_backup(CommandTree& tree);
-void add_merge(CommandTree& tree);
-void add_recover(CommandTree& tree);
 
 // --kind and --by: which sessions are analysed, and over which stiffness differences. Where they are not given, the
 // only kind that there is, or real; and what the protocol registers.

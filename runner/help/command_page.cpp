@@ -151,14 +151,17 @@ OptionPage option_page(const std::string& command, const CLI::Option& option) {
   return page;
 }
 
-std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines;
+// The text below a command: lines that call the program are its examples, what stands before them are notes.
+void read_footer(const std::string& text, CommandPage& page) {
   std::istringstream stream(text);
   for (std::string line; std::getline(stream, line);) {
-    const std::size_t begin = line.find_first_not_of(' ');
-    if (begin != std::string::npos) lines.push_back(line.substr(begin));
+    const std::string stripped = line.substr(std::min(line.find_first_not_of(' '), line.size()));
+    if (stripped.starts_with("jnd "))
+      page.examples.push_back(stripped);
+    else
+      page.notes += line + "\n";
   }
-  return lines;
+  while (page.notes.ends_with("\n\n")) page.notes.pop_back();
 }
 
 }  // namespace
@@ -169,7 +172,7 @@ CommandPage command_page(const CLI::App& app) {
     page.name = one->get_name() + (page.name.empty() ? "" : " ") + page.name;
   page.what = app.get_description();
   page.heading = app.get_group();
-  page.examples = lines_of(app.get_footer());
+  read_footer(app.get_footer(), page);
   for (const CLI::Option* option : app.get_options({})) {
     OptionPage one = option_page(page.name, *option);
     (one.is_argument ? page.arguments : page.options).push_back(std::move(one));

@@ -30,6 +30,7 @@ struct CommandPage {
   std::string name;     // "jnd plan"
   std::string what;     // one line
   std::string heading;  // under which the parent's help lists it
+  std::string notes;    // paragraphs with lines of their own; mostly empty
   std::vector<std::string> examples;
   std::vector<OptionPage> arguments, options;
   std::vector<CommandPage> commands;  // of its own

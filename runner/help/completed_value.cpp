@@ -25,8 +25,8 @@ const std::vector<Kind>& kinds() {
       {"FILE", "*", {}},
       {"FOLDER", "/", {}},
       {"PROTOCOL", "*.json", Resource::protocol},
-      {"A", "*.json", Resource::protocol},
-      {"B", "*.json", Resource::protocol},
+      {"OLD", "*.json", Resource::protocol},
+      {"NEW", "*.json", Resource::protocol},
       {"PROFILE", "*.json", Resource::profile},
       {"RIG", "*.json", Resource::device_spec},
   };

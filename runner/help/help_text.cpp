@@ -91,6 +91,7 @@ std::string help_text(const CommandPage& page, std::size_t columns) {
   out += commands_text(page, columns);
   out += section("Arguments", page.arguments, columns);
   out += section("Options", page.options, columns);
+  if (!page.notes.empty()) out += "\n" + page.notes;
   if (!page.examples.empty()) out += fmt::format("\n{}:\n", bold(page.examples.size() == 1 ? "Example" : "Examples"));
   for (const std::string& example : page.examples) out += fmt::format("  {}\n", example);
   if (page.commands.empty()) return out;

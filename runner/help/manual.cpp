@@ -75,6 +75,10 @@ std::string lines_as_rows(const std::string& text) {
   return out + ".fi\n";
 }
 
+std::string notes(const CommandPage& page) {
+  return page.notes.empty() ? "" : ".SH NOTES\n" + lines_as_rows(page.notes);
+}
+
 }  // namespace
 
 std::string manual_file(const CommandPage& page) {
@@ -91,7 +95,7 @@ std::string manual_page(const CommandPage& page, const CommandPage& program) {
   out += fmt::format(".SH NAME\n{} \\- {}\n", roff(title), roff(page.what));
   out += fmt::format(".SH SYNOPSIS\n{}\n", roff(usage_of(page)));
   if (!page.commands.empty()) out += commands(page);
-  out += entries("ARGUMENTS", page.arguments) + entries("OPTIONS", page.options) + examples(page);
+  out += entries("ARGUMENTS", page.arguments) + entries("OPTIONS", page.options) + notes(page) + examples(page);
   out += ".SH EXIT STATUS\n" + lines_as_rows(exit_codes_text());
   out += ".SH ENVIRONMENT\n" + entry("JND_STUDY", "the study, where a command takes STUDY and none is given") +
          entry("NO_COLOR", "switches colours off");

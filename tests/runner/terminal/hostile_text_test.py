@@ -106,6 +106,7 @@ class HostileText(unittest.TestCase):
         subprocess.run([REAL_STUDY, file, protocol, "3", "pilot", "2", "0"], cwd=self.folder, check=True)
         shutil.copy(protocol, self.path(BYTES + b".json"))
         for arguments in (("status", file), ("status", file, "--json"), ("verify", file), ("verify", file, "--json"), ("analyze", file),
+                          ("studies",), ("studies", "--json"), ("watch", file, "--once"), ("diff", "tutorial", BYTES + b".json"),
                           ("analyze", file, "--csv", folder + b"1"), ("export", file, "--to", folder + b"2"), ("export", file, "--to", folder + b"2"),
                           ("report", file, "--to", folder + b".html"), ("report", file, "--to", folder + b".html"), ("plan", "--study", file),
                           ("check", BYTES + b".json"), ("check", BYTES + b".json", "--json"), ("plan", BYTES + b".json"),

@@ -9,10 +9,10 @@
 
 #include "data/study/blinding.h"
 #include "data/study/study_admin.h"
-#include "runner/commands/commands.h"
-#include "runner/commands/stamp_now.h"
 #include "runner/keys/interrupt.h"
 #include "runner/opening/study_access.h"
+#include "runner/study_commands/stamp_now.h"
+#include "runner/study_commands/study_commands.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
 #include "runner/terminal/standard_streams.h"
