@@ -30,6 +30,7 @@ namespace {
 // In the order of the program's help.
 void add_commands(CommandTree& tree) {
   tree.heading("Design a study");
+  add_init(tree);
   add_new(tree);
   add_check(tree);
   add_plan(tree);

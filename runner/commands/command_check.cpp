@@ -227,6 +227,12 @@ int command_check(const CheckOptions& options) {
 
 }  // namespace
 
+bool report_check(const std::string& protocol) {
+  const CheckedFile result = check_file(protocol);
+  print_check(protocol, result);
+  return result.check.errors.empty();
+}
+
 void add_check(CommandTree& tree) {
   const auto [command, options] =
       tree.add("check", "Find every mistake in a protocol", "jnd check my-study.json", command_check);

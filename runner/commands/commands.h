@@ -10,6 +10,7 @@
 namespace jnd {
 
 void add_new(CommandTree& tree);
+void add_init(CommandTree& tree);
 void add_check(CommandTree& tree);
 void add_plan(CommandTree& tree);
 void add_diff(CommandTree& tree);
@@ -20,6 +21,9 @@ void add_verify(CommandTree& tree);
 void add_analyze(CommandTree& tree);
 void add_export(CommandTree& tree);
 void add_report(CommandTree& tree);
+
+// What `jnd check` says of a protocol's file, on standard output. False where it has mistakes.
+bool report_check(const std::string& protocol);
 
 // --kind and --by: which sessions are analysed, and over which stiffness differences. Where they are not given, the
 // only kind that there is, or real; and what the protocol registers.
