@@ -10,6 +10,7 @@
 #include "data/study/blinding.h"
 #include "data/study/study_admin.h"
 #include "runner/keys/interrupt.h"
+#include "runner/opening/participant_names.h"
 #include "runner/opening/study_access.h"
 #include "runner/study_commands/stamp_now.h"
 #include "runner/study_commands/study_commands.h"
@@ -71,7 +72,9 @@ int command_note(const NoteOptions& given) {
   const NoteOptions options = with_study_of_variable(given);
   const HoldInterrupts hold;
   const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_write);
-  add_note(*study, options.text, stamp_now(), options.participant);
+  std::optional<std::string> participant = options.participant;
+  if (participant) participant = participant_meant(*participant, study->sessions());
+  add_note(*study, options.text, stamp_now(), participant);
   const Event event = study->study_events().back();
   study->close();
   if (options.json)
@@ -81,9 +84,11 @@ int command_note(const NoteOptions& given) {
   return exit_code::kDone;
 }
 
-int command_exclude(const ExcludeOptions& options) {
+int command_exclude(const ExcludeOptions& asked) {
   const HoldInterrupts hold;
-  const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_write);
+  const std::unique_ptr<Study> study = Study::open(asked.study, Study::Access::read_write);
+  ExcludeOptions options = asked;
+  options.participant = participant_meant(asked.participant, study->sessions());
   const SessionKind kind = kind_of_participant(*study, options);
   exclude_participant(*study, options.participant, kind, options.reason, options.replace, stamp_now());
   const Event event = study->study_events().back();
@@ -143,7 +148,8 @@ void add_note(CommandTree& tree) {
   command.add_flag("--json", options.json, "machine-readable");
   command.add_option("STUDY", options.study, "the study's file")->required();
   command.add_option("TEXT", options.text, "what there is to say; alone, where JND_STUDY names the study");
-  command.add_option("--participant", options.participant, "the participant that it is about");
+  command.add_option("--participant", options.participant,
+                     "the participant that it is about: a code, or a number (1 is P01)");
 }
 
 void add_exclude(CommandTree& tree) {
@@ -152,7 +158,7 @@ void add_exclude(CommandTree& tree) {
                "jnd exclude s.sqlite --participant P03 --reason \"felt ill\" --replace", command_exclude);
   command.add_flag("--json", options.json, "machine-readable");
   command.add_option("STUDY", options.study, "the study's file")->required();
-  command.add_option("--participant", options.participant, "the participant's code")->required();
+  command.add_option("--participant", options.participant, "the participant's code, or a number: 3 is P03")->required();
   command.add_option("--reason", options.reason, "why, in a few words")->required();
   command.add_option("--kind", options.kind, "kind of sessions (default: the only one that the participant has)")
       ->check(CLI::IsMember({"real", "pilot", "simulated"}));
