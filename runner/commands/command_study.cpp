@@ -21,6 +21,7 @@
 #include "runner/terminal/number_text.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/text_table.h"
+#include "runner/terminal/work_line.h"
 
 namespace jnd {
 
@@ -47,12 +48,14 @@ struct ExportOptions {
 };
 
 int command_status(const StatusOptions& options) {
+  std::optional<WorkLine> working(std::in_place, "reading " + options.study);
   const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_only);
   const StudyInfo& info = study->info();
   const std::vector<SessionInfo> sessions = study->sessions();
   const Protocol protocol = protocol_of(*study);
   const BlindingState blinding = blinding_of(*study, protocol, SessionKind::real);
   const bool sealed = plan_sealed(*study, protocol);
+  working.reset();
   // Who says a group knows it; one that was drawn stays sealed.
   const bool shows_groups = !protocol.groups.empty() && (!sealed || protocol.allotment == Allotment::given);
   if (options.json) {
@@ -115,10 +118,12 @@ int command_status(const StatusOptions& options) {
 }
 
 int command_verify(const VerifyOptions& options) {
+  std::optional<WorkLine> working(std::in_place, "verifying " + options.study);
   const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_only);
   VerifyReport report = verify(*study);
   DeepReport deep;
   if (options.deep) deep = verify_deep(*study);
+  working.reset();
   report.problems.insert(report.problems.end(), deep.problems.begin(), deep.problems.end());
   const std::vector<std::string> problems = unsealed_problems(report.problems, *study);
   const bool ok = problems.empty();

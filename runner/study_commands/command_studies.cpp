@@ -13,6 +13,7 @@
 #include "runner/terminal/json_output.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/text_table.h"
+#include "runner/terminal/work_line.h"
 
 namespace jnd {
 
@@ -106,7 +107,10 @@ void print_studies(const std::vector<FoundStudy>& studies, const std::string& fo
 }
 
 int command_studies(const StudiesOptions& options) {
-  const std::vector<FoundStudy> studies = studies_in(options.folder);
+  const std::vector<FoundStudy> studies = [&options] {
+    const WorkLine working("looking into the studies in " + options.folder);
+    return studies_in(options.folder);
+  }();
   if (!options.json) {
     print_studies(studies, options.folder);
     return exit_code::kDone;

@@ -65,10 +65,16 @@ class Board {
  public:
   explicit Board(std::string study) : study_(std::move(study)), overview_(look(study_)), mark_(mark_of(study_)) {}
 
-  // Looks again where the file has changed, and draws.
+  // Looks again where the file has changed, and draws. Of a large study a look takes long: then they come less often, so
+  // that the machine of the session has its processors for itself.
   void draw() {
-    if (const FileMark now = mark_of(study_); now != mark_) refresh(now);
     const SteadyClock clock;
+    const std::int64_t begun = clock.now_ns();
+    if (const FileMark now = mark_of(study_); now != mark_ && begun >= next_look_ns_) {
+      refresh(now);
+      constexpr std::int64_t kRest = 10;  // times as long as a look takes
+      next_look_ns_ = clock.now_ns() + kRest * (clock.now_ns() - begun);
+    }
     std::string text = board_text(overview_, study_, clock.utc_ns(), terminal_rows());
     if (!trouble_.empty()) text += "\n  " + warn(printable("not read just now: " + trouble_)) + "\n";
     std::string screen = "\x1b[H";
@@ -91,6 +97,7 @@ class Board {
   std::string study_;
   StudyOverview overview_;
   FileMark mark_;
+  std::int64_t next_look_ns_ = 0;
   std::string trouble_;
 };
 

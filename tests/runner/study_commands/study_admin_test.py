@@ -56,11 +56,13 @@ class Care(unittest.TestCase):
         run = ("run", "tutorial", "--study", "r.sqlite", "--responder", "chinello2017", "--fast", "--seed", "1")
         self.assertIn("The session of P01 is complete", self.jnd(*run, "--participant", "1").stdout)
         self.assertIn("P01 has finished", self.jnd(*run, "--participant", "P01", code=2).stderr)
-        self.jnd(*run, "--participant", "4711")
-        self.assertEqual([one["participant"] for one in self.json("status", "r.sqlite")["sessions"]], ["P01", "4711"])
-        plans = [self.jnd("plan", "--study", "r.sqlite", "--participant", name).stdout for name in ("2", "4711")]
+        self.jnd(*run, "--participant", "Q1")
+        self.jnd(*run, "--participant", "4711")  # a laboratory's own code
+        self.assertEqual([one["participant"] for one in self.json("status", "r.sqlite")["sessions"]], ["P01", "Q1", "4711"])
+        plans = [self.jnd("plan", "--study", "r.sqlite", "--participant", name).stdout for name in ("2", "Q1")]
         self.assertEqual(plans[0], plans[1])
-        self.assertIn("participant 4711, number 2 of the plan", plans[0])
+        self.assertIn("participant Q1, number 2 of the plan", plans[0])
+        self.assertIn("give 3", self.jnd("plan", "--study", "r.sqlite", "--participant", "4711", code=2).stderr)
         self.assertIn("participant P07, seed 1", self.jnd("plan", "tutorial", "--participant", "7").stdout)
         self.assertEqual(*(self.jnd("plan", "tutorial", "--participant", name).stdout for name in ("7", "P07")))
         self.assertIn("has no session", self.jnd("plan", "--study", "r.sqlite", "--participant", "P05", code=2).stderr)
