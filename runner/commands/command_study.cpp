@@ -184,12 +184,14 @@ int command_export(const ExportOptions& options) {
     throw UsageError(blinding_line(blinding_of(*study, protocol, SessionKind::real), options.study) +
                      "\nThe recorded forces give the stimuli away: export without --telemetry until then");
   if (blinding_of(*study, protocol, kind).blinded) return export_in_code(*study, protocol, options);
+  std::optional<WorkLine> working(std::in_place, "exporting " + options.study);
   const StudyResults results = results_of(*study, protocol, kind, source_to_analyse(protocol, options.by));
   std::optional<TelemetryExport> telemetry;
   if (options.telemetry) telemetry = {{limit::kNames.begin(), limit::kNames.end()}};
   const HoldInterrupts hold;
   const std::vector<std::string> files =
       export_csv(*study, protocol, results, options.folder, options.replace, telemetry);
+  working.reset();
   fmt::print("{} files ({} data) in {}; dictionary.csv says what every column is\n", files.size(), to_string(kind),
              printable(options.folder));
   if (plan_sealed(*study, protocol))
