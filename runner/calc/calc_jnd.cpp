@@ -343,7 +343,7 @@ void add_calc_jnd(CommandTree& calc) {
             value > 0 && std::isfinite(value);
         return good ? std::string() : text + " is not a number above 0";
       });
-  command.add_option("--correction", options.correction, "of rates of 0 and 1 in the closed forms")
+  command.add_option("--correction", options.correction, "how rates of 0 and 1 are corrected in the closed forms")
       ->check(CLI::IsMember({"none", "loglinear", "half"}))
       ->capture_default_str();
   command
@@ -351,7 +351,7 @@ void add_calc_jnd(CommandTree& calc) {
                   "replicates for an interval of least_squares and for the p values of the fits; 0: none")
       ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str();
-  command.add_option("--seed", options.seed, "of the replicates")->capture_default_str();
+  command.add_option("--seed", options.seed, "seed of the replicates")->capture_default_str();
   add_trial_options(command, options.trials, kSameDifferentUse);
 }
 

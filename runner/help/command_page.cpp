@@ -52,7 +52,7 @@ constexpr auto kValues = std::to_array<std::pair<std::string_view, std::string_v
     {"--responder", "PROFILE"},
     {"--rig", "FILE"},
     {"--spec", "FILE"},
-    {"--standard", "COLUMN"},
+    {"--standard", "NUMBER|COLUMN"},
     {"--study", "STUDY"},
     {"--to", "FILE"},
     {"--wrench", "FX,FY,FZ,MX,MY,MZ"},
@@ -127,6 +127,7 @@ std::string value_of_option(const std::string& command, const CLI::Option& optio
   const std::string one = value_by_name(command, page.name, type);
   std::string value = one;
   for (int i = 1; i < option.get_items_expected_min(); ++i) value += "," + one;
+  if (page.several && option.get_delimiter() != '\0' && !value.ends_with("...")) value += ",...";
   return value;
 }
 
@@ -194,6 +195,7 @@ std::string usage_of(const CommandPage& page) {
   if (!page.commands.empty()) return usage + " COMMAND ...";
   bool others = false;
   for (const OptionPage& option : page.options) {
+    if (option.name == "--help" || option.name == "--version") continue;
     if (option.required)
       usage += " " + label_of(option);
     else
@@ -214,7 +216,7 @@ std::string label_of(const OptionPage& option) {
 std::string words_of(const OptionPage& option) {
   std::string text = option.what;
   if (!option.words.empty() && option.value == "WORD") text += fmt::format(": {}", fmt::join(option.words, ", "));
-  if (!option.range.empty()) text += fmt::format(" ({})", option.range);
+  if (!option.range.empty() && text.find(option.range) == std::string::npos) text += fmt::format(" ({})", option.range);
   if (!option.fallback.empty()) text += fmt::format(" (default: {})", option.fallback);
   if (!option.variable.empty()) text += fmt::format(" (default: ${})", option.variable);
   return text;
