@@ -63,8 +63,12 @@ class Zsh:
         self.text = ""
         self.tell("PS1='READY''> '; unsetopt zle_bracketed_paste beep prompt_sp; bindkey -e; zmodload zsh/complist\n")
         self.wait_for("READY> ")
-        self.tell("autoload -U compinit; compinit -D -u; zstyle ':completion:*' menu no; setopt auto_list no_list_ambiguous "
-                  f"list_rows_first; LISTMAX=0; source '{script}'; print LOA''DED\n")
+        # As it is installed: in a folder that zsh loads functions from, where the file has the function's name.
+        functions = os.path.join(folder, ".functions")
+        os.mkdir(functions)
+        shutil.copy(script, os.path.join(functions, "_jnd"))
+        self.tell(f"fpath=('{functions}' $fpath); autoload -U compinit; compinit -D -u; zstyle ':completion:*' menu no; setopt auto_list "
+                  "no_list_ambiguous list_rows_first; LISTMAX=0; print LOA''DED\n")
         self.wait_for("LOADED")
         self.wait_for("READY> ")
 

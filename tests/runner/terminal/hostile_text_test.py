@@ -70,7 +70,9 @@ class HostileText(unittest.TestCase):
                               ("simulate", "tutorial", "--study", b"no/" + argument), ("simulate", "tutorial", "--no-study", "--profile", argument),
                               ("status", argument), ("verify", argument), ("analyze", argument), ("analyze", "s.sqlite", "--kind", argument),
                               ("export", argument, "--to", argument), ("report", argument), ("doctor", "--seconds", "0.1", "--study", argument),
-                              ("doctor", "--seconds", "0.1", "--json", "--study", argument),
+                              ("doctor", "--seconds", "0.1", "--json", "--study", argument), ("help", argument), ("help", "calc", argument),
+                              ("studies", argument), ("watch", argument, "--once"), ("diff", argument, "tutorial"), ("completions", argument),
+                              ("init", b"no/" + argument), ("new", "n", "--task", argument), ("plan", "tutorial", b"--" + argument),
                               ("calc", argument), ("calc", "sdt", argument), ("calc", "jnd", argument), ("calc", "compare", argument),
                               ("device", argument), ("device", "info", argument), ("device", "test", argument), ("device", "model", argument)):
                 self.jnd(*arguments)
