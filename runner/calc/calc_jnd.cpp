@@ -22,6 +22,7 @@
 #include "runner/terminal/number_text.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/text_table.h"
+#include "runner/terminal/work_line.h"
 
 namespace jnd {
 
@@ -297,7 +298,10 @@ int run_jnd(const JndOptions& options) {
                   {Align::left, Align::left, Align::left, Align::right, Align::right, Align::right, Align::right,
                    Align::right, Align::left});
   for (const Group& group : groups) {
-    const GroupResult result = result_of(group, options);
+    const GroupResult result = [&] {
+      const WorkLine working(fmt::format("{} {}", group.participant, group.condition));
+      return result_of(group, options);
+    }();
     if (options.input.json) {
       print_json(group, result);
       continue;

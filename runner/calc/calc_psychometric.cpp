@@ -22,6 +22,7 @@
 #include "runner/terminal/progress_bar.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/text_table.h"
+#include "runner/terminal/work_line.h"
 
 namespace jnd {
 
@@ -152,6 +153,7 @@ int fit(const FitOptions& options) {
   std::vector<PsychometricAnswer> answers;
   std::optional<PsychometricComparison> comparison;
   try {
+    const WorkLine working("fitting " + options.input.file);
     answers.reserve(groups.size());
     for (const LevelGroup& group : groups) answers.push_back(answer_for(group, model, options));
     if (options.compare) {
