@@ -13,7 +13,6 @@
 #include "runner/commands/commands.h"
 #include "runner/device_commands/device_commands.h"
 #include "runner/help/help_commands.h"
-#include "runner/terminal/study_variable.h"
 #include "runner/help/usage_error.h"
 #include "runner/help/version_text.h"
 #include "runner/keys/interrupt.h"
@@ -21,6 +20,7 @@
 #include "runner/terminal/command_outcome.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/standard_streams.h"
+#include "runner/terminal/study_variable.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {
@@ -78,6 +78,18 @@ int say_usage(const CLI::App& command, const std::string& problem) {
   return exit_code::kUsage;
 }
 
+// A command may find only later that options do not go together, or not with the study: then, too, it is said where
+// to read.
+int run_chosen(const std::function<int()>& chosen, const CLI::App& command) {
+  try {
+    return chosen();
+  } catch (const UsageError& error) {
+    write_marked_message(error.what());
+    write_message(fmt::format("  more:  {}\n", help_command_of(command)));
+    return exit_code::kUsage;
+  }
+}
+
 // Reads the arguments and runs the command that they choose.
 int parse_and_run(int argc, const char* const* argv) {
   CLI::App app;
@@ -90,7 +102,7 @@ int parse_and_run(int argc, const char* const* argv) {
     app.parse(argc, argv);
     if (chosen) {
       tell_study_of_variable(*named.command, arguments);
-      return chosen();
+      return run_chosen(chosen, *named.command);
     }
   } catch (const CLI::CallForVersion&) {
     fmt::print("{}", version_text());

@@ -48,6 +48,6 @@ StartingPoint filled_in(StartingPoint point);
 
 // The protocol's file, to be written with readable_json(). Throws UsageError where task, rig and procedure do not go
 // together.
-nlohmann::ordered_json starting_protocol(const StartingPoint& point);
+nlohmann::ordered_json starting_protocol(const StartingPoint& given);
 
 }  // namespace jnd

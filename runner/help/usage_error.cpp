@@ -114,11 +114,13 @@ std::string problem_of(const CLI::ParseError& error) {
   return text;
 }
 
+std::string help_command_of(const CLI::App& command) {
+  return command.get_parent() == nullptr ? "jnd help" : "jnd help " + without_program(command);
+}
+
 std::string usage_message(const CLI::App& command, const std::string& problem) {
-  const CommandPage page = command_page(command);
-  const std::size_t blank = page.name.find(' ');
-  return fmt::format("jnd: {}\n  usage: {}\n  more:  jnd help{}\n", problem, usage_of(page),
-                     blank == std::string::npos ? "" : page.name.substr(blank));
+  return fmt::format("jnd: {}\n  usage: {}\n  more:  {}\n", problem, usage_of(command_page(command)),
+                     help_command_of(command));
 }
 
 }  // namespace jnd

@@ -23,6 +23,9 @@ NamedCommand named_command(const CLI::App& program, const std::vector<std::strin
 // The parser's words for what is wrong, and the nearest value where only some are taken.
 std::string problem_of(const CLI::ParseError& error);
 
+// "jnd help device test".
+std::string help_command_of(const CLI::App& command);
+
 // The whole message: the problem, the command's usage, and where its help is.
 std::string usage_message(const CLI::App& command, const std::string& problem);
 
