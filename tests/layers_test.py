@@ -77,6 +77,7 @@ WINGS = {
         "terminal": "",
         "calc": "terminal",
         "keys": "terminal",
+        "help": "keys terminal",
         "results": "calc terminal",
         "precision": "terminal",
         "session": "keys terminal",
@@ -87,8 +88,9 @@ WINGS = {
         "opening": "keys session terminal",
         "device_commands": "keys opening sound terminal",
         "report": "figures keys results",
-        "commands": "console events keys opening precision report results session sound terminal",
-        ".": "calc commands device_commands keys terminal",
+        "study_commands": "keys opening terminal",
+        "commands": "console events keys opening precision report results session sound study_commands terminal",
+        ".": "calc commands device_commands help keys study_commands terminal",
     },
 }
 

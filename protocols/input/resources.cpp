@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "protocols/input/input_error.h"
+#include "protocols/input/json_reader.h"
 
 namespace jnd {
 
@@ -79,6 +80,12 @@ std::vector<std::string> shipped_names(Resource resource) {
   return names;
 }
 
+std::string nearest_shipped(Resource resource, const std::string& name) {
+  const std::vector<std::string> names = shipped_names(resource);
+  const std::string near = nearest_word(name, {names.begin(), names.end()});
+  return near.empty() ? "" : fmt::format("; did you mean '{}'?", near);
+}
+
 bool names_a_file(const std::string& name_or_path) noexcept {
   return name_or_path.find('/') != std::string::npos || name_or_path.ends_with(".json");
 }
@@ -97,8 +104,9 @@ fs::path find_resource(Resource resource, const std::string& name_or_path) {
   }
   const std::string hint =
       fs::exists(name_or_path, error) ? fmt::format("; for the file write ./{}", name_or_path) : "";
-  throw InputError(fmt::format("no {} called '{}' is shipped (shipped: {}){}", noun, name_or_path,
-                               fmt::join(shipped_names(resource), ", "), hint));
+  throw InputError(fmt::format("no {} called '{}' is shipped{} (shipped: {}){}", noun, name_or_path,
+                               nearest_shipped(resource, name_or_path), fmt::join(shipped_names(resource), ", "),
+                               hint));
 }
 
 fs::path shipped_file(const fs::path& installed_folder, const fs::path& source_folder, const std::string& name) {

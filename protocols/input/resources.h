@@ -20,6 +20,9 @@ std::filesystem::path find_resource(Resource resource, const std::string& name_o
 
 std::vector<std::string> shipped_names(Resource resource);  // sorted, without ".json"
 
+// "; did you mean 'rrs3'?" of a name that none has, for messages; empty where no name is near.
+std::string nearest_shipped(Resource resource, const std::string& name);
+
 // Any other shipped file: under share/jnd of the running binary's install, of the configured prefix, or in the source
 // tree, in this order; empty where it is in none.
 std::filesystem::path shipped_file(const std::filesystem::path& installed_folder,

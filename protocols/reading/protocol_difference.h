@@ -8,12 +8,19 @@
 
 namespace jnd {
 
+// A value that is there in one of the two only, or in both and not the same.
+struct ProtocolChange {
+  std::string path;           // "$.design.participants"
+  std::string before, after;  // the whole values as JSON; empty where there is none
+};
+
 struct ProtocolDifference {
   // The documents are equal member by member, though the bytes differ: blanks, the order of members, 1.0 for 1.
   bool same_meaning = false;
   // "$.design.participants: 18 -> 24", "$.practice: added {...}", "$.breaks[1]: removed {...}", in the order of the
   // old file, then what is new; values are shortened, control characters escaped.
   std::vector<std::string> lines;
+  std::vector<ProtocolChange> changes;  // every one, in the order of the lines
 };
 
 // limit: most lines, >= 1; where there are more differences the last line says how many. `$schema` is for editors and

@@ -153,7 +153,7 @@ void add_calc_adaptive(CommandTree& calc) {
   command.add_option("--delta", p.delta, "share of answers given blindly")->capture_default_str();
   command.add_option("--gamma", p.gamma, "share correct without a stimulus")->capture_default_str();
   command.add_option("--grain", p.grain, "step of the grid of thresholds")->capture_default_str();
-  command.add_option("--range", p.range, "of the grid, about the guess")->capture_default_str();
+  command.add_option("--range", p.range, "width of the grid, about the guess")->capture_default_str();
   const std::map<std::string, Placement> places = {
       {"mean", Placement::mean}, {"mode", Placement::mode}, {"median", Placement::median}};
   command

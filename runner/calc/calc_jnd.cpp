@@ -22,6 +22,7 @@
 #include "runner/terminal/number_text.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/text_table.h"
+#include "runner/terminal/work_line.h"
 
 namespace jnd {
 
@@ -297,7 +298,10 @@ int run_jnd(const JndOptions& options) {
                   {Align::left, Align::left, Align::left, Align::right, Align::right, Align::right, Align::right,
                    Align::right, Align::left});
   for (const Group& group : groups) {
-    const GroupResult result = result_of(group, options);
+    const GroupResult result = [&] {
+      const WorkLine working(fmt::format("{} {}", group.participant, group.condition));
+      return result_of(group, options);
+    }();
     if (options.input.json) {
       print_json(group, result);
       continue;
@@ -343,7 +347,7 @@ void add_calc_jnd(CommandTree& calc) {
             value > 0 && std::isfinite(value);
         return good ? std::string() : text + " is not a number above 0";
       });
-  command.add_option("--correction", options.correction, "of rates of 0 and 1 in the closed forms")
+  command.add_option("--correction", options.correction, "how rates of 0 and 1 are corrected in the closed forms")
       ->check(CLI::IsMember({"none", "loglinear", "half"}))
       ->capture_default_str();
   command
@@ -351,7 +355,7 @@ void add_calc_jnd(CommandTree& calc) {
                   "replicates for an interval of least_squares and for the p values of the fits; 0: none")
       ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str();
-  command.add_option("--seed", options.seed, "of the replicates")->capture_default_str();
+  command.add_option("--seed", options.seed, "seed of the replicates")->capture_default_str();
   add_trial_options(command, options.trials, kSameDifferentUse);
 }
 

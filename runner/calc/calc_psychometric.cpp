@@ -22,6 +22,7 @@
 #include "runner/terminal/progress_bar.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/text_table.h"
+#include "runner/terminal/work_line.h"
 
 namespace jnd {
 
@@ -152,6 +153,7 @@ int fit(const FitOptions& options) {
   std::vector<PsychometricAnswer> answers;
   std::optional<PsychometricComparison> comparison;
   try {
+    const WorkLine working("fitting " + options.input.file);
     answers.reserve(groups.size());
     for (const LevelGroup& group : groups) answers.push_back(answer_for(group, model, options));
     if (options.compare) {
@@ -194,13 +196,13 @@ void add_calc_psychometric(CommandTree& calc) {
   command.add_option("--interval", options.interval, "profile (of the likelihood) or bootstrap (parametric)")
       ->check(CLI::IsMember({"profile", "bootstrap"}))
       ->capture_default_str();
-  command.add_option("--confidence", options.confidence, "of the intervals")
+  command.add_option("--confidence", options.confidence, "coverage of the intervals")
       ->check(CLI::Range(0.5, 0.9999))
       ->capture_default_str();
-  command.add_option("--replicates", options.replicates, "of the bootstrap")
+  command.add_option("--replicates", options.replicates, "how many samples the bootstrap draws")
       ->check(CLI::Range(100, 1'000'000))
       ->capture_default_str();
-  command.add_option("--seed", options.seed, "of the bootstrap")->capture_default_str();
+  command.add_option("--seed", options.seed, "seed of the bootstrap")->capture_default_str();
   command.add_flag("--compare", options.compare,
                    "likelihood-ratio tests between groups: own location, own slope, both (maximum likelihood)");
   add_trial_options(command, options.trials, kFitUse);

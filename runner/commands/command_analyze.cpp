@@ -25,6 +25,7 @@
 #include "runner/terminal/pager.h"
 #include "runner/terminal/standard_streams.h"
 #include "runner/terminal/terminal.h"
+#include "runner/terminal/work_line.h"
 
 namespace jnd {
 
@@ -145,7 +146,9 @@ int command_analyze(const AnalyzeOptions& options) {
   const Protocol protocol = protocol_of(*study);
   const SessionKind kind = kind_to_analyse(*study, options.kind);
   if (blinding_of(*study, protocol, kind).blinded) return analyze_blinded(*study, protocol, options);
+  std::optional<WorkLine> working(std::in_place, "analysing " + options.study);
   const StudyResults results = results_of(*study, protocol, kind, source_to_analyse(protocol, options.by));
+  working.reset();
   // Only JNDs over given levels have other models.
   const auto* constant = std::get_if<ConstantResults>(&results.measured);
   const bool all_models = options.shows(Section::models) && constant != nullptr;

@@ -23,6 +23,7 @@
 #include "runner/terminal/json_output.h"
 #include "runner/terminal/number_text.h"
 #include "runner/terminal/terminal.h"
+#include "runner/terminal/work_line.h"
 
 namespace jnd {
 
@@ -65,6 +66,12 @@ CheckedFile check_file(const std::string& name_or_path) {
   result.duration_s = expected_duration_s(protocol);
   if (has_precision(protocol)) result.precision = planned_precision(protocol);
   return result;
+}
+
+// Says that it is at work where that takes more than a second.
+CheckedFile check_with_word(const std::string& name) {
+  const WorkLine working("checking " + name);
+  return check_file(name);
 }
 
 // What the rig file has to name, where the fingers' poses come from outside this program.
@@ -212,7 +219,7 @@ void print_check_json(const CheckedFile& result) {
 int command_check(const CheckOptions& options) {
   bool all_ok = true;
   for (const std::string& name : options.protocols) {
-    CheckedFile result = check_file(name);
+    CheckedFile result = check_with_word(name);
     if (!options.rig.empty() && result.check.errors.empty())
       for (std::string& problem : ask_rig_of(options.rig, *result.check.protocol).problems)
         result.check.errors.push_back({name, 0, 0, "$.rig", std::move(problem), ""});
@@ -226,6 +233,12 @@ int command_check(const CheckOptions& options) {
 }
 
 }  // namespace
+
+bool report_check(const std::string& protocol) {
+  const CheckedFile result = check_with_word(protocol);
+  print_check(protocol, result);
+  return result.check.errors.empty();
+}
 
 void add_check(CommandTree& tree) {
   const auto [command, options] =

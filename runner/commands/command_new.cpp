@@ -5,13 +5,13 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "data/files/draft.h"
 #include "protocols/input/read_file.h"
 #include "protocols/input/resources.h"
 #include "protocols/planning/adaptive_run.h"
 #include "protocols/reading/protocol_json.h"
 #include "protocols/tasks/task.h"
 #include "runner/commands/commands.h"
+#include "runner/commands/new_protocol.h"
 #include "runner/commands/readable_json.h"
 #include "runner/commands/starting_protocol.h"
 #include "runner/keys/interrupt.h"
@@ -40,16 +40,6 @@ std::vector<Protocol> shipped_protocols() {
   for (const std::string& name : shipped_names(Resource::protocol))
     protocols.push_back(load_protocol(find_resource(Resource::protocol, name)));
   return protocols;
-}
-
-std::string_view summary_of(TaskKind task) {
-  return task == TaskKind::explore ? "free interaction, then a questionnaire" : task_of(task).summary();
-}
-
-std::vector<TaskKind> every_task() {
-  std::vector<TaskKind> tasks(all_tasks().begin(), all_tasks().end());
-  tasks.push_back(TaskKind::explore);
-  return tasks;
 }
 
 // Every shipped protocol on a line, under its task.
@@ -85,13 +75,6 @@ void print_list_json() {
   print_json(list);
 }
 
-// False where the file exists.
-bool write_new_file(const std::filesystem::path& path, const std::string& bytes) {
-  Draft draft(path, Draft::What::file, Draft::Access::everyone);
-  draft.write(bytes);
-  return draft.publish();
-}
-
 std::vector<std::string> words_of_procedures() {
   std::vector<std::string> words = {"constant"};
   for (const auto& [word, kind] : procedure_words()) words.emplace_back(word);
@@ -116,27 +99,20 @@ int command_new(const NewOptions& options) {
     throw UsageError("--rig and --procedure belong to --task");
   const HoldInterrupts hold;
   const std::string name = options.from.empty() ? kTutorial : options.from;
-  const std::filesystem::path from = find_resource(Resource::protocol, name);
-  const std::filesystem::path file = options.file.ends_with(".json") ? options.file : options.file + ".json";
+  const std::filesystem::path file = protocol_file(options.file);
   std::string bytes, what;
   if (options.task.empty()) {
-    bytes = read_input_file(from);
+    bytes = read_input_file(find_resource(Resource::protocol, name));
     what = fmt::format("a copy of {}", printable(name));
   } else {
-    StartingPoint point{.task = *task_kind_from(options.task)};
+    StartingPoint point;
+    point.task = *task_kind_from(options.task);
     if (!options.rig.empty()) point.rig = options.rig;
     if (!options.procedure.empty()) point.procedure = options.procedure;
     bytes = readable_json(starting_protocol(point));
     what = fmt::format("the task {} on the rig {}", options.task, point.rig);
   }
-  if (!write_new_file(file, bytes))
-    throw UsageError(fmt::format("{} exists already; choose another name", file.string()));
-  fmt::print("{} written, {}.\n", printable(file.string()), what);
-  // The protocol names its schema by a relative path, so that editors help with it.
-  const std::filesystem::path schema = from.parent_path() / "protocol.schema.json";
-  if (std::filesystem::exists(schema) &&
-      write_new_file(file.parent_path() / schema.filename(), read_input_file(schema)))
-    fmt::print("  protocol.schema.json is beside it: editors that know JSON Schema help while you type\n");
+  write_new_protocol(file, bytes, what);
   fmt::print("  edit it, then:  jnd check {}\n", printable(file.string()));
   return exit_code::kDone;
 }

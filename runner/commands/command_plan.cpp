@@ -14,6 +14,7 @@
 #include "runner/commands/commands.h"
 #include "runner/commands/plan_explorations.h"
 #include "runner/commands/precision_options.h"
+#include "runner/opening/participant_names.h"
 #include "runner/opening/study_access.h"
 #include "runner/results/blinded_results.h"
 #include "runner/terminal/exit_code.h"
@@ -28,9 +29,9 @@ namespace {
 struct PlanOptions {
   std::string protocol;
   std::optional<std::string> study;  // its protocol and seed, instead of those here
-  int participant = 1;
-  int session = 1;    // of that participant, or of all of them
-  std::string group;  // whose member the participant is, or whose balance is asked for
+  std::string participant = "1";     // a number of the plan, or a code
+  int session = 1;                   // of that participant, or of all of them
+  std::string group;                 // whose member the participant is, or whose balance is asked for
   std::optional<int> cohort;
   std::optional<std::uint64_t> seed;  // 1 where not given
   bool json = false;
@@ -65,11 +66,13 @@ std::string group_text(const Protocol& protocol, const Plan& plan) {
   return plan.group ? fmt::format(", group {}", group_name(protocol, plan.group)) : std::string();
 }
 
-void print_plan(const Protocol& protocol, const Plan& plan) {
-  fmt::print("{}\n{}\n", bold(printable(protocol.title)),
-             dim(fmt::format("participant {}{}{}, seed {}, protocol {}", plan.participant, group_text(protocol, plan),
-                             plan.session == 1 ? "" : fmt::format(", session {}", plan.session), plan.seed,
-                             protocol.sha256.substr(0, 12))));
+// sessions: of the study whose plan it is; null where it is that of a protocol alone.
+void print_plan(const Protocol& protocol, const Plan& plan, const std::vector<SessionInfo>* sessions) {
+  fmt::print(
+      "{}\n{}\n", bold(printable(protocol.title)),
+      dim(fmt::format("{}{}{}, seed {}, protocol {}", participant_title(plan.participant, sessions),
+                      group_text(protocol, plan), plan.session == 1 ? "" : fmt::format(", session {}", plan.session),
+                      plan.seed, protocol.sha256.substr(0, 12))));
   if (protocol.task.kind == TaskKind::explore) return print_explorations(protocol, plan);
   fmt::print("series: {}\n", fmt::join(names_in_order(plan.series_order, protocol.series), ", "));
   for (std::size_t i = 0; i < plan.condition_orders.size(); ++i)
@@ -192,13 +195,13 @@ std::optional<int> group_asked(const Protocol& protocol, const PlanOptions& opti
   return group;
 }
 
-// Of the participant that is asked for: a number, or with a group that is given one of its members.
-int number_of(const Protocol& protocol, const PlanOptions& options) {
+// Of the participant that is asked for: a number or a code, or with a group that is given the number of a member.
+int number_of(const Protocol& protocol, const PlanOptions& options, const std::vector<SessionInfo>& sessions) {
   const std::optional<int> group = group_asked(protocol, options);
-  if (!group) return options.participant;
+  if (!group) return plan_number_meant(options.participant, sessions);
   if (protocol.allotment != Allotment::given)
     throw UsageError("--group: numbers are allotted to groups by the seed; leave it out, and the plan says the group");
-  return number_of_member(protocol, *group, options.participant);
+  return number_of_member(protocol, *group, plan_number_meant(options.participant, {}));
 }
 
 // The groups one by one, each with its own balance; or the one that is named.
@@ -230,7 +233,8 @@ int plan_in_code(const Study& study, const Protocol& protocol, const PlanOptions
   const std::string line = blinding_line(state, *options.study);
   if (options.cohort)
     throw UsageError(line + "\nThe balance of the cohort names conditions: leave --cohort out until then");
-  const Plan plan = make_plan(protocol, number_of(protocol, options), study.info().seed, options.session);
+  const std::vector<SessionInfo> sessions = study.sessions();
+  const Plan plan = make_plan(protocol, number_of(protocol, options, sessions), study.info().seed, options.session);
   // Who says a group knows it; one that was drawn stays sealed.
   const bool knows_group = protocol.allotment == Allotment::given;
   const std::vector<std::string> codes = condition_codes(protocol, study.info().seed);
@@ -256,7 +260,7 @@ int plan_in_code(const Study& study, const Protocol& protocol, const PlanOptions
     return exit_code::kDone;
   }
   fmt::print("{}\n{}\n{}\n\n", bold(printable(protocol.title)),
-             dim(fmt::format("participant {}{}, protocol {}", plan.participant,
+             dim(fmt::format("{}{}, protocol {}", participant_title(plan.participant, &sessions),
                              knows_group ? group_text(protocol, plan) : "", protocol.sha256.substr(0, 12))),
              warn(printable(line)));
   using Align = TextTable::Align;
@@ -270,13 +274,15 @@ int plan_in_code(const Study& study, const Protocol& protocol, const PlanOptions
   return exit_code::kDone;
 }
 
-int plan_of_protocol(const Protocol& protocol, std::uint64_t seed, const PlanOptions& options) {
+int plan_of_protocol(const Protocol& protocol, std::uint64_t seed, const PlanOptions& options,
+                     const std::vector<SessionInfo>* sessions = nullptr) {
   if (options.cohort) return print_cohort(protocol, seed, options);
-  const Plan plan = make_plan(protocol, number_of(protocol, options), seed, options.session);
+  const int number = number_of(protocol, options, sessions == nullptr ? std::vector<SessionInfo>() : *sessions);
+  const Plan plan = make_plan(protocol, number, seed, options.session);
   if (options.json)
     print_plan_json(protocol, plan);
   else
-    print_plan(protocol, plan);
+    print_plan(protocol, plan, sessions);
   return exit_code::kDone;
 }
 
@@ -293,18 +299,20 @@ int command_plan(const PlanOptions& options) {
   const std::unique_ptr<Study> study = Study::open(*options.study, Study::Access::read_only);
   const Protocol protocol = protocol_of(*study);
   if (plan_sealed(*study, protocol)) return plan_in_code(*study, protocol, options);
-  return plan_of_protocol(protocol, study->info().seed, options);
+  const std::vector<SessionInfo> sessions = study->sessions();
+  return plan_of_protocol(protocol, study->info().seed, options, &sessions);
 }
 
 }  // namespace
 
 void add_plan(CommandTree& tree) {
   const auto [command, options] = tree.add("plan", "Print the trials of a participant, or the balance of a cohort",
-                                           "jnd plan chinello2017 --participant 7 --seed 1", command_plan);
+                                           "jnd plan chinello2017 --participant P07 --seed 1", command_plan);
   command.add_option("PROTOCOL", options.protocol,
                      "protocol file, or name of a shipped one (with --precision: chinello2017 where none is named)");
-  command.add_option("--participant", options.participant, "participant number, from 1")->check(CLI::Range(1, 100'000));
-  command.add_option("--session", options.session, "which of the participant's sessions, from 1 (default: 1)")
+  command.add_option("--participant", options.participant,
+                     "a number of the plan, such as 7, or a code: P07; of a study whoever has a session (default: 1)");
+  command.add_option("--session", options.session, "which of the participant's sessions (default: 1)")
       ->check(CLI::Range(1, 20));
   command.add_option("--group", options.group,
                      "where groups are given: --participant counts its members; with --cohort: its balance alone");

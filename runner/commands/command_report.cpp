@@ -17,6 +17,7 @@
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/number_text.h"
 #include "runner/terminal/terminal.h"
+#include "runner/terminal/work_line.h"
 
 namespace jnd {
 
@@ -68,12 +69,14 @@ int command_report(const ReportOptions& options) {
   const Protocol protocol = protocol_of(*study);
   const SessionKind kind = kind_to_analyse(*study, options.kind);
   if (blinding_of(*study, protocol, kind).blinded) return report_blinded(*study, protocol, options, std::move(files));
+  std::optional<WorkLine> working(std::in_place, "analysing " + options.study);
   const StudyResults results = results_of(*study, protocol, kind, source_to_analyse(protocol, options.by));
   const std::vector<Figure> figures = study_figures(results, protocol);
   files.page_bytes = report_page(results, protocol, result_tables(results, protocol), figures,
                                  methods_text(*study, protocol, results), facts_of(*study, protocol, study_path, kind));
   for (const Figure& figure : figures) files.figures.emplace_back(figure.id + ".svg", figure.svg.file());
   write_report(files, options.replace);
+  working.reset();
   fmt::print("{}: {} {} participant{}; one page that needs nothing else\n", bold(printable(files.page.string())),
              attendance_of(results).participants, to_string(kind), attendance_of(results).participants == 1 ? "" : "s");
   if (!figures.empty())

@@ -17,6 +17,7 @@
 #include "runner/keys/interrupt.h"
 #include "runner/keys/keyboard.h"
 #include "runner/opening/chosen_rig.h"
+#include "runner/opening/participant_names.h"
 #include "runner/opening/readiness.h"
 #include "runner/opening/rig_source.h"
 #include "runner/opening/session_opening.h"
@@ -27,6 +28,7 @@
 #include "runner/session/simulate.h"
 #include "runner/sound/session_sound.h"
 #include "runner/terminal/exit_code.h"
+#include "runner/terminal/study_variable.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {
@@ -210,6 +212,7 @@ int command_run(const RunOptions& options) {
   const auto now = [&] { return Stamp{clock->utc_ns(), clock->now_ns()}; };
   const std::unique_ptr<Study> study = open_or_create_study(options.study, protocol, options.seed, now());
   const std::uint64_t seed = study->info().seed;
+  request.participant = participant_meant(request.participant, study->sessions());
   const SessionTarget target = choose_session(*study, protocol, request);
   const Protocol shown = target.language.empty() ? protocol : in_language(protocol, target.language);
   const Plan plan = make_plan(protocol, target.participant_number, seed, target.number);
@@ -306,9 +309,11 @@ void add_run(CommandTree& tree) {
   const auto [command, options] = tree.add("run", "Run a session from this terminal, or go on with one",
                                            "jnd run tutorial --study pilot.sqlite --participant P01", command_run);
   command.add_option("PROTOCOL", options.protocol, "protocol file, or name of a shipped one")->required();
-  command.add_option("--study", options.study, "the study's file; made where it does not exist")->required();
+  command.add_option("--study", options.study, "the study's file; made where it does not exist")
+      ->required()
+      ->envname(kStudyVariable);
   command.add_option("--participant", options.participant,
-                     "participant code (letters and digits); asked for if not given");
+                     "participant code (letters and digits), or a number: 1 is P01; asked for if not given");
   command.add_option("--seed", options.seed, "seed of a new study (default: drawn, and kept in the study)");
   command.add_option("--responder", options.responder,
                      "a live demonstration: this profile answers instead of a person");

@@ -148,7 +148,7 @@ void add_simulate(CommandTree& tree) {
                "jnd simulate chinello2017 --participants 18 --study s.sqlite --seed 1", command_simulate);
   command.add_option("PROTOCOL", options.protocol, "protocol file, or name of a shipped one")->required();
   command.add_option("--study", options.study, "the study's file; made where it does not exist");
-  command.add_option("--participants", options.participants, "how many, numbered from 1")
+  command.add_option("--participants", options.participants, "how many, numbered from 1 (default: 1)")
       ->check(CLI::Range(1, 100'000));
   command.add_option("--seed", options.seed, "seed of a new study (default: drawn, printed and kept in the study)");
   command.add_option("--profile", options.profile, "profile file, or name of a shipped one (default: what fits)");

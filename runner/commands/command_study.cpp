@@ -11,16 +11,17 @@
 #include "data/verify/verify.h"
 #include "data/verify/verify_deep.h"
 #include "devices/loop/governor.h"
-#include "runner/commands/blinded_problem.h"
 #include "runner/commands/commands.h"
 #include "runner/keys/interrupt.h"
 #include "runner/opening/study_access.h"
 #include "runner/report/blinded_files.h"
+#include "runner/study_commands/blinded_problem.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
 #include "runner/terminal/number_text.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/text_table.h"
+#include "runner/terminal/work_line.h"
 
 namespace jnd {
 
@@ -47,12 +48,14 @@ struct ExportOptions {
 };
 
 int command_status(const StatusOptions& options) {
+  std::optional<WorkLine> working(std::in_place, "reading " + options.study);
   const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_only);
   const StudyInfo& info = study->info();
   const std::vector<SessionInfo> sessions = study->sessions();
   const Protocol protocol = protocol_of(*study);
   const BlindingState blinding = blinding_of(*study, protocol, SessionKind::real);
   const bool sealed = plan_sealed(*study, protocol);
+  working.reset();
   // Who says a group knows it; one that was drawn stays sealed.
   const bool shows_groups = !protocol.groups.empty() && (!sealed || protocol.allotment == Allotment::given);
   if (options.json) {
@@ -115,10 +118,12 @@ int command_status(const StatusOptions& options) {
 }
 
 int command_verify(const VerifyOptions& options) {
+  std::optional<WorkLine> working(std::in_place, "verifying " + options.study);
   const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_only);
   VerifyReport report = verify(*study);
   DeepReport deep;
   if (options.deep) deep = verify_deep(*study);
+  working.reset();
   report.problems.insert(report.problems.end(), deep.problems.begin(), deep.problems.end());
   const std::vector<std::string> problems = unsealed_problems(report.problems, *study);
   const bool ok = problems.empty();
@@ -179,12 +184,14 @@ int command_export(const ExportOptions& options) {
     throw UsageError(blinding_line(blinding_of(*study, protocol, SessionKind::real), options.study) +
                      "\nThe recorded forces give the stimuli away: export without --telemetry until then");
   if (blinding_of(*study, protocol, kind).blinded) return export_in_code(*study, protocol, options);
+  std::optional<WorkLine> working(std::in_place, "exporting " + options.study);
   const StudyResults results = results_of(*study, protocol, kind, source_to_analyse(protocol, options.by));
   std::optional<TelemetryExport> telemetry;
   if (options.telemetry) telemetry = {{limit::kNames.begin(), limit::kNames.end()}};
   const HoldInterrupts hold;
   const std::vector<std::string> files =
       export_csv(*study, protocol, results, options.folder, options.replace, telemetry);
+  working.reset();
   fmt::print("{} files ({} data) in {}; dictionary.csv says what every column is\n", files.size(), to_string(kind),
              printable(options.folder));
   if (plan_sealed(*study, protocol))

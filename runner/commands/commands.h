@@ -10,8 +10,10 @@
 namespace jnd {
 
 void add_new(CommandTree& tree);
+void add_init(CommandTree& tree);
 void add_check(CommandTree& tree);
 void add_plan(CommandTree& tree);
+void add_diff(CommandTree& tree);
 void add_run(CommandTree& tree);
 void add_simulate(CommandTree& tree);
 void add_status(CommandTree& tree);
@@ -19,12 +21,9 @@ void add_verify(CommandTree& tree);
 void add_analyze(CommandTree& tree);
 void add_export(CommandTree& tree);
 void add_report(CommandTree& tree);
-void add_note(CommandTree& tree);
-void add_exclude(CommandTree& tree);
-void add_unblind(CommandTree& tree);
-void add_backup(CommandTree& tree);
-void add_merge(CommandTree& tree);
-void add_recover(CommandTree& tree);
+
+// What `jnd check` says of a protocol's file, on standard output. False where it has mistakes.
+bool report_check(const std::string& protocol);
 
 // --kind and --by: which sessions are analysed, and over which stiffness differences. Where they are not given, the
 // only kind that there is, or real; and what the protocol registers.

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/planning/adaptive_run.h"
 #include "protocols/protocol.h"
 #include "protocols/tasks/task.h"
 #include "runner/terminal/exit_code.h"
@@ -20,28 +21,28 @@ using nlohmann::ordered_json;
 
 // What a protocol says of its rig: the sections "rig" and "stimulus", a condition, and the value of the standard.
 struct RigStart {
-  std::string_view name;
+  std::string_view name, what;
   double standard = 0;
   std::string_view rig, stimulus, condition;
 };
 
 constexpr auto kRigs = std::to_array<RigStart>({
-    {"rrs3", 600,
+    {"rrs3", "wearable devices that press and shear the fingertips", 600,
      R"({"device": "rrs3", "fingers": ["thumb", "index"], "tracker": "hand", "separation_m": 0.13, "sphere_radius_m": 0.04})",
      R"({"quantity": "stiffness", "unit": "N/m", "expected_press_m": 0.004, "on_saturation": "flag"})",
      R"({"name": "S", "label": "force on the pulps", "cues": ["force"]})"},
-    {"mckibben", 25,
+    {"mckibben", "a finger exoskeleton that holds the joint back", 25,
      R"({"device": "mckibben", "fingers": ["index"], "tracker": "encoder", "contact_flexion_rad": 0.1})",
      R"({"quantity": "stiffness", "unit": "N/rad", "expected_press_rad": 0.2, "on_saturation": "flag"})",
      R"({"name": "K", "label": "resistance of the joint", "cues": ["kinaesthetic"]})"},
-    {"rrs3+mckibben", 600,
+    {"rrs3+mckibben", "both on the index finger", 600,
      R"({"device": "rrs3+mckibben", "fingers": ["index"], "tracker": "encoder", "contact_flexion_rad": 0.1})",
      R"({"quantity": "stiffness", "unit": "N/m", "expected_press_m": 0.004, "on_saturation": "flag"})",
      R"({"name": "CK", "label": "pulp and joint", "cues": ["force", "kinaesthetic"]})"},
-    {kExternalRig, 500, R"({"device": "external"})", R"({"quantity": "stiffness", "unit": "N/m"})",
-     R"({"name": "plain", "label": "the only condition"})"},
-    {kSpecimenRig, 500, R"({"device": "specimens"})", R"({"quantity": "stiffness", "unit": "N/m"})",
-     R"({"name": "plain", "label": "the only condition"})"},
+    {kExternalRig, "a device of your own, moved by a program of yours", 500, R"({"device": "external"})",
+     R"({"quantity": "stiffness", "unit": "N/m"})", R"({"name": "plain", "label": "the only condition"})"},
+    {kSpecimenRig, "objects that the operator hands over", 500, R"({"device": "specimens"})",
+     R"({"quantity": "stiffness", "unit": "N/m"})", R"({"name": "plain", "label": "the only condition"})"},
 });
 
 // What a protocol says of its task. Values are shares of the standard.
@@ -88,6 +89,10 @@ ordered_json parsed(std::string_view text) {
   return ordered_json::parse(text);
 }
 
+const RigStart& rig_start(const std::string& name) {
+  return *std::find_if(kRigs.begin(), kRigs.end(), [&](const RigStart& start) { return start.name == name; });
+}
+
 std::vector<double> values_of(const TaskStart& task, double standard) {
   std::vector<double> values;
   // In whole hundredths: 500 times 1.15 is 575.
@@ -95,7 +100,8 @@ std::vector<double> values_of(const TaskStart& task, double standard) {
   return values;
 }
 
-ordered_json trial_section(const TaskStart& start, const Task& task, const TaskSpec& spec) {
+ordered_json trial_section(const TaskStart& start, const Task& task, const TaskSpec& spec,
+                           const std::string& question) {
   ordered_json trial = {{"explore_s", 3}, {"no_contact_time_out_s", 20}};
   const int intervals = task.intervals(spec);
   if (intervals > 1) trial["gap_s"] = 1;
@@ -109,10 +115,50 @@ ordered_json trial_section(const TaskStart& start, const Task& task, const TaskS
     const auto interval = static_cast<std::size_t>(i);
     cues[kOrdinals[interval]] = {{"kind", "sound"}, {"say", intervals == 1 ? "Now" : kSaid[interval]}};
   }
-  cues["question"] = {{"kind", "sound"}, {"say", start.asks}};
+  cues["question"] = {{"kind", "sound"}, {"say", question}};
   trial["cues"] = std::move(cues);
   if (!start.keys.empty()) trial["keys"] = parsed(start.keys);
   return trial;
+}
+
+// "soft", ...; of other than four classes their numbers.
+std::string class_name(std::size_t place, std::size_t classes) {
+  return classes == kClassNames.size() ? std::string(kClassNames[place]) : fmt::format("class-{}", place + 1);
+}
+
+void add_classes(ordered_json& protocol, const std::vector<double>& values) {
+  ordered_json keys;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::string name = class_name(i, values.size());
+    protocol["classes"].push_back({{"name", name}, {"value", values[i]}});
+    keys[name] = std::to_string(i + 1);
+  }
+  protocol["trial"]["keys"] = std::move(keys);
+}
+
+ordered_json conditions_section(const StartingPoint& point, const RigStart& rig) {
+  if (point.conditions.empty()) return {parsed(rig.condition)};
+  ordered_json list = ordered_json::array();
+  for (const StartingPoint::Condition& condition : point.conditions) {
+    list.push_back({{"name", condition.name}, {"label", condition.label}});
+    if (!condition.cues.empty()) list.back()["cues"] = condition.cues;
+  }
+  return list;
+}
+
+ordered_json ratings_section(const std::vector<std::string>& ratings) {
+  constexpr int kMost = 9;
+  ordered_json list = ordered_json::array();
+  for (std::size_t i = 0; i < ratings.size(); ++i)
+    list.push_back({{"id", fmt::format("rating-{}", i + 1)},
+                    {"when", "after-session"},
+                    {"kind", "rating"},
+                    {"text", ratings[i]},
+                    {"min", 1},
+                    {"max", kMost},
+                    {"low", "not at all"},
+                    {"high", "completely"}});
+  return list;
 }
 
 // What lies on the table, with codes that are in no order.
@@ -156,18 +202,22 @@ ordered_json procedure_section(const StartingPoint& point, double standard) {
   return section;
 }
 
+// Why the procedure is none for this task on this rig; empty where it is one.
+std::string unfit_procedure(TaskKind task, const std::string& rig, const std::string& procedure) {
+  if (procedure == "constant") return "";
+  if (rig == kSpecimenRig) return "specimens have fixed values";
+  if (task == TaskKind::explore || !task_of(task).has_procedures())
+    return fmt::format("the task {} has no levels that answers could set", to_string(task));
+  if (procedure == "posterior" && !task_of(task).posterior_task())
+    return fmt::format("the task {} has no response model that it could choose from", to_string(task));
+  return "";
+}
+
 void require_fitting(const StartingPoint& point) {
   if (point.task == TaskKind::explore && point.rig != "rrs3")
     throw UsageError(fmt::format("free interaction takes the rig rrs3, not {}", point.rig));
-  if (point.procedure == "constant") return;
-  const auto refuse = [&](std::string_view because) {
+  if (const std::string because = unfit_procedure(point.task, point.rig, point.procedure); !because.empty())
     throw UsageError(fmt::format("no {} here: {}; leave --procedure out", point.procedure, because));
-  };
-  if (point.rig == kSpecimenRig) refuse("specimens have fixed values");
-  if (point.task == TaskKind::explore || !task_of(point.task).has_procedures())
-    refuse(fmt::format("the task {} has no levels that answers could set", to_string(point.task)));
-  if (point.procedure == "posterior" && !task_of(point.task).posterior_task())
-    refuse(fmt::format("the task {} has no response model that it could choose from", to_string(point.task)));
 }
 
 ordered_json opening(std::string_view title) {
@@ -177,67 +227,114 @@ ordered_json opening(std::string_view title) {
           {"source", {{"citation", "Not published: a protocol to start from."}}}};
 }
 
-ordered_json exploring_protocol() {
-  ordered_json protocol = opening("Free interaction on rrs3, to start from");
+ordered_json exploring_protocol(const StartingPoint& point) {
+  ordered_json protocol = opening(point.title);
+  if (!point.language.empty()) protocol["language"] = point.language;
   protocol["rig"] = {{"device", "rrs3"}, {"fingers", {"thumb", "index"}}, {"tracker", "hand"}, {"separation_m", 0.13}};
   protocol["paradigm"] = "explore";
   protocol["explore"] = {{"duration_s", 60}, {"objects", {"sphere"}}};
   protocol["stimulus"] = {{"quantity", "stiffness"}, {"unit", "N/m"}, {"reference", 600}, {"expected_press_m", 0.004}};
   protocol["conditions"] = {{{"name", "S"}, {"label", "with the devices"}, {"cues", {"force"}}},
                             {{"name", "N"}, {"label", "bare hands"}, {"devices", false}}};
-  protocol["design"] = {{"participants", 8}, {"order", {{"conditions", "permuted"}}}};
-  protocol["questions"] = {{{"id", "realism"},
-                            {"when", "after-condition"},
-                            {"kind", "rating"},
-                            {"text", "How real did the object feel?"},
-                            {"min", 1},
-                            {"max", 9},
-                            {"low", "not at all"},
-                            {"high", "completely"}}};
+  protocol["design"] = {{"participants", *point.participants}, {"order", {{"conditions", "permuted"}}}};
+  protocol["questions"] = ordered_json::array();
+  protocol["questions"].push_back({{"id", "realism"},
+                                   {"when", "after-condition"},
+                                   {"kind", "rating"},
+                                   {"text", "How real did the object feel?"},
+                                   {"min", 1},
+                                   {"max", 9},
+                                   {"low", "not at all"},
+                                   {"high", "completely"}});
+  for (const ordered_json& rating : ratings_section(point.ratings)) protocol["questions"].push_back(rating);
   return protocol;
 }
 
 }  // namespace
 
-ordered_json starting_protocol(const StartingPoint& point) {
-  require_fitting(point);
-  if (point.task == TaskKind::explore) return exploring_protocol();
-  const auto& rig =
-      *std::find_if(kRigs.begin(), kRigs.end(), [&](const RigStart& start) { return start.name == point.rig; });
+std::vector<StartingRig> starting_rigs() {
+  std::vector<StartingRig> rigs;
+  for (const RigStart& rig : kRigs) rigs.push_back({rig.name, rig.what});
+  return rigs;
+}
+
+std::vector<std::string_view> starting_cues(const std::string& rig) {
+  if (rig == "rrs3") return {"force", "vibration"};
+  if (rig == "mckibben") return {"kinaesthetic"};
+  if (rig == "rrs3+mckibben") return {"force", "vibration", "kinaesthetic"};
+  return {};
+}
+
+std::vector<std::string> starting_procedures(TaskKind task, const std::string& rig) {
+  std::vector<std::string> words = {"constant"};
+  for (const auto& [word, kind] : procedure_words())
+    if (unfit_procedure(task, rig, std::string(word)).empty()) words.emplace_back(word);
+  return words;
+}
+
+StartingPoint filled_in(StartingPoint point) {
+  constexpr int kParticipants = 12, kExploringParticipants = 8;
+  const bool explores = point.task == TaskKind::explore;
+  if (point.title.empty())
+    point.title = explores ? fmt::format("Free interaction on {}, to start from", point.rig)
+                           : fmt::format("{} on {}, to start from", to_string(point.task), point.rig);
+  if (!point.participants) point.participants = explores ? kExploringParticipants : kParticipants;
+  if (explores) return point;
+  const RigStart& rig = rig_start(point.rig);
+  const TaskStart& start = start_of(point.task);
+  const ordered_json stimulus = parsed(rig.stimulus);
+  if (point.question.empty()) point.question = start.asks;
+  if (point.quantity.empty()) point.quantity = stimulus["quantity"];
+  if (point.unit.empty()) point.unit = stimulus["unit"];
+  if (!point.standard) point.standard = rig.standard;
+  if (!point.levels) point.levels = values_of(start, *point.standard);
+  if (!point.trials_per_cell) point.trials_per_cell = start.trials_per_cell;
+  return point;
+}
+
+ordered_json starting_protocol(const StartingPoint& given) {
+  require_fitting(given);
+  const StartingPoint point = filled_in(given);
+  if (point.task == TaskKind::explore) return exploring_protocol(point);
+  const RigStart& rig = rig_start(point.rig);
   const TaskStart& start = start_of(point.task);
   const Task& task = task_of(point.task);
   const bool pairs = point.task == TaskKind::same_different;
   const bool adaptive = point.procedure != "constant";
-  const std::vector<double> values = values_of(start, rig.standard);
+  const std::vector<double>& values = *point.levels;
+  const double standard = *point.standard;
 
-  ordered_json protocol = opening(fmt::format("{} on {}, to start from", to_string(point.task), point.rig));
+  ordered_json protocol = opening(point.title);
+  if (!point.language.empty()) protocol["language"] = point.language;
   protocol["rig"] = parsed(rig.rig);
-  if (point.rig == kSpecimenRig) protocol["rig"]["specimens"] = specimens(values, rig.standard);
+  if (point.rig == kSpecimenRig) protocol["rig"]["specimens"] = specimens(values, standard);
   protocol["paradigm"] = to_string(point.task);
-  protocol["trial"] = trial_section(start, task, {});
+  protocol["trial"] = trial_section(start, task, {}, point.question);
   protocol["stimulus"] = parsed(rig.stimulus);
-  if (pairs) protocol["stimulus"]["reference"] = rig.standard;
-  protocol["conditions"] = {parsed(rig.condition)};
+  protocol["stimulus"]["quantity"] = point.quantity;
+  protocol["stimulus"]["unit"] = point.unit;
+  if (pairs) protocol["stimulus"]["reference"] = standard;
+  protocol["conditions"] = conditions_section(point, rig);
   if (point.task == TaskKind::identify) {
-    for (std::size_t i = 0; i < values.size(); ++i)
-      protocol["classes"].push_back({{"name", kClassNames[i]}, {"value", values[i]}});
+    add_classes(protocol, values);
   } else if (pairs && !adaptive) {
     for (std::size_t i = 0; i < values.size(); ++i)
-      protocol["series"].push_back({{"name", fmt::format("pair-{}", i + 1)}, {"pair", {values[i], rig.standard}}});
+      protocol["series"].push_back({{"name", fmt::format("pair-{}", i + 1)}, {"pair", {values[i], standard}}});
   } else if (!pairs) {
-    if (task.has_standard()) protocol["standards"] = {{{"name", "standard"}, {"value", rig.standard}}};
+    if (task.has_standard()) protocol["standards"] = {{{"name", "standard"}, {"value", standard}}};
     if (!adaptive) protocol["levels"] = {{"absolute", values}};
   }
   ordered_json& design = protocol["design"];
-  design["participants"] = 12;
-  if (!adaptive) design.update({{"trials_per_cell", start.trials_per_cell}, {"sampling", "balanced"}});
+  design["participants"] = *point.participants;
+  if (!adaptive) design.update({{"trials_per_cell", *point.trials_per_cell}, {"sampling", "balanced"}});
   design["conditions"] = "blocked";
   design["order"] = {{"series", pairs && !adaptive ? "permuted" : "fixed"}, {"conditions", "permuted"}};
-  if (adaptive) design["procedure"] = procedure_section(point, rig.standard);
+  if (adaptive) design["procedure"] = procedure_section(point, standard);
   protocol["instructions"] = {
       {{"id", "task"},
        {"when", "before-session"},
-       {"text", fmt::format("In each trial you feel what is presented and answer the question: {}", start.asks)}}};
+       {"text", fmt::format("In each trial you feel what is presented and answer the question: {}", point.question)}}};
+  if (!point.ratings.empty()) protocol["questions"] = ratings_section(point.ratings);
   protocol["feedback"] = "none";
   protocol["analysis"] = parsed(start.analysis);
   return protocol;

@@ -306,7 +306,7 @@ void add_rrs3_model(CommandTree& models) {
   command.add_option("--wrench", options.wrench, "FX,FY,FZ,MX,MY,MZ on the finger at the platform's centre: N, N m");
   add_number(command, "--stiffness", options.stiffness_n_per_m, "kS of the joint stiffness (35), N/m");
   add_number(command, "--rotational", options.rotational_n_m_per_rad,
-             "kphi of it, N m/rad (default: kS read as N mm/rad)");
+             "kphi of the joint stiffness, N m/rad (default: kS read as N mm/rad)");
   command.add_option("--batch", options.batch,
                      "a question a line, as JSON: {\"pz\", \"roll\", \"pitch\", \"geometry\"?: {\"a\", \"b\", \"bh\", "
                      "\"bd\", \"l1\", \"l2\", \"pz0\"}, \"wrench\"?, \"stiffness\"?, \"rotational\"?}; - reads "
@@ -323,12 +323,13 @@ void add_mckibben_model(CommandTree& models) {
                  "  jnd device model mckibben --upstream 500000 --muscle 150000\n  jnd device model mckibben --sweep",
                  command_device_model_mckibben);
   command.add_option("--spec", options.spec, "another description of such a device");
-  add_number(command, "--angle", options.angle_rad, "of the rocker, rad: linkage and static force");
-  add_number(command, "--pressure", options.pressure_pa, "gauge, Pa, with --length: force of the muscle, (14)");
-  add_number(command, "--length", options.length_m, "of the muscle, m");
+  add_number(command, "--angle", options.angle_rad, "angle of the rocker, rad: linkage and static force");
+  add_number(command, "--pressure", options.pressure_pa,
+             "pressure in the muscle, gauge, Pa; with --length: force of the muscle, (14)");
+  add_number(command, "--length", options.length_m, "length of the muscle, m");
   add_number(command, "--upstream", options.upstream_pa,
-             "absolute, Pa, with --muscle: mass flow into the muscle, (11)");
-  add_number(command, "--muscle", options.muscle_pa, "absolute, Pa");
+             "pressure before the valve, absolute, Pa; with --muscle: mass flow into the muscle, (11)");
+  add_number(command, "--muscle", options.muscle_pa, "pressure in the muscle, absolute, Pa");
   command.add_flag("--sweep", options.sweep, "force without pressure and force per bar, from straight to flexed");
   add_output(command, options.output, "the sweep");
 }

@@ -281,10 +281,10 @@ void add_device_step(CommandTree& device) {
           .add("mckibben", "Step response of the force loop",
                "jnd device step mckibben --kp 0.7 --from 0 --to 5 --angle 0.351181", command_device_step);
   add_loop(command, options.loop);
-  add_number(command, "--angle", options.angle_rad, "of the rocker, rad (default: straight)");
+  add_number(command, "--angle", options.angle_rad, "angle of the rocker, rad (default: straight)");
   add_number(command, "--from", options.from_n, "force commanded before, N (default: 0)");
   add_number(command, "--to", options.to_n, "force commanded then, N (default: 5)");
-  add_number(command, "--duration", options.duration_s, "s (default: 1.2)");
+  add_number(command, "--duration", options.duration_s, "length of the answer, s (default: 1.2)");
   add_output(command, options.output, "the curve");
 }
 
@@ -294,9 +294,9 @@ void add_device_bode(CommandTree& device) {
           .add("mckibben", "Frequency response of the force loop, at an amplitude",
                "jnd device bode mckibben --kp 0.7 --mean 10 --amplitude 8 --angle 0.351181", command_device_bode);
   add_loop(command, options.loop);
-  add_number(command, "--angle", options.angle_rad, "of the rocker, rad (default: straight)");
-  add_number(command, "--mean", options.mean_n, "of the commanded force, N (default: 10)");
-  add_number(command, "--amplitude", options.amplitude_n, "of it, N (default: 8)");
+  add_number(command, "--angle", options.angle_rad, "angle of the rocker, rad (default: straight)");
+  add_number(command, "--mean", options.mean_n, "mean of the commanded force, N (default: 10)");
+  add_number(command, "--amplitude", options.amplitude_n, "amplitude of the commanded force, N (default: 8)");
   add_number(command, "--frequencies", options.frequencies_rad_per_s, "W1,W2,... rad/s (default: 1 to 1000)")
       ->delimiter(',');
   command.add_option("--settle", options.settle_cycles, "whole cycles to let pass (default: 6)")
@@ -315,7 +315,7 @@ void add_device_track(CommandTree& device) {
   add_number(command, "--kobj", options.kobj_n_per_rad, "stiffness of the object, N/rad; several with commas")
       ->delimiter(',')
       ->required();
-  add_number(command, "--frequency", options.frequency_hz, "of the flexion, Hz (default: 0.5)");
+  add_number(command, "--frequency", options.frequency_hz, "frequency of the flexion, Hz (default: 0.5)");
   add_output(command, options.output, "the table");
 }
 
@@ -326,7 +326,7 @@ void add_device_onset(CommandTree& device) {
                "jnd device onset mckibben --angle 0.351181,0.610865", command_device_onset);
   command.add_option("--spec", options.spec, "another description of such a device");
   add_number(command, "--angle", options.angles_rad,
-             "of the rocker, rad; several with commas (default: straight to flexed)")
+             "angle of the rocker, rad; several with commas (default: straight to flexed)")
       ->delimiter(',');
   add_output(command, options.output, "the table");
 }

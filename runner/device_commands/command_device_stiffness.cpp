@@ -152,8 +152,8 @@ void add_rrs3_stiffness(CommandTree& stiffness) {
   add_choice(command, "--mode", options.mode, kRenderingModeWords,
              "rendering: wrench, pd or pd-literal (default: wrench)");
   add_number(command, "--finger", options.finger_n_per_m, "stiffness of the finger's pulp, N/m (default: 1000)");
-  add_number(command, "--roll", options.roll_rad, "of the surface, rad (default: 0)");
-  add_number(command, "--pitch", options.pitch_rad, "of the surface, rad (default: 0)");
+  add_number(command, "--roll", options.roll_rad, "inclination of the surface, rad (default: 0)");
+  add_number(command, "--pitch", options.pitch_rad, "inclination of the surface, rad (default: 0)");
   add_output(command, options.output, "force over depth");
 }
 
@@ -165,11 +165,12 @@ void add_mckibben_stiffness(CommandTree& stiffness) {
   add_number(command, "--stiffness", options.stiffness_n_per_rad, "of the object, N/rad; several with commas")
       ->delimiter(',')
       ->required();
-  add_number(command, "--kp", options.kp, "V/N (default: both the paper's P control and the device's own)");
-  add_number(command, "--ki", options.ki, "V/(N s)");
-  add_number(command, "--kd", options.kd, "V s/N");
+  add_number(command, "--kp", options.kp,
+             "proportional gain, V/N (default: both the paper's P control and the device's own)");
+  add_number(command, "--ki", options.ki, "integral gain, V/(N s) (default: 0 beside another gain)");
+  add_number(command, "--kd", options.kd, "derivative gain, V s/N (default: 0 beside another gain)");
   add_choice(command, "--tendon", options.tendon, kTendonWords, "bilateral or unilateral (default: the device's own)");
-  add_number(command, "--frequency", options.frequency_hz, "of the flexion, Hz (default: 0.5)");
+  add_number(command, "--frequency", options.frequency_hz, "frequency of the flexion, Hz (default: 0.5)");
   add_output(command, options.output, "the table");
 }
 

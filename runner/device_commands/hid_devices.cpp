@@ -79,9 +79,9 @@ HidInfo find_device(HidBus& bus, const std::string& name) {
   std::string rigs;
   for (const std::string& rig : shipped_names(Resource::device_spec)) rigs += (rigs.empty() ? "" : ", ") + rig;
   throw InputError(
-      fmt::format("there is no rig '{}' (shipped: {}), no file of that name, and no connected device of that serial "
+      fmt::format("there is no rig '{}'{} (shipped: {}), no file of that name, and no connected device of that serial "
                   "number or path (connected: {}); jnd device list shows them all",
-                  name, rigs, ours.empty() ? "none" : ours));
+                  name, nearest_shipped(Resource::device_spec, name), rigs, ours.empty() ? "none" : ours));
 }
 
 DeviceDescription describe(HidHandle& handle, const std::string& name) {

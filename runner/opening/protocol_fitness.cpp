@@ -110,8 +110,11 @@ class Fitness {
 }  // namespace
 
 ProtocolCheck check_fitness(const std::filesystem::path& path) {
-  const std::string file = path.string();
-  ProtocolCheck check = check_protocol(read_input_file(path), file);
+  return check_fitness_of(read_input_file(path), path.string());
+}
+
+ProtocolCheck check_fitness_of(std::string bytes, const std::string& file) {
+  ProtocolCheck check = check_protocol(std::move(bytes), file);
   if (check.protocol) Fitness(*check.protocol, file, check).look();
   return check;
 }

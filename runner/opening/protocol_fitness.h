@@ -13,5 +13,7 @@ namespace jnd {
 // is simulated only in rehearsals, a rig that cannot be rehearsed is a warning.
 // Throws InputError where the file cannot be read.
 ProtocolCheck check_fitness(const std::filesystem::path& path);
+// The same of a protocol that is in no file yet. file: what messages call it.
+ProtocolCheck check_fitness_of(std::string bytes, const std::string& file);
 
 }  // namespace jnd

@@ -39,11 +39,16 @@ class CommandTree {
   // A command that has commands of its own, exactly one of which is to be named. example: none where empty.
   CommandTree add_group(const std::string& name, const std::string& what, const std::string& example = "");
 
+  // The commands that are added from here on stand under this heading in the parent's help.
+  void heading(const std::string& text) { heading_ = text; }
+  CLI::App& parent() const noexcept { return parent_; }
+
  private:
   CLI::App& add_command(const std::string& name, const std::string& what, const std::string& example,
                         std::function<int()> run);
   CLI::App& parent_;
   std::function<int()>& chosen_;
+  std::string heading_;
 };
 
 }  // namespace jnd

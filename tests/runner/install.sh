@@ -17,3 +17,9 @@ cd "$folder"
 pages=$folder/moved/share/doc/jnd
 for page in README.md protocols/README.md runner/OPERATOR.md; do test -s "$pages/$page"; done
 grep -o '(runner/pictures/[^)]*)' "$pages/README.md" | tr -d '()' | while read -r picture; do test -s "$pages/$picture"; done
+# The manual, and what the shells offer on Tab, where they look for them.
+share=$folder/moved/share
+for made in man/man1/jnd.1 man/man1/jnd-device-test.1 bash-completion/completions/jnd zsh/site-functions/_jnd \
+            fish/vendor_completions.d/jnd.fish; do
+  test -s "$share/$made"
+done

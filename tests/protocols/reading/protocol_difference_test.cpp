@@ -56,6 +56,24 @@ TEST_CASE("lines are bounded in number and length, and hold no control character
   CHECK_THROWS_AS(difference_of("{}", "nonsense"), InputError);
 }
 
+TEST_CASE("every change has the whole values as JSON, also beyond the lines that are shown") {
+  const std::string words(100, 'w');
+  const ProtocolDifference found = difference_of(R"({"a": 1.50, "b": {"c": [true, null]}, "t": "x"})",
+                                                 R"({"a": 2, "t": ")" + words + R"(\"\n", "d": {"e": [1e3, "f"]}})", 1);
+  REQUIRE(found.changes.size() == 4);
+  CHECK(found.lines.size() == 2);
+  const auto is = [&found](std::size_t i, const std::string& path, const std::string& before,
+                           const std::string& after) {
+    CHECK(found.changes[i].path == path);
+    CHECK(found.changes[i].before == before);
+    CHECK(found.changes[i].after == after);
+  };
+  is(0, "$.a", "1.50", "2");
+  is(1, "$.b", R"({"c": [true, null]})", "");
+  is(2, "$.t", R"("x")", '"' + words + R"(\"\n")");
+  is(3, "$.d", "", R"({"e": [1e3, "f"]})");
+}
+
 TEST_CASE("a shipped protocol and a changed copy") {
   const std::string bytes = read_text(protocols_folder() / "tutorial.json");
   const ProtocolDifference found =

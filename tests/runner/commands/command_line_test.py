@@ -70,10 +70,10 @@ class CommandLine(unittest.TestCase):
         for command in ("new", "check", "plan", "run", "simulate", "status", "verify", "analyze", "export", "doctor"):
             self.assertIn(command, overview)
             self.assertIn("Example:", self.jnd(command, "--help").stdout)
-        self.assertRegex(self.jnd("--version").stdout, r"^jnd \d+\.\d+\.\d+\n$")
+        self.assertRegex(self.jnd("--version").stdout, r"^jnd \d+\.\d+\.\d+\n")
 
     def test_usage_errors_exit_with_2(self):
-        for arguments in ((), ("fly",), ("simulate", self.small), ("simulate", self.small, "--study", "x", "--no-study"),
+        for arguments in (("fly",), ("simulate", self.small), ("simulate", self.small, "--study", "x", "--no-study"),
                           ("plan", self.small, "--participant", "0"), ("plan", self.small, "--participant", "many")):
             self.assertEqual(self.jnd_class(*arguments).returncode, 2, arguments)
 

@@ -93,7 +93,7 @@ class DeviceCommands(unittest.TestCase):
     def test_every_command_has_an_example(self):
         for command in (("list",), ("info",), ("test",), ("calibrate",), ("model", "rrs3"), ("model", "mckibben"), ("step", "mckibben"), ("bode", "mckibben"),
                         ("track", "mckibben"), ("onset", "mckibben"), ("stiffness", "rrs3"), ("stiffness", "mckibben")):
-            self.assertIn("Example:\n  jnd device " + command[0], self.jnd(*command, "--help").stdout)
+            self.assertRegex(self.jnd(*command, "--help").stdout, r"Examples?:\n  jnd device " + command[0])
 
     def test_list_and_info_tell_what_the_descriptions_say(self):
         rigs = {rig["name"]: rig for rig in self.one("list")["rigs"]}
@@ -244,7 +244,7 @@ class DeviceCommands(unittest.TestCase):
                            ("-0.02,,0", 2), ("1e999,0,0", 2)):
             message = self.jnd("model", "rrs3", "--pose=" + pose, "--json", code=code)
             self.assertEqual(message.stdout, "")
-            self.assertEqual(len(message.stderr.splitlines()), 1, message.stderr)
+            self.assertEqual(len([line for line in message.stderr.splitlines() if "more:" not in line]), 1, message.stderr)
         self.assertIn("3: give", self.jnd("model", "rrs3", "--pose=0.1,0.2", code=2).stderr)
         self.jnd("model", "rrs3", "--pose=-0.02,0,0", "--wrench", "1,2,3", code=2)
         self.jnd("model", "rrs3", "--pose=-0.02,0,0", "--stiffness=-1", code=3)
@@ -308,7 +308,7 @@ class DeviceCommands(unittest.TestCase):
         for arguments, code in ((("--angle", 3), 3), (("--kp", "-1"), 3), (("--kp", "nan"), 2), (("--to", "inf"), 2), (("--tendon", "rubber"), 2),
                                 (("--duration", "-1"), 3), (("--angle", "straight"), 2), (("--from", 5, "--to", 5), 3)):
             self.jnd("step", "mckibben", *arguments, "--json", code=code)
-        self.jnd("step", code=2)
+        self.assertIn("mckibben", self.jnd("step").stdout)  # alone a group prints its help
         self.jnd("step", "mckibben", "--spec", "rrs3", code=2)
 
     def test_bode(self):

@@ -96,6 +96,8 @@ class Blinding(unittest.TestCase):
         return [
             (("status", "s.sqlite"), 0, (SEED,)),
             (("status", "s.sqlite", "--json"), 0, (SEED,)),
+            (("studies", "--json"), 0, ()),
+            (("watch", "s.sqlite", "--once"), 0, ()),
             (("verify", "s.sqlite"), 0, ()),
             (("verify", "s.sqlite", "--json"), 0, ()),
             (("analyze", "s.sqlite"), 0, (*NAMES, SEED, "271.8")),
@@ -126,7 +128,7 @@ class Blinding(unittest.TestCase):
             with self.subTest(arguments=arguments):
                 text = self.jnd(*arguments, code=code)
                 self.assert_silent(text, arguments)
-                if arguments[0] != "verify" and "--json" not in arguments:
+                if arguments[0] not in ("verify", "watch") and "--json" not in arguments:
                     self.assertIn("BLINDED: 4 of 6 planned participants finished, 1 session open", text)
                     self.assertIn('unblind s.sqlite --reason', text)
         # Refusals say nothing either; a wrong seed is refused without the right one.

@@ -70,7 +70,9 @@ class HostileText(unittest.TestCase):
                               ("simulate", "tutorial", "--study", b"no/" + argument), ("simulate", "tutorial", "--no-study", "--profile", argument),
                               ("status", argument), ("verify", argument), ("analyze", argument), ("analyze", "s.sqlite", "--kind", argument),
                               ("export", argument, "--to", argument), ("report", argument), ("doctor", "--seconds", "0.1", "--study", argument),
-                              ("doctor", "--seconds", "0.1", "--json", "--study", argument),
+                              ("doctor", "--seconds", "0.1", "--json", "--study", argument), ("help", argument), ("help", "calc", argument),
+                              ("studies", argument), ("watch", argument, "--once"), ("diff", argument, "tutorial"), ("completions", argument),
+                              ("init", b"no/" + argument), ("new", "n", "--task", argument), ("plan", "tutorial", b"--" + argument),
                               ("calc", argument), ("calc", "sdt", argument), ("calc", "jnd", argument), ("calc", "compare", argument),
                               ("device", argument), ("device", "info", argument), ("device", "test", argument), ("device", "model", argument)):
                 self.jnd(*arguments)
@@ -106,6 +108,7 @@ class HostileText(unittest.TestCase):
         subprocess.run([REAL_STUDY, file, protocol, "3", "pilot", "2", "0"], cwd=self.folder, check=True)
         shutil.copy(protocol, self.path(BYTES + b".json"))
         for arguments in (("status", file), ("status", file, "--json"), ("verify", file), ("verify", file, "--json"), ("analyze", file),
+                          ("studies",), ("studies", "--json"), ("watch", file, "--once"), ("diff", "tutorial", BYTES + b".json"),
                           ("analyze", file, "--csv", folder + b"1"), ("export", file, "--to", folder + b"2"), ("export", file, "--to", folder + b"2"),
                           ("report", file, "--to", folder + b".html"), ("report", file, "--to", folder + b".html"), ("plan", "--study", file),
                           ("check", BYTES + b".json"), ("check", BYTES + b".json", "--json"), ("plan", BYTES + b".json"),

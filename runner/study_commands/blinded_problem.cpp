@@ -1,4 +1,4 @@
-#include "runner/commands/blinded_problem.h"
+#include "runner/study_commands/blinded_problem.h"
 
 #include <exception>
 

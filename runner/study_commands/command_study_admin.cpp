@@ -1,17 +1,23 @@
 // jnd note, exclude and unblind: what is said about a study outside its sessions.
+#include <cstdlib>
+#include <filesystem>
 #include <set>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "data/study/blinding.h"
 #include "data/study/study_admin.h"
-#include "runner/commands/commands.h"
-#include "runner/commands/stamp_now.h"
 #include "runner/keys/interrupt.h"
+#include "runner/opening/participant_names.h"
 #include "runner/opening/study_access.h"
+#include "runner/study_commands/stamp_now.h"
+#include "runner/study_commands/study_commands.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
+#include "runner/terminal/standard_streams.h"
+#include "runner/terminal/study_variable.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {
@@ -50,10 +56,25 @@ SessionKind kind_of_participant(const Study& study, const ExcludeOptions& option
   return kinds.empty() ? SessionKind::real : *kinds.begin();
 }
 
-int command_note(const NoteOptions& options) {
+// One word alone is the text, where the variable names the study; a file's name is hardly a note.
+NoteOptions with_study_of_variable(NoteOptions options) {
+  if (!options.text.empty()) return options;
+  const char* const study = std::getenv(kStudyVariable);
+  std::error_code error;
+  if (study == nullptr || options.study == study || std::filesystem::exists(options.study, error))
+    throw CLI::RequiredError("TEXT");
+  options.text = std::exchange(options.study, study);
+  print_message("jnd: the study is {} ({})\n", printable(options.study), kStudyVariable);
+  return options;
+}
+
+int command_note(const NoteOptions& given) {
+  const NoteOptions options = with_study_of_variable(given);
   const HoldInterrupts hold;
   const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_write);
-  add_note(*study, options.text, stamp_now(), options.participant);
+  std::optional<std::string> participant = options.participant;
+  if (participant) participant = participant_meant(*participant, study->sessions());
+  add_note(*study, options.text, stamp_now(), participant);
   const Event event = study->study_events().back();
   study->close();
   if (options.json)
@@ -63,9 +84,11 @@ int command_note(const NoteOptions& options) {
   return exit_code::kDone;
 }
 
-int command_exclude(const ExcludeOptions& options) {
+int command_exclude(const ExcludeOptions& asked) {
   const HoldInterrupts hold;
-  const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_write);
+  const std::unique_ptr<Study> study = Study::open(asked.study, Study::Access::read_write);
+  ExcludeOptions options = asked;
+  options.participant = participant_meant(asked.participant, study->sessions());
   const SessionKind kind = kind_of_participant(*study, options);
   exclude_participant(*study, options.participant, kind, options.reason, options.replace, stamp_now());
   const Event event = study->study_events().back();
@@ -124,8 +147,9 @@ void add_note(CommandTree& tree) {
                                            "jnd note s.sqlite \"lab repainted\" --participant P01", command_note);
   command.add_flag("--json", options.json, "machine-readable");
   command.add_option("STUDY", options.study, "the study's file")->required();
-  command.add_option("TEXT", options.text, "what there is to say")->required();
-  command.add_option("--participant", options.participant, "the participant that it is about");
+  command.add_option("TEXT", options.text, "what there is to say; alone, where JND_STUDY names the study");
+  command.add_option("--participant", options.participant,
+                     "the participant that it is about: a code, or a number (1 is P01)");
 }
 
 void add_exclude(CommandTree& tree) {
@@ -134,7 +158,7 @@ void add_exclude(CommandTree& tree) {
                "jnd exclude s.sqlite --participant P03 --reason \"felt ill\" --replace", command_exclude);
   command.add_flag("--json", options.json, "machine-readable");
   command.add_option("STUDY", options.study, "the study's file")->required();
-  command.add_option("--participant", options.participant, "the participant's code")->required();
+  command.add_option("--participant", options.participant, "the participant's code, or a number: 3 is P03")->required();
   command.add_option("--reason", options.reason, "why, in a few words")->required();
   command.add_option("--kind", options.kind, "kind of sessions (default: the only one that the participant has)")
       ->check(CLI::IsMember({"real", "pilot", "simulated"}));

@@ -6,16 +6,17 @@
 #include "data/copies/backup.h"
 #include "data/copies/merge.h"
 #include "data/copies/recover.h"
-#include "runner/commands/blinded_problem.h"
-#include "runner/commands/commands.h"
-#include "runner/commands/stamp_now.h"
 #include "runner/keys/interrupt.h"
+#include "runner/study_commands/blinded_problem.h"
+#include "runner/study_commands/stamp_now.h"
+#include "runner/study_commands/study_commands.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
 #include "runner/terminal/number_text.h"
 #include "runner/terminal/standard_streams.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/text_table.h"
+#include "runner/terminal/work_line.h"
 
 namespace jnd {
 
@@ -120,6 +121,7 @@ int command_backup(const BackupOptions& options) {
   const HoldInterrupts hold;
   BackupReport report;
   {
+    const WorkLine working("copying " + options.study);
     const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_only);
     report = back_up(*study, options.to, options.replace, [] { return interrupt_requested().load(); });
   }
@@ -147,7 +149,10 @@ int command_backup(const BackupOptions& options) {
 
 int command_merge(const MergeOptions& options) {
   const HoldInterrupts hold;
-  const MergeReport report = merge({options.studies.begin(), options.studies.end()}, options.to, stamp_now());
+  const MergeReport report = [&options] {
+    const WorkLine working("merging into " + options.to);
+    return merge({options.studies.begin(), options.studies.end()}, options.to, stamp_now());
+  }();
   if (options.json) {
     Json out = {{"to", options.to},
                 {"sessions", report.verified.sessions},
@@ -180,7 +185,10 @@ int command_recover(const RecoverOptions& options) {
   const HoldInterrupts hold;
   std::optional<std::filesystem::path> protocol;
   if (options.protocol) protocol = *options.protocol;
-  const RecoveryReport report = recover(options.damaged, options.to, protocol, stamp_now());
+  const RecoveryReport report = [&] {
+    const WorkLine working("recovering " + options.damaged);
+    return recover(options.damaged, options.to, protocol, stamp_now());
+  }();
   const std::vector<std::string> problems = problems_of(report, options.to);
   const bool whole = report.whole();
   if (!options.json) {

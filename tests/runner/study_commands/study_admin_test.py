@@ -52,6 +52,23 @@ class Care(unittest.TestCase):
             self.assertIn(f"jnd {command} ", text)
             self.assertIn("--json", text)
 
+    def test_a_participant_is_named_by_code_or_by_number_and_printed_by_code(self):
+        run = ("run", "tutorial", "--study", "r.sqlite", "--responder", "chinello2017", "--fast", "--seed", "1")
+        self.assertIn("The session of P01 is complete", self.jnd(*run, "--participant", "1").stdout)
+        self.assertIn("P01 has finished", self.jnd(*run, "--participant", "P01", code=2).stderr)
+        self.jnd(*run, "--participant", "Q1")
+        self.jnd(*run, "--participant", "4711")  # a laboratory's own code
+        self.assertEqual([one["participant"] for one in self.json("status", "r.sqlite")["sessions"]], ["P01", "Q1", "4711"])
+        plans = [self.jnd("plan", "--study", "r.sqlite", "--participant", name).stdout for name in ("2", "Q1")]
+        self.assertEqual(plans[0], plans[1])
+        self.assertIn("participant Q1, number 2 of the plan", plans[0])
+        self.assertIn("give 3", self.jnd("plan", "--study", "r.sqlite", "--participant", "4711", code=2).stderr)
+        self.assertIn("participant P07, seed 1", self.jnd("plan", "tutorial", "--participant", "7").stdout)
+        self.assertEqual(*(self.jnd("plan", "tutorial", "--participant", name).stdout for name in ("7", "P07")))
+        self.assertIn("has no session", self.jnd("plan", "--study", "r.sqlite", "--participant", "P05", code=2).stderr)
+        self.jnd("note", "r.sqlite", "came late", "--participant", "1")
+        self.assertIn("participant P01", self.jnd("exclude", "r.sqlite", "--participant", "1", "--reason", "felt ill").stdout)
+
     def test_note_and_exclude_are_events_and_the_study_verifies(self):
         self.assertEqual(self.json("note", "s.sqlite", "lab \x1b[31mrepainted", "--participant", "P01")["event"], 4)
         self.jnd("note", "s.sqlite", "about nobody", "--participant", "P77", code=5)

@@ -1,0 +1,52 @@
+#include "runner/commands/new_protocol.h"
+
+#include <fmt/format.h>
+
+#include "data/files/draft.h"
+#include "protocols/input/read_file.h"
+#include "protocols/input/resources.h"
+#include "protocols/tasks/task.h"
+#include "runner/terminal/exit_code.h"
+#include "runner/terminal/terminal.h"
+
+namespace jnd {
+
+namespace {
+
+// False where the file exists.
+bool write_new_file(const std::filesystem::path& path, const std::string& bytes) {
+  Draft draft(path, Draft::What::file, Draft::Access::everyone);
+  draft.write(bytes);
+  return draft.publish();
+}
+
+}  // namespace
+
+std::vector<TaskKind> every_task() {
+  std::vector<TaskKind> tasks(all_tasks().begin(), all_tasks().end());
+  tasks.push_back(TaskKind::explore);
+  return tasks;
+}
+
+std::string_view summary_of(TaskKind task) {
+  return task == TaskKind::explore ? "free interaction, then a questionnaire" : task_of(task).summary();
+}
+
+std::filesystem::path protocol_file(const std::string& name) {
+  return name.ends_with(".json") ? name : name + ".json";
+}
+
+void write_new_protocol(const std::filesystem::path& file, const std::string& bytes, const std::string& what) {
+  if (!write_new_file(file, bytes))
+    throw UsageError(fmt::format("{} exists already; choose another name", file.string()));
+  fmt::print("{} written, {}.\n", printable(file.string()), what);
+  // The protocol names its schema by a relative path, so that editors help with it; some name another one.
+  if (bytes.find("\"./protocol.schema.json\"") == std::string::npos) return;
+  const std::filesystem::path schema =
+      find_resource(Resource::protocol, "tutorial").parent_path() / "protocol.schema.json";
+  if (std::filesystem::exists(schema) &&
+      write_new_file(file.parent_path() / schema.filename(), read_input_file(schema)))
+    fmt::print("  protocol.schema.json is beside it: editors that know JSON Schema help while you type\n");
+}
+
+}  // namespace jnd

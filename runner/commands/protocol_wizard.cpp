@@ -1,0 +1,319 @@
+#include "runner/commands/protocol_wizard.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <istream>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "protocols/input/input_error.h"
+#include "protocols/input/json_reader.h"
+#include "protocols/tasks/task.h"
+#include "runner/commands/new_protocol.h"
+#include "runner/commands/readable_json.h"
+#include "runner/opening/protocol_fitness.h"
+#include "runner/terminal/exit_code.h"
+#include "runner/terminal/terminal.h"
+
+namespace jnd {
+
+namespace {
+
+// Without the blanks around it.
+std::string trimmed(const std::string& text) {
+  const std::size_t begin = text.find_first_not_of(" \t\r");
+  if (begin == std::string::npos) return "";
+  return text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1);
+}
+
+std::vector<std::string> split(const std::string& text, char at) {
+  std::vector<std::string> parts;
+  std::istringstream stream(text);
+  for (std::string part; std::getline(stream, part, at);) parts.push_back(trimmed(part));
+  return parts;
+}
+
+std::optional<double> number_from(const std::string& text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+std::optional<int> whole_from(const std::string& text) {
+  const std::optional<double> value = number_from(text);
+  constexpr double kMost = 1e6;
+  if (!value || *value < 1 || *value > kMost || std::trunc(*value) != *value) return std::nullopt;
+  return static_cast<int>(*value);
+}
+
+std::string numbers_text(const std::vector<double>& values) {
+  std::vector<std::string> words;
+  words.reserve(values.size());
+  for (const double value : values) words.push_back(plain(value));
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
+// "'wich' is none of them; did you mean 'which'?"
+std::string none_of_them(const std::string& answer, const std::vector<std::string>& words) {
+  const std::string near = nearest_word(answer, {words.begin(), words.end()});
+  return fmt::format("'{}' is none of them{}", answer, near.empty() ? "" : fmt::format("; did you mean '{}'?", near));
+}
+
+bool among(const std::string& word, const std::vector<std::string>& words) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+void print_choices(const std::vector<std::pair<std::string, std::string>>& choices) {
+  std::size_t width = 0;
+  for (const auto& [word, what] : choices) width = std::max(width, word.size());
+  for (const auto& [word, what] : choices) fmt::print("  {:<{}}  {}\n", word, width, what);
+}
+
+std::vector<std::string> words_in(const std::vector<std::pair<std::string, std::string>>& choices) {
+  std::vector<std::string> words;
+  for (const auto& [word, what] : choices) words.push_back(word);
+  return words;
+}
+
+std::string what_procedure_does(const std::string& word) {
+  if (word == "constant") return "the protocol sets the levels, as many trials of each";
+  if (word == "staircase") return "up after wrong answers, down after right ones";
+  if (word == "quest") return "each level where QUEST expects the threshold";
+  return "each level where the answer will tell most about the JND";
+}
+
+// "F+V" of force and vibration: conditions are named by their cues.
+StartingPoint::Condition condition_of(const std::vector<std::string>& cues) {
+  StartingPoint::Condition condition;
+  condition.cues = cues;
+  for (const std::string& cue : cues) {
+    condition.name +=
+        (condition.name.empty() ? "" : "+") + std::string(1, static_cast<char>(std::toupper(cue.front())));
+    condition.label += (condition.label.empty() ? "" : " and ") + cue;
+  }
+  return condition;
+}
+
+}  // namespace
+
+std::string ProtocolWizard::line() {
+  std::string text;
+  if (!std::getline(answers_, text)) {
+    fmt::print("\n");
+    throw UsageError("the answers ended before all was asked; nothing was written");
+  }
+  return trimmed(text);
+}
+
+void ProtocolWizard::ask_for(const std::string& what, const std::string& fallback, const Taker& take) {
+  for (;;) {
+    fmt::print("{} [{}]: ", what, printable(fallback));
+    std::fflush(stdout);
+    const std::string given = line();
+    const std::string complaint = take(given.empty() ? fallback : given);
+    if (complaint.empty()) return;
+    fmt::print("  {}\n", warn(printable(complaint)));
+  }
+}
+
+std::string ProtocolWizard::attempt(const std::function<void(StartingPoint&)>& change) {
+  StartingPoint changed = point_;
+  change(changed);
+  try {
+    const ProtocolCheck check = check_fitness_of(readable_json(starting_protocol(changed)), "protocol");
+    if (!check.errors.empty()) {
+      const Diagnostic& error = check.errors.front();
+      return error.message + (error.suggestion.empty() ? "" : fmt::format(" ({})", error.suggestion));
+    }
+  } catch (const UsageError& error) {
+    return error.what();
+  }
+  point_ = std::move(changed);
+  return "";
+}
+
+std::filesystem::path ProtocolWizard::ask_file(const std::string& given) {
+  std::filesystem::path file;
+  const auto take = [&file](const std::string& answer) -> std::string {
+    file = protocol_file(answer);
+    std::error_code error;
+    if (std::filesystem::exists(file, error))
+      return fmt::format("{} exists already; choose another name", file.string());
+    const std::filesystem::path folder = file.parent_path();
+    if (!folder.empty() && !std::filesystem::is_directory(folder, error))
+      return fmt::format("there is no folder {}", folder.string());
+    return "";
+  };
+  if (!given.empty()) {
+    if (const std::string complaint = take(given); !complaint.empty()) throw UsageError(complaint);
+    return file;
+  }
+  ask_for("File to write", "my-study.json", take);
+  return file;
+}
+
+void ProtocolWizard::ask_task() {
+  std::vector<std::pair<std::string, std::string>> choices;
+  for (const TaskKind task : every_task()) choices.emplace_back(to_string(task), summary_of(task));
+  fmt::print("\nWhat does a trial ask?\n");
+  print_choices(choices);
+  ask_for("Task", "which", [&](const std::string& answer) -> std::string {
+    if (!among(answer, words_in(choices))) return none_of_them(answer, words_in(choices));
+    return attempt([&](StartingPoint& point) { point.task = *task_kind_from(answer); });
+  });
+}
+
+void ProtocolWizard::ask_rig() {
+  std::vector<std::pair<std::string, std::string>> choices;
+  for (const StartingRig& rig : starting_rigs()) choices.emplace_back(rig.name, rig.what);
+  fmt::print("\nWhat presents the stimuli?\n");
+  print_choices(choices);
+  ask_for("Rig", point_.rig, [&](const std::string& answer) -> std::string {
+    if (!among(answer, words_in(choices))) return none_of_them(answer, words_in(choices));
+    return attempt([&](StartingPoint& point) { point.rig = answer; });
+  });
+}
+
+void ProtocolWizard::ask_procedure() {
+  std::vector<std::pair<std::string, std::string>> choices;
+  for (const std::string& word : starting_procedures(point_.task, point_.rig))
+    choices.emplace_back(word, what_procedure_does(word));
+  if (choices.size() < 2) return;
+  fmt::print("\nWhat sets the levels?\n");
+  print_choices(choices);
+  ask_for("Procedure", point_.procedure, [&](const std::string& answer) -> std::string {
+    if (!among(answer, words_in(choices))) return none_of_them(answer, words_in(choices));
+    return attempt([&](StartingPoint& point) { point.procedure = answer; });
+  });
+}
+
+void ProtocolWizard::ask_stimulus() {
+  fmt::print("\nWhat is felt?\n");
+  if (starting_cues(point_.rig).empty()) {  // a rig that takes any
+    ask_for("Quantity", filled_in(point_).quantity, [this](const std::string& answer) {
+      return attempt([&](StartingPoint& point) { point.quantity = answer; });
+    });
+    ask_for("Unit", filled_in(point_).unit,
+            [this](const std::string& answer) { return attempt([&](StartingPoint& point) { point.unit = answer; }); });
+  }
+  const StartingPoint filled = filled_in(point_);
+  if (point_.task == TaskKind::same_different || task_of(point_.task).has_standard())
+    ask_for(fmt::format("Standard, in {}", filled.unit), plain(*filled.standard), [this](const std::string& answer) {
+      const std::optional<double> value = number_from(answer);
+      if (!value) return fmt::format("'{}' is not a number", answer);
+      return attempt([&](StartingPoint& point) { point.standard = *value; });
+    });
+}
+
+void ProtocolWizard::ask_levels() {
+  if (point_.procedure != "constant") return;
+  const StartingPoint filled = filled_in(point_);
+  const std::string what = point_.task == TaskKind::identify         ? "Values of the classes"
+                           : point_.task == TaskKind::same_different ? "What the standard is paired with"
+                                                                     : "Levels";
+  ask_for(fmt::format("{}, in {}, apart by commas", what, filled.unit), numbers_text(*filled.levels),
+          [this](const std::string& answer) -> std::string {
+            std::vector<double> values;
+            for (const std::string& part : split(answer, ',')) {
+              const std::optional<double> value = number_from(part);
+              if (!value) return fmt::format("'{}' is not a number", part);
+              values.push_back(*value);
+            }
+            constexpr std::size_t kMostSpecimens = 11, kMostClasses = 9;  // codes, and keys, that there are
+            if (point_.rig == "specimens" && values.size() > kMostSpecimens)
+              return fmt::format("at most {} specimens here", kMostSpecimens);
+            if (point_.task == TaskKind::identify && values.size() > kMostClasses)
+              return fmt::format("at most {} classes: each has a digit as its key", kMostClasses);
+            return attempt([&](StartingPoint& point) { point.levels = values; });
+          });
+  ask_for("Trials of each", std::to_string(*filled.trials_per_cell), [this](const std::string& answer) -> std::string {
+    const std::optional<int> trials = whole_from(answer);
+    if (!trials) return fmt::format("'{}' is not a whole number from 1", answer);
+    return attempt([&](StartingPoint& point) { point.trials_per_cell = *trials; });
+  });
+}
+
+std::string ProtocolWizard::take_conditions(const std::string& answer, const std::vector<std::string_view>& cues) {
+  const std::vector<std::string> known(cues.begin(), cues.end());
+  std::vector<StartingPoint::Condition> conditions;
+  for (const std::string& part : split(answer, ',')) {
+    if (known.empty()) {
+      conditions.push_back({part, part, {}});
+      continue;
+    }
+    const std::vector<std::string> parts = split(part, '+');
+    for (const std::string& cue : parts)
+      if (!among(cue, known)) return none_of_them(cue, known);
+    conditions.push_back(condition_of(parts));
+  }
+  return attempt([&](StartingPoint& point) { point.conditions = conditions; });
+}
+
+void ProtocolWizard::ask_conditions() {
+  const std::vector<std::string_view> cues = starting_cues(point_.rig);
+  fmt::print("\nWhat is compared within each participant?\n");
+  if (cues.empty())
+    fmt::print("  names, apart by commas, such as: bare, gloved\n");
+  else
+    fmt::print("  cues of each condition: {}; several in one with +, conditions apart by commas\n",
+               fmt::join(cues, ", "));
+  ask_for("Conditions", cues.empty() ? "plain" : std::string(cues.front()),
+          [&](const std::string& answer) { return take_conditions(answer, cues); });
+}
+
+void ProtocolWizard::ask_participants() {
+  fmt::print("\nWho takes part?\n");
+  ask_for("Participants", std::to_string(*filled_in(point_).participants),
+          [this](const std::string& answer) -> std::string {
+            const std::optional<int> participants = whole_from(answer);
+            if (!participants) return fmt::format("'{}' is not a whole number from 1", answer);
+            return attempt([&](StartingPoint& point) { point.participants = *participants; });
+          });
+}
+
+void ProtocolWizard::ask_ratings() {
+  fmt::print(
+      "\nWhat is asked after the session? A question on each line, rated from 1 (not at all) to 9 (completely).\n");
+  for (bool more = true; more;)
+    ask_for("Question", "no more", [&](const std::string& answer) -> std::string {
+      more = answer != "no more";
+      return more ? attempt([&](StartingPoint& point) { point.ratings.push_back(answer); }) : "";
+    });
+}
+
+void ProtocolWizard::ask_texts() {
+  fmt::print("\nWhat is said?\n");
+  if (point_.task != TaskKind::explore)
+    ask_for("After each trial", filled_in(point_).question, [this](const std::string& answer) {
+      return attempt([&](StartingPoint& point) { point.question = answer; });
+    });
+  ask_for("Language of these texts", "en", [this](const std::string& answer) {
+    return attempt([&](StartingPoint& point) { point.language = answer; });
+  });
+  ask_for("Title of the study", filled_in(point_).title,
+          [this](const std::string& answer) { return attempt([&](StartingPoint& point) { point.title = answer; }); });
+}
+
+StartingPoint ProtocolWizard::ask() {
+  ask_task();
+  if (point_.task != TaskKind::explore) {
+    ask_rig();
+    ask_procedure();
+    ask_stimulus();
+    ask_levels();
+    ask_conditions();
+  }
+  ask_participants();
+  ask_ratings();
+  ask_texts();
+  fmt::print("\n");
+  return point_;
+}
+
+}  // namespace jnd

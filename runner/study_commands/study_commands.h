@@ -1,0 +1,18 @@
+// The commands that look after studies: what is said about them, copies of them, and how they are getting on. Each adds
+// itself in its own command_*.cpp; runner/command_line.cpp collects them.
+#pragma once
+
+#include "runner/terminal/command_tree.h"
+
+namespace jnd {
+
+void add_note(CommandTree& tree);
+void add_exclude(CommandTree& tree);
+void add_unblind(CommandTree& tree);
+void add_backup(CommandTree& tree);
+void add_merge(CommandTree& tree);
+void add_recover(CommandTree& tree);
+void add_studies(CommandTree& tree);
+void add_watch(CommandTree& tree);
+
+}  // namespace jnd

@@ -1,0 +1,36 @@
+// Long work without a count of what is done: how long it has gone on, on a terminal.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <string>
+#include <thread>
+
+namespace jnd {
+
+// While it lives and standard error is a terminal: after a second "verifying s.sqlite: 3 s ..." on a line of its own,
+// every second anew. At the end the line says how long it took. Shorter work, and work elsewhere than on a terminal, says
+// nothing. What the work prints to standard output must wait until it is gone.
+// Thread rule: one thread; the one that writes is inside.
+class WorkLine {
+ public:
+  explicit WorkLine(std::string what);
+  ~WorkLine();
+  WorkLine(const WorkLine&) = delete;
+  WorkLine& operator=(const WorkLine&) = delete;
+
+ private:
+  void draw_until_done();
+  double elapsed_s() const;
+
+  std::string what_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  std::mutex mutex_;  // guards done_
+  std::condition_variable changed_;
+  bool done_ = false;
+  bool drawn_ = false;  // of the thread, until it is joined
+  std::thread thread_;
+};
+
+}  // namespace jnd

@@ -1,0 +1,83 @@
+#!/usr/bin/env python3
+"""jnd diff: what differs between two protocols, whether they mean the same, and whether their plans do.
+
+Usage: diff_test.py JND
+"""
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+
+JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
+
+
+class Diff(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+        self.jnd("new", "a.json", "--from", "tutorial")
+        with open(os.path.join(self.folder, "a.json"), encoding="utf-8") as file:
+            self.protocol = json.load(file)
+
+    def jnd(self, *arguments, code=0):
+        done = subprocess.run([JND, *arguments], capture_output=True, text=True, cwd=self.folder)
+        self.assertEqual(done.returncode, code, f"{arguments}: {done.stdout}{done.stderr}")
+        return done
+
+    def changed(self, **sections):
+        """b.json, the protocol with other sections, which may be None: left out."""
+        protocol = {key: value for key, value in (self.protocol | sections).items() if value is not None}
+        with open(os.path.join(self.folder, "b.json"), "w", encoding="utf-8") as file:
+            json.dump(protocol, file, indent=3, sort_keys=True)
+
+    def test_other_blanks_and_another_order_of_members_mean_the_same(self):
+        self.changed()
+        self.assertIn("mean the same", self.jnd("diff", "a.json", "b.json").stdout)
+        report = json.loads(self.jnd("diff", "a.json", "b.json", "--json").stdout)
+        self.assertEqual((report["same_meaning"], report["same_plans"], report["changes"]), (True, True, []))
+
+    def test_a_design_that_changes_the_trials_is_told_by_path_with_both_values(self):
+        self.changed(design=self.protocol["design"] | {"trials_per_cell": 12}, title="Another")
+        text = self.jnd("diff", "a.json", "b.json", code=1).stdout.splitlines()
+        self.assertEqual(text[0], "$.design.trials_per_cell: 8 -> 12")
+        self.assertEqual(text[1], "In what explains the protocol to its readers:")
+        self.assertIn("$.title", text[2])
+        self.assertIn("2 differences; the plans differ", text[3])
+        report = json.loads(self.jnd("diff", "a.json", "b.json", "--json", code=1).stdout)
+        self.assertFalse(report["same_meaning"])
+        self.assertIs(report["same_plans"], False)
+        self.assertIn({"path": "$.design.trials_per_cell", "change": "changed", "before": 8, "after": 12}, report["changes"])
+
+    def test_a_change_that_leaves_every_plan_as_it_is(self):
+        self.changed(trial=self.protocol["trial"] | {"explore_s": 2.5}, practice=self.protocol.get("practice"))
+        text = self.jnd("diff", "a.json", "b.json", code=1).stdout
+        self.assertIn("-> 2.5", text)
+        self.assertIn("the plans are the same", text)
+
+    def test_what_was_added_and_removed_is_whole_in_json(self):
+        question = {"id": "effort", "when": "after-session", "kind": "text", "text": "What was hard? \"Everything\", or \\ nothing?"}
+        self.changed(questions=[question], instructions=None)
+        changes = {one["path"]: one for one in json.loads(self.jnd("diff", "a.json", "b.json", "--json", code=1).stdout)["changes"]}
+        removed = [one for path, one in changes.items() if path.startswith("$.instructions")]
+        self.assertEqual([one["change"] for one in removed], ["removed"] if "instructions" in self.protocol else [])
+        self.assertIn(question["text"], json.dumps(list(changes.values()), ensure_ascii=False).replace('\\"', '"').replace("\\\\", "\\"))
+
+    def test_a_protocol_with_mistakes_can_be_compared_but_not_its_plans(self):
+        self.changed(design=self.protocol["design"] | {"trials_per_cel": 12})
+        self.assertIn("cannot be compared", self.jnd("diff", "a.json", "b.json", code=1).stdout)
+        self.assertIsNone(json.loads(self.jnd("diff", "a.json", "b.json", "--json", code=1).stdout)["same_plans"])
+
+    def test_names_of_shipped_ones_and_files_that_are_none(self):
+        self.jnd("diff", "tutorial", "a.json")
+        with open(os.path.join(self.folder, "broken.json"), "w", encoding="utf-8") as file:
+            file.write("{")
+        self.jnd("diff", "a.json", "broken.json", code=3)
+        self.jnd("diff", "a.json", "none.json", code=3)
+        self.jnd("diff", "a.json", code=2)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,122 @@
+#!/usr/bin/env python3
+"""What Tab offers in a shell, asked of the shell itself: commands, options, words, shipped names and files.
+
+Usage: completions_test.py JND bash|zsh|fish. Ends with 77, and says so, where the shell is not installed.
+"""
+import os
+import pty
+import re
+import select
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+JND = os.path.abspath(sys.argv[1])
+SHELL = sys.argv[2]
+
+# A line, what must be offered, and what must not.
+CASES = [
+    ("jnd pl", ["plan"], ["run"]),
+    ("jnd device mo", ["model"], ["list"]),
+    ("jnd device model m", ["mckibben"], ["rrs3"]),
+    ("jnd help ver", ["verify"], ["plan"]),
+    ("jnd plan --coh", ["--cohort"], ["--seed"]),
+    ("jnd run --record e", ["events"], ["full"]),
+    ("jnd new x --task same", ["same-different"], ["which"]),
+    ("jnd check tuto", ["tutorial"], ["chinello2017"]),
+    ("jnd simulate tutorial --profile chinello2017-v", ["chinello2017-varied"], ["chinello2017-b"]),
+    ("jnd device test mck", ["mckibben"], ["rrs3"]),
+    ("jnd status ", ["mine.sqlite"], ["other.txt"]),
+    ("jnd calc sdt ot", ["other.txt"], ["mine.sqlite"]),
+]
+
+
+def bash(line, folder, script):
+    """The function that completes, called as bash calls it."""
+    words = line.split(" ")
+    quoted = " ".join(f"'{word}'" for word in words)
+    ask = (f"source '{script}'\nCOMP_WORDS=({quoted})\nCOMP_CWORD={len(words) - 1}\n_jnd\nprintf '%s\\n' \"${{COMPREPLY[@]}}\"\n"
+           "complete -p jnd >/dev/null")
+    done = subprocess.run(["bash", "--norc", "-c", ask], capture_output=True, text=True, cwd=folder)
+    assert done.returncode == 0 and done.stderr == "", done
+    return done.stdout.split()
+
+
+def fish(line, folder, script):
+    done = subprocess.run(["fish", "--no-config", "-c", f"source '{script}'; complete -C '{line}'"], capture_output=True,
+                          text=True, cwd=folder, env=os.environ | {"HOME": folder})
+    assert done.returncode == 0 and done.stderr == "", done
+    return [offered.split("\t")[0] for offered in done.stdout.splitlines()]
+
+
+class Zsh:
+    """A zsh on a terminal of its own: only there its completion works. What it inserts or lists is looked at."""
+
+    def __init__(self, folder, script):
+        self.child, self.terminal = pty.fork()
+        if self.child == 0:
+            os.chdir(folder)
+            os.environ.update({"TERM": "dumb", "COLUMNS": "200", "ZDOTDIR": folder, "HOME": folder})
+            os.execvp("zsh", ["zsh", "-f", "-i"])
+        self.text = ""
+        self.tell("PS1='READY''> '; unsetopt zle_bracketed_paste beep prompt_sp; bindkey -e; zmodload zsh/complist\n")
+        self.wait_for("READY> ")
+        # As it is installed: in a folder that zsh loads functions from, where the file has the function's name.
+        functions = os.path.join(folder, ".functions")
+        os.mkdir(functions)
+        shutil.copy(script, os.path.join(functions, "_jnd"))
+        self.tell(f"fpath=('{functions}' $fpath); autoload -U compinit; compinit -D -u; zstyle ':completion:*' menu no; setopt auto_list "
+                  "no_list_ambiguous list_rows_first; LISTMAX=0; print LOA''DED\n")
+        self.wait_for("LOADED")
+        self.wait_for("READY> ")
+
+    def tell(self, text):
+        os.write(self.terminal, text.encode())
+
+    def wait_for(self, text, most_s=30):
+        end = time.monotonic() + most_s
+        while text not in self.text:
+            ready, _, _ = select.select([self.terminal], [], [], max(0, end - time.monotonic()))
+            assert ready, f"zsh did not say {text!r}: {self.text!r}"
+            self.text += os.read(self.terminal, 4096).decode(errors="replace")
+        before, _, self.text = self.text.partition(text)
+        return before
+
+    def offered(self, line):
+        # Ctrl-X ? runs after the completion and prints what the line has become: both lists and insertions are seen.
+        self.tell(line + "\t\x15print DO''NE\n")
+        before = self.wait_for("DONE")
+        self.wait_for("READY> ")
+        before = re.sub(r"\x1b\[[0-9;?]*[a-zA-Z]", " ", before)
+        # What was typed is echoed: the first word of the answer is what became of it.
+        return re.findall(r"[\w.+-]+", before.replace(line, " " + line.split(" ")[-1], 1).replace("\r", " "))
+
+
+def main():
+    if shutil.which(SHELL) is None:
+        print(f"SKIPPED: {SHELL} is not installed: nobody looks at what Tab offers there")
+        return 77
+    with tempfile.TemporaryDirectory() as folder:
+        script = os.path.join(folder, ".jnd-completions")
+        with open(script, "w", encoding="utf-8") as file:
+            file.write(subprocess.run([JND, "completions", SHELL], check=True, capture_output=True, text=True).stdout)
+        for name in ("mine.sqlite", "other.txt"):
+            open(os.path.join(folder, name), "w", encoding="utf-8").close()
+        zsh = Zsh(folder, script) if SHELL == "zsh" else None
+        wrong = 0
+        for line, wanted, unwanted in CASES:
+            offered = zsh.offered(line) if zsh else (bash if SHELL == "bash" else fish)(line, folder, script)
+            missing = [word for word in wanted if word not in offered]
+            # fish offers the other files too, after those that are meant.
+            extra = [word for word in unwanted if word in (offered[:len(wanted)] if SHELL == "fish" else offered)]
+            if missing or extra:
+                wrong += 1
+                print(f"{line!r}: missing {missing}, not wanted {extra}; offered {offered}")
+        print(f"{len(CASES) - wrong} of {len(CASES)} lines complete as they should in {SHELL}")
+        return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,63 @@
+#!/usr/bin/env python3
+"""Commands that take longer than a second say so on a terminal, and nowhere else. The work that takes long here is reading
+a protocol from a pipe whose writer waits.
+
+Usage: work_line_test.py JND
+"""
+import os
+import pty
+import select
+import subprocess
+import sys
+import time
+
+JND = os.path.abspath(sys.argv[1])
+
+
+def read_until(terminal, wanted, text=""):
+    """Until the text has come; to the end where wanted is None."""
+    end = time.monotonic() + 60
+    while wanted is None or wanted not in text:
+        assert select.select([terminal], [], [], max(0, end - time.monotonic()))[0], f"{wanted!r} did not come: {text!r}"
+        try:
+            text += os.read(terminal, 4096).decode()
+        except OSError:  # the program is gone
+            break
+    return text
+
+
+def on_a_terminal():
+    reader, writer = os.pipe()
+    os.set_inheritable(reader, True)
+    child, terminal = pty.fork()
+    if child == 0:
+        os.close(writer)
+        os.execv(JND, ["jnd", "check", f"/dev/fd/{reader}"])
+    name = f"checking /dev/fd/{reader}"
+    text = read_until(terminal, f"{name}: 2 s ...")
+    assert f"\r{name}: 1 s ...\x1b[K" in text, text
+    os.write(writer, b"{}")
+    os.close(writer)
+    text = read_until(terminal, None, text)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 3
+    # The line is ended, with how long it took, before the results begin.
+    last, _, results = text.partition("\x1b[K\r\n")
+    assert last.split("\r")[-1].startswith(f"{name}: ") and not last.endswith("..."), text
+    assert results.startswith("error: ") and name not in results, text
+
+
+def elsewhere():
+    reader, writer = os.pipe()
+    with subprocess.Popen([JND, "check", f"/dev/fd/{reader}"], pass_fds=[reader], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as program:
+        os.close(reader)
+        time.sleep(1.5)  # no assertion rests on it: whatever it did, nothing may be said
+        os.write(writer, b"{}")
+        os.close(writer)
+        out, err = program.communicate()
+    assert program.returncode == 3 and b"checking" not in out and err == b"", (out, err)
+
+
+if __name__ == "__main__":
+    on_a_terminal()
+    elsewhere()
+    print("long work is told on a terminal, and nowhere else")
