@@ -23,6 +23,7 @@ namespace fs = std::filesystem;
 constexpr const char* kSums = "SHA256SUMS";
 constexpr std::string_view kHeading = "# Written by jnd, which replaces this folder only while it is as listed here.\n";
 constexpr std::size_t kHashLength = 64;
+constexpr std::size_t kWaitingBytes = 1 << 18;  // of a growing file, before they are written
 constexpr std::string_view kUnlisted = "is not listed in its SHA256SUMS";
 
 std::string content_of(const fs::path& path) {
@@ -102,19 +103,52 @@ ExportFolder::ExportFolder(const fs::path& folder, bool replace) : folder_(folde
   }
 }
 
-void ExportFolder::write(const std::string& relative, const std::string& bytes) {
-  stop_if_requested();
+fs::path ExportFolder::place_within(const std::string& relative) const {
   const fs::path below(relative);
   if (below.is_absolute() || std::find(below.begin(), below.end(), "..") != below.end())
     throw StorageError(
         fmt::format("{}: {} would lie outside of the export; nothing was written to it", folder_.string(), relative));
-  draft_->write_within(below, bytes);
+  return below;
+}
+
+void ExportFolder::write(const std::string& relative, const std::string& bytes) {
+  stop_if_requested();
+  draft_->write_within(place_within(relative), bytes);
   sums_[relative] = sha256_hex(bytes);
 }
 
+void ExportFolder::append(const std::string& relative, const std::string& bytes) {
+  stop_if_requested();
+  auto file = growing_.find(relative);
+  if (file == growing_.end())
+    file = growing_.emplace(relative, Growing{draft_->open_within(place_within(relative))}).first;
+  file->second.waiting += bytes;
+  if (file->second.waiting.size() >= kWaitingBytes) file->second.flush();
+}
+
+void ExportFolder::Growing::flush() {
+  part.write(waiting);
+  sum.add(waiting);
+  waiting.clear();
+}
+
 void ExportFolder::finish() {
+  for (auto& [name, file] : growing_) {
+    file.flush();
+    file.part.close();
+    sums_[name] = to_hex(file.sum.finish());
+  }
+  growing_.clear();
   draft_->write_within(kSums, text_of(sums_));
   finished_ = true;
+}
+
+std::vector<std::string> ExportFolder::names() const {
+  std::vector<std::string> names;
+  for (const auto& [name, sum] : sums_) names.push_back(name);
+  for (const auto& [name, file] : growing_) names.push_back(name);
+  std::sort(names.begin(), names.end());
+  return names;
 }
 
 std::vector<std::string> ExportFolder::publish() {
@@ -127,9 +161,7 @@ std::vector<std::string> ExportFolder::publish() {
   } catch (const fs::filesystem_error& error) {
     throw cannot_write(folder_, error.code().value());
   }
-  std::vector<std::string> files;
-  for (const auto& [name, sum] : sums_) files.push_back(name);
-  return files;
+  return names();
 }
 
 }  // namespace jnd

@@ -204,7 +204,8 @@ Fields<ThresholdResult> threshold_fields(const Protocol& protocol) {
         [k = protocol.stimulus.reference](const R&) { return k; }, {.unit = unit}),
       F("status", "what the estimate is", [](const R& r) { return r.jnd.status; }, {.levels = kJndStatuses}),
       F("cautions", "names of cautions, separated by blanks; none of them excludes anything",
-        [](const R& r) { return caution_names(r.jnd); }, {.levels = "extrapolated floor few_trials series_missing"}),
+        [](const R& r) { return caution_names(r.jnd); },
+        {.levels = "extrapolated floor few_trials series_missing", .several = true}),
       F("median_response_time_s", "median of the times that the participant entered; empty without one",
         &R::median_response_time_s, {.unit = "s"}),
       F("mean_trial_s", "mean time of a counted trial; empty without one", &R::mean_trial_s,
@@ -276,6 +277,11 @@ Fields<ContrastRow> contrast_fields(const Protocol& protocol, SessionKind kind) 
   add_mean(fields, "difference", "", "a - b within the participants who have both", "", &R::difference);
   fields.push_back(p_field<R>(
       "p", "of the registered contrast, corrected as registered; empty where not registered or refused", &R::p));
+  // Where there is a p, whose it is.
+  const PostHoc test = protocol.analysis.tests.post_hoc;
+  fields.push_back(F("test", "the test behind p; empty without p",
+                     [test](const R& r) { return std::isnan(r.p) ? std::string_view() : to_string(test); },
+                     {.levels = "holm-t wilcoxon games-howell tukey"}));
   fields.push_back(
       beside<R>("refused", [](const R& r) { return r.refused.empty() ? FieldValue() : FieldValue(r.refused); }));
   if (protocol.design.procedure)
@@ -507,13 +513,17 @@ Fields<AdaptiveRow> track_fields(const Protocol& protocol) {
 
 Fields<AdaptiveGroup> adaptive_group_fields(const Protocol& protocol) {
   using R = AdaptiveGroup;
+  using F = Field<R>;
   const int digits = level_decimals(protocol);
-  return {beside<R>("condition", [&protocol](const R& r) { return condition_of(protocol, r.condition); }),
-          beside<R>("n", &R::n),
-          beside<R>("of", &R::of),
-          beside<R>("threshold_mean", &R::mean, {.title = "mean threshold " + unit_name(protocol), .digits = digits}),
-          beside<R>("threshold_sd", &R::sd, {.title = "sd", .digits = digits}),
-          beside<R>("false_alarm_rate", &R::false_alarms, {.title = "false alarms", .shown = Shown::percent})};
+  const std::string unit = unit_name(protocol);
+  return {F("condition", "feedback condition", [&protocol](const R& r) { return condition_of(protocol, r.condition); }),
+          F("of", "participants who get the condition", &R::of, {.column = "participants"}),
+          F("n", "those whose threshold is ok", &R::n, {.column = "n_used"}),
+          F("threshold_mean", "mean threshold over them", &R::mean,
+            {.unit = unit, .title = "mean threshold " + unit, .digits = digits}),
+          F("threshold_sd", "standard deviation, n - 1", &R::sd, {.unit = unit, .title = "sd", .digits = digits}),
+          F("false_alarm_rate", "mean rate of \"different\" to equal stimuli over the same participants",
+            &R::false_alarms, {.title = "false alarms", .shown = Shown::percent})};
 }
 
 }  // namespace jnd
