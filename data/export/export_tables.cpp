@@ -207,6 +207,7 @@ std::vector<CsvColumn<ExportTrial>> trial_columns(const Protocol& protocol) {
 }
 
 std::vector<CsvColumn<ExportVoided>> voided_columns(const Protocol& protocol) {
+  if (protocol.task.kind == TaskKind::explore) return {};
   using R = ExportVoided;
   using F = Field<R>;
   const auto trial = [](const R& r) -> const Trial& { return r.trial; };

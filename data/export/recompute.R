@@ -436,7 +436,7 @@ recompute <- function(folder) {
       y <- of$complete[, said$condition_b[rows], drop = FALSE]
       t <- lapply(seq_along(rows), function(i) paired_t(x[, i] - y[, i]))
       ranks <- lapply(seq_along(rows), function(i) wilcoxon(x[, i] - y[, i]))
-      part <- function(list, name) sapply(list, function(one) one[[name]])
+      part <- function(list, name) vapply(list, function(one) one[[name]], 0)
       compare("pairs.csv", said, rows,
               list(n = rep(nrow(x), length(rows)), mean_difference = unname(colMeans(x - y)), ci95_low = part(t, "low"),
                    ci95_high = part(t, "high"), t = part(t, "t"), t_df = part(t, "df"), t_p = part(t, "p"),
@@ -452,6 +452,7 @@ recompute <- function(folder) {
     between <- n * sum((colMeans(table) - mean(table))^2)
     people <- k * sum((rowMeans(table) - mean(table))^2)
     error <- sum((table - outer(rowMeans(table), colMeans(table), "+") + mean(table))^2)
+    if (error <= rounding^2 * sum(table^2)) return(list())  # nothing but rounding is left, and there is no test
     df1 <- k - 1
     df2 <- (n - 1) * (k - 1)
     f <- between / df1 / (error / df2)
@@ -460,7 +461,7 @@ recompute <- function(folder) {
     centred <- covariance - outer(rowMeans(covariance), colMeans(covariance), "+") + mean(covariance)
     epsilon <- sum(diag(centred))^2 / (df1 * sum(centred^2))
     rest <- df1 * (n - 1 - df1 * epsilon)
-    huynh_feldt <- if (k == 2) 1 else if (rest > 0) (n * df1 * epsilon - 2) / rest else NA_real_
+    huynh_feldt <- if (k == 2) 1 else if (n <= 2) NA_real_ else if (rest > 0) (n * df1 * epsilon - 2) / rest else Inf
     capped <- min(1, huynh_feldt)
     p <- function(epsilon) pf(f, epsilon * df1, epsilon * df2, lower.tail = FALSE)
     list(f = f, df1 = df1, df2 = df2, p = p(1), epsilon_gg = epsilon, p_gg = p(epsilon), epsilon_hf = huynh_feldt,
@@ -495,7 +496,7 @@ recompute <- function(folder) {
       own <- of$table[people$group[match(rownames(of$table), people$participant)] == said$group[i], , drop = FALSE]
       absent <- is.na(own) & !is.nan(own)
       values <- if (said$condition[i] != "") own[, said$condition[i]] else
-        sapply(seq_len(nrow(own)), function(row) mean(own[row, !absent[row, ]]))
+        vapply(seq_len(nrow(own)), function(row) mean(own[row, !absent[row, ]]), 0)
       values <- unname(values[is.finite(values)])
       of_values <- mean_with_interval(values)
       compare("groups.csv", said, i,

@@ -93,8 +93,8 @@ def t_quantile(df):
 
 def f_upper(f, df1, df2):
     """P(F >= f)."""
-    if f == math.inf:
-        return 0.0
+    if math.isnan(df1):
+        return NAN
     return beta_share(df2 / 2, df1 / 2, df2 / (df2 + df1 * f), df1 * f / (df2 + df1 * f))
 
 
@@ -702,7 +702,9 @@ def analysis_of_variance(table):
     error = sum((table[i][j] - rows[i] - columns[j] + grand) ** 2 for i in range(n) for j in range(k))
     people = k * sum((r - grand) ** 2 for r in rows)
     df1, df2 = k - 1, (n - 1) * (k - 1)
-    f = between / df1 / (error / df2) if error > 0 else NAN
+    if error <= ROUNDING ** 2 * sum(value * value for row in table for value in row):
+        return {}  # nothing but rounding is left, and there is no test
+    f = between / df1 / (error / df2)
     # Greenhouse and Geisser's epsilon, from the double-centred covariances of the conditions.
     covariance = [[sum((table[i][a] - columns[a]) * (table[i][b] - columns[b]) for i in range(n)) / (n - 1)
                    for b in range(k)] for a in range(k)]
@@ -711,8 +713,8 @@ def analysis_of_variance(table):
     trace = sum(centred[a][a] for a in range(k))
     epsilon = trace ** 2 / (df1 * sum(value ** 2 for line in centred for value in line))
     rest = df1 * (n - 1 - df1 * epsilon)
-    huynh_feldt = 1.0 if k == 2 else (n * df1 * epsilon - 2) / rest if rest > 0 else NAN
-    capped = min(1.0, huynh_feldt)
+    huynh_feldt = 1.0 if k == 2 else NAN if n <= 2 else (n * df1 * epsilon - 2) / rest if rest > 0 else math.inf
+    capped = huynh_feldt if math.isnan(huynh_feldt) else min(1.0, huynh_feldt)
     return {"f": f, "df1": df1, "df2": df2, "p": f_upper(f, df1, df2), "epsilon_gg": epsilon,
             "p_gg": f_upper(f, epsilon * df1, epsilon * df2), "eta2_partial": between / (between + error),
             "eta2_generalised": between / (between + error + people), "epsilon_hf": huynh_feldt,
