@@ -244,8 +244,9 @@ std::vector<std::string> export_csv(const Study& study, const Protocol& protocol
       if (row.event == kTakenBackEvent) row.subject.clear();
   if (!rows.empty()) write("log.csv", log_columns(), rows);
   files.write("methods.md", methods_text(study, protocol, results));
-  for (const RecomputeScript& script : kRecomputeScripts)
-    files.write(std::string(script.name), std::string(script.text));
+  if (!std::holds_alternative<ExplorationResults>(results.measured))  // which has nothing to compute again
+    for (const RecomputeScript& script : kRecomputeScripts)
+      files.write(std::string(script.name), std::string(script.text));
   write_descriptions(files, protocol, fmt::format("{} data", to_string(kind)), std::move(dictionary));
   return files.publish();
 }

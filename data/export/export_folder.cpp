@@ -1,6 +1,7 @@
 #include "data/export/export_folder.h"
 
 #include <algorithm>
+#include <fstream>
 #include <limits>
 #include <sstream>
 #include <string_view>
@@ -26,13 +27,28 @@ constexpr std::size_t kHashLength = 64;
 constexpr std::size_t kWaitingBytes = 1 << 18;  // of a growing file, before they are written
 constexpr std::string_view kUnlisted = "is not listed in its SHA256SUMS";
 
+StorageError unreadable(const fs::path& path) {
+  return StorageError(fmt::format("{}: cannot be read; nothing was changed. Look at the disk, or choose another folder",
+                                  path.string()));
+}
+
 std::string content_of(const fs::path& path) {
   try {
     return read_input_file(path, std::numeric_limits<std::size_t>::max());
   } catch (const InputError&) {
-    throw StorageError(fmt::format(
-        "{}: cannot be read; nothing was changed. Look at the disk, or choose another folder", path.string()));
+    throw unreadable(path);
   }
+}
+
+// The sum of a file of any length.
+std::string sum_of(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  Sha256Stream sum;
+  std::string piece(kWaitingBytes, '\0');
+  while (file.read(piece.data(), static_cast<std::streamsize>(piece.size())) || file.gcount() > 0)
+    sum.add(std::string_view(piece).substr(0, static_cast<std::size_t>(file.gcount())));
+  if (!file.eof()) throw unreadable(path);
+  return to_hex(sum.finish());
 }
 
 std::string text_of(const std::map<std::string, std::string>& sums) {
@@ -77,7 +93,7 @@ void may_go(const fs::path& folder) {
     const auto found = listed.find(name);
     if (found == listed.end()) refuse(entry.path(), kUnlisted);
     if (entry.is_symlink() || !entry.is_regular_file()) refuse(entry.path(), "is not the file that jnd wrote");
-    if (sha256_hex(content_of(entry.path())) != found->second) refuse(entry.path(), "was changed since jnd wrote it");
+    if (sum_of(entry.path()) != found->second) refuse(entry.path(), "was changed since jnd wrote it");
   }
 }
 

@@ -93,13 +93,13 @@ TEST_CASE("an export holds every trial and result, and its dictionary every colu
   const StudyResults results = results_of(*study, tutorial(), SessionKind::simulated);
   const auto listed = export_csv(*study, tutorial(), results, folder / "out", false);
   const auto files = files_in(folder / "out");
-  CHECK(listed == std::vector<std::string>{
-                      "answers.csv",      "behaviour.csv",      "cells.csv",          "contrasts.csv",
-                      "datapackage.json", "dictionary.csv",     "group.csv",          "intervals.csv",
-                      "items.csv",        "methods.md",         "pairs.csv",          "participants.csv",
-                      "ratings.csv",      "recompute.R",        "recompute.py",       "schema/report.json",
-                      "sensitivity.csv",  "sessions.csv",       "sub-P01/report.csv", "sub-P02/report.csv",
-                      "tests.csv",        "thresholds.csv",     "trials.csv"});
+  CHECK(listed ==
+        std::vector<std::string>{"answers.csv",      "behaviour.csv",  "cells.csv",          "contrasts.csv",
+                                 "datapackage.json", "dictionary.csv", "group.csv",          "intervals.csv",
+                                 "items.csv",        "methods.md",     "pairs.csv",          "participants.csv",
+                                 "ratings.csv",      "recompute.R",    "recompute.py",       "schema/report.json",
+                                 "sensitivity.csv",  "sessions.csv",   "sub-P01/report.csv", "sub-P02/report.csv",
+                                 "tests.csv",        "thresholds.csv", "trials.csv"});
   CHECK(files.size() == listed.size() + 1);  // and SHA256SUMS
 
   std::map<std::string, std::set<std::string>> described;
