@@ -197,7 +197,7 @@ std::vector<CsvColumn<ExportTrial>> trial_columns(const Protocol& protocol) {
       F("attempt", "1, or more where the trial was voided and repeated", [](const R& r) { return r.record.attempt; }));
   add_place(fields, trial);
   fields.push_back(F("series", "series of the trial", [](const R& r) { return r.record.series_name; }));
-  fields.push_back(F("condition", "feedback condition", [](const R& r) { return r.record.condition_name; }));
+  fields.push_back(F("condition", "condition", [](const R& r) { return r.record.condition_name; }));
   const std::string words = answer_levels(protocol);
   add_stimuli(fields, protocol, trial);
   add_target(fields, protocol, words);
@@ -222,7 +222,7 @@ std::vector<CsvColumn<ExportVoided>> voided_columns(const Protocol& protocol) {
   fields.push_back(F("attempt", "which attempt at the trial, from 1", &R::attempt));
   add_place(fields, trial);
   fields.push_back(F("series", "series of the trial", &R::series));
-  fields.push_back(F("condition", "feedback condition", &R::condition));
+  fields.push_back(F("condition", "condition", &R::condition));
   add_stimuli(fields, protocol, trial);
   fields.push_back(F("reason", "why it did not count; taken_back: an answer that was taken back", &R::reason));
   fields.push_back(F("words", "what the operator said of it; empty where nothing was said", &R::words));

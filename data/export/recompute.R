@@ -276,7 +276,7 @@ recompute <- function(folder) {
       slopes <- rows[[slope]][is.finite(rows[[slope]]) & rows$status != "no_information"]
       half <- median_of_jnds(rows$status, rows[[jnd]])
       values <- c(list(participants = nrow(rows), n_median = half$n, jnd_median_status = half$status,
-                       n_slope = length(slopes), n_ok = nrow(ok)),
+                       n_slope = length(slopes), n_used = nrow(ok)),
                   mean_columns("jnd", unit, ok[[jnd]]), mean_columns("log_jnd", "", log(ok[[jnd]])),
                   mean_columns("weber", "", ok$weber))
       values[[paste0("jnd_median", unit)]] <- half$median
@@ -387,7 +387,8 @@ recompute <- function(folder) {
   }
   # p of a contrast, before any correction; NULL: this script has no such test.
   test_of <- function(test, x, y, conditions)
-    switch(test, "holm-t" = paired_t(x - y)$p, wilcoxon = wilcoxon(x - y)$p, "games-howell" = games_howell(x, y, conditions))
+    switch(test, "holm-t" = paired_t(x - y)$p, wilcoxon = wilcoxon(x - y)$p,
+           "games-howell" = games_howell(x, y, conditions))
 
   check_contrasts <- function(outcome_named, source) {
     said <- read("contrasts.csv")
@@ -438,8 +439,8 @@ recompute <- function(folder) {
       ranks <- lapply(seq_along(rows), function(i) wilcoxon(x[, i] - y[, i]))
       part <- function(list, name) vapply(list, function(one) one[[name]], 0)
       compare("pairs.csv", said, rows,
-              list(n = rep(nrow(x), length(rows)), mean_difference = unname(colMeans(x - y)), ci95_low = part(t, "low"),
-                   ci95_high = part(t, "high"), t = part(t, "t"), t_df = part(t, "df"), t_p = part(t, "p"),
+              list(n_used = rep(nrow(x), length(rows)), mean_difference = unname(colMeans(x - y)),
+                   ci95_low = part(t, "low"), ci95_high = part(t, "high"), t = part(t, "t"), t_df = part(t, "df"), t_p = part(t, "p"),
                    t_p_holm = holm(part(t, "p")), dz = part(t, "dz"), wilcoxon_v = part(ranks, "v"),
                    wilcoxon_p = part(ranks, "p"), wilcoxon_p_holm = holm(part(ranks, "p"))))
     }
@@ -478,10 +479,9 @@ recompute <- function(folder) {
       table <- of$complete
       ranks <- friedman.test(signif(table, 12))
       chi2 <- unname(ranks$statistic)
-      compare("tests.csv", said, i, c(list(n_used = nrow(table), n = nrow(table) + of$left_out, friedman_chi2 = chi2,
-                                           friedman_p = unname(ranks$p.value),
-                                           kendall_w = chi2 / (nrow(table) * (ncol(table) - 1))),
-                                      analysis_of_variance(table)))
+      values <- list(n_used = nrow(table), participants = nrow(table) + of$left_out, friedman_chi2 = chi2,
+                     friedman_p = unname(ranks$p.value), kendall_w = chi2 / (nrow(table) * (ncol(table) - 1)))
+      compare("tests.csv", said, i, c(values, analysis_of_variance(table)))
     }
   }
 

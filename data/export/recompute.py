@@ -449,9 +449,9 @@ def check_jnd_group(thresholds, source):
                   "n_median": middle["n_median"], f"jnd_median{unit}": middle["median"],
                   "jnd_median_status": middle["status"],
                   **mean_columns("log_jnd", "", [math.log(one[jnd]) for one in ok]),
-                  "n_slope": len(slopes),
+                  "n_slope": len(slopes), "n_used": len(ok),
                   f"inverse_mean_slope{unit}": 1 / mean(slopes) if slopes and mean(slopes) > LEAST_SLOPE else NAN,
-                  **mean_columns("weber", "", [one["weber"] for one in ok]), "n_ok": len(ok)}
+                  **mean_columns("weber", "", [one["weber"] for one in ok])}
         for status in ("no_sensitivity", "ceiling", "no_information"):
             values["n_" + status] = sum(one["status"] == status for one in rows)
         checked.compare(row, values)
@@ -686,7 +686,7 @@ def check_pairs(outcome_named, source):
         ranks = [wilcoxon(d) for d in differences]
         t_holm, ranks_holm = holm([one["p"] for one in t]), holm([p for _, p in ranks])
         for i, row in enumerate(rows):
-            checked.compare(row, {"n": len(differences[i]), "mean_difference": mean(differences[i]),
+            checked.compare(row, {"n_used": len(differences[i]), "mean_difference": mean(differences[i]),
                                   "ci95_low": t[i]["low"], "ci95_high": t[i]["high"], "t": t[i]["t"],
                                   "t_df": t[i]["df"], "t_p": t[i]["p"], "t_p_holm": t_holm[i], "dz": t[i]["dz"],
                                   "wilcoxon_v": ranks[i][0], "wilcoxon_p": ranks[i][1],
@@ -744,7 +744,7 @@ def check_tests(outcome_named, source):
         if outcome is None:
             continue
         table = [[own[condition] for condition in outcome.conditions] for own in outcome.complete]
-        checked.compare(row, {"n_used": len(table), "n": len(table) + outcome.left_out, **friedman(table),
+        checked.compare(row, {"n_used": len(table), "participants": len(table) + outcome.left_out, **friedman(table),
                               **analysis_of_variance(table)})
 
 

@@ -29,7 +29,7 @@ Field<Row> p_field(std::string key, std::string meaning, Get get, FieldTraits tr
 
 template <typename Row>
 Field<Row> condition_field(const Protocol& protocol) {
-  return {"condition", "feedback condition", [&protocol](const Row& r) { return condition_of(protocol, r.condition); }};
+  return {"condition", "condition", [&protocol](const Row& r) { return condition_of(protocol, r.condition); }};
 }
 
 std::string caution_names(const JndEstimate& estimate) {
@@ -223,7 +223,7 @@ Fields<GroupResult> group_fields(const Protocol& protocol, SessionKind kind) {
                       F("kind", "kind of the sessions", [kind](const R&) { return kind; }, {.levels = kSessionKinds}),
                       F("n", "participants with a row in this condition (N)", [](const R& r) { return r.jnd.n; },
                         {.column = "participants"}),
-                      beside<R>("n_used", [](const R& r) { return r.jnd.mean_jnd.n; })};
+                      F("n_used", "those whose JND is ok", [](const R& r) { return r.jnd.mean_jnd.n; })};
   add_mean(fields, "jnd", in_unit("_", protocol), "the JND over status ok", unit,
            [](const R& r) { return r.jnd.mean_jnd; });
   fields.push_back(
@@ -241,8 +241,8 @@ Fields<GroupResult> group_fields(const Protocol& protocol, SessionKind kind) {
                      [](const R& r) { return r.jnd.inverse_mean_slope; },
                      {.column = in_unit("inverse_mean_slope_", protocol), .unit = unit, .title = "1/mean slope"}));
   add_mean(fields, "weber", "", "the Weber fraction over status ok", "", [](const R& r) { return r.jnd.mean_weber; });
-  fields.push_back(F("n_ok", "participants with status ok",
-                     [](const R& r) { return r.jnd.n - r.jnd.no_sensitivity - r.jnd.ceiling - r.jnd.no_information; }));
+  fields.push_back(beside<R>(
+      "n_ok", [](const R& r) { return r.jnd.n - r.jnd.no_sensitivity - r.jnd.ceiling - r.jnd.no_information; }));
   fields.push_back(F("no_sensitivity", "participants with status no_sensitivity",
                      [](const R& r) { return r.jnd.no_sensitivity; }, {.column = "n_no_sensitivity"}));
   fields.push_back(F("ceiling", "participants with status ceiling", [](const R& r) { return r.jnd.ceiling; },
@@ -302,7 +302,9 @@ Fields<TestRow> test_fields() {
       F("unit", "unit of the outcome's values", [](const R& r) { return r.outcome->unit; }),
       F("registered", "1 for the registered test", [](const R& r) { return r.outcome->registered; }, {.levels = "0 1"}),
       F("n_used", "complete participants", [size](const R& r) { return size(r.outcome->table.n); }),
-      F("n", "participants", [size](const R& r) { return size(r.outcome->table.n + r.outcome->left_out.size()); })};
+      F("n", "participants who get every condition",
+        [size](const R& r) { return size(r.outcome->table.n + r.outcome->left_out.size()); },
+        {.column = "participants"})};
   add_effect(
       fields, "F of the one-way repeated-measures analysis of variance",
       [](const R& r) -> const WithinEffect& { return r.outcome->comparison.anova.effect; },
@@ -340,7 +342,7 @@ Fields<PairRow> pair_fields(const Protocol& protocol) {
   return {F("outcome", "what is compared", [](const R& r) { return r.outcome->outcome; }),
           F("condition_a", "first condition", [&protocol](const R& r) { return protocol.conditions[r.pair->a].name; }),
           F("condition_b", "second condition", [&protocol](const R& r) { return protocol.conditions[r.pair->b].name; }),
-          F("n", "complete participants", [](const R& r) { return r.pair->t.n; }),
+          F("n", "complete participants", [](const R& r) { return r.pair->t.n; }, {.column = "n_used"}),
           F("mean_difference", "mean of a - b, in the outcome's unit",
             [](const R& r) { return r.pair->mean_difference; }, {.title = "difference", .shown = Shown::compact}),
           F("ci95_low", "lower end of its 95 % interval (Student t)", [](const R& r) { return r.pair->t.ci_low; },
@@ -376,7 +378,7 @@ Fields<MethodRow> sensitivity_fields(const Protocol& protocol) {
         [](const R& r) { return r.row->method.correction; }, {.levels = "none loglinear half"}),
       F("method", "how the JND comes from the series", [](const R& r) { return r.row->method.method; }),
       F("registered", "1 for the registered method", [](const R& r) { return r.row->registered; }, {.levels = "0 1"}),
-      F("condition", "feedback condition", [&protocol](const R& r) { return protocol.conditions[r.condition].name; }),
+      F("condition", "condition", [&protocol](const R& r) { return protocol.conditions[r.condition].name; }),
       F("median_jnd", "median JND; Inf or empty where its status says why",
         [](const R& r) { return r.row->median_jnd[r.condition]; }, {.column = "jnd_median", .unit = unit}),
       F("median_status", kMedianStatus, [](const R& r) { return r.row->median_status[r.condition]; },
@@ -500,9 +502,11 @@ Fields<AdaptiveRow> track_fields(const Protocol& protocol) {
         {.column = "sd", .unit = source == ThresholdSource::reversals ? unit : "", .digits = digits})};
   if (source == ThresholdSource::answers) {
     fields.push_back(F("ci_low", "lower end of the middle 95 % of the posterior",
-                       [](const R& r) { return r.threshold.low; }, {.unit = unit, .digits = digits}));
+                       [](const R& r) { return r.threshold.low; },
+                       {.column = "ci95_low", .unit = unit, .digits = digits}));
     fields.push_back(F("ci_high", "upper end of the middle 95 % of the posterior",
-                       [](const R& r) { return r.threshold.high; }, {.unit = unit, .digits = digits}));
+                       [](const R& r) { return r.threshold.high; },
+                       {.column = "ci95_high", .unit = unit, .digits = digits}));
   }
   fields.push_back(F("n", told.n, [](const R& r) { return r.threshold.n; }));
   fields.push_back(F("weber", "threshold / reference", &R::weber, {.title = "Weber", .shown = Shown::percent}));
@@ -517,7 +521,7 @@ Fields<AdaptiveGroup> adaptive_group_fields(const Protocol& protocol) {
   using F = Field<R>;
   const int digits = level_decimals(protocol);
   const std::string unit = unit_name(protocol);
-  return {F("condition", "feedback condition", [&protocol](const R& r) { return condition_of(protocol, r.condition); }),
+  return {F("condition", "condition", [&protocol](const R& r) { return condition_of(protocol, r.condition); }),
           F("of", "participants who get the condition", &R::of, {.column = "participants"}),
           F("n", "those whose threshold is ok", &R::n, {.column = "n_used"}),
           F("threshold_mean", "mean threshold over them", &R::mean,
