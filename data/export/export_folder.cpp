@@ -120,7 +120,7 @@ ExportFolder::ExportFolder(const fs::path& folder, bool replace) : folder_(folde
 }
 
 fs::path ExportFolder::place_within(const std::string& relative) const {
-  const fs::path below(relative);
+  fs::path below(relative);
   if (below.is_absolute() || std::find(below.begin(), below.end(), "..") != below.end())
     throw StorageError(
         fmt::format("{}: {} would lie outside of the export; nothing was written to it", folder_.string(), relative));

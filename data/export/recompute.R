@@ -18,12 +18,14 @@
 #
 # What it prints: for each file how many numbers and words were compared and the largest relative difference; which
 # columns it does not compute. Rscript ends with status 1 where a number differs by more than 1e-9 of itself; a number
-# next to zero, such as a difference of equal means, may differ by 1e-15 of the largest number of its column.
+# next to zero, such as a difference of equal means, may differ by 1e-14 of the largest number of its column, and a mean
+# by 1e-14 of its spread.
 #
 # Bootstrap intervals of single JNDs are drawn at random, from the study's own seed, and are not computed here.
 
 recompute <- function(folder) {
   tolerance <- 1e-9
+  near_zero <- 1e-5    # a number next to zero may differ by tolerance of this share of what it comes from
   least_slope <- 1e-9  # at or below it no difference is noticeable
   rounding <- 1e-13    # a spread of less than this share of the values is none
   # What every row says of the analysis: read, not computed.
@@ -41,6 +43,13 @@ recompute <- function(folder) {
   # The column whose name begins so: jnd_mean_ is jnd_mean_n_per_m in one study and jnd_mean_m in another.
   begins <- function(table, begin) names(table)[startsWith(names(table), begin)][1]
 
+  largest <- function(text) {
+    sizes <- abs(number(text))
+    max(0, sizes[is.finite(sizes)])
+  }
+  # Whether a column is of a mean, whose rounding is that of the values that it is taken from.
+  is_of_mean <- function(column) grepl("mean|sd|ci95", column)
+
   results <- list()
   check <- function(name, source, said, keys, aside = character(0)) {
     results[[name]] <<- list(source = source, compared = 0, largest = 0, wrong = character(0), aside = aside,
@@ -56,8 +65,11 @@ recompute <- function(folder) {
       if (is.character(value)) {
         difference <- ifelse(text == value, 0, Inf)
       } else {
-        all <- abs(number(said[[column]]))
-        scale <- 1e-6 * max(0, all[is.finite(all)])
+        scale <- near_zero * largest(said[[column]])
+        if (is_of_mean(column)) {
+          of_mean <- Filter(is_of_mean, names(said))
+          scale <- pmax(scale, near_zero * apply(said[rows, of_mean, drop = FALSE], 1, largest))
+        }
         there <- number(text)
         difference <- abs(there - value) / pmax(abs(there), abs(value), scale)
         difference[(is.na(there) & is.na(value)) | (!is.na(there) & !is.na(value) & there == value)] <- 0
@@ -369,26 +381,39 @@ recompute <- function(folder) {
   # wilcox.test does. Differences of decimals that are equal but for rounding are ties.
   wilcoxon <- function(differences) {
     used <- differences[differences != 0]
-    if (!length(used)) return(list(v = NA_real_, p = NA_real_))
+    if (!length(used)) return(list(v = 0, p = NA_real_))
     sizes <- signif(abs(used), 12)
     v <- sum(rank(sizes)[used > 0])
     test <- suppressWarnings(wilcox.test(sign(differences) * signif(abs(differences), 12)))
     list(v = v, p = test$p.value)
   }
-  # The pairing is ignored, as the test does.
-  games_howell <- function(x, y, groups) {
-    of <- c(var(x) / length(x), var(y) / length(y))
-    df <- sum(of)^2 / sum(of^2 / (c(length(x), length(y)) - 1))
-    ptukey(abs(mean(x) - mean(y)) / sqrt(sum(of) / 2), groups, df, lower.tail = FALSE)
-  }
   holm <- function(p) {
     p[!is.na(p)] <- p.adjust(p[!is.na(p)], "holm")
     p
   }
-  # p of a contrast, before any correction; NULL: this script has no such test.
-  test_of <- function(test, x, y, conditions)
-    switch(test, "holm-t" = paired_t(x - y)$p, wilcoxon = wilcoxon(x - y)$p,
-           "games-howell" = games_howell(x, y, conditions))
+  # p of a contrast, before any correction; NULL: this script has no such test. (Games and Howell's and Tukey's need the
+  # studentised range, of which R's ptukey gives about seven digits.)
+  test_of <- function(test, x, y)
+    switch(test, "holm-t" = paired_t(x - y)$p, wilcoxon = wilcoxon(x - y)$p)
+
+  # Values of those who get both conditions.
+  of_both <- function(outcome, ab) outcome$table[rowSums(outcome$absent[, ab]) == 0, ab, drop = FALSE]
+  finite_rows <- function(pairs) pairs[rowSums(is.finite(pairs)) == 2, , drop = FALSE]
+
+  # The p of each contrast, corrected as registered; NULL where this script does not have the test.
+  p_of_contrasts <- function(outcome, contrasts, each_alone, test) {
+    p <- rep(NA_real_, nrow(contrasts))
+    for (i in seq_along(p)) {
+      both <- of_both(outcome, contrasts[i, ])
+      pairs <- if (each_alone) finite_rows(both) else outcome$complete[, contrasts[i, ], drop = FALSE]
+      refused <- if (each_alone) (outcome$name != "slope" && nrow(pairs) < nrow(both)) || nrow(pairs) < 2 else
+        outcome$refused
+      one <- if (refused) NA_real_ else test_of(test, pairs[, 1], pairs[, 2])
+      if (is.null(one)) return(NULL)
+      p[i] <- one
+    }
+    holm(p)
+  }
 
   check_contrasts <- function(outcome_named, source) {
     said <- read("contrasts.csv")
@@ -399,29 +424,22 @@ recompute <- function(folder) {
     tested <- outcome_named(said$outcome[registered[1]])
     # Where somebody has no value in one condition, contrasts of the others are tested all the same.
     each_alone <- !tested$crossed || (tested$refused && tested$left_out > 0)
-    p <- rep(NA_real_, nrow(said))
-    known <- TRUE
+    contrasts <- as.matrix(said[c("condition_a", "condition_b")])
     for (i in seq_len(nrow(said))) {
       of_row <- if (said$registered[i] == "1") tested else outcome_named(said$outcome[i])
-      ab <- c(said$condition_a[i], said$condition_b[i])
-      both <- of_row$table[rowSums(of_row$absent[, ab]) == 0, ab, drop = FALSE]
-      finite <- both[rowSums(is.finite(both)) == 2, , drop = FALSE]
-      whole <- said$registered[i] == "1" && !each_alone
-      pairs <- if (whole && tested$name != "jnd") tested$complete[, ab, drop = FALSE] else finite
+      pairs <- finite_rows(of_both(of_row, contrasts[i, ]))
+      if (said$registered[i] == "1" && !each_alone && tested$name != "jnd")
+        pairs <- tested$complete[, contrasts[i, ], drop = FALSE]
       of <- mean_with_interval(pairs[, 1] - pairs[, 2])
+      everyone <- if (each_alone) nrow(of_both(tested, contrasts[i, ])) else nrow(tested$complete) + tested$left_out
       compare("contrasts.csv", said, i,
-              list(participants = if (each_alone) nrow(both) else nrow(tested$complete) + tested$left_out,
-                   n_difference = of$n, difference_mean = of$mean, difference_sd = of$sd,
+              list(participants = everyone, n_difference = of$n, difference_mean = of$mean, difference_sd = of$sd,
                    difference_ci95_low = of$low, difference_ci95_high = of$high))
-      if (said$registered[i] != "1" || said$test[i] == "") next
-      undefined <- if (whole) tested$refused else
-        (tested$name != "slope" && nrow(finite) < nrow(both)) || nrow(finite) < 2
-      x <- if (whole) tested$complete[, ab, drop = FALSE] else finite
-      one <- if (undefined) NA_real_ else test_of(said$test[i], x[, 1], x[, 2], ncol(tested$table))
-      if (is.null(one)) known <- FALSE else p[i] <- one
     }
-    if (any(said$test[registered] %in% c("holm-t", "wilcoxon"))) p <- holm(p)
-    if (known && any(said$test != "")) compare("contrasts.csv", said, registered, list(p = p[registered]))
+    test <- max(said$test[registered])  # empty in rows without p
+    if (test == "") return()
+    p <- p_of_contrasts(tested, contrasts[registered, , drop = FALSE], each_alone, test)
+    if (!is.null(p)) compare("contrasts.csv", said, registered, list(p = p))
   }
 
   # Every pair of conditions. Ratings (their outcome is a question) are not computed here.

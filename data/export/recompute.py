@@ -18,7 +18,8 @@ from there on is computed again. So are the JNDs of maximum likelihood (threshol
 
 What it prints: for each file how many numbers and words were compared and the largest relative difference; which
 columns it does not compute. It ends with status 1 where a number differs by more than 1e-9 of itself; a number next to
-zero, such as a difference of equal means, may differ by 1e-15 of the largest number of its column.
+zero, such as a difference of equal means, may differ by 1e-14 of the largest number of its column, and a mean by 1e-14
+of its spread.
 
 Bootstrap intervals of single JNDs are drawn at random, from the study's own seed, and are not computed here.
 """
@@ -31,6 +32,7 @@ from statistics import NormalDist, median
 TOLERANCE = 1e-9
 NAN = float("nan")
 NORMAL = NormalDist()
+NEAR_ZERO = 1e-5  # a number next to zero may differ by TOLERANCE of this share of what it comes from
 LEAST_SLOPE = 1e-9  # at or below it no difference is noticeable
 ROUNDING = 1e-13  # a spread of less than this share of the values is none
 
@@ -144,19 +146,26 @@ class Checked:
             if isinstance(value, str):
                 difference = 0.0 if row[column] == value else math.inf
             else:
-                difference = self.difference(column, number(row[column]), float(value))
+                difference = self.difference(row, column, number(row[column]), float(value))
             self.largest = max(self.largest, difference)
             if difference > TOLERANCE:
                 self.wrong.append(f"{self.name}, {column}: the file says {row[column] or 'nothing'}, computed {value}")
 
-    def difference(self, column, said, value):
+    def difference(self, row, column, said, value):
         if math.isnan(said) or math.isnan(value):
             return 0.0 if math.isnan(said) and math.isnan(value) else math.inf
         if said == value:
             return 0.0
         if math.isinf(said) or math.isinf(value):
             return math.inf
-        return abs(said - value) / max(abs(said), abs(value), 1e-6 * self.largest_of(column))
+        return abs(said - value) / max(abs(said), abs(value), NEAR_ZERO * self.scale_of(row, column))
+
+    def scale_of(self, row, column):
+        """What a number next to zero is held against."""
+        if not is_of_mean(column):
+            return self.largest_of(column)
+        sizes = [abs(number(row[other])) for other in row if is_of_mean(other) and row[other]]
+        return max([self.largest_of(column)] + [size for size in sizes if size < math.inf])
 
     def largest_of(self, column):
         if column not in self.scales:
@@ -172,6 +181,11 @@ class Checked:
             print("  not computed: " + ", ".join(left))
         for line in self.wrong[:5]:
             print("  DIFFERS: " + line)
+
+
+def is_of_mean(column):
+    """Whether it is of a mean, whose rounding is that of the values that it is taken from."""
+    return any(part in column for part in ("mean", "sd", "ci95"))
 
 
 def suffixed(row, begin):
@@ -526,7 +540,7 @@ def wilcoxon(differences):
     normal distribution with a correction for continuity."""
     used = [d for d in differences if d != 0]
     if not used:
-        return NAN, NAN
+        return 0.0, NAN
     ranks, ties = midranks([abs(d) for d in used])
     v, n = sum(rank for rank, d in zip(ranks, used) if d > 0), len(used)
     total = n * (n + 1) / 2
@@ -614,14 +628,33 @@ def outcome_of_estimates(name, estimates):
     return Outcome(name, values)
 
 
-def test_of(name, outcome, pairs):
-    """p of one contrast, before any correction. None: this script has no such test."""
+def test_of(name, pairs):
+    """p of one contrast, before any correction. None: this script has no such test (Games and Howell's and Tukey's need
+    the studentised range)."""
     differences = [a - b for a, b in pairs]
     if name == "holm-t":
         return paired_t(differences)["p"]
     if name == "wilcoxon":
         return wilcoxon(differences)[1]
     return None
+
+
+def finite_pairs(pairs):
+    return [pair for pair in pairs if all(map(math.isfinite, pair))]
+
+
+def p_of_contrasts(outcome, contrasts, each_alone, test):
+    """The p of each contrast, corrected as registered; None where this script does not have the test."""
+    p_values = []
+    for a, b in contrasts:
+        both = outcome.of_both(a, b)
+        if each_alone:
+            tested = finite_pairs(both)
+            refused = (outcome.name != "slope" and len(tested) < len(both)) or len(tested) < 2
+        else:
+            tested, refused = [(own[a], own[b]) for own in outcome.complete], outcome.refused
+        p_values.append(NAN if refused else test_of(test, tested))
+    return None if None in p_values else dict(zip(contrasts, holm(p_values)))
 
 
 def check_contrasts(outcome_named, source):
@@ -631,43 +664,24 @@ def check_contrasts(outcome_named, source):
     checked = Checked("contrasts.csv", source, said, ("condition_a", "condition_b", "kind", "outcome", "unit",
                                                       "registered", "test"), CONVENTION)
     registered = [row for row in said if row["registered"] == "1"]
-    p_values = {}
-    tests = {row["test"] for row in registered} - {""}
-    outcome = outcome_named(registered[0]["outcome"])
-    each_alone = not outcome.crossed or (outcome.refused and outcome.left_out > 0)
-    raw, families = [], []
-    for row in registered:
-        a, b = row["condition_a"], row["condition_b"]
-        both = outcome.of_both(a, b)
-        finite = [pair for pair in both if all(map(math.isfinite, pair))]
-        if not each_alone:
-            tested = [(own[a], own[b]) for own in outcome.complete]
-            undefined = outcome.refused
-        else:
-            tested = finite
-            undefined = (outcome.name != "slope" and len(finite) < len(both)) or len(finite) < 2
-        families.append(tested if not each_alone or outcome.name != "jnd" else finite)
-        raw.append(NAN if undefined or not row["test"] else test_of(row["test"], outcome, tested))
-    known = None not in raw
-    if known:
-        p_values = dict(zip(((row["condition_a"], row["condition_b"]) for row in registered), holm(raw)))
+    tested = outcome_named(registered[0]["outcome"])
+    # Where somebody has no value in one condition, contrasts of the others are tested all the same.
+    each_alone = not tested.crossed or (tested.refused and tested.left_out > 0)
+    test = max(row["test"] for row in registered)  # empty in rows without p
+    contrasts = [(row["condition_a"], row["condition_b"]) for row in registered]
+    p_values = p_of_contrasts(tested, contrasts, each_alone, test) if test else None
     for row in said:
-        a, b = row["condition_a"], row["condition_b"]
-        both = outcome.of_both(a, b)
-        if row["registered"] == "1":
-            of_row = outcome
-            pairs = families[[(r["condition_a"], r["condition_b"]) for r in registered].index((a, b))]
-            if outcome.name == "jnd":
-                pairs = [pair for pair in both if all(map(math.isfinite, pair))]
-        else:
-            of_row = outcome_named(row["outcome"])
-            pairs = [pair for pair in of_row.of_both(a, b) if all(map(math.isfinite, pair))]
+        contrast = (row["condition_a"], row["condition_b"])
+        outcome = tested if row["registered"] == "1" else outcome_named(row["outcome"])
+        pairs = finite_pairs(outcome.of_both(*contrast))
+        if outcome is tested and not each_alone and outcome.name != "jnd":
+            pairs = [(own[contrast[0]], own[contrast[1]]) for own in outcome.complete]
         n, m, sd, low, high = mean_with_interval([x - y for x, y in pairs])
-        values = {"participants": len(both) if each_alone else len(outcome.complete) + outcome.left_out,
-                  "n_difference": n, "difference_mean": m, "difference_sd": sd, "difference_ci95_low": low,
-                  "difference_ci95_high": high}
-        if row["registered"] == "1" and known and tests:
-            values["p"] = p_values[(a, b)]
+        everyone = len(tested.of_both(*contrast)) if each_alone else len(tested.complete) + tested.left_out
+        values = {"participants": everyone, "n_difference": n, "difference_mean": m, "difference_sd": sd,
+                  "difference_ci95_low": low, "difference_ci95_high": high}
+        if row["registered"] == "1" and p_values is not None:
+            values["p"] = p_values[contrast]
         checked.compare(row, values)
 
 
