@@ -156,7 +156,7 @@ class Analyze(unittest.TestCase):
             with open(self.path(name, "tracks.csv"), newline="", encoding="utf-8") as file:
                 rows = list(csv.DictReader(file))
             self.assertEqual(len(rows), len(result["rows"]))
-            self.assertIn("ci_low", rows[0])
+            self.assertIn("ci95_low", rows[0])
             with open(self.path(name, "methods.md"), encoding="utf-8") as file:
                 self.assertIn("Kontsevich" if kind == "posterior" else "by the response model", file.read())
             self.assertNotIn("moves with the criterion", self.jnd("analyze", study, "--no-methods").stdout)
