@@ -10,7 +10,7 @@
 #     cells                     -> thresholds.csv  slope of d' on the difference, JND = 1 / slope
 #     thresholds                -> group.csv       means, intervals, medians over participants
 #                                  contrasts.csv   conditions against each other, with the registered test
-#                                  pairs.csv, tests.csv, groups.csv
+#                                  pairs.csv, tests.csv (ratings: from answers.csv), groups.csv
 #
 # Each step works on what the step before it computed, not on the file. Of the tasks other than same-different, and of
 # adaptive procedures, the participants' own estimates (estimates.csv, tracks.csv) are taken as they are, and everything
@@ -369,6 +369,17 @@ recompute <- function(folder) {
     outcome(name, rows$participant[first], rows$condition[first], as.vector(means))
   }
 
+  # Of the answers to a question that is asked for each condition: the mean within a session, then over sessions.
+  # people: rows of whoever counts, with the conditions that they get.
+  outcome_of_ratings <- function(question, answers, people) {
+    rows <- answers[answers$question == question & answers$condition != "" & answers$answer != "", ]
+    if (is.null(answers) || !nrow(rows)) return(NULL)
+    of_sessions <- aggregate(list(value = number(rows$answer)), rows[c("participant", "condition", "session")], mean)
+    means <- tapply(of_sessions$value, person_name(of_sessions), mean)
+    people <- people[!duplicated(person_name(people)), ]
+    outcome(question, people$participant, people$condition, as.vector(means[person_name(people)]))
+  }
+
   paired_t <- function(differences) {
     of <- mean_with_interval(differences)
     if (of$n < 2 || of$sd <= rounding * max(abs(differences)))
@@ -442,7 +453,7 @@ recompute <- function(folder) {
     if (!is.null(p)) compare("contrasts.csv", said, registered, list(p = p))
   }
 
-  # Every pair of conditions. Ratings (their outcome is a question) are not computed here.
+  # Every pair of conditions.
   check_pairs <- function(outcome_named, source) {
     said <- read("pairs.csv")
     if (is.null(said)) return()
@@ -540,7 +551,7 @@ recompute <- function(folder) {
       thresholds <- thresholds_as_said(said)
     }
     check_jnd_group(thresholds, source)
-    list(source = source, named = function(name) outcome_of_thresholds(name, thresholds))
+    list(source = source, people = said, named = function(name) outcome_of_thresholds(name, thresholds))
   }
 
   outcomes <- function() {
@@ -553,17 +564,17 @@ recompute <- function(folder) {
       source <- "the participants' JNDs in thresholds.csv (trials.csv is not in this folder)"
       rows <- thresholds_as_said(thresholds)
       check_jnd_group(rows, source)
-      return(list(source = source, named = function(name) outcome_of_thresholds(name, rows)))
+      return(list(source = source, people = rows, named = function(name) outcome_of_thresholds(name, rows)))
     }
     if (!is.null(tracks)) {
       source <- "the participants' thresholds in tracks.csv"
       check_threshold_group(tracks, source)
-      return(list(source = source, named = function(name) outcome_of_tracks(name, tracks)))
+      return(list(source = source, people = tracks, named = function(name) outcome_of_tracks(name, tracks)))
     }
     if (is.null(estimates)) return(NULL)
     source <- "the participants' estimates in estimates.csv"
     check_estimate_group(estimates, source)
-    list(source = source, named = function(name) outcome_of_estimates(name, estimates))
+    list(source = source, people = estimates, named = function(name) outcome_of_estimates(name, estimates))
   }
 
   of <- outcomes()
@@ -572,8 +583,14 @@ recompute <- function(folder) {
     return(TRUE)
   }
   check_contrasts(of$named, of$source)
-  check_pairs(of$named, of$source)
-  check_tests(of$named, of$source)
+  answers <- read("answers.csv")
+  of_any <- function(name) {
+    found <- of$named(name)
+    if (is.null(found)) outcome_of_ratings(name, answers, of$people) else found
+  }
+  with_ratings <- paste0(of$source, if (!is.null(answers)) "; ratings from answers.csv")
+  check_pairs(of_any, with_ratings)
+  check_tests(of_any, with_ratings)
   check_groups(of$named, of$source)
   for (name in names(results)) {
     result <- results[[name]]

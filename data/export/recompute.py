@@ -10,7 +10,7 @@ short function. dictionary.csv says what every column of every file means.
     cells                     -> thresholds.csv  slope of d' on the difference, JND = 1 / slope
     thresholds                -> group.csv       means, intervals, medians over participants
                                  contrasts.csv   conditions against each other, with the registered test
-                                 pairs.csv, tests.csv, groups.csv
+                                 pairs.csv, tests.csv (ratings: from answers.csv), groups.csv
 
 Each step works on what the step before it computed, not on the file. Of the tasks other than same-different, and of
 adaptive procedures, the participants' own estimates (estimates.csv, tracks.csv) are taken as they are, and everything
@@ -628,6 +628,24 @@ def outcome_of_estimates(name, estimates):
     return Outcome(name, values)
 
 
+def outcome_of_ratings(question, answers, people):
+    """Of the answers to a question that is asked for each condition: the mean within a session, then over sessions.
+    people: rows of whoever counts, with the conditions that they get."""
+    sessions = {}
+    for row in answers:
+        if row["question"] == question and row["condition"] and row["answer"]:
+            key = (row["participant"], row["condition"])
+            sessions.setdefault(key, {}).setdefault(row["session"], []).append(float(row["answer"]))
+    if not sessions:
+        return None
+    values = {}
+    for row in people:
+        own = sessions.get((row["participant"], row["condition"]), {})
+        value = mean([mean(of_session) for of_session in own.values()])
+        values.setdefault(row["participant"], {})[row["condition"]] = value
+    return Outcome(question, values)
+
+
 def test_of(name, pairs):
     """p of one contrast, before any correction. None: this script has no such test (Games and Howell's and Tukey's need
     the studentised range)."""
@@ -686,8 +704,8 @@ def check_contrasts(outcome_named, source):
 
 
 def check_pairs(outcome_named, source):
-    """Every pair of conditions. Ratings (their outcome is a question) are not computed here."""
-    said = [row for row in read("pairs.csv")]
+    """Every pair of conditions."""
+    said = read("pairs.csv")
     if not said:
         return
     checked = Checked("pairs.csv", source, said, ("outcome", "condition_a", "condition_b"))
@@ -808,25 +826,26 @@ def check_same_different():
         thresholds = thresholds_as_said(said)
     check_jnd_group(thresholds, source)
     known = ("slope", "jnd", "log_jnd", "trial_time")
-    return lambda name: outcome_of_thresholds(name, thresholds) if name in known else None, source
+    return lambda name: outcome_of_thresholds(name, thresholds) if name in known else None, source, said
 
 
 def main():
     tracks, estimates = read("tracks.csv"), read("estimates.csv")
     if read("cells.csv") and read("trials.csv"):
-        outcome_named, source = check_same_different()
+        outcome_named, source, people = check_same_different()
     elif read("thresholds.csv"):
         source = "the participants' JNDs in thresholds.csv (trials.csv is not in this folder)"
-        thresholds = thresholds_as_said(read("thresholds.csv"))
+        people = read("thresholds.csv")
+        thresholds = thresholds_as_said(people)
         check_jnd_group(thresholds, source)
         outcome_named = lambda name: outcome_of_thresholds(name, thresholds) \
             if name in ("slope", "jnd", "log_jnd", "trial_time") else None
     elif tracks:
-        source = "the participants' thresholds in tracks.csv"
+        source, people = "the participants' thresholds in tracks.csv", tracks
         check_threshold_group(tracks)
         outcome_named = lambda name: outcome_of_tracks(name, tracks) if name == "threshold" else None
     elif estimates:
-        source = "the participants' estimates in estimates.csv"
+        source, people = "the participants' estimates in estimates.csv", estimates
         check_estimate_group(estimates)
         outcome_named = lambda name: outcome_of_estimates(name, estimates)
     else:
@@ -834,8 +853,11 @@ def main():
         return 0
     groups = {row["participant"]: row.get("group", "") for row in read("participants.csv")}
     check_contrasts(outcome_named, source)
-    check_pairs(outcome_named, source)
-    check_tests(outcome_named, source)
+    answers = read("answers.csv")
+    of_any = lambda name: outcome_named(name) or outcome_of_ratings(name, answers, people)
+    with_ratings = source + ("; ratings from answers.csv" if answers else "")
+    check_pairs(of_any, with_ratings)
+    check_tests(of_any, with_ratings)
     check_groups(outcome_named, groups, source)
     for checked in Checked.all:
         checked.report()
