@@ -40,7 +40,7 @@ recompute <- function(folder) {
     read.csv(path, colClasses = "character", check.names = FALSE, na.strings = character(0), encoding = "UTF-8")
   }
   number <- function(text) suppressWarnings(as.numeric(text))  # an empty cell is a missing value
-  # The column whose name begins so: jnd_mean_ is jnd_mean_n_per_m in one study and jnd_mean_m in another.
+  # The column whose name begins so: slope_per_ is slope_per_n_per_m in one study, slope_per_s in another.
   begins <- function(table, begin) names(table)[startsWith(names(table), begin)][1]
 
   largest <- function(text) {
@@ -469,7 +469,8 @@ recompute <- function(folder) {
       part <- function(list, name) vapply(list, function(one) one[[name]], 0)
       compare("pairs.csv", said, rows,
               list(n_used = rep(nrow(x), length(rows)), mean_difference = unname(colMeans(x - y)),
-                   ci95_low = part(t, "low"), ci95_high = part(t, "high"), t = part(t, "t"), t_df = part(t, "df"), t_p = part(t, "p"),
+                   ci95_low = part(t, "low"), ci95_high = part(t, "high"), t = part(t, "t"), t_df = part(t, "df"),
+                   t_p = part(t, "p"),
                    t_p_holm = holm(part(t, "p")), dz = part(t, "dz"), wilcoxon_v = part(ranks, "v"),
                    wilcoxon_p = part(ranks, "p"), wilcoxon_p_holm = holm(part(ranks, "p"))))
     }

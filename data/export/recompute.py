@@ -189,7 +189,7 @@ def is_of_mean(column):
 
 
 def suffixed(row, begin):
-    """The column of a row whose name begins so: jnd_mean_ is jnd_mean_n_per_m in one study and jnd_mean_m in another."""
+    """The column of a row whose name begins so: slope_per_ is slope_per_n_per_m in one study, slope_per_s in another."""
     return next(column for column in row if column.startswith(begin))
 
 
@@ -486,7 +486,8 @@ def check_threshold_group(tracks):
         rows = [one for one in tracks if one["condition"] == row["condition"] and one["track"] == ""]
         ok = [one for one in rows if one["status"] == "ok"]
         n, m, sd, _, _ = mean_with_interval([float(one["threshold"]) for one in ok])
-        shares = [int(one["false_alarms"]) / int(one["catch_trials"]) if int(one["catch_trials"]) else NAN for one in ok]
+        shares = [int(one["false_alarms"]) / int(one["catch_trials"]) if int(one["catch_trials"]) else NAN
+                  for one in ok]
         checked.compare(row, {"participants": len(rows), "n_used": n, "threshold_mean": m, "threshold_sd": sd,
                               "false_alarm_rate": mean(shares)})
 

@@ -26,8 +26,8 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[2]
 R = shutil.which("Rscript")
 # A study of every kind, with as few participants as its analysis can do with.
-STUDIES = {"tutorial": 3, "staircase": 3, "jones1997-viscosity": 3, "leib2015": 3, "pang1991": 3,
-           "identify-stiffness2025": 2, "carpenter2018-oddity": 3, "abx-stiffness": 3, "dhong2019-magnitude": 3,
+STUDIES = {"tutorial": 3, "staircase": 3, "jones1997-viscosity": 3, "leib2015": 3, "pang1991": 2,
+           "identify-stiffness2025": 2, "carpenter2018-oddity": 3, "dhong2019-magnitude": 3,
            "van-beek2015": 3, "chinello2017-experiment2": 2, "sandpaper-hands2013": 6}
 
 
