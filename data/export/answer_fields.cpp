@@ -24,12 +24,16 @@ void add_share(Fields<Row>& fields, const std::string& key, Get get) {
 Fields<BehaviourRow> behaviour_fields(const Protocol& protocol) {
   using R = BehaviourRow;
   using F = Field<R>;
-  Fields<R> fields = {F("participant", "code of the participant; empty for all together",
-                        [](const R& r) { return r.participant.empty() ? FieldValue() : FieldValue(r.participant); }),
-                      F("condition", "feedback condition; empty for all together",
-                        [&protocol](const R& r) { return named_condition(protocol, r.condition); }),
-                      F("order_effect.status", "whether both orders of different pairs occur",
-                        [](const R& r) { return r.order.status; }, {.column = "order_status"})};
+  Fields<R> fields = {
+      beside<R>("participant",
+                [](const R& r) { return r.participant.empty() ? FieldValue() : FieldValue(r.participant); }),
+      F("participant_or_all", "code of the participant; all for everyone together",
+        [](const R& r) { return r.participant.empty() ? std::string("all") : r.participant; },
+        {.column = "participant"}),
+      F("condition", "condition; empty for all together",
+        [&protocol](const R& r) { return named_condition(protocol, r.condition); }),
+      F("order_effect.status", "whether both orders of different pairs occur",
+        [](const R& r) { return r.order.status; }, {.column = "order_status"})};
   const auto add = [&](F field) { fields.push_back(std::move(field)); };
   // A number with a column; p values are read like such.
   const auto number = [&](const char* key, const char* column, const char* meaning, const char* title, int digits,
@@ -114,7 +118,7 @@ Fields<SurenessRow> sureness_fields(const Protocol& protocol) {
   const std::string unit(to_string(protocol.stimulus.unit));
   const auto fit = [](auto member) { return [member](const R& r) { return r.fit.*member; }; };
   return {F("participant", "code of the participant", &R::participant),
-          F("condition", "feedback condition", [&protocol](const R& r) { return condition_of(protocol, r.condition); }),
+          F("condition", "condition", [&protocol](const R& r) { return condition_of(protocol, r.condition); }),
           F("trials", "counted trials", &R::trials),
           F("jnd", "JND from all degrees of sureness: the difference that adds d' = 1, ordered probit",
             fit(&Sureness::sigma), {.unit = unit, .title = "JND", .shown = Shown::compact}),

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <system_error>
 
+#include "analysis/numerics/words.h"
 #include "protocols/input/blank_text.h"
 
 namespace jnd {
@@ -17,6 +18,15 @@ std::string csv_number(double value) {
   std::array<char, 32> text{};
   auto* const end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
   return std::string(text.data(), end);
+}
+
+std::string_view to_string(CellType type) noexcept {
+  constexpr auto kWords = words<CellType>({{"string", CellType::text},
+                                           {"integer", CellType::integer},
+                                           {"number", CellType::number},
+                                           {"boolean", CellType::flag},
+                                           {"datetime", CellType::time}});
+  return word_of(kWords, type);
 }
 
 std::string csv_number(std::int64_t value) {

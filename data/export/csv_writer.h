@@ -34,6 +34,17 @@ std::string csv_cell(std::string_view cell);
 // Cells joined by commas, with a line feed.
 std::string csv_line(const std::vector<std::string>& cells);
 
+// What the cells of a column are, in the words of Table Schema (https://datapackage.org). An empty cell is a missing
+// value, whatever the type.
+enum class CellType {
+  text,
+  integer,
+  number,  // decimals, Inf and -Inf
+  flag,    // 0 or 1
+  time     // ISO 8601, UTC
+};
+std::string_view to_string(CellType type) noexcept;  // "string", "integer", "number", "boolean", "datetime"
+
 template <typename Row>
 struct CsvColumn {
   std::string name;
@@ -42,6 +53,8 @@ struct CsvColumn {
   std::string levels;  // of text columns: the values that occur, or empty
   std::function<std::string(const Row&)> cell;
   Reveals reveals = Reveals::plan;  // of a blinded study
+  CellType type = CellType::text;
+  bool several = false;  // a cell may hold several of the levels, separated by blanks
 };
 
 // Those that may be seen while the study is blinded.
@@ -52,25 +65,37 @@ std::vector<CsvColumn<Row>> blinded(std::vector<CsvColumn<Row>> columns) {
 }
 
 template <typename Row>
-std::string csv_table(const std::vector<CsvColumn<Row>>& columns, const std::vector<Row>& rows) {
+std::string csv_header(const std::vector<CsvColumn<Row>>& columns) {
   std::vector<std::string> cells;
   for (const auto& column : columns) cells.push_back(column.name);
-  std::string text = csv_line(cells);
-  for (const Row& row : rows) {
-    for (std::size_t i = 0; i < columns.size(); ++i) cells[i] = columns[i].cell(row);
-    text += csv_line(cells);
-  }
+  return csv_line(cells);
+}
+
+template <typename Row>
+std::string csv_row(const std::vector<CsvColumn<Row>>& columns, const Row& row) {
+  std::vector<std::string> cells;
+  for (const auto& column : columns) cells.push_back(column.cell(row));
+  return csv_line(cells);
+}
+
+template <typename Row>
+std::string csv_table(const std::vector<CsvColumn<Row>>& columns, const std::vector<Row>& rows) {
+  std::string text = csv_header(columns);
+  for (const Row& row : rows) text += csv_row(columns, row);
   return text;
 }
 
-// A line of dictionary.csv.
+// A line of dictionary.csv, and a field of datapackage.json.
 struct DictionaryRow {
   std::string file, column, meaning, unit, levels;
+  CellType type = CellType::text;
+  bool several = false;
 };
 
 template <typename Row>
 void describe(const std::string& file, const std::vector<CsvColumn<Row>>& columns, std::vector<DictionaryRow>& rows) {
-  for (const auto& column : columns) rows.push_back({file, column.name, column.meaning, column.unit, column.levels});
+  for (const auto& column : columns)
+    rows.push_back({file, column.name, column.meaning, column.unit, column.levels, column.type, column.several});
 }
 
 }  // namespace jnd

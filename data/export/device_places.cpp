@@ -29,7 +29,7 @@ std::vector<DevicePlace> device_places(const Study& study, const Protocol& proto
       query.reset();
     }
   });
-  if (places.empty())
+  if (places.empty() && protocol.rig.built_in())
     for (int finger = 0; finger < fingers; ++finger) places.insert({finger, Channel::cutaneous});
   return {places.begin(), places.end()};
 }

@@ -18,8 +18,8 @@ struct DevicePlace {
   }
 };
 
-// As the first answered trial of each session has them, in the order of fingers, cutaneous first; one on every finger's
-// pulp where no trial was answered. Throws StorageError.
+// As the first answered trial of each session has them, in the order of fingers, cutaneous first; where no trial was
+// answered, one on every finger's pulp of a rig of ours, and none of another. Throws StorageError.
 std::vector<DevicePlace> device_places(const Study& study, const Protocol& protocol,
                                        const std::vector<SessionInfo>& sessions);
 

@@ -6,11 +6,13 @@
 
 #include <fmt/format.h>
 
+#include "data/export/data_package.h"
 #include "data/export/device_places.h"
 #include "data/export/export_folder.h"
 #include "data/export/export_log.h"
 #include "data/export/export_tables.h"
 #include "data/export/export_telemetry.h"
+#include "data/export/recompute_scripts.h"
 #include "data/export/result_columns.h"
 #include "data/export/result_fields.h"
 #include "data/log/body_numbers.h"
@@ -28,38 +30,104 @@ namespace jnd {
 
 namespace {
 
-// All that the events of one session give to an export.
-// not_counted: seq of the answers that were taken back.
-void read_session(const Study& study, const Protocol& protocol, const SessionInfo& session,
-                  const std::set<std::int64_t>& not_counted, std::vector<ExportTrial>& trials,
-                  std::vector<ExportAnswer>& answers) {
-  for (const Event& event : study.events(session.id)) {
-    if (event.kind != event_kind::kTrialCompleted && event.kind != event_kind::kQuestionAnswered) continue;
-    if (not_counted.contains(event.seq)) continue;
-    try {
-      const auto body = nlohmann::ordered_json::parse(event.body);
-      if (event.kind == event_kind::kTrialCompleted) {
-        ExportTrial row{session, event.seq, to_iso8601(event.stamp.utc_ns), trial_record_from(body), {}};
-        const TrialRecord& record = row.record;
-        if (!record.trial.practice)
-          row.excluded_reason = exclusion_reason(
-              protocol.analysis.exclude, record.answer.entered_by == EnteredBy::participant,
-              record.answer.response_time_s, largest_saturated_share(record), breaks_limit(record.breach));
-        trials.push_back(std::move(row));
-      } else {
-        const auto text_at = [&](const char* key) {
-          return body.contains(key) && body.at(key).is_string() ? body.at(key).get<std::string>() : std::string();
-        };
-        answers.push_back({session, to_iso8601(event.stamp.utc_ns), text_at("question"), text_at("text"),
-                           text_at("when"), text_at("condition"), text_at("answer"), whole_at(body, "after_trial"),
-                           body.at("answer").is_string()});
+// What is read back from the log, and where it goes while it is read: the files grow with the sessions, and no session
+// is held longer than it takes to write its rows.
+class RecordFiles {
+ public:
+  RecordFiles(ExportFolder& files, const Study& study, const Protocol& protocol,
+              const std::vector<SessionInfo>& sessions)
+      : protocol_(protocol),
+        trials_(files, "trials.csv", trial_columns(protocol)),
+        intervals_(files, "intervals.csv", interval_columns(protocol, device_places(study, protocol, sessions))),
+        voided_(files, "voided.csv", voided_columns(protocol)),
+        answers_(files, "answers.csv", answer_columns()) {
+    if (protocol.task.kind == TaskKind::explore) return;  // it has no trials
+    trials_.begin();
+    intervals_.begin();
+  }
+
+  // taken_back: seq of the answers that were.
+  void add(const SessionInfo& session, const std::vector<Event>& events, const std::set<std::int64_t>& taken_back) {
+    std::set<std::pair<int, int>> answered;  // trial and attempt, taken back
+    for (const Event& event : events) {
+      try {
+        add(session, event, taken_back.contains(event.seq), answered);
+      } catch (const nlohmann::json::exception& error) {
+        throw StorageError(fmt::format("session {}, event {} ({}): the body cannot be read: {}; run jnd verify",
+                                       session.id, event.seq, event.kind, error.what()));
       }
-    } catch (const nlohmann::json::exception& error) {
-      throw StorageError(fmt::format("session {}, event {} ({}): the body cannot be read: {}; run jnd verify",
-                                     session.id, event.seq, event.kind, error.what()));
     }
   }
-}
+
+  void describe_in(std::vector<DictionaryRow>& dictionary) const {
+    trials_.describe_in(dictionary);
+    intervals_.describe_in(dictionary);
+    voided_.describe_in(dictionary);
+    answers_.describe_in(dictionary);
+  }
+
+ private:
+  using Json = nlohmann::ordered_json;
+
+  void add(const SessionInfo& session, const Event& event, bool taken_back, std::set<std::pair<int, int>>& answered) {
+    if (event.kind == event_kind::kTrialCompleted) {
+      const ExportTrial row = trial_of(session, event);
+      if (taken_back)
+        answered.emplace(row.record.trial.index, row.record.attempt);
+      else
+        add(row);
+    } else if (event.kind == event_kind::kTrialVoided) {
+      add_voided(session, event, answered);
+    } else if (event.kind == event_kind::kQuestionAnswered) {
+      add_answer(session, event);
+    }
+  }
+
+  ExportTrial trial_of(const SessionInfo& session, const Event& event) const {
+    ExportTrial row{session, event.seq, to_iso8601(event.stamp.utc_ns), trial_record_from(Json::parse(event.body)), {}};
+    const TrialRecord& record = row.record;
+    if (!record.trial.practice)
+      row.excluded_reason =
+          exclusion_reason(protocol_.analysis.exclude, record.answer.entered_by == EnteredBy::participant,
+                           record.answer.response_time_s, largest_saturated_share(record), breaks_limit(record.breach));
+    return row;
+  }
+
+  void add(const ExportTrial& row) {
+    trials_.add(row);
+    for (const ExportInterval& interval : interval_rows(row)) intervals_.add(interval);
+  }
+
+  void add_voided(const SessionInfo& session, const Event& event, const std::set<std::pair<int, int>>& answered) {
+    const auto body = Json::parse(event.body);
+    ExportVoided row{
+        session, event.seq, to_iso8601(event.stamp.utc_ns), trial_from(body), whole_at(body, "attempt"), {}, {},
+        {},      {}};
+    row.series = protocol_.series.at(static_cast<std::size_t>(row.trial.series)).name;
+    row.condition = protocol_.conditions.at(static_cast<std::size_t>(row.trial.condition)).name;
+    row.reason = body.value("reason", std::string());
+    row.words = body.value("words", std::string());
+    row.answered = answered.contains({row.trial.index, row.attempt});
+    row.uses_attempt = body.value("counts", true);
+    voided_.add(row);
+  }
+
+  void add_answer(const SessionInfo& session, const Event& event) {
+    const auto body = Json::parse(event.body);
+    const auto text_at = [&](const char* key) {
+      return body.contains(key) && body.at(key).is_string() ? body.at(key).get<std::string>() : std::string();
+    };
+    answers_.add({session, to_iso8601(event.stamp.utc_ns), text_at("question"), text_at("text"), text_at("when"),
+                  text_at("condition"), text_at("answer"), whole_at(body, "after_trial"),
+                  body.at("answer").is_string()});
+  }
+
+  const Protocol& protocol_;
+  CsvFile<ExportTrial> trials_;
+  CsvFile<ExportInterval> intervals_;
+  CsvFile<ExportVoided> voided_;
+  CsvFile<ExportAnswer> answers_;
+};
 
 // Names that are taken.
 struct TelemetryFiles {
@@ -67,10 +135,11 @@ struct TelemetryFiles {
 };
 
 // Writes the ticks, or the rig's own trace, of every interval of one session that kept them. lost: keys of what a recovery could not save.
-void write_telemetry(const Study& study, const SessionInfo& session, const std::set<std::string>& lost,
-                     const std::string& sub, const std::vector<CsvColumn<TelemetryRow>>& columns,
+void write_telemetry(const Study& study, const SessionInfo& session, const std::vector<Event>& events,
+                     const std::set<std::string>& lost, const std::vector<CsvColumn<TelemetryRow>>& columns,
                      TelemetryFiles& written, ExportFolder& files) {
-  for (const Event& event : study.events(session.id)) {
+  const std::string sub = "sub-" + session.participant + "/";
+  for (const Event& event : events) {
     const auto body = nlohmann::ordered_json::parse(event.body, nullptr, false);
     const std::vector<TelemetryBlob> named = named_telemetry(body);
     if (named.empty()) continue;
@@ -107,13 +176,41 @@ void write_telemetry(const Study& study, const SessionInfo& session, const std::
   }
 }
 
-// The rows of one participant, which stand together.
-template <typename Row>
-std::vector<Row> rows_of(const std::vector<Row>& rows, const std::string& participant) {
-  std::vector<Row> found;
-  for (const Row& row : rows)
-    if (row.participant == participant) found.push_back(row);
-  return found;
+// The trials, answers and ticks of the participants who count.
+void write_records(const Study& study, const Protocol& protocol, SessionKind kind,
+                   const std::optional<TelemetryExport>& telemetry, ExportFolder& files,
+                   std::vector<DictionaryRow>& dictionary) {
+  const std::vector<SessionInfo> sessions = sessions_of(study, kind);
+  auto taken_back = taken_back_of(study);
+  RecordFiles records(files, study, protocol, sessions);
+  const auto ticks = telemetry_columns(protocol, telemetry ? telemetry->limit_names : std::vector<std::string>{});
+  const std::set<std::string> lost = telemetry ? lost_in_recovery(study) : std::set<std::string>();
+  TelemetryFiles written;
+  for (const SessionInfo& session : sessions) {
+    const std::vector<Event> events = study.events(session.id);
+    records.add(session, events, taken_back[session.id]);
+    if (telemetry) write_telemetry(study, session, events, lost, ticks, written, files);
+  }
+  records.describe_in(dictionary);
+  if (!written.ticks.empty()) describe("sub-*/telemetry/*.csv", ticks, dictionary);
+  if (!written.traces.empty()) describe("sub-*/telemetry/*-trace.csv", trace_columns(), dictionary);
+}
+
+// What each participant gets to see of the results: a file for each.
+void write_reports(const StudyResults& results, const Protocol& protocol, ExportFolder& files,
+                   std::vector<DictionaryRow>& dictionary) {
+  const auto* constant = std::get_if<ConstantResults>(&results.measured);
+  if (constant == nullptr || constant->analysis.thresholds.empty()) return;
+  const auto columns = csv_columns(threshold_fields(protocol));
+  describe("sub-*/report.csv", columns, dictionary);
+  const std::vector<ThresholdResult>& thresholds = constant->analysis.thresholds;
+  for (auto first = thresholds.begin(); first != thresholds.end();) {
+    const auto end = std::find_if(first, thresholds.end(),
+                                  [&](const ThresholdResult& row) { return row.participant != first->participant; });
+    files.write("sub-" + first->participant + "/report.csv",
+                csv_table(columns, std::vector<ThresholdResult>(first, end)));
+    first = end;
+  }
 }
 
 }  // namespace
@@ -122,70 +219,35 @@ std::vector<std::string> export_csv(const Study& study, const Protocol& protocol
                                     const std::filesystem::path& folder, bool replace,
                                     const std::optional<TelemetryExport>& telemetry) {
   const SessionKind kind = attendance_of(results).kind;
-  const auto* constant = std::get_if<ConstantResults>(&results.measured);
   // Trial by trial, and answer by answer with the block's condition, pilot and simulated sessions would show the plans
-  // that people of a blinded study have too.
+  // that people of a blinded study have too; and so would the attempts that did not count.
   const bool sealed = plan_sealed(study, protocol);
   ExportFolder files(folder, replace);
   std::vector<SessionInfo> listed = study.sessions();  // with those of excluded participants
   std::erase_if(listed, [&](const SessionInfo& session) { return session.kind != kind; });
   if (sealed && protocol.allotment == Allotment::balanced)  // numbers of every kind have the same groups
     for (SessionInfo& session : listed) session.group.clear();
-  const std::vector<SessionInfo> sessions = sessions_of(study, kind);
-  auto not_counted = taken_back_of(study);
-
-  const bool has_trials = !std::holds_alternative<ExplorationResults>(results.measured);
-  const auto trials_columns = trial_columns(protocol, device_places(study, protocol, sessions));
-  const auto cells_columns = csv_columns(cell_fields(protocol));
-  const auto reports_columns = csv_columns(threshold_fields(protocol));
-  const auto ticks_columns =
-      telemetry_columns(protocol, telemetry ? telemetry->limit_names : std::vector<std::string>{});
-  const std::set<std::string> lost = telemetry && !sealed ? lost_in_recovery(study) : std::set<std::string>();
-  TelemetryFiles written;
-  std::vector<ExportAnswer> answers;
-  for (auto session = sessions.begin(); session != sessions.end();) {
-    const std::string participant = session->participant;
-    const std::string sub = "sub-" + participant + "/";
-    std::vector<ExportTrial> trials;
-    for (; session != sessions.end() && session->participant == participant; ++session) {
-      read_session(study, protocol, *session, not_counted[session->id], trials, answers);
-      if (telemetry && !sealed) write_telemetry(study, *session, lost, sub, ticks_columns, written, files);
-    }
-    if (has_trials && !sealed) files.write(sub + "trials.csv", csv_table(trials_columns, trials));
-    if (constant == nullptr) continue;
-    files.write(sub + "cells.csv", csv_table(cells_columns, rows_of(constant->analysis.cells, participant)));
-    files.write(sub + "report.csv", csv_table(reports_columns, rows_of(constant->analysis.thresholds, participant)));
-  }
 
   std::vector<DictionaryRow> dictionary;
-  if (has_trials && !sealed) describe("sub-*/trials.csv", trials_columns, dictionary);
-  if (constant != nullptr) {
-    describe("sub-*/cells.csv", cells_columns, dictionary);
-    describe("sub-*/report.csv", reports_columns, dictionary);
-  }
-  if (!written.ticks.empty()) describe("sub-*/telemetry/*.csv", ticks_columns, dictionary);
-  if (!written.traces.empty()) describe("sub-*/telemetry/*-trace.csv", trace_columns(), dictionary);
   const auto write = [&](const std::string& name, const auto& columns, const auto& rows) {
     files.write(name, csv_table(columns, rows));
     describe(name, columns, dictionary);
   };
-  if (constant != nullptr) write("group.csv", csv_columns(group_fields(protocol, kind)), constant->analysis.group);
-  if (const std::vector<ContrastRow> contrasts = contrasts_of(results, protocol); !contrasts.empty())
-    write("contrasts.csv", csv_columns(contrast_fields(protocol, kind)), contrasts);
-  for (const ResultFile& file : result_files(results, protocol, nullptr)) {
-    files.write(file.name, file.text);
-    dictionary.insert(dictionary.end(), file.dictionary.begin(), file.dictionary.end());
-  }
-  if (!answers.empty() && !sealed) write("answers.csv", answer_columns(), answers);
+  write("participants.csv", participant_columns(protocol), participant_rows(listed, excluded_of(study, kind)));
   write("sessions.csv", session_columns(seed_text(study, protocol, ""), results.chains.study_head, protocol), listed);
+  if (!sealed) write_records(study, protocol, kind, telemetry, files, dictionary);
+  write_reports(results, protocol, files, dictionary);
+  add_results(files, results, protocol, nullptr, dictionary);
   std::vector<LogRow> rows = log_rows(study, kind, listed);
   if (sealed)  // what was said in one trial of the common plan hints at its stimuli
     for (LogRow& row : rows)
       if (row.event == kTakenBackEvent) row.subject.clear();
   if (!rows.empty()) write("log.csv", log_columns(), rows);
-  describe("dictionary.csv", dictionary_columns(), dictionary);
-  files.write("dictionary.csv", csv_table(dictionary_columns(), dictionary));
   files.write("methods.md", methods_text(study, protocol, results));
+  if (!std::holds_alternative<ExplorationResults>(results.measured))  // which has nothing to compute again
+    for (const RecomputeScript& script : kRecomputeScripts)
+      files.write(std::string(script.name), std::string(script.text));
+  write_descriptions(files, protocol, fmt::format("{} data", to_string(kind)), std::move(dictionary));
   return files.publish();
 }
 

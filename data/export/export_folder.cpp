@@ -1,6 +1,7 @@
 #include "data/export/export_folder.h"
 
 #include <algorithm>
+#include <fstream>
 #include <limits>
 #include <sstream>
 #include <string_view>
@@ -23,15 +24,31 @@ namespace fs = std::filesystem;
 constexpr const char* kSums = "SHA256SUMS";
 constexpr std::string_view kHeading = "# Written by jnd, which replaces this folder only while it is as listed here.\n";
 constexpr std::size_t kHashLength = 64;
+constexpr std::size_t kWaitingBytes = 1 << 18;  // of a growing file, before they are written
 constexpr std::string_view kUnlisted = "is not listed in its SHA256SUMS";
+
+StorageError unreadable(const fs::path& path) {
+  return StorageError(fmt::format("{}: cannot be read; nothing was changed. Look at the disk, or choose another folder",
+                                  path.string()));
+}
 
 std::string content_of(const fs::path& path) {
   try {
     return read_input_file(path, std::numeric_limits<std::size_t>::max());
   } catch (const InputError&) {
-    throw StorageError(fmt::format(
-        "{}: cannot be read; nothing was changed. Look at the disk, or choose another folder", path.string()));
+    throw unreadable(path);
   }
+}
+
+// The sum of a file of any length.
+std::string sum_of(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  Sha256Stream sum;
+  std::string piece(kWaitingBytes, '\0');
+  while (file.read(piece.data(), static_cast<std::streamsize>(piece.size())) || file.gcount() > 0)
+    sum.add(std::string_view(piece).substr(0, static_cast<std::size_t>(file.gcount())));
+  if (!file.eof()) throw unreadable(path);
+  return to_hex(sum.finish());
 }
 
 std::string text_of(const std::map<std::string, std::string>& sums) {
@@ -76,7 +93,7 @@ void may_go(const fs::path& folder) {
     const auto found = listed.find(name);
     if (found == listed.end()) refuse(entry.path(), kUnlisted);
     if (entry.is_symlink() || !entry.is_regular_file()) refuse(entry.path(), "is not the file that jnd wrote");
-    if (sha256_hex(content_of(entry.path())) != found->second) refuse(entry.path(), "was changed since jnd wrote it");
+    if (sum_of(entry.path()) != found->second) refuse(entry.path(), "was changed since jnd wrote it");
   }
 }
 
@@ -102,19 +119,52 @@ ExportFolder::ExportFolder(const fs::path& folder, bool replace) : folder_(folde
   }
 }
 
-void ExportFolder::write(const std::string& relative, const std::string& bytes) {
-  stop_if_requested();
-  const fs::path below(relative);
+fs::path ExportFolder::place_within(const std::string& relative) const {
+  fs::path below(relative);
   if (below.is_absolute() || std::find(below.begin(), below.end(), "..") != below.end())
     throw StorageError(
         fmt::format("{}: {} would lie outside of the export; nothing was written to it", folder_.string(), relative));
-  draft_->write_within(below, bytes);
+  return below;
+}
+
+void ExportFolder::write(const std::string& relative, const std::string& bytes) {
+  stop_if_requested();
+  draft_->write_within(place_within(relative), bytes);
   sums_[relative] = sha256_hex(bytes);
 }
 
+void ExportFolder::append(const std::string& relative, const std::string& bytes) {
+  stop_if_requested();
+  auto file = growing_.find(relative);
+  if (file == growing_.end())
+    file = growing_.emplace(relative, Growing{draft_->open_within(place_within(relative))}).first;
+  file->second.waiting += bytes;
+  if (file->second.waiting.size() >= kWaitingBytes) file->second.flush();
+}
+
+void ExportFolder::Growing::flush() {
+  part.write(waiting);
+  sum.add(waiting);
+  waiting.clear();
+}
+
 void ExportFolder::finish() {
+  for (auto& [name, file] : growing_) {
+    file.flush();
+    file.part.close();
+    sums_[name] = to_hex(file.sum.finish());
+  }
+  growing_.clear();
   draft_->write_within(kSums, text_of(sums_));
   finished_ = true;
+}
+
+std::vector<std::string> ExportFolder::names() const {
+  std::vector<std::string> names;
+  for (const auto& [name, sum] : sums_) names.push_back(name);
+  for (const auto& [name, file] : growing_) names.push_back(name);
+  std::sort(names.begin(), names.end());
+  return names;
 }
 
 std::vector<std::string> ExportFolder::publish() {
@@ -127,9 +177,7 @@ std::vector<std::string> ExportFolder::publish() {
   } catch (const fs::filesystem_error& error) {
     throw cannot_write(folder_, error.code().value());
   }
-  std::vector<std::string> files;
-  for (const auto& [name, sum] : sums_) files.push_back(name);
-  return files;
+  return names();
 }
 
 }  // namespace jnd

@@ -6,9 +6,12 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "data/export/csv_writer.h"
 #include "data/files/draft.h"
+#include "protocols/input/sha256.h"
 
 namespace jnd {
 
@@ -20,6 +23,11 @@ class ExportFolder {
 
   // Throws StorageError, also where the name leads out of the folder or was written before, and Stopped.
   void write(const std::string& relative, const std::string& bytes);
+  // The same for a file that comes piece by piece: the first piece makes it, and it is whole when the folder is
+  // finished. So a long table needs no more memory than a short one.
+  void append(const std::string& relative, const std::string& bytes);
+  // What was written so far, relative, in alphabetical order.
+  std::vector<std::string> names() const;
   // Adds SHA256SUMS, by which such a folder is known again: after it nothing more is written, and nothing of the disk
   // is needed for its place. Throws StorageError.
   void finish();
@@ -31,8 +39,48 @@ class ExportFolder {
   std::filesystem::path folder_;
   bool replace_;
   std::unique_ptr<Draft> draft_;
-  std::map<std::string, std::string> sums_;  // by file, relative
+  // A file that is not whole yet: what is not on the disk of it, and the sum of all of it.
+  struct Growing {
+    DraftPart part;
+    Sha256Stream sum{};
+    std::string waiting{};
+    void flush();
+  };
+  // Throws StorageError where the name leads out of the folder.
+  std::filesystem::path place_within(const std::string& relative) const;
+
+  std::map<std::string, Growing> growing_;   // by file, relative
+  std::map<std::string, std::string> sums_;  // the same, of those that are whole
   bool finished_ = false;
+};
+
+// A table that grows row by row within a folder. Without a row there is no file.
+template <typename Row>
+class CsvFile {
+ public:
+  // files must outlive it.
+  CsvFile(ExportFolder& files, std::string name, std::vector<CsvColumn<Row>> columns)
+      : files_(&files), name_(std::move(name)), columns_(std::move(columns)) {}
+
+  void add(const Row& row) {
+    begin();
+    files_->append(name_, csv_row(columns_, row));
+  }
+  // With its header alone where no row comes.
+  void begin() {
+    if (!begun_) files_->append(name_, csv_header(columns_));
+    begun_ = true;
+  }
+  // Adds what its columns mean, where there is a file.
+  void describe_in(std::vector<DictionaryRow>& dictionary) const {
+    if (begun_) describe(name_, columns_, dictionary);
+  }
+
+ private:
+  ExportFolder* files_;
+  std::string name_;
+  std::vector<CsvColumn<Row>> columns_;
+  bool begun_ = false;
 };
 
 }  // namespace jnd

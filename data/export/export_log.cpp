@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "data/export/field.h"
 #include "data/log/body_numbers.h"
 #include "data/log/event_body.h"
 #include "data/log/utc_time.h"
@@ -162,32 +163,28 @@ std::vector<CsvColumn<LogRow>> log_columns() {
   std::string events;
   for (const Rule& rule : kRules) events.append(rule.event).append(" ");
   events.append(kTakenBackEvent);
-  const auto whole = [](const std::optional<int>& value) { return value ? csv_number(*value) : std::string(); };
-  return {
-      {"participant", "code of the participant; empty where it is about the study", "", "",
-       [](const R& r) { return csv_text(r.participant); }},
-      {"session", "session of the event; empty for an event of the study itself", "", "",
-       [](const R& r) { return csv_text(r.session); }},
-      {"session_number", "which of the participant's sessions, from 1", "", "",
-       [whole](const R& r) { return whole(r.session_number); }},
-      {"kind", "kind of the session; empty where it is about the study", "", "real pilot simulated",
-       [](const R& r) { return r.kind; }},
-      {"seq", "number of the event in its session, or in the study's own chain", "", "",
-       [](const R& r) { return csv_number(r.seq); }},
-      {"utc", "when it was saved, ISO 8601", "", "", [](const R& r) { return r.utc; }},
-      {"event", "what happened", "", events, [](const R& r) { return r.event; }},
-      {"trial", "trial of the plan whose answer was taken back; for the others: main trials done before", "", "",
-       [whole](const R& r) { return whole(r.trial); }},
-      {"attempt", "of a trial whose answer was taken back", "", "", [whole](const R& r) { return whole(r.attempt); }},
+  const Fields<R> fields = {
+      {"participant", "code of the participant; empty where it is about the study", &R::participant},
+      {"session", "session of the event; empty for an event of the study itself", &R::session},
+      {"session_number", "which of the participant's sessions, from 1", &R::session_number},
+      {"kind", "kind of the session; empty where it is about the study", &R::kind, {.levels = "real pilot simulated"}},
+      {"seq", "number of the event in its session, or in the study's own chain", &R::seq},
+      {"utc", "when it was saved, ISO 8601", &R::utc, {.type = CellType::time}},
+      {"event", "what happened", &R::event, {.levels = events}},
+      {"trial", "trial of the plan whose answer was taken back; for the others: main trials done before", &R::trial},
+      {"attempt", "of a trial whose answer was taken back", &R::attempt},
       {"subject",
        "the answer that was taken back, empty while plans are sealed; the item of the checklist; the language of the "
        "consent",
-       "", "", [](const R& r) { return csv_text(r.subject); }},
-      {"cause", "what brought it about, as the program names it", "", "", [](const R& r) { return csv_text(r.cause); }},
-      {"text", "the note, the reason or the answer as given", "", "", [](const R& r) { return csv_text(r.text); }},
-      {"by", "who entered it; empty where it was not noted", "", "", [](const R& r) { return csv_text(r.by); }},
-      {"duration_s", "of a pause or interruption; from an answer to its being taken back", "s", "",
-       [](const R& r) { return r.duration_s ? csv_number(*r.duration_s) : std::string(); }}};
+       &R::subject},
+      {"cause", "what brought it about, as the program names it", &R::cause},
+      {"text", "the note, the reason or the answer as given", &R::text},
+      {"by", "who entered it; empty where it was not noted", &R::by},
+      {"duration_s",
+       "of a pause or interruption; from an answer to its being taken back",
+       &R::duration_s,
+       {.unit = "s"}}};
+  return csv_columns(fields);
 }
 
 }  // namespace jnd

@@ -1,4 +1,5 @@
-// Columns of trials.csv: the plan, the answer, and everything that was delivered, by interval and finger.
+// Columns of the files that hold what was recorded: the plan and the answer of every trial, what was presented in every
+// interval, and who took part.
 #include "data/export/export_tables.h"
 
 #include <algorithm>
@@ -6,7 +7,9 @@
 
 #include <fmt/format.h>
 
+#include "analysis/numerics/special_values.h"
 #include "data/export/between_fields.h"
+#include "data/export/field.h"
 #include "protocols/course/prescription.h"
 #include "protocols/tasks/same_different_task.h"
 #include "protocols/tasks/task.h"
@@ -16,38 +19,225 @@ namespace jnd {
 
 namespace {
 
-using Column = CsvColumn<ExportTrial>;
+constexpr const char* kKinds = "real pilot simulated";
+constexpr const char* kNothing = "";
 
-std::string column_name(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(),
-      [](char c) { return !((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9')); }, '_');
-  return text;
+// What may be seen of a blinded study.
+FieldTraits open_traits(const char* levels = kNothing) {
+  return {.levels = levels, .reveals = Reveals::nothing};
 }
 
-// A cell of one device; empty where the presentation has no such device.
-template <typename Cell>
-Column device_column(std::size_t interval, DevicePlace place, const std::string& name, const std::string& quantity,
-                     const std::string& meaning, const std::string& unit, Cell cell, const std::string& levels = "") {
-  return {fmt::format("i{}_{}_{}", interval + 1, column_name(name), quantity),
-          fmt::format("interval {}, {}: {}", interval + 1, name, meaning), unit, levels,
-          [interval, place, cell](const ExportTrial& row) -> std::string {
-            for (const FingerPresentation& finger : row.record.presentations[interval].fingers)
-              if (DevicePlace{finger.finger, finger.channel} == place) return cell(finger);
-            return {};
-          }};
+FieldTraits time_traits(Reveals reveals = Reveals::nothing) {
+  return {.type = CellType::time, .reveals = reveals};
 }
 
-std::string optional_number(const std::optional<double>& value) {
-  return value ? csv_number(*value) : std::string();
+template <typename Row>
+void add_session_fields(Fields<Row>& fields) {
+  using F = Field<Row>;
+  fields.push_back(F(
+      "participant", "code of the participant", [](const Row& r) { return r.session.participant; }, open_traits()));
+  fields.push_back(F(
+      "session", "identifier of the session", [](const Row& r) { return r.session.id; }, open_traits()));
+  fields.push_back(F(
+      "session_number", "which of the participant's sessions, from 1", [](const Row& r) { return r.session.number; },
+      open_traits()));
+  fields.push_back(F("kind", "kind of the session", [](const Row& r) { return r.session.kind; }, {.levels = kKinds}));
 }
 
-template <typename Cell>
-Column interval_column(std::size_t interval, const std::string& quantity, const std::string& meaning,
-                       const std::string& unit, Cell cell, const std::string& levels = "") {
-  return {fmt::format("i{}_{}", interval + 1, quantity), fmt::format("interval {}: {}", interval + 1, meaning), unit,
-          levels, [interval, cell](const ExportTrial& row) { return cell(row.record.presentations[interval]); }};
+// Behind the participant, where the protocol has groups. Who says a group knows it; one that was drawn stays sealed.
+template <typename Row, typename Get>
+void add_group(Fields<Row>& fields, const Protocol& protocol, Get get, Reveals reveals) {
+  if (protocol.groups.empty()) return;
+  fields.insert(fields.begin() + 1, Field<Row>("group", "group of the participant", get,
+                                               {.levels = group_levels(protocol), .reveals = reveals}));
 }
+
+Reveals group_reveals(const Protocol& protocol) noexcept {
+  return protocol.allotment == Allotment::given ? Reveals::nothing : Reveals::plan;
+}
+
+// The answers that have words, separated by blanks; empty where an answer is a number.
+std::string answer_levels(const Protocol& protocol) {
+  std::string words;
+  if (task_of(protocol.task.kind).adjusts()) return words;  // its answers only move what is presented
+  for (const std::string& word : protocol.task.classes) words.append(words.empty() ? "" : " ").append(word);
+  return words;
+}
+
+// What was asked. trial: of a row.
+template <typename Row, typename Get>
+void add_stimuli(Fields<Row>& fields, const Protocol& protocol, Get trial) {
+  const Task& task = task_of(protocol.task.kind);
+  const std::string suffix(name_suffix(protocol.stimulus.unit)), symbol(to_string(protocol.stimulus.unit));
+  if (protocol.task.kind != TaskKind::same_different && task.has_standard())
+    fields.push_back(Field<Row>("standard_" + suffix, "the standard",
+                                [trial](const Row& r) { return trial(r).standard; }, {.unit = symbol}));
+  for (int i = 0; i < task.intervals(protocol.task); ++i)
+    fields.push_back(Field<Row>(fmt::format("stimulus_{}_{}", i + 1, suffix),
+                                fmt::format("{} asked in interval {}", protocol.stimulus.quantity, i + 1),
+                                [trial, place = static_cast<std::size_t>(i)](const Row& r) {
+                                  const Intervals& stimuli = trial(r).stimuli;
+                                  return place < stimuli.size() ? std::optional(stimuli[place]) : std::nullopt;
+                                },
+                                {.unit = symbol}));
+}
+
+using TrialFields = Fields<ExportTrial>;
+using TrialField = Field<ExportTrial>;
+
+void add_target(TrialFields& fields, const Protocol& protocol, const std::string& words) {
+  using R = ExportTrial;
+  // Where a level may equal the standard, the values do not always tell which is which.
+  if (task_of(protocol.task.kind).level_may_be_standard())
+    fields.push_back(TrialField("standard_interval", "the interval that held the standard", [](const R& r) {
+      return holds_standard(r.record.trial, r.record.trial.stimuli, 0) ? 1 : 2;
+    }));
+  if (protocol.task.kind == TaskKind::same_different)
+    fields.push_back(TrialField("same", "whether the two were equal",
+                                [](const R& r) { return r.record.trial.target == kClassSame; }, {.levels = "0 1"}));
+  else if (!words.empty())
+    fields.push_back(
+        TrialField("target", "the answer that is correct; empty where none is",
+                   [spec = protocol.task](const R& r) { return std::string(said_word(spec, r.record.trial.target)); },
+                   {.levels = words}));
+}
+
+void add_answer(TrialFields& fields, const Protocol& protocol, const std::string& words) {
+  using R = ExportTrial;
+  fields.push_back(TrialField(
+      "answer", "what was answered",
+      [](const R& r) {
+        const std::optional<double>& number = r.record.answer.number;
+        return number ? FieldValue(*number) : FieldValue(r.record.answer_word);
+      },
+      {.unit = words.empty() && task_of(protocol.task.kind).adjusts() ? std::string(to_string(protocol.stimulus.unit))
+                                                                      : std::string(),
+       .levels = words,
+       .type = words.empty() ? CellType::number : CellType::text}));
+  if (task_of(protocol.task.kind).adjusts())
+    fields.push_back(TrialField("settings",
+                                "what was presented in turn beside the standard, the start first, separated by blanks",
+                                [](const R& r) {
+                                  std::string text;
+                                  for (const double setting : r.record.settings)
+                                    text.append(text.empty() ? "" : " ").append(csv_number(setting));
+                                  return text;
+                                },
+                                {.unit = std::string(to_string(protocol.stimulus.unit))}));
+  if (protocol.task.sureness_levels > 0)
+    fields.push_back(
+        TrialField("sureness", "how sure of it, from 1", [](const R& r) { return r.record.answer.sureness; }));
+  if (!words.empty())
+    fields.push_back(TrialField("correct", "whether the answer was right",
+                                [](const R& r) { return is_correct(r.record.trial, r.record.answer); },
+                                {.levels = "0 1"}));
+}
+
+void add_course(TrialFields& fields, const Protocol& protocol) {
+  using R = ExportTrial;
+  const auto add = [&](TrialField field) { fields.push_back(std::move(field)); };
+  add({"entered_by", "who pressed the key", [](const R& r) { return r.record.answer.entered_by; },
+       open_traits("participant operator")});
+  add({"response_time_s",
+       "from the question cue to the key",
+       [](const R& r) { return r.record.answer.response_time_s; },
+       {.unit = "s", .reveals = Reveals::nothing}});
+  add({"duration_s",
+       "from the first cue to the answer",
+       [](const R& r) { return r.record.duration_s; },
+       {.unit = "s", .reveals = Reveals::nothing}});
+  add({"excluded",
+       "whether a registered rule leaves the trial out of the analysis",
+       [](const R& r) { return !r.excluded_reason.empty(); },
+       {.levels = "0 1"}});
+  add({"excluded_reason",
+       "the first rule that applies; empty where the trial counts",
+       &R::excluded_reason,
+       {.levels = "response_time_below response_time_above saturated_share_above off_prescription"}});
+  if (judges_exploration(protocol))
+    add({"breach", "what of the prescription was broken or not measured; empty where all was kept",
+         [](const R& r) { return r.record.breach; }});
+  if (protocol.design.procedure)
+    add({"track", "track of the adaptive procedure in its condition, from 1; 0 in practice",
+         [](const R& r) { return r.record.trial.track; }});
+}
+
+// Where in the plan. trial: of a row; round: of practice.
+template <typename Row, typename Get>
+void add_place(Fields<Row>& fields, Get trial) {
+  using F = Field<Row>;
+  fields.push_back(F(
+      "practice", "whether it was practice, which no analysis counts",
+      [trial](const Row& r) { return trial(r).practice; }, open_traits("0 1")));
+  fields.push_back(
+      F("round", "round of practice, from 1; 0 in the main part", [trial](const Row& r) { return trial(r).round; }));
+  fields.push_back(F(
+      "block", "block, from 1; 0 in practice", [trial](const Row& r) { return trial(r).block; }, open_traits()));
+}
+
+}  // namespace
+
+std::vector<CsvColumn<ExportTrial>> trial_columns(const Protocol& protocol) {
+  if (protocol.task.kind == TaskKind::explore) return {};  // it has no trials
+  using R = ExportTrial;
+  using F = TrialField;
+  const auto trial = [](const R& r) -> const Trial& { return r.record.trial; };
+  TrialFields fields;
+  add_session_fields(fields);
+  add_group(
+      fields, protocol, [](const R& r) { return r.session.group; }, Reveals::plan);
+  fields.push_back(
+      F("protocol_sha256", "SHA-256 of the protocol's bytes", [sha = protocol.sha256](const R&) { return sha; }));
+  fields.push_back(F("seq", "number of the trial's event in its session", &R::seq));
+  fields.push_back(F("utc", "when the answer was saved, ISO 8601", &R::utc, time_traits()));
+  fields.push_back(F(
+      "trial", "place in the participant's plan, from 1; practice comes first",
+      [trial](const R& r) { return trial(r).index; }, open_traits()));
+  fields.push_back(
+      F("attempt", "1, or more where the trial was voided and repeated", [](const R& r) { return r.record.attempt; }));
+  add_place(fields, trial);
+  fields.push_back(F("series", "series of the trial", [](const R& r) { return r.record.series_name; }));
+  fields.push_back(F("condition", "condition", [](const R& r) { return r.record.condition_name; }));
+  const std::string words = answer_levels(protocol);
+  add_stimuli(fields, protocol, trial);
+  add_target(fields, protocol, words);
+  add_answer(fields, protocol, words);
+  add_course(fields, protocol);
+  return csv_columns(fields);
+}
+
+std::vector<CsvColumn<ExportVoided>> voided_columns(const Protocol& protocol) {
+  if (protocol.task.kind == TaskKind::explore) return {};
+  using R = ExportVoided;
+  using F = Field<R>;
+  const auto trial = [](const R& r) -> const Trial& { return r.trial; };
+  Fields<R> fields;
+  add_session_fields(fields);
+  add_group(
+      fields, protocol, [](const R& r) { return r.session.group; }, Reveals::plan);
+  fields.push_back(F("seq", "number of the voiding in its session's events", &R::seq));
+  fields.push_back(F("utc", "when it was voided, ISO 8601", &R::utc, time_traits(Reveals::plan)));
+  fields.push_back(F("trial", "place in the participant's plan, from 1; practice comes first",
+                     [trial](const R& r) { return trial(r).index; }));
+  fields.push_back(F("attempt", "which attempt at the trial, from 1", &R::attempt));
+  add_place(fields, trial);
+  fields.push_back(F("series", "series of the trial", &R::series));
+  fields.push_back(F("condition", "condition", &R::condition));
+  add_stimuli(fields, protocol, trial);
+  fields.push_back(F("reason", "why it did not count; taken_back: an answer that was taken back", &R::reason));
+  fields.push_back(F("words", "what the operator said of it; empty where nothing was said", &R::words));
+  fields.push_back(F("answered", "whether it had been answered before it was voided", &R::answered, {.levels = "0 1"}));
+  fields.push_back(F("uses_attempt", "whether it used up one of the trial's attempts; interruptions do not",
+                     &R::uses_attempt, {.levels = "0 1"}));
+  return csv_columns(fields);
+}
+
+// What was presented.
+
+namespace {
+
+using IntervalFields = Fields<ExportInterval>;
+using IntervalField = Field<ExportInterval>;
 
 std::string fault_names() {
   std::string names;
@@ -55,310 +245,262 @@ std::string fault_names() {
   return names;
 }
 
-void add_interval(std::vector<Column>& columns, std::size_t i) {
-  using P = Presentation;
-  columns.push_back(interval_column(
-      i, "first_contact_s", "first contact after the interval began; empty without contact", "s",
-      [](const P& p) { return p.first_contact_s < 0 ? std::string() : csv_number(p.first_contact_s); }));
-  columns.push_back(interval_column(i, "duration_s", "length of the interval", "s",
-                                    [](const P& p) { return csv_number(p.duration_s); }));
-  columns.push_back(
-      interval_column(i, "ticks", "ticks of the control loop", "", [](const P& p) { return csv_number(p.ticks); }));
-  columns.push_back(interval_column(i, "overruns", "whole periods that the control loop skipped", "",
-                                    [](const P& p) { return csv_number(p.overruns); }));
-  columns.push_back(interval_column(i, "lateness_p50_us", "median lateness of the ticks (0 on the simulated clock)",
-                                    "us", [](const P& p) { return csv_number(p.lateness_p50_us); }));
-  columns.push_back(interval_column(i, "lateness_p99_us", "99th percentile of the lateness", "us",
-                                    [](const P& p) { return csv_number(p.lateness_p99_us); }));
-  columns.push_back(interval_column(i, "lateness_max_us", "largest lateness", "us",
-                                    [](const P& p) { return csv_number(p.lateness_max_us); }));
+std::string lateness_edges() {
   std::string edges;
   for (const double edge : kLatenessEdges_us) edges.append(edges.empty() ? "" : " ").append(csv_number(edge));
-  columns.push_back(interval_column(
-      i, "lateness_histogram",
-      "ticks by lateness, separated by blanks: up to " + edges + " us and later; empty on the simulated clock", "",
-      [](const P& p) {
-        std::string counts;
-        if (p.lateness_max_us > 0)
-          for (const std::int64_t count : p.lateness_histogram)
-            counts.append(counts.empty() ? "" : " ").append(csv_number(count));
-        return counts;
-      }));
-  columns.push_back(interval_column(
-      i, "fault", "why the presentation was not delivered as asked", "",
-      [](const P& p) { return std::string(to_string(p.fault)); }, fault_names()));
-  columns.push_back(interval_column(i, "stopped_by", "who latched an emergency stop; empty without one", "",
-                                    [](const P& p) { return csv_text(p.stopped_by); }));
+  return edges;
 }
 
-void add_device(std::vector<Column>& columns, std::size_t i, DevicePlace place, const std::string& name, Unit unit) {
-  using F = FingerPresentation;
-  const auto add = [&](const std::string& quantity, const char* meaning, const std::string& of, auto cell,
-                       const char* levels = "") {
-    columns.push_back(device_column(i, place, name, quantity, meaning, of, cell, levels));
+std::string histogram_text(const Presentation& presentation) {
+  std::string counts;
+  if (presentation.lateness_max_us > 0)
+    for (const std::int64_t count : presentation.lateness_histogram)
+      counts.append(counts.empty() ? "" : " ").append(csv_number(count));
+  return counts;
+}
+
+std::string measured_text(const Presentation& presentation) {
+  std::string text;
+  for (const auto& [name, value] : presentation.measured)
+    text += fmt::format("{}{}={}", text.empty() ? "" : " ", name, csv_number(value));
+  return text;
+}
+
+std::string intervention_text(const FingerPresentation& finger) {
+  std::string text;
+  for (const Intervention& one : finger.interventions)
+    text.append(text.empty() ? "" : " ").append(one.limit).append(":").append(csv_number(one.ticks));
+  return text;
+}
+
+// Of the interval, the same in the rows of all its devices.
+void add_interval(IntervalFields& fields) {
+  const auto add = [&](const char* name, const std::string& meaning, auto of, FieldTraits traits = {}) {
+    fields.push_back(IntervalField(
+        name, meaning, [of](const ExportInterval& r) { return std::invoke(of, *r.presentation); }, std::move(traits)));
   };
-  const std::string stiffness(name_suffix(unit)), length(length_suffix(unit)), symbol(to_string(unit));
-  add("stiffness_" + stiffness,
-      "delivered stiffness: slope of force on penetration over unsaturated contact; empty where none could be fitted",
-      symbol, [](const F& p) { return optional_number(p.stiffness); });
-  add("stiffness_se_" + stiffness, "standard error of that slope, as if the samples were independent", symbol,
-      [](const F& p) { return optional_number(p.stiffness_se); });
-  if (place.channel == Channel::kinaesthetic && unit == Unit::n_per_m)
-    add("joint_stiffness_n_m_per_rad", "the same slope as a torque per angle of the joint", "N m/rad",
-        [](const F& p) { return optional_number(p.joint_stiffness_n_m_per_rad); });
-  add("fit_samples", "samples in that fit", "", [](const F& p) { return csv_number(p.fit_samples); });
-  add("peak_force_n", "largest delivered force", "N", [](const F& p) { return csv_number(p.peak_force_n); });
-  add("deepest_penetration_" + length, "deepest penetration", length,
-      [](const F& p) { return csv_number(p.deepest_penetration); });
-  add("work_j", "work done on the object while loading", "J", [](const F& p) { return csv_number(p.work_j); });
-  add("mean_speed_" + length + "_per_s", "mean absolute penetration rate in contact", length + "/s",
-      [](const F& p) { return csv_number(p.mean_speed); });
-  add("contacts", "number of contacts", "", [](const F& p) { return csv_number(p.contacts); });
-  add("dwell_s", "time in contact", "s", [](const F& p) { return csv_number(p.dwell_s); });
-  add("saturated_share", "share of contact time in which a limit reduced the force, 0 to 1", "",
-      [](const F& p) { return csv_number(p.saturated_share); });
-  add("vibration_g", "amplitude of the delivered bursts; 0 without one", "g",
-      [](const F& p) { return csv_number(p.vibration_g); });
-  add(
-      "vibration_clamped", "whether the amplitude was limited by the device", "",
-      [](const F& p) { return csv_flag(p.vibration_clamped); }, "0 1");
-  add("interventions", "limits that acted, each with its number of ticks (limit:ticks), separated by blanks", "",
-      [](const F& p) {
-        std::string text;
-        for (const Intervention& one : p.interventions)
-          text.append(text.empty() ? "" : " ").append(one.limit).append(":").append(csv_number(one.ticks));
-        return csv_text(text);
-      });
+  using P = Presentation;
+  add("first_contact_s", "first contact after the interval began; empty without contact",
+      [](const P& p) { return p.first_contact_s < 0 ? kNaN : p.first_contact_s; }, {.unit = "s"});
+  add("duration_s", "length of the interval", &P::duration_s, {.unit = "s"});
+  add("ticks", "ticks of the control loop", &P::ticks);
+  add("overruns", "whole periods that the control loop skipped", &P::overruns);
+  add("lateness_p50_us", "median lateness of the ticks (0 on the simulated clock)", &P::lateness_p50_us,
+      {.unit = "us"});
+  add("lateness_p99_us", "99th percentile of the lateness", &P::lateness_p99_us, {.unit = "us"});
+  add("lateness_max_us", "largest lateness", &P::lateness_max_us, {.unit = "us"});
+  add("lateness_histogram",
+      "ticks by lateness, separated by blanks: up to " + lateness_edges() +
+          " us and later; empty on the simulated clock",
+      histogram_text);
+  add("fault", "why the presentation was not delivered as asked", [](const P& p) { return p.fault; },
+      {.levels = fault_names()});
+  add("stopped_by", "who latched an emergency stop; empty without one", &P::stopped_by);
 }
 
 // What a rig that is none of ours says of an interval.
-void add_measured(std::vector<Column>& columns, std::size_t i, const Protocol& protocol) {
-  using P = Presentation;
-  columns.push_back(interval_column(i, fmt::format("delivered_{}", name_suffix(protocol.stimulus.unit)),
-                                    "what the rig says it delivered; empty where it does not say",
-                                    std::string(to_string(protocol.stimulus.unit)),
-                                    [](const P& p) { return optional_number(p.delivered); }));
-  columns.push_back(
-      interval_column(i, "measured", "what else the rig measured, name=value separated by blanks", "", [](const P& p) {
-        std::string text;
-        for (const auto& [name, value] : p.measured)
-          text += fmt::format("{}{}={}", text.empty() ? "" : " ", name, csv_number(value));
-        return csv_text(text);
-      }));
+void add_said_by_rig(IntervalFields& fields, const Protocol& protocol) {
+  using R = ExportInterval;
+  fields.push_back(IntervalField(fmt::format("delivered_{}", name_suffix(protocol.stimulus.unit)),
+                                 "what the rig says it delivered; empty where it does not say",
+                                 [](const R& r) { return r.presentation->delivered; },
+                                 {.unit = std::string(to_string(protocol.stimulus.unit))}));
+  fields.push_back(IntervalField("measured", "what else the rig measured, name=value separated by blanks",
+                                 [](const R& r) { return measured_text(*r.presentation); }));
 }
 
-// What was asked and answered, in the task's own words.
-void add_task(std::vector<Column>& columns, const Protocol& protocol) {
-  using R = ExportTrial;
-  const Task& task = task_of(protocol.task.kind);
-  const std::string suffix(name_suffix(protocol.stimulus.unit)), symbol(to_string(protocol.stimulus.unit));
-  const std::string quantity = protocol.stimulus.quantity;
-  const bool pairs = protocol.task.kind == TaskKind::same_different;
-  if (!pairs && task.has_standard())
-    columns.push_back({"standard_" + suffix, "the standard", symbol, "",
-                       [](const R& r) { return csv_number(r.record.trial.standard); }});
-  for (int i = 0; i < task.intervals(protocol.task); ++i)
-    columns.push_back({fmt::format("stimulus_{}_{}", i + 1, suffix),
-                       fmt::format("{} asked in interval {}", quantity, i + 1), symbol, "", [i](const R& r) {
-                         const Intervals& stimuli = r.record.trial.stimuli;
-                         const auto place = static_cast<std::size_t>(i);
-                         return place < stimuli.size() ? csv_number(stimuli[place]) : std::string();
-                       }});
-  // Where a level may equal the standard, the values do not always tell which is which.
-  if (task.level_may_be_standard())
-    columns.push_back({"standard_interval", "the interval that held the standard", "", "1 2", [](const R& r) {
-                         return csv_number(holds_standard(r.record.trial, r.record.trial.stimuli, 0) ? 1 : 2);
-                       }});
-  std::string words;
-  if (!task.adjusts())  // its answers only move what is presented
-    for (const std::string& word : protocol.task.classes) words.append(words.empty() ? "" : " ").append(word);
-  if (pairs)
-    columns.push_back({"same", "whether the two were equal", "", "0 1",
-                       [](const R& r) { return csv_flag(r.record.trial.target == kClassSame); }});
-  else if (!words.empty())
-    columns.push_back(
-        {"target", "the answer that is correct; empty where none is", "", words,
-         [spec = protocol.task](const R& r) { return std::string(said_word(spec, r.record.trial.target)); }});
-  columns.push_back({"answer", "what was answered", "", words, [](const R& r) {
-                       const Answer& answer = r.record.answer;
-                       return answer.number ? csv_number(*answer.number) : csv_text(r.record.answer_word);
-                     }});
-  if (task.adjusts())
-    columns.push_back({"settings",
-                       "what was presented in turn beside the standard, the start first, separated by blanks", symbol,
-                       "", [](const R& r) {
-                         std::string text;
-                         for (const double setting : r.record.settings)
-                           text.append(text.empty() ? "" : " ").append(csv_number(setting));
-                         return csv_text(text);
-                       }});
-  if (protocol.task.sureness_levels > 0)
-    columns.push_back({"sureness", "how sure of it, from 1", "", "",
-                       [](const R& r) { return csv_number(r.record.answer.sureness); }});
-  if (!words.empty())
-    columns.push_back({"correct", "whether the answer was right", "", "0 1", [](const R& r) {
-                         const std::optional<bool> correct = is_correct(r.record.trial, r.record.answer);
-                         return correct ? csv_flag(*correct) : std::string();
-                       }});
-}
-
-// Fingers by their names; where a finger has two devices, each with what it acts on.
-std::string device_name(const Protocol& protocol, const std::vector<DevicePlace>& places, DevicePlace place) {
-  const std::string& finger = protocol.rig.fingers.at(static_cast<std::size_t>(place.finger));
-  const auto devices = std::count_if(places.begin(), places.end(),
-                                     [&](const DevicePlace& other) { return other.finger == place.finger; });
-  return devices > 1 ? fmt::format("{} {}", finger, to_string(place.channel)) : finger;
-}
-
-}  // namespace
-
-std::vector<Column> trial_columns(const Protocol& protocol, const std::vector<DevicePlace>& places) {
-  if (protocol.task.kind == TaskKind::explore) return {};  // it has no trials
+// Of one device: empty where the interval has none. joints: some device acts on a joint.
+void add_device(IntervalFields& fields, const Protocol& protocol, bool joints) {
+  const auto add = [&](const std::string& name, const char* meaning, auto of, FieldTraits traits = {}) {
+    using Value = std::remove_cvref_t<std::invoke_result_t<decltype(of), const FingerPresentation&>>;
+    traits.type = traits.type.value_or(cell_type<Value>());
+    fields.push_back(IntervalField(
+        name, meaning,
+        [of](const ExportInterval& r) {
+          return r.finger == nullptr ? FieldValue() : field_value(std::invoke(of, *r.finger));
+        },
+        std::move(traits)));
+  };
+  using F = FingerPresentation;
   const Unit unit = protocol.stimulus.unit;
-  using R = ExportTrial;
-  std::vector<Column> columns = {
-      {"participant", "code of the participant", "", "", [](const R& r) { return csv_text(r.session.participant); }},
-      {"session", "session of the trial", "", "", [](const R& r) { return csv_text(r.session.id); }, Reveals::nothing},
-      {"session_number", "which of the participant's sessions, from 1", "", "",
-       [](const R& r) { return csv_number(r.session.number); }},
-      {"kind", "kind of the session", "", "real pilot simulated",
-       [](const R& r) { return std::string(to_string(r.session.kind)); }},
-      {"protocol_sha256", "SHA-256 of the protocol's bytes", "", "", [sha = protocol.sha256](const R&) { return sha; }},
-      {"seq", "number of the trial's event in its session", "", "", [](const R& r) { return csv_number(r.seq); }},
-      {"utc", "when the answer was saved, ISO 8601", "", "", [](const R& r) { return r.utc; }, Reveals::nothing},
-      {"trial", "place in the participant's plan, from 1; practice comes first", "", "",
-       [](const R& r) { return csv_number(r.record.trial.index); }, Reveals::nothing},
-      {"attempt", "1, or more where the trial was voided and repeated", "", "",
-       [](const R& r) { return csv_number(r.record.attempt); }},
-      {"practice", "whether it was practice, which no analysis counts", "", "0 1",
-       [](const R& r) { return csv_flag(r.record.trial.practice); }, Reveals::nothing},
-      {"round", "round of practice, from 1; 0 in the main part", "", "",
-       [](const R& r) { return csv_number(r.record.trial.round); }},
-      {"block", "block, from 1; 0 in practice", "", "", [](const R& r) { return csv_number(r.record.trial.block); },
-       Reveals::nothing},
-      {"series", "series of the trial", "", "", [](const R& r) { return csv_text(r.record.series_name); }},
-      {"condition", "feedback condition", "", "", [](const R& r) { return csv_text(r.record.condition_name); }}};
-  if (!protocol.groups.empty())
-    columns.insert(columns.begin() + 1, {"group", "group of the participant", "", group_levels(protocol),
-                                         [](const R& r) { return csv_text(r.session.group); }});
-  add_task(columns, protocol);
-  columns.insert(columns.end(),
-                 {{"entered_by", "who pressed the key", "", "participant operator",
-                   [](const R& r) { return std::string(to_string(r.record.answer.entered_by)); }, Reveals::nothing},
-                  {"response_time_s", "from the question cue to the key", "s", "",
-                   [](const R& r) { return csv_number(r.record.answer.response_time_s); }, Reveals::nothing},
-                  {"duration_s", "from the first cue to the answer", "s", "",
-                   [](const R& r) { return csv_number(r.record.duration_s); }, Reveals::nothing},
-                  {"excluded", "whether a registered rule leaves the trial out of the analysis", "", "0 1",
-                   [](const R& r) { return csv_flag(!r.excluded_reason.empty()); }},
-                  {"excluded_reason", "the first rule that applies; empty where the trial counts", "",
-                   "response_time_below response_time_above saturated_share_above off_prescription",
-                   [](const R& r) { return r.excluded_reason; }}});
-  if (judges_exploration(protocol))
-    columns.push_back({"breach", "what of the prescription was broken or not measured; empty where all was kept", "",
-                       "", [](const R& r) { return csv_text(r.record.breach); }});
-  if (protocol.design.procedure)
-    columns.push_back({"track", "track of the adaptive procedure in its condition, from 1; 0 in practice", "", "",
-                       [](const R& r) { return csv_number(r.record.trial.track); }});
-  const auto intervals = static_cast<std::size_t>(task_of(protocol.task.kind).intervals(protocol.task));
-  for (std::size_t interval = 0; interval < intervals; ++interval) {
-    add_interval(columns, interval);
-    if (!protocol.rig.built_in()) add_measured(columns, interval, protocol);
-    for (const DevicePlace& place : places)
-      add_device(columns, interval, place, device_name(protocol, places, place), unit);
-  }
-  return columns;
+  const std::string stiffness(name_suffix(unit)), length(length_suffix(unit)), symbol(to_string(unit));
+  add("finger", "finger that the device acts on",
+      [&protocol](const F& f) { return protocol.rig.fingers.at(static_cast<std::size_t>(f.finger)); });
+  add("channel", "what the device acts on: the pulp or the joint", &F::channel, {.levels = "cutaneous kinaesthetic"});
+  add("stiffness_" + stiffness,
+      "delivered stiffness: slope of force on penetration over unsaturated contact; empty where none could be fitted",
+      &F::stiffness, {.unit = symbol});
+  add("stiffness_se_" + stiffness, "standard error of that slope, as if the samples were independent", &F::stiffness_se,
+      {.unit = symbol});
+  if (joints && unit == Unit::n_per_m)
+    add("joint_stiffness_n_m_per_rad", "the same slope as a torque per angle of the joint; empty of a pulp",
+        &F::joint_stiffness_n_m_per_rad, {.unit = "N m/rad"});
+  add("fit_samples", "samples in that fit", &F::fit_samples);
+  add("peak_force_n", "largest delivered force", &F::peak_force_n, {.unit = "N"});
+  add("deepest_penetration_" + length, "deepest penetration", &F::deepest_penetration, {.unit = length});
+  add("work_j", "work done on the object while loading", &F::work_j, {.unit = "J"});
+  add("mean_speed_" + length + "_per_s", "mean absolute penetration rate in contact", &F::mean_speed,
+      {.unit = length + "/s"});
+  add("contacts", "number of contacts", &F::contacts);
+  add("dwell_s", "time in contact", &F::dwell_s, {.unit = "s"});
+  add("saturated_share", "share of contact time in which a limit reduced the force, 0 to 1", &F::saturated_share);
+  add("vibration_g", "amplitude of the delivered bursts; 0 without one", &F::vibration_g, {.unit = "g"});
+  add("vibration_clamped", "whether the amplitude was limited by the device", &F::vibration_clamped, {.levels = "0 1"});
+  add("interventions", "limits that acted, each with its number of ticks (limit:ticks), separated by blanks",
+      intervention_text);
 }
 
-// Columns of answers, sessions and the dictionary.
-
-namespace {
-
-constexpr const char* kKinds = "real pilot simulated";
-
 }  // namespace
+
+std::vector<CsvColumn<ExportInterval>> interval_columns(const Protocol& protocol,
+                                                        const std::vector<DevicePlace>& places) {
+  if (protocol.task.kind == TaskKind::explore) return {};
+  using R = ExportInterval;
+  using F = IntervalField;
+  IntervalFields fields = {
+      F("participant", "code of the participant", [](const R& r) { return r.trial->session.participant; }),
+      F("session", "identifier of the session", [](const R& r) { return r.trial->session.id; }),
+      F("seq", "number of the trial's event in its session", [](const R& r) { return r.trial->seq; }),
+      F("trial", "place in the participant's plan, from 1; practice comes first",
+        [](const R& r) { return r.trial->record.trial.index; }),
+      F("interval", "interval of the trial, from 1", [](const R& r) { return r.interval + 1; }),
+      F(fmt::format("stimulus_{}", name_suffix(protocol.stimulus.unit)),
+        fmt::format("{} asked in the interval", protocol.stimulus.quantity),
+        [](const R& r) {
+          const Intervals& stimuli = r.trial->record.trial.stimuli;
+          const auto place = static_cast<std::size_t>(r.interval);
+          return place < stimuli.size() ? std::optional(stimuli[place]) : std::nullopt;
+        },
+        {.unit = std::string(to_string(protocol.stimulus.unit))})};
+  add_interval(fields);
+  if (!protocol.rig.built_in()) add_said_by_rig(fields, protocol);
+  if (!places.empty())
+    add_device(fields, protocol, std::any_of(places.begin(), places.end(), [](const DevicePlace& place) {
+                 return place.channel == Channel::kinaesthetic;
+               }));
+  return csv_columns(fields);
+}
+
+std::vector<ExportInterval> interval_rows(const ExportTrial& trial) {
+  std::vector<ExportInterval> rows;
+  for (std::size_t i = 0; i < trial.record.presentations.size(); ++i) {
+    const Presentation& presentation = trial.record.presentations[i];
+    const auto interval = static_cast<int>(i);
+    for (const FingerPresentation& finger : presentation.fingers)
+      rows.push_back({&trial, interval, &presentation, &finger});
+    if (presentation.fingers.empty()) rows.push_back({&trial, interval, &presentation, nullptr});
+  }
+  return rows;
+}
+
+// Answers, sessions, participants and the dictionary.
 
 std::vector<CsvColumn<ExportAnswer>> answer_columns() {
   using R = ExportAnswer;
-  return {
-      {"participant", "code of the participant", "", "", [](const R& r) { return csv_text(r.session.participant); }},
-      {"session", "session of the answer", "", "", [](const R& r) { return csv_text(r.session.id); }},
-      {"session_number", "which of the participant's sessions, from 1", "", "",
-       [](const R& r) { return csv_number(r.session.number); }},
-      {"kind", "kind of the session", "", kKinds, [](const R& r) { return std::string(to_string(r.session.kind)); }},
-      {"utc", "when the answer was saved, ISO 8601", "", "", [](const R& r) { return r.utc; }},
-      {"question", "identifier of the question", "", "", [](const R& r) { return csv_text(r.question); }},
-      {"asked", "when it is asked", "", "before_session after_condition after_series after_session",
-       [](const R& r) { return csv_text(r.asked); }},
-      {"condition", "the condition that it is about; empty where it is about none", "", "",
-       [](const R& r) { return csv_text(r.condition); }},
-      {"after_trial", "main trials planned before it; 0 before and after the session", "", "",
-       [](const R& r) { return csv_number(r.after_trial); }},
-      {"answered", "0 where a question that is not required was left out", "", "0 1",
-       [](const R& r) { return csv_flag(r.answered); }},
-      {"answer", "the answer as given", "", "", [](const R& r) { return csv_text(r.answer); }},
-      {"text", "the question as asked", "", "", [](const R& r) { return csv_text(r.text); }}};
+  using F = Field<R>;
+  Fields<R> fields;
+  add_session_fields(fields);
+  const auto add = [&](F field) { fields.push_back(std::move(field)); };
+  add({"utc", "when the answer was saved, ISO 8601", &R::utc, time_traits(Reveals::plan)});
+  add({"question", "identifier of the question", &R::question});
+  add({"asked",
+       "when it is asked",
+       &R::asked,
+       {.levels = "before_session after_condition after_series after_session"}});
+  add({"condition", "the condition that it is about; empty where it is about none", &R::condition});
+  add({"after_trial", "main trials planned before it; 0 before and after the session", &R::after_trial});
+  add({"answered", "0 where a question that is not required was left out", &R::answered, {.levels = "0 1"}});
+  add({"answer", "the answer as given", &R::answer});
+  add({"text", "the question as asked", &R::text});
+  return csv_columns(fields);
+}
+
+std::vector<ExportParticipant> participant_rows(const std::vector<SessionInfo>& sessions,
+                                                const std::vector<ExcludedParticipant>& excluded) {
+  std::vector<ExportParticipant> rows;
+  for (const SessionInfo& session : sessions) {
+    if (rows.empty() || rows.back().first.participant != session.participant) rows.push_back({session});
+    ExportParticipant& row = rows.back();
+    ++row.sessions;
+    row.closed += session.state == "closed" ? 1 : 0;
+    row.trials_done += session.trials_done;
+    row.trials_voided += session.trials_voided;
+    row.ended_early = row.ended_early || session.ended_early;
+    for (const ExcludedParticipant& one : excluded)
+      if (one.participant == session.participant && one.kind == session.kind) row.excluded_reason = one.reason;
+  }
+  return rows;
+}
+
+std::vector<CsvColumn<ExportParticipant>> participant_columns(const Protocol& protocol) {
+  using R = ExportParticipant;
+  using F = Field<R>;
+  Fields<R> fields;
+  const auto add = [&](F field) { fields.push_back(std::move(field)); };
+  add({"participant", "code of the participant", [](const R& r) { return r.first.participant; }, open_traits()});
+  add({"participant_number", "number of the plan", [](const R& r) { return r.first.participant_number; },
+       open_traits()});
+  add({"kind", "kind of the sessions", [](const R& r) { return r.first.kind; }, open_traits(kKinds)});
+  add({"sessions", "sessions that were opened", &R::sessions, open_traits()});
+  add({"sessions_closed", "of them closed", &R::closed, open_traits()});
+  add({"ended_early", "whether a session was closed for good before its end", &R::ended_early, open_traits("0 1")});
+  add({"trials_done", "main trials answered, over all sessions", &R::trials_done, open_traits()});
+  add({"trials_voided", "attempts voided, practice included", &R::trials_voided, open_traits()});
+  add({"excluded", "whether the participant is left out: nothing of theirs is in the files of trials and results",
+       [](const R& r) { return r.first.excluded; }, open_traits("0 1")});
+  add({"excluded_reason", "why, as it was given; empty where the participant counts", &R::excluded_reason});
+  add_group(
+      fields, protocol, [](const R& r) { return r.first.group; }, group_reveals(protocol));
+  return csv_columns(fields);
 }
 
 std::vector<CsvColumn<SessionInfo>> session_columns(const std::string& seed, const std::string& study_head,
                                                     const Protocol& protocol) {
   using R = SessionInfo;
-  std::vector<CsvColumn<R>> columns = {
-      {"participant", "code of the participant", "", "", [](const R& r) { return csv_text(r.participant); },
-       Reveals::nothing},
-      {"participant_number", "number of the plan", "", "", [](const R& r) { return csv_number(r.participant_number); },
-       Reveals::nothing},
-      {"session", "identifier of the session", "", "", [](const R& r) { return csv_text(r.id); }, Reveals::nothing},
-      {"session_number", "which of the participant's sessions, from 1", "", "",
-       [](const R& r) { return csv_number(r.number); }, Reveals::nothing},
-      {"kind", "kind of the session", "", kKinds, [](const R& r) { return std::string(to_string(r.kind)); },
-       Reveals::nothing},
-      {"language", "language of the participant; empty where none was chosen", "", "",
-       [](const R& r) { return csv_text(r.language); }, Reveals::nothing},
-      {"excluded", "whether the participant was excluded: nothing of theirs is in the other files", "", "0 1",
-       [](const R& r) { return csv_flag(r.excluded); }, Reveals::nothing},
-      {"state", "whether it is finished", "", "open closed", [](const R& r) { return r.state; }, Reveals::nothing},
-      {"responder", "who or what answered", "", "", [](const R& r) { return csv_text(r.responder); }, Reveals::nothing},
-      {"started", "when it was opened, ISO 8601", "", "", [](const R& r) { return csv_text(r.started); },
-       Reveals::nothing},
-      {"ended", "when it was closed, ISO 8601; empty while open", "", "", [](const R& r) { return csv_text(r.ended); },
-       Reveals::nothing},
-      {"trials_done", "main trials answered", "", "", [](const R& r) { return csv_number(r.trials_done); },
-       Reveals::nothing},
-      {"trials_voided", "attempts voided, practice included", "", "",
-       [](const R& r) { return csv_number(r.trials_voided); }, Reveals::nothing},
-      {"trials_total", "main trials planned", "", "", [](const R& r) { return csv_number(r.trials_total); },
-       Reveals::nothing},
-      {"head", "hash of its last event: names everything before it", "", "", [](const R& r) { return r.head; },
-       Reveals::nothing},
-      {"study_head",
-       "hash of the last event of the study's own chain: names every exclusion, unblinding and closing before it", "",
-       "", [study_head](const R&) { return study_head; }, Reveals::nothing},
-      {"seed", "seed of the study; empty while it is sealed", "", "", [seed](const R&) { return seed; }},
-      {"protocol", "name of the protocol", "", "", [n = protocol.name](const R&) { return csv_text(n); },
-       Reveals::nothing},
-      {"protocol_sha256", "SHA-256 of the protocol's bytes", "", "", [sha = protocol.sha256](const R&) { return sha; },
-       Reveals::nothing},
-      {"exported_by", "version of the program that wrote these files", "", "",
-       [](const R&) { return std::string("jnd ") + kVersion; }, Reveals::nothing}};
-  // Who says a group knows it; one that was drawn stays sealed.
-  if (!protocol.groups.empty())
-    columns.insert(columns.begin() + 1, {"group", "group of the participant", "", group_levels(protocol),
-                                         [](const R& r) { return csv_text(r.group); },
-                                         protocol.allotment == Allotment::given ? Reveals::nothing : Reveals::plan});
-  return columns;
+  using F = Field<R>;
+  Fields<R> fields;
+  const auto add = [&](F field) { fields.push_back(std::move(field)); };
+  add({"participant", "code of the participant", &R::participant, open_traits()});
+  add({"participant_number", "number of the plan", &R::participant_number, open_traits()});
+  add({"session", "identifier of the session", &R::id, open_traits()});
+  add({"session_number", "which of the participant's sessions, from 1", &R::number, open_traits()});
+  add({"kind", "kind of the session", &R::kind, open_traits(kKinds)});
+  add({"language", "language of the participant; empty where none was chosen", &R::language, open_traits()});
+  add({"excluded", "whether the participant was excluded: nothing of theirs is in the files of trials and results",
+       &R::excluded, open_traits("0 1")});
+  add({"state", "whether it is finished", &R::state, open_traits("open closed")});
+  add({"responder", "who or what answered", &R::responder, open_traits()});
+  add({"started", "when it was opened, ISO 8601", &R::started, time_traits()});
+  add({"ended", "when it was closed, ISO 8601; empty while open", &R::ended, time_traits()});
+  add({"trials_done", "main trials answered", &R::trials_done, open_traits()});
+  add({"trials_voided", "attempts voided, practice included", &R::trials_voided, open_traits()});
+  add({"trials_total", "main trials planned", &R::trials_total, open_traits()});
+  add({"head", "hash of its last event: names everything before it", &R::head, open_traits()});
+  add({"study_head",
+       "hash of the last event of the study's own chain: names every exclusion, unblinding and closing before it",
+       [study_head](const R&) { return study_head; }, open_traits()});
+  add({"seed", "seed of the study; empty while it is sealed", [seed](const R&) { return seed; }});
+  add({"protocol", "name of the protocol", [name = protocol.name](const R&) { return name; }, open_traits()});
+  add({"protocol_sha256", "SHA-256 of the protocol's bytes", [sha = protocol.sha256](const R&) { return sha; },
+       open_traits()});
+  add({"exported_by", "version of the program that wrote these files",
+       [](const R&) { return std::string("jnd ") + kVersion; }, open_traits()});
+  add_group(fields, protocol, &R::group, group_reveals(protocol));
+  return csv_columns(fields);
 }
 
 std::vector<CsvColumn<DictionaryRow>> dictionary_columns() {
   using R = DictionaryRow;
-  return {
-      {"file", "file of the export; sub-* stands for every participant's folder", "", "",
-       [](const R& r) { return r.file; }},
-      {"column", "column of the file", "", "", [](const R& r) { return r.column; }},
-      {"meaning", "what it holds", "", "", [](const R& r) { return csv_text(r.meaning); }},
-      {"unit", "unit of numbers; empty for text, counts, shares and flags", "", "", [](const R& r) { return r.unit; }},
-      {"levels", "values that text and flags can have, separated by blanks", "", "",
-       [](const R& r) { return r.levels; }}};
+  const Fields<R> fields = {{"file", "file of the export; sub-* stands for every participant's folder", &R::file},
+                            {"column", "column of the file", &R::column},
+                            {"meaning", "what it holds", &R::meaning},
+                            {"unit", "unit of numbers; empty for text, counts, shares and flags", &R::unit},
+                            {"levels", "values that text and flags can have, separated by blanks", &R::levels},
+                            {"type",
+                             "type of the cells, in the words of datapackage.json",
+                             &R::type,
+                             {.levels = "string integer number boolean datetime"}}};
+  return csv_columns(fields);
 }
 
 }  // namespace jnd

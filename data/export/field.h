@@ -39,6 +39,20 @@ FieldValue field_value(const T& value) {
   else
     return value ? field_value(*value) : FieldValue();  // optional
 }
+// Of the cells that field_value makes of a T. A FieldValue may be anything: its fields say what it is.
+template <typename T>
+constexpr CellType cell_type() {
+  if constexpr (std::is_same_v<T, bool>)
+    return CellType::flag;
+  else if constexpr (std::is_floating_point_v<T>)
+    return CellType::number;
+  else if constexpr (std::is_enum_v<T> || std::is_same_v<T, FieldValue> || std::is_convertible_v<T, std::string_view>)
+    return CellType::text;
+  else if constexpr (std::is_integral_v<T>)
+    return CellType::integer;
+  else
+    return cell_type<typename T::value_type>();  // optional
+}
 template <typename T>
 inline constexpr bool kIsNumber = std::is_arithmetic_v<T> && !std::is_same_v<T, bool>;
 template <typename T>
@@ -61,6 +75,11 @@ struct FieldTraits {
   int digits = 3;                      // of numbers in a table
   Shown shown = Shown::number;
   double factor = 1;  // of the number in a table: slopes are read per 100 N/m
+  // Of CSV files: the type of the cells, where the value's own does not tell; whether a cell may hold several levels;
+  // what the column tells of a blinded study.
+  std::optional<CellType> type{};
+  bool several = false;
+  Reveals reveals = Reveals::plan;
 };
 
 template <typename Row>
@@ -78,6 +97,9 @@ struct Field {
         digits(traits.digits),
         shown(traits.shown),
         factor(traits.factor),
+        type(traits.type.value_or(cell_type<std::remove_cvref_t<std::invoke_result_t<Get, const Row&>>>())),
+        several(traits.several),
+        reveals(traits.reveals),
         of([get](const Row& row) { return field_value(std::invoke(get, row)); }) {}
 
   std::string key;  // dots lead into objects of JSON
@@ -86,6 +108,9 @@ struct Field {
   int digits;
   Shown shown;
   double factor;
+  CellType type;
+  bool several;
+  Reveals reveals;
   std::function<FieldValue(const Row&)> of;
 };
 
@@ -114,7 +139,8 @@ std::vector<CsvColumn<Row>> csv_columns(const Fields<Row>& fields) {
   for (const Field<Row>& field : fields)
     if (!field.column.empty())
       columns.push_back({field.column, field.meaning, field.unit, field.levels,
-                         [get = field.of](const Row& row) { return csv_value(get(row)); }});
+                         [get = field.of](const Row& row) { return csv_value(get(row)); }, field.reveals, field.type,
+                         field.several});
   return columns;
 }
 

@@ -2,9 +2,11 @@
 
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "data/export/answer_fields.h"
 #include "data/export/between_fields.h"
-#include "data/export/export_tables.h"
+#include "data/export/data_package.h"
 #include "data/export/result_fields.h"
 #include "data/export/task_fields.h"
 
@@ -56,17 +58,24 @@ std::vector<ResultFile> result_files(const StudyResults& results, const Protocol
     for (const ChoiceResult& choice : exploration->choices) append(options, option_rows(choice, protocol));
 
   std::vector<ResultFile> files;
-  if (const auto* adaptive = std::get_if<AdaptiveResults>(&results.measured))
+  const SessionKind kind = attendance_of(results).kind;
+  if (const auto* constant = std::get_if<ConstantResults>(&results.measured)) {
+    add_file(files, "cells.csv", cell_fields(protocol), constant->analysis.cells);
+    add_file(files, "thresholds.csv", threshold_fields(protocol), constant->analysis.thresholds);
+    add_file(files, "group.csv", group_fields(protocol, kind), constant->analysis.group);
+  }
+  add_file(files, "contrasts.csv", contrast_fields(protocol, kind), contrasts_of(results, protocol));
+  if (const auto* adaptive = std::get_if<AdaptiveResults>(&results.measured)) {
     add_file(files, "tracks.csv", track_fields(protocol), adaptive->rows);
+    add_file(files, "group.csv", adaptive_group_fields(protocol), adaptive->group);
+  }
   if (const auto* measured = std::get_if<MeasuredTask>(&results.measured)) {
-    const SessionKind kind = measured->attendance.kind;
     add_file(files, "estimates.csv", task_estimate_fields(protocol), measured->task.estimates);
     add_file(files, "counts.csv", task_count_fields(protocol), measured->task.counts);
     add_file(files, "group.csv", task_group_fields(protocol, kind), measured->task.group);
     add_file(files, "proportion.csv", proportion_fields(protocol), measured->task.proportion);
   }
   if (results.groups) {
-    const SessionKind kind = attendance_of(results).kind;
     add_file(files, "groups.csv", group_mean_fields(protocol, kind), group_mean_rows(*results.groups));
     add_file(files, "between.csv", between_fields(protocol, kind), between_rows(*results.groups));
   }
@@ -83,24 +92,20 @@ std::vector<ResultFile> result_files(const StudyResults& results, const Protocol
   return files;
 }
 
-void write_results(ExportFolder& files, const StudyResults& results, const Protocol& protocol,
-                   const StudyModels* models) {
-  std::vector<ResultFile> all;
-  const SessionKind kind = attendance_of(results).kind;
-  if (const auto* constant = std::get_if<ConstantResults>(&results.measured)) {
-    add_file(all, "thresholds.csv", threshold_fields(protocol), constant->analysis.thresholds);
-    add_file(all, "cells.csv", cell_fields(protocol), constant->analysis.cells);
-    add_file(all, "group.csv", group_fields(protocol, kind), constant->analysis.group);
-  }
-  add_file(all, "contrasts.csv", contrast_fields(protocol, kind), contrasts_of(results, protocol));
-  for (ResultFile& file : result_files(results, protocol, models)) all.push_back(std::move(file));
-  std::vector<DictionaryRow> dictionary;
-  for (const ResultFile& file : all) {
+void add_results(ExportFolder& files, const StudyResults& results, const Protocol& protocol, const StudyModels* models,
+                 std::vector<DictionaryRow>& dictionary) {
+  for (const ResultFile& file : result_files(results, protocol, models)) {
     files.write(file.name, file.text);
     dictionary.insert(dictionary.end(), file.dictionary.begin(), file.dictionary.end());
   }
-  describe("dictionary.csv", dictionary_columns(), dictionary);
-  files.write("dictionary.csv", csv_table(dictionary_columns(), dictionary));
+}
+
+void write_results(ExportFolder& files, const StudyResults& results, const Protocol& protocol,
+                   const StudyModels* models) {
+  std::vector<DictionaryRow> dictionary;
+  add_results(files, results, protocol, models, dictionary);
+  write_descriptions(files, protocol, fmt::format("results of {} data", to_string(attendance_of(results).kind)),
+                     std::move(dictionary));
 }
 
 }  // namespace jnd

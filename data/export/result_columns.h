@@ -19,12 +19,17 @@ struct ResultFile {
   std::vector<DictionaryRow> dictionary;
 };
 
-// groups.csv and between.csv where there are groups of participants; tests.csv, pairs.csv, sensitivity.csv, behaviour.csv, ratings.csv, and models.csv where models are given; of free
-// interaction items.csv, choices.csv and exposure.csv. Files without rows are left out.
+// cells.csv, thresholds.csv (every participant) and group.csv of same-different over given levels; contrasts.csv;
+// tracks.csv where the answers set the levels; estimates.csv, counts.csv, group.csv and proportion.csv of the other
+// tasks; groups.csv and between.csv where there are groups of participants; tests.csv, pairs.csv, sensitivity.csv,
+// behaviour.csv, sureness.csv, items.csv, ratings.csv, and models.csv where models are given; of free interaction
+// choices.csv and exposure.csv. Files without rows are left out.
 std::vector<ResultFile> result_files(const StudyResults& results, const Protocol& protocol, const StudyModels* models);
 
-// Those files, with group.csv, contrasts.csv, thresholds.csv (every participant) and cells.csv beside them, and
-// dictionary.csv for all of them.
+// Writes those files and adds what their columns mean.
+void add_results(ExportFolder& files, const StudyResults& results, const Protocol& protocol, const StudyModels* models,
+                 std::vector<DictionaryRow>& dictionary);
+// Those files alone, with dictionary.csv and datapackage.json for all of them.
 void write_results(ExportFolder& files, const StudyResults& results, const Protocol& protocol,
                    const StudyModels* models);
 

@@ -29,7 +29,7 @@ Field<Row> p_field(std::string key, std::string meaning, Get get, FieldTraits tr
 
 template <typename Row>
 Field<Row> condition_field(const Protocol& protocol) {
-  return {"condition", "feedback condition", [&protocol](const Row& r) { return condition_of(protocol, r.condition); }};
+  return {"condition", "condition", [&protocol](const Row& r) { return condition_of(protocol, r.condition); }};
 }
 
 std::string caution_names(const JndEstimate& estimate) {
@@ -204,7 +204,8 @@ Fields<ThresholdResult> threshold_fields(const Protocol& protocol) {
         [k = protocol.stimulus.reference](const R&) { return k; }, {.unit = unit}),
       F("status", "what the estimate is", [](const R& r) { return r.jnd.status; }, {.levels = kJndStatuses}),
       F("cautions", "names of cautions, separated by blanks; none of them excludes anything",
-        [](const R& r) { return caution_names(r.jnd); }, {.levels = "extrapolated floor few_trials series_missing"}),
+        [](const R& r) { return caution_names(r.jnd); },
+        {.levels = "extrapolated floor few_trials series_missing", .several = true}),
       F("median_response_time_s", "median of the times that the participant entered; empty without one",
         &R::median_response_time_s, {.unit = "s"}),
       F("mean_trial_s", "mean time of a counted trial; empty without one", &R::mean_trial_s,
@@ -222,7 +223,7 @@ Fields<GroupResult> group_fields(const Protocol& protocol, SessionKind kind) {
                       F("kind", "kind of the sessions", [kind](const R&) { return kind; }, {.levels = kSessionKinds}),
                       F("n", "participants with a row in this condition (N)", [](const R& r) { return r.jnd.n; },
                         {.column = "participants"}),
-                      beside<R>("n_used", [](const R& r) { return r.jnd.mean_jnd.n; })};
+                      F("n_used", "those whose JND is ok", [](const R& r) { return r.jnd.mean_jnd.n; })};
   add_mean(fields, "jnd", in_unit("_", protocol), "the JND over status ok", unit,
            [](const R& r) { return r.jnd.mean_jnd; });
   fields.push_back(
@@ -240,8 +241,8 @@ Fields<GroupResult> group_fields(const Protocol& protocol, SessionKind kind) {
                      [](const R& r) { return r.jnd.inverse_mean_slope; },
                      {.column = in_unit("inverse_mean_slope_", protocol), .unit = unit, .title = "1/mean slope"}));
   add_mean(fields, "weber", "", "the Weber fraction over status ok", "", [](const R& r) { return r.jnd.mean_weber; });
-  fields.push_back(F("n_ok", "participants with status ok",
-                     [](const R& r) { return r.jnd.n - r.jnd.no_sensitivity - r.jnd.ceiling - r.jnd.no_information; }));
+  fields.push_back(beside<R>(
+      "n_ok", [](const R& r) { return r.jnd.n - r.jnd.no_sensitivity - r.jnd.ceiling - r.jnd.no_information; }));
   fields.push_back(F("no_sensitivity", "participants with status no_sensitivity",
                      [](const R& r) { return r.jnd.no_sensitivity; }, {.column = "n_no_sensitivity"}));
   fields.push_back(F("ceiling", "participants with status ceiling", [](const R& r) { return r.jnd.ceiling; },
@@ -268,7 +269,8 @@ Fields<ContrastRow> contrast_fields(const Protocol& protocol, SessionKind kind) 
       F("b", "second condition", [&protocol](const R& r) { return condition_of(protocol, r.b); },
         {.column = "condition_b"}),
       F("kind", "kind of the sessions", [kind](const R&) { return kind; }, {.levels = kSessionKinds}),
-      F("outcome", "the scale of every number in the row", &R::outcome, {.levels = "slope jnd log_jnd threshold"}),
+      F("outcome", "the scale of every number in the row", &R::outcome,
+        {.levels = protocol.task.kind == TaskKind::same_different ? "slope jnd log_jnd threshold" : ""}),
       F("unit", "unit of the differences in the row; empty where they have none", &R::unit),
       F("registered", "1 on the scale of the registered tests; 0 where the JND stands beside it", &R::registered,
         {.levels = "0 1"}),
@@ -276,6 +278,11 @@ Fields<ContrastRow> contrast_fields(const Protocol& protocol, SessionKind kind) 
   add_mean(fields, "difference", "", "a - b within the participants who have both", "", &R::difference);
   fields.push_back(p_field<R>(
       "p", "of the registered contrast, corrected as registered; empty where not registered or refused", &R::p));
+  // Where there is a p, whose it is.
+  const PostHoc test = protocol.analysis.tests.post_hoc;
+  fields.push_back(F("test", "the test behind p; empty without p",
+                     [test](const R& r) { return std::isnan(r.p) ? std::string_view() : to_string(test); },
+                     {.levels = "holm-t wilcoxon games-howell tukey"}));
   fields.push_back(
       beside<R>("refused", [](const R& r) { return r.refused.empty() ? FieldValue() : FieldValue(r.refused); }));
   if (protocol.design.procedure)
@@ -295,7 +302,9 @@ Fields<TestRow> test_fields() {
       F("unit", "unit of the outcome's values", [](const R& r) { return r.outcome->unit; }),
       F("registered", "1 for the registered test", [](const R& r) { return r.outcome->registered; }, {.levels = "0 1"}),
       F("n_used", "complete participants", [size](const R& r) { return size(r.outcome->table.n); }),
-      F("n", "participants", [size](const R& r) { return size(r.outcome->table.n + r.outcome->left_out.size()); })};
+      F("n", "participants who get every condition",
+        [size](const R& r) { return size(r.outcome->table.n + r.outcome->left_out.size()); },
+        {.column = "participants"})};
   add_effect(
       fields, "F of the one-way repeated-measures analysis of variance",
       [](const R& r) -> const WithinEffect& { return r.outcome->comparison.anova.effect; },
@@ -333,7 +342,7 @@ Fields<PairRow> pair_fields(const Protocol& protocol) {
   return {F("outcome", "what is compared", [](const R& r) { return r.outcome->outcome; }),
           F("condition_a", "first condition", [&protocol](const R& r) { return protocol.conditions[r.pair->a].name; }),
           F("condition_b", "second condition", [&protocol](const R& r) { return protocol.conditions[r.pair->b].name; }),
-          F("n", "complete participants", [](const R& r) { return r.pair->t.n; }),
+          F("n", "complete participants", [](const R& r) { return r.pair->t.n; }, {.column = "n_used"}),
           F("mean_difference", "mean of a - b, in the outcome's unit",
             [](const R& r) { return r.pair->mean_difference; }, {.title = "difference", .shown = Shown::compact}),
           F("ci95_low", "lower end of its 95 % interval (Student t)", [](const R& r) { return r.pair->t.ci_low; },
@@ -369,7 +378,7 @@ Fields<MethodRow> sensitivity_fields(const Protocol& protocol) {
         [](const R& r) { return r.row->method.correction; }, {.levels = "none loglinear half"}),
       F("method", "how the JND comes from the series", [](const R& r) { return r.row->method.method; }),
       F("registered", "1 for the registered method", [](const R& r) { return r.row->registered; }, {.levels = "0 1"}),
-      F("condition", "feedback condition", [&protocol](const R& r) { return protocol.conditions[r.condition].name; }),
+      F("condition", "condition", [&protocol](const R& r) { return protocol.conditions[r.condition].name; }),
       F("median_jnd", "median JND; Inf or empty where its status says why",
         [](const R& r) { return r.row->median_jnd[r.condition]; }, {.column = "jnd_median", .unit = unit}),
       F("median_status", kMedianStatus, [](const R& r) { return r.row->median_status[r.condition]; },
@@ -493,9 +502,11 @@ Fields<AdaptiveRow> track_fields(const Protocol& protocol) {
         {.column = "sd", .unit = source == ThresholdSource::reversals ? unit : "", .digits = digits})};
   if (source == ThresholdSource::answers) {
     fields.push_back(F("ci_low", "lower end of the middle 95 % of the posterior",
-                       [](const R& r) { return r.threshold.low; }, {.unit = unit, .digits = digits}));
+                       [](const R& r) { return r.threshold.low; },
+                       {.column = "ci95_low", .unit = unit, .digits = digits}));
     fields.push_back(F("ci_high", "upper end of the middle 95 % of the posterior",
-                       [](const R& r) { return r.threshold.high; }, {.unit = unit, .digits = digits}));
+                       [](const R& r) { return r.threshold.high; },
+                       {.column = "ci95_high", .unit = unit, .digits = digits}));
   }
   fields.push_back(F("n", told.n, [](const R& r) { return r.threshold.n; }));
   fields.push_back(F("weber", "threshold / reference", &R::weber, {.title = "Weber", .shown = Shown::percent}));
@@ -507,13 +518,17 @@ Fields<AdaptiveRow> track_fields(const Protocol& protocol) {
 
 Fields<AdaptiveGroup> adaptive_group_fields(const Protocol& protocol) {
   using R = AdaptiveGroup;
+  using F = Field<R>;
   const int digits = level_decimals(protocol);
-  return {beside<R>("condition", [&protocol](const R& r) { return condition_of(protocol, r.condition); }),
-          beside<R>("n", &R::n),
-          beside<R>("of", &R::of),
-          beside<R>("threshold_mean", &R::mean, {.title = "mean threshold " + unit_name(protocol), .digits = digits}),
-          beside<R>("threshold_sd", &R::sd, {.title = "sd", .digits = digits}),
-          beside<R>("false_alarm_rate", &R::false_alarms, {.title = "false alarms", .shown = Shown::percent})};
+  const std::string unit = unit_name(protocol);
+  return {F("condition", "condition", [&protocol](const R& r) { return condition_of(protocol, r.condition); }),
+          F("of", "participants who get the condition", &R::of, {.column = "participants"}),
+          F("n", "those whose threshold is ok", &R::n, {.column = "n_used"}),
+          F("threshold_mean", "mean threshold over them", &R::mean,
+            {.unit = unit, .title = "mean threshold " + unit, .digits = digits}),
+          F("threshold_sd", "standard deviation, n - 1", &R::sd, {.unit = unit, .title = "sd", .digits = digits}),
+          F("false_alarm_rate", "mean rate of \"different\" to equal stimuli over the same participants",
+            &R::false_alarms, {.title = "false alarms", .shown = Shown::percent})};
 }
 
 }  // namespace jnd

@@ -64,9 +64,10 @@ Fields<TaskCountRow> task_count_fields(const Protocol& protocol) {
                      {.levels = words, .title = "correct"}));
   fields.push_back(F("answer", "what was answered",
                      [&protocol](const R& r) {
-                       return r.number ? csv_number(*r.number) : std::string(said_word(protocol.task, r.said));
+                       return r.number ? FieldValue(*r.number)
+                                       : FieldValue(std::string(said_word(protocol.task, r.said)));
                      },
-                     {.levels = words}));
+                     {.levels = words, .type = words.empty() ? CellType::number : CellType::text}));
   if (protocol.task.sureness_levels > 0) fields.push_back(F("sureness", "how sure of it, from 1", &R::sureness));
   fields.push_back(F("n", "how often", &R::n));
   add_group_field(fields, protocol);

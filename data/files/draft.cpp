@@ -195,18 +195,38 @@ void Draft::write(std::string_view bytes) const {
   if (::fsync(descriptor_) != 0) throw cannot_write(place_, errno);
 }
 
+DraftPart::DraftPart(const fs::path& path, fs::path place) : place_(std::move(place)) {
+  descriptor_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
+  if (descriptor_ < 0) throw cannot_write(place_, errno);
+}
+
+DraftPart::DraftPart(DraftPart&& other) noexcept
+    : place_(std::move(other.place_)), descriptor_(std::exchange(other.descriptor_, -1)) {}
+
+DraftPart::~DraftPart() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+void DraftPart::write(std::string_view bytes) {
+  if (const int error = write_all(descriptor_, bytes); error != 0) throw cannot_write(place_, error);
+}
+
+void DraftPart::close() {
+  if (::close(std::exchange(descriptor_, -1)) != 0) throw cannot_write(place_, errno);
+}
+
 void Draft::write_within(const fs::path& relative, std::string_view bytes) const {
+  DraftPart part = open_within(relative);
+  part.write(bytes);
+  part.close();
+}
+
+DraftPart Draft::open_within(const fs::path& relative) const {
   const fs::path path = path_ / relative;
   std::error_code error;
   fs::create_directories(path.parent_path(), error);
   if (error) throw cannot_write(place_ / relative, error.value());
-  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
-  if (file < 0) throw cannot_write(place_ / relative, errno);
-  if (const int error = write_all(file, bytes); error != 0) {
-    ::close(file);
-    throw cannot_write(place_ / relative, error);
-  }
-  if (::close(file) != 0) throw cannot_write(place_ / relative, errno);
+  return {path, place_ / relative};
 }
 
 bool Draft::publish() {

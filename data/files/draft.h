@@ -18,6 +18,22 @@ std::filesystem::path folder_of(const std::filesystem::path& place);
 // "{path}: cannot be written: ..." from errno, with what to do about it.
 StorageError cannot_write(const std::filesystem::path& path, int error);
 
+// A file within a folder's draft, written piece by piece and never over one that exists.
+class DraftPart {
+ public:
+  // path: of the file; place: what it is called where it cannot be written. Throws StorageError, as write and close do.
+  DraftPart(const std::filesystem::path& path, std::filesystem::path place);
+  ~DraftPart();
+  DraftPart(DraftPart&& other) noexcept;
+  DraftPart& operator=(DraftPart&&) = delete;
+  void write(std::string_view bytes);
+  void close();
+
+ private:
+  std::filesystem::path place_;
+  int descriptor_ = -1;
+};
+
 // A file or folder called NAME.jnd-draft-XXXXXX until it is finished. It is never opened through a link, nor over
 // anything that exists, and is locked while this program lives: what killed programs left for the same place is cleared
 // away by the next one, and nothing else is.
@@ -39,6 +55,8 @@ class Draft {
   // A file within the folder, which must not exist yet; folders on its way are made. It is flushed when the folder gets
   // its name. Throws StorageError.
   void write_within(const std::filesystem::path& relative, std::string_view bytes) const;
+  // The same for a file that comes piece by piece.
+  DraftPart open_within(const std::filesystem::path& relative) const;
 
   // Gives it its name. False where something has that name: then nothing is changed. Throws StorageError.
   bool publish();

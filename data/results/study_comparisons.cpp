@@ -125,6 +125,14 @@ std::string_view to_string(BetweenTest test) noexcept {
   return word_of(kWords, test);
 }
 
+std::string_view to_string(PostHoc test) noexcept {
+  constexpr auto kWords = words<PostHoc>({{"holm-t", PostHoc::holm_t},
+                                          {"games-howell", PostHoc::games_howell},
+                                          {"tukey", PostHoc::tukey},
+                                          {"wilcoxon", PostHoc::wilcoxon}});
+  return word_of(kWords, test);
+}
+
 OutcomeComparison compare_thresholds(const std::vector<ThresholdResult>& thresholds, const Protocol& protocol,
                                      Outcome outcome) {
   const std::string unit(to_string(protocol.stimulus.unit));

@@ -84,6 +84,7 @@ struct GroupsCompared {
 
 std::string_view to_string(Outcome outcome) noexcept;   // "slope", "jnd", "log_jnd"
 std::string_view to_string(BetweenTest test) noexcept;  // "none", "welch", "mann-whitney", "mixed-anova"
+std::string_view to_string(PostHoc test) noexcept;      // "holm-t", "games-howell", "tukey", "wilcoxon"
 
 // Slopes of thresholds, by participant and condition. Tests on the slope leave out whose slope is not finite;
 // those on the JND or its logarithm are refused where a participant has none (a mean over the rest would be biased).

@@ -27,4 +27,25 @@ std::string sha256_hex(std::string_view bytes) {
   return to_hex(sha256(bytes));
 }
 
+struct Sha256Stream::State {
+  crypto_hash_sha256_state of{};
+};
+
+Sha256Stream::Sha256Stream() : state_(std::make_unique<State>()) {
+  crypto_hash_sha256_init(&state_->of);
+}
+Sha256Stream::~Sha256Stream() = default;
+Sha256Stream::Sha256Stream(Sha256Stream&&) noexcept = default;
+Sha256Stream& Sha256Stream::operator=(Sha256Stream&&) noexcept = default;
+
+void Sha256Stream::add(std::string_view bytes) noexcept {
+  crypto_hash_sha256_update(&state_->of, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
+}
+
+Sha256 Sha256Stream::finish() noexcept {
+  Sha256 hash{};
+  crypto_hash_sha256_final(&state_->of, hash.data());
+  return hash;
+}
+
 }  // namespace jnd

@@ -150,7 +150,7 @@ std::vector<TaskOutcome> YesNoTask::outcomes(const Protocol& protocol) const {
   const std::string_view unit = to_string(protocol.stimulus.unit);
   std::vector<TaskOutcome> outcomes = {
       {"dprime", "d'", "", "z(H) - z(F) on log-linear rates, all signals together", 3, false},
-      {"criterion", "criterion c", "", "-(z(H) + z(F)) / 2; above 0: tends to say no", 3, false},
+      {"criterion", "criterion c", "", "c = -(z(H) + z(F)) / 2; above 0: tends to say no", 3, false},
       {"threshold", "threshold", unit, "distance of the signal from the noise at d' = 1, maximum likelihood", 4, true},
       {"correct", "share correct", "", "share of correct answers, exact interval", 3, true}};
   if (has_weber_fraction(protocol))

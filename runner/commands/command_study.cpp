@@ -1,5 +1,7 @@
 // jnd status, verify and export: what a study holds.
 #include <algorithm>
+#include <array>
+#include <string_view>
 #include <utility>
 
 #include <CLI/CLI.hpp>
@@ -165,13 +167,39 @@ int command_verify(const VerifyOptions& options) {
   return ok ? exit_code::kDone : exit_code::kProblemFound;
 }
 
+// What people open first, as far as it is there.
+std::string main_files(const std::vector<std::string>& files) {
+  constexpr std::array kMain = {"trials.csv",     "intervals.csv", "tracks.csv",   "estimates.csv",
+                                "thresholds.csv", "group.csv",     "contrasts.csv"};
+  std::string text;
+  for (const char* name : kMain)
+    if (std::find(files.begin(), files.end(), name) != files.end()) text += fmt::format("{}, ", name);
+  return text + "...";
+}
+
+bool is_within(const std::vector<std::string>& files, std::string_view part) {
+  return std::any_of(files.begin(), files.end(),
+                     [&](const std::string& file) { return file.find(part) != std::string::npos; });
+}
+
+// Where the files are and what to do with them. holds: "simulated data". In lines that fit a narrow terminal.
+void say_exported(const std::string& folder, const std::vector<std::string>& files, const std::string& holds) {
+  fmt::print("{}: {} of {}\n  {}\n  dictionary.csv and datapackage.json say what every column is\n",
+             bold(printable(folder)), counted(static_cast<std::int64_t>(files.size()), "file"), holds,
+             main_files(files));
+  if (!is_within(files, "recompute.")) return;
+  fmt::print(
+      "  to compute the results again, in that folder:\n    R:       source(\"recompute.R\")\n"
+      "    Python:  python3 recompute.py\n");
+}
+
 int export_in_code(const Study& study, const Protocol& protocol, const ExportOptions& options) {
   const BlindedResults results =
       blinded_results(study, protocol, source_to_analyse(protocol, options.by), options.study);
   const HoldInterrupts hold;
   const std::vector<std::string> files = export_blinded(study, protocol, results, options.folder, options.replace);
-  fmt::print("{}\n{} files (real data, in code) in {}; dictionary.csv says what every column is\n",
-             warn(printable(results.line)), files.size(), printable(options.folder));
+  fmt::print("{}\n", warn(printable(results.line)));
+  say_exported(options.folder, files, "real data, in code");
   say_other_kinds(study, SessionKind::real);
   return exit_code::kDone;
 }
@@ -192,15 +220,12 @@ int command_export(const ExportOptions& options) {
   const std::vector<std::string> files =
       export_csv(*study, protocol, results, options.folder, options.replace, telemetry);
   working.reset();
-  fmt::print("{} files ({} data) in {}; dictionary.csv says what every column is\n", files.size(), to_string(kind),
-             printable(options.folder));
+  say_exported(options.folder, files, fmt::format("{} data", to_string(kind)));
   if (plan_sealed(*study, protocol))
     fmt::print("{}\n",
                warn("Real sessions of this study are blinded, and every kind has their plan: the files of single "
                     "trials and answers and the seed are left out."));
-  if (options.telemetry && std::none_of(files.begin(), files.end(), [](const std::string& file) {
-        return file.find("/telemetry/") != std::string::npos;
-      }))
+  if (options.telemetry && !is_within(files, "/telemetry/"))
     fmt::print("this study holds no telemetry of {} sessions\n", to_string(kind));
   say_other_kinds(*study, kind);
   return exit_code::kDone;
@@ -232,7 +257,7 @@ void add_kind_and_by(CLI::App& command, std::optional<std::string>& kind, std::o
 }
 
 void add_export(CommandTree& tree) {
-  const auto [command, options] = tree.add("export", "Write tidy CSV files with a dictionary of every column",
+  const auto [command, options] = tree.add("export", "Write the data and the results as CSV files for R and Python",
                                            "jnd export s.sqlite --to results", command_export);
   command.add_option("STUDY", options.study, "the study's file")->required();
   command.add_option("--to", options.folder, "the folder to write")->required();

@@ -2,9 +2,11 @@
 
 #include <map>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "data/export/data_package.h"
 #include "data/export/export_tables.h"
 #include "data/log/event_body.h"
 #include "data/log/utc_time.h"
@@ -24,7 +26,7 @@ namespace {
 // codes: by condition.
 std::vector<CsvColumn<ExportTrial>> coded_trial_columns(const Protocol& protocol,
                                                         const std::vector<std::string>& codes) {
-  std::vector<CsvColumn<ExportTrial>> columns = blinded(trial_columns(protocol, {}));
+  std::vector<CsvColumn<ExportTrial>> columns = blinded(trial_columns(protocol));
   columns.push_back(
       {"condition_code",
        "letter of the condition on the operator's console; empty in practice, whose order would name the letters", "",
@@ -37,14 +39,14 @@ std::vector<CsvColumn<ExportTrial>> coded_trial_columns(const Protocol& protocol
 
 // not_counted: seq of the answers that were taken back.
 void add_trials(const Study& study, const SessionInfo& session, const std::set<std::int64_t>& not_counted,
-                std::vector<ExportTrial>& rows) {
+                CsvFile<ExportTrial>& trials) {
   for (const Event& event : study.events(session.id)) {
     if (event.kind != event_kind::kTrialCompleted || not_counted.contains(event.seq)) continue;
     const auto body = nlohmann::ordered_json::parse(event.body, nullptr, false);
     if (body.is_discarded())
       throw StorageError(fmt::format("session {}, event {} ({}): the body cannot be read; run jnd verify", session.id,
                                      event.seq, event.kind));
-    rows.push_back({session, event.seq, to_iso8601(event.stamp.utc_ns), trial_record_from(body), {}});
+    trials.add({session, event.seq, to_iso8601(event.stamp.utc_ns), trial_record_from(body), {}});
   }
 }
 
@@ -60,17 +62,14 @@ void write_results(ExportFolder& files, const BlindedResults& results, const Pro
   if (!results.groups.empty()) write("coded.csv", blinded_group_fields(protocol), results.groups);
 }
 
-void write_dictionary(ExportFolder& files, std::vector<DictionaryRow>& dictionary) {
-  describe("dictionary.csv", dictionary_columns(), dictionary);
-  files.write("dictionary.csv", csv_table(dictionary_columns(), dictionary));
-}
+constexpr const char* kHolds = "real data, in code";
 
 }  // namespace
 
 void write_blinded_results(ExportFolder& files, const BlindedResults& results, const Protocol& protocol) {
   std::vector<DictionaryRow> dictionary;
   write_results(files, results, protocol, dictionary);
-  write_dictionary(files, dictionary);
+  write_descriptions(files, protocol, kHolds, std::move(dictionary));
 }
 
 std::vector<std::string> export_blinded(const Study& study, const Protocol& protocol, const BlindedResults& results,
@@ -78,22 +77,21 @@ std::vector<std::string> export_blinded(const Study& study, const Protocol& prot
   ExportFolder files(folder, replace);
   std::vector<SessionInfo> sessions = study.sessions();
   std::erase_if(sessions, [](const SessionInfo& session) { return session.kind != SessionKind::real; });
-  const auto trial_columns = coded_trial_columns(protocol, condition_codes(protocol, study.info().seed));
-  const auto sessions_columns = blinded(session_columns("", results.chains.study_head, protocol));
-  std::map<std::string, std::vector<ExportTrial>> trials;  // by participant
+  std::vector<DictionaryRow> dictionary;
+  const auto write = [&](const std::string& name, const auto& columns, const auto& rows) {
+    files.write(name, csv_table(columns, rows));
+    describe(name, columns, dictionary);
+  };
+  write("participants.csv", blinded(participant_columns(protocol)), participant_rows(sessions, {}));
+  write("sessions.csv", blinded(session_columns("", results.chains.study_head, protocol)), sessions);
+  CsvFile<ExportTrial> trials(files, "trials.csv",
+                              coded_trial_columns(protocol, condition_codes(protocol, study.info().seed)));
   std::map<std::string, std::set<std::int64_t>> not_counted = taken_back_of(study);
   for (const SessionInfo& session : sessions)
-    if (!session.excluded) add_trials(study, session, not_counted[session.id], trials[session.participant]);
-  std::erase_if(trials, [](const auto& entry) { return entry.second.empty(); });
-  for (const auto& [participant, rows] : trials)
-    files.write("sub-" + participant + "/trials.csv", csv_table(trial_columns, rows));
-
-  std::vector<DictionaryRow> dictionary;
-  if (!trials.empty()) describe("sub-*/trials.csv", trial_columns, dictionary);
+    if (!session.excluded) add_trials(study, session, not_counted[session.id], trials);
+  trials.describe_in(dictionary);
   write_results(files, results, protocol, dictionary);
-  files.write("sessions.csv", csv_table(sessions_columns, sessions));
-  describe("sessions.csv", sessions_columns, dictionary);
-  write_dictionary(files, dictionary);
+  write_descriptions(files, protocol, kHolds, std::move(dictionary));
   return files.publish();
 }
 

@@ -12,11 +12,11 @@
 
 namespace jnd {
 
-// monitoring.csv, coded.csv and dictionary.csv. Throws StorageError, as all here.
+// monitoring.csv and coded.csv, with dictionary.csv and datapackage.json. Throws StorageError, as all here.
 void write_blinded_results(ExportFolder& files, const BlindedResults& results, const Protocol& protocol);
 
-// The same with sessions.csv and sub-PARTICIPANT/trials.csv, whose rows have no stimulus, no answer and coded
-// conditions. Returns the files, relative.
+// The same with participants.csv, sessions.csv and trials.csv, whose rows have no stimulus, no answer and coded
+// conditions. What did not count, and what was delivered, stays sealed. Returns the files, relative.
 std::vector<std::string> export_blinded(const Study& study, const Protocol& protocol, const BlindedResults& results,
                                         const std::filesystem::path& folder, bool replace);
 

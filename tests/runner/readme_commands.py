@@ -2,7 +2,7 @@
 """Runs the pages' commands: every line "$ jnd ..." of a page's console blocks, in order, in an empty folder per page.
 
 The lines that the page shows below a command must be in its output, in that order; a line "..." stands for any lines.
-A command that ends with "# exit N" must end with that code.
+A command that ends with "# exit N" must end with that code. Lines that begin with "> " go on with a command.
 
 Usage: readme_commands.py JND PAGE|FOLDER...   of a folder every page (.md) that has such blocks
 """
@@ -24,6 +24,9 @@ def commands(text, fence="```console"):
         elif inside and line.startswith("$ "):
             match = re.match(r"\$ (.*?)(?:\s+# exit (\d+))?$", line)
             found.append((number, match[1], int(match[2] or 0), []))
+        elif inside and line.startswith("> ") and found and not found[-1][3]:
+            number, command, code, shown = found[-1]
+            found[-1] = (number, f"{command}\n{line[2:]}", code, shown)
         elif inside and found:
             found[-1][3].append(line.rstrip())
     return found

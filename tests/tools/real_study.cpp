@@ -27,7 +27,7 @@ void answer_questions(SessionLog& log, const Protocol& protocol, int after_trial
     for (const Condition& condition : protocol.conditions)
       log.append(event_kind::kQuestionAnswered,
                  {{"question", question.id},
-                  {"when", "after-session"},
+                  {"when", "after_session"},
                   {"condition", condition.name},
                   {"answer", "7"},
                   {"after_trial", after_trial},

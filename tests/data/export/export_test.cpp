@@ -43,6 +43,13 @@ std::unique_ptr<Study> small_study(const fs::path& path) {
   return study;
 }
 
+// row: 0 is the header.
+std::string cell(const std::vector<std::vector<std::string>>& rows, std::size_t row, const std::string& column) {
+  for (std::size_t i = 0; i < rows[0].size(); ++i)
+    if (rows[0][i] == column) return rows.at(row)[i];
+  throw std::out_of_range(column);
+}
+
 TEST_CASE("cells are quoted where they must be, and numbers keep every digit", "[data]") {
   CHECK(csv_line({"a", "b,c", "say \"x\"", "two\nlines", ""}) == "a,\"b,c\",\"say \"\"x\"\"\",\"two\nlines\",\n");
   CHECK(csv_number(0.1 + 0.2) == "0.30000000000000004");
@@ -86,22 +93,24 @@ TEST_CASE("an export holds every trial and result, and its dictionary every colu
   const StudyResults results = results_of(*study, tutorial(), SessionKind::simulated);
   const auto listed = export_csv(*study, tutorial(), results, folder / "out", false);
   const auto files = files_in(folder / "out");
-  CHECK(listed == std::vector<std::string>{"answers.csv", "behaviour.csv", "contrasts.csv", "dictionary.csv",
-                                           "group.csv", "items.csv", "methods.md", "pairs.csv", "ratings.csv",
-                                           "sensitivity.csv", "sessions.csv", "sub-P01/cells.csv", "sub-P01/report.csv",
-                                           "sub-P01/trials.csv", "sub-P02/cells.csv", "sub-P02/report.csv",
-                                           "sub-P02/trials.csv", "tests.csv"});
+  CHECK(listed ==
+        std::vector<std::string>{"answers.csv",      "behaviour.csv",  "cells.csv",          "contrasts.csv",
+                                 "datapackage.json", "dictionary.csv", "group.csv",          "intervals.csv",
+                                 "items.csv",        "methods.md",     "pairs.csv",          "participants.csv",
+                                 "ratings.csv",      "recompute.R",    "recompute.py",       "schema/report.json",
+                                 "sensitivity.csv",  "sessions.csv",   "sub-P01/report.csv", "sub-P02/report.csv",
+                                 "tests.csv",        "thresholds.csv", "trials.csv"});
   CHECK(files.size() == listed.size() + 1);  // and SHA256SUMS
 
   std::map<std::string, std::set<std::string>> described;
   for (const auto& row : read_csv(files.at("dictionary.csv"))) {
-    REQUIRE(row.size() == 5);
+    REQUIRE(row.size() == 6);
     CHECK_FALSE(row[2].empty());
     CHECK(described[row[0]].insert(row[1]).second);
   }
   for (const auto& [name, bytes] : files) {
     CAPTURE(name);
-    if (name == "methods.md" || name == "SHA256SUMS") continue;
+    if (!name.ends_with(".csv")) continue;
     const auto rows = read_csv(bytes);
     const std::string pattern = name.starts_with("sub-") ? "sub-*" + name.substr(name.find('/')) : name;
     const std::set<std::string> columns(rows[0].begin(), rows[0].end());
@@ -112,24 +121,37 @@ TEST_CASE("an export holds every trial and result, and its dictionary every colu
     CHECK(bytes.substr(0, 3) != "\xEF\xBB\xBF");
   }
 
-  const auto trials = read_csv(files.at("sub-P01/trials.csv"));
-  CHECK(trials.size() == 1 + 24);  // practice too, marked
-  const auto at = [&](std::size_t row, const std::string& column) {
-    for (std::size_t i = 0; i < trials[0].size(); ++i)
-      if (trials[0][i] == column) return trials[row][i];
-    throw std::out_of_range(column);
-  };
+  const auto trials = read_csv(files.at("trials.csv"));
+  CHECK(trials.size() == 1 + 2 * 24);  // practice too, marked
+  const auto at = [&](std::size_t row, const std::string& column) { return cell(trials, row, column); };
   CHECK(at(1, "practice") == "1");
   CHECK(at(24, "practice") == "0");
   CHECK(at(24, "kind") == "simulated");
   CHECK(at(24, "protocol_sha256") == tutorial().sha256);
   const Trial trial = make_plan(tutorial(), 1, kSeed).trials[23];
   CHECK(at(24, "stimulus_1_n_per_m") == csv_number(trial.stimuli[0]));
-  CHECK(std::stod(at(24, "i1_thumb_stiffness_n_per_m")) == trial.stimuli[0] - 0.1 / 3);
-  CHECK(at(24, "i2_index_peak_force_n") == "4.1");
+  CHECK(at(25, "participant") == "P02");
   CHECK(at(24, "utc") == "2023-11-14T22:13:46.000000168Z");
 
-  CHECK(read_csv(files.at("sub-P02/cells.csv")).size() == 1 + 2);
+  // A row for each of two fingers in each of two intervals.
+  const auto intervals = read_csv(files.at("intervals.csv"));
+  REQUIRE(intervals.size() == 1 + 2 * 24 * 4);
+  const auto in = [&](std::size_t row, const std::string& column) { return cell(intervals, row, column); };
+  for (const std::size_t row : {93U, 94U, 95U, 96U}) {
+    CHECK(in(row, "seq") == at(24, "seq"));
+    CHECK(in(row, "interval") == (row < 95 ? "1" : "2"));
+    CHECK(in(row, "finger") == (row % 2 == 1 ? "thumb" : "index"));
+    CHECK(in(row, "stimulus_n_per_m") == csv_number(trial.stimuli[row < 95 ? 0 : 1]));
+  }
+  CHECK(std::stod(in(93, "stiffness_n_per_m")) == trial.stimuli[0] - 0.1 / 3);
+  CHECK(in(96, "peak_force_n") == "4.1");
+
+  CHECK(read_csv(files.at("cells.csv")).size() == 1 + 4);
+  CHECK(read_csv(files.at("thresholds.csv")).size() == 1 + 4);
+  const auto people = read_csv(files.at("participants.csv"));
+  REQUIRE(people.size() == 1 + 2);
+  CHECK(cell(people, 2, "participant") == "P02");
+  CHECK(cell(people, 2, "sessions_closed") == "1");
   CHECK(read_csv(files.at("sub-P02/report.csv")).size() == 1 + 2);
   CHECK(read_csv(files.at("group.csv")).size() == 1 + 2);
   const auto answers = read_csv(files.at("answers.csv"));
@@ -229,6 +251,29 @@ TEST_CASE("no name leads out of an export's folder", "[data]") {
   CHECK_FALSE(std::filesystem::exists(folder / "x.csv"));
 }
 
+TEST_CASE("a file that comes piece by piece is the same as one that comes whole", "[data]") {
+  const TemporaryFolder folder;
+  std::string whole;
+  {
+    ExportFolder files(folder / "pieces", false);
+    for (int i = 0; i < 60'000; ++i) {  // more than is kept waiting
+      const std::string line = std::to_string(i) + ",x\n";
+      whole += line;
+      files.append("sub-P01/long.csv", line);
+    }
+    files.write("short.csv", "x\n");
+    CHECK_THROWS_WITH(files.append("../x.csv", "x"), Catch::Contains("would lie outside of the export"));
+    CHECK(files.names() == std::vector<std::string>{"short.csv", "sub-P01/long.csv"});
+    CHECK(files.publish() == files.names());
+  }
+  CHECK(bytes_of(folder / "pieces" / "sub-P01" / "long.csv") == whole);
+  ExportFolder files(folder / "whole", false);
+  files.write("sub-P01/long.csv", whole);
+  files.write("short.csv", "x\n");
+  files.publish();
+  CHECK(bytes_of(folder / "pieces" / "SHA256SUMS") == bytes_of(folder / "whole" / "SHA256SUMS"));
+}
+
 TEST_CASE("numbers of the log that are not whole or do not fit are refused", "[data]") {
   for (const char* number : {"1.5", "1e99", "4294967296"}) {
     CAPTURE(number);
@@ -264,26 +309,27 @@ TEST_CASE("columns carry the protocol's unit, and a finger with two devices the 
   const auto files = exported(*study, protocol, folder / "out");
   for (const auto& [name, bytes] : files) {
     CAPTURE(name);
+    if (name.starts_with("recompute.")) continue;  // they name a unit as an example
     CHECK(bytes.find("n_per_m") == std::string::npos);
     CHECK(bytes.find("N/m") == std::string::npos);
   }
   const auto first = [&](const std::string& file, const std::string& column) {
-    const auto rows = read_csv(files.at(file));
-    for (std::size_t i = 0; i < rows[0].size(); ++i)
-      if (rows[0][i] == column) return rows[1][i];
-    throw std::out_of_range(column);
+    return cell(read_csv(files.at(file)), 1, column);
   };
-  const std::string trials = "sub-P01/trials.csv";
-  CHECK(first(trials, "stimulus_1_n_per_rad") == csv_number(make_plan(protocol, 1, kSeed).trials[0].stimuli[0]));
-  CHECK_FALSE(first(trials, "i1_index_cutaneous_stiffness_n_per_rad").empty());
-  CHECK(first(trials, "i1_index_cutaneous_stiffness_se_n_per_rad").empty());
-  CHECK(first(trials, "i2_index_kinaesthetic_stiffness_se_n_per_rad") == "0.125");
-  CHECK(first(trials, "i2_index_kinaesthetic_interventions") == "force_cap:12 soft_start:3");
-  CHECK(first(trials, "i2_index_kinaesthetic_deepest_penetration_rad") == "0");
-  CHECK(first(trials, "i1_lateness_histogram") == "0 0 0 7 0 0 0 0 0 0 0 0 0");
+  CHECK(first("trials.csv", "stimulus_1_n_per_rad") == csv_number(make_plan(protocol, 1, kSeed).trials[0].stimuli[0]));
+  const auto intervals = read_csv(files.at("intervals.csv"));
+  CHECK(cell(intervals, 1, "channel") == "cutaneous");
+  CHECK(cell(intervals, 2, "channel") == "kinaesthetic");
+  CHECK_FALSE(cell(intervals, 1, "stiffness_n_per_rad").empty());
+  CHECK(cell(intervals, 1, "stiffness_se_n_per_rad").empty());
+  CHECK(cell(intervals, 2, "stiffness_se_n_per_rad") == "0.125");
+  CHECK(cell(intervals, 4, "interval") == "2");
+  CHECK(cell(intervals, 4, "interventions") == "force_cap:12 soft_start:3");
+  CHECK(cell(intervals, 4, "deepest_penetration_rad") == "0");
+  CHECK(cell(intervals, 1, "lateness_histogram") == "0 0 0 7 0 0 0 0 0 0 0 0 0");
   CHECK_NOTHROW(first("sub-P01/report.csv", "jnd_n_per_rad"));
   CHECK_NOTHROW(first("group.csv", "jnd_mean_n_per_rad"));
-  CHECK_NOTHROW(first("sub-P01/cells.csv", "delivered_difference_n_per_rad"));
+  CHECK_NOTHROW(first("cells.csv", "delivered_difference_n_per_rad"));
 }
 
 TEST_CASE("exclusions are marked in the trials with their reason", "[data]") {
@@ -291,11 +337,11 @@ TEST_CASE("exclusions are marked in the trials with their reason", "[data]") {
   const auto study = small_study(folder / "study.jnd");
   Protocol protocol = tutorial();
   protocol.analysis.exclude.response_time_above_s = 0.5 + 0.01 * 20 + 0.001;  // trials 21 to 24
-  const auto rows = read_csv(exported(*study, protocol, folder / "out").at("sub-P01/trials.csv"));
+  const auto rows = read_csv(exported(*study, protocol, folder / "out").at("trials.csv"));
   int excluded = 0;
   for (const auto& row : rows)
     for (const std::string& cell : row) excluded += cell == "response_time_above" ? 1 : 0;
-  CHECK(excluded == 4);
+  CHECK(excluded == 8);
 }
 
 }  // namespace

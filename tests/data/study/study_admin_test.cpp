@@ -205,7 +205,7 @@ TEST_CASE("log.csv holds what the operator did, in order", "[data]") {
   CHECK_THAT(log, Catch::Contains("continued,,,,,,,12.5"));
   CHECK_THAT(log, Catch::Contains("note,0,,,,coughed,operator,"));
   CHECK_THAT(log, Catch::Contains("resumed,,,,killed,,,60"));
-  CHECK_THAT(bytes_of(folder / "out" / "sub-P01" / "trials.csv"), !Catch::Contains("P01-simulated,1,simulated"));
+  CHECK_THAT(bytes_of(folder / "out" / "trials.csv"), !Catch::Contains("P01-simulated,1,simulated"));
 }
 
 }  // namespace

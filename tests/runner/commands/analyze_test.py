@@ -150,7 +150,7 @@ class Analyze(unittest.TestCase):
         self.jnd("analyze", "chinello2017.sqlite", "--csv", "out", "--models")
         with open(self.path("out", "dictionary.csv"), newline="", encoding="utf-8") as file:
             described = {(row["file"], row["column"]) for row in csv.DictReader(file)}
-        for name in set(os.listdir(self.path("out"))) - {"SHA256SUMS"}:
+        for name in set(os.listdir(self.path("out"))) - {"SHA256SUMS", "datapackage.json"}:
             with open(self.path("out", name), newline="", encoding="utf-8") as file:
                 for column in csv.DictReader(file).fieldnames:
                     self.assertIn((name, column), described)
@@ -186,8 +186,12 @@ class Analyze(unittest.TestCase):
         with open(self.path("adaptive", "tracks.csv"), newline="", encoding="utf-8") as file:
             rows = list(csv.DictReader(file))
         self.assertEqual(len(rows), sum(1 for _ in result["rows"]))
-        for name in ("group.csv", "cells.csv"):  # there is no d' of a cell: nothing pretends to be one
+        for name in ("thresholds.csv", "cells.csv"):  # there is no d' of a cell: nothing pretends to be one
             self.assertFalse(os.path.exists(self.path("adaptive", name)))
+        with open(self.path("adaptive", "group.csv"), newline="", encoding="utf-8") as file:
+            group = list(csv.DictReader(file))
+        self.assertEqual([(row["condition"], int(row["participants"]), float(row["threshold_mean"])) for row in group],
+                         [(row["condition"], row["of"], row["threshold_mean"]) for row in result["group"]])
 
     def test_jnds_of_the_posterior_of_all_answers(self):
         for name, kind in (("adaptive-posterior", "posterior"), ("adaptive-staircase-90", "staircase")):
@@ -209,7 +213,7 @@ class Analyze(unittest.TestCase):
             with open(self.path(name, "tracks.csv"), newline="", encoding="utf-8") as file:
                 rows = list(csv.DictReader(file))
             self.assertEqual(len(rows), len(result["rows"]))
-            self.assertIn("ci_low", rows[0])
+            self.assertIn("ci95_low", rows[0])
             with open(self.path(name, "methods.md"), encoding="utf-8") as file:
                 self.assertIn("Kontsevich" if kind == "posterior" else "by the response model", file.read())
             self.assertNotIn("moves with the criterion", self.jnd("analyze", study).stdout)

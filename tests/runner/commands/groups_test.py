@@ -200,9 +200,8 @@ class Groups(unittest.TestCase):
         results = self.json_of("analyze", "g.sqlite")
         self.jnd("export", "g.sqlite", "--to", "g")
         slopes = {}
-        for folder in sorted((self.folder / "g").glob("sub-*")):
-            for row in rows_of(folder / "report.csv"):
-                slopes.setdefault((row["participant"], row["group"]), []).append(float(row["slope_per_n_per_m"]))
+        for row in rows_of(self.folder / "g/thresholds.csv"):
+            slopes.setdefault((row["participant"], row["group"]), []).append(float(row["slope_per_n_per_m"]))
         self.assertEqual(sorted(map(len, slopes.values())), [2] * 8 + [3] * 4)
         calc = self.compare([(*who, "mean", sum(values) / len(values)) for who, values in slopes.items()])
         self.held_against(results, calc, ["young", "old", "all"])
@@ -216,7 +215,7 @@ class Groups(unittest.TestCase):
         contrasts = {(row["a"], row["b"], row["registered"]): row for row in results["contrasts"]}
         self.assertEqual(contrasts["S", "V", True]["participants"], 8)
         columns = {(row["file"], row["column"]) for row in rows_of(self.folder / "g/dictionary.csv")}
-        for file in ("sub-*/trials.csv", "sub-*/report.csv", "sub-*/cells.csv", "sessions.csv", "groups.csv"):
+        for file in ("trials.csv", "sub-*/report.csv", "thresholds.csv", "cells.csv", "participants.csv", "sessions.csv", "groups.csv"):
             self.assertIn((file, "group"), columns)
         counts = self.json_of("simulate", protocol, "--participants", 12, "--seed", 1, "--no-study")
         self.assertEqual(counts["between"]["means"], results["between"]["means"])

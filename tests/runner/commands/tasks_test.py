@@ -56,8 +56,7 @@ class Tasks(unittest.TestCase):
                 self.assertGreater(max(used), 0, results["group"])
                 self.assertIn(" by condition", self.jnd("analyze", study))
                 self.jnd("export", study, "--to", self.folder / name)
-                with open(self.folder / name / "sub-P02" / "trials.csv", newline="") as file:
-                    rows = list(csv.DictReader(file))
+                rows = self.trials(name, "P02")
                 main = [trial for trial in plan if not trial["practice"]]
                 if all(None not in trial["stimuli"] for trial in main):
                     suffix = next(column for column in rows[0] if column.startswith("stimulus_1_"))
@@ -154,7 +153,14 @@ class Tasks(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.jnd("verify", f"{study}.sqlite", "--deep")
         self.jnd("export", f"{study}.sqlite", "--to", study, "--kind", "pilot")
-        return self.rows(f"{study}/sub-P01/trials.csv")
+        return self.trials(study)
+
+    def trials(self, folder, participant=None):
+        return [row for row in self.rows(f"{folder}/trials.csv") if participant in (None, row["participant"])]
+
+    def intervals(self, folder, trial):
+        """What was presented in one trial, in the order of intervals and fingers."""
+        return [row for row in self.rows(f"{folder}/intervals.csv") if (row["session"], row["seq"]) == (trial["session"], trial["seq"])]
 
     def rig_of(self, script=PLAIN_RIG, name="rig"):
         path = self.folder / f"{name}.json"
@@ -195,8 +201,7 @@ class Tasks(unittest.TestCase):
         self.assertEqual(screen.count("Hand over"), 8, screen)
         self.jnd("verify", "s.sqlite", "--deep")
         self.jnd("export", "s.sqlite", "--to", "s", "--kind", "pilot")
-        with open(self.folder / "s/sub-P01/trials.csv", newline="") as file:
-            rows = list(csv.DictReader(file))
+        rows = self.trials("s")
         self.assertEqual([row["settings"] for row in rows], [f"{start:g} 800" for start in starts])
         self.assertEqual([row["answer"] for row in rows], ["800", "800"])
         # A setting that does not follow from the one before is found.
@@ -221,9 +226,7 @@ class Tasks(unittest.TestCase):
         results = json.loads(self.jnd("analyze", "q.sqlite", "--json"))
         self.assertEqual(len(results["sureness"]), 2 * len(protocol["conditions"]))
         self.jnd("export", "q.sqlite", "--to", "q")
-        with open(self.folder / "q/trials.csv" if (self.folder / "q/trials.csv").exists()
-                  else self.folder / "q/sub-P01/trials.csv", newline="") as file:
-            trials = [row for row in csv.DictReader(file) if row["practice"] == "0" and row["participant"] == "P01"]
+        trials = [row for row in self.trials("q", "P01") if row["practice"] == "0"]
         self.assertEqual({row["sureness"] for row in trials}, {"1", "2"})
         # The same from the trials, by `jnd calc sureness`.
         condition = protocol["conditions"][0]["name"]
@@ -271,7 +274,7 @@ class Tasks(unittest.TestCase):
         self.assertEqual(sum("same peak force" in line for line in handed), 8, handed)  # the operator carries it out
         self.jnd("verify", "k.sqlite", "--deep")
         self.jnd("export", "k.sqlite", "--to", "k", "--kind", "pilot")
-        rows = self.rows("k/sub-P01/trials.csv")
+        rows = self.trials("k")
         self.assertEqual(len(rows), 8)
         self.assertNotIn("breach", rows[0])
         self.assertLess(max(float(row["duration_s"]) for row in rows), 50)
@@ -292,13 +295,13 @@ class Tasks(unittest.TestCase):
         self.jnd("simulate", protocol("flag"), "--study", "f.sqlite", "--participants", 2, "--seed", 3)
         self.jnd("verify", "f.sqlite", "--deep")
         self.jnd("export", "f.sqlite", "--to", "f", "--kind", "simulated")
-        rows = [row for place in (1, 2) for row in self.rows(f"f/sub-P{place:02}/trials.csv") if row["practice"] == "0"]
+        rows = [row for row in self.trials("f") if row["practice"] == "0"]
         broken = [row for row in rows if row["breach"]]
         self.assertTrue(0 < len(broken) < len(rows), len(broken))
         for row in rows:
-            deep = any(float(row[f"i{i}_{finger}_deepest_penetration_m"]) > 0.006 for i in (1, 2) for finger in ("thumb", "index")
-                       if float(row[f"i{i}_{finger}_peak_force_n"]) == max(
-                           float(row[f"i{i}_{other}_peak_force_n"]) for other in ("thumb", "index")))
+            felt = [[one for one in self.intervals("f", row) if one["interval"] == i] for i in ("1", "2")]
+            deep = any(float(max(fingers, key=lambda one: float(one["peak_force_n"]))["deepest_penetration_m"]) > 0.006
+                       for fingers in felt)
             if "depth" in row["breach"]:
                 self.assertIn("above 0.006 m", row["breach"])
             self.assertEqual(row["excluded_reason"], "off_prescription" if row["breach"] else "", row["breach"])
@@ -310,7 +313,7 @@ class Tasks(unittest.TestCase):
         self.jnd("simulate", protocol("repeat"), "--study", "r.sqlite", "--participants", 2, "--seed", 3)
         self.jnd("verify", "r.sqlite", "--deep")
         self.jnd("export", "r.sqlite", "--to", "r", "--kind", "simulated")
-        again = [row for place in (1, 2) for row in self.rows(f"r/sub-P{place:02}/trials.csv")]
+        again = self.trials("r")
         self.assertEqual([row["breach"] for row in again if row["breach"]], [])
         self.assertTrue(any(int(row["attempt"]) > 1 for row in again))
 
@@ -348,10 +351,10 @@ class Tasks(unittest.TestCase):
                                   f"-interval-{interval}-trace.csv")
                 forces = [float(one["value"]) for one in trace if one["channel"] == "force"]
                 self.assertEqual({(one["channel"], one["unit"]) for one in trace}, {("force", "N"), ("depth", "m")})
-                measured = dict(one.split("=") for one in row[f"i{interval}_measured"].split())
+                measured = dict(one.split("=") for one in self.intervals("t", row)[interval - 1]["measured"].split())
                 self.assertAlmostEqual(max(forces), float(measured["peak_force"]), places=9)
                 self.assertEqual(len(forces), len(trace) // 2)
-            self.assertAlmostEqual(float(row["i1_delivered_n_per_m"]), float(row["stimulus_1_n_per_m"]), delta=1)
+            self.assertAlmostEqual(float(self.intervals("t", row)[0]["delivered_n_per_m"]), float(row["stimulus_1_n_per_m"]), delta=1)
 
     def test_the_rigs_own_buttons_answer(self):
         """No key but space is pressed: the rig says the second answer, and when its button went down, which is when it counts."""
@@ -392,7 +395,7 @@ class Tasks(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.jnd("verify", "b.sqlite", "--deep")
         self.jnd("export", "b.sqlite", "--to", "b", "--kind", "pilot")
-        rows = self.rows("b/sub-P01/trials.csv")
+        rows = self.trials("b")
         self.assertEqual([(row["answer"], row["entered_by"]) for row in rows], [("second", "participant")] * 4)
         for row in rows:
             self.assertLess(float(row["response_time_s"]), 0.02)
@@ -424,7 +427,7 @@ class Tasks(unittest.TestCase):
         # The standard comes first and second, also of two equal values, and the trials say which it was.
         self.assertEqual({felt[0][1] for felt in whole}, {"thumb", "index"})
         self.assertEqual({felt[0][1] for felt in whole if felt[0][0] == felt[1][0]}, {"thumb", "index"})
-        rows = self.rows("o/sub-P01/trials.csv")
+        rows = self.trials("o")
         first = {trial: felt[0][1] for (trial, _), felt in sorted(trials.items()) if len(felt) == 2}  # of the last attempt
         self.assertEqual([row["standard_interval"] for row in rows], ["1" if first[int(row["trial"])] == "thumb" else "2" for row in rows])
         self.jnd("analyze", "o.sqlite", "--kind", "pilot", "--methods", str(self.folder / "methods.md"))
@@ -450,7 +453,7 @@ class Tasks(unittest.TestCase):
         self.jnd("simulate", protocol, "--study", "m.sqlite", "--participants", 4, "--seed", 3)
         self.jnd("verify", "m.sqlite", "--deep")
         self.jnd("export", "m.sqlite", "--to", "m", "--kind", "simulated")
-        felt = [row for place in range(1, 5) for row in self.rows(f"m/sub-P{place:02}/trials.csv")]
+        felt = self.trials("m")
         self.assertGreater(sum(row["correct"] == "1" for row in felt), 0.8 * len(felt))  # 200, 400 and 600 are told apart
         self.assertEqual({row["answer"] for row in felt}, {"left", "right"})
         # The standard has parameters of its own, on whichever side it is.
@@ -476,8 +479,9 @@ class Tasks(unittest.TestCase):
         rows = self.session_on(rig, protocol, "e", " 1" * 24)
         self.assertEqual(len(rows), 8)
         for row in rows:
-            self.assertAlmostEqual(float(row["i1_delivered_n_per_m"]), float(row["stimulus_1_n_per_m"]), delta=1)
-            self.assertEqual(float(row["i2_delivered_n_per_m"]), float(row["stimulus_2_n_per_m"]))
+            first, second = self.intervals("e", row)
+            self.assertAlmostEqual(float(first["delivered_n_per_m"]), float(row["stimulus_1_n_per_m"]), delta=1)
+            self.assertEqual(float(second["delivered_n_per_m"]), float(row["stimulus_2_n_per_m"]))
         self.assertEqual(len({row["stimulus_2_n_per_m"] for row in rows}), 3)
 
     def test_a_protocol_that_the_rig_cannot_render_is_refused_before_anything_is_made(self):

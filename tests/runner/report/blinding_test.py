@@ -3,6 +3,7 @@
 
 Usage: blinding_test.py JND REAL_STUDY
 """
+import collections
 import csv
 import json
 import os
@@ -85,6 +86,11 @@ class Blinding(unittest.TestCase):
         with open(self.path(name), encoding="utf-8") as file:
             return name + "\n" + file.read()
 
+    def trials_of(self, folder):
+        """How many rows trials.csv has of each participant."""
+        with open(self.path(folder, "trials.csv"), encoding="utf-8", newline="") as file:
+            return collections.Counter(row["participant"] for row in csv.DictReader(file))
+
     def study(self, kind, finished, unfinished, how="whole"):
         subprocess.run([REAL_STUDY, "s.sqlite", "protocol.json", SEED, kind, str(finished), str(unfinished), how],
                        cwd=self.folder, check=True)
@@ -159,11 +165,13 @@ class Blinding(unittest.TestCase):
         self.assertEqual({trial["condition_code"] for trial in plan["trials"]}, {"A", "B", "C"})
         self.assertIsNone(plan["seed"])
         self.jnd("export", "s.sqlite", "--to", "x")
-        for name in ("x/monitoring.csv", "x/dictionary.csv"):  # limits follow from forces
+        for name in ("x/monitoring.csv", "x/dictionary.csv", "x/datapackage.json"):  # limits follow from forces
             self.assertNotIn("saturated", self.read(name))
+        for name in ("intervals.csv", "voided.csv", "recompute.py"):  # neither what was felt, nor what did not count
+            self.assertFalse(os.path.exists(self.path("x", name)), name)
         self.assertNotIn("saturated", json.dumps(result))
         self.assertNotIn("saturated", self.jnd("analyze", "s.sqlite"))
-        header = self.read("x/sub-P01/trials.csv").splitlines()[1]
+        header = self.read("x/trials.csv").splitlines()[1]
         for column in ("stimulus", "same", "correct", "answer", "force", "saturated", "series"):
             self.assertNotIn(column, header)
 
@@ -178,7 +186,7 @@ class Blinding(unittest.TestCase):
         lines = [line.split() for line in self.jnd("plan", "--study", "s.sqlite").splitlines() if "practice round" in line]
         self.assertEqual([line[1:3] for line in lines], [["-", "-"]] * 8)
         self.jnd("export", "s.sqlite", "--to", "x")
-        with open(self.path("x/sub-P01/trials.csv"), encoding="utf-8", newline="") as file:
+        with open(self.path("x/trials.csv"), encoding="utf-8", newline="") as file:
             rows = list(csv.DictReader(file))
         self.assertEqual({row["condition_code"] for row in rows if row["practice"] == "1"}, {""})
         self.assertEqual({row["condition_code"] for row in rows if row["practice"] == "0"}, {"A", "B", "C"})
@@ -200,11 +208,11 @@ class Blinding(unittest.TestCase):
         self.study("real", 3, 0)
         self.jnd("exclude", "s.sqlite", "--participant", "P02", "--kind", "real", "--reason", "took the blindfold off")
         self.jnd("export", "s.sqlite", "--to", "x")
-        self.assertTrue(os.path.exists(self.path("x/sub-P01/trials.csv")))
-        self.assertFalse(os.path.exists(self.path("x/sub-P02")))
+        self.assertEqual(set(self.trials_of("x")), {"P01", "P03"})
+        self.assertNotIn("blindfold", self.read("x/participants.csv"))  # what was said of somebody may hint at what they felt
         self.study("real", 1, 0, "taken-back")
         self.jnd("export", "s.sqlite", "--to", "y")
-        rows = [len(self.read(f"y/sub-{code}/trials.csv").splitlines()) for code in ("P01", "P04")]
+        rows = [self.trials_of("y")[code] for code in ("P01", "P04")]
         self.assertEqual(rows[0] - rows[1], 1)
 
     def test_a_session_that_was_ended_early_finishes_nobody(self):
@@ -243,7 +251,7 @@ class Blinding(unittest.TestCase):
             if kind == "simulated":
                 self.assertIn(SEED, text)
                 self.jnd("export", "s.sqlite", "--kind", kind, "--to", kind)
-                self.assertIn("413", self.read(f"{kind}/sub-P01/trials.csv"))
+                self.assertIn("413", self.read(f"{kind}/trials.csv"))
                 self.assertIn(NAMES[0], self.read(f"{kind}/answers.csv"))
             os.remove(self.path("s.sqlite"))
 
@@ -263,9 +271,10 @@ class Blinding(unittest.TestCase):
             self.assertNotIn(SEED, text)
         text = self.jnd("export", "s.sqlite", "--kind", "pilot", "--to", "x")
         self.assertNotIn(SEED, text)
-        for name in ("sub-P01/trials.csv", "answers.csv"):  # answers name the condition that a block had
-            self.assertFalse(os.path.exists(self.path("x", name)), name)
-        self.assertNotIn("answers.csv", self.read("x/dictionary.csv"))
+        for name in ("trials", "intervals", "voided", "answers"):  # answers name the condition that a block had
+            self.assertFalse(os.path.exists(self.path("x", f"{name}.csv")), name)
+            self.assertNotIn(f"{name}.csv", self.read("x/dictionary.csv"))
+            self.assertNotIn(f"{name}.csv", self.read("x/datapackage.json"))
         self.jnd("export", "s.sqlite", "--kind", "pilot", "--to", "y", "--telemetry", code=2)
 
 

@@ -1,0 +1,300 @@
+#!/usr/bin/env python3
+"""The folder of `jnd export` from outside: datapackage.json is a Data Package that describes every CSV file and every cell of it, for
+every kind of study; recompute.py and recompute.R compute the results again, and tell what was changed.
+
+Usage: export_test.py JND REAL_STUDY JSON_SCHEMA_CHECK
+"""
+import contextlib
+import csv
+import datetime
+import fnmatch
+import hashlib
+import io
+import json
+import os
+import pathlib
+import re
+import runpy
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+JND, REAL_STUDY, SCHEMA_CHECK = (os.path.abspath(path) for path in (sys.argv.pop(1), sys.argv.pop(1), sys.argv.pop(1)))
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parents[2]
+R = shutil.which("Rscript")
+# A study of every kind, with as few participants as its analysis can do with.
+STUDIES = {"tutorial": 3, "staircase": 3, "jones1997-viscosity": 3, "leib2015": 3, "pang1991": 2,
+           "identify-stiffness2025": 2, "carpenter2018-oddity": 3, "dhong2019-magnitude": 3,
+           "van-beek2015": 3, "chinello2017-experiment2": 2, "sandpaper-hands2013": 6}
+
+
+def rows_of(path):
+    with open(path, newline="", encoding="utf-8") as file:
+        rows = list(csv.reader(file))
+    return rows[0], rows[1:]
+
+
+def parses(cell, field):
+    """Whether a cell that is not empty is of its declared type."""
+    kind = field["type"]
+    if kind == "integer":
+        return re.fullmatch(r"-?\d+", cell) is not None
+    if kind == "number":
+        return re.fullmatch(r"-?(\d+(\.\d+)?(e[+-]?\d+)?|inf)", cell.lower()) is not None
+    if kind == "boolean":
+        return cell in field["trueValues"] + field["falseValues"]
+    if kind == "datetime":
+        return datetime.datetime.fromisoformat(re.sub(r"(\.\d{6})\d*Z$", r"\1", cell).rstrip("Z")) is not None
+    return kind == "string" and cell in field.get("constraints", {}).get("enum", [cell])
+
+
+class Export(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.temporary = tempfile.TemporaryDirectory()
+        cls.folder = pathlib.Path(cls.temporary.name)
+        cls.exports = {}
+        cls.jnd("new", "staircase.json", "--task", "same-different", "--rig", "external", "--procedure", "staircase")
+        for name, participants in STUDIES.items():
+            protocol = f"{name}.json" if (cls.folder / f"{name}.json").exists() else name
+            cls.jnd("simulate", protocol, "--participants", participants, "--study", f"{name}.sqlite", "--seed", 3)
+            cls.exports[name] = cls.export(name)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.temporary.cleanup()
+
+    @classmethod
+    def jnd(cls, *arguments):
+        done = subprocess.run([JND, *map(str, arguments)], capture_output=True, text=True, cwd=cls.folder)
+        if done.returncode != 0:
+            raise AssertionError(f"{arguments}: {done.stdout}{done.stderr}")
+        return done.stdout
+
+    @classmethod
+    def export(cls, name, *more):
+        cls.jnd("export", f"{name}.sqlite", "--to", name, *more)
+        return cls.folder / name
+
+    def python(self, folder):
+        """What the script of a folder prints, and the status that it ends with. In this process, which saves starting another."""
+        printed, arguments = io.StringIO(), sys.argv
+        sys.argv = [str(folder / "recompute.py")]
+        try:
+            with contextlib.redirect_stdout(printed), self.assertRaises(SystemExit) as ended:
+                runpy.run_path(sys.argv[0], run_name="__main__")
+        finally:
+            sys.argv = arguments
+        return ended.exception.code, printed.getvalue()
+
+    # The data package.
+
+    def read_package(self, folder):
+        """Resources by path, each with its schema."""
+        schemas = [str(path) for path in sorted(folder.glob("schema/*.json"))]
+        for profile, files in ("datapackage", [str(folder / "datapackage.json")]), ("tableschema", schemas):
+            if files:
+                done = subprocess.run([SCHEMA_CHECK, HERE / f"datapackage/{profile}.json", *files], capture_output=True, text=True)
+                self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        package = json.loads((folder / "datapackage.json").read_text())
+        self.assertEqual(package["$schema"], "https://datapackage.org/profiles/2.0/datapackage.json")
+        resources = {}
+        for resource in package["resources"]:
+            if isinstance(resource["schema"], str):
+                resource["schema"] = json.loads((folder / resource["schema"]).read_text())
+            resources[resource["path"]] = resource
+        self.assertEqual(len({resource["name"] for resource in resources.values()}), len(package["resources"]))
+        return resources
+
+    def check_package(self, folder):
+        resources = self.read_package(folder)
+        files = {str(path.relative_to(folder)) for path in folder.rglob("*.csv")}
+        self.assertEqual(files, set(resources))
+        tables = {}
+        for path, resource in resources.items():
+            header, rows = rows_of(folder / path)
+            fields = resource["schema"]["fields"]
+            self.assertEqual(header, [field["name"] for field in fields], path)
+            for field in fields:
+                self.assertTrue(field["title"] and field["description"], field)
+            for row in rows:
+                for cell, field in zip(row, fields):
+                    self.assertTrue(cell == "" or parses(cell, field), f"{path}: {cell} is not {field}")
+            tables[resource["name"]] = (header, rows)
+        self.check_keys(resources, tables)
+        self.check_dictionary(folder, resources)
+
+    def check_keys(self, resources, tables):
+        def cells(name, columns):
+            header, rows = tables[name]
+            places = [header.index(column) for column in columns]
+            return [tuple(row[place] for place in places) for row in rows]
+
+        for resource in resources.values():
+            schema, name = resource["schema"], resource["name"]
+            if "primaryKey" in schema:
+                found = cells(name, schema["primaryKey"])
+                self.assertEqual(len(found), len(set(found)), f"{name}: {schema['primaryKey']}")
+                self.assertNotIn("", [cell for row in found for cell in row], f"{name}: {schema['primaryKey']}")
+            for key in schema.get("foreignKeys", []):
+                known = set(cells(key["reference"]["resource"], key["reference"]["fields"]))
+                used = {row for row in cells(name, key["fields"]) if "" not in row}
+                self.assertEqual(used - known, set(), f"{name}: {key}")
+
+    def check_dictionary(self, folder, resources):
+        header, rows = rows_of(folder / "dictionary.csv")
+        self.assertEqual(header, ["file", "column", "meaning", "unit", "levels", "type"])
+        for path, resource in resources.items():
+            pattern = re.sub(r"^sub-[^/]+", "sub-*", path)
+            said = [row for row in rows if row[0] == path or (row[0].startswith("sub-*") and fnmatch.fnmatchcase(pattern, row[0]))]
+            self.assertEqual([(field["name"], field["description"], field.get("unit", ""), field["type"])
+                              for field in resource["schema"]["fields"]], [(row[1], row[2], row[3], row[5]) for row in said], path)
+
+    def test_every_csv_file_is_described_and_every_cell_is_what_it_is_said_to_be(self):
+        for name, folder in self.exports.items():
+            with self.subTest(name):
+                self.check_package(folder)
+
+    def test_results_alone_and_ticks_are_described_too(self):
+        self.jnd("analyze", "tutorial.sqlite", "--csv", "csv")
+        self.check_package(self.folder / "csv")
+        self.jnd("simulate", "tutorial", "--participants", 1, "--study", "ticks.sqlite", "--seed", 1, "--record", "full")
+        folder = self.export("ticks", "--telemetry")
+        self.assertEqual(len(list(folder.glob("sub-P01/telemetry/*.csv"))), 2 * len(rows_of(folder / "trials.csv")[1]))
+        resources = json.loads((folder / "datapackage.json").read_text())["resources"]
+        ticks = [resource for resource in resources if "telemetry" in resource["path"]]
+        self.assertEqual({resource["schema"] for resource in ticks}, {"schema/telemetry.json"})
+        for path in list(folder.glob("sub-P01/telemetry/*.csv"))[2:]:  # one trial says it all
+            path.unlink()
+        kept = {str(path.relative_to(folder)) for path in folder.rglob("*.csv")}
+        package = json.loads((folder / "datapackage.json").read_text())
+        package["resources"] = [resource for resource in package["resources"] if resource["path"] in kept]
+        (folder / "datapackage.json").write_text(json.dumps(package))
+        self.check_package(folder)
+
+    def real(self, kind, finished, unfinished, how, name):
+        subprocess.run([REAL_STUDY, self.folder / f"{name}.sqlite", ROOT / "protocols/tutorial.json", "7", kind, str(finished),
+                        str(unfinished), how], check=True)
+
+    def test_what_did_not_count_is_listed_with_its_reason_and_nothing_of_it_counts(self):
+        self.real("simulated", 2, 1, "taken-back", "back")
+        self.jnd("exclude", "back.sqlite", "--participant", "P02", "--kind", "simulated", "--reason", "fell asleep")
+        folder = self.export("back")
+        self.check_package(folder)
+        header, rows = rows_of(folder / "voided.csv")
+        voided = [dict(zip(header, row)) for row in rows]
+        self.assertEqual([(row["participant"], row["reason"], row["answered"]) for row in voided], [("P01", "taken_back", "1")])
+        trials = [dict(zip(*pair)) for pair in ((rows_of(folder / "trials.csv")[0], row) for row in rows_of(folder / "trials.csv")[1])]
+        self.assertNotIn((voided[0]["session"], voided[0]["trial"]), {(row["session"], row["trial"]) for row in trials})
+        header, rows = rows_of(folder / "participants.csv")
+        people = [dict(zip(header, row)) for row in rows]
+        self.assertEqual([(row["participant"], row["excluded"], row["excluded_reason"], row["trials_voided"]) for row in people],
+                         [("P01", "0", "", "1"), ("P02", "1", "fell asleep", "1"), ("P03", "0", "", "0")])
+        self.assertNotIn("P02", {row["participant"] for row in trials})
+        self.assertFalse((folder / "sub-P02").exists())
+        status, printed = self.python(folder)
+        self.assertEqual(status, 0, printed)
+
+    def test_a_blinded_export_is_a_package_without_what_is_sealed(self):
+        self.real("real", 1, 1, "taken-back", "blinded")
+        folder = self.export("blinded")
+        self.check_package(folder)
+        self.assertEqual({path.name for path in folder.iterdir()},
+                         {"SHA256SUMS", "coded.csv", "datapackage.json", "dictionary.csv", "monitoring.csv", "participants.csv", "sessions.csv",
+                          "trials.csv"})
+        self.assertEqual(rows_of(folder / "participants.csv")[0],
+                         ["participant", "participant_number", "kind", "sessions", "sessions_closed", "ended_early", "trials_done",
+                          "trials_voided", "excluded"])
+        self.assertEqual(rows_of(folder / "trials.csv")[0],
+                         ["participant", "session", "session_number", "utc", "trial", "practice", "block", "entered_by",
+                          "response_time_s", "duration_s", "condition_code"])
+
+    def test_the_command_says_what_to_do_next_in_lines_that_fit(self):
+        printed = self.jnd("export", "tutorial.sqlite", "--to", "said")
+        self.assertEqual(printed.splitlines(), [
+            f"said: {len([path for path in (self.folder / 'said').rglob('*') if path.is_file()]) - 1} files of simulated data",
+            "  trials.csv, intervals.csv, thresholds.csv, group.csv, contrasts.csv, ...",
+            "  dictionary.csv and datapackage.json say what every column is",
+            "  to compute the results again, in that folder:",
+            '    R:       source("recompute.R")',
+            "    Python:  python3 recompute.py"])
+        self.assertLessEqual(max(map(len, printed.splitlines())), 80)
+
+    def test_the_sums_are_those_of_the_files(self):
+        folder = self.exports["tutorial"]
+        lines = [line.split("  ") for line in (folder / "SHA256SUMS").read_text().splitlines() if not line.startswith("#")]
+        self.assertEqual({name for _, name in lines} | {"SHA256SUMS"},
+                         {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()})
+        for digest, name in lines:
+            self.assertEqual(digest, hashlib.sha256((folder / name).read_bytes()).hexdigest(), name)
+
+    # The scripts.
+
+    def variants(self):
+        """The tutorial with two series, its answers analysed by every method that is registered in closed form; exclusions, tests on
+        the JND and on delivered stiffness among them."""
+        found = {}
+        for name, analysis in {"weighted": {"jnd": "weighted", "tests": {"on": "jnd", "post_hoc": "wilcoxon"}},
+                               "slopes": {"jnd": "inverse_mean_slope", "correction": "half", "stiffness": "delivered"},
+                               "ratios": {"jnd": "mean_of_ratios", "tests": {"on": "log-jnd"}},
+                               "likelihood": {"model": "differencing", "jnd": "ml", "correction": "none"},
+                               "independent": {"model": "independent-observation",
+                                               "exclude": {"response_time_above_s": 1.3}}}.items():
+            protocol = json.loads((ROOT / "protocols/tutorial.json").read_text())
+            protocol["series"].append({"name": "hard", "pair": [600, 900]})
+            protocol["analysis"].update(analysis)
+            (self.folder / f"{name}.json").write_text(json.dumps(protocol))
+            self.jnd("simulate", f"{name}.json", "--participants", 3, "--study", f"{name}.sqlite", "--seed", 5)
+            found[name] = self.export(name)
+        return found
+
+    def test_the_scripts_compute_the_results_again(self):
+        folders = {**self.exports, **self.variants()}
+        explored = folders.pop("chinello2017-experiment2")  # it has questions, and nothing to compute again
+        self.assertFalse((explored / "recompute.py").exists())
+        for name, folder in folders.items():
+            with self.subTest(name):
+                status, printed = self.python(folder)
+                self.assertEqual(status, 0, printed)
+                self.assertIn("group.csv: from", printed)
+                columns = [line for line in printed.splitlines() if line.startswith("  not computed: ")]
+                if name == "tutorial":
+                    self.assertIn("group.csv: from trials.csv", printed)
+                    self.assertIn("contrasts.csv: from trials.csv", printed)
+                    self.assertEqual(columns[:2], ["  not computed: missing",
+                                                   "  not computed: jnd_ci95_low_n_per_m, jnd_ci95_high_n_per_m"])
+                if name == "likelihood":
+                    self.assertIn("group.csv: from the participants' JNDs in thresholds.csv (method ml)", printed)
+        if R is None:
+            print("SKIPPED: recompute.R, there is no Rscript here (Debian's r-base-core)", file=sys.stderr)
+            return
+        # All in one R, which takes longer to start than to compute.
+        sources = "; ".join(f"cat('{name}\\n'); source('{folder}/recompute.R')" for name, folder in folders.items())
+        done = subprocess.run([R, "-e", sources], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertEqual(done.stdout.count(" 0 differ by more than 1e-09"), len(folders), done.stdout)
+
+    def test_a_changed_number_is_found(self):
+        for file, column in (("group.csv", "jnd_mean_n_per_m"), ("contrasts.csv", "p"), ("cells.csv", "dprime")):
+            with self.subTest(file):
+                folder = self.folder / f"changed-{file}"
+                shutil.copytree(self.exports["tutorial"], folder)
+                header, rows = rows_of(folder / file)
+                place = header.index(column)
+                rows[0][place] = repr(float(rows[0][place]) * (1 + 3e-9))
+                with open(folder / file, "w", newline="") as out:
+                    csv.writer(out, lineterminator="\n").writerows([header, *rows])
+                commands = [[sys.executable, folder / "recompute.py"]]
+                if R is not None and file == "group.csv":
+                    commands.append([R, folder / "recompute.R"])
+                for command in commands:
+                    done = subprocess.run(command, capture_output=True, text=True)
+                    self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
+                    self.assertRegex(done.stdout, f"DIFFERS: .*{column}: the file says ")
+
+
+if __name__ == "__main__":
+    unittest.main()
