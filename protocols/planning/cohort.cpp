@@ -352,7 +352,8 @@ std::string head(const CohortBalance& balance, const Protocol& protocol) {
   const std::string session = balance.session == 1 ? "" : fmt::format(", session {}", balance.session);
   const std::string group =
       balance.group ? fmt::format(" of group {}", group_name(protocol, balance.group)) : std::string();
-  return fmt::format("Balance of {} participants{}, seed {}{}\n\n", balance.participants, group, balance.seed, session);
+  return fmt::format("Balance of {} participant{}{}, seed {}{}\n\n", balance.participants,
+                     balance.participants == 1 ? "" : "s", group, balance.seed, session);
 }
 
 // The rows of the conditions that are there, and so many columns; or their own columns.

@@ -175,6 +175,7 @@ CommandPage command_page(const CLI::App& app) {
   page.heading = app.get_group();
   read_footer(app.get_footer(), page);
   for (const CLI::Option* option : app.get_options({})) {
+    if (option->get_group().empty()) continue;  // kept for scripts of before
     OptionPage one = option_page(page.name, *option);
     (one.is_argument ? page.arguments : page.options).push_back(std::move(one));
   }
