@@ -137,6 +137,12 @@ void LineDisplay::tell(Tone tone, const std::string& text) {
   put("  {}\n", toned(tone, text));
 }
 
+void LineDisplay::queued(const std::vector<std::string>& what) {
+  for (const std::string& one : what)
+    if (std::find(queued_.begin(), queued_.end(), one) == queued_.end()) put("  {}\n", dim("queued: " + one));
+  queued_ = what;
+}
+
 void LineDisplay::answer(const std::string& trial, const std::string& words, const std::string&) {
   put("  saved: {}, {}\n", trial, words);
 }

@@ -29,7 +29,12 @@ ScreenModel model_of(SessionKind kind) {
   model.scene.keys = ready_keys(true).hints();
   model.say = "First sphere.";
   model.aloud = true;
-  for (int i = 0; i < 12; ++i) model.past.push_back({Tone::warning, "not counted (no answer in time); it comes again"});
+  model.phase = {.word = "FIRST", .left_s = 2.3, .total_s = 3};
+  model.clock = "14:03";
+  model.left = "19 min";
+  model.ends = "14:22";
+  for (int i = 0; i < 12; ++i)
+    model.log.push_back({"14:03:22", "trial 2 (plan no. 7) not counted (no answer in time)", Tone::warning, true});
   return model;
 }
 
@@ -63,8 +68,9 @@ TEST_CASE("A frame fits its window, whatever the size") {
 
 TEST_CASE("What matters is on the smallest screen, and below it one line says why there is none") {
   const std::string small = text_of(lay_out(model_of(SessionKind::pilot), kLeastRows, kLeastColumns, true));
-  for (const char* const needed : {"REHEARSAL", "P01", "Trial 3 of 108", "block 1 of 9", "condition B", "SAY",
-                                   "First sphere.", "36/36", "FAULT: stale_pose", "contact", "[space]", "[x]", "[q]"})
+  for (const char* const needed :
+       {"REHEARSAL", "P01", "Trial 3 of 108", "block 1 of 9", "condition B", "SAY", "First sphere.", "36/36",
+        "ends 14:22", "FIRST", "3 s left", "FAULT: stale_pose", "contact", "[space]", "[x]", "[q]"})
     CHECK(small.find(needed) != std::string::npos);
   const std::string smaller = text_of(lay_out(model_of(SessionKind::pilot), kLeastRows - 1, kLeastColumns, true));
   CHECK(smaller.find("too small") != std::string::npos);
@@ -157,7 +163,7 @@ TEST_CASE("Nothing that a terminal would obey or turn around is shown") {
   ScreenModel model = model_of(SessionKind::real);
   model.scene.text = "a\x1b[2Jb\u202ec\u009bd\tc\rd";
   model.card.participant = "\x1b]0;x\a";
-  model.past.push_back({Tone::plain, "note: \x1b[31m"});
+  model.log.push_back({"14:03:22", "note: \x1b[31m", Tone::plain, true});
   const std::string text = text_of(lay_out(model, 24, 80, true));
   for (const char* const bad : {"\x1b", "\u202e", "\u009b", "\t", "\r", "\a"})
     CHECK(text.find(bad) == std::string::npos);
