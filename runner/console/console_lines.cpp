@@ -77,6 +77,11 @@ void put_review(const QuestionnairePage& page) {
 
 }  // namespace
 
+std::string trial_heading(const TrialOutline& outline) {
+  if (outline.practice) return fmt::format("Practice {} of {}", outline.number, outline.total);
+  return fmt::format("Trial {} of {}{}", outline.number, outline.at_most ? "at most " : "", outline.total);
+}
+
 std::string kind_banner(SessionKind kind) {
   constexpr auto kWords =
       words<SessionKind>({{"REAL SESSION: this counts as data", SessionKind::real},

@@ -122,14 +122,20 @@ std::string mark_of(std::string_view mark, std::size_t width) {
   return std::string(mark.substr(skipped, width));
 }
 
-// A capital makes room for its mark.
+// A capital makes room for a mark of one row.
 Glyph marked(const Glyph& base, const Marked& how) {
-  constexpr std::array<std::size_t, 5> kKept = {0, 1, 3, 5, 6};  // rows of a capital that is 5 pixels high
+  constexpr std::array<std::size_t, 6> kKept = {0, 1, 2, 3, 5, 6};  // rows of a capital that is 6 pixels high
+  constexpr std::string_view kWideDots = "#...#";
   Glyph glyph = base;
-  if (how.base <= U'Z')
-    for (std::size_t i = 0; i < kKept.size(); ++i) glyph[i + 2] = base[kKept[i]];
-  glyph[0] = mark_of(how.upper, base[0].size());
-  glyph[1] = mark_of(how.lower, base[0].size());
+  const std::size_t width = base[0].size();
+  if (how.base <= U'Z') {
+    for (std::size_t i = 0; i < kKept.size(); ++i) glyph[i + 1] = base[kKept[i]];
+    glyph[0] = mark_of(how.upper == kDots && how.base != U'U' ? kWideDots : how.upper,
+                       width);  // a U has room between its arms
+    return glyph;
+  }
+  glyph[0] = mark_of(how.upper, width);
+  glyph[1] = mark_of(how.lower, width);
   return glyph;
 }
 

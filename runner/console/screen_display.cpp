@@ -32,10 +32,12 @@ std::string time_of_day(std::int64_t utc_ns, const char* format) {
 
 class ScreenDisplay final : public Display {
  public:
+  ScreenDisplay(std::function<std::unique_ptr<Painter>()> painter, std::unique_ptr<Clock> clock)
+      : make_painter_(std::move(painter)), clock_(std::move(clock)) {}
+
   void begin(const SessionCard& card) override {
     model_.card = card;
-    painter_ = std::make_unique<ScreenPainter>();
-    if (!painter_->works()) painter_.reset();
+    painter_ = make_painter_();
     if (!painter_) return lines_.begin(card);
     log(card.resumed ? "the session goes on" : "the session begins");
     draw();
@@ -115,9 +117,10 @@ class ScreenDisplay final : public Display {
   void phase(const Phase& phase) override {
     const bool same = model_.phase.word == phase.word && model_.phase.more == phase.more &&
                       seconds_of(model_.phase) == seconds_of(phase);
-    if (model_.phase.holds && !phase.holds) left_as_of_ns_ = SteadyClock().utc_ns();
+    if (model_.phase.holds && !phase.holds) left_as_of_ns_ = clock_->utc_ns();
     model_.phase = phase;
-    if (!same && painter_) draw();
+    // What holds the session, or is to be said, is drawn with its scene or its words, when it can be answered.
+    if (!same && !phase.holds && phase.left_s) draw();
   }
   void queued(const std::vector<std::string>& what) override {
     if (!painter_) return lines_.queued(what);
@@ -141,7 +144,7 @@ class ScreenDisplay final : public Display {
   }
   void time_left(double left_s) override {
     left_s_ = left_s;
-    left_as_of_ns_ = SteadyClock().utc_ns();
+    left_as_of_ns_ = clock_->utc_ns();
   }
   void alert() override {
     if (painter_) painter_->beep();
@@ -151,7 +154,7 @@ class ScreenDisplay final : public Display {
     draw();
   }
   void health(const DeviceHealth& health) override {
-    const std::int64_t now = clock_.now_ns();
+    const std::int64_t now = clock_->now_ns();
     // What a presentation ends with stays on view until the next one.
     const bool soon = now - health_shown_ns_ < kHealthEvery_ns && health.fault.empty() && health.presenting;
     if (!health.fault.empty() && (!model_.health || model_.health->fault != health.fault))
@@ -226,7 +229,7 @@ class ScreenDisplay final : public Display {
   void refresh() override {
     if (!painter_) return;
     // Once a second the clock and what counts up have changed.
-    if (painter_->changed() || clock_.now_ns() / kSecond_ns != drawn_ns_ / kSecond_ns) draw();
+    if (painter_->changed() || clock_->now_ns() / kSecond_ns != drawn_ns_ / kSecond_ns) draw();
   }
   bool scroll(KeyName key) override {
     // The last line of a window may be covered by the words that say that there is more.
@@ -261,7 +264,7 @@ class ScreenDisplay final : public Display {
     if (!phase.left_s) return std::nullopt;
     return static_cast<int>(std::ceil(*phase.left_s));
   }
-  static std::string now_text() { return time_of_day(SteadyClock().utc_ns(), "%H:%M:%S"); }
+  std::string now_text() const { return time_of_day(clock_->utc_ns(), "%H:%M:%S"); }
 
   void keep(const LogLine& line) {
     model_.log.push_back(line);
@@ -289,8 +292,8 @@ class ScreenDisplay final : public Display {
   }
   // The times on the screen, as they are now.
   void look_at_clock() {
-    drawn_ns_ = model_.now_ns = clock_.now_ns();
-    const std::int64_t utc_ns = SteadyClock().utc_ns();
+    drawn_ns_ = model_.now_ns = clock_->now_ns();
+    const std::int64_t utc_ns = clock_->utc_ns();
     model_.clock = time_of_day(utc_ns, "%H:%M");
     if (!left_s_) return;
     const double gone_s = model_.phase.holds || model_.stop ? 0 : static_cast<double>(utc_ns - left_as_of_ns_) * 1e-9;
@@ -312,9 +315,10 @@ class ScreenDisplay final : public Display {
   }
 
   ScreenModel model_;
-  std::unique_ptr<ScreenPainter> painter_;
+  std::function<std::unique_ptr<Painter>()> make_painter_;
+  std::unique_ptr<Painter> painter_;
   LineDisplay lines_{true};
-  SteadyClock clock_;
+  std::unique_ptr<Clock> clock_;  // steady: not the session's, which may run ahead
   std::int64_t health_shown_ns_ = 0, drawn_ns_ = 0;
   std::optional<double> left_s_;    // of the session
   std::int64_t left_as_of_ns_ = 0;  // UTC
@@ -327,9 +331,18 @@ class ScreenDisplay final : public Display {
 
 }  // namespace
 
+std::unique_ptr<Display> make_screen_display(std::function<std::unique_ptr<Painter>()> painter,
+                                             std::unique_ptr<Clock> clock) {
+  return std::make_unique<ScreenDisplay>(std::move(painter), std::move(clock));
+}
+
 std::unique_ptr<Display> make_screen_display() {
   if (!ScreenPainter::possible()) return nullptr;
-  return std::make_unique<ScreenDisplay>();
+  const auto on_terminal = []() -> std::unique_ptr<Painter> {
+    auto painter = std::make_unique<ScreenPainter>();
+    return painter->works() ? std::move(painter) : nullptr;
+  };
+  return make_screen_display(on_terminal, std::make_unique<SteadyClock>());
 }
 
 }  // namespace jnd

@@ -13,7 +13,8 @@ namespace jnd {
 namespace {
 
 constexpr int kMostKeyRows = 4;
-constexpr int kLeastLog = 6;  // rows of its pane
+constexpr int kLeastLog = 6;     // rows of its pane
+constexpr int kLeastRecent = 2;  // rows of what happened, where there is no pane
 
 }  // namespace
 
@@ -116,7 +117,8 @@ Frame lay_out(const ScreenModel& model, int rows, int columns, bool unicode) {
   const int free = rows - static_cast<int>(frame.rows.size() + bottom.size());
   std::vector<Row> status = status_rows(area, model);
   const auto least = static_cast<int>(status.size());
-  const MainPart middle = main_part(area, model, free - least - (pane ? kLeastLog : 0));
+  const int kept = pane ? kLeastLog : static_cast<int>(recent_rows(area, model, kLeastRecent).size());
+  const MainPart middle = main_part(area, model, free - least - kept);
   const auto wanted = static_cast<int>(middle.rows.size());
   if (wanted + least > free) status.clear();
   const int rest = free - static_cast<int>(status.size()) - wanted;

@@ -5,10 +5,13 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "devices/hid/buttons/button_box.h"
 #include "protocols/course/prescription.h"
 #include "protocols/tasks/task.h"
+#include "runner/console/console_lines.h"
+#include "runner/console/screen_display.h"
 #include "runner/session/session_listener.h"
 #include "runner/terminal/terminal.h"
 
@@ -681,6 +684,18 @@ bool SessionConsole::exploring(double left_s) {
     if (binding && !binding->asks(Request::stopped) && !broken_off_by_) broken_off_by_ = binding;
   }
   return !broken_off_by_;
+}
+
+std::unique_ptr<Console> make_console(const ConsoleOptions& options, const Protocol& protocol, Keyboard* keyboard,
+                                      Clock& clock, const Interrupts& interrupts) {
+  std::unique_ptr<Display> display;
+  const bool terminal = keyboard != nullptr && keyboard->is_terminal();
+  if (terminal && is_terminal(STDOUT_FILENO) && !options.plain) display = make_screen_display();
+  if (!display) {
+    outlive_readers();  // after the keyboard, which takes such a signal for a crash
+    display = std::make_unique<LineDisplay>(terminal);
+  }
+  return std::make_unique<SessionConsole>(options, protocol, keyboard, clock, interrupts, std::move(display));
 }
 
 }  // namespace jnd
