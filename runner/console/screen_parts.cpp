@@ -136,8 +136,10 @@ Row trial_row(const Area& area, const ScreenModel& model) {
   return {span(area, 1, head, kBold), span(area, 1 + columns_of(head), rest)};
 }
 
+constexpr int kRoomForLeft = 80, kRoomForPace = 110;     // columns for "about 1 h 30 min left", for its pace
+constexpr int kShortEnd = 12, kEnd = 35, kLongEnd = 49;  // columns that it takes at most
+
 std::string end_text(const Area& area, const ScreenModel& model) {
-  constexpr int kRoomForLeft = 80, kRoomForPace = 110;
   if (model.left.empty()) return "";
   const char* const pace = model.card.fast && area.columns >= kRoomForPace ? " at full pace" : "";
   if (area.columns < kRoomForLeft) return fmt::format("ends {}", model.ends);
@@ -180,7 +182,12 @@ Row progress_row(const Area& area, const ScreenModel& model) {
       "{} {:.0f} %", bar(share, area.columns < kWide ? kNarrowCells : kWholeCells, area.unicode), 100 * share);
   row.push_back(span(area, 1, whole, kBold));
   int column = 1 + columns_of(whole) + kGap;
-  const int each = (right - column) / static_cast<int>(progress.size()) - kGap;
+  // As long as the longest words at the right, so that no bar changes its length with them.
+  const int kept = end.empty()                   ? 0
+                   : area.columns < kRoomForLeft ? kShortEnd
+                   : area.columns < kRoomForPace ? kEnd
+                                                 : kLongEnd;
+  const int each = (std::min(right, area.columns - kept) - column) / static_cast<int>(progress.size()) - kGap;
   for (const ConditionProgress& condition : progress) {
     const std::string text = condition_text(condition, each, area.unicode);
     if (column + columns_of(text) + 1 > right) {

@@ -61,7 +61,8 @@ class Screens {
  private:
   static std::string masked(std::string text, Letters letters) {
     for (const auto& [what, mask] :
-         {std::pair("[0-9]+\\.[0-9]+ s\\b", "#.## s"), std::pair("about [0-9]+ (s|min) left", "about # left"),
+         {std::pair("[0-9]+\\.[0-9]*( s\\b|…)", "#.##$1"),
+          std::pair(" *(\\{b\\})?about [0-9]+ (s|min|h [0-9]+ min) left", " $1about # left"),
           std::pair("[0-9]{2}:[0-9]{2}(:[0-9]{2})?", "##:##"),
           std::pair("(for )[0-9]+:[0-9]{2}|[0-9]+:[0-9]{2}( ago)", "$1#:##$2"),
           std::pair("after [0-9]+ s", "after # s"), std::pair("(work: )(no )?contact", "$1#"),
