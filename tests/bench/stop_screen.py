@@ -30,7 +30,7 @@ class Session:
         self.stream = pyte.ByteStream(self.screen)
         self.pid, self.terminal = pty.fork()
         if self.pid == 0:
-            os.environ.update(TERM="xterm-256color", LC_ALL="C.UTF-8", LINES=str(ROWS), COLUMNS=str(COLUMNS))
+            os.environ.update(TERM="linux", LC_ALL="C.UTF-8", LINES=str(ROWS), COLUMNS=str(COLUMNS))
             os.chdir(folder)
             os.execv(jnd, [jnd, "run", "short.json", "--study", "s.sqlite", "--participant", "P01", "--seed", "1", "--bell"])
 
