@@ -32,7 +32,7 @@ CELL_WIDTH, CELL_HEIGHT, EDGE = 8.4, 18, 14
 
 
 class Screen(pyte.Screen):
-    """With the scrolling by several lines that pyte leaves out."""
+    """With what pyte leaves out of xterm: scrolling by several lines, and the colour of what moves in."""
 
     def scroll(self, move, edge, lines):
         at = self.cursor.y
@@ -46,6 +46,13 @@ class Screen(pyte.Screen):
 
     def scroll_down(self, lines=1):
         self.scroll(self.reverse_index, self.margins.top if self.margins else 0, lines)
+
+
+    def delete_characters(self, count=None):
+        """What moves in at the right has the colour of the cursor, as on xterm."""
+        super().delete_characters(count)
+        for column in range(self.columns - (count or 1), self.columns):
+            self.buffer[self.cursor.y][column] = self.cursor.attrs._replace(data=" ")
 
 
 class Stream(pyte.ByteStream):
