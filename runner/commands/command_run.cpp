@@ -13,6 +13,7 @@
 #include "protocols/reading/translation.h"
 #include "runner/commands/commands.h"
 #include "runner/console/console.h"
+#include "runner/console/session_summary.h"
 #include "runner/events/event_feed.h"
 #include "runner/keys/interrupt.h"
 #include "runner/keys/keyboard.h"
@@ -46,6 +47,8 @@ struct RunOptions {
   bool fast = false;
   bool plain = false;                             // a line at a time
   std::string events;                             // where they are told to another program; empty: nowhere
+  bool quiet = false;                             // no bell for the operator
+  bool large_text = false;                        // of the participant's pages
   bool bell = false;                              // cues ring the terminal's bell, and no sound is played
   std::optional<std::string> kind;                // real or pilot; what the rig is for where not given
   std::optional<std::string> language;            // of the participant's texts
@@ -155,6 +158,22 @@ SessionCard card_of(const Protocol& protocol, const RunOptions& options, const S
   return card;
 }
 
+SessionSummary summary_of(Study& study, const std::string& session, const RunOptions& options, const Plan& plan,
+                          SessionEnd end, double run_s) {
+  SessionSummary summary;
+  summary.study = options.study;
+  summary.run_s = run_s;
+  summary.resumable = end == SessionEnd::interrupted;
+  summary.free_interaction = !plan.explorations.empty();
+  for (const SessionInfo& info : study.sessions()) {
+    if (info.id != session) continue;
+    summary.trials_done = info.trials_done;
+    summary.trials_total = info.trials_total;
+    summary.trials_voided = info.trials_voided;
+  }
+  return summary;
+}
+
 int command_run(const RunOptions& options) {
   const HoldInterrupts hold;
   const Protocol protocol = load_checked_protocol(options.protocol);
@@ -200,6 +219,8 @@ int command_run(const RunOptions& options) {
   console_options.plain = options.plain;
   console_options.entered_by = options.participant_presses ? EnteredBy::participant : EnteredBy::operator_;
   console_options.buttons = buttons;
+  console_options.alerts = !options.quiet;
+  console_options.large_text = options.large_text;
   if (events) console_options.listeners.push_back(events.get());  // first: a sound takes a moment to start
   if (sound) console_options.listeners.push_back(sound.get());
   if (request.participant.empty())
@@ -259,6 +280,8 @@ int command_run(const RunOptions& options) {
   if (target.resumed && person)
     console->announce(resume_text(target.check, protocol.resume), !target.check.warning.empty());
   console->begin(card_of(shown, options, request, target, plan));
+  const SteadyClock machine_clock;
+  const std::int64_t began_ns = machine_clock.now_ns();
 
   std::unique_ptr<Responder> simulated;
   if (!person) simulated = make_simulated_participant(profile, protocol, plan.participant, seed, *clock);
@@ -287,19 +310,24 @@ int command_run(const RunOptions& options) {
     last_words("");
     throw;
   }
+  const std::string summary =
+      "\n" + summary_text(summary_of(*study, opened.id, options, plan, end,
+                                     static_cast<double>(machine_clock.now_ns() - began_ns) * 1e-9));
   if (end == SessionEnd::interrupted) {
     study->close();
     last_words(fmt::format("{}Stopped. Every answer so far is saved in {}; the same command goes on at the next trial.",
                            missing.empty() ? "" : printable("Missing: " + missing) + ".\n",
-                           printable(study->path().string())));
+                           printable(study->path().string())) +
+               summary);
     return exit_code::kInterrupted;
   }
   study->close();
-  last_words(end == SessionEnd::completed
-                 ? fmt::format("{} The session of {} is complete and saved in {}.", bold("Done."), request.participant,
-                               printable(study->path().string()))
-                 : fmt::format("Ended. The session of {} is closed as it is; everything so far is saved in {}.",
-                               request.participant, printable(study->path().string())));
+  last_words((end == SessionEnd::completed
+                  ? fmt::format("{} The session of {} is complete and saved in {}.", bold("Done."), request.participant,
+                                printable(study->path().string()))
+                  : fmt::format("Ended. The session of {} is closed as it is; everything so far is saved in {}.",
+                                request.participant, printable(study->path().string()))) +
+             summary);
   return exit_code::kDone;
 }
 
@@ -329,6 +357,10 @@ void add_run(CommandTree& tree) {
   command.add_option("--events", options.events,
                      "tell what happens, a JSON line each, to an open file descriptor (its number) or the program that "
                      "listens on a Unix socket (its path)");
+  command.add_flag("--no-alerts", options.quiet,
+                   "no bell for the operator at a question, a fault and the end of a break");
+  command.add_flag("--large-text", options.large_text,
+                   "the participant's texts and questions in large letters (on the screen: Ctrl-L)");
   command.add_flag("--bell", options.bell, "cues ring the terminal's bell instead of playing a sound");
   command.add_option("--kind", options.kind, "real (default on a real rig) or pilot (default on a simulated one)");
   command.add_flag("--new", options.beside, "begin this participant while another one's session is unfinished");

@@ -42,6 +42,8 @@ struct ConsoleOptions {
   RigButtons* rig_buttons = nullptr;            // the rig's, where it has some; outlive the console
   std::vector<SessionListener*> listeners{};    // hear what the screen is told; they outlive the console
   const EmergencyStop* stop = nullptr;          // the rig's, which waits look at; outlives the console
+  bool alerts = true;  // the terminal's bell where the operator is to look up: a question, a fault, the end of a break
+  bool large_text = false;  // the participant's texts in large letters, on a screen; Ctrl-L changes it
 };
 
 // Thread rule: the session's thread only.

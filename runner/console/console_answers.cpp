@@ -108,10 +108,11 @@ std::optional<Answer> SessionConsole::judge(const TrialQuestion& question) {
     const ButtonReply buttons = hear_buttons();
     if (buttons.answer) return question_over(buttons.answer, question.time_out_s);
     if (buttons.stopped || keys_.stopped()) return std::nullopt;  // the latch is set: no answer counts
-    if (!buttons.pending && static_cast<double>(clock_.now_ns() - cue_shown_ns_) * 1e-9 > question.time_out_s)
-      return question_over(std::nullopt, question.time_out_s);
+    const double gone_s = static_cast<double>(clock_.now_ns() - cue_shown_ns_) * 1e-9;
+    if (!buttons.pending && gone_s > question.time_out_s) return question_over(std::nullopt, question.time_out_s);
+    show_question_time(gone_s, question.time_out_s);
     const std::optional<Key> key = keys_.next();
-    if (!key) continue;
+    if (!key || display_->scroll(key->name)) continue;
     const std::optional<KeyBinding> binding = keys.binding_of(*key);
     if (!binding) {
       explain(keys, *key);
@@ -122,11 +123,6 @@ std::optional<Answer> SessionConsole::judge(const TrialQuestion& question) {
     if (binding->asks(Request::stopped)) return std::nullopt;  // the latch is set: no answer counts
     if (binding->asks(Request::pause) || binding->asks(Request::note)) {
       note_requests({*key}, keys);
-      display_->explain(Tone::quiet, binding->asks(Request::pause) ? "the pause comes after this trial"
-                                                                   : "the note can be typed after this trial");
-    } else if (binding->meaning == KeyMeaning(HelpWanted{})) {
-      help_with_question();
-      display_->scene(scene);
     } else {
       decided_ = request_of(*binding, keys);
       if (decided_) return std::nullopt;
@@ -142,7 +138,7 @@ bool SessionConsole::enough(const IntervalId& /*id*/, double /*elapsed_s*/) {
   const KeyMap keys = presentation_keys(protocol_);
   if (!std::exchange(asks_enough_, true)) note_in_trial(keys_.prompt());
   const std::optional<Key> key = keys_.next();
-  if (!key) return false;
+  if (!key || display_->scroll(key->name)) return false;
   if (const auto binding = keys.binding_of(*key); binding && binding->asks(Request::go_on)) return true;
   note_in_trial({*key});
   return false;
@@ -172,7 +168,10 @@ std::optional<Replies> SessionConsole::reply_all(const std::vector<AskedQuestion
     for (std::size_t i = 0; i < items.size(); ++i) items[i].typed = unfinished_[i];
   // What is written to a pipe cannot be looked through once more.
   QuestionnairePage questions(std::move(items), keyboard_->is_terminal());
+  display_->phase({.word = "QUESTIONS", .holds = true, .shade = Shade::question});
+  if (options_.alerts) display_->alert();
   const bool done = display_->by_lines() ? ask_by_lines(questions) : ask_by_keys(questions);
+  display_->log(done ? "questions answered" : "questions left without answers");
   unfinished_.clear();
   unfinished_ids_.clear();
   if (done) return questions.replies();
@@ -195,10 +194,14 @@ bool SessionConsole::ask_by_keys(QuestionnairePage& page) {
     if (changed) display_->page(page);
     changed = true;
     std::optional<Key> key;
-    // A y that is held down confirms one question, not the whole page; in a text a character may be typed twice.
-    const bool text = page.reviewing() || page.items()[page.at()].question->kind != Question::Kind::confirm;
-    while (!key && !interrupted()) key = keys_.next(text);
+    while (!key && !interrupted()) key = keys_.next(true);
     if (!key) break;
+    // Where no text is typed the question mark is a key too.
+    const bool text = !page.reviewing() && page.items()[page.at()].question->kind == Question::Kind::text;
+    if (display_->help(false) || (!text && key->is(U'?') && display_->help(true))) {
+      changed = false;
+      continue;
+    }
     if ((key->is(KeyName::page_down) || key->is(KeyName::page_up)) && display_->scroll(key->name)) continue;
     if (page.answers(*key) && still_to_read()) {
       changed = false;  // so that what is told stays

@@ -26,7 +26,11 @@ char32_t SessionConsole::choose(const std::string& question, const std::vector<K
     if (key->is(KeyName::escape)) break;
     if (key->name != KeyName::character) continue;
     const std::string pressed = to_utf8(std::u32string(1, key->character));
-    if (std::none_of(keys.begin(), keys.end(), [&](const KeyHint& hint) { return hint.key == pressed; })) continue;
+    if (std::none_of(keys.begin(), keys.end(), [&](const KeyHint& hint) { return hint.key == pressed; })) {
+      if (!stops(*key))
+        display_->explain(Tone::quiet, fmt::format("[{}] is no answer to this; Esc leaves it", key_name(*key)));
+      continue;
+    }
     if (!still_to_read()) chosen = key->character;
   }
   keys_.prompt();  // before the scene is seen again
@@ -95,44 +99,35 @@ std::optional<OperatorRequest> SessionConsole::request_of(const KeyBinding& key,
   return std::nullopt;
 }
 
+// In lines; a screen shows them by itself (PromptKeys).
 void SessionConsole::help(const KeyMap& keys) {
   std::vector<KeyHint> all = keys.hints();
-  for (KeyHint& hint : all) hint.brief = true;
+  std::erase_if(all, [](const KeyHint& hint) { return !hint.works; });
   all.push_back({"Ctrl-C", "pauses; twice: ends the session safely", true});
   std::string text;
   for (const KeyHint& hint : all) text += fmt::format("{:>8}  {}\n", "[" + hint.key + "]", hint.what);
-  if (!display_->by_lines()) text += "\nKeys pressed before a prompt, or held down since, do not count.\n";
   keys_.prompt();
   display_->scene({Tone::strong, "Keys", "", text, {{"space", "back", true}, stop_hint()}});
-  if (display_->by_lines()) return;
-  while (!interrupted()) {
-    const std::optional<Key> key = keys_.next();
-    if (key && !display_->scroll(key->name)) break;
-  }
-}
-
-void SessionConsole::help_with_question() {
-  help(question_keys_);
-  keys_.prompt();  // the key that ended it is no answer, however long it is held
-  if (!display_->by_lines()) {
-    display_->working_keys({});
-    display_->say(CuePlace::question, question_words_, question_aloud_, false);
-  }
 }
 
 void SessionConsole::hear_in_trial() {
-  note_in_trial(keys_.drain());
+  keys_.look_at_stop();
+  note_in_trial(keys_.heard());
 }
 
 void SessionConsole::note_in_trial(const std::vector<Key>& keys) {
-  const std::size_t before = noted_.size();
+  if (keys.empty()) return;
+  const KeyMap now = presentation_keys(protocol_);
+  for (const Key& key : keys) {
+    if (now.binding_of(key)) continue;
+    const auto later = question_keys_.binding_of(key);
+    const bool answer = later && std::holds_alternative<GivenAnswer>(later->meaning);
+    if (answer)
+      display_->explain(Tone::quiet, fmt::format("[{}] does nothing now: nothing is asked yet", key_name(key)));
+    else
+      explain(now, key);
+  }
   note_requests(keys, question_keys_);
-  if (noted_.size() == before) return;
-  const KeyBinding& last = noted_.back();
-  if (last.asks(Request::pause)) display_->explain(Tone::quiet, "the pause comes after this trial");
-  if (last.asks(Request::note)) display_->explain(Tone::quiet, "the note can be typed after this trial");
-  if (last.asks(Request::end_for_now)) display_->explain(Tone::quiet, "the end comes after this trial");
-  if (last.asks(Request::repeat_trial)) display_->explain(Tone::quiet, "it is repeated, after this interval");
 }
 
 void SessionConsole::note_requests(const std::vector<Key>& keys, const KeyMap& map) {
@@ -147,12 +142,26 @@ void SessionConsole::note_requests(const std::vector<Key>& keys, const KeyMap& m
         std::any_of(kLater.begin(), kLater.end(), [&](Request request) { return binding->asks(request); });
     if (later && !noted) noted_.push_back(*binding);
   }
+  tell_queued();
+}
+
+void SessionConsole::tell_queued() {
+  std::vector<std::string> words;
+  for (const KeyBinding& key : noted_) {
+    if (key.asks(Request::pause)) words.emplace_back("pause after this trial");
+    if (key.asks(Request::note)) words.emplace_back("note after this trial");
+    if (key.asks(Request::end_for_now)) words.emplace_back("end after this trial");
+    if (key.asks(Request::repeat_trial)) words.emplace_back("repeat this trial after this interval");
+    if (key.asks(Request::end_block)) words.emplace_back("end of the block after this trial");
+  }
+  display_->queued(words);
 }
 
 std::optional<OperatorRequest> SessionConsole::noted_request(const KeyMap& keys) {
   while (!noted_.empty() && !keys_.ended()) {
     const KeyBinding key = noted_.front();
     noted_.erase(noted_.begin());
+    tell_queued();
     if (key.asks(Request::repeat_trial)) continue;  // its trial is over
     if (std::optional<OperatorRequest> request = request_of(key, keys)) return request;
   }

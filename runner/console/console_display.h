@@ -2,12 +2,15 @@
 // both and stands in session_console.h.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "runner/console/console.h"
 #include "runner/console/console_keys.h"
 #include "runner/console/questionnaire_page.h"
+#include "runner/console/screen_colours.h"
 #include "runner/keys/line_editor.h"
 
 namespace jnd {
@@ -28,6 +31,29 @@ struct Scene {
   std::vector<KeyHint> keys{};
   std::string task{};    // what the operator is to do, in the place of heading and beside; lines do without
   bool to_read = false;  // the keys answer the text: not before it was seen (Display::unread)
+};
+
+// What goes on now, in a word that is read from afar, and its time.
+struct Phase {
+  std::string word{};              // "FIRST", "GAP", "QUESTION", "PAUSED"
+  std::string more{};              // "no contact yet"
+  std::optional<double> left_s{};  // counts down
+  double total_s = 0;              // of the countdown
+  std::int64_t since_ns = 0;       // counts up, from this time of the machine's steady clock; 0: it does not
+  bool holds = false;              // until a person goes on: the end of the session moves with it
+  Shade shade = Shade::say;
+};
+
+// A stop that is latched.
+struct StopShown {
+  std::string by;             // "key"
+  std::int64_t since_ns = 0;  // of the machine's steady clock
+};
+
+// Of this run of the session.
+struct AnswerCounts {
+  int voids = 0;
+  int no_contact = 0;  // the latest attempts that were voided because nothing was touched, in a row
 };
 
 // "Trial 5 of 16": how far the session is. A trial that did not count and the one after it have the same number; what
@@ -57,6 +83,18 @@ class Display {
   virtual void answer(const std::string& trial, const std::string& words, const std::string& by) = 0;
   virtual void answer_taken_back() {}
   virtual void outline(const TrialOutline&) {}
+  virtual void phase(const Phase&) {}
+  // What was asked for and comes later: "pause after this trial". Empty: nothing is.
+  virtual void queued(const std::vector<std::string>&) {}
+  // For the log pane: what lines do not print.
+  virtual void log(const std::string&) {}
+  virtual void counts(const AnswerCounts&) {}
+  // The devices give nothing, from now on; none: it is cleared.
+  virtual void stopped(const std::optional<StopShown>&) {}
+  // What is left of the session, with its questions and breaks.
+  virtual void time_left(double) {}
+  // The terminal's bell, where the operator is to look up.
+  virtual void alert() {}
   virtual void progress(const std::vector<ConditionProgress>&) {}
   virtual void health(const DeviceHealth&) {}
   virtual void countdown(const std::string& what, double left_s, double total_s) = 0;
@@ -72,6 +110,10 @@ class Display {
   virtual void page(const QuestionnairePage& page) = 0;
   virtual void page_done() {}
 
+  // The page of the keys that work now, over what is shown until another key comes; false: it was on view, and has gone.
+  virtual bool help(bool /*on*/) { return false; }
+  // Texts for the participant in large letters, or no longer.
+  virtual void enlarge() {}
   // Some times a second while anything waits.
   virtual void refresh() {}
   // Up, down, page up, page down in a long text; false where there is nothing to scroll.

@@ -8,13 +8,47 @@
 namespace jnd {
 
 namespace {
-constexpr double kPoll_s = 0.05;
+constexpr double kPoll_s = 0.02;
 }  // namespace
 
 bool PromptKeys::stopped() const noexcept {
   if (stop_ == nullptr || seeing_to_stop_) return false;
   const StopSource source = stop_->source();
   return source == StopSource::key || source == StopSource::button;
+}
+
+void PromptKeys::look_at_stop() {
+  if (stop_ == nullptr || stop_shown_) return;
+  const StopSource source = stop_->source();
+  if (source == StopSource::key || source == StopSource::button) show_stop(std::string(to_string(source)));
+}
+
+void PromptKeys::show_stop(const std::string& by) {
+  if (stop_shown_) return;
+  stop_shown_ = true;
+  display_.stopped(StopShown{by, SteadyClock().now_ns()});
+}
+
+void PromptKeys::stop_cleared() {
+  stop_shown_ = false;
+  display_.stopped(std::nullopt);
+}
+
+// Where the keys of this screen are shown, any key takes them away again.
+bool PromptKeys::changes_view(const Key& key) {
+  if (display_.help(false)) return !stops(key);
+  if (key.name == KeyName::control && key.character == 'l') {
+    display_.enlarge();
+    return true;
+  }
+  return key.is(U'?') && display_.help(true);
+}
+
+std::vector<Key> PromptKeys::heard() {
+  look_at_stop();
+  std::vector<Key> keys = drain();
+  std::erase_if(keys, [&](const Key& key) { return changes_view(key) || display_.scroll(key.name); });
+  return keys;
 }
 
 std::vector<Key> PromptKeys::drain() {
@@ -36,9 +70,11 @@ std::vector<Key> PromptKeys::prompt() {
 }
 
 std::optional<Key> PromptKeys::next(bool text) {
+  look_at_stop();
   display_.refresh();
   if (keyboard_ == nullptr) return std::nullopt;
   const std::optional<Key> key = keyboard_->press(kPoll_s);
+  look_at_stop();  // before what it ends is written down
   if (!keyboard_->is_terminal()) return key;
   if (!key) {
     if (told_to_let_go_ && !held_.maybe_down(SteadyClock().now_ns())) {
@@ -49,6 +85,7 @@ std::optional<Key> PromptKeys::next(bool text) {
   }
   const Heard heard = held_.hear(*key);
   if (heard == Heard::early) return std::nullopt;
+  if (!(text && key->name == KeyName::character) && changes_view(*key)) return std::nullopt;
   if (heard == Heard::counts || (text && key->name == KeyName::character)) return key;
   if (!told_to_let_go_)
     display_.explain(Tone::warning,

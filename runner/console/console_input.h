@@ -31,8 +31,13 @@ class PromptKeys {
 
   // A prompt is about to be shown. Returns the keys pressed before it, which do not answer it.
   std::vector<Key> prompt();
-  // The keys that have come so far, without a prompt.
-  std::vector<Key> drain();
+  // The keys that have come so far, without a prompt; not those that only change what is on view.
+  std::vector<Key> heard();
+  // Shows a stop as soon as it is latched: call wherever the session's thread comes by.
+  void look_at_stop();
+  // One that the console is told of in another way, or that is cleared.
+  void show_stop(const std::string& by);
+  void stop_cleared();
   // The next key that counts; none after about 50 ms, so that the caller looks at its other reasons to go on. Tells the
   // operator to let go of a key that is held down. text: keys are characters of a text, where one may be typed twice.
   std::optional<Key> next(bool text = false);
@@ -40,6 +45,9 @@ class PromptKeys {
   std::optional<std::string> line(const std::string& label, const std::string& initial = "");
 
  private:
+  std::vector<Key> drain();
+  // Scrolls, help and large text.
+  bool changes_view(const Key& key);
   std::optional<std::string> edited_line(const std::string& label, const std::string& initial);
 
   Keyboard* keyboard_;
@@ -49,6 +57,7 @@ class PromptKeys {
   bool seeing_to_stop_ = false;
   HeldKeys held_;
   bool told_to_let_go_ = false;
+  bool stop_shown_ = false;
 };
 
 }  // namespace jnd

@@ -67,7 +67,7 @@ std::optional<KeyBinding> KeyMap::binding_of(const Key& key) const {
   const char32_t wanted = key.is(KeyName::enter) ? U' ' : key.name == KeyName::character ? key.character : 0;
   if (wanted == 0) return std::nullopt;
   for (const KeyBinding& binding : bindings_)
-    if (binding.key == wanted) return binding;
+    if (binding.key == wanted && binding.why_not.empty()) return binding;
   // As a capital it has stopped the devices too.
   for (const KeyBinding& binding : bindings_)
     if (binding.asks(Request::stopped) && capital(binding.key) == wanted) return binding;
@@ -77,7 +77,8 @@ std::optional<KeyBinding> KeyMap::binding_of(const Key& key) const {
 std::vector<KeyHint> KeyMap::hints() const {
   std::vector<KeyHint> hints;
   for (const KeyBinding& binding : bindings_)
-    hints.push_back({key_name(binding.key), binding.what, binding.brief, binding.asks(Request::stopped)});
+    hints.push_back({key_name(binding.key), binding.what, binding.brief, binding.asks(Request::stopped),
+                     binding.why_not.empty(), binding.place, binding.label});
   return hints;
 }
 
@@ -89,14 +90,6 @@ KeyHint stop_hint_of_text() {
   return {"Ctrl-C", "STOP, pause", true, true};
 }
 
-KeyMap KeyMap::without(std::initializer_list<KeyMeaning> meanings) const {
-  std::vector<KeyBinding> rest = bindings_;
-  std::erase_if(rest, [&](const KeyBinding& binding) {
-    return std::find(meanings.begin(), meanings.end(), binding.meaning) != meanings.end();
-  });
-  return KeyMap(std::move(rest));
-}
-
 bool stops(const Key& key) noexcept {
   return key.is(static_cast<char32_t>(kStopKey)) || key.is(capital(kStopKey));
 }
@@ -106,9 +99,12 @@ std::string KeyMap::explanation(const Key& pressed) const {
   if (pressed.is(KeyName::control) && pressed.character == 'z')
     return "a session is not put into the background: the devices may be on a finger. p pauses, q ends";
   const std::string name = key_name(pressed);
+  for (const KeyBinding& binding : bindings_)
+    if (pressed.is(binding.key) && !binding.why_not.empty())
+      return fmt::format("[{}] {} does nothing now: {}", name, binding.label, binding.why_not);
   // The commonest mistake: Caps Lock, or the other case.
   for (const KeyBinding& binding : bindings_)
-    if (pressed.name == KeyName::character && binding.key != pressed.character &&
+    if (pressed.name == KeyName::character && binding.key != pressed.character && binding.why_not.empty() &&
         capital(binding.key) == capital(pressed.character))
       return fmt::format("[{}] does nothing, [{}] {}: is Caps Lock on?", name, key_name(binding.key), binding.what);
   std::string text = fmt::format("[{}] does nothing here:", name);
@@ -118,92 +114,184 @@ std::string KeyMap::explanation(const Key& pressed) const {
   return text;
 }
 
+// The operator's own keys, which stand at the same place in every scene of a session.
+namespace {
+
+struct OwnKey {
+  char32_t key;
+  Request request;
+  const char* label;
+};
+constexpr std::array<OwnKey, 7> kOwnKeys = {{{'p', Request::pause, "pause"},
+                                             {'r', Request::repeat_trial, "repeat"},
+                                             {'u', Request::void_last, "undo"},
+                                             {'n', Request::note, "note"},
+                                             {'b', Request::take_break, "break"},
+                                             {'k', Request::end_block, "end block"},
+                                             {'q', Request::end_for_now, "end"}}};
+
+// What an own key does in a scene.
+struct Own {
+  Request request;
+  const char* what;
+  bool brief = false;
+  const char* reason = "";
+};
+using WhyNot = std::string (*)(Request);
+
+// main: the scene's keys, first. own: those of the operator's that work; why_not says of the others why they do not.
+KeyMap scene_keys(std::vector<KeyBinding> main, std::initializer_list<Own> own, WhyNot why_not,
+                  const TaskSpec* task = nullptr, bool help_brief = false) {
+  for (const OwnKey& place : kOwnKeys) {
+    KeyBinding binding{.key = task == nullptr ? place.key : spared(place.key, *task),
+                       .meaning = place.request,
+                       .label = place.label,
+                       .place = true};
+    const auto works =
+        std::find_if(own.begin(), own.end(), [&](const Own& one) { return one.request == place.request; });
+    binding.brief = works != own.end() && works->brief;
+    binding.what = works != own.end() ? works->what : place.label;
+    if (works != own.end()) binding.reason = works->reason;
+    if (works == own.end()) binding.why_not = why_not(place.request);
+    main.push_back(std::move(binding));
+  }
+  main.push_back(
+      {.key = '?', .meaning = HelpWanted{}, .what = "all keys", .brief = help_brief, .label = "keys", .place = true});
+  return KeyMap(std::move(main));
+}
+
+std::string not_before_trial(Request request) {
+  return request == Request::void_last ? "no answer of this part of the session can be taken back"
+                                       : "no trial is under way; [u] takes the last answer back";
+}
+std::string not_in_trial(Request request) {
+  switch (request) {
+    case Request::void_last:
+      return "an answer is taken back between trials; [r] repeats this one";
+    case Request::take_break:
+      return "a break begins between trials";
+    case Request::end_block:
+      return "a block is ended between trials";
+    default:
+      return "a trial is under way: first the answer";
+  }
+}
+std::string not_between_trials(Request request) {
+  if (request == Request::repeat_trial)
+    return "its trial is over; [u] takes the answer back, once the next is announced";
+  return "wait until the next trial is announced";
+}
+std::string not_in_pause(Request request) {
+  return request == Request::pause ? "it is paused already" : "end the pause first: [space]";
+}
+std::string not_in_break(Request request) {
+  return request == Request::pause || request == Request::take_break ? "it is a break already"
+                                                                     : "the break comes first";
+}
+std::string not_stopped(Request) {
+  return "clear the stop first: [c]";
+}
+std::string not_missing(Request) {
+  return "it waits for what is missing";
+}
+std::string not_in_text(Request) {
+  return "no trial is under way";
+}
+std::string not_exploring(Request request) {
+  return request == Request::void_last ? "there is no answer to take back" : "an object is being explored: [k] ends it";
+}
+
+}  // namespace
+
 KeyMap ready_keys(bool can_void_last) {
-  const KeyMap keys({{' ', Request::go_on, "when the participant is ready", true},
-                     kStop,
-                     {'p', Request::pause, "pause", false},
-                     {'u', Request::void_last, "take back the last answer", false},
-                     {'n', Request::note, "note", false},
-                     {'b', Request::take_break, "break", false},
-                     {'k', Request::end_block, "end this block", false},
-                     {'q', Request::end_for_now, "end", true},
-                     {'?', HelpWanted{}, "all keys", true}});
-  return can_void_last ? keys : keys.without({Request::void_last});
+  const std::vector<KeyBinding> main = {{' ', Request::go_on, "when the participant is ready", true}, kStop};
+  if (!can_void_last)
+    return scene_keys(main,
+                      {{Request::pause, "pause"},
+                       {Request::note, "note"},
+                       {Request::take_break, "break"},
+                       {Request::end_block, "end this block"},
+                       {Request::end_for_now, "end", true}},
+                      not_before_trial, nullptr, true);
+  return scene_keys(main,
+                    {{Request::pause, "pause"},
+                     {Request::void_last, "take back the last answer"},
+                     {Request::note, "note"},
+                     {Request::take_break, "break"},
+                     {Request::end_block, "end this block"},
+                     {Request::end_for_now, "end", true}},
+                    not_before_trial, nullptr, true);
 }
 
 KeyMap question_keys(const TaskSpec& task) {
-  const auto key = [&](char32_t letter) { return spared(letter, task); };
-  std::vector<KeyBinding> bindings;
+  std::vector<KeyBinding> main;
   for (const AnswerChoice& answer : task.answers)
-    bindings.push_back({static_cast<char32_t>(answer.key), GivenAnswer{answer.said, answer.sureness},
-                        words_of(answer.said, answer.sureness, task), true});
-  bindings.insert(bindings.end(), {kStop,
-                                   {key('r'), Request::repeat_trial, "repeat this trial", true},
-                                   {key('p'), Request::pause, "pause after this trial", false},
-                                   {key('n'), Request::note, "note after this trial", false},
-                                   {key('q'), Request::end_for_now, "end", true},
-                                   {'?', HelpWanted{}, "all keys", false}});
-  return KeyMap(std::move(bindings));
+    main.push_back({static_cast<char32_t>(answer.key), GivenAnswer{answer.said, answer.sureness},
+                    words_of(answer.said, answer.sureness, task), true});
+  main.push_back(kStop);
+  return scene_keys(std::move(main),
+                    {{Request::repeat_trial, "repeat this trial", true},
+                     {Request::pause, "pause after this trial"},
+                     {Request::note, "note after this trial"},
+                     {Request::end_for_now, "end", true}},
+                    not_in_trial, &task);
 }
 
 KeyMap hand_over_keys(const TaskSpec& task) {
-  const auto key = [&](char32_t letter) { return spared(letter, task); };
-  return KeyMap({{' ', Request::go_on, "when the participant has it", true},
-                 kStop,
-                 {key('r'), Request::repeat_trial, "repeat this trial", true},
-                 {key('n'), Request::note, "note", false},
-                 {key('q'), Request::end_for_now, "end", true},
-                 {'?', HelpWanted{}, "all keys", false}});
+  return scene_keys({{' ', Request::go_on, "when the participant has it", true}, kStop},
+                    {{Request::repeat_trial, "repeat this trial", true},
+                     {Request::note, "note"},
+                     {Request::end_for_now, "end", true}},
+                    not_in_trial, &task);
 }
 
 KeyMap presentation_keys(const Protocol& protocol) {
-  const auto key = [&](char32_t letter) { return spared(letter, protocol.task); };
-  const KeyMap keys({{' ', Request::go_on, "felt enough", true},
-                     kStop,
-                     {key('r'), Request::repeat_trial, "repeat it, after this interval", true},
-                     {key('p'), Request::pause, "pause after this trial", false},
-                     {key('n'), Request::note, "note after this trial", false},
-                     {key('q'), Request::end_for_now, "end after this trial", true}});
-  return protocol.timeline.interval_end == IntervalEnd::key ? keys : keys.without({Request::go_on});
+  std::vector<KeyBinding> main;
+  if (protocol.timeline.interval_end == IntervalEnd::key) main.push_back({' ', Request::go_on, "felt enough", true});
+  main.push_back(kStop);
+  return scene_keys(std::move(main),
+                    {{Request::repeat_trial, "repeat it, after this interval", true},
+                     {Request::pause, "pause after this trial"},
+                     {Request::note, "note after this trial"},
+                     {Request::end_for_now, "end after this trial", true}},
+                    not_in_trial, &protocol.task);
 }
 
 KeyMap between_trials_keys(const TaskSpec& task) {
-  const auto key = [&](char32_t letter) { return spared(letter, task); };
-  return KeyMap({kStop,
-                 {key('p'), Request::pause, "pause", true},
-                 {key('n'), Request::note, "note", true},
-                 {key('q'), Request::end_for_now, "end", true}});
+  return scene_keys(
+      {kStop}, {{Request::pause, "pause", true}, {Request::note, "note", true}, {Request::end_for_now, "end", true}},
+      not_between_trials, &task);
 }
 
 KeyMap pause_keys() {
-  return KeyMap({{' ', Request::go_on, "goes on", true},
-                 kStop,
-                 {'n', Request::note, "note", true},
-                 {'q', Request::end_for_now, "ends the session", true}});
+  return scene_keys({{' ', Request::go_on, "goes on", true}, kStop},
+                    {{Request::note, "note", true}, {Request::end_for_now, "ends the session", true}}, not_in_pause);
 }
 
 KeyMap stopped_keys() {
-  return KeyMap({{'c', Request::go_on, "clears the stop and goes on", true,
-                  "Clears the stop. What was the matter? Or Enter (Esc: no)"},
-                 {'n', Request::note, "note", true},
-                 {'q', Request::end_for_now, "ends the session", true}});
+  return scene_keys({{'c', Request::go_on, "clears the stop and goes on", true,
+                      "Clears the stop. What was the matter? Or Enter (Esc: no)"}},
+                    {{Request::note, "note", true}, {Request::end_for_now, "ends the session", true}}, not_stopped);
 }
 
 KeyMap missing_keys() {
-  return pause_keys().without({Request::go_on});
+  return scene_keys({kStop}, {{Request::note, "note", true}, {Request::end_for_now, "ends the session", true}},
+                    not_missing);
 }
 
 KeyMap break_keys(bool over) {
-  const KeyMap keys = pause_keys();
-  return over ? keys : keys.without({Request::go_on});
+  std::vector<KeyBinding> main;
+  if (over) main.push_back({' ', Request::go_on, "goes on", true});
+  main.push_back(kStop);
+  return scene_keys(std::move(main), {{Request::note, "note", true}, {Request::end_for_now, "ends the session", true}},
+                    not_in_break);
 }
 
 KeyMap instruction_keys() {
-  return KeyMap({{' ', Request::go_on, "goes on", true},
-                 kStop,
-                 {'p', Request::pause, "pause", false},
-                 {'n', Request::note, "note", true},
-                 {'q', Request::end_for_now, "ends the session", true}});
+  return scene_keys(
+      {{' ', Request::go_on, "goes on", true}, kStop},
+      {{Request::pause, "pause"}, {Request::note, "note", true}, {Request::end_for_now, "ends the session", true}},
+      not_in_text);
 }
 
 KeyMap finding_keys() {
@@ -217,23 +305,23 @@ KeyMap consent_keys() {
 }
 
 KeyMap ready_to_explore_keys() {
-  return KeyMap({{' ', Request::go_on, "when the participant is ready", true},
-                 kStop,
-                 {'p', Request::pause, "pause", false},
-                 {'n', Request::note, "note", false},
-                 {'b', Request::take_break, "break", false},
-                 {'k', Request::end_block, "end this block", false},
-                 {'q', Request::end_for_now, "end", true},
-                 {'?', HelpWanted{}, "all keys", true}});
+  return scene_keys({{' ', Request::go_on, "when the participant is ready", true}, kStop},
+                    {{Request::pause, "pause"},
+                     {Request::note, "note"},
+                     {Request::take_break, "break"},
+                     {Request::end_block, "end this block"},
+                     {Request::end_for_now, "end", true}},
+                    not_before_trial, nullptr, true);
 }
 
 KeyMap exploring_keys() {
-  return KeyMap({kStop,
-                 {'r', Request::repeat_trial, "break off, again later", true},
-                 {'k', Request::end_block, "enough of it", true, "Ends it early. Reason, or Enter (Esc: no)"},
-                 {'p', Request::pause, "pause", true},
-                 {'n', Request::note, "note", true},
-                 {'q', Request::end_for_now, "end", true}});
+  return scene_keys({kStop},
+                    {{Request::repeat_trial, "break off, again later", true},
+                     {Request::end_block, "enough of it", true, "Ends it early. Reason, or Enter (Esc: no)"},
+                     {Request::pause, "pause", true},
+                     {Request::note, "note", true},
+                     {Request::end_for_now, "end", true}},
+                    not_exploring);
 }
 
 KeyMap storage_keys() {

@@ -1,7 +1,6 @@
 // What the operator's keys do, by what the session waits for.
 #pragma once
 
-#include <initializer_list>
 #include <optional>
 #include <string>
 #include <utility>
@@ -32,18 +31,24 @@ struct GivenAnswer {
 using KeyMeaning = std::variant<Request, GivenAnswer, HelpWanted>;
 
 struct KeyHint {
-  std::string key;    // as printed: "space", "p", "Enter"
-  std::string what;   // what it does
-  bool brief = true;  // also where there is room for the most important keys only
-  bool stop = false;  // shown at every size
+  std::string key;      // as printed: "space", "p", "Enter"
+  std::string what;     // what it does
+  bool brief = true;    // also where there is room for the most important keys only
+  bool stop = false;    // shown at every size
+  bool works = true;    // otherwise it stands in its place, and does nothing here
+  bool place = false;   // one of the operator's own, which have the same place in every scene
+  std::string label{};  // a shorter `what`, for the screen; empty: none
 };
 
 struct KeyBinding {
   char32_t key = 0;  // ' ' is also Enter
   KeyMeaning meaning = Request::go_on;
-  std::string what;
+  std::string what{};
   bool brief = true;
-  std::string reason{};  // how it asks for the operator's reason; empty: as usual
+  std::string reason{};   // how it asks for the operator's reason; empty: as usual
+  std::string label{};    // KeyHint::label
+  std::string why_not{};  // why it does nothing here; empty: it works
+  bool place = false;     // KeyHint::place
 
   bool asks(Request request) const noexcept { return meaning == KeyMeaning(request); }
 };
@@ -51,9 +56,9 @@ struct KeyBinding {
 class KeyMap {
  public:
   explicit KeyMap(std::vector<KeyBinding> bindings) : bindings_(std::move(bindings)) {}
+  // None of one that does nothing here.
   std::optional<KeyBinding> binding_of(const Key& key) const;
   std::vector<KeyHint> hints() const;
-  KeyMap without(std::initializer_list<KeyMeaning> meanings) const;
   // What the operator is told who pressed another key.
   std::string explanation(const Key& pressed) const;
 

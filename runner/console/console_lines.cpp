@@ -77,6 +77,11 @@ void put_review(const QuestionnairePage& page) {
 
 }  // namespace
 
+std::string trial_heading(const TrialOutline& outline) {
+  if (outline.practice) return fmt::format("Practice {} of {}", outline.number, outline.total);
+  return fmt::format("Trial {} of {}{}", outline.number, outline.at_most ? "at most " : "", outline.total);
+}
+
 std::string kind_banner(SessionKind kind) {
   constexpr auto kWords =
       words<SessionKind>({{"REAL SESSION: this counts as data", SessionKind::real},
@@ -135,6 +140,12 @@ void LineDisplay::feedback(const std::string& words) {
 
 void LineDisplay::tell(Tone tone, const std::string& text) {
   put("  {}\n", toned(tone, text));
+}
+
+void LineDisplay::queued(const std::vector<std::string>& what) {
+  for (const std::string& one : what)
+    if (std::find(queued_.begin(), queued_.end(), one) == queued_.end()) put("  {}\n", dim("queued: " + one));
+  queued_ = what;
 }
 
 void LineDisplay::answer(const std::string& trial, const std::string& words, const std::string&) {

@@ -21,6 +21,7 @@ class LineDisplay final : public Display {
   void say(CuePlace place, const std::string& words, bool aloud, bool beep) override;
   void feedback(const std::string& words) override;
   void tell(Tone tone, const std::string& text) override;
+  void queued(const std::vector<std::string>& what) override;
   void answer(const std::string& trial, const std::string& words, const std::string& by) override;
   void countdown(const std::string& what, double left_s, double total_s) override;
   void countdown_over() override;
@@ -37,7 +38,8 @@ class LineDisplay final : public Display {
   std::vector<KeyHint> keys_;
   std::string typed_;  // of the field, as it stands on the line
   bool typing_ = false;
-  int said_left_s_ = -1;  // of a countdown
+  std::vector<std::string> queued_;  // told already
+  int said_left_s_ = -1;             // of a countdown
 };
 
 // "REHEARSAL (kind pilot: never counted as real data)"

@@ -41,7 +41,7 @@ bool fits(const Question& question, char32_t character) {
   const bool digit = character >= '0' && character <= '9';
   if (question.kind == Question::Kind::choice || question.kind == Question::Kind::rating)
     return digit || (question.min < 0 && character == '-');
-  if (question.kind == Question::Kind::confirm) return false;
+  if (question.kind == Question::Kind::confirm) return character == 'y' || character == 'Y';
   return digit || character == '.' || character == ',' || character == '-';
 }
 
@@ -110,8 +110,7 @@ void QuestionnairePage::back() {
 }
 
 bool QuestionnairePage::answers(const Key& key) const noexcept {
-  if (key.is(KeyName::enter) || key.is(KeyName::down) || key.is(KeyName::tab)) return true;
-  return !reviewing() && items_[at_].question->kind == Question::Kind::confirm && (key.is(U'y') || key.is(U'Y'));
+  return key.is(KeyName::enter) || key.is(KeyName::down) || key.is(KeyName::tab);
 }
 
 QuestionnairePage::State QuestionnairePage::press(const Key& key) {
@@ -126,13 +125,15 @@ QuestionnairePage::State QuestionnairePage::press(const Key& key) {
     editor_.press(key);
     return State::open;
   }
-  if (answers(key)) return take(key.name == KeyName::character ? "y" : editor_.text());
+  if (answers(key)) return take(editor_.text());
   const Question& question = *items_[at_].question;
   mistake_.clear();
   if (key.name == KeyName::character && !fits(question, key.character))
     mistake_ = question.kind == Question::Kind::confirm  ? "please type y once it is so"
                : question.kind == Question::Kind::choice ? "please type the number of an answer"
                                                          : "please type a number";
+  else if (question.kind == Question::Kind::confirm && key.name == KeyName::character)
+    editor_ = LineEditor("y");  // however long it is held down
   else
     editor_.press(key);
   items_[at_].typed = editor_.text();

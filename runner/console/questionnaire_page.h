@@ -31,7 +31,8 @@ class QuestionnairePage {
   // review: whether the page is shown once more before it is committed; a page of one question never is.
   explicit QuestionnairePage(std::vector<Item> items, bool review = true);
 
-  // Whether a key, on the screen, takes the answer or the page as it stands, rather than editing, or going back.
+  // Whether a key, on the screen, takes the answer or the page as it stands, rather than editing, or going back. Whatever the
+  // question, it is Enter that does.
   bool answers(const Key& key) const noexcept;
   // A key on the screen: text into the field, Enter or down to the next, up to the one before; Escape asks to leave.
   State press(const Key& key);

@@ -12,8 +12,11 @@ namespace jnd {
 
 namespace {
 
-constexpr std::size_t kMostPast = 4;
-constexpr int kMostKeyRows = 3;
+constexpr int kMostKeyRows = 4;
+constexpr int kLeastLog = 6;     // rows of its pane
+constexpr int kLeastRecent = 2;  // rows of what happened, where there is no pane
+
+}  // namespace
 
 std::vector<KeyHint> keys_now(const ScreenModel& model) {
   if (model.dialog) return model.dialog->keys;
@@ -22,12 +25,18 @@ std::vector<KeyHint> keys_now(const ScreenModel& model) {
   const char* const enter = model.page->reviewing()           ? "saves the answers"
                             : model.page->items().size() == 1 ? "saves the answer"
                                                               : "next";
-  std::vector<KeyHint> keys = {{"Enter", enter, true}};
+  std::vector<KeyHint> keys;
+  if (!model.page->reviewing() && model.page->items()[model.page->at()].question->kind == Question::Kind::confirm)
+    keys.push_back({"y", "it is so", true});
+  keys.push_back({"Enter", enter, true});
   if (model.page->at() > 0) keys.push_back({"up", "back", true});
   keys.push_back({"Esc", "leave", true});
+  keys.push_back({"Ctrl-L", model.large ? "usual text" : "large text", false});
   keys.push_back(stop_hint_of_text());
   return keys;
 }
+
+namespace {
 
 // The stop first, then what is asked or said, then the other keys, as much of it as there are rows.
 Frame too_small(const ScreenModel& model, int rows, const Area& area) {
@@ -39,6 +48,7 @@ Frame too_small(const ScreenModel& model, int rows, const Area& area) {
 
   const bool reading = !model.dialog && (model.page != nullptr || model.scene.to_read);
   std::string words = model.dialog  ? model.dialog->question
+                      : model.stop  ? fmt::format("STOPPED ({}). The devices are at rest.", model.stop->by)
                       : model.field ? model.field->label + ": " + model.field->text
                       : reading     ? "Make the window larger to read what is asked. "
                                       "Nothing is answered before."
@@ -48,7 +58,7 @@ Frame too_small(const ScreenModel& model, int rows, const Area& area) {
   Frame frame;
   frame.rows.push_back({span(area, 0, first, style_of(Tone::warning))});
   for (const std::string& line : wrapped(showable(words, area.unicode), area.columns))
-    frame.rows.push_back({span(area, 0, line, style_of(Tone::strong))});
+    frame.rows.push_back({span(area, 0, line, model.stop ? style_of(Shade::stop) : style_of(Tone::strong))});
   const bool fits = static_cast<int>(frame.rows.size()) <= rows;
   if (!model.hint.text.empty()) frame.rows.push_back({span(area, 0, model.hint.text, style_of(model.hint.tone))});
   for (Row& row : key_rows(area, keys, std::max(1, rows - static_cast<int>(frame.rows.size()))))
@@ -58,18 +68,38 @@ Frame too_small(const ScreenModel& model, int rows, const Area& area) {
   return frame;
 }
 
-// The latest of what has happened, as much as there is room for.
-std::vector<Row> past_rows(const Area& area, const ScreenModel& model, int room) {
-  std::vector<Row> rows;
-  for (std::size_t back = 1; back <= std::min(model.past.size(), kMostPast); ++back) {
-    const TonedLine& line = model.past[model.past.size() - back];
-    const Style style = back == 1 && line.tone == Tone::warning ? style_of(Tone::strong) : style_of(Tone::quiet);
-    std::vector<Row> event;
-    for (const std::string& part : wrapped(line.text, area.columns - 2)) event.push_back({span(area, 1, part, style)});
-    if (static_cast<int>(rows.size() + event.size()) > room) break;
-    rows.insert(rows.begin(), event.begin(), event.end());
+// What of the middle is seen, where it is longer than its room: its head and its foot stay, and what is between them is
+// seen through a window.
+void put_middle(const Area& area, const ScreenModel& model, const MainPart& middle, int room, Frame& frame) {
+  const auto from = static_cast<int>(frame.rows.size());
+  const auto wanted = static_cast<int>(middle.rows.size());
+  const int scrollable = std::max(0, wanted - room);
+  const int scrolled = std::min(model.scrolled, scrollable);
+  const int head = std::min(static_cast<int>(middle.least), room);
+  const int foot = scrollable > 0 ? std::min(static_cast<int>(middle.foot), room - head) : 0;
+  const int window_end = room - foot;
+  for (int i = 0; i < room; ++i) {
+    const int at = i < head ? i : i < window_end ? i + scrolled : i + scrollable;
+    frame.rows.push_back(at < wanted ? middle.rows[static_cast<std::size_t>(at)] : Row{});
   }
-  return rows;
+  frame.window_lines = window_end - head;
+  frame.hidden_lines = scrollable - scrolled;
+  if (scrollable > 0 && frame.window_lines < 1)
+    frame.unseen = Unseen::too_small;
+  else if (frame.hidden_lines > 0 || model.help)
+    frame.unseen = Unseen::below;
+  if (frame.hidden_lines > 0 && frame.window_lines > 0)
+    frame.rows[static_cast<std::size_t>(from + window_end - 1)] = {span(
+        area, 1,
+        fmt::format("{} more lines: {}", frame.hidden_lines + 1, model.page != nullptr ? "Page Down" : "arrow down"),
+        {.reverse = true})};
+  if (!middle.cursor) return;
+  const int row = middle.cursor->first;
+  frame.cursor = {from + (row < wanted - foot ? row : row - scrollable), middle.cursor->second};
+}
+
+void append(const std::vector<Row>& part, Frame& frame) {
+  frame.rows.insert(frame.rows.end(), part.begin(), part.end());
 }
 
 }  // namespace
@@ -77,53 +107,37 @@ std::vector<Row> past_rows(const Area& area, const ScreenModel& model, int room)
 Frame lay_out(const ScreenModel& model, int rows, int columns, bool unicode) {
   const Area area{columns, unicode, rows};
   if (rows < kLeastRows || columns < kLeastColumns) return too_small(model, rows, area);
-  std::vector<Row> top = {banner_row(area, model.card), card_row(area, model.card), trial_row(area, model)};
-  top.push_back(progress_row(area, model.progress));
-  top.push_back(rule_row(area));
-
+  Frame frame;
+  frame.rows = head_rows(area, model);
   std::vector<Row> bottom = {rule_row(area)};
   for (Row& row : key_rows(area, keys_now(model), kMostKeyRows)) bottom.push_back(std::move(row));
 
   // The middle first; what has happened and the devices get the rest, and make way for a long text.
-  MainPart middle = main_part(area, model);
-  const int free = rows - static_cast<int>(top.size() + bottom.size());
-  const int wanted = static_cast<int>(middle.rows.size());
-  std::vector<Row> status;
-  const bool text_first = wanted + 2 > free;
-  if (!text_first) status = {answer_row(area, model), health_row(area, model.health)};
-  const std::vector<Row> past = past_rows(area, model, free - wanted - static_cast<int>(status.size()) - 1);
-
-  Frame frame;
-  frame.rows = std::move(top);
-  const auto main_from = static_cast<int>(frame.rows.size());
-  const int main_rows = free - static_cast<int>(status.size() + past.size());
-  const int scrollable = std::max(0, wanted - main_rows);
-  const int scrolled = std::min(model.scrolled, scrollable);
-  // The head and the foot of the middle stay; what is between them is seen through a window.
-  const int head = std::min(static_cast<int>(middle.least), main_rows);
-  const int foot = scrollable > 0 ? std::min(static_cast<int>(middle.foot), main_rows - head) : 0;
-  const int window_end = main_rows - foot;
-  for (int i = 0; i < main_rows; ++i) {
-    const int from = i < head ? i : i < window_end ? i + scrolled : i + scrollable;
-    frame.rows.push_back(from < wanted ? middle.rows[static_cast<std::size_t>(from)] : Row{});
+  const bool pane = columns >= kLogColumns && rows >= kLogRows;
+  const int free = rows - static_cast<int>(frame.rows.size() + bottom.size());
+  std::vector<Row> status = status_rows(area, model);
+  const auto least = static_cast<int>(status.size());
+  const int kept = pane ? kLeastLog : static_cast<int>(recent_rows(area, model, kLeastRecent).size());
+  const MainPart middle = main_part(area, model, free - least - kept);
+  const auto wanted = static_cast<int>(middle.rows.size());
+  if (wanted + least > free) status.clear();
+  const int rest = free - static_cast<int>(status.size()) - wanted;
+  std::vector<Row> past;
+  if (pane && rest >= kLeastLog) {
+    past = log_rows(area, model, rest);
+    frame.log_lines = rest - 1;
+  } else {
+    past = recent_rows(area, model, rest - 1);
   }
-  frame.window_lines = window_end - head;
-  frame.hidden_lines = scrollable - scrolled;
-  if (scrollable > 0 && frame.window_lines < 1)
-    frame.unseen = Unseen::too_small;
-  else if (frame.hidden_lines > 0)
-    frame.unseen = Unseen::below;
-  if (frame.hidden_lines > 0 && frame.window_lines > 0)
-    frame.rows[static_cast<std::size_t>(main_from + window_end - 1)] = {span(
-        area, 1,
-        fmt::format("{} more lines: {}", frame.hidden_lines + 1, model.page != nullptr ? "Page Down" : "arrow down"),
-        {.reverse = true})};
-  if (middle.cursor) {
-    const int row = middle.cursor->first;
-    frame.cursor = {main_from + (row < wanted - foot ? row : row - scrollable), middle.cursor->second};
+  put_middle(area, model, middle, free - static_cast<int>(status.size() + past.size()), frame);
+  if (frame.log_lines > 0) {
+    append(status, frame);
+    append(past, frame);
+  } else {
+    append(past, frame);
+    append(status, frame);
   }
-  for (const std::vector<Row>* part : {&past, &std::as_const(status), &std::as_const(bottom)})
-    frame.rows.insert(frame.rows.end(), part->begin(), part->end());
+  append(bottom, frame);
   return frame;
 }
 

@@ -25,7 +25,10 @@ namespace jnd {
 
 namespace {
 
-constexpr short kBluePair = 1, kYellowPair = 2, kCyanPair = 3;
+// The pair of a shade in ncurses' table; 0 is the terminal's own.
+short pair_number(Shade shade) noexcept {
+  return static_cast<short>(shade);
+}
 
 // A terminfo string, without its padding marks.
 std::string capability(const char* name) {
@@ -73,9 +76,10 @@ ScreenPainter::ScreenPainter() : screen_(std::make_unique<Screen>()), continuati
   if (!colours_) return;
   start_color();
   use_default_colors();
-  init_pair(kBluePair, COLOR_BLUE, -1);
-  init_pair(kYellowPair, COLOR_YELLOW, -1);
-  init_pair(kCyanPair, COLOR_CYAN, -1);
+  for (const Shade shade : kShades) {
+    const ColourPair pair = colours_of(shade, COLORS);
+    init_pair(pair_number(shade), pair.foreground, pair.background);
+  }
 }
 
 ScreenPainter::~ScreenPainter() {
@@ -117,12 +121,11 @@ bool ScreenPainter::works() const noexcept {
 unsigned long ScreenPainter::attributes(const Style& style) const {
   chtype attributes = A_NORMAL;
   if (style.bold) attributes |= A_BOLD;
-  if (style.reverse) attributes |= A_REVERSE;
+  const bool coloured = colours_ && style.shade != Shade::none;
+  if (style.reverse && !coloured) attributes |= A_REVERSE;
   if (style.dim) attributes |= A_DIM;
   if (style.underline) attributes |= A_UNDERLINE;
-  if (colours_ && style.colour == Style::Colour::blue) attributes |= COLOR_PAIR(kBluePair);
-  if (colours_ && style.colour == Style::Colour::yellow) attributes |= COLOR_PAIR(kYellowPair);
-  if (colours_ && style.colour == Style::Colour::cyan) attributes |= COLOR_PAIR(kCyanPair);
+  if (coloured) attributes |= static_cast<chtype>(COLOR_PAIR(pair_number(style.shade)));
   return attributes;
 }
 

@@ -13,14 +13,23 @@ namespace jnd {
 
 namespace {
 
+constexpr int kFewRows = 20;  // below it what is said twice, or could be, gives way
+
 std::string lateness_text(double latest_us) {
   if (latest_us < kTightLoop.largest_us) return "on time";
   return fmt::format("late by up to {:.0f} ms", std::ceil(latest_us / 1000));
 }
+
 }  // namespace
 
 Span span(const Area& area, int column, const std::string& text, Style style) {
   return {column, clipped(showable(text, area.unicode), area.columns - column, area.unicode), style};
+}
+
+Row filled(const Area& area, const std::string& text, Style style) {
+  std::string line = clipped(" " + showable(text, area.unicode), area.columns, area.unicode);
+  line.append(static_cast<std::size_t>(std::max(0, area.columns - columns_of(line))), ' ');
+  return {{0, line, style}};
 }
 
 Style style_of(Tone tone) {
@@ -30,11 +39,16 @@ Style style_of(Tone tone) {
     case Tone::quiet:
       return kDim;
     case Tone::warning:
-      return {.bold = true, .reverse = true, .colour = Style::Colour::yellow};
+      return style_of(Shade::warning);
     case Tone::plain:
       break;
   }
   return {};
+}
+
+Style style_of(Shade shade) {
+  if (shade == Shade::none) return kBold;
+  return {.bold = true, .reverse = true, .shade = shade};
 }
 
 std::string bar(double share, int cells, bool unicode) {
@@ -44,6 +58,20 @@ std::string bar(double share, int cells, bool unicode) {
   return text;
 }
 
+std::string elapsed_text(double seconds) {
+  constexpr long kMinute_s = 60, kHour_s = 3600;
+  const long whole = std::lround(std::floor(std::max(0.0, seconds)));
+  if (whole < kHour_s) return fmt::format("{}:{:02}", whole / kMinute_s, whole % kMinute_s);
+  return fmt::format("{}:{:02}:{:02}", whole / kHour_s, whole % kHour_s / kMinute_s, whole % kMinute_s);
+}
+
+void add_text(const Area& area, const std::string& text, Style style, std::vector<Row>& rows) {
+  // Line by line, since what is showable has no line ends.
+  for (const std::string& line : wrapped(text, area.columns - 2)) rows.push_back({span(area, 1, line, style)});
+}
+
+namespace {
+
 // The three kinds differ in their words, in how they are lettered and in what fills the line.
 Row banner_row(const Area& area, const SessionCard& card) {
   std::string words, fill;
@@ -52,12 +80,12 @@ Row banner_row(const Area& area, const SessionCard& card) {
     case SessionKind::real:
       words = " REAL SESSION - this counts as data ";
       fill = " ";
-      style = {.bold = true, .reverse = true, .colour = Style::Colour::blue};
+      style = style_of(Shade::real);
       break;
     case SessionKind::pilot:
       words = " REHEARSAL (pilot) - never counted as real data ";
       fill = "/";
-      style = {.bold = true, .underline = true, .colour = Style::Colour::yellow};
+      style = {.bold = true, .underline = true, .shade = Shade::rehearsal};
       break;
     case SessionKind::simulated:
       words = " SIMULATED participant - a demonstration ";
@@ -66,11 +94,12 @@ Row banner_row(const Area& area, const SessionCard& card) {
       break;
   }
   std::string text = fill + fill + words;
-  while (columns_of(text) < area.columns) text += fill;
+  for (int column = columns_of(text); column < area.columns; ++column) text += fill;
   return {span(area, 0, text, style)};
 }
 
-Row card_row(const Area& area, const SessionCard& card) {
+Row card_row(const Area& area, const ScreenModel& model) {
+  const SessionCard& card = model.card;
   std::string text = fmt::format("Participant {}", card.participant);
   if (!card.group.empty()) text += fmt::format("   group {}", card.group);
   if (card.sessions > 1) text += fmt::format("   session {} of {}", card.session, card.sessions);
@@ -78,60 +107,146 @@ Row card_row(const Area& area, const SessionCard& card) {
   if (card.fast) text += "   --fast";
   Row row = {span(area, 1, text, kBold)};
   const int used = 1 + columns_of(text) + 3;
-  if (used + 12 < area.columns) row.push_back(span(area, used, card.title, kDim));
+  const int room = area.columns - used - (model.clock.empty() ? 0 : columns_of(model.clock) + 3);
+  if (room > 12) row.push_back({used, clipped(showable(card.title, area.unicode), room, area.unicode), kDim});
+  if (!model.clock.empty()) row.push_back(span(area, area.columns - columns_of(model.clock) - 1, model.clock, kBold));
   return row;
+}
+
+// Where the trial stands, in words, or shorter where there is little room.
+std::vector<std::string> places_of(const TrialOutline& outline, bool brief) {
+  std::vector<std::string> parts;
+  if (!outline.practice)
+    parts.push_back(fmt::format("block {}{}{}", outline.block, brief ? "/" : " of ", outline.blocks));
+  if (outline.practice && outline.round > 1) parts.push_back(fmt::format("round {}", outline.round));
+  if (!outline.condition_code.empty()) parts.push_back(fmt::format("condition {}", outline.condition_code));
+  parts.push_back(fmt::format("plan no. {}", outline.plan_number));
+  if (outline.attempt > 1) parts.push_back(fmt::format("attempt {}", outline.attempt));
+  return parts;
 }
 
 Row trial_row(const Area& area, const ScreenModel& model) {
   if (!model.outline) {
-    return {span(area, 1, fmt::format("{} of {} trials done", model.card.trials_done, model.card.trials_total))};
+    return {span(area, 1, fmt::format("{} of {} trials done", model.card.trials_done, model.card.trials_total), kBold)};
   }
-  const TrialOutline& outline = *model.outline;
-  const std::string head = trial_heading(outline);
-  std::string rest;
-  if (!outline.practice) rest += fmt::format("   block {} of {}", outline.block, outline.blocks);
-  if (outline.practice && outline.round > 1) rest += fmt::format("   round {}", outline.round);
-  if (!outline.condition_code.empty()) rest += fmt::format("   condition {}", outline.condition_code);
-  if (!outline.practice) rest += fmt::format("   about {} left", duration_text(outline.time_left_s));
-  if (outline.attempt > 1) rest += fmt::format("   attempt {}", outline.attempt);
-  rest += fmt::format("   plan no. {}", outline.plan_number);
+  const std::string head = trial_heading(*model.outline);
+  std::string rest = fmt::format("   {}", fmt::join(places_of(*model.outline, false), "   "));
+  if (columns_of(head) + columns_of(rest) + 1 > area.columns)
+    rest = fmt::format("  {}", fmt::join(places_of(*model.outline, true), "  "));
   return {span(area, 1, head, kBold), span(area, 1 + columns_of(head), rest)};
 }
 
-Row progress_row(const Area& area, const std::vector<ConditionProgress>& progress) {
-  if (progress.empty()) return {};
-  const int each = (area.columns - 1) / static_cast<int>(progress.size());
+constexpr int kRoomForLeft = 80, kRoomForPace = 110;     // columns for "about 1 h 30 min left", for its pace
+constexpr int kShortEnd = 12, kEnd = 35, kLongEnd = 49;  // columns that it takes at most
+
+std::string end_text(const Area& area, const ScreenModel& model) {
+  if (model.left.empty()) return "";
+  const char* const pace = model.card.fast && area.columns >= kRoomForPace ? " at full pace" : "";
+  if (area.columns < kRoomForLeft) return fmt::format("ends {}", model.ends);
+  return fmt::format("about {} left{}, ends {}", model.left, pace, model.ends);
+}
+
+int done_of(const std::vector<ConditionProgress>& progress) {
+  int done = 0;
+  for (const ConditionProgress& condition : progress) done += condition.done;
+  return done;
+}
+
+int total_of(const std::vector<ConditionProgress>& progress) {
+  int total = 0;
+  for (const ConditionProgress& condition : progress) total += condition.total;
+  return total;
+}
+
+// A condition's letter, its bar where there is room for one, and its counts.
+std::string condition_text(const ConditionProgress& condition, int room, bool unicode) {
+  constexpr int kLeastCells = 4, kMostCells = 20;
+  const std::string counts = fmt::format("{}/{}", condition.done, condition.total);
+  const int cells = std::min(kMostCells, room - columns_of(condition.code) - columns_of(counts) - 2);
+  const double share = condition.total > 0 ? static_cast<double>(condition.done) / condition.total : 0;
+  return cells >= kLeastCells ? fmt::format("{} {} {}", condition.code, bar(share, cells, unicode), counts)
+                              : fmt::format("{} {}", condition.code, counts);
+}
+
+// All of it, then each condition, and at the right when it will be over.
+Row progress_row(const Area& area, const ScreenModel& model) {
+  constexpr int kGap = 3, kWholeCells = 20, kNarrowCells = 8, kWide = 100;
+  const std::vector<ConditionProgress>& progress = model.progress;
   Row row;
-  int column = 1;
+  const std::string end = end_text(area, model);
+  const int right = end.empty() ? area.columns - 1 : area.columns - columns_of(end) - 1;
+  if (!end.empty()) row.push_back(span(area, right, end, kBold));
+  if (total_of(progress) == 0) return row;
+  const double share = static_cast<double>(done_of(progress)) / total_of(progress);
+  const std::string whole = fmt::format(
+      "{} {:.0f} %", bar(share, area.columns < kWide ? kNarrowCells : kWholeCells, area.unicode), 100 * share);
+  row.push_back(span(area, 1, whole, kBold));
+  int column = 1 + columns_of(whole) + kGap;
+  // As long as the longest words at the right, so that no bar changes its length with them.
+  const int kept = end.empty()                   ? 0
+                   : area.columns < kRoomForLeft ? kShortEnd
+                   : area.columns < kRoomForPace ? kEnd
+                                                 : kLongEnd;
+  const int each = (std::min(right, area.columns - kept) - column) / static_cast<int>(progress.size()) - kGap;
   for (const ConditionProgress& condition : progress) {
-    const std::string counts = fmt::format("{}/{}", condition.done, condition.total);
-    const int cells = std::min(20, each - columns_of(condition.code) - columns_of(counts) - 4);
-    const double share = condition.total > 0 ? static_cast<double>(condition.done) / condition.total : 0;
-    const std::string text = cells >= 4
-                                 ? fmt::format("{} {} {}", condition.code, bar(share, cells, area.unicode), counts)
-                                 : fmt::format("{} {}", condition.code, counts);
-    if (column + columns_of(text) > area.columns) {
-      row.push_back(span(area, std::min(column, area.columns - 3), area.unicode ? "…" : "...", kDim));
+    const std::string text = condition_text(condition, each, area.unicode);
+    if (column + columns_of(text) + 1 > right) {
+      row.push_back(span(area, std::min(column, right - 3), area.unicode ? "…" : "...", kDim));
       break;
     }
     row.push_back(span(area, column, text));
-    column += columns_of(text) + 3;
+    column += columns_of(text) + kGap;
   }
   return row;
 }
 
-Row rule_row(const Area& area) {
-  std::string text;
-  for (int i = 0; i < area.columns; ++i) text += area.unicode ? "─" : "-";
+}  // namespace
+
+std::vector<Row> head_rows(const Area& area, const ScreenModel& model) {
+  std::vector<Row> rows = {banner_row(area, model.card), card_row(area, model), trial_row(area, model),
+                           progress_row(area, model)};
+  if (area.rows >= kFewRows) rows.push_back(rule_row(area));
+  return rows;
+}
+
+Row rule_row(const Area& area, const std::string& title) {
+  std::string text = title.empty() ? "" : (area.unicode ? "── " : "-- ") + title + " ";
+  for (int column = columns_of(text); column < area.columns; ++column) text += area.unicode ? "─" : "-";
   return {span(area, 0, text, kDim)};
 }
 
+namespace {
+
+std::string counts_text(const AnswerCounts& counts) {
+  std::string text = fmt::format("voids {}", counts.voids);
+  if (counts.no_contact > 0) text += fmt::format("   no contact {} in a row", counts.no_contact);
+  return text;
+}
+
 Row answer_row(const Area& area, const ScreenModel& model) {
-  if (model.answer.empty()) return {span(area, 1, "No answer to show", kDim)};
+  const std::string counts = counts_text(model.counts);
+  constexpr int kStreak = 2;  // attempts without contact, from which the operator is to look
+  const Style style = model.counts.no_contact >= kStreak ? style_of(Tone::warning) : kDim;
+  const Span right = span(area, area.columns - columns_of(counts) - 1, counts, style);
+  if (model.answer.empty()) return {span(area, 1, "No answer to show", kDim), right};
   const std::string saved = fmt::format("Saved: {},", model.answered);
   const int from = 2 + columns_of(saved);
-  return {span(area, 1, saved, kDim), span(area, from, model.answer, kBold),
-          span(area, from + 2 + columns_of(model.answer), fmt::format("entered by the {}", model.by), kDim)};
+  Row row = {span(area, 1, saved, kDim), span(area, from, model.answer, kBold)};
+  const std::string by = fmt::format("entered by the {}", model.by);
+  const int after = from + 2 + columns_of(model.answer);
+  if (after + columns_of(by) + 2 < right.column) row.push_back(span(area, after, by, kDim));
+  row.push_back(right);
+  return row;
+}
+
+}  // namespace
+
+std::vector<Row> status_rows(const Area& area, const ScreenModel& model) {
+  std::vector<Row> rows = {answer_row(area, model)};
+  if (area.rows >= kFewRows && !model.before.empty())
+    rows.push_back({span(area, 1, fmt::format("Before: {}", fmt::join(model.before, "   ")), kDim)});
+  rows.push_back(health_row(area, model.health));
+  return rows;
 }
 
 Row health_row(const Area& area, const std::optional<DeviceHealth>& health) {
@@ -154,13 +269,26 @@ Row health_row(const Area& area, const std::optional<DeviceHealth>& health) {
   return row;
 }
 
+// The keys.
+
 namespace {
 
-int width_of(const KeyHint& hint) {
-  return columns_of(hint.key) + 3 + columns_of(hint.what);
+const std::string& words_of(const KeyHint& hint) {
+  return hint.label.empty() ? hint.what : hint.label;
 }
 
-std::vector<Row> rows_of_keys(const Area& area, const std::vector<KeyHint>& keys) {
+int width_of(const KeyHint& hint) {
+  return columns_of(hint.key) + 3 + columns_of(words_of(hint));
+}
+
+void add_key(const Area& area, int column, const KeyHint& hint, Row& row) {
+  const Style key = hint.stop ? style_of(Shade::stop) : hint.works ? kBold : kDim;
+  row.push_back(span(area, column, fmt::format("[{}]", hint.key), key));
+  row.push_back(span(area, column + columns_of(hint.key) + 3, words_of(hint), hint.works ? Style{} : kDim));
+}
+
+std::vector<Row> rows_of_keys(const Area& area, const std::vector<KeyHint>& keys, int gap) {
+  if (keys.empty()) return {};
   std::vector<Row> rows(1);
   int column = 1;
   for (const KeyHint& hint : keys) {
@@ -168,10 +296,28 @@ std::vector<Row> rows_of_keys(const Area& area, const std::vector<KeyHint>& keys
       rows.emplace_back();
       column = 1;
     }
-    rows.back().push_back(span(area, column, fmt::format("[{}]", hint.key), kBold));
-    rows.back().push_back(span(area, column + columns_of(hint.key) + 3, hint.what));
-    column += width_of(hint) + 3;
+    add_key(area, column, hint, rows.back());
+    column += width_of(hint) + gap;
   }
+  return rows;
+}
+
+// In as few rows as they can be, and then as far apart as they can be.
+std::vector<Row> packed(const Area& area, const std::vector<KeyHint>& keys) {
+  constexpr int kWidest = 3;
+  const std::size_t fewest = rows_of_keys(area, keys, 1).size();
+  for (int gap = kWidest; gap > 1; --gap)
+    if (auto rows = rows_of_keys(area, keys, gap); rows.size() == fewest) return rows;
+  return rows_of_keys(area, keys, 1);
+}
+
+// What the scene asks for first; the operator's own keys below, in their places.
+std::vector<Row> rows_in_places(const Area& area, const std::vector<KeyHint>& keys) {
+  std::vector<KeyHint> main = keys, own;
+  std::copy_if(keys.begin(), keys.end(), std::back_inserter(own), [](const KeyHint& hint) { return hint.place; });
+  std::erase_if(main, [](const KeyHint& hint) { return hint.place; });
+  std::vector<Row> rows = packed(area, main);
+  for (Row& row : packed(area, own)) rows.push_back(std::move(row));
   return rows;
 }
 
@@ -179,20 +325,76 @@ std::vector<Row> rows_of_keys(const Area& area, const std::vector<KeyHint>& keys
 
 std::vector<Row> key_rows(const Area& area, const std::vector<KeyHint>& keys, int most) {
   std::vector<KeyHint> shown = keys;
-  std::vector<Row> rows = rows_of_keys(area, shown);
+  std::vector<Row> rows = rows_in_places(area, shown);
   const auto too_many = [&] { return static_cast<int>(rows.size()) > std::max(most, 1); };
-  if (too_many()) {
-    std::erase_if(shown, [](const KeyHint& hint) { return !hint.brief; });
-    rows = rows_of_keys(area, shown);
-  }
+  const auto without = [&](auto&& these) {
+    std::erase_if(shown, these);
+    rows = rows_in_places(area, shown);
+  };
+  if (too_many()) without([](const KeyHint& hint) { return !hint.works; });
+  if (too_many()) without([](const KeyHint& hint) { return !hint.brief; });
   // The last one that is not the stop goes first.
   while (too_many() && shown.size() > 1) {
     const auto last = std::find_if(shown.rbegin(), shown.rend(), [](const KeyHint& hint) { return !hint.stop; });
     if (last == shown.rend()) break;
     shown.erase(std::next(last).base());
-    rows = rows_of_keys(area, shown);
+    rows = rows_in_places(area, shown);
   }
   rows.resize(std::min(rows.size(), static_cast<std::size_t>(std::max(most, 1))));
+  return rows;
+}
+
+// What has happened, each line with the time of day.
+
+namespace {
+
+std::vector<Row> rows_of(const Area& area, const LogLine& line, Style style) {
+  std::vector<Row> rows;
+  const int from = 1 + columns_of(line.time) + 2;
+  for (const std::string& part : wrapped(line.text, area.columns - from - 1)) {
+    Row row;
+    if (rows.empty()) row.push_back(span(area, 1, line.time, kDim));
+    row.push_back(span(area, from, part, style));
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+Style style_in_log(const LogLine& line) {
+  if (!line.notable) return kDim;
+  return line.tone == Tone::warning || line.tone == Tone::strong ? kBold : Style{};
+}
+
+}  // namespace
+
+std::vector<Row> recent_rows(const Area& area, const ScreenModel& model, int room) {
+  constexpr std::size_t kMost = 4;
+  std::vector<Row> rows;
+  std::size_t shown = 0;
+  for (std::size_t i = model.log.size(); i > model.log_of_now && shown < kMost; --i) {
+    const LogLine& line = model.log[i - 1];
+    if (!line.notable) continue;
+    const bool latest = shown++ == 0;
+    const std::vector<Row> event =
+        rows_of(area, line, latest && line.tone == Tone::warning ? style_of(Tone::strong) : style_of(Tone::quiet));
+    if (static_cast<int>(rows.size() + event.size()) > room) break;
+    rows.insert(rows.begin(), event.begin(), event.end());
+  }
+  return rows;
+}
+
+std::vector<Row> log_rows(const Area& area, const ScreenModel& model, int room) {
+  const auto lines = static_cast<std::size_t>(std::max(0, room - 1));
+  const std::size_t below = std::min(static_cast<std::size_t>(std::max(0, model.log_back)), model.log.size());
+  std::vector<Row> rows;
+  for (std::size_t i = model.log.size() - below; i > 0 && rows.size() < lines; --i) {
+    const std::vector<Row> event = rows_of(area, model.log[i - 1], style_in_log(model.log[i - 1]));
+    rows.insert(rows.begin(), event.begin(), event.end());
+  }
+  if (rows.size() > lines) rows.erase(rows.begin(), rows.end() - static_cast<std::ptrdiff_t>(lines));
+  rows.resize(lines);
+  const std::string title = below == 0 ? "Log   Page Up: earlier" : fmt::format("Log   {} later: Page Down", below);
+  rows.insert(rows.begin(), rule_row(area, title));
   return rows;
 }
 

@@ -1,6 +1,8 @@
 #include "runner/console/screen_text.h"
 
+#include <algorithm>
 #include <array>
+#include <string_view>
 
 #include "protocols/input/utf8.h"
 #include "runner/keys/line_editor.h"
@@ -24,11 +26,21 @@ bool within(const std::array<Range, N>& ranges, char32_t c) {
   return false;
 }
 
+// Most text: a column a byte.
+bool plain_ascii(std::string_view text) {
+  return std::all_of(text.begin(), text.end(), [](char c) { return c >= ' ' && c <= '~'; });
+}
+
+// Lines and blocks take a column too.
+constexpr char32_t kLines = 0x2500, kAfterBlocks = 0x25a0;
+
 int width(char32_t c) {
   return static_cast<int>(display_width(to_utf8(std::u32string(1, c))));
 }
 
 int width(const std::u32string& text) {
+  const auto simple = [](char32_t c) { return (c >= U' ' && c <= U'~') || (c >= kLines && c < kAfterBlocks); };
+  if (std::all_of(text.begin(), text.end(), simple)) return static_cast<int>(text.size());
   return static_cast<int>(display_width(to_utf8(text)));
 }
 
@@ -56,6 +68,7 @@ void wrap_line(std::u32string line, int columns, std::vector<std::string>& lines
 }  // namespace
 
 int columns_of(const std::string& text) {
+  if (plain_ascii(text)) return static_cast<int>(text.size());
   return width(code_points(text));
 }
 
@@ -83,6 +96,7 @@ std::vector<std::string> wrapped(const std::string& text, int columns) {
 }
 
 std::string showable(const std::string& text, bool unicode) {
+  if (plain_ascii(text)) return text;
   std::u32string shown = code_points(text);
   for (char32_t& c : shown)
     if (within(kUnsafe, c) || (!unicode && c >= 0x80)) c = U'?';

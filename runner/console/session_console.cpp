@@ -5,10 +5,13 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "devices/hid/buttons/button_box.h"
 #include "protocols/course/prescription.h"
 #include "protocols/tasks/task.h"
+#include "runner/console/console_lines.h"
+#include "runner/console/screen_display.h"
 #include "runner/session/session_listener.h"
 #include "runner/terminal/terminal.h"
 
@@ -16,8 +19,12 @@ namespace jnd {
 
 namespace {
 
-constexpr double kLook_s = 0.05;    // how often a countdown looks at the keys
+constexpr double kLook_s = 0.02;    // how often a countdown looks at the keys
 constexpr double kCounted_s = 3.0;  // a wait between trials of so long is counted down
+
+double seconds_since(std::int64_t began_ns) {
+  return static_cast<double>(SteadyClock().now_ns() - began_ns) * 1e-9;
+}
 
 // As messages name it, which outlive its heading.
 std::string name_of(const TrialOutline& outline) {
@@ -87,6 +94,7 @@ void SessionConsole::begin(const SessionCard& card) {
   SessionCard safe = card;
   for (std::string* text : {&safe.title, &safe.participant, &safe.group}) *text = printable(*text);
   display_->begin(safe);
+  if (options_.large_text) display_->enlarge();
   happened(moment::kBegan);
   if (display_->by_lines() || !warned_) return;
   // What was said before the screen came has gone with it: once more, until it is read.
@@ -190,12 +198,7 @@ OperatorRequest SessionConsole::request_at(const Scene& scene, const KeyMap& key
     }
     if (scene.to_read && binding->asks(Request::go_on) && still_to_read(true)) continue;
     if (const std::optional<OperatorRequest> request = request_of(*binding, keys)) return *request;
-    if (keys_.ended()) continue;
-    if (binding->meaning == KeyMeaning(HelpWanted{}) && !display_->by_lines()) {
-      keys_.prompt();
-      show(with_keys);
-    }
-    display_->keys_again();
+    if (!keys_.ended()) display_->keys_again();
   }
 }
 
@@ -221,6 +224,9 @@ OperatorRequest SessionConsole::ready(const TrialOutline& outline) {
   // Where a limit voids a trial, an attempt of its own would say that one of the two objects is stiff.
   if (rule_repeats(protocol_)) shown.attempt = 1;
   display_->outline(shown);
+  display_->log(fmt::format("{} announced{}", full_name_of(shown),
+                            shown.attempt > 1 ? fmt::format(", attempt {}", shown.attempt) : std::string()));
+  display_->phase({.word = "READY?", .holds = true});
   Scene scene;
   outline_scene(shown, scene);
   scene.task = "Wait until the participant is ready";
@@ -228,6 +234,7 @@ OperatorRequest SessionConsole::ready(const TrialOutline& outline) {
   OperatorRequest request = request_at(scene, ready_keys(outline.can_void_last), true);
   if (request.kind == Request::go_on) {
     noted_.clear();
+    tell_queued();
     for (SessionListener* listener : options_.listeners) listener->trial(shown);
   }
   return request;
@@ -257,6 +264,7 @@ OperatorRequest SessionConsole::meanwhile() {
   if (repeat == noted_.end()) return {};
   const KeyBinding key = *repeat;
   noted_.erase(repeat);
+  tell_queued();
   return request_of(key, question_keys_).value_or(OperatorRequest{});
 }
 
@@ -265,7 +273,16 @@ OperatorRequest SessionConsole::paused(const std::string& cause) {
   scene.tone = Tone::warning;
   scene.heading = "Paused";
   if (cause == "ctrl-c") scene.beside = "by Ctrl-C; once more ends the session safely";
-  return over(moment::kPaused, [&] { return request_at(scene, pause_keys(), false); });
+  if (paused_since_ns_ == 0) {
+    paused_since_ns_ = SteadyClock().now_ns();
+    display_->log(cause == "ctrl-c" ? "paused by Ctrl-C" : "paused");
+  }
+  display_->phase({.word = "PAUSED", .since_ns = paused_since_ns_, .holds = true, .shade = Shade::warning});
+  OperatorRequest request = over(moment::kPaused, [&] { return request_at(scene, pause_keys(), false); });
+  if (request.kind == Request::note) return request;  // it goes on
+  display_->log(fmt::format("the pause is over after {}", duration_text(seconds_since(paused_since_ns_))));
+  paused_since_ns_ = 0;
+  return request;
 }
 
 void SessionConsole::progress(const std::vector<ConditionProgress>& by_condition) {
@@ -273,9 +290,12 @@ void SessionConsole::progress(const std::vector<ConditionProgress>& by_condition
 }
 
 void SessionConsole::health(const DeviceHealth& health) {
+  keys_.look_at_stop();
   DeviceHealth shown = health;
   if (!shown.fault.empty()) shown.fault = reason_text(shown.fault);
+  if (health.presenting && presenting_) show_interval(health);
   display_->health(shown);
+  if (!shown.fault.empty() && options_.alerts) display_->alert();
   if (!health.presenting && std::exchange(presenting_, false))
     for (SessionListener* listener : options_.listeners) listener->interval_over();
   // Where a key ends an interval enough() hears the keys.
@@ -304,14 +324,26 @@ std::string usual_words(CuePlace place, const Protocol& protocol) {
 
 }  // namespace
 
+namespace {
+
+// Of the interval, to be read from afar.
+std::string interval_word(CuePlace place, const Protocol& protocol) {
+  static constexpr std::array kWords = {"FIRST", "SECOND", "THIRD"};
+  return felt_intervals(protocol.task) == 1 ? "FEEL" : kWords[static_cast<std::size_t>(place)];
+}
+
+}  // namespace
+
 void SessionConsole::cue(CuePlace place, const CueSignal& cue) {
-  const bool aloud = !cue.say.empty(), beep = !heard(place, cue) && cue.kind == "sound";
+  const bool by_any = heard(place, cue);
+  const bool aloud = !cue.say.empty(), beep = !by_any && cue.kind == "sound";
   presenting_ = place != CuePlace::question;
   const std::string words = aloud ? printable(cue.say) : usual_words(place, protocol_);
   if (place == CuePlace::question) {
-    question_words_ = words;
-    question_aloud_ = aloud;
+    display_->phase({.word = "QUESTION", .shade = Shade::question});
+    display_->log("the question is asked");
     display_->say(place, words, aloud, beep);
+    if (options_.alerts && !beep && !by_any) display_->alert();
     // Only now can it be answered: a key or a button that came while it was drawn is early.
     note_requests(keys_.prompt(), question_keys_);
     if (options_.buttons != nullptr) options_.buttons->ask();
@@ -324,8 +356,43 @@ void SessionConsole::cue(CuePlace place, const CueSignal& cue) {
     return;
   }
   asks_enough_ = false;
+  interval_ = place;
+  contact_s_.reset();
+  display_->phase({.word = interval_word(place, protocol_)});
+  display_->log(fmt::format("interval: {}", words));
   if (keys_.has_keyboard()) display_->working_keys(presentation_keys(protocol_).hints());
   display_->say(place, words, aloud, beep);
+}
+
+// From the first contact on an interval is as long as the protocol says, whatever is felt.
+void SessionConsole::show_interval(const DeviceHealth& health) {
+  const Timeline& timeline = protocol_.timeline;
+  if (health.contact && !contact_s_) contact_s_ = health.elapsed_s;
+  Phase phase{.word = interval_word(interval_, protocol_)};
+  phase.total_s = contact_s_ ? timeline.explore_s : timeline.no_contact_time_out_s;
+  phase.left_s = std::max(0.0, phase.total_s - (health.elapsed_s - contact_s_.value_or(0)));
+  if (!contact_s_) phase.more = "for the first contact";
+  if (contact_s_ && timeline.interval_end != IntervalEnd::time) phase.more = "at most";
+  display_->phase(phase);
+}
+
+void SessionConsole::show_question_time(double gone_s, double time_out_s) {
+  display_->phase({.word = "QUESTION",
+                   .left_s = std::max(0.0, time_out_s - gone_s),
+                   .total_s = time_out_s,
+                   .shade = Shade::question});
+}
+
+bool SessionConsole::gap(double left_s, double total_s) {
+  keys_.look_at_stop();
+  display_->phase({.word = "GAP", .left_s = left_s, .total_s = total_s});
+  if (!keys_.has_keyboard()) return true;
+  // In a quick rehearsal the session's clock runs ahead of keys and eyes.
+  if (seconds_since(looked_ns_) < kLook_s / 2) return true;
+  looked_ns_ = SteadyClock().now_ns();
+  hear_in_trial();
+  display_->refresh();
+  return std::none_of(noted_.begin(), noted_.end(), asks_to_repeat);
 }
 
 OperatorRequest SessionConsole::hand_over(const HandOver& what) {
@@ -337,11 +404,14 @@ OperatorRequest SessionConsole::hand_over(const HandOver& what) {
   scene.tone = Tone::strong;
   scene.heading = fmt::format("Hand over  {}", words);
   scene.beside = printable(what.condition);
+  display_->phase({.word = "HAND OVER", .holds = true});
   return request_at(scene, hand_over_keys(protocol_.task), true);
 }
 
 void SessionConsole::saved(const TrialOutline& outline, const Answer& answer) {
   last_answered_ = full_name_of(outline);
+  counts_.no_contact = 0;
+  display_->counts(counts_);
   for (SessionListener* listener : options_.listeners) listener->answered(outline, answer);
   display_->answer(name_of(outline),
                    fmt::format("{}, {:.2f} s", answer_text(answer, protocol_.task), answer.response_time_s),
@@ -355,6 +425,9 @@ void SessionConsole::off_prescription(const TrialOutline& outline) {
 
 void SessionConsole::voided(const TrialOutline& outline, const std::string& reason, bool will_repeat) {
   if (reason == "off_prescription") prescribed_.clear();
+  ++counts_.voids;
+  counts_.no_contact = reason == "no_contact" ? counts_.no_contact + 1 : 0;
+  display_->counts(counts_);
   for (SessionListener* listener : options_.listeners) listener->voided(outline, reason);
   if (keys_.has_keyboard()) display_->working_keys(between_trials_keys(protocol_.task).hints());
   display_->tell(Tone::warning,
@@ -373,25 +446,33 @@ void SessionConsole::took_back(bool will_repeat) {
 }
 
 bool SessionConsole::waiting(double left_s, double total_s) {
+  keys_.look_at_stop();
   if (!keys_.has_keyboard()) return true;
   tell_events();
   // In a quick rehearsal the session's clock runs ahead of keys and eyes.
-  const std::int64_t now_ns = SteadyClock().now_ns();
-  if (static_cast<double>(now_ns - looked_ns_) * 1e-9 < kLook_s / 2) return true;
-  looked_ns_ = now_ns;
-  note_requests(keys_.drain(), question_keys_);
+  if (seconds_since(looked_ns_) < kLook_s / 2) return true;
+  looked_ns_ = SteadyClock().now_ns();
+  const KeyMap between = between_trials_keys(protocol_.task);
+  for (const Key& key : keys_.heard()) {
+    if (!between.binding_of(key)) explain(between, key);
+    note_requests({key}, question_keys_);
+  }
+  display_->phase({.word = "NEXT TRIAL", .left_s = left_s, .total_s = total_s});
   // A page that came between, such as a note's or a pause's, is over.
   if (!scene_.heading.empty()) {
     scene_ = {};
-    display_->working_keys(between_trials_keys(protocol_.task).hints());
+    display_->working_keys(between.hints());
   }
   if (total_s >= kCounted_s) display_->countdown("next trial", left_s, total_s);
   display_->refresh();
   std::erase_if(noted_, asks_to_repeat);  // its trial is over
+  tell_queued();
   return noted_.empty();
 }
 
 OperatorRequest SessionConsole::recover(const std::string& stopped_by) {
+  keys_.show_stop(printable(stopped_by));
+  if (options_.alerts) display_->alert();
   Scene scene{Tone::warning,
               fmt::format("STOPPED ({}). The devices are at rest.", printable(stopped_by)),
               "",
@@ -404,7 +485,10 @@ OperatorRequest SessionConsole::recover(const std::string& stopped_by) {
   keys_.see_to_stop(true);
   OperatorRequest request = over(moment::kStopped, [&] { return request_at(scene, stopped_keys(), true); });
   // A pause in it is still in it.
-  if (request.kind == Request::go_on) keys_.see_to_stop(false);
+  if (request.kind == Request::go_on) {
+    keys_.see_to_stop(false);
+    keys_.stop_cleared();
+  }
   return request;
 }
 
@@ -414,6 +498,8 @@ OperatorRequest SessionConsole::missing(const std::string& what, const std::func
                     "",
                     printable(what) + "\nThe devices are at rest. It goes on by itself as soon as all is there again.",
                     {}};
+  display_->phase({.word = "MISSING", .holds = true, .shade = Shade::warning});
+  if (options_.alerts) display_->alert();
   OperatorRequest request = over(moment::kMissing, [&] { return request_at(scene, missing_keys(), true, back); });
   if (request.kind == Request::go_on && keys_.has_keyboard()) display_->tell(Tone::quiet, "all is there again");
   return request;
@@ -448,6 +534,7 @@ void SessionConsole::feedback(bool correct) {
 }
 
 void SessionConsole::practice_over(int rounds, double share_correct, bool passed) {
+  display_->phase({.word = "PRACTICE OVER", .holds = true});
   display_->announce(
       fmt::format("Practice is over after {} round{}: {:.0f} % right{}.", rounds, rounds == 1 ? "" : "s",
                   100 * share_correct, passed ? "" : ", below the protocol's criterion; this is in the log"),
@@ -462,9 +549,23 @@ void SessionConsole::break_begins(const Break& pause, bool asked_by_operator) {
   if (!pause.say.empty()) scene.text = "Say: " + printable(pause.say);
   if (keys_.has_keyboard() && pause.duration_s > 0) scene.keys = break_keys(false).hints();
   note_requests(keys_.prompt(), question_keys_);
+  break_since_ns_ = SteadyClock().now_ns();
+  display_->log(asked_by_operator ? "a break begins, at your wish" : "a break begins");
+  show_break(pause);
   show(scene);
   break_scene_ = scene;
   happened(moment::kBreakBegan);
+}
+
+void SessionConsole::show_break(const Break& pause) {
+  Phase phase{.word = "BREAK", .since_ns = break_since_ns_};
+  const std::int64_t left_ns = break_ends_ns_ - clock_.now_ns();
+  phase.holds = left_ns <= 0;
+  if (left_ns > 0) {
+    phase.left_s = static_cast<double>(left_ns) * 1e-9;
+    phase.total_s = pause.duration_s;
+  }
+  display_->phase(phase);
 }
 
 // Asked again after a note or a pause: the countdown goes on.
@@ -476,13 +577,17 @@ OperatorRequest SessionConsole::break_over(const Break& pause) {
     if (keys_.stopped()) return {Request::stopped, {}};
     if (keys_.pause_asked()) return {Request::pause, {}};
     tell_events();
+    show_break(pause);
     display_->countdown("break", static_cast<double>(break_ends_ns_ - now) * 1e-9, pause.duration_s);
     display_->refresh();
-    for (const Key& key : keys_.drain()) {
+    for (const Key& key : keys_.heard()) {
       const std::optional<KeyBinding> binding = keys.binding_of(key);
       if (!binding) {
-        display_->explain(Tone::quiet, fmt::format("the break is not over: {} left",
-                                                   duration_text(static_cast<double>(break_ends_ns_ - now) * 1e-9)));
+        if (key.is(U' ') || key.is(KeyName::enter))
+          display_->explain(Tone::quiet, fmt::format("the break is not over: {} left",
+                                                     duration_text(static_cast<double>(break_ends_ns_ - now) * 1e-9)));
+        else
+          explain(keys, key);
         continue;
       }
       if (const std::optional<OperatorRequest> request = request_of(*binding, keys)) return *request;
@@ -490,14 +595,20 @@ OperatorRequest SessionConsole::break_over(const Break& pause) {
     clock_.sleep_until_ns(std::min(break_ends_ns_, clock_.now_ns() + static_cast<std::int64_t>(kLook_s * 1e9)));
   }
   display_->countdown_over();
+  show_break(pause);
+  if (pause.duration_s > 0 && options_.alerts) display_->alert();
   OperatorRequest request{keys_.ended() ? Request::end_for_now : Request::go_on, {}};
   if (keys_.has_keyboard())
     request = request_at({Tone::strong, "The break may end", "", "", {}}, break_keys(true), true);
-  if (request.kind == Request::go_on) happened(moment::kGoesOn);
+  if (request.kind == Request::go_on) {
+    display_->log(fmt::format("the break is over after {}", duration_text(seconds_since(break_since_ns_))));
+    happened(moment::kGoesOn);
+  }
   return request;
 }
 
 OperatorRequest SessionConsole::instruct(const Instruction& instruction) {
+  display_->phase({.word = "READ OUT", .holds = true});
   return request_at({.heading = "Instructions",
                      .beside = "read them out, or let the participant read them",
                      .text = instruction.text,
@@ -508,6 +619,7 @@ OperatorRequest SessionConsole::instruct(const Instruction& instruction) {
 std::optional<bool> SessionConsole::consent(const std::string& text) {
   if (!keys_.has_keyboard()) return !keys_.ended();
   const KeyMap keys = consent_keys();
+  display_->phase({.word = "CONSENT", .holds = true, .shade = Shade::question});
   keys_.prompt();
   show({.heading = "Consent",
         .beside = "read it out, or let the participant read it",
@@ -540,12 +652,15 @@ OperatorRequest SessionConsole::ready_to_explore(const ExplorationOutline& outli
       fmt::format("Object: {}. {}", printable(outline.object),
                   outline.devices ? "The participant wears the devices." : "Bare hands: take the devices off.");
   exploring_s_ = outline.duration_s;
+  display_->phase({.word = "READY?", .holds = true});
   happened(moment::kExplorationEnded);  // of one that did not count
   OperatorRequest request = request_at(scene, ready_to_explore_keys(), true);
   if (request.kind == Request::go_on) happened(moment::kExplorationBegan);
   if (request.kind == Request::go_on && keys_.has_keyboard()) {
     scene.keys = exploring_keys().hints();
     scene.text.clear();
+    display_->phase({.word = "EXPLORE"});
+    display_->log(fmt::format("free interaction {} begins", outline.number));
     show(scene);
   }
   return request;
@@ -557,16 +672,30 @@ void SessionConsole::explored() {
 
 // What the operator presses lets the object go; meanwhile() then asks what it is about, and it goes on.
 bool SessionConsole::exploring(double left_s) {
+  keys_.look_at_stop();
   tell_events();
   display_->countdown("left", left_s, exploring_s_);
   display_->refresh();
   if (broken_off_by_) return false;
   const KeyMap keys = exploring_keys();
-  for (const Key& key : keys_.drain())
-    if (const std::optional<KeyBinding> binding = keys.binding_of(key);
-        binding && !binding->asks(Request::stopped) && !broken_off_by_)
-      broken_off_by_ = binding;
+  for (const Key& key : keys_.heard()) {
+    const std::optional<KeyBinding> binding = keys.binding_of(key);
+    if (!binding) explain(keys, key);
+    if (binding && !binding->asks(Request::stopped) && !broken_off_by_) broken_off_by_ = binding;
+  }
   return !broken_off_by_;
+}
+
+std::unique_ptr<Console> make_console(const ConsoleOptions& options, const Protocol& protocol, Keyboard* keyboard,
+                                      Clock& clock, const Interrupts& interrupts) {
+  std::unique_ptr<Display> display;
+  const bool terminal = keyboard != nullptr && keyboard->is_terminal();
+  if (terminal && is_terminal(STDOUT_FILENO) && !options.plain) display = make_screen_display();
+  if (!display) {
+    outlive_readers();  // after the keyboard, which takes such a signal for a crash
+    display = std::make_unique<LineDisplay>(terminal);
+  }
+  return std::make_unique<SessionConsole>(options, protocol, keyboard, clock, interrupts, std::move(display));
 }
 
 }  // namespace jnd

@@ -30,6 +30,8 @@ class SessionConsole final : public Console, private Responder {
   OperatorRequest meanwhile() override;
   OperatorRequest paused(const std::string& cause) override;
   void progress(const std::vector<ConditionProgress>& by_condition) override;
+  void time_left(double left_s) override { display_->time_left(left_s); }
+  bool gap(double left_s, double total_s) override;
   void health(const DeviceHealth& health) override;
   void cue(CuePlace place, const CueSignal& cue) override;
   OperatorRequest hand_over(const HandOver& what) override;
@@ -80,13 +82,17 @@ class SessionConsole final : public Console, private Responder {
   // One of the keys; 0 for Escape and where the session is to end.
   char32_t choose(const std::string& question, const std::vector<KeyHint>& keys);
   void help(const KeyMap& keys);
-  // While an answer is taken: what was to be said comes back after it.
-  void help_with_question();
   // Keys pressed while nothing was asked: what they mean, for later.
   void note_requests(const std::vector<Key>& keys, const KeyMap& map);
   // During a trial: what was pressed so far is noted, and the operator told when it is done.
   void hear_in_trial();
   void note_in_trial(const std::vector<Key>& keys);
+  // What is noted, on the screen.
+  void tell_queued();
+  // The countdown of an interval, from its first contact; of a question.
+  void show_interval(const DeviceHealth& health);
+  void show_question_time(double gone_s, double time_out_s);
+  void show_break(const Break& pause);
   std::optional<OperatorRequest> noted_request(const KeyMap& keys);
   // pressed_ns: on the machine's monotonic clock.
   Answer answer_of(GivenAnswer given, EnteredBy who, std::int64_t pressed_ns) const;
@@ -122,22 +128,24 @@ class SessionConsole final : public Console, private Responder {
   bool warned_ = false;
   Scene scene_;                             // the latest
   std::string last_answered_;               // "trial 5 (plan no. 13)"; empty: none of this run
-  std::int64_t looked_ns_ = 0;              // at the keys between trials, of the machine's clock
+  std::int64_t looked_ns_ = 0;              // at the keys between trials and in a gap, of the machine's clock
   std::vector<KeyBinding> noted_;           // asked for while nothing could be done about it
   std::optional<OperatorRequest> decided_;  // what meanwhile() is to say
   std::int64_t cue_shown_ns_ = 0;           // the question's, of clock_
-  std::string question_words_;
-  bool question_aloud_ = false;
-  std::int64_t break_ends_ns_ = 0;  // of clock_
+  std::int64_t break_ends_ns_ = 0;          // of clock_
   Scene break_scene_;
   double exploring_s_ = 0;                   // length of the free interaction that goes on
   std::optional<KeyBinding> broken_off_by_;  // of it: what meanwhile() is to ask about
   std::vector<std::string> unfinished_;      // what was typed on a page that a pause or a dialog broke off
   std::vector<std::string> unfinished_ids_;
-  bool presenting_ = false;   // an interval is being felt
-  bool asks_enough_ = false;  // of that interval, which a key ends
-  std::string prescribed_;    // what was said last, with its round of practice and block
-  bool exploring_ = false;    // an object of free interaction is
+  std::int64_t paused_since_ns_ = 0, break_since_ns_ = 0;  // of the machine's clock
+  AnswerCounts counts_;
+  CuePlace interval_ = CuePlace::first;  // that is felt, or was last
+  std::optional<double> contact_s_;      // when it was first touched
+  bool presenting_ = false;              // an interval is being felt
+  bool asks_enough_ = false;             // of that interval, which a key ends
+  std::string prescribed_;               // what was said last, with its round of practice and block
+  bool exploring_ = false;               // an object of free interaction is
 };
 
 }  // namespace jnd

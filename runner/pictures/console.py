@@ -22,18 +22,48 @@ import time
 
 import pyte
 
-COLUMNS, ROWS = 96, 18
-SHOWN = ("Trial 5 of 16", "Second sphere", ": contact")
+COLUMNS, ROWS = 100, 30
+SHOWN = ("Trial 5 of 16", " SECOND ", ": contact")
 COLOURS = {"default": "#d8dee9", "black": "#20242c", "red": "#ff7b72", "green": "#7ee787", "brown": "#e3b341",
            "blue": "#79c0ff", "magenta": "#d2a8ff", "cyan": "#76e3ea", "white": "#f0f3f6"}
 BACKGROUND = "#161b22"
+BLOCKS = {"█": (0, 1, 1), "▀": (0, 0.5, 1), "▄": (0.5, 0.5, 1), "░": (0, 1, 0.25)}  # top, height, how dense
 CELL_WIDTH, CELL_HEIGHT, EDGE = 8.4, 18, 14
+
+
+class Screen(pyte.Screen):
+    """With what pyte leaves out of xterm: scrolling by several lines, and the colour of what moves in."""
+
+    def scroll(self, move, edge, lines):
+        at = self.cursor.y
+        for _ in range(lines or 1):
+            self.cursor.y = edge
+            move()
+        self.cursor.y = at
+
+    def scroll_up(self, lines=1):
+        self.scroll(self.index, self.margins.bottom if self.margins else self.lines - 1, lines)
+
+    def scroll_down(self, lines=1):
+        self.scroll(self.reverse_index, self.margins.top if self.margins else 0, lines)
+
+
+    def delete_characters(self, count=None):
+        """What moves in at the right has the colour of the cursor, as on xterm."""
+        super().delete_characters(count)
+        for column in range(self.columns - (count or 1), self.columns):
+            self.buffer[self.cursor.y][column] = self.cursor.attrs._replace(data=" ")
+
+
+class Stream(pyte.ByteStream):
+    csi = dict(pyte.ByteStream.csi, S="scroll_up", T="scroll_down")
+    events = pyte.ByteStream.events | {"scroll_up", "scroll_down"}
 
 
 class Session:
     def __init__(self, arguments):
-        self.screen = pyte.Screen(COLUMNS, ROWS)
-        self.stream = pyte.ByteStream(self.screen)
+        self.screen = Screen(COLUMNS, ROWS)
+        self.stream = Stream(self.screen)
         self.child, self.terminal = pty.fork()
         if self.child == 0:
             os.environ.update(TERM="xterm-256color", LC_ALL="C.UTF-8")
@@ -85,6 +115,24 @@ class Session:
         os.waitpid(self.child, 0)
 
 
+def colour(name):
+    """Of a colour as pyte has it: a name, or six hexadecimal digits."""
+    if len(name) == 6 and all(digit in "0123456789abcdef" for digit in name.lower()) and name not in COLOURS:
+        return "#" + name
+    return COLOURS.get(name)
+
+
+def blocks(text, x, y, ink):
+    """Block characters as rectangles, so that they touch whatever the font."""
+    shapes = []
+    for place, letter in enumerate(text):
+        if letter in BLOCKS:
+            top, high, opacity = BLOCKS[letter]
+            shapes.append(f'<rect x="{x + place * CELL_WIDTH:.1f}" y="{y + top * CELL_HEIGHT:.1f}" width="{CELL_WIDTH + 0.1:.1f}" '
+                          f'height="{high * CELL_HEIGHT:.1f}" fill="{ink}" fill-opacity="{opacity}"/>')
+    return shapes
+
+
 def svg(screen):
     width, height = COLUMNS * CELL_WIDTH + 2 * EDGE, ROWS * CELL_HEIGHT + 2 * EDGE
     out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:.0f} {height:.0f}" width="{width:.0f}" '
@@ -98,14 +146,16 @@ def svg(screen):
             while column < COLUMNS and line[column]._replace(data="") == look:
                 column += 1
             text = "".join(line[at].data for at in range(begin, column))
-            ink = COLOURS.get(look.fg, COLOURS["default"])
-            paper = COLOURS.get(look.bg, None) if look.bg != "default" else None
+            ink = colour(look.fg) or COLOURS["default"]
+            paper = colour(look.bg) if look.bg != "default" else None
             if look.reverse:
                 ink, paper = paper or BACKGROUND, ink
             x, y = EDGE + begin * CELL_WIDTH, EDGE + row * CELL_HEIGHT
             if paper:
                 out.append(f'<rect x="{x:.1f}" y="{y}" width="{(column - begin) * CELL_WIDTH:.1f}" height="{CELL_HEIGHT}" '
                            f'fill="{paper}"/>')
+            out += blocks(text, x, y, ink)
+            text = "".join(" " if letter in BLOCKS else letter for letter in text)
             if text.strip():
                 weight = ' font-weight="bold"' if look.bold else ""
                 length = (column - begin) * CELL_WIDTH

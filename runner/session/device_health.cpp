@@ -16,6 +16,7 @@ DeviceHealth health_of(const LoopSnapshot& snapshot) {
   DeviceHealth health;
   health.presenting = true;
   health.contact = snapshot.contact;
+  health.elapsed_s = snapshot.elapsed_s;
   health.rate_hz = snapshot.elapsed_s > 0 ? static_cast<double>(snapshot.ticks) / snapshot.elapsed_s : 0;
   health.lateness_max_us = snapshot.lateness_max_us;
   return health;

@@ -14,7 +14,7 @@ namespace jnd {
 
 namespace {
 
-constexpr double kLook_s = 0.1;    // between two looks at the operator's keys while nothing is rendered
+constexpr double kLook_s = 0.02;   // between two looks at the operator's keys while nothing is rendered
 constexpr double kLeast_s = 1e-6;  // a rest of this is rounding
 
 }  // namespace

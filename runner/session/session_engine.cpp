@@ -67,6 +67,7 @@ void SessionEngine::go_through() {
       say_progress();
     }
     if (std::holds_alternative<step::Done>(step)) return;
+    if (parts_.person) parts_.view.time_left(time_left_s());
     std::visit([&](const auto& due) { carry_out(due); }, step);
   }
 }
@@ -200,6 +201,13 @@ std::vector<ConditionProgress> SessionEngine::by_condition() const {
   return progress;
 }
 
+// At the pace of all trials so far: that of a single one, or of the coming ones, could tell what they present.
+double SessionEngine::time_left_s() const {
+  std::optional<double> trial_s;
+  if (trials_timed_ > 0) trial_s = seconds_in_trials_ / trials_timed_ + protocol_.timeline.between_trials_s;
+  return expected_left_s(protocol_, plan_, course_, trial_s);
+}
+
 TrialOutline SessionEngine::outline_of(const Trial& trial) const {
   const int left = course_.main_left();
   TrialOutline outline;
@@ -224,9 +232,7 @@ TrialOutline SessionEngine::outline_of(const Trial& trial) const {
     outline.prescribed = prescription->say;
     outline.pace_hz = prescription->pace_hz;
   }
-  outline.time_left_s =
-      left * (trials_timed_ > 0 ? seconds_in_trials_ / trials_timed_ + protocol_.timeline.between_trials_s
-                                : expected_trial_s(protocol_));
+  outline.time_left_s = time_left_s();
   outline.can_void_last = course_.last_answer(trial) != nullptr;
   return outline;
 }

@@ -64,6 +64,7 @@ class SessionEngine {
   void say_progress();
   std::vector<ConditionProgress> by_condition() const;
   TrialOutline outline_of(const Trial& trial) const;
+  double time_left_s() const;
   int after_trial() const noexcept { return course_.main_done(); }
 
   const SessionParts& parts_;

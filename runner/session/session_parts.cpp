@@ -142,9 +142,9 @@ bool wait_until(const SessionParts& parts, std::int64_t deadline_ns, OperatorHea
   const auto seconds = [](std::int64_t ns) { return static_cast<double>(ns) * 1e-9; };
   for (std::int64_t now_ns = began_ns; now_ns < deadline_ns; now_ns = parts.clock.now_ns()) {
     if (parts.interrupts.pause || parts.interrupts.end || parts.rig.stop.latched()) return false;
-    if (heard == OperatorHeard::yes &&
-        !parts.view.waiting(seconds(deadline_ns - now_ns), seconds(deadline_ns - began_ns)))
-      return false;
+    const double left_s = seconds(deadline_ns - now_ns), total_s = seconds(deadline_ns - began_ns);
+    if (heard == OperatorHeard::between_trials && !parts.view.waiting(left_s, total_s)) return false;
+    if (heard == OperatorHeard::in_gap && !parts.view.gap(left_s, total_s)) return false;
     parts.clock.sleep_until_ns(std::min(deadline_ns, now_ns + kLook_ns));
   }
   return true;

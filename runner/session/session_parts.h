@@ -21,7 +21,7 @@
 
 namespace jnd {
 
-inline constexpr std::int64_t kLook_ns = 50'000'000;  // between two looks at what ends a wait
+inline constexpr std::int64_t kLook_ns = 20'000'000;  // between two looks at what ends a wait
 
 // All references must outlive the session.
 struct SessionParts {
@@ -84,8 +84,8 @@ void recover_from_stop(const SessionParts& parts, const SessionRecorder& recorde
                        int after_trial);
 
 // Waits for a time of the session's clock, with an eye on what cannot wait: a stop and signals, and where the operator
-// is heard SessionView::waiting. False: one of them came first.
-enum class OperatorHeard { no, yes };
+// is heard SessionView::waiting, or gap within a trial. False: one of them came first.
+enum class OperatorHeard { no, between_trials, in_gap };
 bool wait_until(const SessionParts& parts, std::int64_t deadline_ns, OperatorHeard heard = OperatorHeard::no);
 // The whole of it: what came first is handled, and the rest is waited for. Without a person a stop ends it.
 void wait_out(const SessionParts& parts, const SessionRecorder& recorder, std::int64_t deadline_ns, int after_trial);

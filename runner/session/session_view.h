@@ -30,7 +30,7 @@ struct TrialOutline {
   // What participants are told to do in its intervals, and the pace of a metronome in them (0: none).
   std::string prescribed;
   double pace_hz = 0;
-  double time_left_s = 0;      // at the participant's own pace
+  double time_left_s = 0;      // of the session, its questions and breaks, at the participant's own pace
   bool can_void_last = false;  // there is a last answer, of the same part of the session, to take back
 };
 
@@ -45,10 +45,11 @@ struct ConditionProgress {
 // known from where they are, in every condition alike.
 struct DeviceHealth {
   bool presenting = false;  // otherwise the devices are at rest
+  double elapsed_s = 0;     // of the presentation, while presenting
   bool contact = false;     // while presenting
   double rate_hz = 0;       // of the control loop; 0: unknown
   double lateness_max_us = 0;
-  std::string fault;  // what a device or the loop could not do; empty: nothing. A stop is none.
+  std::string fault{};  // what a device or the loop could not do; empty: nothing. A stop is none.
 };
 
 // Free interaction: what the operator may see of it.
@@ -86,6 +87,9 @@ class SessionView {
   // what they say.
   virtual OperatorRequest paused(const std::string& /*cause*/) { return {Request::end_for_now, {}}; }
   virtual void progress(const std::vector<ConditionProgress>&) {}
+  // Before each step of the session: how long it will last yet, with questions and breaks, at the participant's own pace.
+  // The same whatever the coming trials present.
+  virtual void time_left(double /*left_s*/) {}
   virtual void health(const DeviceHealth&) {}
   virtual void cue(CuePlace, const CueSignal&) {}
   // Before an interval, where the operator's hands are the rig: go_on once the participant has what is named.
@@ -93,6 +97,8 @@ class SessionView {
   // Until the next trial may begin; called some times a second. False: the operator wants something, which is ready()'s
   // to say.
   virtual bool waiting(double /*left_s*/, double /*total_s*/) { return true; }
+  // Between two intervals of a trial; called some times a second. False: the operator wants something, which meanwhile() says.
+  virtual bool gap(double /*left_s*/, double /*total_s*/) { return true; }
   // After the answer's transaction is committed, and not before.
   virtual void saved(const TrialOutline&, const Answer&) {}
   virtual void voided(const TrialOutline&, const std::string& /*reason*/, bool /*will_repeat*/) {}

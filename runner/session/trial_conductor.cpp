@@ -92,7 +92,7 @@ std::optional<double> TrialConductor::conduct(const Trial& trial, const TrialOut
       void_attempt(attempt, "not_accepted", {}, true);
       return std::nullopt;
     }
-    if (!wait_until(parts_, after_s(protocol.timeline.gap_s)) && voided_by_interruption(attempt)) return std::nullopt;
+    if (!gap_passes(attempt)) return std::nullopt;
   }
   answer = task.settled(*answer, attempt.stimuli);
 
@@ -120,8 +120,7 @@ bool TrialConductor::present_all(const Attempt& attempt, TrialRecord& record) {
   // Together, all of it is one interval: what is felt of one place is felt of the other.
   const int intervals = felt_intervals(protocol.task);
   for (int interval = 0; interval < intervals; ++interval) {
-    if (interval > 0 && !wait_until(parts_, after_s(protocol.timeline.gap_s)) && voided_by_interruption(attempt))
-      return false;
+    if (interval > 0 && !gap_passes(attempt)) return false;
     if (!hand_over(attempt, interval)) return false;
     if (!cue(attempt, static_cast<CuePlace>(interval))) return false;
     Presentation& presentation = record.presentations[static_cast<std::size_t>(interval)];
@@ -218,6 +217,14 @@ bool TrialConductor::voided_by_interruption(const Attempt& attempt) {
   if (source == StopSource::none) return false;
   void_attempt(attempt, std::string(to_string(Fault::emergency_stop)), {}, true);
   recover_from_stop(parts_, recorder_, std::string(to_string(source)), after_trial());
+  return true;
+}
+
+// What the operator asks for meanwhile is seen to at once, and the rest of the gap passes after it.
+bool TrialConductor::gap_passes(const Attempt& attempt) {
+  const std::int64_t deadline_ns = after_s(parts_.protocol.timeline.gap_s);
+  while (!wait_until(parts_, deadline_ns, OperatorHeard::in_gap))
+    if (voided_by_interruption(attempt) || voided_on_request(attempt)) return false;
   return true;
 }
 
@@ -321,8 +328,8 @@ Presentation TrialConductor::present(const Attempt& attempt, int interval) {
     };
   }
   Presentation presentation = parts_.rig.present(request);
+  parts_.view.health(health_of(presentation));  // first: it may tell of a stop
   keep_ticks(trial, interval, presentation);
-  parts_.view.health(health_of(presentation));
   return presentation;
 }
 
@@ -350,7 +357,7 @@ void TrialConductor::wait_between_trials() {
 }
 
 bool TrialConductor::rested() {
-  return wait_until(parts_, earliest_ns_, OperatorHeard::yes);
+  return wait_until(parts_, earliest_ns_, OperatorHeard::between_trials);
 }
 
 }  // namespace jnd

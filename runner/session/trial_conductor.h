@@ -59,6 +59,8 @@ class TrialConductor {
   bool voided_on_request(const Attempt& attempt);
   // By a signal or a stop, just now.
   bool voided_by_interruption(const Attempt& attempt);
+  // The time between two intervals. False: the attempt was voided.
+  bool gap_passes(const Attempt& attempt);
   void voided_unanswered(const Attempt& attempt);
   void void_attempt(const Attempt& attempt, const std::string& reason, const std::string& words, bool counts);
   // Felt, but ended by us: it comes again, and the log knows that it was felt.

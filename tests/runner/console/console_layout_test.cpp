@@ -2,6 +2,9 @@
 // nothing that a terminal would obey.
 #include <set>
 #include <string>
+#include <utility>
+
+#include <fmt/format.h>
 
 #include "runner/console/screen_layout.h"
 #include "runner/console/screen_text.h"
@@ -29,7 +32,12 @@ ScreenModel model_of(SessionKind kind) {
   model.scene.keys = ready_keys(true).hints();
   model.say = "First sphere.";
   model.aloud = true;
-  for (int i = 0; i < 12; ++i) model.past.push_back({Tone::warning, "not counted (no answer in time); it comes again"});
+  model.phase = {.word = "FIRST", .left_s = 2.3, .total_s = 3};
+  model.clock = "14:03";
+  model.left = "19 min";
+  model.ends = "14:22";
+  for (int i = 0; i < 12; ++i)
+    model.log.push_back({"14:03:22", "trial 2 (plan no. 7) not counted (no answer in time)", Tone::warning, true});
   return model;
 }
 
@@ -63,8 +71,9 @@ TEST_CASE("A frame fits its window, whatever the size") {
 
 TEST_CASE("What matters is on the smallest screen, and below it one line says why there is none") {
   const std::string small = text_of(lay_out(model_of(SessionKind::pilot), kLeastRows, kLeastColumns, true));
-  for (const char* const needed : {"REHEARSAL", "P01", "Trial 3 of 108", "block 1 of 9", "condition B", "SAY",
-                                   "First sphere.", "36/36", "FAULT: stale_pose", "contact", "[space]", "[x]", "[q]"})
+  for (const char* const needed :
+       {"REHEARSAL", "P01", "Trial 3 of 108", "block 1 of 9", "condition B", "SAY", "First sphere.", "36/36",
+        "ends 14:22", "FIRST", "3 s left", "FAULT: stale_pose", "contact", "[space]", "[x]", "[q]"})
     CHECK(small.find(needed) != std::string::npos);
   const std::string smaller = text_of(lay_out(model_of(SessionKind::pilot), kLeastRows - 1, kLeastColumns, true));
   CHECK(smaller.find("too small") != std::string::npos);
@@ -157,7 +166,7 @@ TEST_CASE("Nothing that a terminal would obey or turn around is shown") {
   ScreenModel model = model_of(SessionKind::real);
   model.scene.text = "a\x1b[2Jb\u202ec\u009bd\tc\rd";
   model.card.participant = "\x1b]0;x\a";
-  model.past.push_back({Tone::plain, "note: \x1b[31m"});
+  model.log.push_back({"14:03:22", "note: \x1b[31m", Tone::plain, true});
   const std::string text = text_of(lay_out(model, 24, 80, true));
   for (const char* const bad : {"\x1b", "\u202e", "\u009b", "\t", "\r", "\a"})
     CHECK(text.find(bad) == std::string::npos);
@@ -219,6 +228,97 @@ TEST_CASE("A long review is scrolled below its field") {
   const std::string text = text_of(lay_out(model, 24, 80, true));
   CHECK(text.find("17. ") != std::string::npos);
   CHECK(text.find("Enter saves them") != std::string::npos);
+}
+
+TEST_CASE("From 100 x 30 there is a log, each line with its time, which can be scrolled") {
+  ScreenModel model = model_of(SessionKind::pilot);
+  model.log.clear();
+  for (int i = 1; i <= 99; ++i)
+    model.log.push_back({fmt::format("14:03:{:02}", i % 60), fmt::format("event {};", i), Tone::quiet, false});
+  Frame frame = lay_out(model, kLogRows, kLogColumns, true);
+  CHECK(frame.log_lines >= 5);
+  CHECK(text_of(frame).find("event 99;") != std::string::npos);
+  CHECK(text_of(frame).find("14:03:39   event 99;") == std::string::npos);
+  CHECK(text_of(frame).find("14:03:39 event 99;") != std::string::npos);
+  model.log_back = 50;
+  frame = lay_out(model, kLogRows, kLogColumns, true);
+  CHECK(text_of(frame).find("event 49;") != std::string::npos);
+  CHECK(text_of(frame).find("event 50;") == std::string::npos);
+  CHECK(text_of(frame).find("50 later: Page Down") != std::string::npos);
+  for (const auto& [rows, columns] : {std::pair(kLogRows - 1, kLogColumns), std::pair(kLogRows, kLogColumns - 1)})
+    CHECK(lay_out(model, rows, columns, true).log_lines == 0);
+}
+
+TEST_CASE("Where there is no log pane, what is over is not shown, and what is shown has its time") {
+  ScreenModel model = model_of(SessionKind::pilot);
+  model.log = {{"14:03:22", "trial 2 not counted", Tone::warning, true},
+               {"14:03:40", "interval: First sphere.", Tone::quiet, false},
+               {"14:03:41", "note: the door opened", Tone::plain, true}};
+  std::string text = text_of(lay_out(model, 24, 80, true));
+  CHECK(text.find("14:03:22 trial 2 not counted") != std::string::npos);
+  CHECK(text.find("14:03:41 note: the door opened") != std::string::npos);
+  CHECK(text.find("interval: First") == std::string::npos);
+  model.log_of_now = 1;
+  text = text_of(lay_out(model, 24, 80, true));
+  CHECK(text.find("trial 2 not counted") == std::string::npos);
+  CHECK(text.find("note: the door opened") != std::string::npos);
+}
+
+TEST_CASE("A stop fills the width of every window, with its age, whatever else there is") {
+  ScreenModel model = model_of(SessionKind::real);
+  model.stop = StopShown{"key", 1};
+  model.now_ns = 75'000'000'001;
+  for (int rows = 1; rows <= 50; ++rows)
+    for (int columns = 40; columns <= 200; columns += 20) {
+      const Frame frame = lay_out(model, rows, columns, true);
+      INFO(rows << " x " << columns << "\n" << text_of(frame));
+      if (rows > 1) CHECK(text_of(frame).find("STOPPED (key)") != std::string::npos);
+      if (rows < kLeastRows || columns < kLeastColumns) continue;
+      CHECK(text_of(frame).find("1:15 ago") != std::string::npos);
+      int red = 0;
+      for (const Row& row : frame.rows)
+        if (row.size() == 1 && row[0].style.shade == Shade::stop && columns_of(row[0].text) == columns) ++red;
+      CHECK(red >= 2);
+    }
+}
+
+TEST_CASE("What is queued, the expected end and how long a pause lasts are on view at every size") {
+  ScreenModel model = model_of(SessionKind::pilot);
+  model.say.clear();
+  model.queued = {"pause after this trial", "note after this trial"};
+  model.phase = {.word = "PAUSED", .since_ns = 1, .holds = true, .shade = Shade::warning};
+  model.now_ns = 3'725'000'000'001;
+  for (const auto& [rows, columns] : {std::pair(16, 60), std::pair(24, 80), std::pair(40, 120), std::pair(50, 200)}) {
+    const std::string text = text_of(lay_out(model, rows, columns, true));
+    INFO(text);
+    CHECK(text.find("queued: pause after this trial, note after this trial") != std::string::npos);
+    CHECK(text.find("ends 14:22") != std::string::npos);
+    CHECK((text.find("1:02:05") != std::string::npos || text.find("█▀▀▀▄ ▄▀▀▀▄ █   █ ▄▀▀▀▀") != std::string::npos ||
+           text.find("██████") != std::string::npos));
+  }
+}
+
+TEST_CASE("The keys of a screen lie over it, and nothing can be read or answered below them") {
+  ScreenModel model = model_of(SessionKind::pilot);
+  model.scene = {.heading = "Consent", .text = "I agree.", .keys = consent_keys().hints(), .to_read = true};
+  CHECK(lay_out(model, 24, 80, true).unseen == Unseen::nothing);
+  model.help = true;
+  const Frame frame = lay_out(model, 24, 80, true);
+  CHECK(frame.unseen == Unseen::below);
+  CHECK(text_of(frame).find("the participant does not agree") != std::string::npos);
+  CHECK(text_of(frame).find("I agree.") == std::string::npos);
+}
+
+TEST_CASE("A participant's text can be shown in large letters, where a line has room for them") {
+  ScreenModel model = model_of(SessionKind::pilot);
+  model.say.clear();
+  model.scene = {.heading = "Instructions", .text = "Say same\nor different.", .keys = {}, .to_read = true};
+  model.large = true;
+  const std::string text = text_of(lay_out(model, 40, 120, true));
+  CHECK(text.find("Say same") == std::string::npos);
+  CHECK(text.find("█▀█▀▄ ▄▀▀▀▄") != std::string::npos);  // "me"
+  model.scene.text = "日本語";
+  CHECK(text_of(lay_out(model, 40, 120, true)).find("日本語") != std::string::npos);
 }
 
 TEST_CASE("Text is measured in columns, cut and broken at spaces") {

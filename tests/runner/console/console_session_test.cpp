@@ -3,6 +3,7 @@
 #include <array>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <pty.h>
@@ -79,6 +80,7 @@ class KeptDisplay final : public Display {
     keys.clear();
     key_words.clear();
     for (const KeyHint& hint : hints) {
+      if (!hint.works) continue;
       keys += hint.key;
       key_words += hint.what + "; ";
     }
@@ -88,6 +90,15 @@ class KeptDisplay final : public Display {
     told.push_back((aloud ? "say " : "name ") + words + (beep ? " with a beep" : ""));
   }
   void feedback(const std::string&) override {}
+  void queued(const std::vector<std::string>& what) override {
+    for (const std::string& one : what) told.push_back("queued " + one);
+  }
+  void phase(const Phase& phase) override { phases.push_back(phase); }
+  void stopped(const std::optional<StopShown>& stop) override { stops.push_back(stop ? stop->by : "cleared"); }
+  void counts(const AnswerCounts& counts) override { counted = counts; }
+  void alert() override { ++alerts; }
+  bool help(bool on) override { return std::exchange(helping, on) != on; }
+  void enlarge() override { told.emplace_back("enlarged"); }
   void tell(Tone, const std::string& text) override { messages.push_back(text); }
   void explain(Tone, const std::string& text) override {
     told.push_back("explain " + text);
@@ -118,6 +129,11 @@ class KeptDisplay final : public Display {
 
   std::vector<std::string> told, messages;
   std::string keys, key_words;
+  std::vector<Phase> phases;
+  std::vector<std::string> stops;
+  AnswerCounts counted;
+  int alerts = 0;
+  bool helping = false;
   bool counting = false;
   int to_scroll = 0;  // how often until all of a text was seen
   std::function<void()> on_scene, while_drawing, explained, typing, asking;
@@ -166,7 +182,7 @@ TEST_CASE("An answer that comes after the time-out does not count, though the lo
     // Looked at 0.7 s after the cue, and answered 1.4 s after it; 0.4 and 0.8 s where in time.
     const std::optional<Answer> answer = bench.judge(1);
     CHECK(answer.has_value() != late);
-    CHECK(bench.display.keys == "xpnq");  // what still means something
+    CHECK(bench.display.keys == "xpnq?");  // what still means something
   }
 }
 
@@ -191,18 +207,41 @@ TEST_CASE("Page Down scrolls a page of questions, and types nothing") {
   CHECK(bench.display.told == std::vector<std::string>{"scroll down"});
 }
 
-TEST_CASE("After the keys were looked at, the words to say are there again, without another beep") {
-  Bench bench("?zs");
+TEST_CASE("The keys of a screen are shown over it, and the key that takes them away is no answer") {
+  Bench bench;
   bench.ask();
-  CHECK(bench.judge(30));
-  CHECK(bench.display.told == std::vector<std::string>{"say Same or different? with a beep", "scene ", "scene Keys",
-                                                       "say Same or different?", "scene "});
+  bench.display.on_scene = [&] { bench.input->press("?sd"); };
+  const std::optional<Answer> answer = bench.judge(30);
+  REQUIRE(answer);
+  CHECK(answer->said == kClassDifferent);
+  CHECK_FALSE(bench.display.helping);
+  bench.console.cue(CuePlace::first, CueSignal());
+  bench.input->press("?");
+  const DeviceHealth at_work{.presenting = true};
+  for (int i = 0; i < 100 && !bench.display.helping; ++i) bench.console.health(at_work);
+  CHECK(bench.display.helping);
 }
 
-TEST_CASE("During a presentation no key is shown that does nothing") {
+TEST_CASE("Large text is turned on and off with Ctrl-L, also on a page of questions") {
+  Question question;
+  question.kind = Question::Kind::text;
+  Bench bench;
+  bench.display.shown = [&](const QuestionnairePage& page) {
+    if (page.editor().empty())
+      bench.input->press(
+          "\x0c"
+          "ab\r");
+  };
+  const std::optional<Replies> replies = bench.console.responder().reply_all({{question, -1}});
+  REQUIRE(replies);
+  CHECK(replies->front() == "ab");
+  CHECK(bench.display.told == std::vector<std::string>{"enlarged"});
+}
+
+TEST_CASE("During a presentation no key is shown as one that works and does nothing") {
   Bench bench("");
   bench.console.cue(CuePlace::first, CueSignal());
-  CHECK(bench.display.keys == "xrpnq");
+  CHECK(bench.display.keys == "xprnq?");
 }
 
 TEST_CASE("Keys that act later say when") {
@@ -210,11 +249,11 @@ TEST_CASE("Keys that act later say when") {
   bench.console.cue(CuePlace::first, CueSignal());
   CHECK(
       bench.display.key_words ==
-      "STOP the devices; repeat it, after this interval; pause after this trial; note after this trial; end after this "
-      "trial; ");
+      "STOP the devices; pause after this trial; repeat it, after this interval; note after this trial; end after this "
+      "trial; all keys; ");
   bench.ask();
   CHECK(bench.judge(30));
-  CHECK(bench.display.key_words == "STOP the devices; pause; note; end; ");
+  CHECK(bench.display.key_words == "STOP the devices; pause; note; end; all keys; ");
 }
 
 TEST_CASE("A key that acts later is acknowledged while the presentation goes on") {
@@ -223,7 +262,7 @@ TEST_CASE("A key that acts later is acknowledged while the presentation goes on"
   health.presenting = true;
   bench.input->press("q");
   for (int i = 0; i < 100 && bench.display.told.empty(); ++i) bench.console.health(health);
-  CHECK(bench.display.told == std::vector<std::string>{"explain the end comes after this trial"});
+  CHECK(bench.display.told == std::vector<std::string>{"queued end after this trial"});
 }
 
 TEST_CASE("Messages about a trial carry its number, and the plan's where two trials have the same one") {
@@ -327,13 +366,13 @@ TEST_CASE("A text takes no answer before all of it was seen") {
 
   Question question;
   question.kind = Question::Kind::confirm;
-  Bench confirms("yy\x1b[6~y");
+  Bench confirms("y\t\t\x1b[6~\t");
   confirms.display.to_scroll = 1;
   confirms.display.shown = [&](const QuestionnairePage&) { confirms.display.told.emplace_back("page"); };
   CHECK(confirms.console.responder().reply_all({{question, -1}}));
   // What is told stays until something changes.
-  CHECK(confirms.display.told ==
-        std::vector<std::string>{"page", "explain there is more", "explain there is more", "scroll down", "page"});
+  CHECK(confirms.display.told == std::vector<std::string>{"page", "page", "explain there is more",
+                                                          "explain there is more", "scroll down", "page"});
 }
 
 TEST_CASE("After a stop a full disk can still be tried again, and the session given up") {
@@ -363,7 +402,7 @@ TEST_CASE("While the rest of the time between trials passes, its keys and a coun
   Bench bench(" ");
   CHECK(bench.console.ready(TrialOutline()).kind == Request::go_on);
   CHECK(bench.console.waiting(118, 118));
-  CHECK(bench.display.keys == "xpnq");
+  CHECK(bench.display.keys == "xpnq?");
   CHECK(bench.display.counting);
 }
 
@@ -393,7 +432,7 @@ TEST_CASE("The countdown of free interaction is over where something else begins
   CHECK_FALSE(bench.display.counting);
 }
 
-TEST_CASE("A y that is held down confirms one question of a page") {
+TEST_CASE("A y and Enter that are held down confirm one question of a page") {
   Question first;
   first.id = "first";
   first.kind = Question::Kind::confirm;
@@ -401,15 +440,115 @@ TEST_CASE("A y that is held down confirms one question of a page") {
   second.id = "second";
   Bench bench;
   bench.display.shown = [&](const QuestionnairePage& page) {
-    if (page.reviewing())
-      bench.interrupted.end = true;
-    else
-      bench.input->press("y");
+    if (page.at() == 0 && page.editor().empty()) bench.input->press("yy\r");
+    if (page.at() == 1) bench.input->press("\r");
   };
   bench.display.explained = [&] { bench.interrupted.end = true; };
   CHECK_FALSE(bench.console.responder().reply_all({{first, -1}, {second, -1}}));
   CHECK(bench.display.told ==
-        std::vector<std::string>{"explain y was down already: let go of it, then press it again"});
+        std::vector<std::string>{"explain Enter was down already: let go of it, then press it again"});
+}
+
+TEST_CASE("A stop is on the screen before anything else is done about it, and goes when it is cleared") {
+  Bench bench;
+  const StopOnKey stopping(&bench.keyboard, bench.stop);
+  bench.ask();
+  bench.display.on_scene = [&] { bench.input->press("x"); };
+  CHECK_FALSE(bench.judge(30));
+  CHECK(bench.display.stops == std::vector<std::string>{"key"});
+  bench.display.on_scene = [&] { bench.input->press("c"); };
+  bench.display.typing = [&] { bench.input->press("\r"); };
+  CHECK(bench.console.recover("key").kind == Request::go_on);
+  CHECK(bench.display.stops == std::vector<std::string>{"key", "cleared"});
+}
+
+TEST_CASE("During a presentation and in a gap a stop is shown at the next look") {
+  for (const bool gap : {false, true}) {
+    Bench bench("");
+    bench.console.cue(CuePlace::first, CueSignal());
+    bench.stop.latch(StopSource::button);
+    const DeviceHealth at_work{.presenting = true};
+    if (gap)
+      bench.console.gap(0.5, 1);
+    else
+      bench.console.health(at_work);
+    CHECK(bench.display.stops == std::vector<std::string>{"button"});
+  }
+  Bench pauses("");
+  pauses.stop.latch(StopSource::signal);  // Ctrl-C: a pause, and no stop
+  pauses.console.gap(0.5, 1);
+  CHECK(pauses.display.stops.empty());
+}
+
+TEST_CASE("A repetition that is asked for in a gap ends it at once, what comes later does not") {
+  for (const std::string key : {"r", "p"}) {
+    Bench bench;
+    bench.console.cue(CuePlace::first, CueSignal());
+    bench.input->press(key);
+    bool goes_on = true;
+    for (int i = 0; i < 50 && goes_on && bench.display.told.size() < 2; ++i) {
+      usleep(11'000);  // between two looks
+      goes_on = bench.console.gap(0.5, 1);
+    }
+    CHECK(goes_on == (key == "p"));
+    CHECK(bench.display.told.back() ==
+          (key == "p" ? "queued pause after this trial" : "queued repeat this trial after this interval"));
+  }
+}
+
+TEST_CASE("An interval is counted down from its first contact, in the protocol's time") {
+  Bench bench("");
+  bench.protocol.timeline.explore_s = 3;
+  bench.protocol.timeline.no_contact_time_out_s = 10;
+  bench.protocol.timeline.interval_end = IntervalEnd::time;
+  bench.console.cue(CuePlace::second, CueSignal());
+  DeviceHealth at_work{.presenting = true, .elapsed_s = 2};
+  bench.console.health(at_work);
+  CHECK(bench.display.phases.back().word == "SECOND");
+  CHECK(bench.display.phases.back().left_s == 8);
+  CHECK(bench.display.phases.back().more == "for the first contact");
+  at_work.contact = true;
+  at_work.elapsed_s = 2.5;
+  bench.console.health(at_work);
+  at_work.contact = false;  // lifted again
+  at_work.elapsed_s = 4;
+  bench.console.health(at_work);
+  CHECK(bench.display.phases.back().left_s == 1.5);
+  CHECK(bench.display.phases.back().total_s == 3);
+}
+
+TEST_CASE("Voids are counted, and trials without contact in a row") {
+  Bench bench("");
+  bench.console.voided(TrialOutline(), "no_contact", true);
+  bench.console.voided(TrialOutline(), "no_contact", true);
+  CHECK(bench.display.counted.voids == 2);
+  CHECK(bench.display.counted.no_contact == 2);
+  bench.console.saved(TrialOutline(), {.said = kClassSame});
+  CHECK(bench.display.counted.voids == 2);
+  CHECK(bench.display.counted.no_contact == 0);
+}
+
+TEST_CASE("The bell rings where the operator is to look up, unless it is turned off") {
+  for (const bool alerts : {true, false}) {
+    auto* const made = new KeptDisplay;
+    const Input input("");
+    const Protocol protocol;
+    Keyboard keyboard;
+    ElapsingClock clock;
+    const Interrupts interrupted;
+    SessionConsole console(ConsoleOptions{.alerts = alerts}, protocol, &keyboard, clock, interrupted,
+                           std::unique_ptr<Display>(made));
+    console.cue(CuePlace::first, CueSignal());
+    CHECK(made->alerts == 0);
+    console.cue(CuePlace::question, CueSignal());
+    console.health({.fault = "device_lost"});
+    Break pause;
+    pause.duration_s = 1;
+    console.break_begins(pause, false);
+    clock.step_ns = 400'000'000;
+    (void)console.break_over(pause);
+    CHECK(made->alerts == (alerts ? 3 : 0));
+  }
 }
 
 TEST_CASE("A line of a pipe holds no control characters and has an end") {

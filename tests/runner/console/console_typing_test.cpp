@@ -188,11 +188,40 @@ TEST_CASE("The stop key is explained as what it is, also where it is no key of t
       CHECK(keys.explanation({KeyName::character, key, 0}) == "STOP: the devices give nothing");
 }
 
-TEST_CASE("Keys can be left out of those that are shown") {
-  const KeyMap keys = question_keys(TaskSpec());
-  const std::vector<KeyHint> hints = keys.without({GivenAnswer{kClassSame}, HelpWanted{}}).hints();
-  CHECK(hints.size() == keys.hints().size() - 2);
-  for (const KeyHint& hint : hints) CHECK((hint.key != "s" && hint.key != "?"));
+// The operator's own keys, in order.
+std::string own_keys(const KeyMap& keys) {
+  std::string text;
+  for (const KeyHint& hint : keys.hints())
+    if (hint.place) text += hint.key;
+  return text;
+}
+
+TEST_CASE("The operator's keys have the same place in every scene, and one that does nothing there says why") {
+  for (const KeyMap& keys :
+       {ready_keys(true), ready_keys(false), question_keys(TaskSpec()), hand_over_keys(TaskSpec()),
+        presentation_keys(Protocol()), between_trials_keys(TaskSpec()), pause_keys(), stopped_keys(), missing_keys(),
+        break_keys(false), break_keys(true), instruction_keys(), ready_to_explore_keys(), exploring_keys()}) {
+    CHECK(own_keys(keys) == "prunbkq?");
+    for (const KeyHint& hint : keys.hints()) {
+      if (hint.works) continue;
+      const Key key{KeyName::character, static_cast<char32_t>(hint.key.front()), 0};
+      CHECK_FALSE(keys.binding_of(key));
+      CHECK(keys.explanation(key).find("does nothing now: ") != std::string::npos);
+    }
+  }
+  CHECK(stopped_keys().explanation({KeyName::character, 'b', 0}) ==
+        "[b] break does nothing now: clear the stop first: [c]");
+}
+
+TEST_CASE("Whatever the question, Enter takes the answer") {
+  Question confirm;
+  confirm.kind = Question::Kind::confirm;
+  QuestionnairePage page({{&confirm, "", ""}});
+  CHECK(page.press({KeyName::character, 'y', 0}) == State::open);
+  CHECK(page.press({KeyName::character, 'y', 0}) == State::open);
+  CHECK(page.editor().text() == "y");
+  CHECK(page.press(named(KeyName::enter)) == State::committed);
+  CHECK(page.replies().front() == "yes");
 }
 
 TEST_CASE("Wrong keys are explained") {

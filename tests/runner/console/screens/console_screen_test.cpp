@@ -1,6 +1,6 @@
 // The tutorial, played on a pseudo-terminal with pause, repeat, an answer taken back, a note, resizes, an emergency
 // stop, a break and a questionnaire. What is on the screen is compared with the approved screens beside this file, text
-// and attributes; response times and the time left are masked.
+// and attributes; times are masked. What an operator looks at longest is there in four sizes: STATE-COLUMNSxROWS.
 //
 // Usage: console_screen_test JND FOLDER_OF_SCREENS [--approve]   --approve: writes them anew; look at the difference
 #include <cstdio>
@@ -17,25 +17,39 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kEnter = "\r", kEscape = "\x1b", kUp = "\x1b[A";
+const std::string kEnter = "\r", kEscape = "\x1b", kUp = "\x1b[A", kLarge = "\x0c";
+
+enum class Letters { compared, timed };
 
 class Screens {
  public:
   Screens(fs::path folder, bool approve) : folder_(std::move(folder)), approve_(approve) {}
 
-  void check(const std::string& name, ScriptedTerminal& terminal) {
+  // letters: large letters are compared; otherwise there is a time among them.
+  void check(const std::string& name, ScriptedTerminal& terminal, Letters letters = Letters::compared) {
     const fs::path file = folder_ / (name + ".txt");
+    const auto now = [&] { return masked(terminal.styled(), letters); };
     if (approve_) {
       terminal.comes_to([] { return false; }, kDrawn);
-      std::ofstream(file) << masked(terminal.styled());
+      std::ofstream(file) << now();
       return;
     }
     std::stringstream approved;
     approved << std::ifstream(file).rdbuf();
-    if (terminal.comes_to([&] { return masked(terminal.styled()) == approved.str(); }, kDeadline)) return;
+    if (terminal.comes_to([&] { return now() == approved.str(); }, kDeadline)) return;
     ++failed_;
     std::cout << "The screen '" << name << "' is not as approved in " << file.filename() << ". It is\n"
-              << masked(terminal.styled()) << "\n";
+              << now() << "\n";
+  }
+  // In four sizes, and back to the usual one.
+  void check_sizes(const std::string& state, ScriptedTerminal& terminal, Letters letters = Letters::compared) {
+    for (const auto& [rows, columns] : {std::pair(16, 60), std::pair(40, 120), std::pair(50, 200), std::pair(24, 80)}) {
+      terminal.resize(rows, columns);
+      // The rule above the keys goes from edge to edge once it is drawn.
+      const std::string last = "\n(─){" + std::to_string(columns) + "}\n([^\n]*\n){1,5}$";
+      terminal.wait_for(last);
+      check(state + "-" + std::to_string(columns) + "x" + std::to_string(rows), terminal, letters);
+    }
   }
   void require(bool holds, const std::string& what) {
     if (holds) return;
@@ -45,9 +59,23 @@ class Screens {
   int failed() const { return failed_; }
 
  private:
-  static std::string masked(std::string text) {
-    text = std::regex_replace(text, std::regex("[0-9]+\\.[0-9]+ s\\b"), "#.## s");
-    text = std::regex_replace(text, std::regex("about [0-9]+ (s|min) left"), "about # left");
+  static std::string masked(std::string text, Letters letters) {
+    for (const auto& [what, mask] :
+         {std::pair("[0-9]+\\.[0-9]*( s\\b|…)", "#.##$1"),
+          std::pair(" *(\\{b\\})?about [0-9]+ (s|min|h [0-9]+ min) left", " $1about # left"),
+          std::pair("[0-9]{2}:[0-9]{2}(:[0-9]{2})?", "##:##"),
+          std::pair("(for )[0-9]+:[0-9]{2}|[0-9]+:[0-9]{2}( ago)", "$1#:##$2"),
+          std::pair("after [0-9]+ s", "after # s"), std::pair("(work: )(no )?contact", "$1#"),
+          std::pair("[0-9]+ Hz, [a-z]+( by up to [0-9]+ ms)?", "# Hz")})
+      text = std::regex_replace(text, std::regex(what), mask);
+    if (letters == Letters::compared) return text;
+    for (const auto& [what, mask] :
+         {std::pair("(\\}|\n)([ █▀▄]*[█▀▄]+[ █▀▄]*)(\\{|\n)", "$1(large)$3"), std::pair("(█|░)+", "(bar)"),
+          std::pair("[0-9]+ s left", "# s left"), std::pair("(left\\{\\})  [a-z ]+", "$1")})
+      for (std::string before; before != text;) {
+        before = text;
+        text = std::regex_replace(text, std::regex(what), mask);
+      }
     return text;
   }
 
@@ -72,14 +100,19 @@ void begin(ScriptedTerminal& terminal, Screens& screens) {
   terminal.wait_for("y once it is so");
   screens.require(terminal.full_screen(), "the session has a screen of its own");
   screens.check("checklist", terminal);
-  terminal.press("y");
-  terminal.wait_for("Question 2 of 2");
-  terminal.press_for("y", "was down already");  // as a key that is held down: it confirms one question only
+  terminal.press_for("y", "Enter: *y");
+  terminal.press_for(kEnter, "Question 2 of 2");
+  terminal.press_for(kEnter, "was down already");  // as a key that is held down: it confirms one question only
   terminal.wait_until_gone("was down already");
-  terminal.press_for("y", "Please look through");
+  terminal.press_for("y", "Enter: *y");
+  terminal.press_for(kEnter, "Please look through");
   screens.check("checklist-review", terminal);
   terminal.press_for(kEnter, "Instructions");
   screens.check("instructions", terminal);
+  terminal.press_for(kLarge, "[█▀▄]{2}");
+  screens.check("instructions-large", terminal);
+  terminal.press(kLarge);
+  terminal.wait_for("In each trial");
   terminal.press_for(" ", "Consent");
   screens.check("consent", terminal);
   terminal.resize(10, 40);
@@ -96,11 +129,12 @@ void begin(ScriptedTerminal& terminal, Screens& screens) {
   screens.check("questionnaire-choice", terminal);
   terminal.press_for(kEnter, "Instructions");
   terminal.press_for(" ", kReady);
-  screens.check("ready", terminal);
+  screens.check_sizes("ready", terminal);
 }
 
 void practise(ScriptedTerminal& terminal, Screens& screens) {
   to_question(terminal);
+  screens.check_sizes("question", terminal);
   terminal.press("z");
   terminal.wait_for("\\[z\\] does nothing here");
   screens.check("question-wrong-key", terminal);
@@ -124,9 +158,11 @@ void practise(ScriptedTerminal& terminal, Screens& screens) {
   terminal.press_for(kEnter, "note: the door opened");
   terminal.press_for("p", "Pause. Reason");
   terminal.press_for(kEnter, "Paused");
-  screens.check("paused", terminal);
+  screens.check_sizes("paused", terminal, Letters::timed);
+  terminal.press_for("b", "does nothing now");
+  screens.check("key-not-now", terminal, Letters::timed);
   terminal.press_for(" ", kReady);
-  terminal.press_for("?", "all keys(.|\\n)*Ctrl-C");
+  terminal.press_for("?", "Keys of this screen");
   screens.check("help", terminal);
   terminal.press_for(" ", kReady);
 
@@ -138,7 +174,7 @@ void practise(ScriptedTerminal& terminal, Screens& screens) {
 
   to_question(terminal);
   terminal.press_for("x", "STOPPED");
-  screens.check("stopped", terminal);
+  screens.check_sizes("stopped", terminal);
   terminal.press_for("z", "\\[z\\] does nothing here");
   terminal.press_for("c", "What was the matter");
   terminal.press("the sleeve was caught");
@@ -146,21 +182,18 @@ void practise(ScriptedTerminal& terminal, Screens& screens) {
   screens.check("stop-cleared", terminal);
 }
 
-void resize(ScriptedTerminal& terminal, Screens& screens) {
-  terminal.resize(16, 60);
-  terminal.wait_for("\n[^\n]*\\[\\?\\] all keys[^\n]*\n$");
-  screens.check("ready-60x16", terminal);
+// What is pressed before the trial is over is queued; and a window that is too small says so.
+void queue(ScriptedTerminal& terminal, Screens& screens) {
   to_question(terminal);
-  screens.check("question-60x16", terminal);
-  answer(terminal, "d");
+  terminal.press_for("n", "queued: note after this trial");
+  screens.check("queued", terminal);
+  terminal.press_for("d", "Note:");
+  terminal.press_for(kEscape, kReady);
   terminal.resize(10, 50);
   terminal.wait_for("too small");
   screens.check("too-small", terminal);
-  terminal.resize(40, 120);
-  terminal.wait_for("\n[^\n]*\\[\\?\\] all keys[^\n]*\n$");
-  screens.check("ready-120x40", terminal);
   terminal.resize(24, 80);
-  terminal.wait_for("\n[^\n]*\\[\\?\\] all keys[^\n]*\n$");
+  terminal.wait_for("\\[\\?\\] keys[^\n]*\n$");
 }
 
 // To the break and to the end, whatever comes: each prompt is answered.
@@ -189,15 +222,31 @@ void rate_the_rest(ScriptedTerminal& terminal) {
   }
 }
 
+// A copy of the tutorial with other times.
+std::string changed_tutorial(const std::string& jnd, const std::string& folder,
+                             const std::vector<std::pair<std::string, int>>& times) {
+  const std::string name = times.front().first + ".json", path = folder + "/" + name;
+  const std::string command = "'" + jnd + "' new '" + path + "' --from tutorial > /dev/null";
+  if (std::system(command.c_str()) != 0) throw std::runtime_error("no copy of the tutorial");
+  std::stringstream text;
+  text << std::ifstream(path).rdbuf();
+  std::string protocol = text.str();
+  for (const auto& [key, seconds] : times)
+    protocol = std::regex_replace(protocol, std::regex("(\"" + key + "\": *)[0-9.]+"), "$01" + std::to_string(seconds));
+  std::ofstream(path) << protocol;
+  return name;
+}
+
 void play(const std::string& jnd, const std::string& folder, Screens& screens) {
-  ScriptedTerminal terminal(
-      {jnd, "run", "tutorial", "--study", "tutorial.sqlite", "--participant", "P01", "--seed", "1", "--fast"}, folder,
-      24, 80);
+  // So long for an answer that no second of it is seen to pass.
+  ScriptedTerminal terminal({jnd, "run", changed_tutorial(jnd, folder, {{"answer_time_out_s", 600}}), "--study",
+                             "tutorial.sqlite", "--participant", "P01", "--seed", "1", "--fast"},
+                            folder, 24, 80);
   begin(terminal, screens);
   practise(terminal, screens);
-  resize(terminal, screens);
+  queue(terminal, screens);
   go_on_to(terminal, "The break may end");
-  screens.check("break", terminal);
+  screens.check_sizes("break", terminal, Letters::timed);
   terminal.press_for(" ", kReady);
   terminal.press_for("q", "End this session\\?");
   screens.check("end-asked", terminal);
@@ -205,7 +254,7 @@ void play(const std::string& jnd, const std::string& folder, Screens& screens) {
   go_on_to(terminal, "How effective");
   terminal.press("7");
   terminal.wait_for("Answer:  *7");
-  screens.check("questionnaire-rating", terminal);
+  screens.check_sizes("questionnaire", terminal);
   terminal.press_for(kEnter, "Question 2 of ");
   terminal.press(kUp);
   terminal.wait_for("Question 1 of ");
@@ -221,6 +270,34 @@ void play(const std::string& jnd, const std::string& folder, Screens& screens) {
                   "the last words stand on the shell's screen");
   screens.require(!terminal.full_screen() && terminal.cursor_visible() && terminal.settings_of_shell(),
                   "the terminal is put back");
+}
+
+// At the devices' own pace, in an interval that lasts.
+void present(const std::string& jnd, const std::string& folder, Screens& screens) {
+  ScriptedTerminal terminal({jnd, "run", changed_tutorial(jnd, folder, {{"explore_s", 60}}), "--study", "slow.sqlite",
+                             "--participant", "P01", "--seed", "1", "--bell", "--realtime", "off"},
+                            folder, 24, 80);
+  // What readiness found about this machine is to be read first.
+  while (!terminal.comes_to([&] { return terminal.shows("once it is so"); }, std::chrono::milliseconds(1500)))
+    terminal.press(" ");
+  for (const char* const next : {"Question 2 of 2", "Please look through"}) {
+    terminal.press_for("y", "Enter: *y");
+    terminal.press_for(kEnter, next);
+  }
+  terminal.press_for(kEnter, "Instructions");
+  terminal.press_for(" ", "the participant agrees");
+  terminal.press_for("y", "Handedness");
+  terminal.press_for("1", "Number:  *1");
+  terminal.press_for(kEnter, "Instructions");
+  terminal.press_for(" ", kReady);
+  terminal.press_for(" ", "work: contact");
+  screens.check_sizes("presenting", terminal, Letters::timed);
+  terminal.press_for("x", "STOPPED");
+  terminal.press_for("q", "End this session\\?");
+  terminal.press_for("q", "Reason");
+  terminal.press_for(kEnter, "Stopped\\. Every answer");
+  const int status = terminal.wait_for_end();
+  screens.require(WIFEXITED(status) && WEXITSTATUS(status) == 130, "a session that is left can be gone on with");
 }
 
 // A crash and a signal leave the terminal as it was.
@@ -248,6 +325,7 @@ int run(int argc, char** argv) {
   try {
     const std::string jnd = fs::absolute(argv[1]).string();
     play(jnd, folder, screens);
+    present(jnd, folder, screens);
     // What was paused, repeated, taken back and stopped is in the study, and follows from the rules.
     const std::string verify = "'" + jnd + "' verify --deep '" + folder + "/tutorial.sqlite'";
     screens.require(std::system(verify.c_str()) == 0, "the study agrees with itself");

@@ -114,7 +114,7 @@ class ScriptedTerminal {
     for (int row = 0; row < rows_; ++row) text += line(row, false) + "\n";
     return text;
   }
-  // Lines with their attributes: {b} bold, {r} reverse, {u} underlined, {cN} colour N, {} none.
+  // Lines with their attributes: {b} bold, {r} reverse, {u} underlined, {cN/M} colour N on M, {} none.
   std::string styled() const {
     std::string text;
     for (int row = 0; row < rows_; ++row) text += line(row, true) + "\n";
@@ -175,6 +175,8 @@ class ScriptedTerminal {
     if (cell.attrs.underline != 0) marks += "u";
     if (!VTERM_COLOR_IS_DEFAULT_FG(&cell.fg) && VTERM_COLOR_IS_INDEXED(&cell.fg))
       marks += "c" + std::to_string(cell.fg.indexed.idx);
+    if (!VTERM_COLOR_IS_DEFAULT_BG(&cell.bg) && VTERM_COLOR_IS_INDEXED(&cell.bg))
+      marks += "/" + std::to_string(cell.bg.indexed.idx);
     return marks;
   }
   std::string line(int row, bool styles) const {

@@ -1,0 +1,19 @@
+// What stands on the terminal when a session is over: what was done, where it is, what comes next. Pure.
+#pragma once
+
+#include <string>
+
+namespace jnd {
+
+struct SessionSummary {
+  std::string study;  // path, as it was given
+  int trials_done = 0, trials_total = 0, trials_voided = 0;
+  double run_s = 0;               // this run, by the machine's clock
+  bool resumable = false;         // the same command goes on with it
+  bool free_interaction = false;  // objects are counted instead of trials
+};
+
+// Lines, each with its end; to be read below the last words.
+std::string summary_text(const SessionSummary& summary);
+
+}  // namespace jnd
