@@ -147,7 +147,7 @@ KeyMap scene_keys(std::vector<KeyBinding> main, std::initializer_list<Own> own, 
                        .meaning = place.request,
                        .label = place.label,
                        .place = true};
-    const auto works =
+    const auto* const works =
         std::find_if(own.begin(), own.end(), [&](const Own& one) { return one.request == place.request; });
     binding.brief = works != own.end() && works->brief;
     binding.what = works != own.end() ? works->what : place.label;

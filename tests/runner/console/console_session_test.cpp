@@ -510,6 +510,8 @@ TEST_CASE("An interval is counted down from its first contact, in the protocol's
   at_work.contact = true;
   at_work.elapsed_s = 2.5;
   bench.console.health(at_work);
+  at_work.elapsed_s = 3;
+  bench.console.health(at_work);
   at_work.contact = false;  // lifted again
   at_work.elapsed_s = 4;
   bench.console.health(at_work);
