@@ -109,7 +109,7 @@ class Report:
 
     def check_files(self):
         names = sorted(os.listdir(self.path("s-report-figures")))
-        assert names == ["jnd.svg", "rating-1.svg", "sensitivity.svg", "slopes.svg", "time.svg"], names
+        assert names == ["contrasts.svg", "jnd.svg", "rating-1.svg", "roc.svg", "sensitivity.svg", "slopes.svg", "time.svg"], names
         for name in names:
             root = xml.etree.ElementTree.parse(os.path.join(self.path("s-report-figures"), name)).getroot()
             assert root.tag == "{http://www.w3.org/2000/svg}svg", root.tag
@@ -126,7 +126,7 @@ class Report:
                      '<figure id="fig-sensitivity">', 'id="table-participants"', 'id="table-group"', 'id="methods"',
                      'id="provenance"', "Cautions"):
             assert part in document, f"{part} is not in the page as the browser understood it"
-        assert document.count("<svg") == 5 and document.count("</svg>") == 5
+        assert document.count("<svg") == 7 and document.count("</svg>") == 7
         assert "<script" not in document
 
     def check_screens(self):
