@@ -161,7 +161,7 @@ def main():
         report.check_document()
         report.check_screens()
         pages = report.check_paper()
-    print(f"the report has 5 figures, {pages} printed pages, a light and a dark screen, and a silent console")
+    print(f"the report has 7 figures, {pages} printed pages, a light and a dark screen, and a silent console")
     return 0
 
 
