@@ -16,6 +16,8 @@
 #include "runner/report/report_page.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/number_text.h"
+#include "runner/terminal/open_page.h"
+#include "runner/terminal/standard_streams.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/work_line.h"
 
@@ -30,6 +32,7 @@ struct ReportOptions {
   std::optional<std::string> kind;  // real, pilot or simulated
   std::optional<std::string> by;    // nominal or delivered; without it, what the protocol registers
   bool replace = false;             // an earlier report
+  bool open = false;                // in the browser
 };
 
 ReportFacts facts_of(const Study& study, const Protocol& protocol, const std::filesystem::path& path,
@@ -43,6 +46,12 @@ ReportFacts facts_of(const Study& study, const Protocol& protocol, const std::fi
   return facts;
 }
 
+void show_page(const std::filesystem::path& page, const ReportOptions& options) {
+  if (options.open && !open_page(page))
+    write_marked_message(
+        fmt::format("{}: no browser could be started ($BROWSER, xdg-open); open it yourself", page.string()));
+}
+
 int report_blinded(const Study& study, const Protocol& protocol, const ReportOptions& options, ReportFiles files) {
   const BlindedResults results =
       blinded_results(study, protocol, source_to_analyse(protocol, options.by), options.study);
@@ -52,6 +61,7 @@ int report_blinded(const Study& study, const Protocol& protocol, const ReportOpt
              results.participants.size(), results.participants.size() == 1 ? "" : "s");
   fmt::print("{}\n", warn(printable(results.line)));
   say_other_kinds(study, SessionKind::real);
+  show_page(files.page, options);
   return exit_code::kDone;
 }
 
@@ -85,6 +95,7 @@ int command_report(const ReportOptions& options) {
   for (const std::string& text : results.deviations) fmt::print("{}\n", warn("deviation: " + printable(text)));
   for (const std::string& text : results.cautions) fmt::print("{}\n", warn("caution: " + printable(text)));
   say_other_kinds(*study, kind);
+  show_page(files.page, options);
   return exit_code::kDone;
 }
 
@@ -99,6 +110,7 @@ void add_report(CommandTree& tree) {
                      "the folder for the figures as SVG files (default: the page's name with -figures)");
   add_kind_and_by(command, options.kind, options.by);
   command.add_flag("--replace", options.replace, "replace an earlier report");
+  command.add_flag("--open", options.open, "then open the page in the browser ($BROWSER, else xdg-open)");
 }
 
 }  // namespace jnd

@@ -14,6 +14,7 @@ import subprocess
 import sys
 import tempfile
 import termios
+import time
 import unittest
 
 JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
@@ -222,6 +223,23 @@ class Analyze(unittest.TestCase):
             precision = json.loads(self.jnd("plan", name, "--precision", "--jnd", "250", "--simulated", "30", "--json").stdout)
             self.assertEqual([row["outcome"] for row in precision["precision"]], ["threshold", "weber"])
             self.assertTrue(120 < precision["precision"][0]["median"] < 500)
+
+    def test_the_page_is_opened_on_request(self):
+        opener = self.path("opener.sh")
+        with open(opener, "w", encoding="utf-8") as file:
+            file.write('#!/bin/sh\nbasename "$1" > opened.new && mv opened.new opened.txt\n')
+        os.chmod(opener, 0o755)
+        for arguments, browser in ((("--to", "o.html", "--open"), opener), (("--to", "o.html", "--replace", "--open"), "/no/such")):
+            done = subprocess.run([JND, "report", "chinello2017.sqlite", *arguments], capture_output=True, text=True,
+                                  cwd=self.folder.name, env={**os.environ, "BROWSER": browser})
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual("no browser could be started" in done.stderr, browser == "/no/such")
+        for _ in range(200):
+            if os.path.exists(self.path("opened.txt")):
+                break
+            time.sleep(0.05)
+        with open(self.path("opened.txt"), encoding="utf-8") as file:
+            self.assertEqual(file.read(), "o.html\n")
 
     def test_the_page_is_written_once_and_whole(self):
         for study in ("chinello2017", "adaptive-staircase", "adaptive-posterior", "adaptive-staircase-90"):

@@ -1,0 +1,11 @@
+// A page in the user's browser.
+#pragma once
+
+#include <filesystem>
+
+namespace jnd {
+
+// Through $BROWSER, else xdg-open; does not wait for it. False where neither can be started.
+bool open_page(const std::filesystem::path& page);
+
+}  // namespace jnd
