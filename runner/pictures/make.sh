@@ -16,6 +16,6 @@ cd "$folder"
 "$jnd" report study.sqlite
 # The summary, the contents and the first figure.
 chromium --headless=new --no-sandbox --disable-gpu --hide-scrollbars --no-first-run --virtual-time-budget=5000 \
-  --blink-settings=preferredColorScheme=1 --force-device-scale-factor=0.7 --window-size=1050,1490 \
+  --blink-settings=preferredColorScheme=1 --force-device-scale-factor=0.7 --window-size=1050,1940 \
   --screenshot="$pictures/report.png" "file://$folder/study-report.html" 2>/dev/null
 ls -l "$pictures"/*.svg "$pictures"/*.png
