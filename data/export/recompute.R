@@ -601,7 +601,7 @@ recompute <- function(folder) {
     if (length(left)) cat("  not computed: ", paste(left, collapse = ", "), "\n", sep = "")
     for (line in head(result$wrong, 5)) cat("  DIFFERS: ", line, "\n", sep = "")
   }
-  cat("not computed here: intervals of single JNDs that are drawn by a bootstrap, with a seed of its own\n")
+  cat("not computed here: intervals of single estimates (bootstrap or profile likelihood; methods.md says which)\n")
   wrong <- sum(sapply(results, function(result) length(result$wrong)))
   compared <- sum(sapply(results, function(result) result$compared))
   cat(sprintf("%d values compared, %d differ by more than %s\n", compared, wrong, format(tolerance)))

@@ -862,7 +862,7 @@ def main():
     check_groups(outcome_named, groups, source)
     for checked in Checked.all:
         checked.report()
-    print("not computed here: intervals of single JNDs that are drawn by a bootstrap, with a seed of its own")
+    print("not computed here: intervals of single estimates (bootstrap or profile likelihood; methods.md says which)")
     wrong = sum(len(checked.wrong) for checked in Checked.all)
     compared = sum(checked.compared for checked in Checked.all)
     print(f"{compared} values compared, {wrong} differ by more than {TOLERANCE}")

@@ -116,7 +116,9 @@ std::string omnibus_words(const OutcomeComparison& tested, const Protocol& proto
   const double p = tested.refused.empty() ? omnibus_p(tested.comparison, protocol.analysis) : kNaN;
   if (std::isnan(p)) return alone ? " The registered test of all conditions could not be made." : "";
   return fmt::format(" The registered test of all conditions together ({}) is {}.",
-                     omnibus == Omnibus::friedman ? "Friedman" : "analysis of variance",
+                     omnibus == Omnibus::friedman     ? "Friedman"
+                     : protocol.conditions.size() > 2 ? "analysis of variance, Greenhouse-Geisser"
+                                                      : "analysis of variance",
                      significance(p, protocol.analysis.tests.alpha));
 }
 
@@ -159,16 +161,22 @@ std::string groups_words(const StudyResults& results, const Protocol& protocol) 
 std::string methods_words(const StudyResults& results) {
   const auto* constant = std::get_if<ConstantResults>(&results.measured);
   if (constant == nullptr || constant->sensitivity.empty() || !constant->sensitivity.front().refused.empty()) return {};
-  std::size_t tested = 0, alike = 0;
+  const SensitivityRow& registered = constant->sensitivity.front();
+  std::size_t tested = 0, alike = 0, of_fewer = 0;
   for (const SensitivityRow& row : constant->sensitivity) {
     if (row.registered || !row.refused.empty()) continue;
     ++tested;
     alike += row.same_conclusion ? 1 : 0;
+    of_fewer += row.n < registered.n ? 1 : 0;
   }
   if (tested == 0) return {};
-  if (alike == tested) return fmt::format(" All {} other methods that give a test agree.", number_word(tested));
-  return fmt::format(" {} of {} other methods that give a test {} otherwise.", capitalised(number_word(tested - alike)),
-                     number_word(tested), tested - alike == 1 ? "decides" : "decide");
+  const std::string fewer =
+      of_fewer == 0 ? std::string() : fmt::format(" ({} of them with fewer participants)", number_word(of_fewer));
+  if (alike == tested)
+    return fmt::format(" All {} other methods that give a test agree{}.", number_word(tested), fewer);
+  return fmt::format(" {} of {} other methods that give a test {} otherwise{}.",
+                     capitalised(number_word(tested - alike)), number_word(tested),
+                     tested - alike == 1 ? "decides" : "decide", fewer);
 }
 
 std::string ratings_words(const QuestionnaireResults& ratings) {

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "protocols/planning/track_threshold.h"
+
 namespace jnd {
 
 namespace {
@@ -94,6 +96,25 @@ void add_threshold_cautions(const StudyAnalysis& analysis, const Protocol& proto
                     not_measured, protocol.conditions.size()));
 }
 
+// A condition's threshold is that of its tracks that have one, which may be the upper or the lower ones only.
+void add_track_cautions(const AdaptiveResults& measured, const Protocol& protocol, std::vector<std::string>& out) {
+  if (threshold_source(protocol) == ThresholdSource::answers) return;
+  int tracks = 0, without = 0, without_here = 0;
+  for (const AdaptiveRow& row : measured.rows) {
+    const bool ok = row.threshold.status == AdaptiveStatus::ok;
+    if (row.track != 0) {
+      ++tracks;
+      without_here += ok ? 0 : 1;
+      continue;
+    }
+    without += ok ? without_here : 0;
+    without_here = 0;
+  }
+  if (without > 0)
+    out.push_back(fmt::format("{} tracks have no threshold; that of their condition rests on its other tracks alone.",
+                              share(without, tracks)));
+}
+
 void add_test_cautions(const OutcomeComparison& outcome, const Protocol& protocol, std::vector<std::string>& out) {
   if (!outcome.refused.empty()) return;
   const Comparison& comparison = outcome.comparison;
@@ -175,6 +196,8 @@ std::vector<std::string> cautions_of(const StudyResults& results, const Protocol
     add_rate_cautions(constant->analysis, out);
     add_threshold_cautions(constant->analysis, protocol, out);
   }
+  if (const auto* adaptive = std::get_if<AdaptiveResults>(&results.measured))
+    add_track_cautions(*adaptive, protocol, out);
   if (const OutcomeComparison* outcome = registered(results.comparisons)) add_test_cautions(*outcome, protocol, out);
   if (results.groups && results.groups->tested() && results.groups->test == BetweenTest::mixed_anova &&
       results.groups->comparison.anova.unequal)

@@ -20,6 +20,7 @@
 #include "runner/report/blinded_files.h"
 #include "runner/results/analysis_text.h"
 #include "runner/results/answer_tables.h"
+#include "runner/results/result_format.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
 #include "runner/terminal/pager.h"
@@ -76,7 +77,12 @@ std::string head_text(const Study& study, const StudyResults& results, const Pro
   const std::string origin =
       fmt::format("{}; protocol {}, seed {}", who_took_part(results, protocol), protocol.sha256.substr(0, 12),
                   seed_text(study, protocol, "sealed while real sessions are blinded"));
-  return paragraph(protocol.title, "", bold) + paragraph(origin, "", dim) + "\n";
+  std::string conditions;
+  for (const Condition& condition : protocol.conditions)
+    if (const std::string title = condition_title(condition); title != condition.name)
+      conditions += (conditions.empty() ? "" : "; ") + title;
+  return paragraph(protocol.title, "", bold) + paragraph(origin, "", dim) +
+         (conditions.empty() ? "" : paragraph(conditions, "", dim)) + "\n";
 }
 
 // Where the rest is. tables: all that there are.
@@ -99,12 +105,16 @@ std::string results_text(const StudyResults& results, const Protocol& protocol, 
   const std::string rest = explored ? "" : rest_text(tables, options.study);
   tables.insert(tables.end(), models.begin(), models.end());
   bool shown = false;
-  for (const SectionOption& one : kSections)
+  for (const SectionOption& one : kSections) {
+    bool any = false;
     for (const ResultTable& table : tables) {
       if (explored || section_of(table) != one.section || !options.shows(one.section)) continue;
       text += text_of(table);
-      shown = true;
+      shown = any = true;
     }
+    if (!any && !explored && options.sections[static_cast<std::size_t>(one.section)])
+      text += paragraph(fmt::format("There is nothing for {} in this study.", one.option)) + "\n";
+  }
   const auto* constant = std::get_if<ConstantResults>(&results.measured);
   if (constant != nullptr && !constant->detailed &&
       (options.shows(Section::models) || options.shows(Section::behaviour)))
@@ -142,6 +152,8 @@ int analyze_blinded(const Study& study, const Protocol& protocol, const AnalyzeO
 }
 
 int command_analyze(const AnalyzeOptions& options) {
+  if (!options.word.empty() && options.word != "all")
+    throw UsageError(fmt::format("analyze takes one study at a time: {} is one too many", options.word));
   const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_only);
   const Protocol protocol = protocol_of(*study);
   const SessionKind kind = kind_to_analyse(*study, options.kind);
@@ -149,6 +161,8 @@ int command_analyze(const AnalyzeOptions& options) {
   std::optional<WorkLine> working(std::in_place, "analysing " + options.study);
   const StudyResults results = results_of(*study, protocol, kind, source_to_analyse(protocol, options.by));
   working.reset();
+  if (options.by && !std::holds_alternative<ConstantResults>(results.measured))
+    write_marked_message("--by makes no difference here: this study has no fit over stiffness differences");
   // Only JNDs over given levels have other models.
   const auto* constant = std::get_if<ConstantResults>(&results.measured);
   const bool all_models = options.shows(Section::models) && constant != nullptr;
@@ -202,7 +216,7 @@ void add_analyze(CommandTree& tree) {
   command.add_flag("--json", options.json, "machine-readable");
   // Scripts of before: nothing is written unasked any more, and --models needs no word.
   command.add_flag("--no-methods")->group("");
-  command.add_option("WORD", options.word)->check(CLI::IsMember({"all"}))->group("");
+  command.add_option("WORD", options.word)->group("");
 }
 
 }  // namespace jnd

@@ -124,7 +124,7 @@ int command_simulate(const SimulateOptions& options) {
   std::int64_t trials = 0;
   std::int64_t voided = 0;
   for (const SessionInfo& session : Study::open(*options.study, Study::Access::read_only)->sessions()) {
-    if (session.kind != SessionKind::simulated) continue;
+    if (session.kind != SessionKind::simulated || session.participant_number > options.participants) continue;
     trials += session.trials_done;
     voided += session.trials_voided;
   }

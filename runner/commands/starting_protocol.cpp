@@ -89,6 +89,15 @@ ordered_json parsed(std::string_view text) {
   return ordered_json::parse(text);
 }
 
+// The tasks' own questions are about stiffness.
+std::string question_about(const std::string& quantity, const TaskStart& start) {
+  if (quantity == "stiffness") return std::string(start.asks);
+  if (start.kind == TaskKind::which) return fmt::format("Which had more {}, the first or the second?", quantity);
+  if (start.kind == TaskKind::yes_no) return fmt::format("Was it the one with more {}?", quantity);
+  if (start.kind == TaskKind::magnitude) return fmt::format("How much {} was it?", quantity);
+  return std::string(start.asks);
+}
+
 const RigStart& rig_start(const std::string& name) {
   return *std::find_if(kRigs.begin(), kRigs.end(), [&](const RigStart& start) { return start.name == name; });
 }
@@ -283,8 +292,8 @@ StartingPoint filled_in(StartingPoint point) {
   const RigStart& rig = rig_start(point.rig);
   const TaskStart& start = start_of(point.task);
   const ordered_json stimulus = parsed(rig.stimulus);
-  if (point.question.empty()) point.question = start.asks;
   if (point.quantity.empty()) point.quantity = stimulus["quantity"];
+  if (point.question.empty()) point.question = question_about(point.quantity, start);
   if (point.unit.empty()) point.unit = stimulus["unit"];
   if (!point.standard) point.standard = rig.standard;
   if (!point.levels) point.levels = values_of(start, *point.standard);

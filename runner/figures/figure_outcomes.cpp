@@ -86,9 +86,14 @@ bool has_no_participants(const OutcomeComparison& outcome) {
   return outcome.everyone.empty() || outcome.table.k == 0;
 }
 
-constexpr std::string_view kMarks =
-    "Every participant, with the median, the mean and its 95 % confidence interval (Student t) and the within-subject "
-    "interval (Cousineau-Morey) for comparing conditions.";
+// What the marks are.
+std::string_view marks_of(const ConditionFigure& figure) {
+  const bool within = std::any_of(figure.columns.begin(), figure.columns.end(),
+                                  [](const ConditionColumn& column) { return column.within.has_value(); });
+  return within ? "Every participant, with the median, the mean and its 95 % confidence interval (Student t) and the "
+                  "within-subject interval (Cousineau-Morey) for comparing conditions."
+                : "Every participant, with the median, the mean and its 95 % confidence interval (Student t).";
+}
 
 }  // namespace
 
@@ -104,7 +109,7 @@ std::vector<Figure> threshold_figures(const StudyResults& results, const Protoco
         threshold_source(protocol) == ThresholdSource::answers
             ? "The JND, the difference at d' = 1, by the posterior of all answers of a condition."
             : "The difference at which the procedure settles, averaged over the tracks of a condition.";
-    const std::string caption = fmt::format("{} {}{}", what, kMarks, left_out_text(outcome));
+    const std::string caption = fmt::format("{} {}{}", what, marks_of(figure), left_out_text(outcome));
     return {{figure.id, figure.title, caption, draw_condition_figure(figure, protocol)}};
   }
   return {};
@@ -126,7 +131,7 @@ std::vector<Figure> task_figures(const StudyResults& results, const Protocol& pr
   figure.y_title = outcome.unit.empty() ? outcome.title : fmt::format("{} ({})", outcome.title, outcome.unit);
   figure.joined = true;
   const std::string caption = fmt::format("{}. {}{}", measured->task.outcomes[measured->task.registered].meaning,
-                                          kMarks, left_out_text(outcome));
+                                          marks_of(figure), left_out_text(outcome));
   return {{figure.id, figure.title, caption, draw_condition_figure(figure, protocol)}};
 }
 
@@ -139,7 +144,8 @@ std::vector<Figure> time_figures(const StudyResults& results, const Protocol& pr
     figure.y_title = fmt::format("time per trial ({})", outcome.unit);
     figure.joined = true;
     figure.from_zero = false;
-    const std::string caption = fmt::format("Mean time per counted trial. {}{}", kMarks, left_out_text(outcome));
+    const std::string caption =
+        fmt::format("Mean time per counted trial. {}{}", marks_of(figure), left_out_text(outcome));
     return {{figure.id, figure.title, caption, draw_condition_figure(figure, protocol)}};
   }
   return {};
@@ -174,7 +180,7 @@ std::vector<Figure> rating_figures(const StudyResults& results, const Protocol& 
           column.published_half_width = value.ci95_half_width;
         }
     const std::string caption = fmt::format("“{}”{} {} Points beside one another are equal answers.{}", outcome.title,
-                                            scale, kMarks, left_out_text(outcome));
+                                            scale, marks_of(figure), left_out_text(outcome));
     figures.push_back({figure.id, figure.title, caption, draw_condition_figure(figure, protocol)});
   }
   return figures;

@@ -167,11 +167,6 @@ std::vector<std::string> wrapped(std::string_view text, double size, double widt
   return lines;
 }
 
-std::string condition_title(const Condition& condition) {
-  return condition.label.empty() || condition.label == condition.name ? condition.name
-                                                                      : condition.name + ": " + condition.label;
-}
-
 // The legend of a figure: what every kind of mark means.
 
 namespace {

@@ -64,9 +64,6 @@ std::string fitted(std::string_view text, double size, double width);
 // At spaces, at most `most` lines of that width; the last one is cut where it does not fit.
 std::vector<std::string> wrapped(std::string_view text, double size, double width, std::size_t most);
 
-// "S" and its label, as "S: servo motors"; the name alone where the label says no more.
-std::string condition_title(const Condition& condition);
-
 struct LegendEntry {
   enum class Kind { condition, interval, within, published, median, line, arrow, cross } kind = Kind::condition;
   int condition = 0;  // of Kind::condition

@@ -102,8 +102,9 @@ std::vector<Figure> track_figures(const StudyResults& results, const Protocol& p
                       panels.back().participant));
   draw_legend(&svg, legend, kTrackLeft, 8, width - kTrackLeft - 10);
   for (std::size_t i = 0; i < panels.size(); ++i) {
-    const double left = kTrackLeft + static_cast<double>(i % columns) * (kTrackWidth + kTrackGapX);
-    const double upper = top + static_cast<double>(i / columns) * (kTrackHeight + kTrackGapY);
+    const std::size_t row = i / columns, column = i % columns;
+    const double left = kTrackLeft + static_cast<double>(column) * (kTrackWidth + kTrackGapX);
+    const double upper = top + static_cast<double>(row) * (kTrackHeight + kTrackGapY);
     draw_tracks(svg, {left, upper, left + kTrackWidth, upper + kTrackHeight}, panels[i], scales, protocol,
                 i % columns == 0, i + columns >= panels.size());
   }

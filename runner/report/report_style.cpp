@@ -57,7 +57,7 @@ figcaption strong { color: var(--ink); }
 .scroll:focus-visible { outline: 2px solid var(--link); }
 table { border-collapse: collapse; font-size: 0.86rem; line-height: 1.4; font-variant-numeric: tabular-nums; }
 caption { text-align: left; font-weight: bold; font-size: 1rem; padding-bottom: 0.4rem; }
-caption .note { display: block; font-weight: normal; max-width: 48rem; }
+caption .note { display: block; font-weight: normal; max-width: min(48rem, calc(100vw - 2.5rem)); }
 th, td { padding: 0.22rem 0.7rem 0.22rem 0; text-align: left; vertical-align: top; }
 th:first-child, td:first-child { padding-left: 0.4rem; }
 thead th { border-top: 2px solid var(--axis); border-bottom: 1px solid var(--axis); vertical-align: bottom; }

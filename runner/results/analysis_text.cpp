@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "data/methods/verdict_text.h"
 #include "runner/results/answer_tables.h"
@@ -14,14 +13,9 @@ namespace jnd {
 
 namespace {
 
-// 0: as many columns as it takes.
-std::size_t table_columns() {
-  return is_terminal(STDOUT_FILENO) ? static_cast<std::size_t>(std::max(terminal_width(), 20)) : 0;
-}
-
 std::size_t text_columns() {
   constexpr std::size_t kMost = 80;
-  return table_columns() == 0 ? kMost : std::min(kMost, table_columns());
+  return table_width() == 0 ? kMost : std::min(kMost, table_width());
 }
 
 }  // namespace
@@ -48,7 +42,7 @@ std::string text_of(const ResultTable& table) {
   }
   std::string all = paragraph(table.title, "", bold);
   if (!table.note.empty()) all += paragraph(table.note, "", dim);
-  all += text.text(table_columns());
+  all += text.text();
   for (const std::string& note : table.footnotes) all += paragraph(note, "  ");
   return all + "\n";
 }

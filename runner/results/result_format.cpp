@@ -19,6 +19,11 @@ const std::string& condition_text(const Protocol& protocol, int place) {
   return protocol.conditions[static_cast<std::size_t>(place)].name;
 }
 
+std::string condition_title(const Condition& condition) {
+  return condition.label.empty() || condition.label == condition.name ? condition.name
+                                                                      : condition.name + ": " + condition.label;
+}
+
 std::string joined(const std::string& a, const std::string& b) {
   return a.empty() || b.empty() ? a + b : a + ", " + b;
 }

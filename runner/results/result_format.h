@@ -19,7 +19,9 @@ std::string median_text(JndStatus status, double median, const Protocol& protoco
 std::string_view unit_of(const Protocol& protocol) noexcept;
 
 const std::string& condition_text(const Protocol& protocol, int place);  // its name
-std::string joined(const std::string& a, const std::string& b);          // "a, b", or the one that is not empty
+// "S" and its label, as "S: servo motors"; the name alone where the label says no more.
+std::string condition_title(const Condition& condition);
+std::string joined(const std::string& a, const std::string& b);  // "a, b", or the one that is not empty
 // Where the fit rests on another difference than the one asked for; empty where it does not.
 std::string source_caution(DifferenceSource source, const StudyAnalysis& analysis);
 

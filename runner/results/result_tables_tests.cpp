@@ -130,7 +130,8 @@ ResultTable pairs_table(const StudyResults& results, const Protocol& protocol) {
        of.words("pair",
                 [&](const PairRow& row) { return of.text("condition_a", row) + " - " + of.text("condition_b", row); }),
        of("n"), of("mean_difference"), of.range("ci95_low", "ci95_high"), of("t"), of("t_p"), of("t_p_holm"), of("dz"),
-       of("games_howell_p"), of("tukey_p"), of("wilcoxon_v"), of("wilcoxon_p_exact"), of("wilcoxon_p_holm")},
+       of("games_howell_p"), of("tukey_p"), of("wilcoxon_v"), of("wilcoxon_p"), of("wilcoxon_p_holm"),
+       of("wilcoxon_p_exact")},
       rows);
 }
 

@@ -37,11 +37,11 @@ bool is_installed(std::string_view program) {
   return false;
 }
 
-// Empty for none. less: with colours, ending by itself where all fits, and leaving the text on the screen.
+// Empty for none.
 std::string pager() {
   for (const char* const name : {"JND_PAGER", "PAGER"})
     if (std::getenv(name) != nullptr) return environment(name) == "cat" ? std::string() : environment(name);
-  return is_installed("less") ? "less -FRX" : "";
+  return is_installed("less") ? "less" : "";
 }
 
 bool longer_than_terminal(const std::string& text) {
@@ -73,6 +73,9 @@ class LeaveSignalsToPager {
 bool shown_by(const std::string& command, const std::string& text) {
   std::fflush(stdout);
   const LeaveSignalsToPager signals;
+  // For a less that the user names: with colours, and gone by itself where all fits.
+  constexpr int kUnlessSet = 0;
+  setenv("LESS", "FRX", kUnlessSet);
   // The user's own command, as git and man run it.
   std::FILE* const pipe = popen(command.c_str(), "w");  // NOLINT(cert-env33-c)
   if (pipe == nullptr) return false;

@@ -30,6 +30,11 @@ int terminal_width() noexcept {
   return 80;
 }
 
+std::size_t table_width() noexcept {
+  constexpr int kLeast = 20;
+  return is_terminal(STDOUT_FILENO) ? static_cast<std::size_t>(std::max(terminal_width(), kLeast)) : 0;
+}
+
 std::string bold(std::string_view text) {
   return styled("1", text);
 }

@@ -8,6 +8,8 @@ namespace jnd {
 
 bool is_terminal(int file_descriptor) noexcept;
 int terminal_width() noexcept;  // columns of standard output; 80 where unknown
+// Columns that a table may take: those of standard output, 0 (without end) where that is no terminal.
+std::size_t table_width() noexcept;
 
 // Text for standard output; plain where that is not a terminal or NO_COLOR is set. Never the only carrier of meaning.
 std::string bold(std::string_view text);

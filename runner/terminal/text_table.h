@@ -24,7 +24,8 @@ class TextTable {
   // it takes more, headers are broken into lines and gaps narrowed; then words in the last column stand below their
   // row; then columns stand below each other, those of the first words beside every one of them again. Words are never
   // broken.
-  std::string text(std::size_t width = 0) const;
+  std::string text(std::size_t width) const;
+  std::string text() const { return text(table_width()); }
 
  private:
   using Columns = std::vector<std::size_t>;  // places of columns
