@@ -44,7 +44,9 @@ Frame too_small(const ScreenModel& model, int rows, const Area& area) {
   std::string first;
   for (const KeyHint& hint : keys)
     if (hint.stop) first += fmt::format("[{}] {}   ", hint.key, hint.what);
-  first += fmt::format("too small, {} x {} needed", kLeastColumns, kLeastRows);
+  const std::string small = fmt::format("too small, {} x {} needed", kLeastColumns, kLeastRows);
+  const bool beside = columns_of(first) + columns_of(small) <= area.columns;
+  if (beside) first += small;
 
   const bool reading = !model.dialog && (model.page != nullptr || model.scene.to_read);
   std::string words = model.dialog  ? model.dialog->question
@@ -57,6 +59,7 @@ Frame too_small(const ScreenModel& model, int rows, const Area& area) {
                           : model.scene.heading;
   Frame frame;
   frame.rows.push_back({span(area, 0, first, style_of(Tone::warning))});
+  if (!beside) frame.rows.push_back({span(area, 0, small, style_of(Tone::warning))});
   for (const std::string& line : wrapped(showable(words, area.unicode), area.columns))
     frame.rows.push_back({span(area, 0, line, model.stop ? style_of(Shade::stop) : style_of(Tone::strong))});
   const bool fits = static_cast<int>(frame.rows.size()) <= rows;

@@ -246,10 +246,12 @@ MainPart stop_part(const Area& area, const ScreenModel& model, int room) {
 
 MainPart help_part(const Area& area, const ScreenModel& model) {
   MainPart part;
+  if (model.stop) part.rows.push_back({span(area, 1, "STOPPED: the devices are at rest", style_of(Shade::stop))});
   part.rows.push_back({span(area, 1, "Keys of this screen", kBold), span(area, 23, "any key goes back", kDim)});
   part.least = part.rows.size();
   std::vector<KeyHint> keys = keys_now(model);
-  keys.push_back({"Ctrl-C", "pauses; twice: ends the session safely", false});
+  if (std::none_of(keys.begin(), keys.end(), [](const KeyHint& hint) { return hint.key == "Ctrl-C"; }))
+    keys.push_back({"Ctrl-C", "pauses; twice: ends the session safely", false});
   for (const KeyHint& hint : keys)
     part.rows.push_back(
         {span(area, 1, fmt::format("{:>8}", "[" + hint.key + "]"), hint.works ? kBold : kDim),

@@ -367,7 +367,9 @@ void SessionConsole::cue(CuePlace place, const CueSignal& cue) {
 // From the first contact on an interval is as long as the protocol says, whatever is felt.
 void SessionConsole::show_interval(const DeviceHealth& health) {
   const Timeline& timeline = protocol_.timeline;
-  if (health.contact && !contact_s_) contact_s_ = health.elapsed_s;
+  // Specimens are in the hand when the interval begins, and nothing tells of a contact.
+  const bool in_the_hand = protocol_.rig.device == kSpecimenRig;
+  if ((health.contact || in_the_hand) && !contact_s_) contact_s_ = in_the_hand ? 0 : health.elapsed_s;
   Phase phase{.word = interval_word(interval_, protocol_)};
   phase.total_s = contact_s_ ? timeline.explore_s : timeline.no_contact_time_out_s;
   phase.left_s = std::max(0.0, phase.total_s - (health.elapsed_s - contact_s_.value_or(0)));

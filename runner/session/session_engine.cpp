@@ -203,8 +203,13 @@ std::vector<ConditionProgress> SessionEngine::by_condition() const {
 
 // At the pace of all trials so far: that of a single one, or of the coming ones, could tell what they present.
 double SessionEngine::time_left_s() const {
+  // Some trials at the protocol's own pace stand beside those that were: a first one that takes long says little.
+  constexpr int kAsExpected = 4;
   std::optional<double> trial_s;
-  if (trials_timed_ > 0) trial_s = seconds_in_trials_ / trials_timed_ + protocol_.timeline.between_trials_s;
+  if (trials_timed_ > 0)
+    trial_s = (seconds_in_trials_ + trials_timed_ * protocol_.timeline.between_trials_s +
+               kAsExpected * expected_trial_s(protocol_)) /
+              (trials_timed_ + kAsExpected);
   return expected_left_s(protocol_, plan_, course_, trial_s);
 }
 

@@ -60,6 +60,35 @@ class Analyze(unittest.TestCase):
         self.assertEqual({row["condition"] for row in result["cue_strategy"]}, {"S", "V", "SV"})
         self.assertEqual(len(result["behaviour"]), 3 + 4)
 
+    def test_p_values_of_behaviour_have_their_correction(self):
+        rows = self.analysis("chinello2017.sqlite")["behaviour"]
+        for part in ([row for row in rows if row["participant"] is None], [row for row in rows if row["participant"]]):
+            self.assertGreater(len(part), 2)
+            for path in (("order_effect",), ("response_bias",), ("drift", "dprime")):
+                blocks = []
+                for row in part:
+                    block = row
+                    for name in path:
+                        block = block[name]
+                    blocks.append(block)
+                largest = 0
+                for place, block in enumerate(sorted(blocks, key=lambda one: one["p"])):
+                    largest = max(largest, min(1, (len(blocks) - place) * block["p"]))
+                    self.assertAlmostEqual(block["holm"]["p"], largest, places=12)
+
+    def test_tracks_without_a_threshold_are_a_caution(self):
+        for study in ("adaptive-staircase.sqlite", "few.sqlite"):
+            if study == "few.sqlite":  # a track of hers ends before its reversals
+                self.jnd("simulate", "adaptive-staircase", "--participants", "6", "--study", study, "--seed", "2")
+            result = self.analysis(study)
+            whole = {(row["participant"], row["condition"]) for row in result["rows"] if row["track"] is None and row["status"] == "ok"}
+            without = [row for row in result["rows"] if row["track"] is not None and row["status"] != "ok"
+                       and (row["participant"], row["condition"]) in whole]
+            said = [caution for caution in result["cautions"] if "tracks have no threshold" in caution]
+            self.assertEqual(len(said), 1 if without else 0)
+            if without:
+                self.assertTrue(said[0].startswith(f"{len(without)} of "), said)
+
     def test_a_row_of_the_contrasts_is_on_one_scale(self):
         result = self.analysis("chinello2017.sqlite")
         rows = [row for row in result["contrasts"] if (row["a"], row["b"]) == ("S", "V")]
