@@ -93,6 +93,12 @@ std::optional<Answer> SessionConsole::judge_number(const TrialQuestion& question
   return std::nullopt;
 }
 
+// The latch is set: no answer counts. It is on the screen before what it ends is written down.
+std::optional<Answer> SessionConsole::stopped_unanswered() {
+  keys_.look_at_stop();
+  return std::nullopt;
+}
+
 std::optional<Answer> SessionConsole::judge(const TrialQuestion& question) {
   if (protocol_.task.answers.empty()) return judge_number(question);
   const WithdrawnAtEnd asking(options_.rig_buttons);
@@ -107,7 +113,7 @@ std::optional<Answer> SessionConsole::judge(const TrialQuestion& question) {
     }
     const ButtonReply buttons = hear_buttons();
     if (buttons.answer) return question_over(buttons.answer, question.time_out_s);
-    if (buttons.stopped || keys_.stopped()) return std::nullopt;  // the latch is set: no answer counts
+    if (buttons.stopped || keys_.stopped()) return stopped_unanswered();
     const double gone_s = static_cast<double>(clock_.now_ns() - cue_shown_ns_) * 1e-9;
     if (!buttons.pending && gone_s > question.time_out_s) return question_over(std::nullopt, question.time_out_s);
     show_question_time(gone_s, question.time_out_s);
@@ -120,7 +126,7 @@ std::optional<Answer> SessionConsole::judge(const TrialQuestion& question) {
     }
     if (const GivenAnswer* const given = std::get_if<GivenAnswer>(&binding->meaning))
       return question_over(answer_of(*given, options_.entered_by, key->time_ns), question.time_out_s);
-    if (binding->asks(Request::stopped)) return std::nullopt;  // the latch is set: no answer counts
+    if (binding->asks(Request::stopped)) return stopped_unanswered();
     if (binding->asks(Request::pause) || binding->asks(Request::note)) {
       note_requests({*key}, keys);
     } else {

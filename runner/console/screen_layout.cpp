@@ -43,10 +43,11 @@ Frame too_small(const ScreenModel& model, int rows, const Area& area) {
   const std::vector<KeyHint> keys = keys_now(model);
   std::string first;
   for (const KeyHint& hint : keys)
-    if (hint.stop) first += fmt::format("[{}] {}   ", hint.key, hint.what);
+    if (hint.stop) first += fmt::format("{}[{}] {}", first.empty() ? "" : "   ", hint.key, hint.what);
   const std::string small = fmt::format("too small, {} x {} needed", kLeastColumns, kLeastRows);
-  const bool beside = columns_of(first) + columns_of(small) <= area.columns;
-  if (beside) first += small;
+  constexpr int kRowsForBoth = 5;
+  const bool beside = rows < kRowsForBoth || columns_of(first) + 3 + columns_of(small) <= area.columns;
+  if (beside) first += "   " + small;
 
   const bool reading = !model.dialog && (model.page != nullptr || model.scene.to_read);
   std::string words = model.dialog  ? model.dialog->question

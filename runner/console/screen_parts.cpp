@@ -114,12 +114,13 @@ Row card_row(const Area& area, const ScreenModel& model) {
 }
 
 // Where the trial stands, in words, or shorter where there is little room.
-std::vector<std::string> places_of(const TrialOutline& outline, bool brief) {
+// letter: of the condition. Beside a question that names a condition it would say what it stands for.
+std::vector<std::string> places_of(const TrialOutline& outline, bool brief, bool letter) {
   std::vector<std::string> parts;
   if (!outline.practice)
     parts.push_back(fmt::format("block {}{}{}", outline.block, brief ? "/" : " of ", outline.blocks));
   if (outline.practice && outline.round > 1) parts.push_back(fmt::format("round {}", outline.round));
-  if (!outline.condition_code.empty()) parts.push_back(fmt::format("condition {}", outline.condition_code));
+  if (letter && !outline.condition_code.empty()) parts.push_back(fmt::format("condition {}", outline.condition_code));
   parts.push_back(fmt::format("plan no. {}", outline.plan_number));
   if (outline.attempt > 1) parts.push_back(fmt::format("attempt {}", outline.attempt));
   return parts;
@@ -130,9 +131,10 @@ Row trial_row(const Area& area, const ScreenModel& model) {
     return {span(area, 1, fmt::format("{} of {} trials done", model.card.trials_done, model.card.trials_total), kBold)};
   }
   const std::string head = trial_heading(*model.outline);
-  std::string rest = fmt::format("   {}", fmt::join(places_of(*model.outline, false), "   "));
+  const bool letter = model.page == nullptr;
+  std::string rest = fmt::format("   {}", fmt::join(places_of(*model.outline, false, letter), "   "));
   if (columns_of(head) + columns_of(rest) + 1 > area.columns)
-    rest = fmt::format("  {}", fmt::join(places_of(*model.outline, true), "  "));
+    rest = fmt::format("  {}", fmt::join(places_of(*model.outline, true, letter), "  "));
   return {span(area, 1, head, kBold), span(area, 1 + columns_of(head), rest)};
 }
 

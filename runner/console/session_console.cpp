@@ -633,8 +633,10 @@ std::optional<bool> SessionConsole::consent(const std::string& text) {
     if (!key || display_->scroll(key->name)) continue;
     const std::optional<KeyBinding> binding = keys.binding_of(*key);
     if (binding && !binding->asks(Request::stopped)) {
-      if (still_to_read()) continue;
-      if (binding->asks(Request::go_on)) return true;
+      // Nobody has to read to the end to refuse.
+      const bool agrees = binding->asks(Request::go_on);
+      if (agrees && still_to_read()) continue;
+      if (agrees) return true;
       if (confirm("No consent: the session ends for good. Is that right?")) return false;
       if (!keys_.ended()) display_->keys_again();
     } else {

@@ -57,6 +57,7 @@ class SessionConsole final : public Console, private Responder {
   std::optional<Answer> judge(const TrialQuestion& question) override;
   bool enough(const IntervalId& id, double elapsed_s) override;
   // Typed, where the task is answered with a number.
+  std::optional<Answer> stopped_unanswered();
   std::optional<Answer> judge_number(const TrialQuestion& question);
   std::optional<std::string> reply(const Question& question, int condition) override;
   std::optional<Replies> reply_all(const std::vector<AskedQuestion>& page) override;

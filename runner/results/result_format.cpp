@@ -1,5 +1,7 @@
 #include "runner/results/result_format.h"
 
+#include <fmt/format.h>
+
 namespace jnd {
 
 std::string stiffness_text(double value, const Protocol& protocol) {

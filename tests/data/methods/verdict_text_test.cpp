@@ -45,7 +45,9 @@ TEST_CASE("nothing significant is not called equal") {
   INFO(text);
   CHECK(text.starts_with("No registered contrast is significant at 0.05 ("));
   CHECK(says(text, "which does not show that the conditions are equal."));
-  CHECK(says(text, "The registered test of all conditions together (analysis of variance, Greenhouse-Geisser) is not significant (p = "));
+  CHECK(says(
+      text,
+      "The registered test of all conditions together (analysis of variance, Greenhouse-Geisser) is not significant (p = "));
   CHECK(says(text, "other methods that give a test"));
 }
 

@@ -70,7 +70,8 @@ class Screens {
       text = std::regex_replace(text, std::regex(what), mask);
     if (letters == Letters::compared) return text;
     for (const auto& [what, mask] :
-         {std::pair("(\\}|\n)([ █▀▄]*[█▀▄]+[ █▀▄]*)(\\{|\n)", "$1(large)$3"), std::pair("(█|░)+", "(bar)"),
+         {std::pair("(\\{\\}  )(█|░)+(  \\{b\\})", "$1(bar)$3"),  // also where it is full
+          std::pair("(\\}|\n)([ █▀▄]*[█▀▄]+[ █▀▄]*)(\\{|\n)", "$1(large)$3"), std::pair("(█|░)+", "(bar)"),
           std::pair("[0-9]+ s left", "# s left"), std::pair("(left\\{\\})  [a-z ]+", "$1")})
       for (std::string before; before != text;) {
         before = text;
