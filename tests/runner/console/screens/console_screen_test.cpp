@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iostream>
 #include <sstream>
+#include <thread>
 
 #include "tests/runner/console/screens/scripted_terminal.h"
 
@@ -90,6 +91,7 @@ class Screens {
 void to_question(ScriptedTerminal& terminal) {
   terminal.press_for(" ", "\\[s\\] same");
 }
+constexpr std::chrono::milliseconds kNoteWritten{1500};
 const std::string kReady = "\\[space\\] when the participant is ready";
 
 // The next trial's announcement is told from the last one's by the answer being gone from the question.
@@ -157,6 +159,8 @@ void practise(ScriptedTerminal& terminal, Screens& screens) {
   terminal.press("the door opened");
   terminal.wait_for("the door opened");
   terminal.press_for(kEnter, "note: the door opened");
+  // Not while the note is still being written: then the pause is queued, and the log says so.
+  std::this_thread::sleep_for(kNoteWritten);
   terminal.press_for("p", "Pause. Reason");
   terminal.press_for(kEnter, "Paused");
   screens.check_sizes("paused", terminal, Letters::timed);
