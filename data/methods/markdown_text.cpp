@@ -59,4 +59,10 @@ const char* plural(std::size_t n) noexcept {
   return n == 1 ? "" : "s";
 }
 
+std::string capitalised(std::string text) {
+  const auto lower = [&](std::size_t at) { return at < text.size() && text[at] >= 'a' && text[at] <= 'z'; };
+  if (lower(0) && lower(1)) text[0] = static_cast<char>(text[0] - 'a' + 'A');
+  return text;
+}
+
 }  // namespace jnd

@@ -13,6 +13,8 @@ namespace jnd {
 // other text.
 std::string markdown_text(std::string_view text);
 
+// "exponent" -> "Exponent"; "d'" stays.
+std::string capitalised(std::string text);
 // "a, b and c".
 std::string list_of(const std::vector<std::string>& items);
 // The ending of a word that counts n things: "" or "s".

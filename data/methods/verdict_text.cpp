@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "analysis/numerics/special_values.h"
+#include "data/methods/markdown_text.h"
 #include "protocols/planning/allotment.h"
 
 namespace jnd {
@@ -19,11 +20,6 @@ std::string number_word(std::size_t n) {
   constexpr std::array<const char*, 11> kWords = {"none", "one",   "two",   "three", "four", "five",
                                                   "six",  "seven", "eight", "nine",  "ten"};
   return n < kWords.size() ? kWords[n] : std::to_string(n);
-}
-
-std::string capitalised(std::string text) {
-  if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
-  return text;
 }
 
 std::string p_equals(double p, double alpha) {

@@ -140,14 +140,14 @@ struct Own {
 using WhyNot = std::string (*)(Request);
 
 // main: the scene's keys, first. own: those of the operator's that work; why_not says of the others why they do not.
-KeyMap scene_keys(std::vector<KeyBinding> main, std::initializer_list<Own> own, WhyNot why_not,
+KeyMap scene_keys(std::vector<KeyBinding> main, const std::vector<Own>& own, WhyNot why_not,
                   const TaskSpec* task = nullptr, bool help_brief = false) {
   for (const OwnKey& place : kOwnKeys) {
     KeyBinding binding{.key = task == nullptr ? place.key : spared(place.key, *task),
                        .meaning = place.request,
                        .label = place.label,
                        .place = true};
-    const auto* const works =
+    const auto works =
         std::find_if(own.begin(), own.end(), [&](const Own& one) { return one.request == place.request; });
     binding.brief = works != own.end() && works->brief;
     binding.what = works != own.end() ? works->what : place.label;
@@ -204,23 +204,14 @@ std::string not_exploring(Request request) {
 }  // namespace
 
 KeyMap ready_keys(bool can_void_last) {
-  const std::vector<KeyBinding> main = {{' ', Request::go_on, "when the participant is ready", true}, kStop};
-  if (!can_void_last)
-    return scene_keys(main,
-                      {{Request::pause, "pause"},
-                       {Request::note, "note"},
-                       {Request::take_break, "break"},
-                       {Request::end_block, "end this block"},
-                       {Request::end_for_now, "end", true}},
-                      not_before_trial, nullptr, true);
-  return scene_keys(main,
-                    {{Request::pause, "pause"},
-                     {Request::void_last, "take back the last answer"},
-                     {Request::note, "note"},
-                     {Request::take_break, "break"},
-                     {Request::end_block, "end this block"},
-                     {Request::end_for_now, "end", true}},
-                    not_before_trial, nullptr, true);
+  std::vector<Own> own = {{Request::pause, "pause"},
+                          {Request::note, "note"},
+                          {Request::take_break, "break"},
+                          {Request::end_block, "end this block"},
+                          {Request::end_for_now, "end", true}};
+  if (can_void_last) own.push_back({Request::void_last, "take back the last answer"});
+  return scene_keys({{' ', Request::go_on, "when the participant is ready", true}, kStop}, own, not_before_trial,
+                    nullptr, true);
 }
 
 KeyMap question_keys(const TaskSpec& task) {
@@ -302,16 +293,6 @@ KeyMap consent_keys() {
   return KeyMap({{'y', Request::go_on, "the participant agrees", true},
                  {'n', Request::end_for_good, "the participant does not agree", true},
                  kStop});
-}
-
-KeyMap ready_to_explore_keys() {
-  return scene_keys({{' ', Request::go_on, "when the participant is ready", true}, kStop},
-                    {{Request::pause, "pause"},
-                     {Request::note, "note"},
-                     {Request::take_break, "break"},
-                     {Request::end_block, "end this block"},
-                     {Request::end_for_now, "end", true}},
-                    not_before_trial, nullptr, true);
 }
 
 KeyMap exploring_keys() {

@@ -85,7 +85,6 @@ KeyMap break_keys(bool over);
 KeyMap instruction_keys();
 KeyMap finding_keys();  // what readiness found, and other warnings to be read
 KeyMap consent_keys();
-KeyMap ready_to_explore_keys();
 KeyMap exploring_keys();
 KeyMap storage_keys();
 

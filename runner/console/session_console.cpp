@@ -658,7 +658,7 @@ OperatorRequest SessionConsole::ready_to_explore(const ExplorationOutline& outli
   exploring_s_ = outline.duration_s;
   display_->phase({.word = "READY?", .holds = true});
   happened(moment::kExplorationEnded);  // of one that did not count
-  OperatorRequest request = request_at(scene, ready_to_explore_keys(), true);
+  OperatorRequest request = request_at(scene, ready_keys(false), true);
   if (request.kind == Request::go_on) happened(moment::kExplorationBegan);
   if (request.kind == Request::go_on && keys_.has_keyboard()) {
     scene.keys = exploring_keys().hints();

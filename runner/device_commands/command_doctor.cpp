@@ -1,11 +1,11 @@
 // jnd doctor: is this machine fit to run a session.
 #include <algorithm>
 #include <optional>
-#include <sstream>
 #include <utility>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include "analysis/numerics/stop_request.h"
@@ -55,16 +55,7 @@ nlohmann::ordered_json jitter_json(const JitterReport& report) {
 std::string wrapped(const std::string& text, std::size_t indent) {
   if (!is_terminal(STDOUT_FILENO)) return text;
   const auto width = static_cast<std::size_t>(std::max(terminal_width() - 1, 40)) - std::min<std::size_t>(indent, 30);
-  std::istringstream words(text);
-  std::string out, line;
-  for (std::string word; words >> word;) {
-    if (!line.empty() && display_width(line) + 1 + display_width(word) > width) {
-      out += line + "\n" + std::string(indent, ' ');
-      line.clear();
-    }
-    line += (line.empty() ? "" : " ") + word;
-  }
-  return out + line;
+  return fmt::format("{}", fmt::join(wrapped_words(text, width), "\n" + std::string(indent, ' ')));
 }
 
 std::string mark(Verdict verdict) {

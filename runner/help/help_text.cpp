@@ -1,7 +1,6 @@
 #include "runner/help/help_text.h"
 
 #include <algorithm>
-#include <sstream>
 #include <vector>
 
 #include <fmt/format.h>
@@ -16,22 +15,6 @@ namespace {
 constexpr std::size_t kWidestLabel = 26;    // a longer one has a line of its own
 constexpr std::size_t kNarrowestText = 24;  // columns
 
-// Words of the text, in lines of so many columns.
-std::vector<std::string> broken(const std::string& text, std::size_t columns) {
-  std::vector<std::string> lines;
-  std::string line;
-  std::istringstream words(text);
-  for (std::string word; words >> word;) {
-    if (!line.empty() && display_width(line) + 1 + display_width(word) > columns) {
-      lines.push_back(line);
-      line.clear();
-    }
-    line += (line.empty() ? "" : " ") + word;
-  }
-  if (!line.empty() || lines.empty()) lines.push_back(line);
-  return lines;
-}
-
 struct Row {
   std::string label, text;
 };
@@ -44,7 +27,7 @@ std::string table(const std::vector<Row>& rows, std::size_t columns) {
   const std::size_t indent = width + 4;
   const std::size_t room = std::max(kNarrowestText, columns > indent ? columns - indent : 0);
   for (const Row& row : rows) {
-    const std::vector<std::string> lines = broken(row.text, room);
+    const std::vector<std::string> lines = wrapped_words(row.text, room);
     const bool apart = row.label.size() > width;
     out += apart ? fmt::format("  {}\n", row.label) : fmt::format("  {:<{}}  {}\n", row.label, width, lines.front());
     for (std::size_t i = apart ? 0 : 1; i < lines.size(); ++i) out += fmt::format("{:{}}{}\n", "", indent, lines[i]);

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "data/methods/markdown_text.h"
 #include "runner/results/result_format.h"
 #include "runner/results/result_table_parts.h"
 #include "runner/results/result_tables_questionnaire.h"
@@ -60,13 +61,6 @@ std::string said_once(const ResultTable& table, const std::string& column) {
   return alike ? first.substr(0, first.size() - 2) : std::string();
 }
 
-// "exponent" -> "Exponent"; "d'" stays.
-std::string as_title(std::string text) {
-  const auto lower = [&](std::size_t at) { return at < text.size() && text[at] >= 'a' && text[at] <= 'z'; };
-  if (lower(0) && lower(1)) text[0] = static_cast<char>(text[0] - 'a' + 'A');
-  return text;
-}
-
 struct ConditionsAnswered {
   const StudyResults& results;
   const Protocol& protocol;
@@ -91,7 +85,7 @@ struct ConditionsAnswered {
     const std::string measure = said_once(table, "measure");
     table = with_columns(std::move(table),
                          {{"condition"}, {"standard"}, {"n used"}, {"mean"}, {"95 % CI"}, {"median"}, {"published"}});
-    table.title = as_title(measure) + " by condition";
+    table.title = capitalised(measure) + " by condition";
     table.note =
         fmt::format("{}; mean with Student's 95 % interval", measured.task.outcomes[measured.task.registered].meaning);
     return table;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <iterator>
+#include <sstream>
 
 #include <fmt/format.h>
 #include <sys/ioctl.h>
@@ -178,6 +179,21 @@ std::size_t display_width(std::string_view text) noexcept {
     text.remove_prefix(character.bytes);
   }
   return columns;
+}
+
+std::vector<std::string> wrapped_words(const std::string& text, std::size_t columns) {
+  std::vector<std::string> lines(1);
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    std::string& line = lines.back();
+    if (line.empty())
+      line = word;
+    else if (display_width(line) + 1 + display_width(word) <= columns)
+      line.append(" ").append(word);
+    else
+      lines.push_back(word);
+  }
+  return lines;
 }
 
 }  // namespace jnd

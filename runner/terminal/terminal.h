@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace jnd {
 
@@ -29,6 +30,9 @@ std::string printable_json(std::string_view document);
 // Columns of a terminal that a UTF-8 text takes: 2 for East Asian wide characters and emoji, 0 for combining marks, 1
 // for all else.
 std::size_t display_width(std::string_view text) noexcept;
+
+// Broken between words into lines of at most so many columns; a longer word has a line to itself. At least one line.
+std::vector<std::string> wrapped_words(const std::string& text, std::size_t columns);
 
 // Minutes and seconds as a person says them: "35 s", "24 min", "1 h 05 min".
 std::string duration_text(double seconds);

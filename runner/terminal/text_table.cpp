@@ -25,21 +25,6 @@ bool all_empty(const std::vector<std::string>& cells, std::size_t from) {
 
 }  // namespace
 
-std::vector<std::string> wrapped_words(const std::string& text, std::size_t columns) {
-  std::vector<std::string> lines(1);
-  std::istringstream words(text);
-  for (std::string word; words >> word;) {
-    std::string& line = lines.back();
-    if (line.empty())
-      line = word;
-    else if (display_width(line) + 1 + display_width(word) <= columns)
-      line.append(" ").append(word);
-    else
-      lines.push_back(word);
-  }
-  return lines;
-}
-
 TextTable::TextTable(std::vector<std::string> header, std::vector<Align> align) : align_(std::move(align)) {
   rows_.push_back(std::move(header));
 }

@@ -9,9 +9,6 @@
 
 namespace jnd {
 
-// Broken between words into lines of at most so many columns; a longer word has a line to itself. At least one line.
-std::vector<std::string> wrapped_words(const std::string& text, std::size_t columns);
-
 class TextTable {
  public:
   enum class Align { left, right };
