@@ -200,7 +200,7 @@ TEST_CASE("The operator's keys have the same place in every scene, and one that 
   for (const KeyMap& keys :
        {ready_keys(true), ready_keys(false), question_keys(TaskSpec()), hand_over_keys(TaskSpec()),
         presentation_keys(Protocol()), between_trials_keys(TaskSpec()), pause_keys(), stopped_keys(), missing_keys(),
-        break_keys(false), break_keys(true), instruction_keys(), ready_to_explore_keys(), exploring_keys()}) {
+        break_keys(false), break_keys(true), instruction_keys(), exploring_keys()}) {
     CHECK(own_keys(keys) == "prunbkq?");
     for (const KeyHint& hint : keys.hints()) {
       if (hint.works) continue;
