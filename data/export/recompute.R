@@ -33,11 +33,21 @@ recompute <- function(folder) {
 
   # --- Files ----------------------------------------------------------------------------------------------------------
 
-  # All cells are read as text, so that a participant "007" or a series "T" stays what it is. NULL without a file.
+  trouble <- function(...) stop(sprintf(...), call. = FALSE)
+  # The files that the export holds, by its own list.
+  sums <- file.path(folder, "SHA256SUMS")
+  if (!file.exists(sums)) trouble("%s: SHA256SUMS is missing: this is no folder of jnd export", folder)
+  listed <- sub("^[0-9a-f]+  ", "", grep("^#", readLines(sums, encoding = "UTF-8"), value = TRUE, invert = TRUE))
+
+  # All cells are read as text, so that a participant "007" or a series "T" stays what it is. NULL where the export has no
+  # such file.
   read <- function(name) {
+    if (!(name %in% listed)) return(NULL)
     path <- file.path(folder, name)
-    if (!file.exists(path)) return(NULL)
-    read.csv(path, colClasses = "character", check.names = FALSE, na.strings = character(0), encoding = "UTF-8")
+    if (!file.exists(path)) trouble("%s is missing: SHA256SUMS lists it", name)
+    rows <- read.csv(path, colClasses = "character", check.names = FALSE, na.strings = character(0), encoding = "UTF-8")
+    if (!nrow(rows)) trouble("%s has no rows: there is nothing in it to compare or to compute from", name)
+    rows
   }
   number <- function(text) suppressWarnings(as.numeric(text))  # an empty cell is a missing value
   # The column whose name begins so: slope_per_ is slope_per_n_per_m in one study, slope_per_s in another.
@@ -53,13 +63,15 @@ recompute <- function(folder) {
   results <- list()
   check <- function(name, source, said, keys, aside = character(0)) {
     results[[name]] <<- list(source = source, compared = 0, largest = 0, wrong = character(0), aside = aside,
-                             open = setdiff(names(said), keys))
+                             keys = keys, skipped = character(0), open = setdiff(names(said), keys))
     said
   }
+  # Rows of an outcome that are not computed.
+  skip <- function(name, outcome) results[[name]]$skipped <<- c(results[[name]]$skipped, outcome)
   # Compares what was computed with what a file says. rows: of the file; values: a vector for each column.
   compare <- function(name, said, rows, values) {
     result <- results[[name]]
-    for (column in intersect(names(values), names(said))) {
+    for (column in setdiff(intersect(names(values), names(said)), result$keys)) {
       value <- values[[column]]
       text <- said[rows, column]
       if (is.character(value)) {
@@ -300,6 +312,12 @@ recompute <- function(folder) {
     }
   }
 
+  # The columns of a mean of those who have a value.
+  summary_of <- function(values) {
+    of <- mean_with_interval(values)
+    list(n_used = of$n, mean = of$mean, sd = of$sd, ci95_low = of$low, ci95_high = of$high, median = middle(values))
+  }
+
   # Of an adaptive procedure.
   check_threshold_group <- function(tracks, source) {
     said <- check("group.csv", source, read("group.csv"), "condition")
@@ -322,9 +340,7 @@ recompute <- function(folder) {
       rows <- estimates[estimates$condition == said$condition[i] & estimates$standard == said$standard[i], ]
       values <- number(rows[[said$outcome[i]]])
       values <- values[is.finite(values)]
-      of <- mean_with_interval(values)
-      compare("group.csv", said, i, list(participants = nrow(rows), n_used = of$n, mean = of$mean, sd = of$sd,
-                                         ci95_low = of$low, ci95_high = of$high, median = middle(values)))
+      compare("group.csv", said, i, c(list(participants = nrow(rows)), summary_of(values)))
     }
   }
 
@@ -408,7 +424,7 @@ recompute <- function(folder) {
     switch(test, "holm-t" = paired_t(x - y)$p, wilcoxon = wilcoxon(x - y)$p)
 
   # Values of those who get both conditions.
-  of_both <- function(outcome, ab) outcome$table[rowSums(outcome$absent[, ab]) == 0, ab, drop = FALSE]
+  of_both <- function(outcome, ab) outcome$table[rowSums(outcome$absent[, ab, drop = FALSE]) == 0, ab, drop = FALSE]
   finite_rows <- function(pairs) pairs[rowSums(is.finite(pairs)) == 2, , drop = FALSE]
 
   # The p of each contrast, corrected as registered; NULL where this script does not have the test.
@@ -460,7 +476,10 @@ recompute <- function(folder) {
     check("pairs.csv", source, said, c("outcome", "condition_a", "condition_b"))
     for (name in unique(said$outcome)) {
       of <- outcome_named(name)
-      if (is.null(of)) next
+      if (is.null(of)) {
+        skip("pairs.csv", name)
+        next
+      }
       rows <- which(said$outcome == name)
       x <- of$complete[, said$condition_a[rows], drop = FALSE]
       y <- of$complete[, said$condition_b[rows], drop = FALSE]
@@ -505,7 +524,10 @@ recompute <- function(folder) {
     check("tests.csv", source, said, c("outcome", "unit", "registered"))
     for (i in seq_len(nrow(said))) {
       of <- outcome_named(said$outcome[i])
-      if (is.null(of)) next
+      if (is.null(of)) {
+        skip("tests.csv", said$outcome[i])
+        next
+      }
       table <- of$complete
       ranks <- friedman.test(signif(table, 12))
       chi2 <- unname(ranks$statistic)
@@ -528,10 +550,7 @@ recompute <- function(folder) {
       values <- if (said$condition[i] != "") own[, said$condition[i]] else
         vapply(seq_len(nrow(own)), function(row) mean(own[row, !absent[row, ]]), 0)
       values <- unname(values[is.finite(values)])
-      of_values <- mean_with_interval(values)
-      compare("groups.csv", said, i,
-              list(participants = nrow(own), n_used = of_values$n, mean = of_values$mean, sd = of_values$sd,
-                   ci95_low = of_values$low, ci95_high = of_values$high, median = middle(values)))
+      compare("groups.csv", said, i, c(list(participants = nrow(own)), summary_of(values)))
     }
   }
 
@@ -579,10 +598,8 @@ recompute <- function(folder) {
   }
 
   of <- outcomes()
-  if (is.null(of)) {
-    cat("nothing to compute: this folder has no thresholds, tracks or estimates of participants\n")
-    return(TRUE)
-  }
+  if (is.null(of))
+    trouble("there is nothing to compute: this folder has no thresholds, tracks or estimates of participants")
   check_contrasts(of$named, of$source)
   answers <- read("answers.csv")
   of_any <- function(name) {
@@ -599,13 +616,14 @@ recompute <- function(folder) {
                 result$largest))
     left <- setdiff(result$open, result$aside)
     if (length(left)) cat("  not computed: ", paste(left, collapse = ", "), "\n", sep = "")
+    if (length(result$skipped)) cat("  not computed: the rows of ", paste(result$skipped, collapse = ", "), "\n", sep = "")
     for (line in head(result$wrong, 5)) cat("  DIFFERS: ", line, "\n", sep = "")
   }
   cat("not computed here: intervals of single estimates (bootstrap or profile likelihood; methods.md says which)\n")
   wrong <- sum(sapply(results, function(result) length(result$wrong)))
   compared <- sum(sapply(results, function(result) result$compared))
   cat(sprintf("%d values compared, %d differ by more than %s\n", compared, wrong, format(tolerance)))
-  wrong == 0
+  wrong == 0 && compared > 0
 }
 
 # The folder: named behind the script, that of the script, or the one that R works in.
@@ -616,5 +634,8 @@ local({
   of_script <- if (length(sourced)) sourced[[length(sourced)]] else script
   folder <- if (length(named) && !length(sourced)) named[1] else if (length(of_script)) dirname(of_script) else "."
   agrees <- recompute(folder)
-  if (!agrees && !interactive()) quit(status = 1)
+  if (agrees) return(invisible())
+  # Of R that runs this script alone; else whoever sourced it goes on or not.
+  if (length(script) && !length(sourced)) quit(status = 1)
+  if (!interactive()) stop("the files differ from what was computed", call. = FALSE)
 })

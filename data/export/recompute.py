@@ -111,13 +111,31 @@ def chi2_upper(x, df):
 
 # --- Files -----------------------------------------------------------------------------------------------------------
 
+class Trouble(Exception):
+    """The folder is not as jnd export wrote it."""
+
+
+def listed():
+    """The files that the export holds, by its own list."""
+    try:
+        with open(os.path.join(FOLDER, "SHA256SUMS"), encoding="utf-8") as file:
+            return {line.rstrip("\n").split("  ", 1)[1] for line in file if not line.startswith("#")}
+    except OSError:
+        raise Trouble(f"{FOLDER}: SHA256SUMS is missing: this is no folder of jnd export") from None
+
+
 def read(name):
-    """The rows of a file, as dictionaries of text; none where there is no such file."""
-    path = os.path.join(FOLDER, name)
-    if not os.path.exists(path):
+    """The rows of a file, as dictionaries of text; none where the export has no such file."""
+    if name not in LISTED:
         return []
-    with open(path, encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
+    try:
+        with open(os.path.join(FOLDER, name), encoding="utf-8", newline="") as file:
+            rows = list(csv.DictReader(file))
+    except OSError:
+        raise Trouble(f"{name} is missing: SHA256SUMS lists it") from None
+    if not rows:
+        raise Trouble(f"{name} has no rows: there is nothing in it to compare or to compute from")
+    return rows
 
 
 def number(text):
@@ -131,6 +149,7 @@ class Checked:
 
     def __init__(self, name, source, rows, keys, aside=()):
         self.name, self.source, self.rows, self.aside = name, source, rows, list(aside)
+        self.keys, self.skipped = keys, []  # skipped: outcomes whose rows were not computed
         self.compared, self.largest, self.wrong, self.scales = 0, 0.0, [], {}
         self.open = [column for column in (rows[0] if rows else ()) if column not in keys]
         Checked.all.append(self)
@@ -138,7 +157,7 @@ class Checked:
     def compare(self, row, values):
         """values: what was computed, by column. Numbers are compared as such, everything else as text."""
         for column, value in values.items():
-            if column not in row:
+            if column not in row or column in self.keys:
                 continue
             if column in self.open:
                 self.open.remove(column)
@@ -179,6 +198,8 @@ class Checked:
         left = [column for column in self.open if column not in self.aside]
         if left:
             print("  not computed: " + ", ".join(left))
+        if self.skipped:
+            print("  not computed: the rows of " + ", ".join(self.skipped))
         for line in self.wrong[:5]:
             print("  DIFFERS: " + line)
 
@@ -223,11 +244,15 @@ def counted(trials):
     return [row for row in trials if row["practice"] == "0" and row["excluded"] == "0"]
 
 
+def grouped(rows, *columns):
+    found = {}
+    for row in rows:
+        found.setdefault(tuple(row[column] for column in columns), []).append(row)
+    return found
+
+
 def by_cell(trials):
-    cells = {}
-    for row in trials:
-        cells.setdefault((row["participant"], row["condition"], row["series"]), []).append(row)
-    return cells
+    return grouped(trials, "participant", "condition", "series")
 
 
 def pairs_of_series(trials):
@@ -376,17 +401,9 @@ def cautions(cells, missing, status, jnd):
     return " ".join(names + (["series_missing"] if missing else []))
 
 
-def grouped(rows):
-    """By participant and condition."""
-    found = {}
-    for row in rows:
-        found.setdefault((row["participant"], row["condition"]), []).append(row)
-    return found
-
-
 def thresholds_of(cells, trials, said):
     """A row for each row of thresholds.csv."""
-    rows, cells_by, trials_by = [], grouped(cells), grouped(counted(trials))
+    rows, cells_by, trials_by = [], grouped(cells, "participant", "condition"), grouped(counted(trials), "participant", "condition")
     for row in said:
         key = (row["participant"], row["condition"])
         own, times = cells_by.get(key, []), trials_by.get(key, [])
@@ -478,10 +495,18 @@ def threshold_columns(row):
     return "jnd" + unit, slope, unit
 
 
-def check_threshold_group(tracks):
+def summary(values):
+    """The columns of a mean of those who have a value."""
+    there = [value for value in values if math.isfinite(value)]
+    n, m, sd, low, high = mean_with_interval(there)
+    return {"n_used": n, "mean": m, "sd": sd, "ci95_low": low, "ci95_high": high,
+            "median": median(there) if there else NAN}
+
+
+def check_threshold_group(tracks, source):
     """Of an adaptive procedure."""
     said = read("group.csv")
-    checked = Checked("group.csv", "tracks.csv", said, ("condition",))
+    checked = Checked("group.csv", source, said, ("condition",))
     for row in said:
         rows = [one for one in tracks if one["condition"] == row["condition"] and one["track"] == ""]
         ok = [one for one in rows if one["status"] == "ok"]
@@ -492,18 +517,15 @@ def check_threshold_group(tracks):
                               "false_alarm_rate": mean(shares)})
 
 
-def check_estimate_group(estimates):
+def check_estimate_group(estimates, source):
     """Of the tasks that have estimates of their own."""
     said = read("group.csv")
-    checked = Checked("group.csv", "estimates.csv", said, ("condition", "standard", "kind", "outcome", "unit"))
+    checked = Checked("group.csv", source, said, ("condition", "standard", "kind", "outcome", "unit"))
     checked.aside = [column for column in (said[0] if said else ()) if column.startswith("standard_")]
     for row in said:
         rows = [e for e in estimates if (e["condition"], e["standard"]) == (row["condition"], row["standard"])]
         values = [float(e[row["outcome"]]) for e in rows if e[row["outcome"]]]
-        values = [value for value in values if math.isfinite(value)]
-        n, m, sd, low, high = mean_with_interval(values)
-        checked.compare(row, {"participants": len(rows), "n_used": n, "mean": m, "sd": sd, "ci95_low": low,
-                              "ci95_high": high, "median": median(values) if values else NAN})
+        checked.compare(row, {"participants": len(rows), **summary(values)})
 
 
 # --- Conditions against each other -----------------------------------------------------------------------------------
@@ -596,6 +618,8 @@ def outcome_of_thresholds(name, thresholds):
             value = row[slope]
         elif name == "trial_time":
             value = row["mean_trial_s"]
+        elif name not in ("jnd", "log_jnd"):
+            return None
         else:
             value = row[jnd] if row["status"] == "ok" else NAN
             value = math.log(value) if name == "log_jnd" and value > 0 else value
@@ -713,6 +737,7 @@ def check_pairs(outcome_named, source):
     for name in dict.fromkeys(row["outcome"] for row in said):
         outcome, rows = outcome_named(name), [row for row in said if row["outcome"] == name]
         if outcome is None:
+            checked.skipped.append(name)
             continue
         differences = [outcome.differences(row["condition_a"], row["condition_b"]) for row in rows]
         t = [paired_t(d) for d in differences]
@@ -775,6 +800,7 @@ def check_tests(outcome_named, source):
     for row in said:
         outcome = outcome_named(row["outcome"])
         if outcome is None:
+            checked.skipped.append(row["outcome"])
             continue
         table = [[own[condition] for condition in outcome.conditions] for own in outcome.complete]
         checked.compare(row, {"n_used": len(table), "participants": len(table) + outcome.left_out, **friedman(table),
@@ -794,10 +820,7 @@ def check_groups(outcome_named, groups, source):
             values = [one[row["condition"]] for one in own]
         else:
             values = [mean(list(one.values())) if all(map(math.isfinite, one.values())) else NAN for one in own]
-        values = [value for value in values if math.isfinite(value)]
-        n, m, sd, low, high = mean_with_interval(values)
-        checked.compare(row, {"participants": len(own), "n_used": n, "mean": m, "sd": sd, "ci95_low": low,
-                              "ci95_high": high, "median": median(values) if values else NAN})
+        checked.compare(row, {"participants": len(own), **summary(values)})
 
 
 # --- All of it -------------------------------------------------------------------------------------------------------
@@ -826,32 +849,29 @@ def check_same_different():
         source = f"the participants' JNDs in thresholds.csv (method {said[0]['method']})"
         thresholds = thresholds_as_said(said)
     check_jnd_group(thresholds, source)
-    known = ("slope", "jnd", "log_jnd", "trial_time")
-    return lambda name: outcome_of_thresholds(name, thresholds) if name in known else None, source, said
+    return lambda name: outcome_of_thresholds(name, thresholds), source, said
 
 
 def main():
     tracks, estimates = read("tracks.csv"), read("estimates.csv")
-    if read("cells.csv") and read("trials.csv"):
+    if "thresholds.csv" in LISTED and "trials.csv" in LISTED:
         outcome_named, source, people = check_same_different()
     elif read("thresholds.csv"):
         source = "the participants' JNDs in thresholds.csv (trials.csv is not in this folder)"
         people = read("thresholds.csv")
         thresholds = thresholds_as_said(people)
         check_jnd_group(thresholds, source)
-        outcome_named = lambda name: outcome_of_thresholds(name, thresholds) \
-            if name in ("slope", "jnd", "log_jnd", "trial_time") else None
+        outcome_named = lambda name: outcome_of_thresholds(name, thresholds)
     elif tracks:
         source, people = "the participants' thresholds in tracks.csv", tracks
-        check_threshold_group(tracks)
+        check_threshold_group(tracks, source)
         outcome_named = lambda name: outcome_of_tracks(name, tracks) if name == "threshold" else None
     elif estimates:
         source, people = "the participants' estimates in estimates.csv", estimates
-        check_estimate_group(estimates)
+        check_estimate_group(estimates, source)
         outcome_named = lambda name: outcome_of_estimates(name, estimates)
     else:
-        print("nothing to compute: this folder has no thresholds, tracks or estimates of participants")
-        return 0
+        raise Trouble("there is nothing to compute: this folder has no thresholds, tracks or estimates of participants")
     groups = {row["participant"]: row.get("group", "") for row in read("participants.csv")}
     check_contrasts(outcome_named, source)
     answers = read("answers.csv")
@@ -866,9 +886,13 @@ def main():
     wrong = sum(len(checked.wrong) for checked in Checked.all)
     compared = sum(checked.compared for checked in Checked.all)
     print(f"{compared} values compared, {wrong} differ by more than {TOLERANCE}")
-    return 1 if wrong else 0
+    return 1 if wrong or not compared else 0
 
 
 if __name__ == "__main__":
     FOLDER = sys.argv[1] if len(sys.argv) > 1 else os.path.dirname(os.path.abspath(__file__))
-    sys.exit(main())
+    try:
+        LISTED = listed()
+        sys.exit(main())
+    except Trouble as trouble:
+        sys.exit(f"recompute.py: {trouble}")
