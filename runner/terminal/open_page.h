@@ -5,7 +5,7 @@
 
 namespace jnd {
 
-// Through $BROWSER, else xdg-open; does not wait for it. False where neither can be started.
+// Through $BROWSER where that is set, else xdg-open; does not wait for it. False where it cannot be started.
 bool open_page(const std::filesystem::path& page);
 
 }  // namespace jnd

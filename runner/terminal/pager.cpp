@@ -5,49 +5,34 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
-#include <string_view>
 
 #include <fmt/format.h>
-#include <sys/ioctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "runner/terminal/other_programs.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {
 
 namespace {
 
-constexpr int kNotFound = 127;  // what a shell ends with where it does not find the command
+constexpr int kNotStarted = 126, kNotFound = 127;  // what a shell ends with where it could not run the command
 
 std::string environment(const char* name) {
   const char* const value = std::getenv(name);
   return value == nullptr ? std::string() : value;
 }
 
-bool is_installed(std::string_view program) {
-  const std::string path = environment("PATH");
-  for (std::size_t from = 0; from <= path.size();) {
-    const std::size_t to = std::min(path.find(':', from), path.size());
-    const std::filesystem::path place = std::filesystem::path(path.substr(from, to - from)) / program;
-    if (access(place.c_str(), X_OK) == 0) return true;
-    from = to + 1;
-  }
-  return false;
-}
-
 // Empty for none.
 std::string pager() {
   for (const char* const name : {"JND_PAGER", "PAGER"})
     if (std::getenv(name) != nullptr) return environment(name) == "cat" ? std::string() : environment(name);
-  return is_installed("less") ? "less" : "";
+  return is_on_path("less") ? "less" : "";
 }
 
 bool longer_than_terminal(const std::string& text) {
-  winsize size{};
-  if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_row == 0) return false;
-  return std::count(text.begin(), text.end(), '\n') >= size.ws_row;
+  return std::count(text.begin(), text.end(), '\n') >= terminal_rows();
 }
 
 // While one lives, Ctrl-C is the pager's, and a pager that has ended is no signal.
@@ -72,16 +57,16 @@ class LeaveSignalsToPager {
 // False where it was not shown.
 bool shown_by(const std::string& command, const std::string& text) {
   std::fflush(stdout);
-  const LeaveSignalsToPager signals;
   // For a less that the user names: with colours, and gone by itself where all fits.
   constexpr int kUnlessSet = 0;
   setenv("LESS", "FRX", kUnlessSet);
   // The user's own command, as git and man run it.
   std::FILE* const pipe = popen(command.c_str(), "w");  // NOLINT(cert-env33-c)
   if (pipe == nullptr) return false;
+  const LeaveSignalsToPager signals;  // from here on: the pager itself obeys them
   std::fwrite(text.data(), 1, text.size(), pipe);
   const int status = pclose(pipe);
-  return !(WIFEXITED(status) && WEXITSTATUS(status) == kNotFound);
+  return !(WIFEXITED(status) && (WEXITSTATUS(status) == kNotFound || WEXITSTATUS(status) == kNotStarted));
 }
 
 }  // namespace

@@ -31,6 +31,12 @@ int terminal_width() noexcept {
   return 80;
 }
 
+int terminal_rows() noexcept {
+  winsize size{};
+  constexpr int kUsual = 24;
+  return ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_row > 0 ? size.ws_row : kUsual;
+}
+
 std::size_t table_width() noexcept {
   constexpr int kLeast = 20;
   return is_terminal(STDOUT_FILENO) ? static_cast<std::size_t>(std::max(terminal_width(), kLeast)) : 0;

@@ -9,6 +9,7 @@ namespace jnd {
 
 bool is_terminal(int file_descriptor) noexcept;
 int terminal_width() noexcept;  // columns of standard output; 80 where unknown
+int terminal_rows() noexcept;   // its lines; 24 where unknown
 // Columns that a table may take: those of standard output, 0 (without end) where that is no terminal.
 std::size_t table_width() noexcept;
 
