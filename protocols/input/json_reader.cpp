@@ -421,6 +421,11 @@ std::string nearest_word(std::string_view word, const std::vector<std::string_vi
   return "";
 }
 
+std::string did_you_mean(std::string_view word, const std::vector<std::string>& words) {
+  const std::string near = nearest_word(word, {words.begin(), words.end()});
+  return near.empty() ? "" : fmt::format("; did you mean '{}'?", near);
+}
+
 std::string listed(const std::vector<std::string_view>& words) {
   std::string text;
   for (std::size_t i = 0; i < words.size(); ++i) {

@@ -170,6 +170,8 @@ std::string in_quotes(std::string_view text);
 std::string member_path(std::string_view parent, std::string_view key);
 // The nearest of the words by edit distance, where one is near enough to be meant; else empty.
 std::string nearest_word(std::string_view word, const std::vector<std::string_view>& words);
+// "; did you mean 'analyze'?", where one of the words is near enough; else empty.
+std::string did_you_mean(std::string_view word, const std::vector<std::string>& words);
 // "a, b or c", each in quotes.
 std::string listed(const std::vector<std::string_view>& words);
 // A number as a person writes it: the shortest decimals that give it back.

@@ -81,9 +81,7 @@ std::vector<std::string> shipped_names(Resource resource) {
 }
 
 std::string nearest_shipped(Resource resource, const std::string& name) {
-  const std::vector<std::string> names = shipped_names(resource);
-  const std::string near = nearest_word(name, {names.begin(), names.end()});
-  return near.empty() ? "" : fmt::format("; did you mean '{}'?", near);
+  return did_you_mean(name, shipped_names(resource));
 }
 
 bool names_a_file(const std::string& name_or_path) noexcept {

@@ -61,6 +61,10 @@ std::vector<int> conditions_of(const Protocol& protocol, std::optional<int> grou
   return all;
 }
 
+bool operator_says_group(const Protocol& protocol) noexcept {
+  return !protocol.groups.empty() && protocol.allotment == Allotment::given;
+}
+
 bool has_condition(const Protocol& protocol, std::optional<int> group, int condition) noexcept {
   if (!group) return true;
   const std::vector<int>& own = protocol.groups[static_cast<std::size_t>(*group)].conditions;

@@ -37,6 +37,8 @@ std::vector<std::string> group_names(const Protocol& protocol);
 // Places in Protocol::conditions, ascending; all of them where there is no group.
 std::vector<int> conditions_of(const Protocol& protocol, std::optional<int> group);
 
+// Whether the operator says who belongs to which group: then the next number depends on what is said.
+bool operator_says_group(const Protocol& protocol) noexcept;
 bool has_condition(const Protocol& protocol, std::optional<int> group, int condition) noexcept;
 // Does anyone get both conditions?
 bool anyone_has_both(const Protocol& protocol, int a, int b) noexcept;

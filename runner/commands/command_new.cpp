@@ -87,6 +87,12 @@ std::vector<std::string> words_of_tasks() {
   return words;
 }
 
+std::vector<std::string> words_of_rigs() {
+  std::vector<std::string> words;
+  for (const StartingRig& rig : starting_rigs()) words.emplace_back(rig.name);
+  return words;
+}
+
 int command_new(const NewOptions& options) {
   if (options.list) {
     if (!options.file.empty()) throw UsageError("--list writes nothing: leave the file out");
@@ -128,7 +134,7 @@ void add_new(CommandTree& tree) {
       ->check(CLI::IsMember(words_of_tasks()))
       ->excludes(from);
   command.add_option("--rig", options.rig, "with --task: what presents the stimuli (default: rrs3)")
-      ->check(CLI::IsMember({"rrs3", "mckibben", "rrs3+mckibben", "external", "specimens"}));
+      ->check(CLI::IsMember(words_of_rigs()));
   command.add_option("--procedure", options.procedure, "with --task: what sets the levels (default: constant)")
       ->check(CLI::IsMember(words_of_procedures()));
   command.add_flag("--list", options.list, "which protocols are shipped, by task");

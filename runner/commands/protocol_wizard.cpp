@@ -1,7 +1,6 @@
 #include "runner/commands/protocol_wizard.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -11,8 +10,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "protocols/input/blank_text.h"
 #include "protocols/input/input_error.h"
 #include "protocols/input/json_reader.h"
+#include "protocols/input/number_from.h"
 #include "protocols/tasks/task.h"
 #include "runner/commands/new_protocol.h"
 #include "runner/commands/readable_json.h"
@@ -24,29 +25,20 @@ namespace jnd {
 
 namespace {
 
-// Without the blanks around it.
-std::string trimmed(const std::string& text) {
-  const std::size_t begin = text.find_first_not_of(" \t\r");
-  if (begin == std::string::npos) return "";
-  return text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1);
-}
-
 std::vector<std::string> split(const std::string& text, char at) {
   std::vector<std::string> parts;
   std::istringstream stream(text);
-  for (std::string part; std::getline(stream, part, at);) parts.push_back(trimmed(part));
+  for (std::string part; std::getline(stream, part, at);) parts.emplace_back(without_blanks(part));
   return parts;
 }
 
-std::optional<double> number_from(const std::string& text) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
-  return value;
+std::optional<double> finite_from(const std::string& text) {
+  const std::optional<double> value = number_from<double>(text);
+  return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
 std::optional<int> whole_from(const std::string& text) {
-  const std::optional<double> value = number_from(text);
+  const std::optional<double> value = finite_from(text);
   constexpr double kMost = 1e6;
   if (!value || *value < 1 || *value > kMost || std::trunc(*value) != *value) return std::nullopt;
   return static_cast<int>(*value);
@@ -59,10 +51,9 @@ std::string numbers_text(const std::vector<double>& values) {
   return fmt::format("{}", fmt::join(words, ", "));
 }
 
-// "'wich' is none of them; did you mean 'which'?"
+// "'wich' is not one of them; did you mean 'which'?"
 std::string none_of_them(const std::string& answer, const std::vector<std::string>& words) {
-  const std::string near = nearest_word(answer, {words.begin(), words.end()});
-  return fmt::format("'{}' is none of them{}", answer, near.empty() ? "" : fmt::format("; did you mean '{}'?", near));
+  return fmt::format("'{}' is not one of them{}", answer, did_you_mean(answer, words));
 }
 
 bool among(const std::string& word, const std::vector<std::string>& words) {
@@ -108,7 +99,7 @@ std::string ProtocolWizard::line() {
     fmt::print("\n");
     throw UsageError("the answers ended before all was asked; nothing was written");
   }
-  return trimmed(text);
+  return std::string(without_blanks(text));
 }
 
 void ProtocolWizard::ask_for(const std::string& what, const std::string& fallback, const Taker& take) {
@@ -158,39 +149,38 @@ std::filesystem::path ProtocolWizard::ask_file(const std::string& given) {
   return file;
 }
 
-void ProtocolWizard::ask_task() {
-  std::vector<std::pair<std::string, std::string>> choices;
-  for (const TaskKind task : every_task()) choices.emplace_back(to_string(task), summary_of(task));
-  fmt::print("\nWhat does a trial ask?\n");
+void ProtocolWizard::ask_choice(const char* heading, const std::string& what, const std::string& fallback,
+                                const Choices& choices,
+                                const std::function<void(StartingPoint&, const std::string&)>& change) {
+  fmt::print("\n{}\n", heading);
   print_choices(choices);
-  ask_for("Task", "which", [&](const std::string& answer) -> std::string {
+  ask_for(what, fallback, [&](const std::string& answer) -> std::string {
     if (!among(answer, words_in(choices))) return none_of_them(answer, words_in(choices));
-    return attempt([&](StartingPoint& point) { point.task = *task_kind_from(answer); });
+    return attempt([&](StartingPoint& point) { change(point, answer); });
   });
+}
+
+void ProtocolWizard::ask_task() {
+  Choices choices;
+  for (const TaskKind task : every_task()) choices.emplace_back(to_string(task), summary_of(task));
+  ask_choice("What does a trial ask?", "Task", "which", choices,
+             [](StartingPoint& point, const std::string& answer) { point.task = *task_kind_from(answer); });
 }
 
 void ProtocolWizard::ask_rig() {
-  std::vector<std::pair<std::string, std::string>> choices;
+  Choices choices;
   for (const StartingRig& rig : starting_rigs()) choices.emplace_back(rig.name, rig.what);
-  fmt::print("\nWhat presents the stimuli?\n");
-  print_choices(choices);
-  ask_for("Rig", point_.rig, [&](const std::string& answer) -> std::string {
-    if (!among(answer, words_in(choices))) return none_of_them(answer, words_in(choices));
-    return attempt([&](StartingPoint& point) { point.rig = answer; });
-  });
+  ask_choice("What presents the stimuli?", "Rig", point_.rig, choices,
+             [](StartingPoint& point, const std::string& answer) { point.rig = answer; });
 }
 
 void ProtocolWizard::ask_procedure() {
-  std::vector<std::pair<std::string, std::string>> choices;
+  Choices choices;
   for (const std::string& word : starting_procedures(point_.task, point_.rig))
     choices.emplace_back(word, what_procedure_does(word));
   if (choices.size() < 2) return;
-  fmt::print("\nWhat sets the levels?\n");
-  print_choices(choices);
-  ask_for("Procedure", point_.procedure, [&](const std::string& answer) -> std::string {
-    if (!among(answer, words_in(choices))) return none_of_them(answer, words_in(choices));
-    return attempt([&](StartingPoint& point) { point.procedure = answer; });
-  });
+  ask_choice("What sets the levels?", "Procedure", point_.procedure, choices,
+             [](StartingPoint& point, const std::string& answer) { point.procedure = answer; });
 }
 
 void ProtocolWizard::ask_stimulus() {
@@ -205,7 +195,7 @@ void ProtocolWizard::ask_stimulus() {
   const StartingPoint filled = filled_in(point_);
   if (point_.task == TaskKind::same_different || task_of(point_.task).has_standard())
     ask_for(fmt::format("Standard, in {}", filled.unit), plain(*filled.standard), [this](const std::string& answer) {
-      const std::optional<double> value = number_from(answer);
+      const std::optional<double> value = finite_from(answer);
       if (!value) return fmt::format("'{}' is not a number", answer);
       return attempt([&](StartingPoint& point) { point.standard = *value; });
     });
@@ -217,11 +207,11 @@ void ProtocolWizard::ask_levels() {
   const std::string what = point_.task == TaskKind::identify         ? "Values of the classes"
                            : point_.task == TaskKind::same_different ? "What the standard is paired with"
                                                                      : "Levels";
-  ask_for(fmt::format("{}, in {}, apart by commas", what, filled.unit), numbers_text(*filled.levels),
+  ask_for(fmt::format("{}, in {}, separated by commas", what, filled.unit), numbers_text(*filled.levels),
           [this](const std::string& answer) -> std::string {
             std::vector<double> values;
             for (const std::string& part : split(answer, ',')) {
-              const std::optional<double> value = number_from(part);
+              const std::optional<double> value = finite_from(part);
               if (!value) return fmt::format("'{}' is not a number", part);
               values.push_back(*value);
             }
@@ -259,9 +249,9 @@ void ProtocolWizard::ask_conditions() {
   const std::vector<std::string_view> cues = starting_cues(point_.rig);
   fmt::print("\nWhat is compared within each participant?\n");
   if (cues.empty())
-    fmt::print("  names, apart by commas, such as: bare, gloved\n");
+    fmt::print("  names, separated by commas, such as: bare, gloved\n");
   else
-    fmt::print("  cues of each condition: {}; several in one with +, conditions apart by commas\n",
+    fmt::print("  cues of each condition: {}; several in one with +, conditions separated by commas\n",
                fmt::join(cues, ", "));
   ask_for("Conditions", cues.empty() ? "plain" : std::string(cues.front()),
           [&](const std::string& answer) { return take_conditions(answer, cues); });

@@ -6,6 +6,7 @@
 #include <functional>
 #include <iosfwd>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "runner/commands/starting_protocol.h"
@@ -25,8 +26,12 @@ class ProtocolWizard {
  private:
   // Takes an answer, and returns why it cannot be taken; empty: it was.
   using Taker = std::function<std::string(const std::string&)>;
+  using Choices = std::vector<std::pair<std::string, std::string>>;  // words, and what each means
   // Asks until the answer is taken. fallback: what Enter takes.
   void ask_for(const std::string& what, const std::string& fallback, const Taker& take);
+  // One of the words, with which change is made.
+  void ask_choice(const char* heading, const std::string& what, const std::string& fallback, const Choices& choices,
+                  const std::function<void(StartingPoint&, const std::string&)>& change);
   std::string line();
   // The point with the change, where the protocol has no mistake then.
   std::string attempt(const std::function<void(StartingPoint&)>& change);

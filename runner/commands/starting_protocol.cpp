@@ -24,25 +24,45 @@ struct RigStart {
   std::string_view name, what;
   double standard = 0;
   std::string_view rig, stimulus, condition;
+  std::array<std::string_view, 3> cues{};  // that it can give; of rigs that take any quantity none
 };
 
 constexpr auto kRigs = std::to_array<RigStart>({
-    {"rrs3", "wearable devices that press and shear the fingertips", 600,
+    {"rrs3",
+     "wearable devices that press and shear the fingertips",
+     600,
      R"({"device": "rrs3", "fingers": ["thumb", "index"], "tracker": "hand", "separation_m": 0.13, "sphere_radius_m": 0.04})",
      R"({"quantity": "stiffness", "unit": "N/m", "expected_press_m": 0.004, "on_saturation": "flag"})",
-     R"({"name": "S", "label": "force on the pulps", "cues": ["force"]})"},
-    {"mckibben", "a finger exoskeleton that holds the joint back", 25,
+     R"({"name": "S", "label": "force on the pulps", "cues": ["force"]})",
+     {"force", "vibration"}},
+    {"mckibben",
+     "a finger exoskeleton that holds the joint back",
+     25,
      R"({"device": "mckibben", "fingers": ["index"], "tracker": "encoder", "contact_flexion_rad": 0.1})",
      R"({"quantity": "stiffness", "unit": "N/rad", "expected_press_rad": 0.2, "on_saturation": "flag"})",
-     R"({"name": "K", "label": "resistance of the joint", "cues": ["kinaesthetic"]})"},
-    {"rrs3+mckibben", "both on the index finger", 600,
+     R"({"name": "K", "label": "resistance of the joint", "cues": ["kinaesthetic"]})",
+     {"kinaesthetic"}},
+    {"rrs3+mckibben",
+     "both on the index finger",
+     600,
      R"({"device": "rrs3+mckibben", "fingers": ["index"], "tracker": "encoder", "contact_flexion_rad": 0.1})",
      R"({"quantity": "stiffness", "unit": "N/m", "expected_press_m": 0.004, "on_saturation": "flag"})",
-     R"({"name": "CK", "label": "pulp and joint", "cues": ["force", "kinaesthetic"]})"},
-    {kExternalRig, "a device of your own, moved by a program of yours", 500, R"({"device": "external"})",
-     R"({"quantity": "stiffness", "unit": "N/m"})", R"({"name": "plain", "label": "the only condition"})"},
-    {kSpecimenRig, "objects that the operator hands over", 500, R"({"device": "specimens"})",
-     R"({"quantity": "stiffness", "unit": "N/m"})", R"({"name": "plain", "label": "the only condition"})"},
+     R"({"name": "CK", "label": "pulp and joint", "cues": ["force", "kinaesthetic"]})",
+     {"force", "vibration", "kinaesthetic"}},
+    {kExternalRig,
+     "a device of your own, moved by a program of yours",
+     500,
+     R"({"device": "external"})",
+     R"({"quantity": "stiffness", "unit": "N/m"})",
+     R"({"name": "plain", "label": "the only condition"})",
+     {}},
+    {kSpecimenRig,
+     "objects that the operator hands over",
+     500,
+     R"({"device": "specimens"})",
+     R"({"quantity": "stiffness", "unit": "N/m"})",
+     R"({"name": "plain", "label": "the only condition"})",
+     {}},
 });
 
 // What a protocol says of its task. Values are shares of the standard.
@@ -70,8 +90,7 @@ constexpr auto kTasks = std::to_array<TaskStart>({
      R"({"outcome": "jnd"})"},
     {TaskKind::yes_no, "Was it the stiffer one?", R"({"no": "n", "yes": "y"})", kSignal, 60,
      R"({"outcome": "threshold"})"},
-    {TaskKind::identify, "Which one was it?", R"({"soft": "1", "medium": "2", "firm": "3", "hard": "4"})", kClasses, 15,
-     R"({"outcome": "information"})"},
+    {TaskKind::identify, "Which one was it?", "", kClasses, 15, R"({"outcome": "information"})"},
     {TaskKind::oddity, "Which was the odd one?", R"({"first": "1", "second": "2", "third": "3"})", kAbove, 24,
      R"({"outcome": "jnd"})"},
     {TaskKind::abx, "Was the third like the first or like the second?", R"({"A": "a", "B": "b"})", kAbove, 24,
@@ -155,18 +174,16 @@ ordered_json conditions_section(const StartingPoint& point, const RigStart& rig)
   return list;
 }
 
-ordered_json ratings_section(const std::vector<std::string>& ratings) {
+ordered_json rating_question(const std::string& id, const char* when, const std::string& text) {
   constexpr int kMost = 9;
+  return {{"id", id}, {"when", when}, {"kind", "rating"},    {"text", text},
+          {"min", 1}, {"max", kMost}, {"low", "not at all"}, {"high", "completely"}};
+}
+
+ordered_json ratings_section(const std::vector<std::string>& ratings) {
   ordered_json list = ordered_json::array();
   for (std::size_t i = 0; i < ratings.size(); ++i)
-    list.push_back({{"id", fmt::format("rating-{}", i + 1)},
-                    {"when", "after-session"},
-                    {"kind", "rating"},
-                    {"text", ratings[i]},
-                    {"min", 1},
-                    {"max", kMost},
-                    {"low", "not at all"},
-                    {"high", "completely"}});
+    list.push_back(rating_question(fmt::format("rating-{}", i + 1), "after-session", ratings[i]));
   return list;
 }
 
@@ -247,14 +264,7 @@ ordered_json exploring_protocol(const StartingPoint& point) {
                             {{"name", "N"}, {"label", "bare hands"}, {"devices", false}}};
   protocol["design"] = {{"participants", *point.participants}, {"order", {{"conditions", "permuted"}}}};
   protocol["questions"] = ordered_json::array();
-  protocol["questions"].push_back({{"id", "realism"},
-                                   {"when", "after-condition"},
-                                   {"kind", "rating"},
-                                   {"text", "How real did the object feel?"},
-                                   {"min", 1},
-                                   {"max", 9},
-                                   {"low", "not at all"},
-                                   {"high", "completely"}});
+  protocol["questions"].push_back(rating_question("realism", "after-condition", "How real did the object feel?"));
   for (const ordered_json& rating : ratings_section(point.ratings)) protocol["questions"].push_back(rating);
   return protocol;
 }
@@ -268,10 +278,8 @@ std::vector<StartingRig> starting_rigs() {
 }
 
 std::vector<std::string_view> starting_cues(const std::string& rig) {
-  if (rig == "rrs3") return {"force", "vibration"};
-  if (rig == "mckibben") return {"kinaesthetic"};
-  if (rig == "rrs3+mckibben") return {"force", "vibration", "kinaesthetic"};
-  return {};
+  const auto& cues = rig_start(rig).cues;
+  return {cues.begin(), std::find(cues.begin(), cues.end(), std::string_view())};
 }
 
 std::vector<std::string> starting_procedures(TaskKind task, const std::string& rig) {

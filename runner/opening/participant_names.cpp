@@ -1,13 +1,13 @@
 #include "runner/opening/participant_names.h"
 
 #include <algorithm>
-#include <charconv>
 #include <optional>
 #include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "protocols/input/number_from.h"
 #include "runner/session/simulate.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/terminal.h"
@@ -18,13 +18,6 @@ namespace {
 
 constexpr int kLargestNumber = 100'000;
 constexpr std::size_t kMostDigits = 3;  // of what is a number: longer ones are codes of the laboratory's own
-
-std::optional<int> number_from_digits(std::string_view text) {
-  int number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  const bool whole = error == std::errc() && end == text.data() + text.size() && !text.starts_with('-');
-  return whole ? std::optional(number) : std::nullopt;
-}
 
 bool has_code(const std::vector<SessionInfo>& sessions, const std::string& code) {
   return std::any_of(sessions.begin(), sessions.end(),
@@ -56,13 +49,13 @@ int place_of_digits(int number, const std::string& text, const std::set<int>& of
 
 std::string participant_meant(const std::string& text, const std::vector<SessionInfo>& sessions) {
   if (has_code(sessions, text) || text.size() > kMostDigits) return text;
-  const std::optional<int> number = number_from_digits(text);
+  const std::optional<int> number = number_from<int>(text);
   return number && *number > 0 ? participant_code(*number) : text;
 }
 
 int plan_number_meant(const std::string& text, const std::vector<SessionInfo>& sessions) {
   const std::set<int> of_code = numbers_of(sessions, text);
-  if (const std::optional<int> number = number_from_digits(text)) return place_of_digits(*number, text, of_code);
+  if (const std::optional<int> number = number_from<int>(text)) return place_of_digits(*number, text, of_code);
   if (of_code.size() == 1) return *of_code.begin();
   if (of_code.size() > 1)
     throw UsageError(
@@ -70,7 +63,7 @@ int plan_number_meant(const std::string& text, const std::vector<SessionInfo>& s
                     "one of these",
                     printable(text), fmt::join(of_code, " and ")));
   const bool of_plan = text.starts_with('P') || text.starts_with('p');
-  const std::optional<int> number = of_plan ? number_from_digits(std::string_view(text).substr(1)) : std::nullopt;
+  const std::optional<int> number = of_plan ? number_from<int>(std::string_view(text).substr(1)) : std::nullopt;
   if (number && sessions.empty()) return in_range(*number, text);
   if (sessions.empty())
     throw UsageError(

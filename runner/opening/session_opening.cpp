@@ -108,7 +108,7 @@ void check_group(const Protocol& protocol, const std::string& group, bool newcom
       throw UsageError(fmt::format("--group {}: the protocol has the groups {}", printable(group), names));
     if (protocol.allotment == Allotment::balanced)
       throw UsageError("--group: this study allots its participants itself, by their numbers; leave it out");
-  } else if (newcomer && !protocol.groups.empty() && protocol.allotment == Allotment::given) {
+  } else if (newcomer && operator_says_group(protocol)) {
     throw UsageError(fmt::format("say the participant's group: --group NAME, with one of {}", names));
   }
 }

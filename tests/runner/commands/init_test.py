@@ -70,7 +70,7 @@ class Init(unittest.TestCase):
     def test_conditions_of_a_device_are_made_of_its_cues(self):
         done = self.init(["which", "rrs3", "quest", "", "force, vibration, heat", "force, force", "force, vibration, force+vibration"] + [""] * 9,
                          "cues.json")
-        self.assertIn("'heat' is none of them", done.stdout)
+        self.assertIn("'heat' is not one of them", done.stdout)
         conditions = self.protocol("cues.json")["conditions"]
         self.assertEqual([(one["name"], one["cues"]) for one in conditions],
                          [("F", ["force"]), ("V", ["vibration"]), ("F+V", ["force", "vibration"])])
