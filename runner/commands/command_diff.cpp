@@ -31,6 +31,7 @@ struct DiffOptions {
 // Participants and seeds whose plans are compared: a change that spares all of them would be a curious one.
 constexpr int kParticipants = 24;
 constexpr std::uint64_t kSeeds = 3;
+constexpr std::size_t kMostLines = 1000;
 
 enum class Plans { same, different, unknown };
 
@@ -59,16 +60,27 @@ bool same_plans(const Protocol& a, const Protocol& b) {
   return true;
 }
 
-Plans compare_plans(const std::filesystem::path& before, const std::filesystem::path& after) {
+// A plan names conditions and levels by their places: what is presented there follows from these sections.
+bool changes_what_is_presented(const ProtocolChange& change) {
+  constexpr std::array<std::string_view, 4> kSections = {"$.conditions", "$.rig", "$.stimulus", "$.design.procedure"};
+  return !change.path.ends_with(".label") &&
+         std::any_of(kSections.begin(), kSections.end(),
+                     [&change](std::string_view section) { return change.path.starts_with(section); });
+}
+
+Plans compare_plans(const std::filesystem::path& before, const std::filesystem::path& after,
+                    const std::vector<ProtocolChange>& changes) {
   const ProtocolCheck a = check_fitness(before), b = check_fitness(after);
   if (!a.errors.empty() || !b.errors.empty()) return Plans::unknown;
+  if (std::any_of(changes.begin(), changes.end(), changes_what_is_presented)) return Plans::different;
   return same_plans(*a.protocol, *b.protocol) ? Plans::same : Plans::different;
 }
 
 const char* plans_text(Plans plans) {
   switch (plans) {
     case Plans::same:
-      return "the plans are the same: every participant gets the same trials in the same order";
+      return "the plans are the same: each of the first 24 participants gets the same trials in the same order (three "
+             "seeds compared)";
     case Plans::different:
       return "the plans differ: participants get other trials, or another order";
     case Plans::unknown:
@@ -113,7 +125,7 @@ void print_difference(const DiffOptions& options, const ProtocolDifference& diff
                printable(options.before), printable(options.after));
     return;
   }
-  const std::size_t shown = std::min(difference.lines.size(), difference.changes.size());
+  const std::size_t shown = std::min(kMostLines, difference.changes.size());
   for (std::size_t i = 0; i < shown; ++i)
     if (!only_explains(difference.changes[i])) fmt::print("{}\n", printable(difference.lines[i]));
   bool first = true;
@@ -131,9 +143,8 @@ void print_difference(const DiffOptions& options, const ProtocolDifference& diff
 int command_diff(const DiffOptions& options) {
   const std::filesystem::path before = find_resource(Resource::protocol, options.before);
   const std::filesystem::path after = find_resource(Resource::protocol, options.after);
-  constexpr std::size_t kMostLines = 1000;
   const ProtocolDifference difference = difference_of(read_input_file(before), read_input_file(after), kMostLines);
-  const Plans plans = difference.same_meaning ? Plans::same : compare_plans(before, after);
+  const Plans plans = difference.same_meaning ? Plans::same : compare_plans(before, after, difference.changes);
   if (options.json)
     print_difference_json(options, difference, plans);
   else
