@@ -103,12 +103,16 @@ std::string significance(double p, double alpha) {
   return fmt::format("{} ({})", p < alpha ? "significant" : "not significant", p_equals(p, alpha));
 }
 
-// Of two conditions it is the contrast's test once more.
+// Of two conditions the F of an analysis of variance is the square of the contrast's t.
+bool is_the_contrasts_test(const Protocol& protocol) noexcept {
+  return protocol.conditions.size() == 2 && protocol.analysis.contrasts.size() == 1 &&
+         protocol.analysis.tests.omnibus == Omnibus::anova && protocol.analysis.tests.post_hoc == PostHoc::holm_t;
+}
+
 std::string omnibus_words(const OutcomeComparison& tested, const Protocol& protocol) {
   const bool alone = protocol.analysis.contrasts.empty();
   const Omnibus omnibus = protocol.analysis.tests.omnibus;
-  if (omnibus == Omnibus::none || protocol.conditions.size() < 2 || (protocol.conditions.size() == 2 && !alone))
-    return {};
+  if (omnibus == Omnibus::none || protocol.conditions.size() < 2 || is_the_contrasts_test(protocol)) return {};
   const double p = tested.refused.empty() ? omnibus_p(tested.comparison, protocol.analysis) : kNaN;
   if (std::isnan(p)) return alone ? " The registered test of all conditions could not be made." : "";
   return fmt::format(" The registered test of all conditions together ({}) is {}.",
@@ -168,6 +172,9 @@ std::string methods_words(const StudyResults& results) {
   if (tested == 0) return {};
   const std::string fewer =
       of_fewer == 0 ? std::string() : fmt::format(" ({} of them with fewer participants)", number_word(of_fewer));
+  if (tested == 1)
+    return fmt::format(" The one other method that gives a test {}{}.", alike == 1 ? "agrees" : "decides otherwise",
+                       of_fewer == 1 ? " (with fewer participants)" : "");
   if (alike == tested)
     return fmt::format(" All {} other methods that give a test agree{}.", number_word(tested), fewer);
   return fmt::format(" {} of {} other methods that give a test {} otherwise{}.",
@@ -187,7 +194,8 @@ std::string ratings_words(const QuestionnaireResults& ratings) {
 }  // namespace
 
 std::string p_in_words(double p, double alpha) {
-  if (p < 1e-4) return "below 0.0001";
+  constexpr double kSmall = 1e-4;
+  if (p < kSmall && alpha >= kSmall) return "below 0.0001";
   for (int digits = 2; digits < 17; ++digits) {
     std::string text = fmt::format("{:.{}g}", p, digits);
     if ((std::strtod(text.c_str(), nullptr) < alpha) == (p < alpha)) return text;

@@ -168,4 +168,9 @@ std::vector<SessionInfo> Study::Impl::sessions() const {
   });
 }
 
+std::string state_text(const SessionInfo& session) {
+  if (session.excluded) return session.state + ", excluded";
+  return session.ended_early ? session.state + ", ended early" : session.state;
+}
+
 }  // namespace jnd

@@ -51,6 +51,9 @@ struct SessionInfo {
   bool replaced = false;       // excluded, and the number is free again
 };
 
+// As people read it: "open", "closed, ended early", "closed, excluded".
+std::string state_text(const SessionInfo& session);
+
 struct NewSession {
   std::string id;
   std::string participant;

@@ -49,11 +49,6 @@ struct ExportOptions {
   bool telemetry = false;  // the ticks of every interval too
 };
 
-std::string state_of(const SessionInfo& session) {
-  if (session.excluded) return session.state + ", excluded";
-  return session.ended_early ? session.state + ", ended early" : session.state;
-}
-
 int command_status(const StatusOptions& options) {
   std::optional<WorkLine> working(std::in_place, "reading " + options.study);
   const std::unique_ptr<Study> study = Study::open(options.study, Study::Access::read_only);
@@ -80,6 +75,7 @@ int command_status(const StatusOptions& options) {
            {"kind", to_string(session.kind)},
            {"state", session.state},
            {"excluded", session.excluded},
+           {"ended_early", session.ended_early},
            {"trials_done", session.trials_done},
            {"trials_total", session.trials_total},
            {"trials_voided", session.trials_voided},
@@ -112,7 +108,7 @@ int command_status(const StatusOptions& options) {
   for (const SessionInfo& session : sessions) {
     std::vector<std::string> row = {printable(session.participant),
                                     std::string(to_string(session.kind)),
-                                    state_of(session),
+                                    state_text(session),
                                     fmt::format("{} of {}", session.trials_done, session.trials_total),
                                     std::to_string(session.trials_voided),
                                     session.started.substr(0, 19),

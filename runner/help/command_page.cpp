@@ -138,7 +138,7 @@ OptionPage option_page(const std::string& command, const CLI::Option& option) {
               : !option.get_lnames().empty() ? "--" + option.get_lnames().front()
                                              : option.get_name();
   page.what = option.get_description();
-  page.required = option.get_required();
+  page.required = option.get_required() && option.get_envname().empty();
   page.variable = option.get_envname();
   page.several = option.get_expected_max() > 1 && option.get_expected_max() != option.get_expected_min();
   if (option.get_items_expected_max() == 0) return page;  // a flag
@@ -204,8 +204,7 @@ std::string usage_of(const CommandPage& page) {
   }
   if (others) usage += " [OPTIONS]";
   for (const OptionPage& argument : page.arguments)
-    usage += argument.required && argument.variable.empty() ? " " + label_of(argument)
-                                                            : fmt::format(" [{}]", label_of(argument));
+    usage += argument.required ? " " + label_of(argument) : fmt::format(" [{}]", label_of(argument));
   return usage;
 }
 

@@ -78,8 +78,9 @@ constexpr std::size_t kWidest = 100;  // columns that are still read with ease
 
 std::string help_of(const CLI::App& command) {
   const auto columns = static_cast<std::size_t>(std::max(terminal_width(), 0));
-  const std::string text = help_text(command_page(command), std::min(columns, kWidest));
-  return command.get_parent() == nullptr ? text + program_closing() : text;
+  const std::size_t width = std::min(columns, kWidest);
+  const std::string text = help_text(command_page(command), width);
+  return command.get_parent() == nullptr ? text + program_closing(width) : text;
 }
 
 void add_help(CommandTree& tree) {

@@ -97,16 +97,27 @@ std::string exit_codes_text() {
   return out;
 }
 
-std::string program_closing() {
+const std::vector<EnvironmentVariable>& environment_variables() {
+  static const std::vector<EnvironmentVariable> variables = {
+      {"JND_STUDY", "the study, where a command takes STUDY and none is given"},
+      {"JND_PAGER", "what long output goes through on a terminal; else PAGER, else less"},
+      {"JND_DATA_DIR", "the folder of what is shipped with the program"},
+      {"BROWSER", "what jnd report --open starts; else xdg-open"},
+      {"NO_COLOR", "switches colours off"}};
+  return variables;
+}
+
+std::string program_closing(std::size_t columns) {
+  std::vector<Row> variables;
+  for (const EnvironmentVariable& one : environment_variables()) variables.push_back({one.name, one.what});
   return fmt::format(
       "\n{}:\n"
       "  jnd new my-study.json          a protocol to start from; jnd init asks what it is to be\n"
       "  jnd check my-study.json        what is wrong with it, where\n"
       "  jnd simulate chinello2017 --participants 18 --study s.sqlite\n"
       "  jnd analyze s.sqlite           d', JND, Weber fractions\n"
-      "\n{}:\n{}"
-      "\nJND_STUDY names the study where a command takes STUDY and none is given.\nNO_COLOR switches colours off.\n",
-      bold("Start here"), bold("Exit codes"), exit_codes_text());
+      "\n{}:\n{}\n{}:\n{}",
+      bold("Start here"), bold("Exit codes"), exit_codes_text(), bold("Environment"), table(variables, columns));
 }
 
 }  // namespace jnd

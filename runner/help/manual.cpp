@@ -97,8 +97,8 @@ std::string manual_page(const CommandPage& page, const CommandPage& program) {
   if (!page.commands.empty()) out += commands(page);
   out += entries("ARGUMENTS", page.arguments) + entries("OPTIONS", page.options) + notes(page) + examples(page);
   out += ".SH EXIT STATUS\n" + lines_as_rows(exit_codes_text());
-  out += ".SH ENVIRONMENT\n" + entry("JND_STUDY", "the study, where a command takes STUDY and none is given") +
-         entry("NO_COLOR", "switches colours off");
+  out += ".SH ENVIRONMENT\n";
+  for (const EnvironmentVariable& one : environment_variables()) out += entry(one.name, one.what);
   const bool is_program = page.name == program.name;
   if (!is_program) out += fmt::format(".SH SEE ALSO\n.BR {} (1)\n", roff(with_dashes(program.name)));
   return out;

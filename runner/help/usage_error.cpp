@@ -16,12 +16,6 @@ namespace jnd {
 
 namespace {
 
-// "; did you mean 'analyze'?", or nothing.
-std::string meant(const std::string& word, const std::vector<std::string>& known) {
-  const std::string near = nearest_word(word, {known.begin(), known.end()});
-  return near.empty() ? "" : fmt::format("; did you mean '{}'?", near);
-}
-
 std::vector<std::string> command_names(const CLI::App& app) {
   std::vector<std::string> names;
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
@@ -48,13 +42,13 @@ std::string without_program(const CLI::App& command) {
 }
 
 std::string unknown_command(const CLI::App& parent, const std::string& word) {
-  const std::string near = meant(word, command_names(parent));
+  const std::string near = did_you_mean(word, command_names(parent));
   if (parent.get_parent() == nullptr) return fmt::format("there is no command '{}'{}", word, near);
   return fmt::format("{} has no command '{}'{}", without_program(parent), word, near);
 }
 
 std::string unknown_option(const CLI::App& command, const std::string& name) {
-  const std::string near = meant(name, option_names(command));
+  const std::string near = did_you_mean(name, option_names(command));
   if (command.get_parent() == nullptr) return fmt::format("there is no option {} before the command{}", name, near);
   return fmt::format("{} has no option {}{}", without_program(command), name, near);
 }
@@ -104,7 +98,7 @@ std::string problem_of(const CLI::ParseError& error) {
     std::istringstream list(parts[3].str());
     for (std::string word; std::getline(list, word, ',');) words.push_back(word);
     return fmt::format("{} takes {}, not '{}'{}", parts[1].str(), listed({words.begin(), words.end()}), parts[2].str(),
-                       meant(parts[2].str(), words));
+                       did_you_mean(parts[2].str(), words));
   }
   if (text == "STUDY is required") return fmt::format("STUDY is missing, and {} names none", kStudyVariable);
   while (!text.empty() && (text.back() == '\n' || text.back() == '.')) text.pop_back();

@@ -47,10 +47,6 @@ std::string text_of(const ResultTable& table) {
   return all + "\n";
 }
 
-void print_table(const ResultTable& table) {
-  fmt::print("{}", text_of(table));
-}
-
 std::string answer_text(const StudyResults& results, const Protocol& protocol) {
   std::string text;
   for (const ResultTable& table : answer_tables(results, protocol)) text += text_of(table);

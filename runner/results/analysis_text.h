@@ -16,7 +16,6 @@ namespace jnd {
 // Ends with an empty line. Tables are as wide as they are where standard output is no terminal, and fit a terminal's
 // width; text between them has 80 columns, or the fewer that there are.
 std::string text_of(const ResultTable& table);
-void print_table(const ResultTable& table);
 // Its words in lines, each ended. style: of each line, such as bold; none where null.
 std::string paragraph(const std::string& text, std::string_view indent = "",
                       std::string (*style)(std::string_view) = nullptr);

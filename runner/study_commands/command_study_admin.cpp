@@ -9,6 +9,7 @@
 
 #include "data/study/blinding.h"
 #include "data/study/study_admin.h"
+#include "protocols/planning/allotment.h"
 #include "runner/keys/interrupt.h"
 #include "runner/opening/participant_names.h"
 #include "runner/opening/study_access.h"
@@ -63,6 +64,8 @@ NoteOptions with_study_of_variable(NoteOptions options) {
   std::error_code error;
   if (study == nullptr || options.study == study || std::filesystem::exists(options.study, error))
     throw CLI::RequiredError("TEXT");
+  if (options.study.find(' ') == std::string::npos && options.study.ends_with(".sqlite"))
+    throw UsageError(fmt::format("{}: there is no such study, and the name of one is no note", options.study));
   options.text = std::exchange(options.study, study);
   print_message("jnd: the study is {} ({})\n", printable(options.study), kStudyVariable);
   return options;
@@ -93,8 +96,7 @@ int command_exclude(const ExcludeOptions& asked) {
   exclude_participant(*study, options.participant, kind, options.reason, options.replace, stamp_now());
   const Event event = study->study_events().back();
   const Protocol protocol = protocol_of(*study);
-  // Where the operator says groups, the next number depends on what is said.
-  const bool given = !protocol.groups.empty() && protocol.allotment == Allotment::given;
+  const bool given = operator_says_group(protocol);
   const int next = next_participant_number(study->sessions(), kind);
   study->close();
   if (options.json) {

@@ -1,11 +1,10 @@
-// jnd watch: a board of a study that runs, for who is not in the room.
+// jnd watch: a board of a study that runs, for somebody who is not in the room.
 #include <array>
 #include <filesystem>
 #include <optional>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include "analysis/numerics/stop_request.h"
@@ -31,6 +30,7 @@ struct WatchOptions {
 };
 
 constexpr double kRedraw_s = 1;
+constexpr int kRowsBelow = 3;                           // of the board: what cannot be read just now, and the keys
 constexpr const char* kEnter = "\x1b[?1049h\x1b[?25l";  // a screen of its own, without cursor
 constexpr const char* kLeave = "\x1b[?25h\x1b[?1049l";
 
@@ -55,15 +55,10 @@ StudyOverview look(const std::string& study) {
   return overview_of(*Study::open(study, Study::Access::read_only));
 }
 
-int terminal_rows() noexcept {
-  winsize size{};
-  constexpr int kUsual = 24;
-  return ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_row > 0 ? size.ws_row : kUsual;
-}
-
 class Board {
  public:
-  explicit Board(std::string study) : study_(std::move(study)), overview_(look(study_)), mark_(mark_of(study_)) {}
+  // The mark first: what is written while it looks is seen at the next look.
+  explicit Board(std::string study) : study_(std::move(study)), mark_(mark_of(study_)), overview_(look(study_)) {}
 
   // Looks again where the file has changed, and draws. Of a large study a look takes long: then they come less often, so
   // that the machine of the session has its processors for itself.
@@ -75,7 +70,7 @@ class Board {
       constexpr std::int64_t kRest = 10;  // times as long as a look takes
       next_look_ns_ = clock.now_ns() + kRest * (clock.now_ns() - begun);
     }
-    std::string text = board_text(overview_, study_, clock.utc_ns(), terminal_rows());
+    std::string text = board_text(overview_, study_, clock.utc_ns(), terminal_rows() - kRowsBelow, table_width());
     if (!trouble_.empty()) text += "\n  " + warn(printable("not read just now: " + trouble_)) + "\n";
     std::string screen = "\x1b[H";
     for (const char c : text) screen += c == '\n' ? std::string("\x1b[K\n") : std::string(1, c);
@@ -95,8 +90,8 @@ class Board {
   }
 
   std::string study_;
-  StudyOverview overview_;
   FileMark mark_;
+  StudyOverview overview_;
   std::int64_t next_look_ns_ = 0;
   std::string trouble_;
 };
@@ -137,7 +132,7 @@ int watch(const std::string& study) {
 int command_watch(const WatchOptions& options) {
   if (options.once) {
     const SteadyClock clock;
-    fmt::print("{}", board_text(look(options.study), options.study, clock.utc_ns(), 0));
+    fmt::print("{}", board_text(look(options.study), options.study, clock.utc_ns(), 0, table_width()));
     return exit_code::kDone;
   }
   if (!is_terminal(STDOUT_FILENO) || !is_terminal(STDIN_FILENO))
@@ -149,8 +144,8 @@ int command_watch(const WatchOptions& options) {
 
 void add_watch(CommandTree& tree) {
   const auto [command, options] =
-      tree.add("watch", "Show how a study and its open session get on, live; it changes nothing", "jnd watch s.sqlite",
-               command_watch);
+      tree.add("watch", "Show the progress of a study and its open session, live; it changes nothing",
+               "jnd watch s.sqlite", command_watch);
   command.add_option("STUDY", options.study, "the study's file")->required();
   command.add_flag("--once", options.once, "print the board once, for scripts");
 }

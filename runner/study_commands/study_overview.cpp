@@ -9,6 +9,7 @@
 #include "data/study/blinding.h"
 #include "data/study/schema.h"
 #include "data/study/study_admin.h"
+#include "protocols/planning/allotment.h"
 #include "runner/opening/study_access.h"
 
 namespace jnd {
@@ -75,9 +76,7 @@ StudyOverview overview_of(const Study& study) {
   std::copy_if(all.begin(), all.end(), std::back_inserter(overview.sessions),
                [&](const SessionInfo& one) { return one.kind == overview.kind; });
   count_participants(overview, protocol.design.sessions);
-  // Where the operator says groups, the next number depends on what is said.
-  if (protocol.groups.empty() || protocol.allotment != Allotment::given)
-    overview.next_number = next_participant_number(all, overview.kind);
+  if (!operator_says_group(protocol)) overview.next_number = next_participant_number(all, overview.kind);
   return overview;
 }
 

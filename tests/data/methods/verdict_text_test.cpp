@@ -25,7 +25,7 @@ Protocol published() {
 StudyResults results_of_shares(const Protocol& protocol, const std::vector<double>& shares, int participants) {
   std::vector<CellCounts> cells;
   for (int person = 0; person < participants; ++person)
-    for (int condition = 0; condition < 3; ++condition)
+    for (int condition = 0; condition < static_cast<int>(shares.size()); ++condition)
       for (int series = 0; series < 3; ++series) {
         const double share = shares[static_cast<std::size_t>(condition)];
         // People differ a little, in no condition's favour.
@@ -78,6 +78,22 @@ TEST_CASE("ranks have no direction, groups of one cannot be tested, one conditio
             .starts_with("The protocol registers no test of the conditions."));
 }
 
+TEST_CASE("of two conditions the test of all is told where it is another than the contrast's") {
+  Protocol protocol = published();
+  protocol.conditions.resize(2);
+  std::erase_if(protocol.analysis.contrasts, [](const auto& contrast) { return contrast.a > 1 || contrast.b > 1; });
+  REQUIRE(protocol.analysis.contrasts.size() == 1);
+  const auto tells_of_all = [&protocol](Omnibus omnibus, PostHoc post_hoc) {
+    protocol.analysis.tests.omnibus = omnibus;
+    protocol.analysis.tests.post_hoc = post_hoc;
+    return says(verdict_text(results_of_shares(protocol, {0.6, 0.3}, 8), protocol), "test of all conditions together");
+  };
+  CHECK_FALSE(tells_of_all(Omnibus::anova, PostHoc::holm_t));
+  CHECK(tells_of_all(Omnibus::friedman, PostHoc::holm_t));
+  CHECK(tells_of_all(Omnibus::friedman, PostHoc::wilcoxon));
+  CHECK(tells_of_all(Omnibus::anova, PostHoc::wilcoxon));
+}
+
 TEST_CASE("a p is never rounded to the other side of alpha") {
   CHECK(p_in_words(0.1427, 0.05) == "0.14");
   CHECK(p_in_words(0.0499999, 0.05) == "0.0499999");
@@ -85,6 +101,8 @@ TEST_CASE("a p is never rounded to the other side of alpha") {
   CHECK(p_in_words(0.05, 0.05) == "0.05");
   CHECK(p_in_words(2e-7, 0.05) == "below 0.0001");
   CHECK(p_in_words(1, 0.05) == "1");
+  CHECK(p_in_words(5e-5, 2e-5) == "5e-05");
+  CHECK(p_in_words(1e-5, 2e-5) == "1e-05");
   REQUIRE(rc::check("whatever the p", [] {
     const double p = *rc::gen::inRange(1, 1000000) / 1e6, alpha = *rc::gen::inRange(1, 200) / 1000.0;
     const std::string text = p_in_words(p, alpha);

@@ -65,7 +65,7 @@ class Studies(unittest.TestCase):
             "bad.sqlite": "damaged",
             "done.sqlite": "tutorial real 2 of 2 2023-11-14 complete",
             "one.sqlite": "tutorial simulated 1 of 2 2000-01-01 in progress",
-            "open.sqlite": "tutorial real 1 of 2 2023-11-14 open" + (", blinded" if "blinded" in lines["open.sqlite"] else ""),
+            "open.sqlite": "tutorial real 1 of 2 2023-11-14 open, blinded",
         })
         self.assertIn("bad.sqlite: is damaged", text)
         for name in ("other.sqlite", "note.txt", "pipe", "folder"):
@@ -89,7 +89,7 @@ class Studies(unittest.TestCase):
         text = self.jnd("watch", "s.sqlite", "--once").stdout
         self.assertEqual(self.digests(), before)
         self.assertIn("0 of 2 finished, 1 excluded", text)
-        self.assertRegex(text, r"open now +P02 +\[#+\.+\] +\d+ of 16, 0 voided; began \d+ h")
+        self.assertRegex(text, r"open now +P02 +\[#+\.+\] +\d+ of 16, 0 voided\n +began \d+ h")
         self.assertIn("number 1 of the plan", text)
         self.assertNotIn("\x1b", text)
         self.jnd("watch", "none.sqlite", "--once", code=5)
