@@ -24,6 +24,7 @@ constexpr const char* kSchemaProfile = "https://datapackage.org/profiles/2.0/tab
 constexpr const char* kName = "datapackage.json";
 
 // What names a row, and which rows of other files it belongs to. A key holds where the file has all of its columns.
+// Files of which what names a row may be an empty cell (items, choices and behaviour: of no condition) have none.
 struct Keys {
   std::string_view file;
   std::vector<std::string_view> primary;
@@ -56,7 +57,6 @@ const std::vector<Keys>& keys() {
       {"sensitivity.csv", {"model", "correction", "method", "condition"}},
       {"proportion.csv", {"condition"}},
       {"ratings.csv", {"item", "condition_a", "condition_b"}},
-      {"choices.csv", {}},
       {"exposure.csv", {"condition", "object"}},
       {"dictionary.csv", {"file", "column"}}};
   return kKeys;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -55,6 +56,11 @@ class RecordFiles {
       } catch (const nlohmann::json::exception& error) {
         throw StorageError(fmt::format("session {}, event {} ({}): the body cannot be read: {}; run jnd verify",
                                        session.id, event.seq, event.kind, error.what()));
+      } catch (const std::out_of_range&) {
+        throw StorageError(
+            fmt::format("session {}, event {} ({}): it names a condition or a series that the protocol "
+                        "has not; run jnd verify",
+                        session.id, event.seq, event.kind));
       }
     }
   }

@@ -157,6 +157,10 @@ class Export(unittest.TestCase):
         for name, folder in self.exports.items():
             with self.subTest(name):
                 self.check_package(folder)
+        keys = {path: resource["schema"].get("primaryKey") for path, resource in self.read_package(self.exports["tutorial"]).items()}
+        self.assertEqual({path: keys[path] for path in ("trials.csv", "intervals.csv", "cells.csv", "thresholds.csv", "items.csv")}, {
+            "trials.csv": ["session", "trial"], "intervals.csv": ["session", "seq", "interval", "finger", "channel"],
+            "cells.csv": ["participant", "condition", "series"], "thresholds.csv": ["participant", "condition"], "items.csv": None})
 
     def test_results_alone_and_ticks_are_described_too(self):
         self.jnd("analyze", "tutorial.sqlite", "--csv", "csv")
@@ -276,6 +280,34 @@ class Export(unittest.TestCase):
         done = subprocess.run([R, "-e", sources], capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertEqual(done.stdout.count(" 0 differ by more than 1e-09"), len(folders), done.stdout)
+
+    def scripts(self, folder):
+        """What each script says of a folder: its status, and all that it prints."""
+        commands = [[sys.executable, folder / "recompute.py"]] + ([[R, folder / "recompute.R"]] if R is not None else [])
+        for command in commands:
+            done = subprocess.run(command, capture_output=True, text=True)
+            yield done.returncode, done.stdout + done.stderr
+
+    def test_of_one_participant_the_scripts_compute_what_there_is(self):
+        self.jnd("simulate", "tutorial", "--participants", 1, "--study", "alone.sqlite", "--seed", 2)
+        for status, printed in self.scripts(self.export("alone")):
+            self.assertEqual(status, 0, printed)
+            self.assertRegex(printed, r"\d{2,} values compared, 0 differ")
+
+    def test_a_folder_in_which_something_is_missing_is_not_called_right(self):
+        missing, empty, nothing = (self.folder / name for name in ("missing", "empty", "nothing"))
+        for folder in (missing, empty):
+            shutil.copytree(self.exports["tutorial"], folder)
+        (missing / "group.csv").unlink()
+        header, _ = rows_of(empty / "cells.csv")
+        (empty / "cells.csv").write_text(",".join(header) + "\n")
+        nothing.mkdir()
+        for script in ("recompute.py", "recompute.R"):
+            shutil.copy(self.exports["tutorial"] / script, nothing)
+        for folder, said in ((missing, "group.csv is missing"), (empty, "cells.csv has no rows"), (nothing, "SHA256SUMS is missing")):
+            for status, printed in self.scripts(folder):
+                self.assertEqual(status, 1, printed)
+                self.assertIn(said, printed)
 
     def test_a_changed_number_is_found(self):
         for file, column in (("group.csv", "jnd_mean_n_per_m"), ("contrasts.csv", "p"), ("cells.csv", "dprime")):

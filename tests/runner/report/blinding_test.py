@@ -154,7 +154,7 @@ class Blinding(unittest.TestCase):
                     self.assertIn(word, text, again)
 
     def test_blinded_results_are_coded_and_in_the_order_of_the_codes(self):
-        self.study("real", 4, 1)
+        self.study("real", 4, 1, "taken-back")
         result = json.loads(self.jnd("analyze", "s.sqlite", "--json"))
         self.assertEqual([row["code"] for row in result["group"]], ["A", "B", "C"])
         self.assertEqual({row["status"] for row in result["group"]}, {"ok"})
