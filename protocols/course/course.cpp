@@ -228,6 +228,18 @@ int Course::round_answered(int round) const {
   return within(round, practice_.size()) ? practice_[static_cast<std::size_t>(round)].answered : 0;
 }
 
+int Course::practice_left() const {
+  if (!protocol_.practice || state_.practice_ended) return 0;
+  for (std::size_t i = 0; i < rounds_.size(); ++i) {
+    const auto trial = [this](std::size_t place) { return plan_.trials.begin() + static_cast<std::ptrdiff_t>(place); };
+    const auto left = std::count_if(trial(rounds_[i].begin), trial(rounds_[i].end),
+                                    [this](const Trial& planned) { return open(planned); });
+    if (left > 0) return static_cast<int>(left);
+    if (end_of_practice(static_cast<int>(i) + 1).passed) return 0;
+  }
+  return 0;
+}
+
 Course::Span Course::span_of(const Trial& trial) const {
   if (trial.practice) return rounds_.at(static_cast<std::size_t>(trial.round) - 1);
   for (const CourseBlock& block : blocks_)

@@ -154,6 +154,7 @@ class Course {
   int explorations_done() const;                       // explored or given up
   step::EndPractice end_of_practice(int round) const;  // with its share of correct answers so far
   int round_answered(int round) const;                 // of a practice round
+  int practice_left() const;                           // trials of the round that is under way, or comes next
 
  private:
   struct Span {

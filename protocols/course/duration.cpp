@@ -88,15 +88,6 @@ Tally tally_of(const Protocol& protocol) {
   return counts;
 }
 
-// Of practice the round that is under way, or the first.
-int practice_left(const Protocol& protocol, const Course& course) {
-  if (!protocol.practice || course.state().practice_ended) return 0;
-  int left = protocol.practice->trials;
-  for (int round = 1; round <= protocol.practice->max_rounds; ++round)
-    if (const int answered = course.round_answered(round); answered > 0) left = protocol.practice->trials - answered;
-  return std::max(0, left);
-}
-
 double seconds_of(const Tally& counts, const Protocol& protocol, double trial_s) {
   double duration = counts.trials * trial_s;
   if (protocol.explore) duration += counts.explorations * protocol.explore->duration_s;
@@ -139,7 +130,7 @@ double expected_left_s(const Protocol& protocol, const Plan& plan, const Course&
   if (protocol.explore)
     counts.explorations = static_cast<int>(plan.explorations.size()) - course.explorations_done();
   else
-    counts.trials = course.main_left() + practice_left(protocol, course);
+    counts.trials = course.main_left() + course.practice_left();
   return seconds_of(counts, protocol, counts.trials > 0 ? trial_s.value_or(expected_trial_s(protocol)) : 0);
 }
 

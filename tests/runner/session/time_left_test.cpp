@@ -60,6 +60,21 @@ TEST_CASE("What is left of a session does not depend on the conditions and stimu
   for (const int participant : {2, 3, 4}) CHECK(times_left(protocol, participant) == first);
 }
 
+TEST_CASE("A round of practice that comes again is in what is left from its first trial on") {
+  Protocol protocol = test::small_protocol(
+      {{"practice", {{"trials", 4}, {"series", "1"}, {"criterion_correct", 1}, {"max_rounds", 2}}}});
+  test::Bench bench(protocol);
+  bench.person = true;
+  bench.responder.rule = [](const TrialQuestion&) { return std::optional(kClassSame); };
+  TimesLeft view;
+  CHECK(bench.run(view) == SessionEnd::completed);
+  REQUIRE(view.left.size() == 4 + 4 + 1 + 16);  // rounds, the end of practice, trials
+  CHECK(view.left.front() == Approx(20 * expected_trial_s(protocol)));
+  // At the pace of the first round, beside four trials as the protocol has them.
+  CHECK(view.left[4] == Approx(20 * (4 * 4 + 4 * expected_trial_s(protocol)) / 8));
+  CHECK(view.left[7] < view.left[4]);
+}
+
 TEST_CASE("The last words of a session say what was done, where it is and what comes next") {
   SessionSummary summary{
       .study = "my study.sqlite", .trials_done = 12, .trials_total = 16, .trials_voided = 3, .run_s = 61};
@@ -70,6 +85,8 @@ TEST_CASE("The last words of a session say what was done, where it is and what c
         "  next      jnd status 'my study.sqlite'\n"
         "            jnd verify 'my study.sqlite'\n"
         "            jnd backup 'my study.sqlite' --to 'my study-copy.sqlite'");
+  summary.study = "Anna's.sqlite";
+  CHECK(summary_text(summary).find("jnd verify 'Anna'\\''s.sqlite'\n") != std::string::npos);
   summary.resumable = true;
   CHECK(summary_text(summary).find("next      the same command goes on with it\n            jnd status") !=
         std::string::npos);
