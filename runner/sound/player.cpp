@@ -27,7 +27,7 @@ namespace {
 
 using SoundTime = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds kPatience{500};  // from asking a player to end to killing it
+constexpr std::chrono::milliseconds kPatience{2000};  // from asking a player to end to killing it
 constexpr std::chrono::seconds kLongestTrial{3};
 constexpr const char* kInstall =
     "no player of sounds is installed: install pipewire-bin (pw-play), pulseaudio-utils (paplay) or alsa-utils (aplay)";

@@ -156,7 +156,8 @@ class Analyze(unittest.TestCase):
         with open(self.path("paged.txt"), encoding="utf-8") as file:
             self.assertEqual(file.read(), whole)
         self.assertEqual(self.on_terminal(24, 80, *tests, JND_PAGER="true"), "")  # left at once: no error
-        for pager in ("", "no-such-pager 2> /dev/null"):
+        os.mkfifo(self.path("no-program"))  # which is found and cannot be started: exit code 126
+        for pager in ("", "no-such-pager 2> /dev/null", "./no-program 2> /dev/null"):
             self.assertEqual(self.on_terminal(24, 80, *tests, JND_PAGER=pager), whole)
 
     def test_all_models_stand_beside_the_registered_one(self):

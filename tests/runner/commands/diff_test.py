@@ -57,12 +57,30 @@ class Diff(unittest.TestCase):
         self.assertIn("-> 2.5", text)
         self.assertIn("the plans are the same", text)
 
+    def test_what_is_presented_may_change_where_its_place_in_the_plan_does_not(self):
+        first, *others = self.protocol["conditions"]
+        for change, differ in ((first | {"label": "another label"}, False), (first | {"cues": ["vibration"]}, True)):
+            self.assertNotEqual(change, first)
+            self.changed(conditions=[change, *others])
+            self.assertIs(json.loads(self.jnd("diff", "a.json", "b.json", "--json", code=1).stdout)["same_plans"], not differ)
+
+    def test_another_start_of_a_staircase_is_another_plan(self):
+        self.jnd("new", "w.json", "--task", "which", "--procedure", "staircase")
+        with open(os.path.join(self.folder, "w.json"), encoding="utf-8") as file:
+            self.protocol = json.load(file)
+        design = self.protocol["design"]
+        procedure = design["procedure"]
+        self.changed(design=design | {"procedure": procedure | {"starts": [value * 1.1 for value in procedure["starts"]]}})
+        text = self.jnd("diff", "w.json", "b.json", code=1).stdout
+        self.assertIn("$.design.procedure.starts[0]", text)
+        self.assertIn("the plans differ", text)
+
     def test_what_was_added_and_removed_is_whole_in_json(self):
         question = {"id": "effort", "when": "after-session", "kind": "text", "text": "What was hard? \"Everything\", or \\ nothing?"}
         self.changed(questions=[question], instructions=None)
         changes = {one["path"]: one for one in json.loads(self.jnd("diff", "a.json", "b.json", "--json", code=1).stdout)["changes"]}
         removed = [one for path, one in changes.items() if path.startswith("$.instructions")]
-        self.assertEqual([one["change"] for one in removed], ["removed"] if "instructions" in self.protocol else [])
+        self.assertEqual([one["change"] for one in removed], ["removed"])
         self.assertIn(question["text"], json.dumps(list(changes.values()), ensure_ascii=False).replace('\\"', '"').replace("\\\\", "\\"))
 
     def test_a_protocol_with_mistakes_can_be_compared_but_not_its_plans(self):

@@ -208,6 +208,39 @@ TEST_CASE("a value far beyond the others goes to the edge and leaves the scale a
   CHECK(svg.find(">20000<") == std::string::npos);  // no tick out there
 }
 
+TEST_CASE("every track is drawn in its participant's panel, and what it comes to beside it where there is that") {
+  const Protocol protocol = published_protocol();
+  AdaptiveResults measured;
+  const int participants = 26;
+  for (int person = 1; person <= participants; ++person)
+    for (int condition = 0; condition < 2; ++condition)
+      for (int track = 0; track <= 2; ++track) {
+        AdaptiveRow row;
+        row.participant = fmt::format("P{:02}", person);
+        row.condition = condition;
+        row.track = track;
+        if (track > 0) row.levels = {400, 200, 300.0 + person};
+        row.threshold.status = person == 1 ? AdaptiveStatus::too_few_reversals : AdaptiveStatus::ok;
+        row.threshold.threshold = person == 1 ? kNaN : 250;
+        measured.rows.push_back(row);
+      }
+  StudyResults results;
+  results.measured = measured;
+  const std::vector<Figure> figures = track_figures(results, protocol);
+  REQUIRE(figures.size() == 1);
+  check_figures(figures);
+  const std::string svg = figures.front().svg.file();
+  const int shown = 24;
+  CHECK(count_of(svg, "<polyline") == shown * 4);
+  CHECK(count_of(svg, ", track 2: 3 trials") == shown * 2);
+  CHECK(count_of(svg, "<polygon") >= (shown - 1) * 2);  // and marks of conditions
+  CHECK(svg.find("P24, ") != std::string::npos);
+  CHECK(svg.find("P25, ") == std::string::npos);
+  CHECK(figures.front().caption.find("The first 24 of 26 participants.") != std::string::npos);
+  results.measured = AdaptiveResults{};
+  CHECK(track_figures(results, protocol).empty());
+}
+
 TEST_CASE("studies at the limits still have figures") {
   const Protocol published = published_protocol();
   SECTION("nobody") {

@@ -42,7 +42,28 @@ std::vector<std::string> shell_words(const std::string& line) {
   return words;
 }
 
+// What takes a value has a name for it, here and below.
+int check_values(const CLI::App& app, const CommandPage& page) {
+  int values = 0;
+  for (const std::vector<OptionPage>* options : {&page.arguments, &page.options})
+    for (const OptionPage& option : *options) {
+      const CLI::Option* const parsed = app.get_option_no_throw(option.name);
+      INFO(page.name << " " << option.name);
+      REQUIRE(parsed != nullptr);
+      CHECK(option.value.empty() == (parsed->get_items_expected_max() == 0));
+      values += option.value.empty() ? 0 : 1;
+    }
+  for (const CommandPage& command : page.commands)
+    values += check_values(*app.get_subcommand(own_name(command)), command);
+  return values;
+}
+
 }  // namespace
+
+TEST_CASE("what takes a value names it, and a flag names none") {
+  const Program program;
+  CHECK(check_values(program.app, command_page(program.app)) > 150);
+}
 
 TEST_CASE("every command has an example, and the arguments of each are read without an error") {
   Program program;

@@ -55,7 +55,7 @@ class Help(unittest.TestCase):
             (["analyse", "s"], "there is no command 'analyse'; did you mean 'analyze'?", "jnd COMMAND ...", "jnd help"),
             (["device", "tset"], "did you mean 'test'?", "jnd device COMMAND ...", "jnd help device"),
             (["run", "tutorial", "--study", "s", "--particpant", "P01"], "did you mean '--participant'?",
-             "jnd run --study STUDY [OPTIONS] PROTOCOL", "jnd help run"),
+             "jnd run [OPTIONS] PROTOCOL", "jnd help run"),
             (["new", "x", "--task", "wich"], "did you mean 'which'?", "jnd new [OPTIONS] [FILE]", "jnd help new"),
             (["export", "s"], "--to is required", "jnd export --to FOLDER [OPTIONS] [STUDY]", "jnd help export"),
             (["status"], "STUDY is missing, and JND_STUDY names none", "jnd status [OPTIONS] [STUDY]", "jnd help status"),
@@ -105,6 +105,7 @@ class Help(unittest.TestCase):
         self.assertIn(f"{study}: the note is event", self.jnd("note", "new paint", JND_STUDY=study).stdout)
         self.assertIn(f"{study}: the note is event", self.jnd("note", study, "again", JND_STUDY="other.sqlite").stdout)
         self.assertIn("TEXT is required", self.jnd("note", study, code=2).stderr)
+        self.assertIn("no such study", self.jnd("note", "none.sqlite", code=2, JND_STUDY=study).stderr)
         self.jnd("status", code=2)
         self.assertIn("JND_STUDY", self.jnd("status", "--help").stdout)
 
@@ -117,7 +118,7 @@ class Help(unittest.TestCase):
         names = sorted(os.listdir(pages))
         self.assertIn("jnd.1", names)
         self.assertIn("jnd-device-step-mckibben.1", names)
-        commands = re.findall(r"^  (\w[\w-]*)  +\S", self.jnd("--help").stdout, re.M)
+        commands = re.findall(r"^  ([a-z0-9][\w-]*)  +\S", self.jnd("--help").stdout, re.M)
         for command in commands:
             if f"jnd-{command}.1" not in names:
                 self.assertIn(command, ("jnd", "0", "1", "2", "3", "4", "5", "130"), "a command without a page")
