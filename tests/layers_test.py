@@ -82,6 +82,7 @@ WINGS = {
         "precision": "terminal",
         "session": "keys terminal",
         "console": "keys session terminal",
+        "screen": "console keys session terminal",
         "events": "session",
         "sound": "session terminal",
         "figures": "results terminal",
@@ -89,7 +90,7 @@ WINGS = {
         "device_commands": "keys opening sound terminal",
         "report": "figures keys results",
         "study_commands": "keys opening terminal",
-        "commands": "console events keys opening precision report results session sound study_commands terminal",
+        "commands": "console events keys opening precision report results screen session sound study_commands terminal",
         ".": "calc commands device_commands help keys study_commands terminal",
     },
 }

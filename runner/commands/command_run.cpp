@@ -23,6 +23,7 @@
 #include "runner/opening/rig_source.h"
 #include "runner/opening/session_opening.h"
 #include "runner/opening/study_access.h"
+#include "runner/screen/make_console.h"
 #include "runner/session/fast_clock.h"
 #include "runner/session/rig_connections.h"
 #include "runner/session/session_engine.h"

@@ -71,9 +71,4 @@ class Console : public SessionView {
   virtual void end(const std::string& last_words) = 0;
 };
 
-// keyboard: null for a live demonstration, without key presses; then lines are printed. What is passed by
-// reference or pointer must outlive the console. A terminal that cannot show a screen gets lines.
-std::unique_ptr<Console> make_console(const ConsoleOptions& options, const Protocol& protocol, Keyboard* keyboard,
-                                      Clock& clock, const Interrupts& interrupts);
-
 }  // namespace jnd

@@ -116,7 +116,7 @@ std::optional<Answer> SessionConsole::judge(const TrialQuestion& question) {
     if (buttons.stopped || keys_.stopped()) return stopped_unanswered();
     const double gone_s = static_cast<double>(clock_.now_ns() - cue_shown_ns_) * 1e-9;
     if (!buttons.pending && gone_s > question.time_out_s) return question_over(std::nullopt, question.time_out_s);
-    show_question_time(gone_s, question.time_out_s);
+    display_->phase(SessionPhases::question(gone_s, question.time_out_s));
     const std::optional<Key> key = keys_.next();
     if (!key || display_->scroll(key->name)) continue;
     const std::optional<KeyBinding> binding = keys.binding_of(*key);

@@ -131,8 +131,7 @@ void SessionConsole::note_in_trial(const std::vector<Key>& keys) {
 }
 
 void SessionConsole::note_requests(const std::vector<Key>& keys, const KeyMap& map) {
-  constexpr std::array kLater = {Request::pause, Request::note, Request::end_for_now, Request::repeat_trial,
-                                 Request::end_block};
+  constexpr std::array kLater = {Request::pause, Request::note, Request::end_for_now, Request::repeat_trial};
   for (const Key& key : keys) {
     const std::optional<KeyBinding> binding = map.binding_of(key);
     if (!binding) continue;
@@ -152,7 +151,6 @@ void SessionConsole::tell_queued() {
     if (key.asks(Request::note)) words.emplace_back("note after this trial");
     if (key.asks(Request::end_for_now)) words.emplace_back("end after this trial");
     if (key.asks(Request::repeat_trial)) words.emplace_back("repeat this trial after this interval");
-    if (key.asks(Request::end_block)) words.emplace_back("end of the block after this trial");
   }
   display_->queued(words);
 }

@@ -10,10 +10,20 @@
 #include "runner/console/console.h"
 #include "runner/console/console_keys.h"
 #include "runner/console/questionnaire_page.h"
-#include "runner/console/screen_colours.h"
 #include "runner/keys/line_editor.h"
 
 namespace jnd {
+
+// What a part of the screen stands for, and has its colour from.
+enum class Shade {
+  none,       // the terminal's own colours
+  real,       // a session that counts as data
+  rehearsal,  // one that does not
+  question,   // an answer is due
+  say,        // words for the participant
+  warning,    // something is to be seen to
+  stop        // the devices give nothing
+};
 
 enum class Tone { plain, strong, quiet, warning };
 
@@ -110,7 +120,7 @@ class Display {
   virtual void page(const QuestionnairePage& page) = 0;
   virtual void page_done() {}
 
-  // The page of the keys that work now, over what is shown until another key comes; false: it was on view, and has gone.
+  // Puts up the page of the keys that work now, over what is shown, or takes it away; false: there was nothing to do.
   virtual bool help(bool /*on*/) { return false; }
   // Texts for the participant in large letters, or no longer.
   virtual void enlarge() {}

@@ -38,7 +38,7 @@ class PromptKeys {
   // One that the console is told of in another way, or that is cleared.
   void show_stop(const std::string& by);
   void stop_cleared();
-  // The next key that counts; none after about 50 ms, so that the caller looks at its other reasons to go on. Tells the
+  // The next key that counts; none after about 20 ms, so that the caller looks at its other reasons to go on. Tells the
   // operator to let go of a key that is held down. text: keys are characters of a text, where one may be typed twice.
   std::optional<Key> next(bool text = false);
   // A line of text; none where it was cancelled, the rig was stopped or the session is to end.
@@ -46,7 +46,7 @@ class PromptKeys {
 
  private:
   std::vector<Key> drain();
-  // Scrolls, help and large text.
+  // Help and large text.
   bool changes_view(const Key& key);
   std::optional<std::string> edited_line(const std::string& label, const std::string& initial);
 

@@ -97,7 +97,7 @@ bool stops(const Key& key) noexcept {
 std::string KeyMap::explanation(const Key& pressed) const {
   if (stops(pressed)) return "STOP: the devices give nothing";
   if (pressed.is(KeyName::control) && pressed.character == 'z')
-    return "a session is not put into the background: the devices may be on a finger. p pauses, q ends";
+    return "a session is not put into the background, because the devices may be on a finger: pause it, or end it";
   const std::string name = key_name(pressed);
   for (const KeyBinding& binding : bindings_)
     if (pressed.is(binding.key) && !binding.why_not.empty())
@@ -162,12 +162,12 @@ KeyMap scene_keys(std::vector<KeyBinding> main, const std::vector<Own>& own, Why
 
 std::string not_before_trial(Request request) {
   return request == Request::void_last ? "no answer of this part of the session can be taken back"
-                                       : "no trial is under way; [u] takes the last answer back";
+                                       : "no trial is under way; undo takes the last answer back";
 }
 std::string not_in_trial(Request request) {
   switch (request) {
     case Request::void_last:
-      return "an answer is taken back between trials; [r] repeats this one";
+      return "an answer is taken back between trials; repeat brings this trial again";
     case Request::take_break:
       return "a break begins between trials";
     case Request::end_block:
@@ -178,7 +178,7 @@ std::string not_in_trial(Request request) {
 }
 std::string not_between_trials(Request request) {
   if (request == Request::repeat_trial)
-    return "its trial is over; [u] takes the answer back, once the next is announced";
+    return "its trial is over; undo takes the answer back, once the next is announced";
   return "wait until the next trial is announced";
 }
 std::string not_in_pause(Request request) {

@@ -73,9 +73,9 @@ KeyMap ready_keys(bool can_void_last);
 // For the answer. The protocol's answer keys win: an operator's letter that is one of them moves to its capital, and
 // where both are answers to the digit 0, 8 or 9 that is free.
 KeyMap question_keys(const TaskSpec& task);
-// The same letters during a presentation, where most of them act later, and say so; and between trials.
 // Until the participant has what is to be handed over.
 KeyMap hand_over_keys(const TaskSpec& task);
+// The same letters during a presentation, where most of them act later, and say so; and between trials.
 KeyMap presentation_keys(const Protocol& protocol);
 KeyMap between_trials_keys(const TaskSpec& task);
 KeyMap pause_keys();

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "analysis/numerics/words.h"
 #include "protocols/input/utf8.h"
@@ -146,6 +147,10 @@ void LineDisplay::queued(const std::vector<std::string>& what) {
   for (const std::string& one : what)
     if (std::find(queued_.begin(), queued_.end(), one) == queued_.end()) put("  {}\n", dim("queued: " + one));
   queued_ = what;
+}
+
+void LineDisplay::alert() {
+  if (is_terminal(STDOUT_FILENO)) put("\a");
 }
 
 void LineDisplay::answer(const std::string& trial, const std::string& words, const std::string&) {

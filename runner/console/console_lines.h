@@ -21,6 +21,7 @@ class LineDisplay final : public Display {
   void say(CuePlace place, const std::string& words, bool aloud, bool beep) override;
   void feedback(const std::string& words) override;
   void tell(Tone tone, const std::string& text) override;
+  void alert() override;
   void queued(const std::vector<std::string>& what) override;
   void answer(const std::string& trial, const std::string& words, const std::string& by) override;
   void countdown(const std::string& what, double left_s, double total_s) override;

@@ -5,13 +5,11 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "devices/hid/buttons/button_box.h"
 #include "protocols/course/prescription.h"
 #include "protocols/tasks/task.h"
-#include "runner/console/console_lines.h"
-#include "runner/console/screen_display.h"
+#include "runner/console/session_words.h"
 #include "runner/session/session_listener.h"
 #include "runner/terminal/terminal.h"
 
@@ -21,20 +19,6 @@ namespace {
 
 constexpr double kLook_s = 0.02;    // how often a countdown looks at the keys
 constexpr double kCounted_s = 3.0;  // a wait between trials of so long is counted down
-
-double seconds_since(std::int64_t began_ns) {
-  return static_cast<double>(SteadyClock().now_ns() - began_ns) * 1e-9;
-}
-
-// As messages name it, which outlive its heading.
-std::string name_of(const TrialOutline& outline) {
-  return fmt::format("{} {}", outline.practice ? "practice" : "trial", outline.number);
-}
-
-// Where it could be mistaken: a trial that did not count and the one after it have the same number.
-std::string full_name_of(const TrialOutline& outline) {
-  return fmt::format("{} (plan no. {})", name_of(outline), outline.plan_number);
-}
 
 bool asks_to_repeat(const KeyBinding& key) noexcept {
   return key.asks(Request::repeat_trial);
@@ -53,31 +37,6 @@ class SeeingToStop {
   bool before_;
 };
 
-// Why a trial did not count, in words.
-std::string reason_text(const std::string& reason) {
-  static constexpr std::array<std::pair<const char*, const char*>, 17> kWords = {
-      {{"no_answer", "no answer in time"},
-       {"no_contact", "the sphere was not touched"},
-       {"emergency_stop", "stopped"},
-       {"saturated", "by a rule of the protocol"},  // which one would tell how stiff the object was
-       {"off_prescription", "not felt as prescribed"},
-       {"repeated", "repeated at your wish"},
-       {"not_accepted", "nothing was accepted after many settings"},
-       {"paused", "paused"},
-       {"interrupted", "interrupted"},
-       {"taken_back", "taken back"},
-       {"stale_pose", "no fresh pose from the tracker"},
-       {"stale_reading", "no fresh reading from a device"},
-       {"command_gap", "the program was held up"},
-       {"non_finite", "a value that is no number"},
-       {"sensor_stuck", "a force sensor does not follow"},
-       {"device_lost", "a device has gone"},
-       {"device_fault", "a device stopped itself"}}};
-  for (const auto& [code, words] : kWords)
-    if (reason == code) return words;
-  return printable(reason);
-}
-
 }  // namespace
 
 SessionConsole::SessionConsole(const ConsoleOptions& options, const Protocol& protocol, Keyboard* keyboard,
@@ -87,6 +46,7 @@ SessionConsole::SessionConsole(const ConsoleOptions& options, const Protocol& pr
       keyboard_(keyboard),
       clock_(clock),
       display_(std::move(display)),
+      phases_(protocol, clock),
       keys_(keyboard, interrupts, *display_, options.stop),
       question_keys_(question_keys(protocol.task)) {}
 
@@ -202,18 +162,6 @@ OperatorRequest SessionConsole::request_at(const Scene& scene, const KeyMap& key
   }
 }
 
-void SessionConsole::outline_scene(const TrialOutline& outline, Scene& scene) const {
-  scene.heading = trial_heading(outline);
-  std::vector<std::string> parts;
-  if (!outline.condition_code.empty()) parts.push_back(fmt::format("condition {}", printable(outline.condition_code)));
-  if (!outline.practice)
-    parts.push_back(fmt::format("block {} of {}  about {} left", outline.block, outline.blocks,
-                                duration_text(outline.time_left_s)));
-  if (outline.attempt > 1) parts.push_back(fmt::format("(attempt {})", outline.attempt));
-  parts.push_back(fmt::format("plan no. {}", outline.plan_number));
-  scene.beside = fmt::format("{}", fmt::join(parts, "  "));
-}
-
 OperatorRequest SessionConsole::ready(const TrialOutline& outline) {
   // An end that was asked for at the question, where a stop came in between, is still meant; a request about that trial
   // has nothing left to be about.
@@ -228,7 +176,8 @@ OperatorRequest SessionConsole::ready(const TrialOutline& outline) {
                             shown.attempt > 1 ? fmt::format(", attempt {}", shown.attempt) : std::string()));
   display_->phase({.word = "READY?", .holds = true});
   Scene scene;
-  outline_scene(shown, scene);
+  scene.heading = trial_heading(shown);
+  scene.beside = beside_heading(shown);
   scene.task = "Wait until the participant is ready";
   scene.text = words_before(outline);
   OperatorRequest request = request_at(scene, ready_keys(outline.can_void_last), true);
@@ -273,15 +222,11 @@ OperatorRequest SessionConsole::paused(const std::string& cause) {
   scene.tone = Tone::warning;
   scene.heading = "Paused";
   if (cause == "ctrl-c") scene.beside = "by Ctrl-C; once more ends the session safely";
-  if (paused_since_ns_ == 0) {
-    paused_since_ns_ = SteadyClock().now_ns();
-    display_->log(cause == "ctrl-c" ? "paused by Ctrl-C" : "paused");
-  }
-  display_->phase({.word = "PAUSED", .since_ns = paused_since_ns_, .holds = true, .shade = Shade::warning});
+  if (phases_.pause_begins()) display_->log(cause == "ctrl-c" ? "paused by Ctrl-C" : "paused");
+  display_->phase(phases_.pause());
   OperatorRequest request = over(moment::kPaused, [&] { return request_at(scene, pause_keys(), false); });
   if (request.kind == Request::note) return request;  // it goes on
-  display_->log(fmt::format("the pause is over after {}", duration_text(seconds_since(paused_since_ns_))));
-  paused_since_ns_ = 0;
+  display_->log(fmt::format("the pause is over after {}", duration_text(phases_.pause_over())));
   return request;
 }
 
@@ -293,7 +238,7 @@ void SessionConsole::health(const DeviceHealth& health) {
   keys_.look_at_stop();
   DeviceHealth shown = health;
   if (!shown.fault.empty()) shown.fault = reason_text(shown.fault);
-  if (health.presenting && presenting_) show_interval(health);
+  if (health.presenting && presenting_) display_->phase(phases_.interval(health));
   display_->health(shown);
   if (!shown.fault.empty() && options_.alerts) display_->alert();
   if (!health.presenting && std::exchange(presenting_, false))
@@ -303,36 +248,6 @@ void SessionConsole::health(const DeviceHealth& health) {
       protocol_.timeline.interval_end != IntervalEnd::key)
     hear_in_trial();
 }
-
-namespace {
-
-// What is said where the protocol gives no words.
-std::string usual_words(CuePlace place, const Protocol& protocol) {
-  static constexpr std::array kOrdinals = {"first", "second", "third"};
-  if (place == CuePlace::question) {
-    const std::vector<std::string>& classes = protocol.task.classes;
-    if (classes.empty()) return "which number?";
-    std::string words;
-    for (std::size_t i = 0; i < classes.size(); ++i)
-      words += (i == 0 ? "" : i + 1 == classes.size() ? " or " : ", ") + classes[i];
-    return words + "?";
-  }
-  if (felt_intervals(protocol.task) == 1) return "now";
-  const std::string ordinal = kOrdinals[static_cast<std::size_t>(place)];
-  return protocol.rig.built_in() ? ordinal + " sphere" : ordinal;
-}
-
-}  // namespace
-
-namespace {
-
-// Of the interval, to be read from afar.
-std::string interval_word(CuePlace place, const Protocol& protocol) {
-  static constexpr std::array kWords = {"FIRST", "SECOND", "THIRD"};
-  return felt_intervals(protocol.task) == 1 ? "FEEL" : kWords[static_cast<std::size_t>(place)];
-}
-
-}  // namespace
 
 void SessionConsole::cue(CuePlace place, const CueSignal& cue) {
   const bool by_any = heard(place, cue);
@@ -356,33 +271,10 @@ void SessionConsole::cue(CuePlace place, const CueSignal& cue) {
     return;
   }
   asks_enough_ = false;
-  interval_ = place;
-  contact_s_.reset();
-  display_->phase({.word = interval_word(place, protocol_)});
+  display_->phase(phases_.interval_begins(place));
   display_->log(fmt::format("interval: {}", words));
   if (keys_.has_keyboard()) display_->working_keys(presentation_keys(protocol_).hints());
   display_->say(place, words, aloud, beep);
-}
-
-// From the first contact on an interval is as long as the protocol says, whatever is felt.
-void SessionConsole::show_interval(const DeviceHealth& health) {
-  const Timeline& timeline = protocol_.timeline;
-  // Specimens are in the hand when the interval begins, and nothing tells of a contact.
-  const bool in_the_hand = protocol_.rig.device == kSpecimenRig;
-  if ((health.contact || in_the_hand) && !contact_s_) contact_s_ = in_the_hand ? 0 : health.elapsed_s;
-  Phase phase{.word = interval_word(interval_, protocol_)};
-  phase.total_s = contact_s_ ? timeline.explore_s : timeline.no_contact_time_out_s;
-  phase.left_s = std::max(0.0, phase.total_s - (health.elapsed_s - contact_s_.value_or(0)));
-  if (!contact_s_) phase.more = "for the first contact";
-  if (contact_s_ && timeline.interval_end != IntervalEnd::time) phase.more = "at most";
-  display_->phase(phase);
-}
-
-void SessionConsole::show_question_time(double gone_s, double time_out_s) {
-  display_->phase({.word = "QUESTION",
-                   .left_s = std::max(0.0, time_out_s - gone_s),
-                   .total_s = time_out_s,
-                   .shade = Shade::question});
 }
 
 bool SessionConsole::gap(double left_s, double total_s) {
@@ -398,13 +290,9 @@ bool SessionConsole::gap(double left_s, double total_s) {
 }
 
 OperatorRequest SessionConsole::hand_over(const HandOver& what) {
-  std::string words;
-  for (const HandOver::Item& item : what.items)
-    words += fmt::format("{}{}{}{}", words.empty() ? "" : "   ", item.place, item.place.empty() ? "" : ": ",
-                         printable(item.code));
   Scene scene;
   scene.tone = Tone::strong;
-  scene.heading = fmt::format("Hand over  {}", words);
+  scene.heading = "Hand over  " + items_text(what);
   scene.beside = printable(what.condition);
   display_->phase({.word = "HAND OVER", .holds = true});
   return request_at(scene, hand_over_keys(protocol_.task), true);
@@ -457,7 +345,7 @@ bool SessionConsole::waiting(double left_s, double total_s) {
   const KeyMap between = between_trials_keys(protocol_.task);
   for (const Key& key : keys_.heard()) {
     if (!between.binding_of(key)) explain(between, key);
-    note_requests({key}, question_keys_);
+    note_requests({key}, between);
   }
   display_->phase({.word = "NEXT TRIAL", .left_s = left_s, .total_s = total_s});
   // A page that came between, such as a note's or a pause's, is over.
@@ -512,6 +400,8 @@ bool SessionConsole::storage_trouble(const std::string& message) {
   // A stop has to wait here: what comes of it could not be written, and the devices give nothing anyway.
   const SeeingToStop first(keys_);
   const KeyMap keys = storage_keys();
+  display_->phase({.word = "NOT SAVED", .holds = true, .shade = Shade::warning});
+  if (options_.alerts) display_->alert();
   keys_.prompt();
   show({Tone::warning, "The study cannot be written just now.", "",
         printable(message) + "\nThe devices are at rest. Nothing is lost yet: make room, then try again.",
@@ -536,7 +426,6 @@ void SessionConsole::feedback(bool correct) {
 }
 
 void SessionConsole::practice_over(int rounds, double share_correct, bool passed) {
-  display_->phase({.word = "PRACTICE OVER", .holds = true});
   display_->announce(
       fmt::format("Practice is over after {} round{}: {:.0f} % right{}.", rounds, rounds == 1 ? "" : "s",
                   100 * share_correct, passed ? "" : ", below the protocol's criterion; this is in the log"),
@@ -544,66 +433,54 @@ void SessionConsole::practice_over(int rounds, double share_correct, bool passed
 }
 
 void SessionConsole::break_begins(const Break& pause, bool asked_by_operator) {
-  break_ends_ns_ = clock_.now_ns() + static_cast<std::int64_t>(pause.duration_s * 1e9);
+  phases_.break_begins(pause.duration_s);
   Scene scene;
   scene.heading = "Break";
   scene.beside = asked_by_operator ? "at your wish" : fmt::format("of at least {}", duration_text(pause.duration_s));
   if (!pause.say.empty()) scene.text = "Say: " + printable(pause.say);
   if (keys_.has_keyboard() && pause.duration_s > 0) scene.keys = break_keys(false).hints();
   note_requests(keys_.prompt(), question_keys_);
-  break_since_ns_ = SteadyClock().now_ns();
   display_->log(asked_by_operator ? "a break begins, at your wish" : "a break begins");
-  show_break(pause);
+  display_->phase(phases_.break_now());
   show(scene);
   break_scene_ = scene;
   happened(moment::kBreakBegan);
 }
 
-void SessionConsole::show_break(const Break& pause) {
-  Phase phase{.word = "BREAK", .since_ns = break_since_ns_};
-  const std::int64_t left_ns = break_ends_ns_ - clock_.now_ns();
-  phase.holds = left_ns <= 0;
-  if (left_ns > 0) {
-    phase.left_s = static_cast<double>(left_ns) * 1e-9;
-    phase.total_s = pause.duration_s;
-  }
-  display_->phase(phase);
-}
-
 // Asked again after a note or a pause: the countdown goes on.
 OperatorRequest SessionConsole::break_over(const Break& pause) {
   const KeyMap keys = break_keys(false);
-  if (!display_->by_lines() && clock_.now_ns() < break_ends_ns_) show(break_scene_);  // a pause had the screen
-  for (std::int64_t now = clock_.now_ns(); now < break_ends_ns_; now = clock_.now_ns()) {
+  if (!display_->by_lines() && phases_.break_left_s() > 0) show(break_scene_);  // a pause had the screen
+  for (double left_s = phases_.break_left_s(); left_s > 0; left_s = phases_.break_left_s()) {
     if (keys_.ended()) return {Request::end_for_now, {}};
     if (keys_.stopped()) return {Request::stopped, {}};
     if (keys_.pause_asked()) return {Request::pause, {}};
     tell_events();
-    show_break(pause);
-    display_->countdown("break", static_cast<double>(break_ends_ns_ - now) * 1e-9, pause.duration_s);
+    display_->phase(phases_.break_now());
+    display_->countdown("break", left_s, pause.duration_s);
     display_->refresh();
     for (const Key& key : keys_.heard()) {
       const std::optional<KeyBinding> binding = keys.binding_of(key);
       if (!binding) {
         if (key.is(U' ') || key.is(KeyName::enter))
-          display_->explain(Tone::quiet, fmt::format("the break is not over: {} left",
-                                                     duration_text(static_cast<double>(break_ends_ns_ - now) * 1e-9)));
+          display_->explain(Tone::quiet, fmt::format("the break is not over: {} left", duration_text(left_s)));
         else
           explain(keys, key);
         continue;
       }
       if (const std::optional<OperatorRequest> request = request_of(*binding, keys)) return *request;
     }
-    clock_.sleep_until_ns(std::min(break_ends_ns_, clock_.now_ns() + static_cast<std::int64_t>(kLook_s * 1e9)));
+    clock_.sleep_until_ns(
+        std::min(phases_.break_ends_ns(), clock_.now_ns() + static_cast<std::int64_t>(kLook_s * 1e9)));
   }
   display_->countdown_over();
-  show_break(pause);
+  display_->phase(phases_.break_now());
   if (pause.duration_s > 0 && options_.alerts) display_->alert();
   OperatorRequest request{keys_.ended() ? Request::end_for_now : Request::go_on, {}};
   if (keys_.has_keyboard())
     request = request_at({Tone::strong, "The break may end", "", "", {}}, break_keys(true), true);
   if (request.kind == Request::go_on) {
-    display_->log(fmt::format("the break is over after {}", duration_text(seconds_since(break_since_ns_))));
+    display_->log(fmt::format("the break is over after {}", duration_text(phases_.break_lasted_s())));
     happened(moment::kGoesOn);
   }
   return request;
@@ -688,18 +565,6 @@ bool SessionConsole::exploring(double left_s) {
     if (binding && !binding->asks(Request::stopped) && !broken_off_by_) broken_off_by_ = binding;
   }
   return !broken_off_by_;
-}
-
-std::unique_ptr<Console> make_console(const ConsoleOptions& options, const Protocol& protocol, Keyboard* keyboard,
-                                      Clock& clock, const Interrupts& interrupts) {
-  std::unique_ptr<Display> display;
-  const bool terminal = keyboard != nullptr && keyboard->is_terminal();
-  if (terminal && is_terminal(STDOUT_FILENO) && !options.plain) display = make_screen_display();
-  if (!display) {
-    outlive_readers();  // after the keyboard, which takes such a signal for a crash
-    display = std::make_unique<LineDisplay>(terminal);
-  }
-  return std::make_unique<SessionConsole>(options, protocol, keyboard, clock, interrupts, std::move(display));
 }
 
 }  // namespace jnd

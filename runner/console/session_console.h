@@ -11,6 +11,7 @@
 #include "runner/console/console.h"
 #include "runner/console/console_display.h"
 #include "runner/console/console_input.h"
+#include "runner/console/session_phases.h"
 
 namespace jnd {
 
@@ -56,15 +57,16 @@ class SessionConsole final : public Console, private Responder {
  private:
   std::optional<Answer> judge(const TrialQuestion& question) override;
   bool enough(const IntervalId& id, double elapsed_s) override;
-  // Typed, where the task is answered with a number.
   std::optional<Answer> stopped_unanswered();
+  // Typed, where the task is answered with a number.
   std::optional<Answer> judge_number(const TrialQuestion& question);
   std::optional<std::string> reply(const Question& question, int condition) override;
   std::optional<Replies> reply_all(const std::vector<AskedQuestion>& page) override;
 
   // What participants are to be told before this trial; empty: they have heard it.
   std::string words_before(const TrialOutline& outline);
-  // Shows a scene and waits for one of its keys. Pauses, stops and ends come back as requests. over: asked some 20 times a second; true ends it as go_on.
+  // Shows a scene and waits for one of its keys. Pauses, stops and ends come back as requests. over: asked some 50 times
+  // a second; true ends it as go_on.
   OperatorRequest request_at(const Scene& scene, const KeyMap& keys, bool pausable,
                              const std::function<bool()>& over = {});
   void show(const Scene& scene);
@@ -90,10 +92,6 @@ class SessionConsole final : public Console, private Responder {
   void note_in_trial(const std::vector<Key>& keys);
   // What is noted, on the screen.
   void tell_queued();
-  // The countdown of an interval, from its first contact; of a question.
-  void show_interval(const DeviceHealth& health);
-  void show_question_time(double gone_s, double time_out_s);
-  void show_break(const Break& pause);
   std::optional<OperatorRequest> noted_request(const KeyMap& keys);
   // pressed_ns: on the machine's monotonic clock.
   Answer answer_of(GivenAnswer given, EnteredBy who, std::int64_t pressed_ns) const;
@@ -116,13 +114,13 @@ class SessionConsole final : public Console, private Responder {
   // A request that was waited for in such a moment: it is over.
   OperatorRequest over(std::string_view moment, const std::function<OperatorRequest()>& ask);
   bool heard(CuePlace place, const CueSignal& cue) const;
-  void outline_scene(const TrialOutline& outline, Scene& scene) const;
 
   ConsoleOptions options_;
   const Protocol& protocol_;
   Keyboard* keyboard_;
   Clock& clock_;
   std::unique_ptr<Display> display_;
+  SessionPhases phases_;
   PromptKeys keys_;
   KeyMap question_keys_;
   std::string announced_;  // before the screen came
@@ -133,20 +131,16 @@ class SessionConsole final : public Console, private Responder {
   std::vector<KeyBinding> noted_;           // asked for while nothing could be done about it
   std::optional<OperatorRequest> decided_;  // what meanwhile() is to say
   std::int64_t cue_shown_ns_ = 0;           // the question's, of clock_
-  std::int64_t break_ends_ns_ = 0;          // of clock_
   Scene break_scene_;
   double exploring_s_ = 0;                   // length of the free interaction that goes on
   std::optional<KeyBinding> broken_off_by_;  // of it: what meanwhile() is to ask about
   std::vector<std::string> unfinished_;      // what was typed on a page that a pause or a dialog broke off
   std::vector<std::string> unfinished_ids_;
-  std::int64_t paused_since_ns_ = 0, break_since_ns_ = 0;  // of the machine's clock
   AnswerCounts counts_;
-  CuePlace interval_ = CuePlace::first;  // that is felt, or was last
-  std::optional<double> contact_s_;      // when it was first touched
-  bool presenting_ = false;              // an interval is being felt
-  bool asks_enough_ = false;             // of that interval, which a key ends
-  std::string prescribed_;               // what was said last, with its round of practice and block
-  bool exploring_ = false;               // an object of free interaction is
+  bool presenting_ = false;   // an interval is being felt
+  bool asks_enough_ = false;  // of that interval, which a key ends
+  std::string prescribed_;    // what was said last, with its round of practice and block
+  bool exploring_ = false;    // an object of free interaction is
 };
 
 }  // namespace jnd

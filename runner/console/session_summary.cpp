@@ -17,7 +17,8 @@ std::string copy_name(const std::string& study) {
 
 // As a shell takes it.
 std::string quoted(const std::string& path) {
-  return path.find_first_of(" '\"$&;()<>|*?\\") == std::string::npos ? path : fmt::format("'{}'", path);
+  constexpr const char* kPlain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-./,:@%+=";
+  return path.find_first_not_of(kPlain) == std::string::npos ? path : shell_quoted(path);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include "runner/help/completed_value.h"
+#include "runner/terminal/terminal.h"
 
 namespace jnd {
 
@@ -12,13 +13,6 @@ namespace {
 constexpr const char* kOpening =
     "# What Tab offers for jnd in {0}. Written by: jnd completions {0}\n"
     "# The shipped names are those of that version.\n";
-
-// In single quotes of a shell of the Bourne family.
-std::string quoted(const std::string& text) {
-  std::string out = "'";
-  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
-}
 
 // In single quotes of fish, where a backslash goes before a quote.
 std::string fish_quoted(const std::string& text) {
@@ -39,7 +33,7 @@ bool is_passed_over(const CommandPage& page) {
 std::vector<std::string> typed_commands(const CommandPage& program) {
   std::vector<std::string> names;
   for (const CommandPage* page : all_pages(program))
-    if (page != &program && !is_passed_over(*page)) names.push_back(quoted(page->name));
+    if (page != &program && !is_passed_over(*page)) names.push_back(shell_quoted(page->name));
   return names;
 }
 
@@ -56,7 +50,8 @@ std::string command_words(const CommandPage& page) {
 }
 
 std::string bash_call(const CompletedValue& value) {
-  return fmt::format("_jnd_offer {} {}", quoted(fmt::format("{}", fmt::join(value.words, " "))), quoted(value.files));
+  return fmt::format("_jnd_offer {} {}", shell_quoted(fmt::format("{}", fmt::join(value.words, " "))),
+                     shell_quoted(value.files));
 }
 
 // A case of the command and the word before: what the option takes.
@@ -65,7 +60,7 @@ std::string value_cases(const CommandPage& program, std::string (*call)(const Co
   for (const CommandPage* page : all_pages(program))
     for (const OptionPage& option : page->options)
       if (!option.value.empty())
-        out += fmt::format("        {}) {}; return ;;\n", quoted(page->name + " " + option.name),
+        out += fmt::format("        {}) {}; return ;;\n", shell_quoted(page->name + " " + option.name),
                            call(completed_value(option)));
   return out;
 }
@@ -110,7 +105,7 @@ _jnd() {
 std::string described(const std::string& name, const std::string& what) {
   std::string escaped;
   for (const char c : name) escaped += c == ':' ? std::string("\\:") : std::string(1, c);
-  return quoted(escaped + ":" + what);
+  return shell_quoted(escaped + ":" + what);
 }
 
 std::string zsh_options(const CommandPage& page) {
@@ -162,10 +157,11 @@ std::string bash_completions(const CommandPage& program) {
   out += "    case \"$command\" in\n";
   for (const CommandPage* page : all_pages(program)) {
     if (is_passed_over(*page)) continue;
-    const std::string rest = page->commands.empty() ? bash_call(completed_arguments(*page))
-                                                    : fmt::format("_jnd_offer {} ''", quoted(command_words(*page)));
+    const std::string rest = page->commands.empty()
+                                 ? bash_call(completed_arguments(*page))
+                                 : fmt::format("_jnd_offer {} ''", shell_quoted(command_words(*page)));
     out += fmt::format("        {})\n            if [[ $current == -* ]]; then _jnd_offer {} ''; else {}; fi ;;\n",
-                       quoted(page->name), quoted(option_words(*page)), rest);
+                       shell_quoted(page->name), shell_quoted(option_words(*page)), rest);
   }
   return out + "    esac\n}\n\ncomplete -F _jnd jnd\n";
 }
@@ -181,7 +177,7 @@ std::string zsh_completions(const CommandPage& program) {
     out += fmt::format(
         "        {})\n            if [[ $current == -* ]]; then\n                offered=({})\n"
         "                _describe option offered\n            else\n",
-        quoted(page->name), zsh_options(*page));
+        shell_quoted(page->name), zsh_options(*page));
     if (page->commands.empty())
       out += fmt::format("                {}\n", bash_call(completed_arguments(*page)));
     else

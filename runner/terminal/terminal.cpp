@@ -52,6 +52,12 @@ std::string warn(std::string_view text) {
   return styled("33", text);
 }
 
+std::string shell_quoted(std::string_view text) {
+  std::string out = "'";
+  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
 std::string duration_text(double seconds) {
   const long whole = std::lround(std::max(0.0, seconds));
   if (whole < 90) return fmt::format("{} s", whole);

@@ -35,6 +35,9 @@ std::size_t display_width(std::string_view text) noexcept;
 // Broken between words into lines of at most so many columns; a longer word has a line to itself. At least one line.
 std::vector<std::string> wrapped_words(const std::string& text, std::size_t columns);
 
+// In single quotes, as a shell of the Bourne family takes it.
+std::string shell_quoted(std::string_view text);
+
 // Minutes and seconds as a person says them: "35 s", "24 min", "1 h 05 min".
 std::string duration_text(double seconds);
 

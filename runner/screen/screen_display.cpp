@@ -1,16 +1,17 @@
-#include "runner/console/screen_display.h"
+#include "runner/screen/screen_display.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <ctime>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "devices/clock.h"
 #include "runner/console/console_lines.h"
-#include "runner/console/screen_layout.h"
-#include "runner/console/screen_painter.h"
+#include "runner/screen/screen_layout.h"
+#include "runner/screen/screen_painter.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {
@@ -81,6 +82,7 @@ class ScreenDisplay final : public Display {
     if (place == CuePlace::first) model_.log_of_now = model_.log.size();  // what was told before is over
     model_.say = words;
     model_.aloud = aloud;
+    model_.help = false;
     draw();
     if (beep) painter_->beep();
   }
@@ -117,7 +119,7 @@ class ScreenDisplay final : public Display {
   void phase(const Phase& phase) override {
     const bool same = model_.phase.word == phase.word && model_.phase.more == phase.more &&
                       seconds_of(model_.phase) == seconds_of(phase);
-    if (model_.phase.holds && !phase.holds) left_as_of_ns_ = clock_->utc_ns();
+    spend_time_left();
     model_.phase = phase;
     // What holds the session, or is to be said, is drawn with its scene or its words, when it can be answered.
     if (!same && !phase.holds && phase.left_s) draw();
@@ -137,8 +139,10 @@ class ScreenDisplay final : public Display {
   }
   void stopped(const std::optional<StopShown>& stop) override {
     if (!painter_ || stop.has_value() == model_.stop.has_value()) return;
+    spend_time_left();
     model_.stop = stop;
     model_.hint = {};
+    model_.help = false;
     log(stop ? fmt::format("STOPPED ({})", stop->by) : "the stop is cleared");
     draw();
   }
@@ -180,6 +184,7 @@ class ScreenDisplay final : public Display {
   void field(const std::string& label, const LineEditor& editor) override {
     if (!painter_) return lines_.field(label, editor);
     model_.field = {label, editor.text(), editor.before_cursor()};
+    model_.help = false;
     draw();
   }
   void field_done() override {
@@ -191,6 +196,7 @@ class ScreenDisplay final : public Display {
     if (!painter_) return lines_.ask(question, keys);
     model_.hint = {};
     model_.dialog = {question, keys};
+    model_.help = false;
     draw();
   }
   void asked() override {
@@ -271,6 +277,7 @@ class ScreenDisplay final : public Display {
     if (model_.log_back > 0) ++model_.log_back;  // what is being read stays where it is
     if (model_.log.size() <= kLogKept) return;
     model_.log.pop_front();
+    model_.log_back = std::min(model_.log_back, std::max(0, static_cast<int>(kLogKept) - log_lines_));
     model_.log_of_now -= model_.log_of_now > 0 ? 1 : 0;
   }
   void keep_before(const std::string& what) {
@@ -290,16 +297,22 @@ class ScreenDisplay final : public Display {
     draw();
     return true;
   }
+  // The time left goes by while the session does: not where it waits for a person, nor while it is stopped.
+  void spend_time_left() {
+    const std::int64_t now_ns = clock_->utc_ns();
+    const std::int64_t gone_ns = now_ns - std::exchange(left_as_of_ns_, now_ns);
+    if (left_s_ && !model_.phase.holds && !model_.stop)
+      left_s_ = std::max(0.0, *left_s_ - static_cast<double>(gone_ns) * 1e-9);
+  }
   // The times on the screen, as they are now.
   void look_at_clock() {
     drawn_ns_ = model_.now_ns = clock_->now_ns();
     const std::int64_t utc_ns = clock_->utc_ns();
     model_.clock = time_of_day(utc_ns, "%H:%M");
+    spend_time_left();
     if (!left_s_) return;
-    const double gone_s = model_.phase.holds || model_.stop ? 0 : static_cast<double>(utc_ns - left_as_of_ns_) * 1e-9;
-    const double left_s = std::max(0.0, *left_s_ - gone_s);
-    model_.left = duration_text(left_s);
-    model_.ends = time_of_day(utc_ns + static_cast<std::int64_t>(left_s * 1e9), "%H:%M");
+    model_.left = duration_text(*left_s_);
+    model_.ends = time_of_day(utc_ns + static_cast<std::int64_t>(*left_s_ * 1e9), "%H:%M");
   }
   void draw() {
     if (!painter_) return;

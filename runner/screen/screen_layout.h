@@ -9,7 +9,7 @@
 
 #include "runner/console/console.h"
 #include "runner/console/console_display.h"
-#include "runner/console/screen_colours.h"
+#include "runner/screen/screen_colours.h"
 
 namespace jnd {
 
@@ -61,8 +61,7 @@ struct ScreenModel {
 };
 
 struct Style {
-  bool bold = false, reverse = false, dim = false,
-       underline = false;  // where a shade is shown in colours, without reverse
+  bool bold = false, reverse = false, dim = false, underline = false;  // where the shade has colours, without reverse
   Shade shade = Shade::none;
   bool operator==(const Style&) const = default;
 };
@@ -90,9 +89,9 @@ struct Frame {
   int log_lines = 0;  // of the log pane; 0: there is none
 };
 
-// unicode: block characters, lines and ellipses; otherwise ASCII.
 // The keys that are shown, of whatever asks just now.
 std::vector<KeyHint> keys_now(const ScreenModel& model);
+// unicode: block characters, lines and ellipses; otherwise ASCII.
 Frame lay_out(const ScreenModel& model, int rows, int columns, bool unicode);
 
 }  // namespace jnd

@@ -1,21 +1,22 @@
 // Words that are read from two metres: what is drawn, and when it is not.
-#include "runner/console/large_letters.h"
+#include "runner/screen/large_letters.h"
 
 #include <cmath>
 #include <set>
 #include <string>
 
 #include "protocols/input/utf8.h"
-#include "runner/console/screen_colours.h"
-#include "runner/console/screen_text.h"
 #include "runner/keys/line_editor.h"
+#include "runner/screen/screen_colours.h"
+#include "runner/screen/screen_text.h"
 #include "tests/catch.h"
 
 namespace jnd {
 namespace {
 
 const std::string kLetters =
-    "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789ÄÖÜäöüßéèàêçñ.,!?:;-'\"()/+=&%";
+    "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789ÄÖÜäöüßçñ"
+    "ËëÏïÁáÉéÍíÓóÚúÀàÈèÌìÒòÙùÂâÊêîÔôûÅåæø_*<>.,!?:;-'\"()/+=&%";
 
 TEST_CASE("A letter is five rows high, in half blocks") {
   const auto drawn = large_text("Hi", 80, LetterSize::half, true);

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "runner/console/screen_layout.h"
+#include "runner/screen/screen_layout.h"
 
 namespace jnd {
 

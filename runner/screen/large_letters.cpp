@@ -1,4 +1,4 @@
-#include "runner/console/large_letters.h"
+#include "runner/screen/large_letters.h"
 
 #include <algorithm>
 #include <array>
@@ -15,13 +15,13 @@ constexpr std::size_t kHigh = 9;               // pixels
 using Glyph = std::array<std::string, kHigh>;  // its rows, all of one width; '#' is drawn
 
 // Glyphs side by side, one blank column between two. Rows that are left out are blank.
-struct Group {
+struct GlyphGroup {
   std::u32string_view letters;
   std::array<std::string_view, kHigh> rows;
 };
 
 // clang-format off
-constexpr std::array<Group, 6> kGroups = {{
+constexpr std::array<GlyphGroup, 6> kGroups = {{
     {U"ABCDEFGHIJKLMN",
      {".###. ####. .###. ####. ##### ##### .###. #...# ### ..### #...# #.... #...# #...#",
       "#...# #...# #...# #...# #.... #.... #...# #...# .#. ...#. #..#. #.... ##.## ##..#",
@@ -48,16 +48,16 @@ constexpr std::array<Group, 6> kGroups = {{
       ".### .#### .#### .#.. .#### #...# # ..# #..# .# #.#.# #...# .###. ####. .#### #...",
       ".... ..... ..... .... ....# ..... . ..# .... .. ..... ..... ..... #.... ....# ....",
       ".... ..... ..... .... .###. ..... . ##. .... .. ..... ..... ..... #.... ....# ...."}},
-    {U"stuvwxyzßæø012",
-     {".... .#.. ..... ..... ..... ..... ..... .... .##.. ..... ..... .###. .#. .###.",
-      ".... .#.. ..... ..... ..... ..... ..... .... #..#. ..... ..... #...# ##. #...#",
-      ".### #### #...# #...# #...# #...# #...# #### #..#. ##.#. .###. #..## .#. ....#",
-      "#... .#.. #...# #...# #.#.# .#.#. #...# ...# #.#.. ..#.# #..## #.#.# .#. ...#.",
-      ".##. .#.. #...# #...# #.#.# ..#.. #...# .##. #..#. .#### #.#.# ##..# .#. ..#..",
-      "...# .#.. #...# .#.#. #.#.# .#.#. #...# #... #...# #.#.. ##..# #...# .#. .#...",
-      "###. ..## .#### ..#.. .#.#. #...# .#### #### #.##. .#### .###. .###. ### #####",
-      ".... .... ..... ..... ..... ..... ....# .... ..... ..... ..... ..... ... .....",
-      ".... .... ..... ..... ..... ..... .###. .... ..... ..... ..... ..... ... ....."}},
+    {U"stuvwxyzßæøÅ012",
+     {".... .#.. ..... ..... ..... ..... ..... .... .##.. ..... ..... ..#.. .###. .#. .###.",
+      ".... .#.. ..... ..... ..... ..... ..... .... #..#. ..... ..... .#.#. #...# ##. #...#",
+      ".### #### #...# #...# #...# #...# #...# #### #..#. ##.#. .###. ..#.. #..## .#. ....#",
+      "#... .#.. #...# #...# #.#.# .#.#. #...# ...# #.#.. ..#.# #..## .###. #.#.# .#. ...#.",
+      ".##. .#.. #...# #...# #.#.# ..#.. #...# .##. #..#. .#### #.#.# #...# ##..# .#. ..#..",
+      "...# .#.. #...# .#.#. #.#.# .#.#. #...# #... #...# #.#.. ##..# ##### #...# .#. .#...",
+      "###. ..## .#### ..#.. .#.#. #...# .#### #### #.##. .#### .###. #...# .###. ### #####",
+      ".... .... ..... ..... ..... ..... ....# .... ..... ..... ..... ..... ..... ... .....",
+      ".... .... ..... ..... ..... ..... .###. .... ..... ..... ..... ..... ..... ... ....."}},
     {U"3456789.,!?:;-'\"()/",
      {"##### ...#. ##### ..##. ##### .###. .###. . .. # .###. . .. ... # #.# ..# #.. ....#",
       "...#. ..##. #.... .#... ....# #...# #...# . .. # #...# . .. ... # #.# .#. .#. ....#",
@@ -85,8 +85,9 @@ struct Marked {
   char32_t letter, base;
   std::string_view upper, lower;
 };
-constexpr std::string_view kNone = ".....", kDots = ".#.#.", kAcuteTop = "...#.", kGraveTop = ".#...", kTip = "..#..";
-constexpr std::array<Marked, 40> kMarked = {{
+constexpr std::string_view kNone = ".....", kDots = ".#.#.", kAcuteTop = "...#.", kGraveTop = ".#...", kTip = "..#..",
+                           kRing = ".###.";
+constexpr std::array<Marked, 39> kMarked = {{
     {U'Ä', U'A', kDots, kNone},    {U'Ö', U'O', kDots, kNone},    {U'Ü', U'U', kDots, kNone},
     {U'ä', U'a', kDots, kNone},    {U'ö', U'o', kDots, kNone},    {U'ü', U'u', kDots, kNone},
     {U'Ë', U'E', kDots, kNone},    {U'ë', U'e', kDots, kNone},    {U'Ï', U'I', kDots, kNone},
@@ -99,11 +100,10 @@ constexpr std::array<Marked, 40> kMarked = {{
     {U'ò', U'o', kGraveTop, kTip}, {U'Ù', U'U', kGraveTop, kTip}, {U'ù', U'u', kGraveTop, kTip},
     {U'Â', U'A', kTip, kDots},     {U'â', U'a', kTip, kDots},     {U'Ê', U'E', kTip, kDots},
     {U'ê', U'e', kTip, kDots},     {U'î', U'i', kTip, kDots},     {U'Ô', U'O', kTip, kDots},
-    {U'ô', U'o', kTip, kDots},     {U'û', U'u', kTip, kDots},     {U'Å', U'A', kTip, kNone},
-    {U'å', U'a', kTip, kDots},
+    {U'ô', U'o', kTip, kDots},     {U'û', U'u', kTip, kDots},     {U'å', U'a', kRing, kDots},
 }};
 
-void add_group(const Group& group, std::map<char32_t, Glyph>& font) {
+void add_group(const GlyphGroup& group, std::map<char32_t, Glyph>& font) {
   std::size_t from = 0;
   for (const char32_t letter : group.letters) {
     const std::string_view top = group.rows[0];
@@ -116,7 +116,16 @@ void add_group(const Group& group, std::map<char32_t, Glyph>& font) {
   }
 }
 
-// A narrow letter gets a mark in the middle of its own width.
+// A narrow letter makes room for its mark.
+Glyph widened(const Glyph& base) {
+  constexpr std::size_t kLeast = 3;
+  Glyph glyph = base;
+  for (std::string& row : glyph)
+    while (row.size() < kLeast) row = "." + row + ".";
+  return glyph;
+}
+
+// The middle of a mark, as wide as the letter.
 std::string mark_of(std::string_view mark, std::size_t width) {
   const std::size_t skipped = (mark.size() - std::min(width, mark.size())) / 2;
   return std::string(mark.substr(skipped, width));
@@ -126,8 +135,8 @@ std::string mark_of(std::string_view mark, std::size_t width) {
 Glyph marked(const Glyph& base, const Marked& how) {
   constexpr std::array<std::size_t, 6> kKept = {0, 1, 2, 3, 5, 6};  // rows of a capital that is 6 pixels high
   constexpr std::string_view kWideDots = "#...#";
-  Glyph glyph = base;
-  const std::size_t width = base[0].size();
+  Glyph glyph = widened(base);
+  const std::size_t width = glyph[0].size();
   if (how.base <= U'Z') {
     for (std::size_t i = 0; i < kKept.size(); ++i) glyph[i + 1] = base[kKept[i]];
     glyph[0] = mark_of(how.upper == kDots && how.base != U'U' ? kWideDots : how.upper,
@@ -141,7 +150,7 @@ Glyph marked(const Glyph& base, const Marked& how) {
 
 std::map<char32_t, Glyph> made_font() {
   std::map<char32_t, Glyph> font;
-  for (const Group& group : kGroups) add_group(group, font);
+  for (const GlyphGroup& group : kGroups) add_group(group, font);
   for (const Marked& how : kMarked) font[how.letter] = marked(font.at(how.base), how);
   for (std::string& row : font[U' ']) row = "..";
   return font;

@@ -1,13 +1,14 @@
 // The screen as a pure function: it fits every window, tells the kinds of session apart without colour, and shows
 // nothing that a terminal would obey.
+#include "runner/screen/screen_layout.h"
+
 #include <set>
 #include <string>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "runner/console/screen_layout.h"
-#include "runner/console/screen_text.h"
+#include "runner/screen/screen_text.h"
 #include "tests/catch.h"
 
 namespace jnd {

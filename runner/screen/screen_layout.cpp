@@ -1,12 +1,12 @@
-#include "runner/console/screen_layout.h"
+#include "runner/screen/screen_layout.h"
 
 #include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "runner/console/screen_parts.h"
-#include "runner/console/screen_text.h"
+#include "runner/screen/screen_parts.h"
+#include "runner/screen/screen_text.h"
 
 namespace jnd {
 
@@ -51,8 +51,8 @@ Frame too_small(const ScreenModel& model, int rows, const Area& area) {
 
   const bool reading = !model.dialog && (model.page != nullptr || model.scene.to_read);
   std::string words = model.dialog  ? model.dialog->question
-                      : model.stop  ? fmt::format("STOPPED ({}). The devices are at rest.", model.stop->by)
                       : model.field ? model.field->label + ": " + model.field->text
+                      : model.stop  ? fmt::format("STOPPED ({}). The devices are at rest.", model.stop->by)
                       : reading     ? "Make the window larger to read what is asked. "
                                       "Nothing is answered before."
                       : !model.say.empty() && !model.scene.keys.empty() && model.scene.heading.empty()

@@ -11,7 +11,7 @@
 #include "devices/rigs/fingertip_rig.h"
 #include "devices/rigs/rig_factory.h"
 #include "protocols/rigs/rig_description.h"
-#include "runner/console/screen_parts.h"
+#include "runner/screen/screen_parts.h"
 #include "runner/session/device_health.h"
 #include "tests/catch.h"
 #include "tests/runner/engine_fixture.h"

@@ -1,4 +1,4 @@
-#include "runner/console/screen_painter.h"
+#include "runner/screen/screen_painter.h"
 
 #include <clocale>
 #include <csignal>

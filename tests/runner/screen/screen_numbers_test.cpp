@@ -19,8 +19,8 @@
 #include "data/log/event_body.h"
 #include "devices/clock.h"
 #include "protocols/tasks/same_different_task.h"
-#include "runner/console/screen_display.h"
 #include "runner/console/session_console.h"
+#include "runner/screen/screen_display.h"
 #include "tests/catch.h"
 #include "tests/runner/engine_fixture.h"
 

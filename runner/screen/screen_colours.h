@@ -4,18 +4,10 @@
 
 #include <array>
 
+#include "runner/console/console_display.h"
+
 namespace jnd {
 
-// What a colour stands for.
-enum class Shade {
-  none,       // the terminal's own colours
-  real,       // a session that counts as data
-  rehearsal,  // one that does not
-  question,   // an answer is due
-  say,        // words for the participant
-  warning,    // something is to be seen to
-  stop        // the devices give nothing
-};
 inline constexpr std::array kShades = {Shade::real, Shade::rehearsal, Shade::question,
                                        Shade::say,  Shade::warning,   Shade::stop};
 

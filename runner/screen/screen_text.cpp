@@ -1,4 +1,4 @@
-#include "runner/console/screen_text.h"
+#include "runner/screen/screen_text.h"
 
 #include <algorithm>
 #include <array>

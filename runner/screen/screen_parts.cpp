@@ -1,4 +1,4 @@
-#include "runner/console/screen_parts.h"
+#include "runner/screen/screen_parts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "devices/loop/loop_limits.h"
-#include "runner/console/screen_text.h"
+#include "runner/screen/screen_text.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {

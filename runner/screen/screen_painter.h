@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "runner/console/screen_layout.h"
+#include "runner/screen/screen_layout.h"
 
 namespace jnd {
 

@@ -11,7 +11,7 @@
 #include <sstream>
 #include <thread>
 
-#include "tests/runner/console/screens/scripted_terminal.h"
+#include "tests/runner/screen/screens/scripted_terminal.h"
 
 namespace jnd::test {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "devices/clock.h"
 #include "runner/console/console_display.h"
-#include "runner/console/screen_painter.h"
+#include "runner/screen/screen_painter.h"
 
 namespace jnd {
 

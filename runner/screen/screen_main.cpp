@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 
 #include "protocols/input/utf8.h"
-#include "runner/console/large_letters.h"
-#include "runner/console/screen_parts.h"
-#include "runner/console/screen_text.h"
 #include "runner/keys/line_editor.h"
+#include "runner/screen/large_letters.h"
+#include "runner/screen/screen_parts.h"
+#include "runner/screen/screen_text.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {
