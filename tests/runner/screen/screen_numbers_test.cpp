@@ -23,46 +23,13 @@
 #include "runner/screen/screen_display.h"
 #include "tests/catch.h"
 #include "tests/runner/engine_fixture.h"
+#include "tests/runner/screen/kept_frames.h"
 
 namespace jnd {
 namespace {
 
 constexpr int kSessions = 200;
 constexpr int kShuffles = 400;
-
-// The session's clock, for the times on the screen too.
-class SharedClock final : public Clock {
- public:
-  explicit SharedClock(const Clock& clock) : clock_(clock) {}
-  std::int64_t now_ns() const noexcept override { return clock_.now_ns(); }
-  std::int64_t utc_ns() const noexcept override { return clock_.utc_ns(); }
-  void sleep_until_ns(std::int64_t) noexcept override {}
-
- private:
-  const Clock& clock_;
-};
-
-// The latest frame, as lines of text.
-class KeptFrames final : public Painter {
- public:
-  explicit KeptFrames(std::vector<std::string>& lines) : lines_(lines) {}
-  bool unicode() const noexcept override { return true; }
-  int rows() const noexcept override { return 30; }
-  int columns() const noexcept override { return 100; }
-  bool changed() override { return false; }
-  void paint(const Frame& frame) override {
-    lines_.clear();
-    for (const Row& row : frame.rows) {
-      std::string line;
-      for (const Span& span : row) line += span.text + " ";
-      lines_.push_back(line);
-    }
-  }
-  void beep() override {}
-
- private:
-  std::vector<std::string>& lines_;
-};
 
 using Numbers = std::map<std::string, double>;
 
@@ -161,8 +128,8 @@ class PlayedSession {
   std::vector<Sample> play() {
     const Interrupts interrupts;
     SessionConsole console(ConsoleOptions{}, protocol_, nullptr, clock_, interrupts,
-                           make_screen_display([this] { return std::make_unique<KeptFrames>(lines_); },
-                                               std::make_unique<SharedClock>(clock_)));
+                           make_screen_display([this] { return std::make_unique<test::KeptFrames>(lines_); },
+                                               std::make_unique<test::SharedClock>(clock_)));
     test::RuleResponder responder(clock_);
     responder.rule = [this](const TrialQuestion& question) { return answer(question); };
     SessionCard card;
