@@ -451,7 +451,8 @@ void SessionConsole::break_begins(const Break& pause, bool asked_by_operator) {
 OperatorRequest SessionConsole::break_over(const Break& pause) {
   const KeyMap keys = break_keys(false);
   if (!display_->by_lines() && phases_.break_left_s() > 0) show(break_scene_);  // a pause had the screen
-  for (double left_s = phases_.break_left_s(); left_s > 0; left_s = phases_.break_left_s()) {
+  while (phases_.break_left_s() > 0) {
+    const double left_s = phases_.break_left_s();
     if (keys_.ended()) return {Request::end_for_now, {}};
     if (keys_.stopped()) return {Request::stopped, {}};
     if (keys_.pause_asked()) return {Request::pause, {}};

@@ -121,7 +121,10 @@ Glyph widened(const Glyph& base) {
   constexpr std::size_t kLeast = 3;
   Glyph glyph = base;
   for (std::string& row : glyph)
-    while (row.size() < kLeast) row = "." + row + ".";
+    while (row.size() < kLeast) {
+      row.insert(row.begin(), '.');
+      row += '.';
+    }
   return glyph;
 }
 
