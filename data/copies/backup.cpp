@@ -1,6 +1,7 @@
 #include "data/copies/backup.h"
 
 #include <algorithm>
+#include <cerrno>
 
 #include <SQLiteCpp/Backup.h>
 #include <SQLiteCpp/SQLiteCpp.h>
@@ -122,7 +123,8 @@ bool copy_into(NewFile& file, SQLite::Database& source, const fs::path& path, co
   try {
     return copy_pages(source, file.made(), stop);
   } catch (const SQLite::Exception& error) {
-    throw storage_error(is_of_source(error) ? path : file.path(), error);
+    const int system_error = errno;
+    throw storage_error(is_of_source(error) ? path : file.path(), error, system_error);
   }
 }
 

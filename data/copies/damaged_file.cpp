@@ -4,7 +4,6 @@
 #include <array>
 #include <cerrno>
 #include <cstdlib>
-#include <cstring>
 #include <string>
 #include <string_view>
 
@@ -16,7 +15,9 @@
 
 #include "analysis/numerics/stop_request.h"
 #include "data/files/descriptor.h"
+#include "data/files/draft.h"
 #include "data/log/storage_error.h"
+#include "protocols/input/file_trouble.h"
 
 namespace jnd {
 
@@ -37,10 +38,8 @@ struct Descriptor {
 };
 
 StorageError cannot_copy(const std::filesystem::path& folder, int error) {
-  return StorageError(fmt::format("{}: {}: {}", folder.string(),
-                                  error == ENOSPC || error == EDQUOT ? "there is no room for a copy of the damaged file"
-                                                                     : "a copy of the damaged file cannot be written",
-                                  std::strerror(error)));
+  return StorageError(fmt::format("{}: a copy of the damaged file cannot be written: {}", folder.string(),
+                                  file_trouble(folder / ".jnd-recover", error, FileUse::write).text()));
 }
 
 }  // namespace
@@ -56,16 +55,15 @@ PrivateCopy::PrivateCopy(const std::filesystem::path& file, const std::filesyste
   const Descriptor from{::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)};
   if (from.value < 0) {
     if (errno == ENOENT) return;
-    throw StorageError(fmt::format("{}: cannot be read: {}", file.string(), std::strerror(errno)));
+    throw cannot_read(file, errno);
   }
   struct stat status {};
-  if (::fstat(from.value, &status) != 0)
-    throw StorageError(fmt::format("{}: cannot be read: {}", file.string(), std::strerror(errno)));
+  if (::fstat(from.value, &status) != 0) throw cannot_read(file, errno);
   if (!S_ISREG(status.st_mode))
     throw StorageError(fmt::format("{}: is not a file; remove it and try again", file.string()));
   std::string name = (folder / ".jnd-recover-XXXXXX").string();
   const Descriptor to{::mkostemp(name.data(), O_CLOEXEC)};
-  if (to.value < 0) throw StorageError(fmt::format("{}: cannot be written: {}", folder.string(), std::strerror(errno)));
+  if (to.value < 0) throw cannot_copy(folder, errno);
   ::unlink(name.c_str());
   std::array<char, kPiece> piece{};
   for (off_t at = 0;;) {
@@ -73,7 +71,7 @@ PrivateCopy::PrivateCopy(const std::filesystem::path& file, const std::filesyste
     ssize_t got = ::pread(from.value, piece.data(), piece.size(), at);
     if (got == 0) break;
     if (got < 0) {
-      if (errno != EIO) throw StorageError(fmt::format("{}: cannot be read: {}", file.string(), std::strerror(errno)));
+      if (errno != EIO) throw cannot_read(file, errno);
       const off_t end = ::lseek(from.value, 0, SEEK_END);
       if (end <= at) break;
       got = static_cast<ssize_t>(std::min<off_t>(end - at, static_cast<off_t>(piece.size())));
@@ -87,8 +85,7 @@ PrivateCopy::PrivateCopy(const std::filesystem::path& file, const std::filesyste
   }
   if (size_ == 0) return;
   void* mapped = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, to.value, 0);
-  if (mapped == MAP_FAILED)
-    throw StorageError(fmt::format("{}: cannot be read: {}", file.string(), std::strerror(errno)));
+  if (mapped == MAP_FAILED) throw cannot_read(file, errno);
   data_ = mapped;
 }
 

@@ -4,7 +4,6 @@
 #include <array>
 #include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <random>
 #include <string>
 #include <system_error>
@@ -18,6 +17,7 @@
 #include <unistd.h>
 
 #include "data/files/descriptor.h"
+#include "protocols/input/file_trouble.h"
 #include "protocols/input/utf8.h"
 
 namespace jnd {
@@ -139,21 +139,13 @@ fs::path folder_of(const fs::path& place) {
 }
 
 StorageError cannot_write(const fs::path& path, int error) {
-  const auto said = [&](std::string_view why, std::string_view what_to_do) {
-    return StorageError(fmt::format("{}: cannot be written: {}; {}", path.string(), why, what_to_do));
-  };
-  switch (error) {
-    case ENOSPC:
-    case EDQUOT:
-      return said("the disk is full", "free some space and try again");
-    case EACCES:
-    case EPERM:
-      return said("permission denied", "change the permissions of the folder, or choose another place");
-    case EROFS:
-      return said("this file system is read-only", "choose another place");
-    default:
-      return said(std::strerror(error), "check the disk, the folder and its permissions");
-  }
+  return StorageError(
+      fmt::format("{}: cannot be written: {}", path.string(), file_trouble(path, error, FileUse::write).text()));
+}
+
+StorageError cannot_read(const fs::path& path, int error) {
+  return StorageError(
+      fmt::format("{}: cannot be read: {}", path.string(), file_trouble(path, error, FileUse::read).text()));
 }
 
 Draft::Draft(const fs::path& place, What what, Access access) : place_(place), what_(what) {
@@ -289,7 +281,7 @@ StorageError Draft::kept(const fs::path& old, int error) const {
   return StorageError(fmt::format(
       "{}: what was there may not be replaced, and could not be put back ({}); it is kept as {}. Look which "
       "of the two you want, and move it there",
-      place_.string(), std::strerror(error), name.string()));
+      place_.string(), file_trouble(place_, error, FileUse::write).why, name.string()));
 }
 
 // The output has its name by now. Not every file system can say whether that is flushed, and a folder that may be

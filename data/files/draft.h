@@ -15,8 +15,9 @@ namespace jnd {
 // The folder that has this file, or is to have it.
 std::filesystem::path folder_of(const std::filesystem::path& place);
 
-// "{path}: cannot be written: ..." from errno, with what to do about it.
+// "{path}: cannot be written: ..." from errno, with what to do about it (protocols/input/file_trouble.h).
 StorageError cannot_write(const std::filesystem::path& path, int error);
+StorageError cannot_read(const std::filesystem::path& path, int error);
 
 // A file within a folder's draft, written piece by piece and never over one that exists.
 class DraftPart {

@@ -3,7 +3,6 @@
 #include <array>
 #include <cerrno>
 #include <cstdint>
-#include <cstring>
 #include <memory>
 #include <utility>
 
@@ -14,6 +13,7 @@
 #include <unistd.h>
 
 #include "data/files/descriptor.h"
+#include "protocols/input/file_trouble.h"
 
 namespace jnd {
 
@@ -152,7 +152,8 @@ std::string StudyFiles::in_words(State state) const {
     case State::log_cut:
       return fmt::format("{}, the log that belongs to the study, was cut off or written over", log);
     case State::unseen:
-      return fmt::format("{} or its log cannot be looked at ({})", study, std::strerror(error_));
+      return fmt::format("{} or its log cannot be looked at ({})", study,
+                         file_trouble(place_, error_, FileUse::read).why);
   }
   return study;
 }

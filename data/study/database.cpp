@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <string_view>
 
@@ -16,6 +15,7 @@
 #include "analysis/numerics/stop_request.h"
 #include "data/files/draft.h"
 #include "data/study/schema_check.h"
+#include "protocols/input/file_trouble.h"
 
 namespace jnd {
 
@@ -29,11 +29,12 @@ constexpr int kStepsBetweenLooks = 10'000;  // of SQLite's virtual machine: well
 void refuse_other_files(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
+  if (error && status.type() != fs::file_type::not_found) throw cannot_read(path, error.value());
   if (!fs::exists(status))
     throw StorageError(fmt::format("{}: there is no such study; jnd run and jnd simulate create one", path.string()));
   if (!fs::is_regular_file(status)) throw StorageError(fmt::format("{}: is not a file", path.string()));
   std::ifstream file(path, std::ios::binary);
-  if (!file) throw StorageError(fmt::format("{}: cannot be read: {}", path.string(), std::strerror(errno)));
+  if (!file) throw cannot_read(path, errno);
   std::array<char, 16> start{};
   file.read(start.data(), start.size());
   if (std::string_view(start.data(), static_cast<std::size_t>(file.gcount())) !=
@@ -82,6 +83,22 @@ int primary_code(const SQLite::Exception& error) noexcept {
   return error.getErrorCode() & 0xFF;
 }
 
+// SQLite tells a full disk and an error of the disk; which error that was, errno says where a write failed.
+FileTrouble trouble_of(const fs::path& path, const SQLite::Exception& error, int system_error) {
+  switch (primary_code(error)) {
+    case SQLITE_FULL:
+      return file_trouble(path, ENOSPC, FileUse::write);
+    case SQLITE_IOERR: {
+      constexpr std::array kOfWriting = {ENOSPC, EDQUOT, EFBIG, EROFS};
+      const bool known = std::find(kOfWriting.begin(), kOfWriting.end(), system_error) != kOfWriting.end();
+      return file_trouble(path, known ? system_error : EIO, FileUse::write);
+    }
+    default:
+      if (const int obstacle = write_obstacle(path); obstacle != 0) return file_trouble(path, obstacle, FileUse::write);
+      return {error.what(), "check the permissions of the file, its folder and the files beside it (-wal, -shm)"};
+  }
+}
+
 // What SQLite finds; "ok" where that is nothing.
 std::string damage_in(SQLite::Database& database) {
   try {
@@ -118,8 +135,7 @@ void end_reading_when_asked(SQLite::Database& database) {
 
 std::unique_ptr<SQLite::Database> create_database(const fs::path& path) {
   // Before anything is in it: -wal and -shm take over its mode.
-  if (::chmod(path.c_str(), 0600) != 0)
-    throw StorageError(fmt::format("{}: cannot be made private: {}", path.string(), std::strerror(errno)));
+  if (::chmod(path.c_str(), 0600) != 0) throw cannot_write(path, errno);
   return with_storage_errors(path, [&] {
     auto database = std::make_unique<SQLite::Database>(fs::absolute(path).string(), SQLite::OPEN_READWRITE);
     configure(*database);
@@ -136,10 +152,9 @@ std::unique_ptr<SQLite::Database> open_database(const fs::path& path, bool writa
   const int newest = static_cast<int>(steps.size());
   // A reader opens for writing too where it may: after a crash SQLite must replay the write-ahead log, which needs its
   // index file. query_only then keeps it from changing any row.
-  const bool may_write = ::access(path.c_str(), W_OK) == 0 && ::access(folder_of(path).c_str(), W_OK) == 0;
-  if (writable && !may_write)
-    throw StorageError(
-        fmt::format("{}: may not be written: check the permissions of the file and its folder", path.string()));
+  const int obstacle = write_obstacle(path);
+  const bool may_write = obstacle == 0 || obstacle == ENOSPC;  // which passes, and reading needs no room
+  if (writable && !may_write) throw cannot_write(path, obstacle);
   return with_storage_errors(path, [&] {
     // An absolute name: SQLite gives names such as ":memory:" a meaning of their own.
     auto database = std::make_unique<SQLite::Database>(fs::absolute(path).string(),
@@ -223,7 +238,7 @@ void throw_if_stopped(const SQLite::Exception& error) {
   if (primary_code(error) == SQLITE_INTERRUPT && stop_requested()) throw Stopped();
 }
 
-StorageError storage_error(const fs::path& path, const SQLite::Exception& error) {
+StorageError storage_error(const fs::path& path, const SQLite::Exception& error, int system_error) {
   throw_if_stopped(error);
   const std::string where = path.string();
   switch (primary_code(error)) {
@@ -232,9 +247,6 @@ StorageError storage_error(const fs::path& path, const SQLite::Exception& error)
       return StorageError(
           fmt::format("{}: is damaged ({}); it was not changed. Go on with a copy or a backup; jnd verify says more",
                       where, error.what()));
-    case SQLITE_FULL:
-      return StorageError(
-          fmt::format("{}: the disk is full; everything said to be saved is. Free some space and try again", where));
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
       return StorageError(
@@ -242,13 +254,11 @@ StorageError storage_error(const fs::path& path, const SQLite::Exception& error)
     case SQLITE_READONLY:
     case SQLITE_CANTOPEN:
     case SQLITE_PERM:
-      return StorageError(
-          fmt::format("{}: cannot be opened or written ({}); check the permissions of the file and its folder", where,
-                      error.what()));
+    case SQLITE_FULL:
     case SQLITE_IOERR:
-      return StorageError(
-          fmt::format("{}: the disk reported an error ({}); all events said to be saved are. Check the disk and resume",
-                      where, error.what()));
+      return StorageError(fmt::format("{}: cannot be {} or written: {}. All events that were said to be saved are",
+                                      where, is_disk_error(error) ? "read" : "opened",
+                                      trouble_of(path, error, system_error).text()));
     default:
       return StorageError(fmt::format("{}: {}", where, error.what()));
   }
@@ -258,18 +268,13 @@ bool is_disk_error(const SQLite::Exception& error) noexcept {
   return primary_code(error) == SQLITE_IOERR;
 }
 
-void throw_write_error(const fs::path& path, const SQLite::Exception& error) {
+void throw_write_error(const fs::path& path, const SQLite::Exception& error, int system_error) {
   const std::string where = path.string();
   switch (primary_code(error)) {
     case SQLITE_FULL:
-      throw StorageTrouble(fmt::format(
-          "{}: the disk is full: this event is not saved, all earlier ones are. Free some space on it and try again",
-          where));
     case SQLITE_IOERR:
-      throw StorageTrouble(
-          fmt::format("{}: the disk reported an error ({}): this event is not saved, all earlier ones are. Look after "
-                      "the disk (space, cable, mount) and try again",
-                      where, error.what()));
+      throw StorageTrouble(fmt::format("{}: cannot be written: {}. This event is not saved, all earlier ones are",
+                                       where, trouble_of(path, error, system_error).text()));
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
       throw StorageTrouble(
@@ -283,7 +288,7 @@ void throw_write_error(const fs::path& path, const SQLite::Exception& error) {
           "and take the session up again",
           where, error.what()));
     default:
-      throw storage_error(path, error);
+      throw storage_error(path, error, system_error);
   }
 }
 

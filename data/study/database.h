@@ -1,6 +1,7 @@
 // Opening the SQLite file of a study: what is refused, and with which words.
 #pragma once
 
+#include <cerrno>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -45,11 +46,13 @@ void insert_row(SQLite::Statement& insert, const std::filesystem::path& path);
 // reading ends its statements then.
 void throw_if_stopped(const SQLite::Exception& error);
 
-// What went wrong, where, and what to do, from SQLite's error. Throws Stopped as throw_if_stopped() does.
-StorageError storage_error(const std::filesystem::path& path, const SQLite::Exception& error);
+// What went wrong, where, and what to do, from SQLite's error. system_error: errno as it was when the error was caught;
+// SQLite's code alone does not tell a quota from a broken disk. Throws Stopped as throw_if_stopped() does.
+StorageError storage_error(const std::filesystem::path& path, const SQLite::Exception& error, int system_error);
 
 // The same for events that could not be added: StorageTrouble where the same event may be added later.
-[[noreturn]] void throw_write_error(const std::filesystem::path& path, const SQLite::Exception& error);
+[[noreturn]] void throw_write_error(const std::filesystem::path& path, const SQLite::Exception& error,
+                                    int system_error);
 // SQLITE_IOERR and its kin.
 bool is_disk_error(const SQLite::Exception& error) noexcept;
 
@@ -59,7 +62,7 @@ decltype(auto) with_storage_errors(const std::filesystem::path& path, Action&& a
   try {
     return action();
   } catch (const SQLite::Exception& error) {
-    throw storage_error(path, error);
+    throw storage_error(path, error, errno);
   }
 }
 

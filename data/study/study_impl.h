@@ -1,6 +1,7 @@
 // The inside of a Study, shared by the files of this room: the connection, its mutex, and where each chain ends.
 #pragma once
 
+#include <cerrno>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -119,9 +120,10 @@ void Study::Impl::write(Action&& action) {
     action();
     confirm_written();
   } catch (const SQLite::Exception& error) {
+    const int system_error = errno;  // before the tidying calls the system again
     tidy_after_failure();
     disk_failed = disk_failed || is_disk_error(error);
-    throw_write_error(path, error);
+    throw_write_error(path, error, system_error);
   } catch (...) {
     tidy_after_failure();
     throw;

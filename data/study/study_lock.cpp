@@ -111,9 +111,11 @@ StudyLock::StudyLock(const fs::path& study)
     : study_(study), place_(real_place(study)), path_(place_.string() + ".lock") {
   for (;;) {
     descriptor_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
-    if (descriptor_ < 0)
-      throw StorageError(fmt::format("{}: cannot be opened for writing: {} ({}); check the folder and its permissions",
-                                     study.string(), std::strerror(errno), path_.string()));
+    if (descriptor_ < 0) {
+      const int error = errno;
+      std::error_code ignored;
+      throw cannot_write(fs::exists(fs::symlink_status(path_, ignored)) ? path_ : study, error);
+    }
     if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
       const int error = errno;
       const std::string who = holder(descriptor_);

@@ -16,6 +16,7 @@
 #include <unistd.h>
 
 #include "devices/loop/loop_limits.h"
+#include "protocols/input/file_trouble.h"
 
 namespace jnd {
 
@@ -314,9 +315,11 @@ Check check_storage(const fs::path& folder_or_file, const StorageProbe& probe) {
                          .real = probe.real,
                          .needed_bytes = probe.needed_bytes};
   const std::vector<double> syncs = time_syncs(folder, std::max(probe.syncs, 1));
-  if (syncs.empty())
-    return bad(fmt::format("{}: cannot be written: {}", folder.string(), std::system_category().message(errno)),
-               "check its permissions and space, or name another with --study");
+  if (syncs.empty()) {
+    const FileTrouble trouble = file_trouble(folder / ".jnd-doctor", errno, FileUse::write);
+    return bad(fmt::format("{}: cannot be written: {}", folder.string(), trouble.why),
+               trouble.what_to_do + "; or name another with --study");
+  }
   figures.sync_median_s = syncs[syncs.size() / 2];
   figures.sync_max_s = syncs.back();
   return judge_storage(figures);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstring>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -12,6 +11,7 @@
 #include <sys/vfs.h>
 #include <unistd.h>
 
+#include "protocols/input/file_trouble.h"
 #include "protocols/input/input_error.h"
 
 namespace jnd {
@@ -19,6 +19,12 @@ namespace {
 
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& message, const std::string& suggestion) {
   throw InputError(std::vector<Diagnostic>{{path.string(), 0, 0, "", message, suggestion}});
+}
+
+// From errno.
+[[noreturn]] void fail(const std::filesystem::path& path, const std::string& what, int error) {
+  const FileTrouble trouble = file_trouble(path, error, FileUse::read);
+  fail(path, fmt::format("{}: {}", what, trouble.why), trouble.what_to_do);
 }
 
 class Descriptor {
@@ -45,7 +51,7 @@ bool is_nameless_pipe(int descriptor) noexcept {
 
 void refuse_what_is_no_file(const std::filesystem::path& path, int descriptor) {
   struct stat status {};
-  if (fstat(descriptor, &status) != 0) fail(path, "cannot be read", std::strerror(errno));
+  if (fstat(descriptor, &status) != 0) fail(path, "cannot be read", errno);
   if (S_ISREG(status.st_mode)) return;
   if (S_ISDIR(status.st_mode)) fail(path, "is a folder", "name a file in it");
   if (!S_ISFIFO(status.st_mode)) fail(path, "is a device, not a file", "name a file");
@@ -65,7 +71,7 @@ std::string read_to_end(const std::filesystem::path& path, int descriptor, std::
     const ssize_t got = read(descriptor, piece.data(), piece.size());
     if (got == 0) return bytes;
     if (got < 0 && errno == EINTR) continue;
-    if (got < 0) fail(path, fmt::format("cannot be read to its end: {}", std::strerror(errno)), "look at the disk");
+    if (got < 0) fail(path, "cannot be read to its end", errno);
     if (static_cast<std::size_t>(got) > limit - bytes.size())
       fail(path, fmt::format("is larger than {}", size_text(limit)), "is it the right file?");
     bytes.append(piece.data(), static_cast<std::size_t>(got));
@@ -76,9 +82,8 @@ std::string read_to_end(const std::filesystem::path& path, int descriptor, std::
 
 std::string read_input_file(const std::filesystem::path& path, std::size_t limit) {
   const Descriptor file(path);
-  if (file.value() < 0 && errno == ENOENT) fail(path, "there is no such file", "look at the path");
   if (file.value() < 0 && errno == ENXIO) fail(path, "is a socket, or a device that is not there", "name a file");
-  if (file.value() < 0) fail(path, fmt::format("cannot be opened: {}", std::strerror(errno)), "may you read it?");
+  if (file.value() < 0) fail(path, "cannot be opened", errno);
   refuse_what_is_no_file(path, file.value());
   return read_to_end(path, file.value(), limit);
 }

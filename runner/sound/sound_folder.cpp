@@ -1,10 +1,12 @@
 #include "runner/sound/sound_folder.h"
 
+#include <cerrno>
 #include <fstream>
 
 #include <fmt/format.h>
 
 #include "data/log/storage_error.h"
+#include "protocols/input/file_trouble.h"
 
 namespace jnd {
 
@@ -15,8 +17,8 @@ std::filesystem::path SoundFolder::write(const std::string& name, const Wave& wa
   out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   out.close();
   if (!out)
-    throw StorageError(
-        fmt::format("the sound {} cannot be written; make room, or set TMPDIR to another folder", file.string()));
+    throw StorageError(fmt::format("the sound {} cannot be written: {}; or set TMPDIR to another folder", file.string(),
+                                   file_trouble(file, errno, FileUse::write).text()));
   return file;
 }
 

@@ -1,6 +1,7 @@
 #include "runner/terminal/command_outcome.h"
 
 #include <cstdio>
+#include <filesystem>
 #include <new>
 #include <string>
 #include <system_error>
@@ -10,6 +11,7 @@
 #include "analysis/numerics/stop_request.h"
 #include "data/log/storage_error.h"
 #include "devices/device_error.h"
+#include "protocols/input/file_trouble.h"
 #include "protocols/input/input_error.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/standard_streams.h"
@@ -51,6 +53,10 @@ int code_of(const std::function<int()>& command, std::string& lost_because) {
     return failed(exit_code::kStorage,
                   "the memory is not enough for this: nothing was left half done. Close other programs, or ask for "
                   "less at a time (a smaller file, fewer replicates, participants or threads)");
+  } catch (const std::filesystem::filesystem_error& error) {
+    return failed(exit_code::kStorage,
+                  fmt::format("{}: cannot be opened or written: {}", error.path1().string(),
+                              file_trouble(error.path1(), error.code().value(), FileUse::write).text()));
   } catch (const std::system_error& error) {
     if (std::ferror(stdout) == 0) return failed_otherwise(error);
     lost_because = error.code().message();

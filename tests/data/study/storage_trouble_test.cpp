@@ -165,6 +165,9 @@ void fail_one_by_one(std::atomic<int>& what, int error, const std::string& words
 
 TEST_CASE("a full disk and a failing one are trouble that passes, at every write", "[data]") {
   fail_one_by_one(failing_write, ENOSPC, "disk is full");
+  fail_one_by_one(failing_write, EDQUOT, "the quota of disk space is used up");
+  fail_one_by_one(failing_write, EFBIG, "larger than is allowed");
+  fail_one_by_one(failing_write, EROFS, "mounted read-only");
   fail_one_by_one(failing_write, EIO, "disk reported an error");
   fail_one_by_one(failing_flush, 0, "disk reported an error");
 }

@@ -62,7 +62,7 @@ TEST_CASE("mistakes in a device specification are told") {
   CHECK(device_error(replaced(kRrs3Spec, "\"min_vibration_hz\": 50", "\"min_vibration_hz\": 500"))
             .find("is below min_vibration_hz") != std::string::npos);
   CHECK(device_error("{").find("never closed") != std::string::npos);
-  CHECK_THROWS_WITH(load_device_spec("/nowhere/at-all.json"), Catch::Contains("there is no such file"));
+  CHECK_THROWS_WITH(load_device_spec("/nowhere/at-all.json"), Catch::Contains("there is no such folder: /nowhere"));
   CHECK_THROWS_WITH(load_device_spec(std::filesystem::temp_directory_path()), Catch::Contains("is a folder"));
 }
 
