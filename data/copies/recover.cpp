@@ -1,6 +1,7 @@
 #include "data/copies/recover.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <map>
 #include <set>
 
@@ -11,6 +12,7 @@
 #include "data/copies/new_file.h"
 #include "data/copies/salvage.h"
 #include "data/copies/signs_of_loss.h"
+#include "data/files/draft.h"
 #include "data/log/event_body.h"
 #include "data/log/telemetry.h"
 #include "data/study/database.h"
@@ -48,9 +50,12 @@ class Recovery {
 
   // What the damaged file and its log say of their own size is doubted where it does not fit what was salvaged.
   void compare_with(Bytes file, Bytes log) {
-    std::int64_t found = 0;
-    for (const auto& [session, chain] : chains_) found += static_cast<std::int64_t>(chain.kept.size());
-    report_.doubts = signs_of_loss(file, log, found);
+    for (const auto& [session, chain] : chains_) report_.events_found += static_cast<std::int64_t>(chain.kept.size());
+    SignsOfLoss signs = signs_of_loss(file, log, report_.events_found);
+    report_.doubts = std::move(signs.doubts);
+    report_.pages = signs.pages;
+    report_.pages_missing = signs.pages_missing;
+    report_.events_added = signs.events_added;
   }
 
   RecoveryReport write(const fs::path& to, const std::optional<fs::path>& protocol, std::int64_t unreadable,
@@ -69,6 +74,7 @@ class Recovery {
       if (is_imported(stored.event.kind) && concerns_a_participant(stored))
         writer.append(stored.event.kind, body_of(stored), stamp);
     report_.verified = writer.finish(StudyWriter::Problems::kept);
+    count_trials(to);
     return std::move(report_);
   }
 
@@ -77,6 +83,19 @@ class Recovery {
     static const SalvagedChain nothing;
     const auto found = chains_.find(kStudyChain);
     return found == chains_.end() ? nothing : found->second;
+  }
+
+  // As every command counts them. The new study is written by now: a program that is asked to end goes without.
+  void count_trials(const fs::path& to) {
+    try {
+      for (const SessionInfo& info : Study::open(to, Study::Access::read_only)->sessions())
+        for (RecoveredChain& one : report_.sessions)
+          if (one.session == info.id) one.trials = info.trials_done;
+    } catch (const Stopped&) {
+      return;
+    } catch (const StorageError&) {
+      return;  // an event that cannot be read: verification has found it
+    }
   }
 
   // An exclusion of a participant of whom nothing is left is not repeated; the old chain in study.recovered keeps it.
@@ -95,23 +114,33 @@ class Recovery {
     return !head.empty() && !hashes.contains(head);
   }
 
+  RecoveredChain fate_of(const std::string& session, const SalvagedChain& chain) const {
+    RecoveredChain one;
+    one.session = session;
+    one.events = static_cast<std::int64_t>(chain.kept.size());
+    one.unchained = static_cast<std::int64_t>(chain.unchained.size());
+    one.cut = one.unchained > 0;
+    one.last_found = one.events;
+    if (!chain.unchained.empty())
+      one.last_found = std::max(one.last_found, salvage_.event(chain.unchained.back()).event.seq);
+    if (chain.kept.empty()) return one;
+    const StoredEvent last = salvage_.event(chain.kept.back());
+    one.last_kind = last.event.kind;
+    one.last_utc = last.utc;
+    return one;
+  }
+
   void read_sessions() {
-    report_.own.session = kStudyChain;
-    report_.own.events = static_cast<std::int64_t>(own().kept.size());
-    report_.own.unchained = static_cast<std::int64_t>(own().unchained.size());
+    report_.own = fate_of(kStudyChain, own());
     report_.own.cut = report_.own.unchained > 0 || own_events_.empty();
     for (const auto& [session, chain] : chains_) {
       if (session == kStudyChain) continue;
-      RecoveredChain& one = report_.sessions.emplace_back();
-      one.session = session;
-      one.events = static_cast<std::int64_t>(chain.kept.size());
-      one.unchained = static_cast<std::int64_t>(chain.unchained.size());
-      one.cut = one.unchained > 0;
+      RecoveredChain& one = report_.sessions.emplace_back(fate_of(session, chain));
       if (chain.kept.empty()) continue;
       const Json opened = body_of(salvage_.event(chain.kept.front()));
       one.participant = text_at(opened, "participant");
       one.kind = text_at(opened, "kind");
-      one.closed = salvage_.event(chain.kept.back()).event.kind == event_kind::kSessionClosed;
+      one.closed = one.last_kind == event_kind::kSessionClosed;
       if (const std::string seed = text_at(opened, "seed"); !seed.empty()) seeds_.push_back(seed);
       if (const std::string sha256 = text_at(opened, "protocol_sha256"); !sha256.empty()) protocols_.push_back(sha256);
     }
@@ -286,7 +315,10 @@ bool RecoveryReport::whole() const noexcept {
 
 RecoveryReport recover(const fs::path& damaged, const fs::path& to, const std::optional<fs::path>& protocol,
                        Stamp stamp) {
-  if (!fs::is_regular_file(damaged)) throw StorageError(fmt::format("{}: there is no such file", damaged.string()));
+  std::error_code error;
+  const fs::file_status status = fs::status(damaged, error);
+  if (!fs::status_known(status) || status.type() == fs::file_type::not_found) throw cannot_read(damaged, error.value());
+  if (fs::is_directory(status)) throw cannot_read(damaged, EISDIR);
   refuse_beside(damaged, to);
   refuse_in_use(damaged);
   const fs::path folder = folder_of(to);

@@ -89,28 +89,33 @@ std::optional<std::int64_t> highest_tally(Bytes file, Bytes log, const PageGeome
 
 }  // namespace
 
-std::vector<std::string> signs_of_loss(Bytes file, Bytes log, std::int64_t found) {
+SignsOfLoss signs_of_loss(Bytes file, Bytes log, std::int64_t found) {
+  SignsOfLoss signs;
   const std::optional<FileHeader> header = newest_header(file, log);
-  if (!header)
-    return {"the file's header is damaged: how long the file was, and how many events were in it, is not known"};
-  std::vector<std::string> signs;
+  if (!header) {
+    signs.doubts.emplace_back(
+        "the file's header is damaged: how long the file was, and how many events were in it, is not known");
+    return signs;
+  }
+  signs.pages = header->pages;
   if (header->logged && log.empty())
-    signs.emplace_back(
+    signs.doubts.emplace_back(
         "the study was not closed, and its log (-wal) is missing or empty: whether something was only in the log is "
         "not known");
-  if (const std::size_t missing = missing_pages(file, log, *header); missing > 0)
-    signs.push_back(fmt::format("the file ends early: {} of its {} pages are missing, and what was on them", missing,
-                                header->pages));
-  const std::optional<std::int64_t> added = highest_tally(file, log, header->geometry);
+  signs.pages_missing = static_cast<std::int64_t>(missing_pages(file, log, *header));
+  if (signs.pages_missing > 0)
+    signs.doubts.push_back(fmt::format("the file ends early: {} of its {} pages are missing, and what was on them",
+                                       signs.pages_missing, header->pages));
+  const std::optional<std::int64_t> added = signs.events_added = highest_tally(file, log, header->geometry);
   if (!added)
-    signs.emplace_back("the count of the study's events is lost: whether all of them were found is not known");
+    signs.doubts.emplace_back("the count of the study's events is lost: whether all of them were found is not known");
   else if (*added < found)
-    signs.push_back(fmt::format(
+    signs.doubts.push_back(fmt::format(
         "the newest count of the study's events is lost ({} are counted, {} were found): whether all of them were "
         "found is not known",
         *added, found));
   else if (*added != found)
-    signs.push_back(fmt::format("{} events were added to the study, and {} of them were found", *added, found));
+    signs.doubts.push_back(fmt::format("{} events were added to the study, and {} of them were found", *added, found));
   return signs;
 }
 

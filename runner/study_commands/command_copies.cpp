@@ -8,6 +8,7 @@
 #include "data/copies/recover.h"
 #include "runner/keys/interrupt.h"
 #include "runner/study_commands/blinded_problem.h"
+#include "runner/study_commands/recovery_words.h"
 #include "runner/study_commands/stamp_now.h"
 #include "runner/study_commands/study_commands.h"
 #include "runner/terminal/exit_code.h"
@@ -59,49 +60,6 @@ Json backup_json(const BackupOptions& options, const BackupReport& report) {
                             {"state", session.state},
                             {"head", session.head}});
   return out;
-}
-
-std::string chain_fate(const RecoveredChain& chain) {
-  std::string text = chain.events == 0 ? "lost" : chain.cut ? "its end is lost" : chain.closed ? "whole" : "open";
-  if (chain.unchained > 0) text += fmt::format("; {} behind the gap left out", counted(chain.unchained, "event"));
-  if (chain.telemetry_lost > 0) text += fmt::format("; ticks of {} lost", counted(chain.telemetry_lost, "interval"));
-  return text;
-}
-
-Json chain_json(const RecoveredChain& chain) {
-  return {{"session", chain.session},
-          {"participant", chain.participant},
-          {"kind", chain.kind},
-          {"events", chain.events},
-          {"unchained", chain.unchained},
-          {"telemetry", chain.telemetry},
-          {"telemetry_lost", chain.telemetry_lost},
-          {"closed", chain.closed},
-          {"cut", chain.cut}};
-}
-
-void print_recovery(const RecoverOptions& options, const RecoveryReport& report,
-                    const std::vector<std::string>& problems) {
-  fmt::print("{}: {}\n", bold(printable(options.to)),
-             report.whole() ? "everything that is known of was recovered" : "what could be read was recovered");
-  TextTable table({"session", "participant", "kind", "events", "what became of it"},
-                  {Align::left, Align::left, Align::left, Align::right, Align::left});
-  for (const RecoveredChain& chain : report.sessions)
-    table.add({printable(chain.session), printable(chain.participant), printable(chain.kind),
-               std::to_string(chain.events), chain_fate(chain)});
-  fmt::print("{}", table.text());
-  if (report.own.unchained > 0)
-    fmt::print("{}\n", warn(fmt::format("{} of the study itself could be read but not proved: exclusions, notes or an "
-                                        "unblinding may be among them; study.recovered keeps their text.",
-                                        counted(report.own.unchained, "event"))));
-  if (report.unreadable > 0)
-    fmt::print("{}\n", warn(fmt::format("The disk did not give {}.", counted(report.unreadable, "byte"))));
-  for (const std::string& doubt : report.doubts) fmt::print("{}\n", warn(printable("Note: " + doubt + ".")));
-  for (const std::string& problem : problems) fmt::print("problem: {}\n", printable(problem));
-  fmt::print(
-      "Sessions that are not whole are open in the new study. What happened in them after the last event above is "
-      "lost;\n"
-      "a backup may have more of it. Keep the damaged file.\n");
 }
 
 // In words, where a signal leaves the time to look whether the new study is sealed.
@@ -190,22 +148,12 @@ int command_recover(const RecoverOptions& options) {
     return recover(options.damaged, options.to, protocol, stamp_now());
   }();
   const std::vector<std::string> problems = problems_of(report, options.to);
-  const bool whole = report.whole();
-  if (!options.json) {
-    print_recovery(options, report, problems);
-    return whole ? exit_code::kDone : exit_code::kProblemFound;
-  }
-  Json out = {{"to", options.to},
-              {"whole", whole},
-              {"unreadable_bytes", report.unreadable},
-              {"study_events", report.own.events},
-              {"study_events_unchained", report.own.unchained},
-              {"sessions", Json::array()},
-              {"doubts", report.doubts},
-              {"problems", problems}};
-  for (const RecoveredChain& chain : report.sessions) out["sessions"].push_back(chain_json(chain));
-  print_json(out);
-  return whole ? exit_code::kDone : exit_code::kProblemFound;
+  const RecoveryFiles files{options.damaged, options.to};
+  if (options.json)
+    print_json(recovery_json(files, report, problems));
+  else
+    fmt::print("{}", recovery_text(files, report, problems, table_width()));
+  return report.whole() ? exit_code::kDone : exit_code::kProblemFound;
 }
 
 }  // namespace

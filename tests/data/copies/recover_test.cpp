@@ -10,6 +10,7 @@
 
 #include "data/copies/damaged_file.h"
 #include "data/copies/salvage.h"
+#include "data/log/utc_time.h"
 #include "data/study/schema.h"
 #include "data/study/study_admin.h"
 #include "data/verify/verify.h"
@@ -80,6 +81,24 @@ TEST_CASE("an undamaged study comes back whole, with its exclusions and notes", 
   CHECK(body.at("study_events").size() == 3);
   CHECK(body.at("file") == "damaged.jnd");
   CHECK(std::count_if(std::filesystem::directory_iterator(folder.path()), {}, [](const auto&) { return true; }) == 3);
+}
+
+TEST_CASE("the report of a recovery counts what each session has, as the new study does", "[data]") {
+  const TemporaryFolder folder;
+  const auto path = filled_study(folder);
+  const RecoveryReport report = recover(path, folder / "new.jnd", std::nullopt, kLater);
+  CHECK(report.events_added == report.events_found);
+  CHECK(report.pages == static_cast<std::int64_t>(std::filesystem::file_size(path) / 4096));
+  const std::vector<SessionInfo> sessions = Study::open(folder / "new.jnd", Study::Access::read_only)->sessions();
+  REQUIRE(report.sessions.size() == sessions.size());
+  for (const RecoveredChain& chain : report.sessions) {
+    const auto info =
+        std::find_if(sessions.begin(), sessions.end(), [&](const SessionInfo& one) { return one.id == chain.session; });
+    REQUIRE(info != sessions.end());
+    CHECK(chain.trials == info->trials_done);
+    CHECK(chain.last_found == chain.events);
+    CHECK((chain.last_kind == event_kind::kSessionClosed) == chain.closed);
+  }
 }
 
 TEST_CASE("a recovered study goes on", "[data]") {
@@ -161,9 +180,14 @@ TEST_CASE("recovery stops at a changed event and counts what lies behind it", "[
   CHECK(chain.session == "P01-simulated");
   CHECK(chain.events == 11);
   CHECK(chain.unchained == 26 - 11);
+  CHECK(chain.last_found == 26);
+  CHECK(chain.last_kind == before.events.at("P01-simulated")[10].kind);
+  CHECK(utc_ns_from(chain.last_utc) == before.events.at("P01-simulated")[10].stamp.utc_ns);
   CHECK(chain.cut);
   CHECK_FALSE(chain.closed);
   CHECK(report.sessions[1].closed);
+  CHECK(report.pages_missing == 0);
+  CHECK(report.events_added == report.events_found + chain.unchained);
   CHECK(report.verified.problems == std::vector<Problem>{});
   // The session is open in the new study, and can be gone on with.
   const auto study = Study::open(folder / "new.jnd", Study::Access::read_only);
@@ -289,14 +313,18 @@ TEST_CASE("a file that ends early says how many of its pages are missing", "[dat
   write_bytes(path, bytes.substr(0, bytes.size() - 2 * 4096 - 1));
   const RecoveryReport report = recover(path, folder / "new.jnd", std::nullopt, kLater);
   CHECK_FALSE(report.whole());
+  CHECK(report.pages == static_cast<std::int64_t>(bytes.size() / 4096));
+  CHECK(report.pages_missing == 3);
   REQUIRE_FALSE(report.doubts.empty());
   CHECK(report.doubts[0] == "the file ends early: 3 of its " + std::to_string(bytes.size() / 4096) +
                                 " pages are missing, and what was on them");
   std::string headless = bytes;
   headless.replace(0, 100, 100, 'x');
   write_bytes(path, headless);
-  CHECK_THAT(recover(path, folder / "headless.jnd", std::nullopt, kLater).doubts.at(0),
-             Catch::Contains("header is damaged"));
+  const RecoveryReport lost = recover(path, folder / "headless.jnd", std::nullopt, kLater);
+  CHECK_THAT(lost.doubts.at(0), Catch::Contains("header is damaged"));
+  CHECK_FALSE(lost.pages);
+  CHECK_FALSE(lost.events_added);
 }
 
 TEST_CASE("of two events that both follow, the one written last is kept", "[data]") {
@@ -350,6 +378,8 @@ TEST_CASE("recovery refuses what it must not touch", "[data]") {
   const auto path = filled_study(folder);
   CHECK_THROWS_WITH(recover(folder / "none.jnd", folder / "new.jnd", std::nullopt, kLater),
                     Catch::Contains("there is no such file"));
+  CHECK_THROWS_WITH(recover(folder.path(), folder / "new.jnd", std::nullopt, kLater),
+                    Catch::Contains("it is a folder, not a file"));
   write_bytes(folder / "text.jnd", std::string(20'000, 'x'));
   CHECK_THROWS_WITH(recover(folder / "text.jnd", folder / "new.jnd", std::nullopt, kLater),
                     Catch::Contains("nothing of a study was found"));

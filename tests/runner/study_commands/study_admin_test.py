@@ -139,6 +139,18 @@ class Care(unittest.TestCase):
             report = self.json("recover", "cut.sqlite", "--to", f"saved-{part}.sqlite", code=1)
             self.assertFalse(report["whole"])
             self.assertIn("the file ends early", report["doubts"][0])
+            self.assertEqual(report["pages"], len(content) // 4096)
+            self.assertEqual(report["pages"] - report["pages_missing"], os.path.getsize(self.path("cut.sqlite")) // 4096)
+            self.assertTrue(report["events_added"] is None or report["events_added"] >= report["events_found"])
+            for row in report["sessions"]:
+                self.assertEqual(row["last_event"] is None, row["events"] == 0)
+                self.assertEqual(row["fate"] == "whole", row["closed"] and not row["cut"], row)
+                self.assertNotEqual(row["fate"], "open", row)
+            os.remove(self.path(f"saved-{part}.sqlite"))
+            said = self.jnd("recover", "cut.sqlite", "--to", f"saved-{part}.sqlite", code=1).stdout
+            self.assertIn(f"{report['pages'] - report['pages_missing']} of {report['pages']} pages of the file were there", " ".join(said.split()))
+            for words in ("Lost, or in doubt", "What to do next", "jnd status BACKUP", "jnd verify"):
+                self.assertIn(words, said)
 
     def test_no_results_come_from_a_study_that_was_changed(self):
         """One stimulus in the file: everything that would compute with it says so and writes nothing."""
