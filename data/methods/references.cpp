@@ -8,11 +8,6 @@ namespace jnd {
 
 namespace {
 
-struct Reference {
-  std::string_view cited;  // in the text
-  std::string_view full;
-};
-
 constexpr std::array kReferences = {
     Reference{
         "Benjamini and Hochberg 1995",
@@ -30,6 +25,9 @@ constexpr std::array kReferences = {
               "https://doi.org/10.20982/tqmp.01.1.p042"},
     Reference{"Efron and Tibshirani 1993",
               "Efron B., Tibshirani R. J. (1993). An Introduction to the Bootstrap. Chapman and Hall, New York."},
+    Reference{"Ennis 1993",
+              "Ennis D. M. (1993). The power of sensory discrimination methods. Journal of Sensory Studies 8(4), "
+              "353-370."},
     Reference{"Friedman 1937",
               "Friedman M. (1937). The use of ranks to avoid the assumption of normality implicit in the analysis of "
               "variance. Journal of the American Statistical Association 32(200), 675-701. "
@@ -38,6 +36,9 @@ constexpr std::array kReferences = {
               "Games P. A., Howell J. F. (1976). Pairwise multiple comparison procedures with unequal n's and/or "
               "variances: A Monte Carlo study. Journal of Educational Statistics 1(2), 113-125. "
               "https://doi.org/10.3102/10769986001002113"},
+    Reference{"Gescheider 1997",
+              "Gescheider G. A. (1997). Psychophysics: The Fundamentals, 3rd ed. Lawrence Erlbaum Associates, Mahwah, "
+              "NJ."},
     Reference{"Gourevitch and Galanter 1967",
               "Gourevitch V., Galanter E. (1967). A significance test for one parameter isosensitivity functions. "
               "Psychometrika 32(1), 25-33. https://doi.org/10.1007/BF02289402"},
@@ -88,6 +89,12 @@ constexpr std::array kReferences = {
     Reference{"Maxwell and Delaney 2004",
               "Maxwell S. E., Delaney H. D. (2004). Designing Experiments and Analyzing Data: A Model Comparison "
               "Perspective, 2nd ed. Lawrence Erlbaum Associates, Mahwah, NJ."},
+    Reference{"McCullagh 1980",
+              "McCullagh P. (1980). Regression models for ordinal data. Journal of the Royal Statistical Society: "
+              "Series B 42(2), 109-142. https://doi.org/10.1111/j.2517-6161.1980.tb01109.x"},
+    Reference{"Miller and Madow 1954",
+              "Miller G. A., Madow W. G. (1954). On the maximum likelihood estimate of the Shannon-Wiener measure of "
+              "information. Technical Report AFCRC-TR-54-75, Air Force Cambridge Research Center, Bedford, MA."},
     Reference{"Morey 2008",
               "Morey R. D. (2008). Confidence intervals from normalized data: A correction to Cousineau (2005). "
               "Tutorials in Quantitative Methods for Psychology 4(2), 61-64. https://doi.org/10.20982/tqmp.04.2.p061"},
@@ -110,6 +117,10 @@ constexpr std::array kReferences = {
               "https://doi.org/10.2307/3001968"}};
 
 }  // namespace
+
+std::span<const Reference> all_references() noexcept {
+  return kReferences;
+}
 
 std::string references_of(std::string_view text) {
   std::string list;

@@ -2,11 +2,16 @@
 #include "data/methods/methods_text.h"
 
 #include <algorithm>
+#include <filesystem>
+#include <functional>
 #include <regex>
 #include <set>
+#include <sstream>
+#include <vector>
 
 #include "data/methods/markdown_text.h"
 #include "data/methods/references.h"
+#include "data/results/threshold_method.h"
 #include "protocols/random_stream.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
@@ -21,7 +26,8 @@ Protocol shipped(const std::string& name) {
 std::string methods_of(const Protocol& protocol) {
   const TemporaryFolder folder;
   const auto study = new_study(folder / "study.sqlite", protocol);
-  for (int number = 1; number <= 2 && !protocol.design.procedure; ++number) run_whole_session(*study, protocol, number);
+  const bool has_answers = protocol.task.kind == TaskKind::same_different && !protocol.design.procedure;
+  for (int number = 1; number <= 2 && has_answers; ++number) run_whole_session(*study, protocol, number);
   return methods_text(*study, protocol, results_of(*study, protocol, SessionKind::simulated));
 }
 
@@ -38,32 +44,169 @@ TEST_CASE("the methods name the generator that drew the plans", "[data]") {
   }
 }
 
-TEST_CASE("what the methods cite is listed in full, and nothing else", "[data]") {
-  for (const char* name :
-       {"chinello2017", "adaptive-staircase", "adaptive-quest", "adaptive-posterior", "adaptive-staircase-90"}) {
-    CAPTURE(name);
-    const std::string text = methods_of(shipped(name));
-    const std::size_t list = text.find("\n## References\n");
-    REQUIRE(list != std::string::npos);
-    const std::size_t begin = text.find("\n## Design\n");
-    const std::string body = text.substr(begin, list - begin);
-    std::set<std::string> cited;
-    const std::regex citation(R"([A-Z][A-Za-z-]+( and [A-Z][a-z]+| et al\.)? (19|20)\d\d)");
-    for (std::sregex_iterator found(body.begin(), body.end(), citation), end; found != end; ++found)
-      cited.insert(found->str());
-    for (const std::string& one : cited) {
-      CAPTURE(one);
-      CHECK_FALSE(references_of(one).empty());
-    }
-    CHECK(text.substr(list) == references_of(body));
-    const auto lines = std::count(text.begin() + static_cast<std::ptrdiff_t>(list), text.end(), '\n');
-    CHECK(lines == static_cast<std::ptrdiff_t>(cited.size()) + 3);
+// "Hautus 1995", "Games and Howell 1976", "King-Smith et al. 1994".
+std::set<std::string> citations_in(const std::string& text) {
+  static const std::regex citation(R"([A-Z][A-Za-z-]+( and [A-Z][A-Za-z-]+| et al\.)? (19|20)\d\d)");
+  std::set<std::string> cited;
+  for (std::sregex_iterator found(text.begin(), text.end(), citation), end; found != end; ++found)
+    cited.insert(found->str());
+  return cited;
+}
+
+std::string list_of_references(const std::set<std::string>& cited) {
+  std::string list;
+  for (const Reference& reference : all_references())
+    if (cited.contains(std::string(reference.cited))) list += "- " + std::string(reference.full) + "\n";
+  return list.empty() ? "" : "\n## References\n\n" + list;
+}
+
+// What the program itself says: behind the title and the study's own source, which are the protocol's words.
+void require_references(const std::string& text) {
+  const std::size_t list = std::min(text.find("\n## References\n"), text.size());
+  const std::size_t begin = text.find("## Design\n");
+  REQUIRE(begin < list);
+  const std::set<std::string> cited = citations_in(text.substr(begin, list - begin));
+  std::set<std::string> known;
+  for (const Reference& reference : all_references()) known.emplace(reference.cited);
+  for (const std::string& one : cited) {
+    INFO(one << " is cited and in no list");
+    CHECK(known.contains(one));
   }
+  CHECK(text.substr(list) == list_of_references(cited));
+}
+
+// The literals of a C++ source, neighbours joined as the compiler joins them, one a line. Comments are left out.
+std::string literals_of(const std::filesystem::path& source) {
+  std::string all, line;
+  std::istringstream code(bytes_of(source));
+  bool joins = false;  // nothing but blanks since the last literal
+  while (std::getline(code, line)) {
+    bool within = false;
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      const char c = line[i];
+      if (!within && c == '/' && line.compare(i, 2, "//") == 0) break;
+      if (!within && c == '\'' && line.compare(i, 3, "'\"'") == 0) i += 2;
+      if (c == '"') {
+        within = !within;
+        if (within && !joins) all += '\n';
+        joins = !within;
+      } else if (within) {
+        if (c == '\\' && i + 1 < line.size()) ++i;
+        all += line[i];
+      } else if (c != ' ') {
+        joins = false;
+      }
+    }
+  }
+  return all;
+}
+
+// All of the program's words that a methods text can be made of.
+std::string words_of_the_methods() {
+  std::string all;
+  for (const char* folder : {"data/methods", "data/results", "data/task_results", "protocols/tasks",
+                             "protocols/planning", "protocols/course"})
+    for (const auto& entry : std::filesystem::directory_iterator(std::string(JND_SOURCE_DIR) + "/" + folder))
+      if (entry.path().extension() == ".cpp" && entry.path().filename() != "references.cpp")
+        all += literals_of(entry.path());
+  return all;
+}
+
+TEST_CASE("every work that the program's words can cite is in the list, and no other", "[data]") {
+  const std::set<std::string> cited = citations_in(words_of_the_methods());
+  std::set<std::string> known;
+  for (const Reference& reference : all_references()) known.emplace(reference.cited);
+  CHECK(cited == known);
+}
+
+TEST_CASE("a reference has its authors, year and title, and stands in the order of the alphabet", "[data]") {
+  const std::regex form(R"([A-Z][A-Za-z-]+ [A-Z]\..* \((19|20)\d\d\)\. [A-Z][^.]{10,}.*\. .+)");
+  std::string before;
+  for (const Reference& reference : all_references()) {
+    const std::string cited(reference.cited), full(reference.full);
+    CAPTURE(full);
+    CHECK(std::regex_match(full, form));
+    CHECK(full.starts_with(cited.substr(0, cited.find(' ')) + " "));
+    CHECK(has(full, " (" + cited.substr(cited.size() - 4) + "). "));
+    CHECK(before < cited);
+    before = cited;
+  }
+}
+
+std::vector<std::string> shipped_names() {
+  std::vector<std::string> names;
+  const std::filesystem::path folder = std::string(JND_SOURCE_DIR) + "/protocols";
+  for (const std::filesystem::path& one : {folder, folder / "studies"})
+    for (const auto& entry : std::filesystem::directory_iterator(one))
+      if (entry.path().extension() == ".json" && entry.path().filename() != "protocol.schema.json")
+        names.push_back(entry.path().lexically_relative(folder).replace_extension().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+TEST_CASE("what the methods cite is listed in full, and nothing else", "[data]") {
+  std::set<TaskKind> tasks;
+  for (const std::string& name : shipped_names()) {
+    CAPTURE(name);
+    const Protocol protocol = shipped(name);
+    tasks.insert(protocol.task.kind);
+    require_references(methods_of(protocol));
+  }
+  CHECK(tasks.size() == kTaskWords.size());  // each task is shipped at least once
   const std::string constant = methods_of(shipped("chinello2017"));
   CHECK_FALSE(has(constant, "Levitt"));
   CHECK_FALSE(has(constant, "Watson"));
   CHECK(has(constant, "Corrections for extreme proportions and their biasing effects on estimated values of d'."));
   CHECK(references_of("no work at all").empty());
+}
+
+TEST_CASE("what the methods of every registered analysis cite is listed in full, and nothing else", "[data]") {
+  std::set<std::string> texts;
+  const auto check = [&](const std::string& what, const std::function<void(Protocol&)>& change) {
+    CAPTURE(what);
+    Protocol protocol = tutorial();
+    change(protocol);
+    const std::string text = methods_of(protocol);
+    require_references(text);
+    texts.insert(text);
+  };
+  std::size_t changes = 0;
+  struct Registered {
+    const char *model, *method;
+    bool common_criterion;
+  };
+  std::set<JndMethod> methods;
+  for (const Registered& one : {Registered{"yes-no", "least_squares", false},
+                                {"yes-no", "weighted", false},
+                                {"yes-no", "inverse_mean_slope", false},
+                                {"yes-no", "mean_of_ratios", false},
+                                {"yes-no", "ml", false},
+                                {"yes-no", "ml", true},
+                                {"differencing", "ml", false},
+                                {"differencing", "ml", true},
+                                {"independent-observation", "least_squares", false}}) {
+    check(std::string(one.model) + ", " + one.method, [&](Protocol& protocol) {
+      protocol.analysis.model = one.model;
+      protocol.analysis.jnd_method = one.method;
+      protocol.analysis.common_criterion = one.common_criterion;
+      methods.insert(registered_method(protocol).method);
+    });
+    ++changes;
+  }
+  for (const ThresholdMethod& one : all_methods(registered_method(tutorial()))) CHECK(methods.contains(one.method));
+  for (const char* correction : {"none", "half"}) {
+    check(correction, [&](Protocol& protocol) { protocol.analysis.correction = correction; });
+    ++changes;
+  }
+  for (const Omnibus omnibus : {Omnibus::none, Omnibus::anova, Omnibus::friedman})
+    for (const PostHoc post_hoc : {PostHoc::holm_t, PostHoc::games_howell, PostHoc::tukey, PostHoc::wilcoxon}) {
+      check("tests", [&](Protocol& protocol) {
+        protocol.analysis.tests.omnibus = omnibus;
+        protocol.analysis.tests.post_hoc = post_hoc;
+      });
+      ++changes;
+    }
+  CHECK(texts.size() + 1 >= changes);  // the tutorial's own analysis is among the first and the last of these
 }
 
 TEST_CASE("the methods of a fit to counts speak of no corrected rates", "[data]") {
