@@ -31,6 +31,8 @@ Place place_of(Resource resource) {
       return {"device", "devices/specs", "specs"};
     case Resource::object:
       return {"object", "devices/objects", "objects"};
+    case Resource::language:
+      return {"language", "runner/words/languages", "languages"};
   }
   return {"", "", ""};
 }

@@ -8,7 +8,7 @@
 
 namespace jnd {
 
-enum class Resource { protocol, profile, device_spec, object };
+enum class Resource { protocol, profile, device_spec, object, language };
 
 // What has a '/' in it or ends in ".json" is a file of the user's. Anything else is a shipped name, and never a file
 // that happens to be called so.

@@ -32,6 +32,7 @@
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/study_variable.h"
 #include "runner/terminal/terminal.h"
+#include "runner/words/words.h"
 
 namespace jnd {
 
@@ -237,6 +238,7 @@ int command_run(const RunOptions& options) {
   request.participant = participant_meant(request.participant, study->sessions());
   const SessionTarget target = choose_session(*study, protocol, request);
   const Protocol shown = target.language.empty() ? protocol : in_language(protocol, target.language);
+  use_language(target.language.empty() ? protocol.language : target.language);
   const Plan plan = make_plan(protocol, target.participant_number, seed, target.number);
 
   SimulatedClock device_clock(clock->utc_ns());
@@ -350,7 +352,9 @@ void add_run(CommandTree& tree) {
                    "the participant presses the answer keys (otherwise the operator enters what is said)");
   command.add_option("--buttons", options.buttons,
                      "the participant answers with buttons: a mapping of jnd device learn-buttons");
-  command.add_option("--language", options.language, "language of the participant's texts, of those in the protocol");
+  command.add_option("--language", options.language,
+                     "language of the participant's texts, of those in the protocol; the screen's own words too, where "
+                     "there is a table of them (en, de)");
   command.add_option("--group", options.group,
                      "group of the participant, in a study whose protocol leaves it to you (allotment \"given\")");
   command.add_flag("--plain", options.plain,

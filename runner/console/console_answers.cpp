@@ -10,6 +10,7 @@
 #include "protocols/input/number_from.h"
 #include "runner/console/session_console.h"
 #include "runner/terminal/terminal.h"
+#include "runner/words/words.h"
 
 namespace jnd {
 
@@ -60,9 +61,9 @@ SessionConsole::ButtonReply SessionConsole::hear_buttons() {
   reply.pending = heard.pending;
   reply.stopped = heard.stopped;
   if (heard.trouble == AnswerTrouble::two_at_once)
-    display_->explain(Tone::warning, "both buttons at once: no answer. Let go of both, then press one");
+    display_->explain(Tone::warning, tr("both buttons at once: no answer. Let go of both, then press one"));
   if (heard.trouble == AnswerTrouble::held)
-    display_->explain(Tone::warning, "a button was down already: let go of it, then press it again");
+    display_->explain(Tone::warning, tr("a button was down already: let go of it, then press it again"));
   if (heard.answer) reply.answer = answer_of({heard.answer->said, 0}, EnteredBy::participant, heard.answer->time_ns);
   return reply;
 }
@@ -76,14 +77,14 @@ void SessionConsole::tell_events() {
 std::optional<Answer> SessionConsole::judge_number(const TrialQuestion& question) {
   const TaskSpec& task = protocol_.task;
   while (!interrupted()) {
-    const std::optional<std::string> line = keys_.line("Number (empty: no answer)");
+    const std::optional<std::string> line = keys_.line(tr("Number (empty: no answer)"));
     if (keys_.ended()) decided_ = OperatorRequest{Request::end_for_now, {}};
     const std::string_view typed = line ? without_blanks(*line) : std::string_view();
     if (typed.empty()) return std::nullopt;
     const std::optional<double> number = number_from<double>(typed);
     if (!number || !std::isfinite(*number) || *number < task.number_min || *number > task.number_max) {
-      display_->explain(Tone::warning, fmt::format("not a number from {:g} to {:g}: type it once more, such as 12.5",
-                                                   task.number_min, task.number_max));
+      display_->explain(Tone::warning, tr("not a number from {:g} to {:g}: type it once more, such as 12.5",
+                                          task.number_min, task.number_max));
       continue;
     }
     Answer answer = answer_of({-1, 0}, options_.entered_by, SteadyClock().now_ns());
@@ -174,10 +175,10 @@ std::optional<Replies> SessionConsole::reply_all(const std::vector<AskedQuestion
     for (std::size_t i = 0; i < items.size(); ++i) items[i].typed = unfinished_[i];
   // What is written to a pipe cannot be looked through once more.
   QuestionnairePage questions(std::move(items), keyboard_->is_terminal());
-  display_->phase({.word = "QUESTIONS", .holds = true, .shade = Shade::question});
+  display_->phase({.word = tr("QUESTIONS"), .holds = true, .shade = Shade::question});
   if (options_.alerts) display_->alert();
   const bool done = display_->by_lines() ? ask_by_lines(questions) : ask_by_keys(questions);
-  display_->log(done ? "questions answered" : "questions left without answers");
+  display_->log(done ? tr("questions answered") : tr("questions left without answers"));
   unfinished_.clear();
   unfinished_ids_.clear();
   if (done) return questions.replies();

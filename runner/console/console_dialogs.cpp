@@ -9,6 +9,7 @@
 #include "protocols/input/utf8.h"
 #include "runner/console/session_console.h"
 #include "runner/terminal/terminal.h"
+#include "runner/words/words.h"
 
 namespace jnd {
 
@@ -27,8 +28,7 @@ char32_t SessionConsole::choose(const std::string& question, const std::vector<K
     if (key->name != KeyName::character) continue;
     const std::string pressed = to_utf8(std::u32string(1, key->character));
     if (std::none_of(keys.begin(), keys.end(), [&](const KeyHint& hint) { return hint.key == pressed; })) {
-      if (!stops(*key))
-        display_->explain(Tone::quiet, fmt::format("[{}] is no answer to this; Esc leaves it", key_name(*key)));
+      if (!stops(*key)) display_->explain(Tone::quiet, tr("[{}] is no answer to this; Esc leaves it", key_name(*key)));
       continue;
     }
     if (!still_to_read()) chosen = key->character;
@@ -40,7 +40,7 @@ char32_t SessionConsole::choose(const std::string& question, const std::vector<K
 
 bool SessionConsole::confirm(const std::string& question) {
   if (keyboard_ == nullptr) return false;
-  return choose(printable(question), {{"y", "yes", true}, {"n", "no", true}}) == 'y';
+  return choose(printable(question), {{"y", tr("yes"), true}, {"n", tr("no"), true}}) == 'y';
 }
 
 std::string SessionConsole::ask_text(const std::string& question) {
@@ -56,12 +56,12 @@ std::optional<OperatorRequest> SessionConsole::with_reason(Request request, cons
 
 // q twice ends for now.
 std::optional<OperatorRequest> SessionConsole::ask_end() {
-  const char32_t chosen = choose("End this session?", {{"q", "for now: the same command goes on with it", true},
-                                                       {"g", "for good: it is closed as it is", true},
-                                                       {"n", "no, go on", true}});
+  const char32_t chosen = choose(tr("End this session?"), {{"q", tr("for now: the same command goes on with it"), true},
+                                                           {"g", tr("for good: it is closed as it is"), true},
+                                                           {"n", tr("no, go on"), true}});
   if (keys_.ended()) return OperatorRequest{Request::end_for_now, {}};
-  if (chosen == 'q') return with_reason(Request::end_for_now, "Ends for now. Reason, or Enter");
-  if (chosen == 'g') return with_reason(Request::end_for_good, "Ends for good. Reason, or Enter (Esc: do not end)");
+  if (chosen == 'q') return with_reason(Request::end_for_now, tr("Ends for now. Reason, or Enter"));
+  if (chosen == 'g') return with_reason(Request::end_for_good, tr("Ends for good. Reason, or Enter (Esc: do not end)"));
   return std::nullopt;
 }
 
@@ -75,23 +75,23 @@ std::optional<OperatorRequest> SessionConsole::request_of(const KeyBinding& key,
     case Request::stopped:
       return OperatorRequest{*request, {}};
     case Request::pause:
-      return with_reason(*request, "Pause. Reason, or Enter");
+      return with_reason(*request, tr("Pause. Reason, or Enter"));
     case Request::repeat_trial:
-      return with_reason(*request, "It comes again later. Reason, or Enter (Esc: no)");
+      return with_reason(*request, tr("It comes again later. Reason, or Enter (Esc: no)"));
     case Request::take_break:
-      return with_reason(*request, "Break. Reason, or Enter (Esc: no break)");
+      return with_reason(*request, tr("Break. Reason, or Enter (Esc: no break)"));
     case Request::note: {
-      const std::optional<std::string> text = keys_.line("Note");
+      const std::optional<std::string> text = keys_.line(tr("Note"));
       if (!text || text->empty()) return std::nullopt;
-      display_->tell(Tone::quiet, fmt::format("note: {}", printable(*text)));
+      display_->tell(Tone::quiet, tr("note: {}", printable(*text)));
       return OperatorRequest{*request, *text};
     }
     case Request::void_last:
-      if (!confirm("Take back the last answer? Its trial comes again.")) return std::nullopt;
-      return with_reason(*request, "Takes it back. Reason, or Enter (Esc: no)");
+      if (!confirm(tr("Take back the last answer? Its trial comes again."))) return std::nullopt;
+      return with_reason(*request, tr("Takes it back. Reason, or Enter (Esc: no)"));
     case Request::end_block:
-      if (!confirm("Give up the rest of this block? Its trials are left out.")) return std::nullopt;
-      return with_reason(*request, "Ends the block. Reason, or Enter (Esc: no)");
+      if (!confirm(tr("Give up the rest of this block? Its trials are left out."))) return std::nullopt;
+      return with_reason(*request, tr("Ends the block. Reason, or Enter (Esc: no)"));
     case Request::end_for_now:
     case Request::end_for_good:
       return ask_end();
@@ -103,11 +103,11 @@ std::optional<OperatorRequest> SessionConsole::request_of(const KeyBinding& key,
 void SessionConsole::help(const KeyMap& keys) {
   std::vector<KeyHint> all = keys.hints();
   std::erase_if(all, [](const KeyHint& hint) { return !hint.works; });
-  all.push_back({"Ctrl-C", "pauses; twice: ends the session safely", true});
+  all.push_back({"Ctrl-C", tr("pauses; twice: ends the session safely"), true});
   std::string text;
   for (const KeyHint& hint : all) text += fmt::format("{:>8}  {}\n", "[" + hint.key + "]", hint.what);
   keys_.prompt();
-  display_->scene({Tone::strong, "Keys", "", text, {{"space", "back", true}, stop_hint()}});
+  display_->scene({Tone::strong, tr("Keys"), "", text, {{tr("space"), tr("back"), true}, stop_hint()}});
 }
 
 void SessionConsole::hear_in_trial() {
@@ -123,7 +123,7 @@ void SessionConsole::note_in_trial(const std::vector<Key>& keys) {
     const auto later = question_keys_.binding_of(key);
     const bool answer = later && std::holds_alternative<GivenAnswer>(later->meaning);
     if (answer)
-      display_->explain(Tone::quiet, fmt::format("[{}] does nothing now: nothing is asked yet", key_name(key)));
+      display_->explain(Tone::quiet, tr("[{}] does nothing now: nothing is asked yet", key_name(key)));
     else
       explain(now, key);
   }
@@ -147,10 +147,10 @@ void SessionConsole::note_requests(const std::vector<Key>& keys, const KeyMap& m
 void SessionConsole::tell_queued() {
   std::vector<std::string> words;
   for (const KeyBinding& key : noted_) {
-    if (key.asks(Request::pause)) words.emplace_back("pause after this trial");
-    if (key.asks(Request::note)) words.emplace_back("note after this trial");
-    if (key.asks(Request::end_for_now)) words.emplace_back("end after this trial");
-    if (key.asks(Request::repeat_trial)) words.emplace_back("repeat this trial after this interval");
+    if (key.asks(Request::pause)) words.emplace_back(tr("pause after this trial"));
+    if (key.asks(Request::note)) words.emplace_back(tr("note after this trial"));
+    if (key.asks(Request::end_for_now)) words.emplace_back(tr("end after this trial"));
+    if (key.asks(Request::repeat_trial)) words.emplace_back(tr("repeat this trial after this interval"));
   }
   display_->queued(words);
 }

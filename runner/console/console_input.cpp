@@ -4,6 +4,7 @@
 
 #include "devices/clock.h"
 #include "protocols/input/utf8.h"
+#include "runner/words/words.h"
 
 namespace jnd {
 
@@ -26,7 +27,7 @@ void PromptKeys::look_at_stop() {
 void PromptKeys::show_stop(const std::string& by) {
   if (stop_shown_) return;
   stop_shown_ = true;
-  display_.stopped(StopShown{by, SteadyClock().now_ns()});
+  display_.stopped(StopShown{std::string(translated(by)), SteadyClock().now_ns()});
 }
 
 void PromptKeys::stop_cleared() {
@@ -88,8 +89,7 @@ std::optional<Key> PromptKeys::next(bool text) {
   if (!(text && key->name == KeyName::character) && changes_view(*key)) return std::nullopt;
   if (heard == Heard::counts || (text && key->name == KeyName::character)) return key;
   if (!told_to_let_go_)
-    display_.explain(Tone::warning,
-                     fmt::format("{} was down already: let go of it, then press it again", key_name(*key)));
+    display_.explain(Tone::warning, tr("{} was down already: let go of it, then press it again", key_name(*key)));
   told_to_let_go_ = true;
   return std::nullopt;
 }

@@ -11,6 +11,7 @@
 #include "protocols/input/utf8.h"
 #include "runner/keys/interrupt.h"
 #include "runner/terminal/terminal.h"
+#include "runner/words/words.h"
 
 namespace jnd {
 
@@ -52,51 +53,56 @@ void put_question(const QuestionnairePage& page) {
   const QuestionnairePage::Item& item = page.items()[page.at()];
   const Question& question = *item.question;
   put("\n{}\n", bold(printable(question.text)));
-  if (page.items().size() > 1) put("{}\n", dim(fmt::format("  question {} of {}", page.at() + 1, page.items().size())));
-  if (!item.about.empty()) put("  about condition {}\n", printable(item.about));
+  if (page.items().size() > 1)
+    put("{}\n", dim(fmt::format("  {}", tr("question {} of {}", page.at() + 1, page.items().size()))));
+  if (!item.about.empty()) put("  {}\n", tr("about condition {}", printable(item.about)));
   if (question.kind == Question::Kind::rating)
     put("  {:g} = {}  ...  {:g} = {}\n", question.min, printable(question.low_label), question.max,
         printable(question.high_label));
-  if (question.kind == Question::Kind::number) put("  a number from {:g} to {:g}\n", question.min, question.max);
+  if (question.kind == Question::Kind::number)
+    put("  {}\n", tr("a number from {:g} to {:g}", question.min, question.max));
   for (std::size_t i = 0; i < question.options.size(); ++i)
     put("  [{}] {}\n", i + 1, printable(i < question.shown.size() ? question.shown[i] : question.options[i]));
-  if (question.kind == Question::Kind::confirm) put("{}\n", dim("  y once it is so"));
-  if (!question.required) put("{}\n", dim("  an empty line skips this question"));
-  if (page.at() > 0) put("{}\n", dim("  < goes back to the question before"));
-  if (!item.typed.empty()) put("{}\n", dim(fmt::format("  so far: {}", printable(page.shown_reply(page.at())))));
+  if (question.kind == Question::Kind::confirm) put("{}\n", dim(fmt::format("  {}", tr("y once it is so"))));
+  if (!question.required) put("{}\n", dim(fmt::format("  {}", tr("an empty line skips this question"))));
+  if (page.at() > 0) put("{}\n", dim(fmt::format("  {}", tr("< goes back to the question before"))));
+  if (!item.typed.empty())
+    put("{}\n", dim(fmt::format("  {}", tr("so far: {}", printable(page.shown_reply(page.at()))))));
 }
 
 void put_review(const QuestionnairePage& page) {
-  put("\n{}\n", bold("Please look through the answers"));
+  put("\n{}\n", bold(tr("Please look through the answers")));
   for (std::size_t i = 0; i < page.items().size(); ++i) {
     const QuestionnairePage::Item& item = page.items()[i];
     put("  {:>2}. {}{}: {}\n", i + 1, printable(item.question->text),
         item.about.empty() ? "" : fmt::format(" ({})", printable(item.about)), printable(page.shown_reply(i)));
   }
-  put("{}\n", dim("  Enter saves them; the number of a question changes its answer; < goes back"));
+  put("{}\n",
+      dim(fmt::format("  {}", tr("Enter saves them; the number of a question changes its answer; < goes back"))));
 }
 
 }  // namespace
 
 std::string trial_heading(const TrialOutline& outline) {
-  if (outline.practice) return fmt::format("Practice {} of {}", outline.number, outline.total);
-  return fmt::format("Trial {} of {}{}", outline.number, outline.at_most ? "at most " : "", outline.total);
+  if (outline.practice) return tr("Practice {} of {}", outline.number, outline.total);
+  return outline.at_most ? tr("Trial {} of at most {}", outline.number, outline.total)
+                         : tr("Trial {} of {}", outline.number, outline.total);
 }
 
 std::string kind_banner(SessionKind kind) {
-  constexpr auto kWords =
-      words<SessionKind>({{"REAL SESSION: this counts as data", SessionKind::real},
-                          {"REHEARSAL (kind pilot: never counted as real data)", SessionKind::pilot},
-                          {"DEMONSTRATION with a simulated participant (kind simulated)", SessionKind::simulated}});
-  return std::string(word_of(kWords, kind));
+  constexpr auto kWords = words<SessionKind>(
+      {{word("REAL SESSION: this counts as data"), SessionKind::real},
+       {word("REHEARSAL (kind pilot: never counted as real data)"), SessionKind::pilot},
+       {word("DEMONSTRATION with a simulated participant (kind simulated)"), SessionKind::simulated}});
+  return std::string(translated(word_of(kWords, kind)));
 }
 
 std::string card_line(const SessionCard& card) {
-  const std::string session = card.sessions > 1 ? fmt::format(", session {} of {}", card.session, card.sessions) : "";
-  const std::string group = card.group.empty() ? "" : fmt::format(", group {}", card.group);
-  return fmt::format("participant {}{}{}, {} of {} trials done{}{}", card.participant, group, session, card.trials_done,
-                     card.trials_total, card.resumed ? "; going on with the session" : "",
-                     card.fast ? "; waiting takes no time (--fast)" : "");
+  const std::string session = card.sessions > 1 ? tr(", session {} of {}", card.session, card.sessions) : "";
+  const std::string group = card.group.empty() ? "" : tr(", group {}", card.group);
+  return tr("participant {}{}{}, {} of {} trials done{}{}", card.participant, group, session, card.trials_done,
+            card.trials_total, card.resumed ? tr("; going on with the session") : std::string(),
+            card.fast ? tr("; waiting takes no time (--fast)") : std::string());
 }
 
 void LineDisplay::begin(const SessionCard& card) {
@@ -132,11 +138,11 @@ void LineDisplay::print_keys(const std::vector<KeyHint>& keys, bool all) const {
 }
 
 void LineDisplay::say(CuePlace, const std::string& words, bool aloud, bool beep) {
-  put("{}  {}{}\n", beep ? "\a" : "", aloud ? "say: " : "", words);
+  put("{}  {}\n", beep ? "\a" : "", aloud ? tr("say: {}", words) : words);
 }
 
 void LineDisplay::feedback(const std::string& words) {
-  put("  say: {}\n", words);
+  put("  {}\n", tr("say: {}", words));
 }
 
 void LineDisplay::tell(Tone tone, const std::string& text) {
@@ -145,7 +151,7 @@ void LineDisplay::tell(Tone tone, const std::string& text) {
 
 void LineDisplay::queued(const std::vector<std::string>& what) {
   for (const std::string& one : what)
-    if (std::find(queued_.begin(), queued_.end(), one) == queued_.end()) put("  {}\n", dim("queued: " + one));
+    if (std::find(queued_.begin(), queued_.end(), one) == queued_.end()) put("  {}\n", dim(tr("queued: {}", one)));
   queued_ = what;
 }
 
@@ -154,7 +160,7 @@ void LineDisplay::alert() {
 }
 
 void LineDisplay::answer(const std::string& trial, const std::string& words, const std::string&) {
-  put("  saved: {}, {}\n", trial, words);
+  put("  {}\n", tr("saved: {}, {}", trial, words));
 }
 
 // Said every ten seconds, or every minute of a long one.

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "runner/words/words.h"
+
 namespace jnd {
 
 namespace {
@@ -55,24 +57,24 @@ std::string mistake_in(const Question& question, const std::string& typed) {
   const std::string text = trimmed(typed);
   if (text.empty()) {
     if (!question.required) return "";
-    return question.kind == Question::Kind::confirm ? "please type y once it is so" : "please type an answer";
+    return question.kind == Question::Kind::confirm ? tr("please type y once it is so") : tr("please type an answer");
   }
   switch (question.kind) {
     case Question::Kind::text:
       return "";
     case Question::Kind::confirm:
-      return text == "y" || text == "Y" || text == "yes" ? "" : "please type y once it is so";
+      return text == "y" || text == "Y" || text == "yes" ? "" : tr("please type y once it is so");
     case Question::Kind::choice:
-      return option_in(question, text) ? "" : "please type the number of an answer";
+      return option_in(question, text) ? "" : tr("please type the number of an answer");
     case Question::Kind::rating:
     case Question::Kind::number:
       break;
   }
   const std::optional<double> value = number_in(text);
-  if (!value) return "please type a number";
+  if (!value) return tr("please type a number");
   if (*value < question.min || *value > question.max)
-    return fmt::format("please stay within {} to {}", question.min, question.max);
-  if (question.kind == Question::Kind::rating && *value != std::floor(*value)) return "please type a whole number";
+    return tr("please stay within {} to {}", question.min, question.max);
+  if (question.kind == Question::Kind::rating && *value != std::floor(*value)) return tr("please type a whole number");
   return "";
 }
 
@@ -129,9 +131,9 @@ QuestionnairePage::State QuestionnairePage::press(const Key& key) {
   const Question& question = *items_[at_].question;
   mistake_.clear();
   if (key.name == KeyName::character && !fits(question, key.character))
-    mistake_ = question.kind == Question::Kind::confirm  ? "please type y once it is so"
-               : question.kind == Question::Kind::choice ? "please type the number of an answer"
-                                                         : "please type a number";
+    mistake_ = question.kind == Question::Kind::confirm  ? tr("please type y once it is so")
+               : question.kind == Question::Kind::choice ? tr("please type the number of an answer")
+                                                         : tr("please type a number");
   else if (question.kind == Question::Kind::confirm && key.name == KeyName::character)
     editor_ = LineEditor("y");  // however long it is held down
   else
@@ -155,7 +157,7 @@ QuestionnairePage::State QuestionnairePage::enter(const std::string& line) {
     mistake_.clear();
     go_to(static_cast<std::size_t>(*number) - 1);
   } else {
-    mistake_ = fmt::format("please type the number of a question, 1 to {}, or nothing to save the page", items_.size());
+    mistake_ = tr("please type the number of a question, 1 to {}, or nothing to save the page", items_.size());
     editor_.clear();
   }
   return State::open;

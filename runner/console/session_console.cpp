@@ -12,6 +12,7 @@
 #include "runner/console/session_words.h"
 #include "runner/session/session_listener.h"
 #include "runner/terminal/terminal.h"
+#include "runner/words/words.h"
 
 namespace jnd {
 
@@ -59,7 +60,7 @@ void SessionConsole::begin(const SessionCard& card) {
   if (display_->by_lines() || !warned_) return;
   // What was said before the screen came has gone with it: once more, until it is read.
   warned_ = false;
-  acknowledge("Before the session", announced_);
+  acknowledge(tr("Before the session"), announced_);
 }
 
 void SessionConsole::announce(const std::string& text, bool warning) {
@@ -68,7 +69,7 @@ void SessionConsole::announce(const std::string& text, bool warning) {
     announced_ += text + "\n";
     warned_ = warned_ || warning;
   } else if (warning) {
-    acknowledge("Please note", text);
+    acknowledge(tr("Please note"), text);
   }
 }
 
@@ -172,13 +173,13 @@ OperatorRequest SessionConsole::ready(const TrialOutline& outline) {
   // Where a limit voids a trial, an attempt of its own would say that one of the two objects is stiff.
   if (rule_repeats(protocol_)) shown.attempt = 1;
   display_->outline(shown);
-  display_->log(fmt::format("{} announced{}", full_name_of(shown),
-                            shown.attempt > 1 ? fmt::format(", attempt {}", shown.attempt) : std::string()));
-  display_->phase({.word = "READY?", .holds = true});
+  display_->log(
+      tr("{} announced{}", full_name_of(shown), shown.attempt > 1 ? tr(", attempt {}", shown.attempt) : std::string()));
+  display_->phase({.word = tr("READY?"), .holds = true});
   Scene scene;
   scene.heading = trial_heading(shown);
   scene.beside = beside_heading(shown);
-  scene.task = "Wait until the participant is ready";
+  scene.task = tr("Wait until the participant is ready");
   scene.text = words_before(outline);
   OperatorRequest request = request_at(scene, ready_keys(outline.can_void_last), true);
   if (request.kind == Request::go_on) {
@@ -196,7 +197,7 @@ std::string SessionConsole::words_before(const TrialOutline& outline) {
       fmt::format("{} {} {}", outline.round, outline.practice ? 0 : outline.block, outline.prescribed);
   if (outline.prescribed.empty() || part == prescribed_) return {};
   prescribed_ = part;
-  return "Say: " + printable(outline.prescribed);
+  return tr("Say: {}", printable(outline.prescribed));
 }
 
 // After an interval, after free interaction that exploring() has broken off, or where judge() returned nothing.
@@ -220,13 +221,13 @@ OperatorRequest SessionConsole::meanwhile() {
 OperatorRequest SessionConsole::paused(const std::string& cause) {
   Scene scene;
   scene.tone = Tone::warning;
-  scene.heading = "Paused";
-  if (cause == "ctrl-c") scene.beside = "by Ctrl-C; once more ends the session safely";
-  if (phases_.pause_begins()) display_->log(cause == "ctrl-c" ? "paused by Ctrl-C" : "paused");
+  scene.heading = tr("Paused");
+  if (cause == "ctrl-c") scene.beside = tr("by Ctrl-C; once more ends the session safely");
+  if (phases_.pause_begins()) display_->log(cause == "ctrl-c" ? tr("paused by Ctrl-C") : tr("paused"));
   display_->phase(phases_.pause());
   OperatorRequest request = over(moment::kPaused, [&] { return request_at(scene, pause_keys(), false); });
   if (request.kind == Request::note) return request;  // it goes on
-  display_->log(fmt::format("the pause is over after {}", duration_text(phases_.pause_over())));
+  display_->log(tr("the pause is over after {}", duration_text(phases_.pause_over())));
   return request;
 }
 
@@ -255,8 +256,8 @@ void SessionConsole::cue(CuePlace place, const CueSignal& cue) {
   presenting_ = place != CuePlace::question;
   const std::string words = aloud ? printable(cue.say) : usual_words(place, protocol_);
   if (place == CuePlace::question) {
-    display_->phase({.word = "QUESTION", .shade = Shade::question});
-    display_->log("the question is asked");
+    display_->phase({.word = tr("QUESTION"), .shade = Shade::question});
+    display_->log(tr("the question is asked"));
     display_->say(place, words, aloud, beep);
     if (options_.alerts && !beep && !by_any) display_->alert();
     // Only now can it be answered: a key or a button that came while it was drawn is early.
@@ -272,14 +273,14 @@ void SessionConsole::cue(CuePlace place, const CueSignal& cue) {
   }
   asks_enough_ = false;
   display_->phase(phases_.interval_begins(place));
-  display_->log(fmt::format("interval: {}", words));
+  display_->log(tr("interval: {}", words));
   if (keys_.has_keyboard()) display_->working_keys(presentation_keys(protocol_).hints());
   display_->say(place, words, aloud, beep);
 }
 
 bool SessionConsole::gap(double left_s, double total_s) {
   keys_.look_at_stop();
-  display_->phase({.word = "GAP", .left_s = left_s, .total_s = total_s});
+  display_->phase({.word = tr("GAP"), .left_s = left_s, .total_s = total_s});
   if (!keys_.has_keyboard()) return true;
   // In a quick rehearsal the session's clock runs ahead of keys and eyes.
   if (seconds_since(looked_ns_) < kLook_s / 2) return true;
@@ -292,9 +293,9 @@ bool SessionConsole::gap(double left_s, double total_s) {
 OperatorRequest SessionConsole::hand_over(const HandOver& what) {
   Scene scene;
   scene.tone = Tone::strong;
-  scene.heading = "Hand over  " + items_text(what);
+  scene.heading = tr("Hand over  {}", items_text(what));
   scene.beside = printable(what.condition);
-  display_->phase({.word = "HAND OVER", .holds = true});
+  display_->phase({.word = tr("HAND OVER"), .holds = true});
   return request_at(scene, hand_over_keys(protocol_.task), true);
 }
 
@@ -305,12 +306,12 @@ void SessionConsole::saved(const TrialOutline& outline, const Answer& answer) {
   for (SessionListener* listener : options_.listeners) listener->answered(outline, answer);
   display_->answer(name_of(outline),
                    fmt::format("{}, {:.2f} s", answer_text(answer, protocol_.task), answer.response_time_s),
-                   std::string(to_string(answer.entered_by)));
+                   std::string(translated(to_string(answer.entered_by))));
 }
 
 void SessionConsole::off_prescription(const TrialOutline& outline) {
   prescribed_.clear();
-  display_->tell(Tone::warning, fmt::format("{} was not felt as prescribed; it is marked", full_name_of(outline)));
+  display_->tell(Tone::warning, tr("{} was not felt as prescribed; it is marked", full_name_of(outline)));
 }
 
 void SessionConsole::voided(const TrialOutline& outline, const std::string& reason, bool will_repeat) {
@@ -321,17 +322,17 @@ void SessionConsole::voided(const TrialOutline& outline, const std::string& reas
   for (SessionListener* listener : options_.listeners) listener->voided(outline, reason);
   if (keys_.has_keyboard()) display_->working_keys(between_trials_keys(protocol_.task).hints());
   display_->tell(Tone::warning,
-                 fmt::format("{} not counted ({}); {}", full_name_of(outline), reason_text(reason),
-                             will_repeat ? "it comes again at the end of this block" : "its attempts are used up"));
+                 tr("{} not counted ({}); {}", full_name_of(outline), reason_text(reason),
+                    will_repeat ? tr("it comes again at the end of this block") : tr("its attempts are used up")));
 }
 
 void SessionConsole::took_back(bool will_repeat) {
   happened(moment::kTakenBack);
   display_->answer_taken_back();
-  display_->tell(Tone::warning, fmt::format("{} taken back; {}",
-                                            last_answered_.empty() ? "last answer" : "answer to " + last_answered_,
-                                            will_repeat ? "its trial comes again at the end of its block"
-                                                        : "the attempts of its trial are used up"));
+  display_->tell(Tone::warning, tr("{} taken back; {}",
+                                   last_answered_.empty() ? tr("last answer") : tr("answer to {}", last_answered_),
+                                   will_repeat ? tr("its trial comes again at the end of its block")
+                                               : tr("the attempts of its trial are used up")));
   last_answered_.clear();
 }
 
@@ -347,13 +348,13 @@ bool SessionConsole::waiting(double left_s, double total_s) {
     if (!between.binding_of(key)) explain(between, key);
     note_requests({key}, between);
   }
-  display_->phase({.word = "NEXT TRIAL", .left_s = left_s, .total_s = total_s});
+  display_->phase({.word = tr("NEXT TRIAL"), .left_s = left_s, .total_s = total_s});
   // A page that came between, such as a note's or a pause's, is over.
   if (!scene_.heading.empty()) {
     scene_ = {};
     display_->working_keys(between.hints());
   }
-  if (total_s >= kCounted_s) display_->countdown("next trial", left_s, total_s);
+  if (total_s >= kCounted_s) display_->countdown(tr("next trial"), left_s, total_s);
   display_->refresh();
   std::erase_if(noted_, asks_to_repeat);  // its trial is over
   tell_queued();
@@ -364,9 +365,9 @@ OperatorRequest SessionConsole::recover(const std::string& stopped_by) {
   keys_.show_stop(printable(stopped_by));
   if (options_.alerts) display_->alert();
   Scene scene{Tone::warning,
-              fmt::format("STOPPED ({}). The devices are at rest.", printable(stopped_by)),
+              tr("STOPPED ({}). The devices are at rest.", translated(printable(stopped_by))),
               "",
-              "See to the participant and the devices. A trial that was under way comes again later.",
+              tr("See to the participant and the devices. A trial that was under way comes again later."),
               {}};
   if (!keys_.has_keyboard()) {
     show(scene);
@@ -383,15 +384,16 @@ OperatorRequest SessionConsole::recover(const std::string& stopped_by) {
 }
 
 OperatorRequest SessionConsole::missing(const std::string& what, const std::function<bool()>& back) {
-  const Scene scene{Tone::warning,
-                    "Something is missing.",
-                    "",
-                    printable(what) + "\nThe devices are at rest. It goes on by itself as soon as all is there again.",
-                    {}};
-  display_->phase({.word = "MISSING", .holds = true, .shade = Shade::warning});
+  const Scene scene{
+      Tone::warning,
+      tr("Something is missing."),
+      "",
+      printable(what) + "\n" + tr("The devices are at rest. It goes on by itself as soon as all is there again."),
+      {}};
+  display_->phase({.word = tr("MISSING"), .holds = true, .shade = Shade::warning});
   if (options_.alerts) display_->alert();
   OperatorRequest request = over(moment::kMissing, [&] { return request_at(scene, missing_keys(), true, back); });
-  if (request.kind == Request::go_on && keys_.has_keyboard()) display_->tell(Tone::quiet, "all is there again");
+  if (request.kind == Request::go_on && keys_.has_keyboard()) display_->tell(Tone::quiet, tr("all is there again"));
   return request;
 }
 
@@ -400,11 +402,11 @@ bool SessionConsole::storage_trouble(const std::string& message) {
   // A stop has to wait here: what comes of it could not be written, and the devices give nothing anyway.
   const SeeingToStop first(keys_);
   const KeyMap keys = storage_keys();
-  display_->phase({.word = "NOT SAVED", .holds = true, .shade = Shade::warning});
+  display_->phase({.word = tr("NOT SAVED"), .holds = true, .shade = Shade::warning});
   if (options_.alerts) display_->alert();
   keys_.prompt();
-  show({Tone::warning, "The study cannot be written just now.", "",
-        printable(message) + "\nThe devices are at rest. Nothing is lost yet: make room, then try again.",
+  show({Tone::warning, tr("The study cannot be written just now."), "",
+        printable(message) + "\n" + tr("The devices are at rest. Nothing is lost yet: see to it, then try again."),
         keys.hints()});
   while (!keys_.ended()) {
     const std::optional<Key> key = keys_.next();
@@ -412,7 +414,7 @@ bool SessionConsole::storage_trouble(const std::string& message) {
     const std::optional<KeyBinding> binding = keys.binding_of(*key);
     if (binding && binding->asks(Request::go_on)) return true;
     if (binding && binding->asks(Request::end_for_now)) {
-      if (confirm("End the session? What was not saved is lost.")) return false;
+      if (confirm(tr("End the session? What was not saved is lost."))) return false;
       display_->keys_again();
     } else {
       explain(keys, *key);
@@ -422,25 +424,27 @@ bool SessionConsole::storage_trouble(const std::string& message) {
 }
 
 void SessionConsole::feedback(bool correct) {
-  display_->feedback(correct ? "that was right" : "that was not right");
+  display_->feedback(correct ? tr("that was right") : tr("that was not right"));
 }
 
 void SessionConsole::practice_over(int rounds, double share_correct, bool passed) {
-  display_->announce(
-      fmt::format("Practice is over after {} round{}: {:.0f} % right{}.", rounds, rounds == 1 ? "" : "s",
-                  100 * share_correct, passed ? "" : ", below the protocol's criterion; this is in the log"),
-      false);
+  const std::string criterion = passed ? std::string() : tr(", below the protocol's criterion; this is in the log");
+  const double percent = 100 * share_correct;
+  display_->announce(rounds == 1
+                         ? tr("Practice is over after 1 round: {:.0f} % right{}.", percent, criterion)
+                         : tr("Practice is over after {} rounds: {:.0f} % right{}.", rounds, percent, criterion),
+                     false);
 }
 
 void SessionConsole::break_begins(const Break& pause, bool asked_by_operator) {
   phases_.break_begins(pause.duration_s);
   Scene scene;
-  scene.heading = "Break";
-  scene.beside = asked_by_operator ? "at your wish" : fmt::format("of at least {}", duration_text(pause.duration_s));
-  if (!pause.say.empty()) scene.text = "Say: " + printable(pause.say);
+  scene.heading = tr("Break");
+  scene.beside = asked_by_operator ? tr("at your wish") : tr("of at least {}", duration_text(pause.duration_s));
+  if (!pause.say.empty()) scene.text = tr("Say: {}", printable(pause.say));
   if (keys_.has_keyboard() && pause.duration_s > 0) scene.keys = break_keys(false).hints();
   note_requests(keys_.prompt(), question_keys_);
-  display_->log(asked_by_operator ? "a break begins, at your wish" : "a break begins");
+  display_->log(asked_by_operator ? tr("a break begins, at your wish") : tr("a break begins"));
   display_->phase(phases_.break_now());
   show(scene);
   break_scene_ = scene;
@@ -458,13 +462,13 @@ OperatorRequest SessionConsole::break_over(const Break& pause) {
     if (keys_.pause_asked()) return {Request::pause, {}};
     tell_events();
     display_->phase(phases_.break_now());
-    display_->countdown("break", left_s, pause.duration_s);
+    display_->countdown(tr("break"), left_s, pause.duration_s);
     display_->refresh();
     for (const Key& key : keys_.heard()) {
       const std::optional<KeyBinding> binding = keys.binding_of(key);
       if (!binding) {
         if (key.is(U' ') || key.is(KeyName::enter))
-          display_->explain(Tone::quiet, fmt::format("the break is not over: {} left", duration_text(left_s)));
+          display_->explain(Tone::quiet, tr("the break is not over: {} left", duration_text(left_s)));
         else
           explain(keys, key);
         continue;
@@ -479,18 +483,18 @@ OperatorRequest SessionConsole::break_over(const Break& pause) {
   if (pause.duration_s > 0 && options_.alerts) display_->alert();
   OperatorRequest request{keys_.ended() ? Request::end_for_now : Request::go_on, {}};
   if (keys_.has_keyboard())
-    request = request_at({Tone::strong, "The break may end", "", "", {}}, break_keys(true), true);
+    request = request_at({Tone::strong, tr("The break may end"), "", "", {}}, break_keys(true), true);
   if (request.kind == Request::go_on) {
-    display_->log(fmt::format("the break is over after {}", duration_text(phases_.break_lasted_s())));
+    display_->log(tr("the break is over after {}", duration_text(phases_.break_lasted_s())));
     happened(moment::kGoesOn);
   }
   return request;
 }
 
 OperatorRequest SessionConsole::instruct(const Instruction& instruction) {
-  display_->phase({.word = "READ OUT", .holds = true});
-  return request_at({.heading = "Instructions",
-                     .beside = "read them out, or let the participant read them",
+  display_->phase({.word = tr("READ OUT"), .holds = true});
+  return request_at({.heading = tr("Instructions"),
+                     .beside = tr("read them out, or let the participant read them"),
                      .text = instruction.text,
                      .to_read = true},
                     instruction_keys(), true);
@@ -499,10 +503,10 @@ OperatorRequest SessionConsole::instruct(const Instruction& instruction) {
 std::optional<bool> SessionConsole::consent(const std::string& text) {
   if (!keys_.has_keyboard()) return !keys_.ended();
   const KeyMap keys = consent_keys();
-  display_->phase({.word = "CONSENT", .holds = true, .shade = Shade::question});
+  display_->phase({.word = tr("CONSENT"), .holds = true, .shade = Shade::question});
   keys_.prompt();
-  show({.heading = "Consent",
-        .beside = "read it out, or let the participant read it",
+  show({.heading = tr("Consent"),
+        .beside = tr("read it out, or let the participant read it"),
         .text = text,
         .keys = keys.hints(),
         .to_read = true});
@@ -515,7 +519,7 @@ std::optional<bool> SessionConsole::consent(const std::string& text) {
       const bool agrees = binding->asks(Request::go_on);
       if (agrees && still_to_read()) continue;
       if (agrees) return true;
-      if (confirm("No consent: the session ends for good. Is that right?")) return false;
+      if (confirm(tr("No consent: the session ends for good. Is that right?"))) return false;
       if (!keys_.ended()) display_->keys_again();
     } else {
       explain(keys, *key);
@@ -527,22 +531,21 @@ std::optional<bool> SessionConsole::consent(const std::string& text) {
 
 OperatorRequest SessionConsole::ready_to_explore(const ExplorationOutline& outline) {
   Scene scene;
-  scene.heading = fmt::format("Free interaction {} of {}", outline.number, outline.total);
-  scene.beside = fmt::format("condition {}  {}", printable(outline.condition_code), duration_text(outline.duration_s));
-  if (outline.attempt > 1) scene.beside += fmt::format("  (attempt {})", outline.attempt);
-  scene.text =
-      fmt::format("Object: {}. {}", printable(outline.object),
-                  outline.devices ? "The participant wears the devices." : "Bare hands: take the devices off.");
+  scene.heading = tr("Free interaction {} of {}", outline.number, outline.total);
+  scene.beside = tr("condition {}  {}", printable(outline.condition_code), duration_text(outline.duration_s));
+  if (outline.attempt > 1) scene.beside += tr("  (attempt {})", outline.attempt);
+  scene.text = tr("Object: {}. {}", printable(outline.object),
+                  outline.devices ? tr("The participant wears the devices.") : tr("Bare hands: take the devices off."));
   exploring_s_ = outline.duration_s;
-  display_->phase({.word = "READY?", .holds = true});
+  display_->phase({.word = tr("READY?"), .holds = true});
   happened(moment::kExplorationEnded);  // of one that did not count
   OperatorRequest request = request_at(scene, ready_keys(false), true);
   if (request.kind == Request::go_on) happened(moment::kExplorationBegan);
   if (request.kind == Request::go_on && keys_.has_keyboard()) {
     scene.keys = exploring_keys().hints();
     scene.text.clear();
-    display_->phase({.word = "EXPLORE"});
-    display_->log(fmt::format("free interaction {} begins", outline.number));
+    display_->phase({.word = tr("EXPLORE")});
+    display_->log(tr("free interaction {} begins", outline.number));
     show(scene);
   }
   return request;
@@ -556,7 +559,7 @@ void SessionConsole::explored() {
 bool SessionConsole::exploring(double left_s) {
   keys_.look_at_stop();
   tell_events();
-  display_->countdown("left", left_s, exploring_s_);
+  display_->countdown(tr("left"), left_s, exploring_s_);
   display_->refresh();
   if (broken_off_by_) return false;
   const KeyMap keys = exploring_keys();

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "runner/console/session_words.h"
+#include "runner/words/words.h"
 
 namespace jnd {
 
@@ -29,13 +30,13 @@ Phase SessionPhases::interval(const DeviceHealth& health) {
   Phase phase{.word = interval_word(interval_, protocol_)};
   phase.total_s = contact_s_ ? timeline.explore_s : timeline.no_contact_time_out_s;
   phase.left_s = std::max(0.0, phase.total_s - (health.elapsed_s - contact_s_.value_or(0)));
-  if (!contact_s_) phase.more = "for the first contact";
-  if (contact_s_ && timeline.interval_end != IntervalEnd::time) phase.more = "at most";
+  if (!contact_s_) phase.more = tr("for the first contact");
+  if (contact_s_ && timeline.interval_end != IntervalEnd::time) phase.more = tr("at most");
   return phase;
 }
 
 Phase SessionPhases::question(double gone_s, double time_out_s) {
-  return {.word = "QUESTION",
+  return {.word = tr("QUESTION"),
           .left_s = std::max(0.0, time_out_s - gone_s),
           .total_s = time_out_s,
           .shade = Shade::question};
@@ -48,7 +49,7 @@ bool SessionPhases::pause_begins() {
 }
 
 Phase SessionPhases::pause() const {
-  return {.word = "PAUSED", .since_ns = pause_since_ns_, .holds = true, .shade = Shade::warning};
+  return {.word = tr("PAUSED"), .since_ns = pause_since_ns_, .holds = true, .shade = Shade::warning};
 }
 
 double SessionPhases::pause_over() {
@@ -62,7 +63,7 @@ void SessionPhases::break_begins(double duration_s) {
 }
 
 Phase SessionPhases::break_now() const {
-  Phase phase{.word = "BREAK", .since_ns = break_since_ns_};
+  Phase phase{.word = tr("BREAK"), .since_ns = break_since_ns_};
   const double left_s = break_left_s();
   phase.holds = left_s <= 0;
   if (left_s > 0) {

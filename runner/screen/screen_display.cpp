@@ -13,6 +13,7 @@
 #include "runner/screen/screen_layout.h"
 #include "runner/screen/screen_painter.h"
 #include "runner/terminal/terminal.h"
+#include "runner/words/words.h"
 
 namespace jnd {
 
@@ -40,7 +41,7 @@ class ScreenDisplay final : public Display {
     model_.card = card;
     painter_ = make_painter_();
     if (!painter_) return lines_.begin(card);
-    log(card.resumed ? "the session goes on" : "the session begins");
+    log(card.resumed ? tr("the session goes on") : tr("the session begins"));
     draw();
   }
   void end(const std::string& last_words) override {
@@ -91,7 +92,7 @@ class ScreenDisplay final : public Display {
     model_.say = words;
     model_.aloud = true;
     feedback_ = true;
-    log("to say: " + words);
+    log(tr("to say: {}", words));
     draw();
   }
   void tell(Tone tone, const std::string& text) override {
@@ -111,7 +112,7 @@ class ScreenDisplay final : public Display {
     model_.by = by;
     model_.say.clear();
     feedback_ = false;
-    log(fmt::format("{} answered: {}; saved", trial, words));
+    log(tr("{} answered: {}; saved", trial, words));
     draw();
   }
   void answer_taken_back() override { model_.answer.clear(); }
@@ -127,14 +128,14 @@ class ScreenDisplay final : public Display {
   void queued(const std::vector<std::string>& what) override {
     if (!painter_) return lines_.queued(what);
     for (const std::string& one : what)
-      if (std::find(model_.queued.begin(), model_.queued.end(), one) == model_.queued.end()) log("queued: " + one);
+      if (std::find(model_.queued.begin(), model_.queued.end(), one) == model_.queued.end()) log(tr("queued: {}", one));
     const bool changed = model_.queued != what;
     model_.queued = what;
     if (changed) draw();
   }
   void log(const std::string& text) override { keep({now_text(), text, Tone::quiet, false}); }
   void counts(const AnswerCounts& counts) override {
-    if (counts.voids > model_.counts.voids) keep_before("void");
+    if (counts.voids > model_.counts.voids) keep_before(tr("void"));
     model_.counts = counts;
   }
   void stopped(const std::optional<StopShown>& stop) override {
@@ -143,7 +144,7 @@ class ScreenDisplay final : public Display {
     model_.stop = stop;
     model_.hint = {};
     model_.help = false;
-    log(stop ? fmt::format("STOPPED ({})", stop->by) : "the stop is cleared");
+    log(stop ? tr("STOPPED ({})", stop->by) : tr("the stop is cleared"));
     draw();
   }
   void time_left(double left_s) override {
@@ -162,7 +163,7 @@ class ScreenDisplay final : public Display {
     // What a presentation ends with stays on view until the next one.
     const bool soon = now - health_shown_ns_ < kHealthEvery_ns && health.fault.empty() && health.presenting;
     if (!health.fault.empty() && (!model_.health || model_.health->fault != health.fault))
-      happened(Tone::warning, "FAULT: " + health.fault);
+      happened(Tone::warning, tr("FAULT: {}", health.fault));
     model_.health = health;
     if (soon) return;  // it is drawn with what comes next
     health_shown_ns_ = now;
@@ -255,10 +256,10 @@ class ScreenDisplay final : public Display {
   std::string unread() override {
     if (!painter_) return {};
     draw();  // as large as the window is now
-    if (unseen_ == Unseen::too_small) return "the window is too small to read this: make it larger";
+    if (unseen_ == Unseen::too_small) return tr("the window is too small to read this: make it larger");
     if (model_.dialog || read_) return {};
-    return model_.page != nullptr ? "there is more to read first: Page Down"
-                                  : "there is more to read first: arrow down";
+    return model_.page != nullptr ? tr("there is more to read first: Page Down")
+                                  : tr("there is more to read first: arrow down");
   }
   bool by_lines() const noexcept override { return !painter_; }
 

@@ -7,6 +7,7 @@
 
 #include "runner/screen/screen_parts.h"
 #include "runner/screen/screen_text.h"
+#include "runner/words/words.h"
 
 namespace jnd {
 
@@ -20,18 +21,18 @@ constexpr int kLeastRecent = 2;  // rows of what happened, where there is no pan
 
 std::vector<KeyHint> keys_now(const ScreenModel& model) {
   if (model.dialog) return model.dialog->keys;
-  if (model.field) return {{"Enter", "done", true}, {"Esc", "cancel", true}, stop_hint_of_text()};
+  if (model.field) return {{"Enter", tr("done"), true}, {"Esc", tr("cancel"), true}, stop_hint_of_text()};
   if (model.page == nullptr) return model.scene.keys;
-  const char* const enter = model.page->reviewing()           ? "saves the answers"
-                            : model.page->items().size() == 1 ? "saves the answer"
-                                                              : "next";
+  const std::string enter = model.page->reviewing()           ? tr("saves the answers")
+                            : model.page->items().size() == 1 ? tr("saves the answer")
+                                                              : tr("next");
   std::vector<KeyHint> keys;
   if (!model.page->reviewing() && model.page->items()[model.page->at()].question->kind == Question::Kind::confirm)
-    keys.push_back({"y", "it is so", true});
+    keys.push_back({"y", tr("it is so"), true});
   keys.push_back({"Enter", enter, true});
-  if (model.page->at() > 0) keys.push_back({"up", "back", true});
-  keys.push_back({"Esc", "leave", true});
-  keys.push_back({"Ctrl-L", model.large ? "usual text" : "large text", false});
+  if (model.page->at() > 0) keys.push_back({tr("up"), tr("back"), true});
+  keys.push_back({"Esc", tr("leave"), true});
+  keys.push_back({"Ctrl-L", model.large ? tr("usual text") : tr("large text"), false});
   keys.push_back(stop_hint_of_text());
   return keys;
 }
@@ -44,7 +45,7 @@ Frame too_small(const ScreenModel& model, int rows, const Area& area) {
   std::string first;
   for (const KeyHint& hint : keys)
     if (hint.stop) first += fmt::format("{}[{}] {}", first.empty() ? "" : "   ", hint.key, hint.what);
-  const std::string small = fmt::format("too small, {} x {} needed", kLeastColumns, kLeastRows);
+  const std::string small = tr("too small, {} x {} needed", kLeastColumns, kLeastRows);
   constexpr int kRowsForBoth = 5;
   const bool beside = rows < kRowsForBoth || columns_of(first) + 3 + columns_of(small) <= area.columns;
   if (beside) first += "   " + small;
@@ -52,11 +53,10 @@ Frame too_small(const ScreenModel& model, int rows, const Area& area) {
   const bool reading = !model.dialog && (model.page != nullptr || model.scene.to_read);
   std::string words = model.dialog  ? model.dialog->question
                       : model.field ? model.field->label + ": " + model.field->text
-                      : model.stop  ? fmt::format("STOPPED ({}). The devices are at rest.", model.stop->by)
-                      : reading     ? "Make the window larger to read what is asked. "
-                                      "Nothing is answered before."
+                      : model.stop  ? tr("STOPPED ({}). The devices are at rest.", model.stop->by)
+                      : reading     ? tr("Make the window larger to read what is asked. Nothing is answered before.")
                       : !model.say.empty() && !model.scene.keys.empty() && model.scene.heading.empty()
-                          ? (model.aloud ? "SAY " : "") + model.say
+                          ? (model.aloud ? tr("SAY") + " " : "") + model.say
                           : model.scene.heading;
   Frame frame;
   frame.rows.push_back({span(area, 0, first, style_of(Tone::warning))});
@@ -95,7 +95,7 @@ void put_middle(const Area& area, const ScreenModel& model, const MainPart& midd
   if (frame.hidden_lines > 0 && frame.window_lines > 0)
     frame.rows[static_cast<std::size_t>(from + window_end - 1)] = {span(
         area, 1,
-        fmt::format("{} more lines: {}", frame.hidden_lines + 1, model.page != nullptr ? "Page Down" : "arrow down"),
+        tr("{} more lines: {}", frame.hidden_lines + 1, model.page != nullptr ? tr("Page Down") : tr("arrow down")),
         {.reverse = true})};
   if (!middle.cursor) return;
   const int row = middle.cursor->first;

@@ -9,6 +9,7 @@
 #include "runner/screen/screen_parts.h"
 #include "runner/screen/screen_text.h"
 #include "runner/terminal/terminal.h"
+#include "runner/words/words.h"
 
 namespace jnd {
 
@@ -80,15 +81,15 @@ void add_question(const Area& area, const QuestionnairePage& page, bool large, M
   const QuestionnairePage::Item& item = page.items()[page.at()];
   const Question& question = *item.question;
   std::string place;
-  if (page.items().size() > 1) place = fmt::format("Question {} of {}   ", page.at() + 1, page.items().size());
-  if (!item.about.empty()) place += fmt::format("about condition: {}   ", item.about);
-  if (!question.required) place += "may be left empty";
+  if (page.items().size() > 1) place = tr("Question {} of {}   ", page.at() + 1, page.items().size());
+  if (!item.about.empty()) place += tr("about condition: {}   ", item.about);
+  if (!question.required) place += tr("may be left empty");
   if (!place.empty()) part.rows.push_back({span(area, 1, place, kDim)});
   part.least = part.rows.size();
   add_participant_text(area, question.text, kBold, large, part.rows);
   if (question.kind == Question::Kind::rating) add_scale(area, question, part.rows);
   if (question.kind == Question::Kind::number)
-    part.rows.push_back({span(area, 1, fmt::format("a number from {:g} to {:g}", question.min, question.max), kDim)});
+    part.rows.push_back({span(area, 1, tr("a number from {:g} to {:g}", question.min, question.max), kDim)});
   for (std::size_t i = 0; i < question.options.size(); ++i) {
     const std::size_t first = part.rows.size();
     const std::string& option = i < question.shown.size() ? question.shown[i] : question.options[i];
@@ -99,17 +100,18 @@ void add_question(const Area& area, const QuestionnairePage& page, bool large, M
     for (const std::string& line : wrapped(option, area.columns - 5)) part.rows.push_back({span(area, 4, line)});
     part.rows[first].insert(part.rows[first].begin(), span(area, 1, fmt::format("{}", i + 1), kBold));
   }
-  const std::string label = question.kind == Question::Kind::confirm  ? "y once it is so, then Enter"
-                            : question.kind == Question::Kind::choice ? "Number"
-                                                                      : "Answer";
+  const std::string label = question.kind == Question::Kind::confirm  ? tr("y once it is so, then Enter")
+                            : question.kind == Question::Kind::choice ? tr("Number")
+                                                                      : tr("Answer");
   const std::size_t before = part.rows.size();
   add_field(area, {label, page.editor().text(), page.editor().before_cursor()}, part);
   part.foot = part.rows.size() - before;
 }
 
 void add_review(const Area& area, const QuestionnairePage& page, MainPart& part) {
-  part.rows.push_back({span(area, 1, "Please look through the answers", kBold)});
-  add_field(area, {"Enter saves them, a number changes that one", page.editor().text(), page.editor().before_cursor()},
+  part.rows.push_back({span(area, 1, tr("Please look through the answers"), kBold)});
+  add_field(area,
+            {tr("Enter saves them, a number changes that one"), page.editor().text(), page.editor().before_cursor()},
             part);
 }
 
@@ -166,12 +168,11 @@ Row phase_row(const Area& area, const ScreenModel& model) {
   add(fmt::format(" {} ", phase.word), style_of(phase.shade));
   if (phase.left_s && phase.total_s > 0) {
     add(bar(*phase.left_s / phase.total_s, area.columns / 3, area.unicode), {});
-    add(fmt::format("{} left", time_of(model)), kBold);
+    add(tr("{} left", time_of(model)), kBold);
   } else if (phase.since_ns != 0) {
-    add(fmt::format("for {}", time_of(model)), kBold);
+    add(tr("for {}", time_of(model)), kBold);
   }
-  if (phase.left_s && phase.since_ns != 0)
-    add(fmt::format("for {}", elapsed_text(elapsed_s(phase.since_ns, model.now_ns))), {});
+  if (phase.left_s && phase.since_ns != 0) add(tr("for {}", elapsed_text(elapsed_s(phase.since_ns, model.now_ns))), {});
   add(phase.more, {});
   return row;
 }
@@ -190,7 +191,7 @@ void add_say(const Area& area, const ScreenModel& model, int room, std::vector<R
     return;
   }
   for (const std::string& line : wrapped(showable(model.say, area.unicode), area.columns - 8))
-    rows.push_back({span(area, 1, "SAY", kBold), span(area, 5, "  " + line + "  ", style)});
+    rows.push_back({span(area, 1, tr("SAY"), kBold), span(area, 5, "  " + line + "  ", style)});
 }
 
 void add_scene_heading(const Area& area, const Scene& scene, std::vector<Row>& rows) {
@@ -207,7 +208,7 @@ void add_scene_heading(const Area& area, const Scene& scene, std::vector<Row>& r
 // What is asked just now, and what became of the last keys.
 void add_asked(const Area& area, const ScreenModel& model, MainPart& part) {
   if (!model.queued.empty())
-    part.rows.push_back({span(area, 1, fmt::format("queued: {}", fmt::join(model.queued, ", ")), kBold)});
+    part.rows.push_back({span(area, 1, tr("queued: {}", fmt::join(model.queued, ", ")), kBold)});
   if (model.dialog) add_text(area, model.dialog->question, style_of(Tone::warning), part.rows);
   if (model.field) add_field(area, *model.field, part);
   if (model.hint.text.empty()) return;
@@ -225,13 +226,13 @@ MainPart stop_part(const Area& area, const ScreenModel& model, int room) {
   MainPart part, asked;
   add_asked(area, model, asked);
   const std::string by = model.stop->by.empty() ? "" : fmt::format(" ({})", model.stop->by);
-  const std::string words = fmt::format("STOPPED{}  {} ago. The devices are at rest.", by,
-                                        elapsed_text(elapsed_s(model.stop->since_ns, model.now_ns)));
+  const std::string words = tr("STOPPED{}  {} ago. The devices are at rest.", by,
+                               elapsed_text(elapsed_s(model.stop->since_ns, model.now_ns)));
   int left = room - 1 - static_cast<int>(asked.rows.size());
-  if (const auto letters = largest_text("STOP", area.columns - 2 * kEdge, left, area.unicode))
+  if (const auto letters = largest_text(tr("STOP"), area.columns - 2 * kEdge, left, area.unicode))
     add_large(area, *letters, style, part.rows);
   else
-    part.rows.push_back(filled(area, "STOP", style));
+    part.rows.push_back(filled(area, tr("STOP"), style));
   part.rows.push_back(filled(area, words, style));
   left -= static_cast<int>(part.rows.size()) - 1;
   const std::vector<std::string> text = wrapped(model.scene.text, area.columns - 2);
@@ -246,17 +247,24 @@ MainPart stop_part(const Area& area, const ScreenModel& model, int room) {
 
 MainPart help_part(const Area& area, const ScreenModel& model) {
   MainPart part;
-  if (model.stop) part.rows.push_back({span(area, 1, "STOPPED: the devices are at rest", style_of(Shade::stop))});
-  part.rows.push_back({span(area, 1, "Keys of this screen", kBold), span(area, 23, "any key goes back", kDim)});
+  if (model.stop) part.rows.push_back({span(area, 1, tr("STOPPED: the devices are at rest"), style_of(Shade::stop))});
+  constexpr int kGap = 2, kLeastWidth = 8;
+  const std::string heading = tr("Keys of this screen");
+  part.rows.push_back(
+      {span(area, 1, heading, kBold), span(area, 1 + columns_of(heading) + kGap + 1, tr("any key goes back"), kDim)});
   part.least = part.rows.size();
   std::vector<KeyHint> keys = keys_now(model);
   if (std::none_of(keys.begin(), keys.end(), [](const KeyHint& hint) { return hint.key == "Ctrl-C"; }))
-    keys.push_back({"Ctrl-C", "pauses; twice: ends the session safely", false});
-  for (const KeyHint& hint : keys)
-    part.rows.push_back(
-        {span(area, 1, fmt::format("{:>8}", "[" + hint.key + "]"), hint.works ? kBold : kDim),
-         span(area, 11, hint.works ? hint.what : hint.what + " (not now)", hint.works ? Style{} : kDim)});
-  part.rows.push_back({span(area, 1, "Keys pressed before a prompt, or held down since, do not count.", kDim)});
+    keys.push_back({"Ctrl-C", tr("pauses; twice: ends the session safely"), false});
+  int width = kLeastWidth;
+  for (const KeyHint& hint : keys) width = std::max(width, columns_of(hint.key) + 2);
+  for (const KeyHint& hint : keys) {
+    const std::string indent(static_cast<std::size_t>(width - columns_of(hint.key) - 2), ' ');
+    part.rows.push_back({span(area, 1, fmt::format("{}[{}]", indent, hint.key), hint.works ? kBold : kDim),
+                         span(area, 1 + width + kGap, hint.works ? hint.what : tr("{} (not now)", hint.what),
+                              hint.works ? Style{} : kDim)});
+  }
+  part.rows.push_back({span(area, 1, tr("Keys pressed before a prompt, or held down since, do not count."), kDim)});
   return part;
 }
 

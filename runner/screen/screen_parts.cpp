@@ -8,6 +8,7 @@
 #include "devices/loop/loop_limits.h"
 #include "runner/screen/screen_text.h"
 #include "runner/terminal/terminal.h"
+#include "runner/words/words.h"
 
 namespace jnd {
 
@@ -16,8 +17,8 @@ namespace {
 constexpr int kFewRows = 20;  // below it what is said twice, or could be, gives way
 
 std::string lateness_text(double latest_us) {
-  if (latest_us < kTightLoop.largest_us) return "on time";
-  return fmt::format("late by up to {:.0f} ms", std::ceil(latest_us / 1000));
+  if (latest_us < kTightLoop.largest_us) return tr("on time");
+  return tr("late by up to {:.0f} ms", std::ceil(latest_us / 1000));
 }
 
 }  // namespace
@@ -78,32 +79,32 @@ Row banner_row(const Area& area, const SessionCard& card) {
   Style style;
   switch (card.kind) {
     case SessionKind::real:
-      words = " REAL SESSION - this counts as data ";
+      words = tr("REAL SESSION - this counts as data");
       fill = " ";
       style = style_of(Shade::real);
       break;
     case SessionKind::pilot:
-      words = " REHEARSAL (pilot) - never counted as real data ";
+      words = tr("REHEARSAL (pilot) - never counted as real data");
       fill = "/";
       style = {.bold = true, .underline = true, .shade = Shade::rehearsal};
       break;
     case SessionKind::simulated:
-      words = " SIMULATED participant - a demonstration ";
+      words = tr("SIMULATED participant - a demonstration");
       fill = ".";
       style = {.dim = true};
       break;
   }
-  std::string text = fill + fill + words;
+  std::string text = fmt::format("{}{} {} ", fill, fill, words);
   for (int column = columns_of(text); column < area.columns; ++column) text += fill;
   return {span(area, 0, text, style)};
 }
 
 Row card_row(const Area& area, const ScreenModel& model) {
   const SessionCard& card = model.card;
-  std::string text = fmt::format("Participant {}", card.participant);
-  if (!card.group.empty()) text += fmt::format("   group {}", card.group);
-  if (card.sessions > 1) text += fmt::format("   session {} of {}", card.session, card.sessions);
-  if (card.resumed) text += "   resumed";
+  std::string text = tr("Participant {}", card.participant);
+  if (!card.group.empty()) text += fmt::format("   {}", tr("group {}", card.group));
+  if (card.sessions > 1) text += fmt::format("   {}", tr("session {} of {}", card.session, card.sessions));
+  if (card.resumed) text += fmt::format("   {}", tr("resumed"));
   if (card.fast) text += "   --fast";
   Row row = {span(area, 1, text, kBold)};
   const int used = 1 + columns_of(text) + 3;
@@ -118,17 +119,18 @@ Row card_row(const Area& area, const ScreenModel& model) {
 std::vector<std::string> places_of(const TrialOutline& outline, bool brief, bool letter) {
   std::vector<std::string> parts;
   if (!outline.practice)
-    parts.push_back(fmt::format("block {}{}{}", outline.block, brief ? "/" : " of ", outline.blocks));
-  if (outline.practice && outline.round > 1) parts.push_back(fmt::format("round {}", outline.round));
-  if (letter && !outline.condition_code.empty()) parts.push_back(fmt::format("condition {}", outline.condition_code));
-  parts.push_back(fmt::format("plan no. {}", outline.plan_number));
-  if (outline.attempt > 1) parts.push_back(fmt::format("attempt {}", outline.attempt));
+    parts.push_back(brief ? tr("block {}/{}", outline.block, outline.blocks)
+                          : tr("block {} of {}", outline.block, outline.blocks));
+  if (outline.practice && outline.round > 1) parts.push_back(tr("round {}", outline.round));
+  if (letter && !outline.condition_code.empty()) parts.push_back(tr("condition {}", outline.condition_code));
+  parts.push_back(tr("plan no. {}", outline.plan_number));
+  if (outline.attempt > 1) parts.push_back(tr("attempt {}", outline.attempt));
   return parts;
 }
 
 Row trial_row(const Area& area, const ScreenModel& model) {
   if (!model.outline) {
-    return {span(area, 1, fmt::format("{} of {} trials done", model.card.trials_done, model.card.trials_total), kBold)};
+    return {span(area, 1, tr("{} of {} trials done", model.card.trials_done, model.card.trials_total), kBold)};
   }
   const std::string head = trial_heading(*model.outline);
   const bool letter = model.page == nullptr;
@@ -143,9 +145,10 @@ constexpr int kShortEnd = 12, kEnd = 35, kLongEnd = 49;  // columns that it take
 
 std::string end_text(const Area& area, const ScreenModel& model) {
   if (model.left.empty()) return "";
-  const char* const pace = model.card.fast && area.columns >= kRoomForPace ? " at full pace" : "";
-  if (area.columns < kRoomForLeft) return fmt::format("ends {}", model.ends);
-  return fmt::format("about {} left{}, ends {}", model.left, pace, model.ends);
+  const bool pace = model.card.fast && area.columns >= kRoomForPace;
+  if (area.columns < kRoomForLeft) return tr("ends {}", model.ends);
+  return pace ? tr("about {} left at full pace, ends {}", model.left, model.ends)
+              : tr("about {} left, ends {}", model.left, model.ends);
 }
 
 int done_of(const std::vector<ConditionProgress>& progress) {
@@ -220,8 +223,8 @@ Row rule_row(const Area& area, const std::string& title) {
 namespace {
 
 std::string counts_text(const AnswerCounts& counts) {
-  std::string text = fmt::format("voids {}", counts.voids);
-  if (counts.no_contact > 0) text += fmt::format("   no contact {} in a row", counts.no_contact);
+  std::string text = tr("voids {}", counts.voids);
+  if (counts.no_contact > 0) text += fmt::format("   {}", tr("no contact {} in a row", counts.no_contact));
   return text;
 }
 
@@ -230,11 +233,11 @@ Row answer_row(const Area& area, const ScreenModel& model) {
   constexpr int kStreak = 2;  // attempts without contact, from which the operator is to look
   const Style style = model.counts.no_contact >= kStreak ? style_of(Tone::warning) : kDim;
   const Span right = span(area, area.columns - columns_of(counts) - 1, counts, style);
-  if (model.answer.empty()) return {span(area, 1, "No answer to show", kDim), right};
-  const std::string saved = fmt::format("Saved: {},", model.answered);
+  if (model.answer.empty()) return {span(area, 1, tr("No answer to show"), kDim), right};
+  const std::string saved = tr("Saved: {},", model.answered);
   const int from = 2 + columns_of(saved);
   Row row = {span(area, 1, saved, kDim), span(area, from, model.answer, kBold)};
-  const std::string by = fmt::format("entered by the {}", model.by);
+  const std::string by = tr("entered by the {}", model.by);
   const int after = from + 2 + columns_of(model.answer);
   if (after + columns_of(by) + 2 < right.column) row.push_back(span(area, after, by, kDim));
   row.push_back(right);
@@ -246,27 +249,27 @@ Row answer_row(const Area& area, const ScreenModel& model) {
 std::vector<Row> status_rows(const Area& area, const ScreenModel& model) {
   std::vector<Row> rows = {answer_row(area, model)};
   if (area.rows >= kFewRows && !model.before.empty())
-    rows.push_back({span(area, 1, fmt::format("Before: {}", fmt::join(model.before, "   ")), kDim)});
+    rows.push_back({span(area, 1, tr("Before: {}", fmt::join(model.before, "   ")), kDim)});
   rows.push_back(health_row(area, model.health));
   return rows;
 }
 
 Row health_row(const Area& area, const std::optional<DeviceHealth>& health) {
-  if (!health) return {span(area, 1, "Devices: nothing presented yet", kDim)};
+  if (!health) return {span(area, 1, tr("Devices: nothing presented yet"), kDim)};
   Row row;
   int column = 1;
   const auto add = [&](const std::string& text, Style style) {
     row.push_back(span(area, column, text, style));
     column += columns_of(row.back().text) + 2;
   };
-  if (!health->fault.empty()) add(fmt::format("FAULT: {}", health->fault), style_of(Tone::warning));
+  if (!health->fault.empty()) add(tr("FAULT: {}", health->fault), style_of(Tone::warning));
   if (!health->presenting)
-    add("Devices at rest", {});
+    add(tr("Devices at rest"), {});
   else
-    add(health->contact ? "Devices at work: contact" : "Devices at work: no contact", {});
+    add(health->contact ? tr("Devices at work: contact") : tr("Devices at work: no contact"), {});
   if (health->rate_hz > 0)
-    add(fmt::format("{}{:.0f} Hz, {}", health->presenting ? "" : "last: ", health->rate_hz,
-                    lateness_text(health->lateness_max_us)),
+    add(tr("{}{:.0f} Hz, {}", health->presenting ? "" : tr("last: "), health->rate_hz,
+           lateness_text(health->lateness_max_us)),
         kDim);
   return row;
 }
@@ -395,7 +398,7 @@ std::vector<Row> log_rows(const Area& area, const ScreenModel& model, int room) 
   }
   if (rows.size() > lines) rows.erase(rows.begin(), rows.end() - static_cast<std::ptrdiff_t>(lines));
   rows.resize(lines);
-  const std::string title = below == 0 ? "Log   Page Up: earlier" : fmt::format("Log   {} later: Page Down", below);
+  const std::string title = below == 0 ? tr("Log   Page Up: earlier") : tr("Log   {} later: Page Down", below);
   rows.insert(rows.begin(), rule_row(area, title));
   return rows;
 }
