@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <new>
+#include <vector>
 
 #include <fmt/format.h>
 #include <md4c.h>
@@ -21,11 +22,13 @@ constexpr auto kSpans = words<MD_SPANTYPE>({{"code", MD_SPAN_CODE}, {"strong", M
 struct MarkdownOutput {
   int top_heading;
   std::string html;
+  std::vector<std::string_view> spans{};  // that are open, by their elements
 };
 
 template <bool ends>
 int write_block(MD_BLOCKTYPE type, void* detail, void* user) {
   auto& out = *static_cast<MarkdownOutput*>(user);
+  for (; ends && !out.spans.empty(); out.spans.pop_back()) out.html += fmt::format("</{}>", out.spans.back());
   std::string element(word_of(kBlocks, type));
   if (type == MD_BLOCK_H)
     element = fmt::format(
@@ -37,8 +40,16 @@ int write_block(MD_BLOCKTYPE type, void* detail, void* user) {
 
 template <bool ends>
 int write_span(MD_SPANTYPE type, void* /*detail*/, void* user) {
+  auto& out = *static_cast<MarkdownOutput*>(user);
   const std::string_view element = word_of(kSpans, type);
-  if (!element.empty()) static_cast<MarkdownOutput*>(user)->html += fmt::format("<{}{}>", ends ? "/" : "", element);
+  if (element.empty()) return 0;
+  // md4c may end an emphasis whose beginning it has taken for a link's address: "![a](*)*".
+  if (ends && (out.spans.empty() || out.spans.back() != element)) return 0;
+  if (ends)
+    out.spans.pop_back();
+  else
+    out.spans.push_back(element);
+  out.html += fmt::format("<{}{}>", ends ? "/" : "", element);
   return 0;
 }
 
@@ -55,7 +66,7 @@ std::string markdown_to_html(std::string_view markdown, int top_heading) {
   const MD_PARSER parser{
       0,       kFlags, write_block<false>, write_block<true>, write_span<false>, write_span<true>, write_text,
       nullptr, nullptr};
-  MarkdownOutput out{top_heading, {}};
+  MarkdownOutput out{top_heading, {}, {}};
   if (md_parse(markdown.data(), static_cast<MD_SIZE>(markdown.size()), &parser, &out) != 0) throw std::bad_alloc();
   return out.html;
 }
