@@ -141,6 +141,9 @@ class Rig {
 
   // Where every tick of a presentation is recorded, to be drained after it; null where none is.
   virtual TelemetryRing* telemetry() noexcept { return nullptr; }
+  // The same ticks once more, to be drained while the presentation goes on: forces for a technician's eyes. Null where
+  // nobody may see them, and where the rig cannot show any.
+  virtual TelemetryRing* live() noexcept { return nullptr; }
   // What a rig of the laboratory's own measured in the last presentation, taken away.
   virtual Trace take_trace() { return {}; }
   // Null where it has none.

@@ -36,6 +36,7 @@ constexpr std::array kRules = {Rule{event_kind::kNote, "note", "text", nullptr, 
                                Rule{event_kind::kStopCleared, "stop_cleared", "reason", nullptr, nullptr},
                                Rule{event_kind::kChecklist, "checklist", "answer", "question", nullptr},
                                Rule{event_kind::kConsent, "consent", nullptr, "language", nullptr},
+                               Rule{event_kind::kSessionUnblinded, "session_unblinded", nullptr, "shown", nullptr},
                                Rule{event_kind::kExcluded, "excluded", "reason", nullptr, nullptr},
                                Rule{event_kind::kUnblinded, "unblinded", "reason", nullptr, nullptr}};
 

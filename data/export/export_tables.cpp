@@ -469,6 +469,8 @@ std::vector<CsvColumn<SessionInfo>> session_columns(const std::string& seed, con
   add({"excluded", "whether the participant was excluded: nothing of theirs is in the files of trials and results",
        &R::excluded, open_traits("0 1")});
   add({"state", "whether it is finished", &R::state, open_traits("open closed")});
+  add({"unblinded", "whether the operator saw forces, and so the stimuli, at least in a part of it", &R::unblinded,
+       open_traits("0 1")});
   add({"responder", "who or what answered", &R::responder, open_traits()});
   add({"started", "when it was opened, ISO 8601", &R::started, time_traits()});
   add({"ended", "when it was closed, ISO 8601; empty while open", &R::ended, time_traits()});

@@ -211,7 +211,8 @@ std::vector<ExcludedParticipant> excluded_of(const Study& study, SessionKind kin
 Attendance attendance_of(const Study& study, SessionKind kind, const std::vector<SessionInfo>& sessions) {
   Attendance attendance{kind, static_cast<int>(participants_of(sessions).size()), {}, excluded_of(study, kind)};
   for (const SessionInfo& session : sessions)
-    attendance.heads.push_back({session.participant, session.id, session.head, kind, session.state == "closed"});
+    attendance.heads.push_back(
+        {session.participant, session.id, session.head, kind, session.state == "closed", session.unblinded});
   return attendance;
 }
 

@@ -110,6 +110,7 @@ struct SessionHead {
   std::string participant, session, hash;
   SessionKind kind = SessionKind::simulated;
   bool closed = false;
+  bool unblinded = false;  // its operator saw forces
 };
 
 // Beyond this many participants a table of them all is too long to be read: what takes a fit or a bootstrap for each of them is

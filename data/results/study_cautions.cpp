@@ -165,6 +165,13 @@ std::vector<std::string> deviations_of(const StudyResults& results, const Protoc
   if (open > 0)
     out.push_back(fmt::format("{} of {} sessions {} not finished: these numbers are not final.", open,
                               attendance.heads.size(), open == 1 ? "is" : "are"));
+  std::vector<std::string> unblinded;
+  for (const SessionHead& head : attendance.heads)
+    if (head.unblinded) unblinded.push_back(head.participant);
+  if (!unblinded.empty())
+    out.push_back(fmt::format(
+        "The operator saw the forces of the trials, and so the stimuli, in {} of {} session{}: {}.", unblinded.size(),
+        attendance.heads.size(), plural(static_cast<int>(attendance.heads.size())), fmt::join(unblinded, ", ")));
   if (attendance.kind == SessionKind::real && attendance.participants != protocol.design.participants)
     out.push_back(fmt::format("{} participant{} took part; {} {} planned.", attendance.participants,
                               plural(attendance.participants), protocol.design.participants,

@@ -137,6 +137,8 @@ std::vector<SessionInfo> Study::Impl::sessions() const {
                  [](SessionInfo& info, SQLite::Statement& row) { info.trials_done = row.getColumn(1).getInt(); });
     for_sessions(database(), "SELECT session, count(*) FROM event WHERE kind = 'trial.voided' GROUP BY session", by_id,
                  [](SessionInfo& info, SQLite::Statement& row) { info.trials_voided = row.getColumn(1).getInt(); });
+    for_sessions(database(), "SELECT DISTINCT session FROM event WHERE kind = 'session.unblinded'", by_id,
+                 [](SessionInfo& info, SQLite::Statement&) { info.unblinded = true; });
     // Of free interaction, which has no trials.
     for_sessions(database(),
                  "SELECT session, count(*) FROM event WHERE kind = 'exploration.completed' GROUP BY session", by_id,
@@ -169,8 +171,12 @@ std::vector<SessionInfo> Study::Impl::sessions() const {
 }
 
 std::string state_text(const SessionInfo& session) {
-  if (session.excluded) return session.state + ", excluded";
-  return session.ended_early ? session.state + ", ended early" : session.state;
+  std::string text = session.state;
+  if (session.excluded)
+    text += ", excluded";
+  else if (session.ended_early)
+    text += ", ended early";
+  return session.unblinded ? text + ", unblinded" : text;
 }
 
 }  // namespace jnd

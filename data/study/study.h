@@ -47,11 +47,12 @@ struct SessionInfo {
   std::string language;        // of the participant; empty where none was chosen
   std::string group;           // of the participant; empty where the protocol has no groups
   bool ended_early = false;    // closed for good before its end: withdrawn, or without consent
+  bool unblinded = false;      // its operator saw forces, at least in a part of it
   bool excluded = false;       // the participant: never analysed
   bool replaced = false;       // excluded, and the number is free again
 };
 
-// As people read it: "open", "closed, ended early", "closed, excluded".
+// As people read it: "open", "closed, ended early", "closed, excluded", "open, unblinded".
 std::string state_text(const SessionInfo& session);
 
 struct NewSession {

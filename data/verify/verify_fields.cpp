@@ -35,6 +35,7 @@ constexpr std::array kFields = {Field{event_kind::kNote, "text", Type::text, tru
                                 Field{event_kind::kLeft, "cause", Type::text},
                                 Field{event_kind::kLeft, "reason", Type::text},
                                 Field{event_kind::kLeft, "for_good", Type::flag},
+                                Field{event_kind::kSessionUnblinded, "shown", Type::text, true},
                                 Field{event_kind::kSessionResumed, "cause", Type::text},
                                 Field{event_kind::kSessionResumed, "reason", Type::text},
                                 Field{event_kind::kSessionResumed, "gap_s", Type::number},

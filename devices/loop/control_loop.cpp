@@ -50,13 +50,8 @@ bool has_force(const Cues& cues, Channel channel) noexcept {
 }  // namespace
 
 ControlLoop::ControlLoop(const std::vector<LoopDevice>& devices, Tracker& tracker, Clock& clock, const LoopScene& scene,
-                         TelemetryRing* telemetry, LatestSnapshot* snapshot)
-    : devices_(devices.size()),
-      tracker_(tracker),
-      clock_(clock),
-      scene_(scene),
-      telemetry_(telemetry),
-      snapshot_(snapshot) {
+                         const LoopListeners& listeners)
+    : devices_(devices.size()), tracker_(tracker), clock_(clock), scene_(scene), listeners_(listeners) {
   for (std::size_t i = 0; i < devices.size(); ++i) {
     devices_[i].setup = devices[i];
     devices_[i].governor.configure(devices[i].spec);
@@ -193,7 +188,8 @@ void ControlLoop::record(int place, const GovernorOutput& out, std::int64_t now_
   tick.vibration_g = out.given.vibration_g;
   tick.travel = one.reading.travel;
   tick.finger_m = {finger.pose.position_m.x(), finger.pose.position_m.y(), finger.pose.position_m.z()};
-  if (telemetry_ != nullptr) telemetry_->push(tick);
+  for (TelemetryRing* ring : {listeners_.telemetry, listeners_.live})
+    if (ring != nullptr) ring->push(tick);
 }
 
 Fault ControlLoop::act(int place, const PresentRequest& request, std::int64_t now_ns, double duration_s) noexcept {
@@ -222,7 +218,7 @@ void ControlLoop::show(std::int64_t ticks, double elapsed_s) noexcept {
   snapshot.elapsed_s = elapsed_s;
   snapshot.lateness_max_us = lateness_.largest_us();
   snapshot.contact = touched_;
-  snapshot_->put(snapshot);
+  listeners_.snapshot->put(snapshot);
 }
 
 Fault ControlLoop::tick(const PresentRequest& request, std::int64_t now_ns, double duration_s, bool stop) noexcept {
@@ -292,7 +288,7 @@ Presentation ControlLoop::run(const PresentRequest& request, const EmergencyStop
     if (result.fault != Fault::none) break;
 
     deadline_ns += kPeriod_ns;
-    if (snapshot_ != nullptr && result.ticks % kSnapshotEvery_ticks == 1)
+    if (listeners_.snapshot != nullptr && result.ticks % kSnapshotEvery_ticks == 1)
       show(result.ticks, 1e-9 * static_cast<double>(deadline_ns - start_ns));
     clock_.sleep_until_ns(deadline_ns);
     now_ns = clock_.now_ns();

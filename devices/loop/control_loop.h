@@ -48,13 +48,19 @@ struct LoopScene {
   std::optional<JointObject> joint{};
 };
 
-// Thread rule: one thread calls run; the stop latch may be set from any. Tracker, clock, telemetry and snapshot must
-// outlive the loop.
+// Where the loop tells what it does; null: nowhere.
+struct LoopListeners {
+  TelemetryRing* telemetry = nullptr;  // every tick, to be kept
+  TelemetryRing* live = nullptr;       // every tick, to be looked at meanwhile
+  LatestSnapshot* snapshot = nullptr;  // its latest state
+};
+
+// Thread rule: one thread calls run; the stop latch may be set from any. Tracker, clock and listeners must outlive the
+// loop.
 class ControlLoop {
  public:
-  // telemetry: where every tick goes as well; snapshot: where the loop can be watched; null for none.
   ControlLoop(const std::vector<LoopDevice>& devices, Tracker& tracker, Clock& clock, const LoopScene& scene,
-              TelemetryRing* telemetry = nullptr, LatestSnapshot* snapshot = nullptr);
+              const LoopListeners& listeners = {});
 
   // Renders until explore_s after the first contact of any finger, or what the request has end it before, the no-contact
   // time-out, a fault or the latch; ends with zero force and the devices neutral. Free interaction and taps last
@@ -103,8 +109,7 @@ class ControlLoop {
   Tracker& tracker_;
   Clock& clock_;
   LoopScene scene_;
-  TelemetryRing* telemetry_;
-  LatestSnapshot* snapshot_;
+  LoopListeners listeners_;
   TickRing ring_;
   LatenessHistogram lateness_;
   std::int64_t late_ns_ = 0;  // of this tick

@@ -6,15 +6,22 @@
 namespace jnd {
 
 namespace {
+
 constexpr std::chrono::milliseconds kLookEvery{50};
+
+std::unique_ptr<TelemetryRing> ring_of(std::size_t ticks) {
+  return ticks > 0 ? std::make_unique<TelemetryRing>(ticks) : nullptr;
 }
+
+}  // namespace
 
 FingertipRig::FingertipRig(RigInfo info, RigParts parts, Clock& clock, const RigOptions& options)
     : info_(std::move(info)),
       parts_(std::move(parts)),
-      telemetry_(options.telemetry_ticks > 0 ? std::make_unique<TelemetryRing>(options.telemetry_ticks) : nullptr),
+      telemetry_(ring_of(options.telemetry_ticks)),
+      live_(ring_of(options.live_ticks)),
       snapshot_(options.realtime ? std::make_unique<LatestSnapshot>() : nullptr),
-      loop_(parts_.channels, *parts_.tracker, clock, parts_.scene, telemetry_.get(), snapshot_.get()),
+      loop_(parts_.channels, *parts_.tracker, clock, parts_.scene, {telemetry_.get(), live_.get(), snapshot_.get()}),
       thread_(std::move(parts_.thread)) {
   if (!thread_ && options.realtime) thread_ = std::make_unique<RenderThread>(*options.realtime);
   for (const auto& link : parts_.links) link->stop_with(&stop);

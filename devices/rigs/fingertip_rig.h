@@ -31,6 +31,7 @@ struct RigParts {
 
 struct RigOptions {
   std::size_t telemetry_ticks = 0;  // room of the telemetry ring, device-ticks; 0: no telemetry
+  std::size_t live_ticks = 0;       // of the ring for a technician's eyes (Rig::live); 0: there is none
   // Without a value the loop runs on the calling thread, as it does on a simulated clock.
   std::optional<RealtimePolicy> realtime;
 };
@@ -48,6 +49,7 @@ class FingertipRig final : public Rig {
   Presentation present(const PresentRequest& request) override;
   void neutral() noexcept override;
   TelemetryRing* telemetry() noexcept override { return telemetry_.get(); }
+  TelemetryRing* live() noexcept override { return live_.get(); }
   void watch(const std::function<void(const LoopSnapshot&)>& look) override { look_ = look; }
   std::string missing() override;
   RigConnections connections() const override;
@@ -56,7 +58,7 @@ class FingertipRig final : public Rig {
  private:
   RigInfo info_;
   RigParts parts_;
-  std::unique_ptr<TelemetryRing> telemetry_;
+  std::unique_ptr<TelemetryRing> telemetry_, live_;
   std::unique_ptr<LatestSnapshot> snapshot_;  // where a loop on a thread of its own can be watched
   std::function<void(const LoopSnapshot&)> look_;
   ControlLoop loop_;

@@ -59,6 +59,7 @@ struct RunOptions {
   std::string accept_gap;                         // why a too long interruption does not matter
   std::optional<std::string> override_readiness;  // why a bad finding does not matter
   std::string buttons;                            // a mapping of learn-buttons; empty: only keys answer
+  bool technician = false;                        // forces are shown, and the session is marked as unblinded
   std::string record = "full";                    // off, events, full
   std::string realtime = "prefer";                // off, prefer, require
 };
@@ -101,6 +102,34 @@ bool is_ready(const Readiness& readiness, const RunOptions& options, Console& co
   console.announce(text, !fine);
   if (!readiness.blocked) return true;
   return readiness.overridable && options.override_readiness && !options.override_readiness->empty();
+}
+
+// The forces of the rig, for a technician's eyes.
+std::optional<LiveForces> forces_of(Rig& rig, const Protocol& protocol, const RigSpec& spec) {
+  if (rig.live() == nullptr) return std::nullopt;
+  LiveForces forces{.ticks = rig.live(), .devices = {}, .in_metres = protocol.stimulus.unit == Unit::n_per_m};
+  for (const std::string& finger : protocol.rig.fingers)
+    for (const DeviceSpec& device : spec.devices)
+      forces.devices.push_back(
+          spec.devices.size() == 1
+              ? finger
+              : fmt::format("{}, {}", finger, facts_of(device.model).acts_on_joint ? "joint" : "pulp"));
+  return forces;
+}
+
+// Before anything is made. A session that counts is asked about: what has been seen cannot be unseen.
+void check_technician(const RunOptions& options, const Protocol& protocol) {
+  if (options.technician && !protocol.rig.built_in())
+    throw UsageError(fmt::format(
+        "--technician shows the forces of this program's own devices, and this protocol's rig is \"{}\": leave it out",
+        printable(protocol.rig.device)));
+}
+
+bool may_unblind(const RunOptions& options, const Protocol& protocol, SessionKind kind, Console& console) {
+  if (!options.technician || kind != SessionKind::real || !protocol.blinded) return true;
+  return console.confirm(
+      "The technician's view shows the forces, and so the stimuli. This session of a blinded study will be marked as "
+      "unblinded for ever. Go on?");
 }
 
 // As every event of a session: where it cannot be written just now, it is tried again when the operator says so.
@@ -157,6 +186,7 @@ SessionCard card_of(const Protocol& protocol, const RunOptions& options, const S
   card.trials_done = target.resumed ? target.resumed->trials_done : 0;
   card.trials_total = std::max(main_trial_count(plan), static_cast<int>(plan.explorations.size()));
   card.fast = options.fast;
+  card.unblinded = options.technician;
   return card;
 }
 
@@ -199,6 +229,7 @@ int command_run(const RunOptions& options) {
   // Refused before anything is made.
   if (options.language) in_language(protocol, *options.language);
   std::error_code no_study;
+  check_technician(options, protocol);
   check_group(protocol, options.group, !std::filesystem::exists(options.study, no_study));
 
   if (!options.buttons.empty() && !person) throw UsageError("--responder answers for nobody: leave --buttons out");
@@ -243,6 +274,7 @@ int command_run(const RunOptions& options) {
 
   SimulatedClock device_clock(clock->utc_ns());
   RigOptions how = rig_options(record, protocol, description);
+  if (options.technician) how.live_ticks = telemetry_ticks(protocol, description.spec);
   // On the real clock the loop has a thread of its own; in a quick rehearsal it runs inside the session's.
   if (!options.fast) how.realtime = realtime_policy_of(options.realtime);
   std::unique_ptr<Rig> rig = chosen.source().make(protocol, description, profile, plan.participant, seed,
@@ -255,6 +287,7 @@ int command_run(const RunOptions& options) {
 
   console_options.stop = &rig->stop;
   console_options.rig_buttons = rig->buttons();
+  console_options.forces = forces_of(*rig, protocol, description.spec);
   const std::unique_ptr<Console> console = make_console(console_options, shown, keyboard.get(), *clock, interrupted);
   Readiness readiness;
   if (person) {
@@ -271,10 +304,17 @@ int command_run(const RunOptions& options) {
     }
   }
 
+  if (!may_unblind(options, protocol, request.kind, *console)) {
+    study->close();
+    console->end("Not begun.");
+    return exit_code::kProblemFound;
+  }
+
   OpenedSession opened = open_session(*study, request, target, plan, rig->info(), now());
   if (person)
     opened.log->append(event_kind::kReadiness, readiness_body(readiness, options.override_readiness.value_or("")),
                        now());
+  if (console_options.forces) opened.log->append(event_kind::kSessionUnblinded, {{"shown", "forces"}}, now());
   if (how.realtime) note_realtime(*opened.log, rig->realtime(), *clock, *console);
   if (const std::string missing = left_out_text(protocol, target.language); person && !missing.empty())
     console->announce(fmt::format("The translation \"{}\" {}. They are shown in {}.", printable(target.language),
@@ -366,6 +406,9 @@ void add_run(CommandTree& tree) {
                    "no bell for the operator at a question, a fault and the end of a break");
   command.add_flag("--large-text", options.large_text,
                    "the participant's texts and questions in large letters (on the screen: Ctrl-L)");
+  command.add_flag("--technician", options.technician,
+                   "a technician's view: force and depth of every device, live. They tell the stimuli, so the session "
+                   "is marked as unblinded");
   command.add_flag("--bell", options.bell, "cues ring the terminal's bell instead of playing a sound");
   command.add_option("--kind", options.kind, "real (default on a real rig) or pilot (default on a simulated one)");
   command.add_flag("--new", options.beside, "begin this participant while another one's session is unfinished");

@@ -76,6 +76,7 @@ int command_status(const StatusOptions& options) {
            {"state", session.state},
            {"excluded", session.excluded},
            {"ended_early", session.ended_early},
+           {"unblinded", session.unblinded},
            {"trials_done", session.trials_done},
            {"trials_total", session.trials_total},
            {"trials_voided", session.trials_voided},

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,7 @@ namespace jnd {
 class ButtonBox;
 class Keyboard;
 class SessionListener;
+class TelemetryRing;
 
 // What is said of a session once, at its beginning.
 struct SessionCard {
@@ -33,6 +35,14 @@ struct SessionCard {
   bool resumed = false;
   int trials_done = 0, trials_total = 0;  // of the main part
   bool fast = false;                      // waiting takes no time
+  bool unblinded = false;                 // the operator sees forces
+};
+
+// Force and depth of every device, for a technician's eyes.
+struct LiveForces {
+  TelemetryRing* ticks = nullptr;      // outlive the console
+  std::vector<std::string> devices{};  // names, in the order of TickRecord::channel
+  bool in_metres = true;               // depth; otherwise in rad
 };
 
 struct ConsoleOptions {
@@ -43,7 +53,8 @@ struct ConsoleOptions {
   std::vector<SessionListener*> listeners{};    // hear what the screen is told; they outlive the console
   const EmergencyStop* stop = nullptr;          // the rig's, which waits look at; outlives the console
   bool alerts = true;  // the terminal's bell where the operator is to look up: a question, a fault, the end of a break
-  bool large_text = false;  // the participant's texts in large letters, on a screen; Ctrl-L changes it
+  std::optional<LiveForces> forces{};  // shown; the session is marked as unblinded
+  bool large_text = false;             // the participant's texts in large letters, on a screen; Ctrl-L changes it
 };
 
 // Thread rule: the session's thread only.

@@ -9,6 +9,7 @@
 
 #include "runner/console/console.h"
 #include "runner/console/console_keys.h"
+#include "runner/console/force_trace.h"
 #include "runner/console/questionnaire_page.h"
 #include "runner/keys/line_editor.h"
 
@@ -107,6 +108,8 @@ class Display {
   virtual void alert() {}
   virtual void progress(const std::vector<ConditionProgress>&) {}
   virtual void health(const DeviceHealth&) {}
+  // Of a technician's view, as often as health. The trace outlives the display.
+  virtual void forces(const ForceTrace&) {}
   virtual void countdown(const std::string& what, double left_s, double total_s) = 0;
   virtual void countdown_over() {}
 

@@ -107,6 +107,7 @@ std::string card_line(const SessionCard& card) {
 
 void LineDisplay::begin(const SessionCard& card) {
   put("{}\n{}\n{}\n", bold(card.title), warn(kind_banner(card.kind)), card_line(card));
+  if (card.unblinded) put("{}\n", warn(tr("UNBLINDED: forces are shown")));
 }
 
 void LineDisplay::end(const std::string& last_words) {

@@ -46,6 +46,9 @@ SessionConsole::SessionConsole(const ConsoleOptions& options, const Protocol& pr
       protocol_(protocol),
       keyboard_(keyboard),
       clock_(clock),
+      forces_(options.forces
+                  ? std::optional<ForceTrace>(std::in_place, options.forces->devices, options.forces->in_metres)
+                  : std::nullopt),
       display_(std::move(display)),
       phases_(protocol, clock),
       keys_(keyboard, interrupts, *display_, options.stop),
@@ -240,6 +243,7 @@ void SessionConsole::health(const DeviceHealth& health) {
   DeviceHealth shown = health;
   if (!shown.fault.empty()) shown.fault = reason_text(shown.fault);
   if (health.presenting && presenting_) display_->phase(phases_.interval(health));
+  show_forces(!health.presenting);
   display_->health(shown);
   if (!shown.fault.empty() && options_.alerts) display_->alert();
   if (!health.presenting && std::exchange(presenting_, false))
@@ -248,6 +252,22 @@ void SessionConsole::health(const DeviceHealth& health) {
   if (health.presenting && protocol_.task.kind != TaskKind::explore &&
       protocol_.timeline.interval_end != IntervalEnd::key)
     hear_in_trial();
+}
+
+void SessionConsole::show_forces(bool over) {
+  if (!forces_) return;
+  forces_->take(*options_.forces->ticks);
+  display_->forces(*forces_);
+  if (!over) return;
+  forces_->presentation_over();
+  if (!presenting_) return;
+  for (const ForceTrace::Device& device : forces_->devices()) {
+    const std::string text = fmt::format("{}: {}", printable(device.name), peak_text(device, forces_->in_metres()));
+    if (display_->by_lines())
+      display_->tell(Tone::quiet, text);
+    else
+      display_->log(text);
+  }
 }
 
 void SessionConsole::cue(CuePlace place, const CueSignal& cue) {

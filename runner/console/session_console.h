@@ -11,6 +11,7 @@
 #include "runner/console/console.h"
 #include "runner/console/console_display.h"
 #include "runner/console/console_input.h"
+#include "runner/console/force_trace.h"
 #include "runner/console/session_phases.h"
 
 namespace jnd {
@@ -90,6 +91,8 @@ class SessionConsole final : public Console, private Responder {
   // During a trial: what was pressed so far is noted, and the operator told when it is done.
   void hear_in_trial();
   void note_in_trial(const std::vector<Key>& keys);
+  // What the devices do, where the operator may see it. over: the presentation is.
+  void show_forces(bool over);
   // What is noted, on the screen.
   void tell_queued();
   std::optional<OperatorRequest> noted_request(const KeyMap& keys);
@@ -119,6 +122,7 @@ class SessionConsole final : public Console, private Responder {
   const Protocol& protocol_;
   Keyboard* keyboard_;
   Clock& clock_;
+  std::optional<ForceTrace> forces_;  // where the operator may see them; outlives the display
   std::unique_ptr<Display> display_;
   SessionPhases phases_;
   PromptKeys keys_;

@@ -169,6 +169,10 @@ class ScreenDisplay final : public Display {
     health_shown_ns_ = now;
     draw();
   }
+  void forces(const ForceTrace& trace) override {
+    model_.forces = &trace;
+    draw();
+  }
   void countdown(const std::string& what, double left_s, double total_s) override {
     if (!painter_) return lines_.countdown(what, left_s, total_s);
     Phase phase = model_.phase;

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "runner/screen/force_pane.h"
 #include "runner/screen/screen_parts.h"
 #include "runner/screen/screen_text.h"
 #include "runner/words/words.h"
@@ -15,6 +16,7 @@ namespace {
 
 constexpr int kMostKeyRows = 4;
 constexpr int kLeastLog = 6;     // rows of its pane
+constexpr int kLeastMiddle = 5;  // beside curves of forces
 constexpr int kLeastRecent = 2;  // rows of what happened, where there is no pane
 
 }  // namespace
@@ -120,8 +122,15 @@ Frame lay_out(const ScreenModel& model, int rows, int columns, bool unicode) {
   const bool pane = columns >= kLogColumns && rows >= kLogRows;
   const int free = rows - static_cast<int>(frame.rows.size() + bottom.size());
   std::vector<Row> status = status_rows(area, model);
-  const auto least = static_cast<int>(status.size());
   const int kept = pane ? kLeastLog : static_cast<int>(recent_rows(area, model, kLeastRecent).size());
+  const bool reads = model.page != nullptr || model.scene.to_read || model.help;
+  if (model.forces != nullptr && !reads) {
+    // What is drawn of them comes before messages: those are in the log.
+    const int taken = static_cast<int>(status.size()) + (pane ? kept : 0) + kLeastMiddle;
+    const std::vector<Row> forces = force_rows(area, *model.forces, free - taken);
+    status.insert(status.begin(), forces.begin(), forces.end());
+  }
+  const auto least = static_cast<int>(status.size());
   const MainPart middle = main_part(area, model, free - least - kept);
   const auto wanted = static_cast<int>(middle.rows.size());
   if (wanted + least > free) status.clear();

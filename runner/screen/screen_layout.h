@@ -29,6 +29,7 @@ struct ScreenModel {
   std::optional<TrialOutline> outline;
   std::vector<ConditionProgress> progress;
   std::optional<DeviceHealth> health;
+  const ForceTrace* forces = nullptr;  // where the operator may see them
   Scene scene;
   int scrolled = 0;  // lines of the scene's text, or of the page, above the window
   std::string say;   // to the participant, now; or what goes on

@@ -94,6 +94,7 @@ Row banner_row(const Area& area, const SessionCard& card) {
       style = {.dim = true};
       break;
   }
+  if (card.unblinded) words = fmt::format("{}   {}", tr("UNBLINDED"), words);
   std::string text = fmt::format("{}{} {} ", fill, fill, words);
   for (int column = columns_of(text); column < area.columns; ++column) text += fill;
   return {span(area, 0, text, style)};

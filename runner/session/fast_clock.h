@@ -43,6 +43,7 @@ class FastRig final : public Rig {
   }
   void neutral() noexcept override { rig_->neutral(); }
   TelemetryRing* telemetry() noexcept override { return rig_->telemetry(); }
+  TelemetryRing* live() noexcept override { return rig_->live(); }
   Trace take_trace() override { return rig_->take_trace(); }
   RigButtons* buttons() noexcept override { return rig_->buttons(); }
   RealtimeReport realtime() const override { return rig_->realtime(); }

@@ -43,6 +43,10 @@ Frame frame_of(const std::vector<PlotSeries>& series, const PlotOptions& options
     }
   }
   if (frame.empty) return frame;
+  if (options.x_range) {
+    frame.x.low = std::min(frame.x.low, options.x_range->first);
+    frame.x.high = std::max(frame.x.high, options.x_range->second);
+  }
   if (options.from_zero) {
     frame.y.low = std::min(frame.y.low, 0.0);
     frame.y.high = std::max(frame.y.high, 0.0);

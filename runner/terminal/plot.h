@@ -4,7 +4,9 @@
 // Pure functions but for canvas_of_terminal().
 #pragma once
 
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace jnd {
@@ -27,6 +29,8 @@ struct PlotOptions {
   int rows = 16;                 // of the plotting area, at least 4
   bool log_x = false;            // only x > 0 is drawn
   bool from_zero = false;        // the y axis includes 0
+  // Where the x axis begins and ends at the latest, whatever is drawn; none: at the first and the last point.
+  std::optional<std::pair<double, double>> x_range{};
 };
 
 // Lines ended by a newline, each indented by two spaces. The first series is drawn as a line, the others as dots, plus

@@ -40,8 +40,8 @@ Watched watch_loop(double stiffness, const Cues& cues, double explore_s) {
   SimulatedHand hand(HandHabits{}, 2, 1, 1);
   SimulatedClock clock(0);
   LatestSnapshot snapshot;
-  ControlLoop loop(on_fingers({&thumb, &index}, spec), hand, clock, sphere_scene(HandHabits{}.sphere_radius_m), nullptr,
-                   &snapshot);
+  ControlLoop loop(on_fingers({&thumb, &index}, spec), hand, clock, sphere_scene(HandHabits{}.sphere_radius_m),
+                   {.snapshot = &snapshot});
   PresentRequest asked = request(stiffness, cues);
   asked.explore_s = explore_s;
   const EmergencyStop stop;
@@ -166,4 +166,29 @@ TEST_CASE("what a watcher throws comes out of the presentation, when the devices
   // A machine that is busy with something else ends it as a gap between commands.
   for (int again = 0; given.fault == Fault::command_gap && again < 50; ++again) given = rig->present(asked);
   CHECK(given.fault == Fault::no_contact);
+}
+
+TEST_CASE("ticks can be looked at live, the same as are kept, where a rig is asked for them") {
+  SimulatedClock clock(0);
+  const ParticipantProfile profile = shipped_profile("chinello2017");
+  const auto blind = make_simulated_rig(small_protocol(), rrs3_rig(), profile, 1, 1, clock,
+                                        {.telemetry_ticks = 20000, .realtime = std::nullopt});
+  CHECK(blind->live() == nullptr);
+  const auto rig = make_simulated_rig(small_protocol(), rrs3_rig(), profile, 1, 1, clock,
+                                      {.telemetry_ticks = 20000, .live_ticks = 20000, .realtime = std::nullopt});
+  REQUIRE(rig->live() != nullptr);
+  const Presentation given = rig->present(request(500, kForce));
+  REQUIRE(given.fault == Fault::none);
+  std::vector<TickRecord> kept, live;
+  rig->telemetry()->drain(kept);
+  rig->live()->drain(live);
+  REQUIRE(live.size() == kept.size());
+  CHECK(live.size() >= static_cast<std::size_t>(given.ticks));
+  for (std::size_t i = 0; i < live.size(); ++i) {
+    CHECK(live[i].time_ns == kept[i].time_ns);
+    CHECK(live[i].measured_n == kept[i].measured_n);
+    CHECK(live[i].channel == kept[i].channel);
+  }
+  rig->present(request(500, kForce));
+  CHECK(rig->live()->drain(live) > 0);  // of the next one too
 }

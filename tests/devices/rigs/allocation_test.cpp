@@ -95,7 +95,7 @@ struct CountedFingers {
   CountingDevice thumb, index;
   SimulatedHand hand{HandHabits{}, 2, 1, 1};
   CountingClock clock;
-  TelemetryRing telemetry{64};  // soon full: dropping must not allocate either
+  TelemetryRing telemetry{64}, live{64};  // soon full: dropping must not allocate either
   LatestSnapshot snapshot;
   LoopScene scene{.object = sphere_object({.radius_m = HandHabits{}.sphere_radius_m}), .joint = std::nullopt};
   ControlLoop loop;
@@ -104,7 +104,7 @@ struct CountedFingers {
   CountedFingers()
       : thumb(std::make_unique<Rrs3Device>(spec, Rrs3DeviceOptions{})),
         index(std::make_unique<Rrs3Device>(spec, Rrs3DeviceOptions{})),
-        loop({device(thumb, 0), device(index, 1)}, hand, clock, scene, &telemetry, &snapshot) {}
+        loop({device(thumb, 0), device(index, 1)}, hand, clock, scene, {&telemetry, &live, &snapshot}) {}
 
   LoopDevice device(CountingDevice& counted, int finger) const {
     LoopDevice one;

@@ -51,6 +51,36 @@ std::string text_of(const Frame& frame) {
   return text;
 }
 
+TEST_CASE("Forces are on the screen where they may be seen, and give way to what is to be read") {
+  TelemetryRing ring{1000};
+  ForceTrace trace({"thumb"}, true);
+  for (int i = 0; i < 500; ++i)
+    ring.push({.time_ns = i * 1'000'000, .penetration = 0.004, .asked_n = 2, .measured_n = 2});
+  trace.take(ring);
+  ScreenModel model = model_of(SessionKind::pilot);
+  model.card.unblinded = true;
+  CHECK(text_of(lay_out(model, 24, 80, true)).find("thumb") == std::string::npos);
+  model.forces = &trace;
+  const std::string usual = text_of(lay_out(model, 24, 80, true));
+  INFO(usual);
+  for (const char* const needed : {"UNBLINDED", "REHEARSAL", "force N", "depth mm", "2.00 N of", "SAY", "First sphere.",
+                                   "FIRST", "3 s left", "FAULT: stale_pose", "[x]"})
+    CHECK(usual.find(needed) != std::string::npos);
+  for (const bool unicode : {true, false})
+    for (int rows = kLeastRows; rows <= 50; ++rows)
+      for (int columns = kLeastColumns; columns <= 140; columns += 5) {
+        const Frame frame = lay_out(model, rows, columns, unicode);
+        REQUIRE(static_cast<int>(frame.rows.size()) == rows);
+        for (const Row& row : frame.rows)
+          for (const Span& span : row) REQUIRE(span.column + columns_of(span.text) <= columns);
+        const std::string text = text_of(frame);
+        for (const char* const needed : {"UNBLINDED", "[x]"})
+          REQUIRE(text.find(needed) != std::string::npos);
+      }
+  model.scene.to_read = true;
+  CHECK(text_of(lay_out(model, 24, 80, true)).find("force N") == std::string::npos);
+}
+
 TEST_CASE("A frame fits its window, whatever the size") {
   for (const bool unicode : {true, false})
     for (int rows = 1; rows <= 50; ++rows)

@@ -5,6 +5,7 @@ before a device is worn.
 Usage: real_rig_test.py JND JND_WITH_REAL_RIG
 """
 import contextlib
+import csv
 import json
 import os
 import pathlib
@@ -118,6 +119,51 @@ class RealRig(unittest.TestCase):
     def test_normal_program_is_pilot(self):
         self.run_session("--fast", program=JND, keys=" s" * 4, code=DONE)
         self.assertEqual(self.query("SELECT DISTINCT kind FROM sessions"), [("pilot",)])
+
+    def test_a_technician_sees_forces_and_the_session_says_so(self):
+        asked = self.run_session("--technician", *ANYWAY, keys="n", code=PROBLEM)
+        self.assertIn("marked as unblinded", asked)
+        self.assertEqual(self.query("SELECT count(*) FROM event WHERE kind = 'session.opened'"), [(0,)])
+        said = self.run_session("--technician", *ANYWAY, keys="y" + " s" * 4, code=DONE)
+        self.assertIn("UNBLINDED", said)
+        peaks = [float(peak) for peak in re.findall(r"thumb: peak (\d+\.\d+) N, \d+\.\d mm deep", said)]
+        self.assertEqual(len(peaks), 8)  # two intervals of four trials
+        # As they were delivered.
+        kept = [presentation["fingers"][0]["peak_force_n"] for body in self.bodies("trial.completed")
+                for presentation in body["presentations"]]
+        for shown, delivered in zip(peaks, kept):
+            self.assertAlmostEqual(shown, delivered, delta=0.006)
+        self.assertEqual(self.bodies("session.unblinded"), [{"shown": "forces"}])
+        blind = self.run_session(*ANYWAY, participant="P02", code=DONE)
+        self.assertNotIn("UNBLINDED", blind)
+        self.assertNotRegex(blind, r"peak|mm deep|N of|N asked")
+        self.assertEqual(len(self.bodies("session.unblinded")), 1)
+        subprocess.run([JND, "verify", self.study], check=True, stdout=subprocess.DEVNULL)
+        status = json.loads(subprocess.run([JND, "status", self.study, "--json"], check=True, capture_output=True, text=True).stdout)
+        self.assertEqual([session["unblinded"] for session in status["sessions"]], [True, False])
+        table = subprocess.run([JND, "status", self.study], check=True, capture_output=True, text=True).stdout
+        self.assertEqual(table.count("closed, unblinded"), 1, table)
+
+    def test_results_tell_which_sessions_were_not_blind(self):
+        for participant, options in (("P01", ("--technician",)), ("P02", ())):
+            self.run_session("--fast", *options, program=JND, keys=" s" * 4, participant=participant, code=DONE)  # a rehearsal is not asked about
+        printed = subprocess.run([JND, "analyze", self.study, "--kind", "pilot", "--json"], check=True, capture_output=True, text=True).stdout
+        self.assertIn("The operator saw the forces of the trials, and so the stimuli, in 1 of 2 sessions: P01.", json.loads(printed)["deviations"])
+        folder = self.folder / "export"
+        subprocess.run([JND, "export", self.study, "--kind", "pilot", "--to", folder], check=True, stdout=subprocess.DEVNULL)
+        with (folder / "sessions.csv").open(newline="") as file:
+            self.assertEqual([row["unblinded"] for row in csv.DictReader(file)], ["1", "0"])
+        with (folder / "log.csv").open(newline="") as file:
+            self.assertEqual([row["subject"] for row in csv.DictReader(file) if row["event"] == "session_unblinded"], ["forces"])
+
+    def test_forces_are_shown_of_the_programs_own_devices_only(self):
+        shipped = pathlib.Path(__file__).resolve().parents[3] / "protocols"
+        for device in ("external", "specimens"):
+            with self.subTest(device):
+                protocol = next(path for path in sorted(shipped.rglob("*.json")) if json.loads(path.read_text()).get("rig", {}).get("device") == device)
+                said = self.run_session("--technician", program=JND, protocol=protocol, code=USAGE)
+                self.assertIn(f'--technician shows the forces of this program\'s own devices, and this protocol\'s rig is "{device}"', said)
+                self.assertFalse(self.study.exists())
 
     def test_texts_that_stay_in_another_language_are_told_before_the_session(self):
         protocol = self.write_protocol("half", translations={"de": {"$.trial.cues.first.say": "Erste Kugel."}})

@@ -42,6 +42,22 @@ bool is_ascii(const std::string& text) {
 
 }  // namespace
 
+TEST_CASE("an x axis can be wider than what is drawn") {
+  const PlotSeries line = straight_line(0, 1);  // from 0 to 100
+  PlotOptions options;
+  options.rows = 4;
+  const std::string own = line_plot({line}, options, kAscii);
+  options.x_range = {-100, 100};
+  const std::string wider = line_plot({line}, options, kAscii);
+  CHECK(wider.find("-100") != std::string::npos);
+  // The line has the right half.
+  const std::size_t axis = lines_of(own)[1].find('|');
+  for (int row = 1; row <= 3; ++row) CHECK(lines_of(wider)[row].find('*') > axis + 25);
+  CHECK(lines_of(own)[4].find('*') < axis + 25);
+  options.x_range = {40, 60};  // never narrower
+  CHECK(line_plot({line}, options, kAscii) == own);
+}
+
 TEST_CASE("ticks are round numbers within the range") {
   CHECK(axis_ticks(0, 10, 5) == std::vector<double>{0, 2, 4, 6, 8, 10});
   CHECK(axis_ticks(-0.1, 1.3, 4) == std::vector<double>{0, 0.5, 1});

@@ -28,6 +28,7 @@ class DeclaredRealRig final : public Rig {
   }
   void neutral() noexcept override { rig_->neutral(); }
   TelemetryRing* telemetry() noexcept override { return rig_->telemetry(); }
+  TelemetryRing* live() noexcept override { return rig_->live(); }
 
  private:
   SimulatedClock clock_{0};
