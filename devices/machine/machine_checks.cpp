@@ -155,42 +155,62 @@ Checks check_realtime(const RealtimeReport& report) {
   return checks;
 }
 
-std::string jitter_text(const JitterReport& report) {
-  const LatenessHistogram& lateness = report.lateness;
-  return fmt::format("p50 {:.0f} us, p99 {:.0f} us, largest {:.0f} us over {} ticks of 1 ms, {} skipped ({:.2g} %)",
-                     lateness.percentile_us(0.50), lateness.percentile_us(0.99), lateness.largest_us(), report.ticks,
-                     report.overruns, 100 * skipped_share(report.ticks, report.overruns));
+namespace {
+
+std::string loop_text(const LoopFigures& figures) {
+  return fmt::format("p99 {:.0f} us, largest {:.0f} us over {} ticks of 1 ms, {} skipped ({:.2g} %)", figures.p99_us,
+                     figures.largest_us, figures.ticks, figures.overruns,
+                     100 * skipped_share(figures.ticks, figures.overruns));
 }
 
-Check judge_jitter(const JitterReport& report) {
-  Check check{.what = report.realtime.fifo() ? "lateness with SCHED_FIFO" : "lateness without SCHED_FIFO",
-              .verdict = Verdict::ok,
-              .found = jitter_text(report),
-              .what_to_do = ""};
-  if (report.ticks == 0) {
-    check.verdict = Verdict::warn;
-    check.found = "not measured";
-    check.what_to_do = "let the measurement run to its end";
-    return check;
-  }
-  const double p99_us = report.lateness.percentile_us(0.99), largest_us = report.lateness.largest_us();
-  const double skipped = skipped_share(report.ticks, report.overruns);
-  if (largest_us >= kUnfitLoop.largest_us) {
+LoopFigures figures_of(const JitterReport& report) {
+  return {.what = report.realtime.fifo() ? "lateness with SCHED_FIFO" : "lateness without SCHED_FIFO",
+          .fifo = report.realtime.fifo(),
+          .p99_us = report.lateness.percentile_us(0.99),
+          .largest_us = report.lateness.largest_us(),
+          .ticks = report.ticks,
+          .overruns = report.overruns};
+}
+
+}  // namespace
+
+std::string jitter_text(const JitterReport& report) {
+  return fmt::format("p50 {:.0f} us, {}", report.lateness.percentile_us(0.50), loop_text(figures_of(report)));
+}
+
+std::string loop_advice(bool fifo) {
+  return fifo ? "end other programs, switch power saving off in the firmware, or install a kernel with PREEMPT_RT"
+              : "allow SCHED_FIFO (see above) and end other programs";
+}
+
+Check judge_loop(const LoopFigures& figures) {
+  Check check{.what = figures.what, .verdict = Verdict::ok, .found = loop_text(figures), .what_to_do = ""};
+  const double skipped = skipped_share(figures.ticks, figures.overruns);
+  if (figures.largest_us >= kUnfitLoop.largest_us) {
     check.verdict = Verdict::bad;
     check.found +=
         fmt::format(": in a session, which is longer, some ticks will be {:.0f} ms late, which voids a trial",
                     1e-3 * kGapLateness_us);
-  } else if (p99_us >= kUnfitLoop.p99_us || skipped >= kUnfitLoop.skipped_share) {
+  } else if (figures.p99_us >= kUnfitLoop.p99_us || skipped >= kUnfitLoop.skipped_share) {
     check.verdict = Verdict::bad;
     check.found += ": one tick in a hundred is lost";
-  } else if (p99_us > kTightLoop.p99_us || largest_us > kTightLoop.largest_us || skipped > kTightLoop.skipped_share) {
+  } else if (figures.p99_us > kTightLoop.p99_us || figures.largest_us > kTightLoop.largest_us ||
+             skipped > kTightLoop.skipped_share) {
     check.verdict = Verdict::warn;
   }
-  if (check.verdict != Verdict::ok)
-    check.what_to_do =
-        report.realtime.fifo()
-            ? "end other programs, switch power saving off in the firmware, or install a kernel with PREEMPT_RT"
-            : "allow SCHED_FIFO (see above) and end other programs";
+  if (check.verdict != Verdict::ok) check.what_to_do = loop_advice(figures.fifo);
+  return check;
+}
+
+Check judge_jitter(const JitterReport& report) {
+  const LoopFigures figures = figures_of(report);
+  if (report.ticks == 0)
+    return {.what = figures.what,
+            .verdict = Verdict::warn,
+            .found = "not measured",
+            .what_to_do = "let the measurement run to its end"};
+  Check check = judge_loop(figures);
+  check.found = fmt::format("p50 {:.0f} us, {}", report.lateness.percentile_us(0.50), check.found);
   return check;
 }
 

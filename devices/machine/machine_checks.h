@@ -2,6 +2,7 @@
 // punctuality, with numbers and with what to do. What `jnd doctor` prints.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -47,7 +48,17 @@ struct StorageFigures {
 };
 Check judge_storage(const StorageFigures& figures);
 
-// The measured lateness of a 1 kHz loop, judged by devices/loop/loop_limits.h.
+// How punctual a loop of 1 kHz was, judged by devices/loop/loop_limits.h: the same figures get the same verdict
+// wherever they were measured.
+struct LoopFigures {
+  std::string what;                      // of the check
+  bool fifo = false;                     // it had SCHED_FIFO
+  double p99_us = 0, largest_us = 0;     // lateness
+  std::int64_t ticks = 0, overruns = 0;  // overruns: whole periods skipped
+};
+Check judge_loop(const LoopFigures& figures);
+std::string loop_advice(bool fifo);  // what to do about one that was not
+// The measured lateness of a 1 kHz loop without a device, judged by devices/loop/loop_limits.h.
 Check judge_jitter(const JitterReport& report);
 // Its figures: "p50 8 us, p99 20 us, largest 90 us over 3000 ticks of 1 ms, 0 skipped (0 %)".
 std::string jitter_text(const JitterReport& report);

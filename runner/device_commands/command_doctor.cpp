@@ -14,6 +14,9 @@
 #include "devices/hid/link/rig_bus.h"
 #include "devices/hid/link/rig_check.h"
 #include "devices/machine/machine_checks.h"
+#include "devices/machine/rehearsal_probe.h"
+#include "devices/rigs/rig_factory.h"
+#include "protocols/input/resources.h"
 #include "protocols/reading/protocol_json.h"
 #include "runner/device_commands/device_commands.h"
 #include "runner/device_commands/hid_devices.h"
@@ -33,13 +36,33 @@ namespace {
 
 struct DoctorOptions {
   std::optional<std::string> study;  // a study, or the folder where studies go; where not given, this folder
-  double seconds = 3;                // of each measurement of the loop's lateness
+  double seconds = 3;                // of each measurement
   std::string protocol, rig;         // to be fit for: a protocol's file or shipped name, a rig file; empty: none
   bool json = false;
 };
 
 JitterReport measure(RealtimePolicy policy, double seconds) {
   return probe_jitter_on_thread(policy, seconds, interrupt_requested());
+}
+
+// On simulated devices, by the loop that sessions run: of the protocol that was named, or of a shipped one where none
+// was, or its rig is not one of the program's own.
+RehearsalReport rehearse(const DoctorOptions& options) {
+  Protocol protocol = load_checked_protocol(options.protocol.empty() ? "tutorial" : options.protocol);
+  if (!protocol.rig.built_in()) protocol = load_checked_protocol("tutorial");
+  const RigDescription description = rig_of(protocol);
+  const ParticipantProfile profile = load_profile(find_resource(Resource::profile, default_profile(protocol)));
+  SteadyClock clock;
+  RigOptions how;
+  how.realtime = RealtimePolicy::prefer;
+  const std::unique_ptr<Rig> rig = make_simulated_rig(protocol, description, profile, 1, 1, clock, how);
+  return probe_rehearsal(*rig, {.stiffness = protocol.stimulus.reference, .cues = protocol.conditions.front().cues},
+                         options.seconds, interrupt_requested());
+}
+
+nlohmann::ordered_json rehearsal_json(const RehearsalReport& report) {
+  return {{"presentations", report.presentations},    {"gaps", report.gaps},   {"p99_us", json_number(report.p99_us)},
+          {"max_us", json_number(report.largest_us)}, {"ticks", report.ticks}, {"overruns", report.overruns}};
 }
 
 nlohmann::ordered_json jitter_json(const JitterReport& report) {
@@ -118,16 +141,20 @@ int command_doctor(const DoctorOptions& options) {
   checks.push_back(
       check_storage(options.study.value_or("."), {.root = "/", .is_network = is_network_file_system, .syncs = 20}));
   if (!options.json && is_terminal(STDERR_FILENO))
-    print_message("measuring how late a loop of 1 ms wakes, with and without SCHED_FIFO, {:g} s each ...\n",
-                  options.seconds);
+    print_message(
+        "measuring how late a loop of 1 ms wakes, with and without SCHED_FIFO, and a short rehearsal: {:g} s each ...\n",
+        options.seconds);
   const JitterReport session = measure(RealtimePolicy::prefer, options.seconds);
   const bool compare = session.realtime.fifo();
   const JitterReport ordinary = compare ? measure(RealtimePolicy::off, options.seconds) : JitterReport{};
+  if (interrupt_requested()) throw Stopped();
+  const RehearsalReport rehearsal = rehearse(options);
   if (interrupt_requested()) throw Stopped();
   for (Check& check : check_realtime(session.realtime)) checks.push_back(std::move(check));
   checks.push_back(judge_jitter(session));
   // For comparison, and no finding of its own: a session does not run so.
   if (compare) checks.back().found += "; without SCHED_FIFO: " + jitter_text(ordinary);
+  checks.push_back(judge_rehearsal(rehearsal));
 
   int bad = 0, warnings = 0;
   std::size_t name_width = 0;
@@ -146,6 +173,7 @@ int command_doctor(const DoctorOptions& options) {
                                {"what_to_do", check.what_to_do}});
     out["jitter"] = jitter_json(session);
     out["jitter"]["without_fifo"] = compare ? jitter_json(ordinary) : nlohmann::ordered_json(nullptr);
+    out["rehearsal"] = rehearsal_json(rehearsal);
     print_json(out);
     return code;
   }
@@ -166,7 +194,9 @@ void add_doctor(CommandTree& program) {
   const auto [command, options] =
       program.add("doctor", "Is this machine fit to run a session", "jnd doctor --study studies", command_doctor);
   command.add_option("--study", options.study, "a study, or the folder where studies go (default: this folder)");
-  command.add_option("--seconds", options.seconds, "length of each of the two measurements of lateness (default: 3)")
+  command
+      .add_option("--seconds", options.seconds,
+                  "length of each of the measurements: two of lateness, and the rehearsal (default: 3)")
       ->check(CLI::Range(0.1, 600.0));
   command.add_option("--protocol", options.protocol, "is the machine fit for this one too: has it the tracker");
   command.add_option("--rig", options.rig, "and for this rig file: are its devices, tracker and buttons there");

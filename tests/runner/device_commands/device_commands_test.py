@@ -144,6 +144,14 @@ class DeviceCommands(unittest.TestCase):
             report = json.loads(done.stdout)
             tracker = [check for check in report["checks"] if check["name"] == "tracker"]
             self.assertEqual([check["verdict"] for check in tracker], [verdict])
+            # Whatever the machine does meanwhile: a rehearsal was presented, and what it lost is said.
+            rehearsal = report["rehearsal"]
+            self.assertGreaterEqual(rehearsal["presentations"], 1)
+            self.assertGreater(rehearsal["ticks"], 0)
+            said = next(check for check in report["checks"] if check["name"] == "rehearsal")
+            self.assertIn(f"{rehearsal['gaps']} of {rehearsal['presentations']} presentation", said["found"])
+            if rehearsal["gaps"]:
+                self.assertEqual((said["verdict"], report["ok"]), ("bad", False))
             if verdict == "bad":
                 self.assertEqual((done.returncode, report["ok"]), (1, False))
                 self.assertIn("none is connected", tracker[0]["found"])
