@@ -26,6 +26,11 @@ void add_ratings(StudyResults& results, const Study& study, const Protocol& prot
   results.questionnaire = questionnaire_of(ratings, participants.size(), protocol);
 }
 
+void add_answers(StudyResults& results, const Protocol& protocol, const std::vector<SessionInfo>& sessions,
+                 const std::vector<CountedTrial>& trials) {
+  if (participants_of(sessions).size() <= kMostInDetail) results.answers = answer_raster(protocol, sessions, trials);
+}
+
 void add_registered(StudyResults& results, OutcomeComparison comparison, const Protocol& protocol) {
   comparison.registered = true;
   if (!protocol.groups.empty()) results.groups = compare_groups(comparison, protocol);
@@ -56,6 +61,7 @@ StudyResults constant_results_of(const Study& study, const Protocol& protocol, S
   add_registered(results, compare_thresholds(thresholds, protocol, protocol.analysis.tests.outcome), protocol);
   results.comparisons.push_back(compare_times(thresholds, protocol));
   add_ratings(results, study, protocol, sessions);
+  add_answers(results, protocol, sessions, trials);
   if (measured.detailed) measured.behaviour = study_behaviour(protocol, sessions, trials);
   if (measured.detailed) measured.sureness = study_sureness(protocol, sessions, trials);
   results.measured = std::move(measured);
@@ -67,7 +73,9 @@ StudyResults adaptive_results_of(const Study& study, const Protocol& protocol, S
   StudyResults results;
   AdaptiveResults measured = adaptive_results(study, protocol, kind);
   add_registered(results, compare_adaptive(measured.rows, protocol), protocol);
-  add_ratings(results, study, protocol, sessions_of(study, kind));
+  const std::vector<SessionInfo> sessions = sessions_of(study, kind);
+  add_ratings(results, study, protocol, sessions);
+  add_answers(results, protocol, sessions, read_counted_trials(study, protocol, sessions));
   results.measured = std::move(measured);
   return results;
 }
@@ -88,6 +96,7 @@ StudyResults task_results_of(const Study& study, const Protocol& protocol, Sessi
   MeasuredTask measured{attendance_of(study, kind, sessions), task_results(study, protocol, sessions, trials)};
   add_registered(results, compare_task(measured.task, protocol), protocol);
   add_ratings(results, study, protocol, sessions);
+  add_answers(results, protocol, sessions, trials);
   results.measured = std::move(measured);
   return results;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "data/results/adaptive_results.h"
+#include "data/results/answer_raster.h"
 #include "data/results/questionnaire_results.h"
 #include "data/results/study_analysis.h"
 #include "data/results/study_behaviour.h"
@@ -46,6 +47,7 @@ struct StudyResults {
                                                // interaction
   std::optional<GroupsCompared> groups;        // of participants; none where the protocol has none
   QuestionnaireResults questionnaire;          // what was answered to questions
+  std::vector<AnswersOf> answers;              // by participant; not above kMostInDetail of them, nor of counts alone
   int off_prescription = 0;                    // answered trials that broke a limit of the prescription
   std::vector<std::string> deviations;         // from what was registered
   std::vector<std::string> cautions;           // where the design cannot carry the number

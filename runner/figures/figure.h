@@ -37,6 +37,9 @@ std::vector<Figure> contrast_figures(const StudyResults& results, const Protocol
 // Where the answers set the levels: the levels of every track, a panel for every participant.
 std::vector<Figure> track_figures(const StudyResults& results, const Protocol& protocol);
 
+// Every counted answer of every participant in the order in which it was given: what was said, and whether it was right.
+std::vector<Figure> raster_figures(const StudyResults& results, const Protocol& protocol);
+
 // The share of an answer over the levels of a task, with the fitted curve.
 std::vector<Figure> curve_figures(const StudyResults& results, const Protocol& protocol);
 // The registered outcome of a task by condition.
@@ -45,6 +48,11 @@ std::vector<Figure> task_figures(const StudyResults& results, const Protocol& pr
 std::vector<Figure> time_figures(const StudyResults& results, const Protocol& protocol);
 // One for each rating question that was compared over the conditions.
 std::vector<Figure> rating_figures(const StudyResults& results, const Protocol& protocol);
+// How often each level of the rating scales was given, by condition.
+std::vector<Figure> rating_bar_figures(const StudyResults& results, const Protocol& protocol);
+// The effect of the order of the two objects, the preference for an answer, the change within blocks: one each, by
+// condition and participant.
+std::vector<Figure> behaviour_figures(const StudyResults& results, const Protocol& protocol);
 // The median JND under every model, method and correction.
 std::vector<Figure> sensitivity_figures(const StudyResults& results, const Protocol& protocol);
 

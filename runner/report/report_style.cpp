@@ -84,6 +84,7 @@ svg .band { fill: var(--band); }
 svg .faint { stroke: var(--faint); }
 svg .ink-line { stroke: var(--ink); }
 svg .ink-fill { fill: var(--ink); stroke: var(--paper); }
+svg .bar { stroke: var(--paper); }
 svg .within { stroke: var(--within); }
 svg .published { fill: var(--paper); stroke: var(--published); }
 svg .f0 { fill: var(--c0); } svg .s0 { stroke: var(--c0); } svg .h0 { fill: var(--paper); stroke: var(--c0); }
