@@ -5,7 +5,7 @@ namespace jnd {
 std::vector<AnswersOf> answer_raster(const Protocol& protocol, const std::vector<SessionInfo>& sessions,
                                      const std::vector<CountedTrial>& trials) {
   // Sessions that ran side by side are interleaved in the file.
-  std::vector<std::vector<GivenAnswer>> by_session(sessions.size());
+  std::vector<std::vector<RasterAnswer>> by_session(sessions.size());
   for (const CountedTrial& trial : trials)
     by_session[static_cast<std::size_t>(trial.session)].push_back(
         {trial.condition, trial.said, trial.target, !exclusion_reason(protocol.analysis.exclude, trial).empty()});

@@ -10,7 +10,7 @@
 
 namespace jnd {
 
-struct GivenAnswer {
+struct RasterAnswer {
   int condition = 0;      // place in the protocol
   int said = -1;          // class of the answer, from 0; -1: it has none
   int target = -1;        // the class that is correct; -1: none is
@@ -21,7 +21,7 @@ struct GivenAnswer {
 
 struct AnswersOf {
   std::string participant;
-  std::vector<GivenAnswer> answers;       // of all sessions, one after the other
+  std::vector<RasterAnswer> answers;      // of all sessions, one after the other
   std::vector<std::size_t> sessions_end;  // places in `answers` behind the last of each session
 };
 

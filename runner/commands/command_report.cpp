@@ -81,7 +81,8 @@ int command_report(const ReportOptions& options) {
   if (blinding_of(*study, protocol, kind).blinded) return report_blinded(*study, protocol, options, std::move(files));
   std::optional<WorkLine> working(std::in_place, "analysing " + options.study);
   const StudyResults results = results_of(*study, protocol, kind, source_to_analyse(protocol, options.by));
-  const std::vector<Figure> figures = study_figures(results, protocol);
+  const std::vector<Figure> figures =
+      study_figures(results, protocol, pressed_trials(*study, protocol, sessions_of(*study, kind)));
   files.page_bytes = report_page(results, protocol, result_tables(results, protocol), figures,
                                  methods_text(*study, protocol, results), facts_of(*study, protocol, study_path, kind));
   for (const Figure& figure : figures) files.figures.emplace_back(figure.id + ".svg", figure.svg.file());

@@ -1,9 +1,11 @@
 // The figures of a study's report, each one SVG picture with the words around it.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "data/results/press_traces.h"
 #include "data/results/study_results.h"
 #include "protocols/protocol.h"
 #include "runner/figures/svg.h"
@@ -15,6 +17,7 @@ struct Figure {
   std::string title;    // "JND by condition"
   std::string caption;  // plain sentences: what the marks are, who is not among them
   Svg svg;
+  std::optional<Svg> narrow{};  // the same with its panels below one another, for the width of a phone
 };
 
 // Each function returns no figure where there is nothing to draw. protocol: the study's.
@@ -24,6 +27,11 @@ struct Figure {
 std::vector<Figure> jnd_figures(const StudyResults& results, const Protocol& protocol);
 // Where the answers set the levels: their thresholds by condition, in the same form.
 std::vector<Figure> threshold_figures(const StudyResults& results, const Protocol& protocol);
+
+// Where the conditions differ in one number, such as a delay: the registered outcome against it.
+std::vector<Figure> parameter_figures(const StudyResults& results, const Protocol& protocol);
+// Where a condition has the cues of two others together: its JND against that of an optimal combination of the two.
+std::vector<Figure> combination_figures(const StudyResults& results, const Protocol& protocol);
 
 // d' against the stiffness difference with the fitted line, a panel for every participant, 24 a figure; for more than
 // 96 participants a panel for every condition instead, with everyone in it.
@@ -56,7 +64,11 @@ std::vector<Figure> behaviour_figures(const StudyResults& results, const Protoco
 // The median JND under every model, method and correction.
 std::vector<Figure> sensitivity_figures(const StudyResults& results, const Protocol& protocol);
 
-// All of them, in the order in which they are read.
-std::vector<Figure> study_figures(const StudyResults& results, const Protocol& protocol);
+// Force against depth of chosen trials, a panel each.
+std::vector<Figure> press_figures(const std::vector<PressedTrial>& presses, const Protocol& protocol);
+
+// All of them, in the order in which they are read. presses: trials whose ticks were kept; may be none.
+std::vector<Figure> study_figures(const StudyResults& results, const Protocol& protocol,
+                                  const std::vector<PressedTrial>& presses = {});
 
 }  // namespace jnd

@@ -53,17 +53,15 @@ void draw_curve(Svg& svg, const Panel& panel, const TaskCurveRow& row, const Pro
   svg.text(panel.left, panel.top - 8, title, strong(kLabel));
 }
 
-}  // namespace
-
-std::vector<Figure> curve_figures(const StudyResults& results, const Protocol& protocol) {
-  const auto* measured = std::get_if<MeasuredTask>(&results.measured);
-  if (measured == nullptr || measured->task.curves.empty()) return {};
-  const std::vector<TaskCurveRow>& curves = measured->task.curves;
-  const std::size_t columns = std::min(kCurveColumns, curves.size());
+// Panels in rows from the left.
+Svg draw_curves(const std::vector<TaskCurveRow>& curves, const Protocol& protocol, const std::string& title,
+                std::size_t most_columns) {
+  const bool narrow = most_columns == 1;
+  const std::size_t columns = std::min(most_columns, curves.size());
   const std::size_t rows = (curves.size() + columns - 1) / columns;
   const double step_x = kCurveWidth + kCurveGap, step_y = kCurveHeight + kCurveTop + kCurveBottom;
-  const std::string title = fmt::format("Share of \"{}\" over the levels", curves.front().curve.said);
-  Svg svg("figure-curves", std::max(420.0, kCurveLeft + static_cast<double>(columns) * step_x),
+  Svg svg(narrow ? "figure-curves-narrow" : "figure-curves",
+          std::max(narrow ? 0.0 : 420.0, kCurveLeft + static_cast<double>(columns) * step_x),
           static_cast<double>(rows) * step_y, title,
           "A panel for every condition and standard, all participants together.");
   for (std::size_t i = 0; i < curves.size(); ++i) {
@@ -72,11 +70,21 @@ std::vector<Figure> curve_figures(const StudyResults& results, const Protocol& p
     const double top = kCurveTop + static_cast<double>(row) * step_y;
     draw_curve(svg, {left, top, left + kCurveWidth, top + kCurveHeight}, curves[i], protocol, column == 0);
   }
+  return svg;
+}
+
+}  // namespace
+
+std::vector<Figure> curve_figures(const StudyResults& results, const Protocol& protocol) {
+  const auto* measured = std::get_if<MeasuredTask>(&results.measured);
+  if (measured == nullptr || measured->task.curves.empty()) return {};
+  const std::vector<TaskCurveRow>& curves = measured->task.curves;
+  const std::string title = fmt::format("Share of \"{}\" over the levels", curves.front().curve.said);
   return {
       {"curves", title,
        "All participants together; the curve is fitted to the same answers (methods). The dashed line is the standard. "
        "Every participant's own estimates are in the table.",
-       std::move(svg)}};
+       draw_curves(curves, protocol, title, kCurveColumns), draw_curves(curves, protocol, title, 1)}};
 }
 
 }  // namespace jnd

@@ -36,12 +36,12 @@ int classes_of(const Protocol& protocol) {
 }
 
 // Where a mark stands: above the line the second of two answers, below it the first; of more answers across it.
-std::pair<double, double> ends_of(const GivenAnswer& answer, int classes, double middle) {
+std::pair<double, double> ends_of(const RasterAnswer& answer, int classes, double middle) {
   if (classes != 2) return {middle - kRasterHalf, middle + kRasterHalf};
   return answer.said == 1 ? std::pair{middle - kRasterHalf, middle - 1} : std::pair{middle + 1, middle + kRasterHalf};
 }
 
-void draw_answer(Svg& svg, const GivenAnswer& answer, int classes, double left, double cell, double middle) {
+void draw_answer(Svg& svg, const RasterAnswer& answer, int classes, double left, double cell, double middle) {
   const auto [top, bottom] = ends_of(answer, classes, middle);
   const double x = left + cell / 2;
   if (answer.excluded) return svg.line(x, top, x, bottom, kExcluded);
@@ -85,7 +85,7 @@ void draw_raster_row(Svg& svg, const AnswersOf& row, const Protocol& protocol, i
 double draw_raster_legend(Svg& svg, const Protocol& protocol, int classes, bool judged) {
   constexpr double kBaseline = 24, kCell = 12;
   double x = kRasterNames;
-  const auto entry = [&](const GivenAnswer& answer, const std::string& text) {
+  const auto entry = [&](const RasterAnswer& answer, const std::string& text) {
     draw_answer(svg, answer, classes, x, kCell, kBaseline - 4);
     svg.text(x + kCell + 6, kBaseline, text, kLabel);
     x += kCell + 30 + text_width(text, kLabel.size);
@@ -108,7 +108,7 @@ std::vector<Figure> raster_figures(const StudyResults& results, const Protocol& 
   const int classes = classes_of(protocol);
   std::vector<AnswersOf> rows = results.answers;
   std::erase_if(rows, [](const AnswersOf& row) {
-    return std::none_of(row.answers.begin(), row.answers.end(), [](const GivenAnswer& one) { return one.said >= 0; });
+    return std::none_of(row.answers.begin(), row.answers.end(), [](const RasterAnswer& one) { return one.said >= 0; });
   });
   if (rows.empty() || classes < 2) return {};
   const std::size_t everyone = rows.size();
@@ -119,12 +119,12 @@ std::vector<Figure> raster_figures(const StudyResults& results, const Protocol& 
   for (const AnswersOf& row : rows) {
     most = std::max(most, row.answers.size());
     const auto right =
-        std::count_if(row.answers.begin(), row.answers.end(), [](const GivenAnswer& one) { return one.correct(); });
+        std::count_if(row.answers.begin(), row.answers.end(), [](const RasterAnswer& one) { return one.correct(); });
     const auto of =
-        std::count_if(row.answers.begin(), row.answers.end(), [](const GivenAnswer& one) { return one.judged(); });
+        std::count_if(row.answers.begin(), row.answers.end(), [](const RasterAnswer& one) { return one.judged(); });
     judged = judged || of > 0;
-    excluded = excluded ||
-               std::any_of(row.answers.begin(), row.answers.end(), [](const GivenAnswer& one) { return one.excluded; });
+    excluded = excluded || std::any_of(row.answers.begin(), row.answers.end(),
+                                       [](const RasterAnswer& one) { return one.excluded; });
     description += of > 0 ? fmt::format("{}: {} of {} right. ", row.participant, right, of)
                           : fmt::format("{}: {}. ", row.participant,
                                         counted(static_cast<std::int64_t>(row.answers.size()), "answer"));

@@ -110,13 +110,4 @@ std::vector<Figure> sensitivity_figures(const StudyResults& results, const Proto
        svg}};
 }
 
-std::vector<Figure> study_figures(const StudyResults& results, const Protocol& protocol) {
-  std::vector<Figure> figures;
-  for (const auto make : {jnd_figures, threshold_figures, task_figures, contrast_figures, curve_figures, slope_figures,
-                          roc_figures, track_figures, raster_figures, behaviour_figures, time_figures, rating_figures,
-                          rating_bar_figures, sensitivity_figures})
-    for (Figure& figure : make(results, protocol)) figures.push_back(std::move(figure));
-  return figures;
-}
-
 }  // namespace jnd

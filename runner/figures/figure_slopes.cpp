@@ -13,8 +13,9 @@ namespace jnd {
 
 namespace {
 
-constexpr std::size_t kPanelsInFigure = 24, kMostPanels = 96, kColumns = 6;
-constexpr double kLeft = 62, kSlopePanelWidth = 138, kSlopePanelHeight = 112, kGapX = 14, kGapY = 34, kBottom = 52;
+constexpr std::size_t kPanelsInFigure = 24, kMostPanels = 96, kColumns = 6, kNarrowColumns = 2;
+constexpr double kLeft = 62, kSlopePanelWidth = 138, kSlopePanelHeight = 112, kGapX = 14, kGapY = 34, kBottom = 52,
+                 kLeastWidth = 480;
 
 std::vector<LegendEntry> legend_of(const Protocol& protocol, const std::vector<SlopePanel>& panels) {
   std::vector<LegendEntry> legend;
@@ -34,15 +35,17 @@ std::vector<LegendEntry> legend_of(const Protocol& protocol, const std::vector<S
 
 // Panels in rows from the left, all with the same scales; axes at the left and below only.
 Svg draw_grid(const std::vector<SlopePanel>& panels, const SlopeScales& scales, const Protocol& protocol,
-              const std::string& id, const std::string& title, const std::string& description, double enlarged) {
+              const std::string& id, const std::string& title, const std::string& description, double enlarged,
+              bool narrow) {
   const double wide = kSlopePanelWidth * enlarged, high = kSlopePanelHeight * enlarged;
-  const std::size_t columns = std::min(enlarged > 1 ? std::size_t{3} : kColumns, panels.size());
+  const std::size_t most = narrow ? kNarrowColumns : kColumns;
+  const std::size_t columns = std::min(enlarged > 1 ? most / 2 : most, panels.size());
   const std::size_t rows = (panels.size() + columns - 1) / columns;
-  const double width = std::max(480.0, kLeft + static_cast<double>(columns) * (wide + kGapX) + 4);
+  const double width = std::max(narrow ? 0.0 : kLeastWidth, kLeft + static_cast<double>(columns) * (wide + kGapX) + 4);
   const std::vector<LegendEntry> legend = legend_of(protocol, panels);
   const double top = 8 + draw_legend(nullptr, legend, 0, 0, width - kLeft - 10) + 24;
   const double bottom = top + static_cast<double>(rows) * (high + kGapY) - kGapY;
-  Svg svg("figure-" + id, width, bottom + kBottom, title, description);
+  Svg svg(fmt::format("figure-{}{}", id, narrow ? "-narrow" : ""), width, bottom + kBottom, title, description);
   draw_legend(&svg, legend, kLeft, 8, width - kLeft - 10);
   for (std::size_t i = 0; i < panels.size(); ++i) {
     const std::size_t row = i / columns, column = i % columns;
@@ -101,7 +104,8 @@ std::vector<Figure> slope_figures(const StudyResults& results, const Protocol& p
     const std::string description = fmt::format(
         "{} participants, a panel for every condition, every participant's points and line.", people.size());
     return {{"slopes", what, caption_of(analysis, protocol, true),
-             draw_grid(by_condition(people, protocol), scales, protocol, "slopes", what, description, 2)}};
+             draw_grid(by_condition(people, protocol), scales, protocol, "slopes", what, description, 2, false),
+             draw_grid(by_condition(people, protocol), scales, protocol, "slopes", what, description, 2, true)}};
   }
   std::vector<Figure> figures;
   const std::size_t pages = (people.size() + kPanelsInFigure - 1) / kPanelsInFigure;
@@ -115,7 +119,8 @@ std::vector<Figure> slope_figures(const StudyResults& results, const Protocol& p
     const std::string description =
         fmt::format("One panel for every participant, from {} to {}.", shown.front().title, shown.back().title);
     figures.push_back({id, title, caption_of(analysis, protocol, false),
-                       draw_grid(shown, scales, protocol, id, title, description, 1)});
+                       draw_grid(shown, scales, protocol, id, title, description, 1, false),
+                       draw_grid(shown, scales, protocol, id, title, description, 1, true)});
   }
   return figures;
 }

@@ -80,24 +80,22 @@ void draw_tracks(Svg& svg, const Panel& panel, const TrackPanel& content, const 
   }
 }
 
-}  // namespace
+constexpr std::size_t kNarrowTracks = 1;
+constexpr double kLeastTracks = 480;
 
-std::vector<Figure> track_figures(const StudyResults& results, const Protocol& protocol) {
-  const auto* adaptive = std::get_if<AdaptiveResults>(&results.measured);
-  if (adaptive == nullptr || adaptive->rows.empty()) return {};
-  std::vector<TrackPanel> panels = track_panels(*adaptive);
-  const std::size_t participants = panels.size();
-  panels.resize(std::min(participants, kMostTrackPanels));
+Svg draw_track_panels(const std::vector<TrackPanel>& panels, const Protocol& protocol, const std::string& title,
+                      std::size_t most_columns) {
+  const bool narrow = most_columns == kNarrowTracks;
   const TrackScales scales = track_scales(panels);
-  const std::size_t columns = std::min(kTrackColumns, panels.size()), rows = (panels.size() + columns - 1) / columns;
-  const double width = std::max(480.0, kTrackLeft + static_cast<double>(columns) * (kTrackWidth + kTrackGapX));
+  const std::size_t columns = std::min(most_columns, panels.size()), rows = (panels.size() + columns - 1) / columns;
+  const double width =
+      std::max(narrow ? 0.0 : kLeastTracks, kTrackLeft + static_cast<double>(columns) * (kTrackWidth + kTrackGapX));
   std::vector<LegendEntry> legend;
   for (std::size_t i = 0; i < protocol.conditions.size(); ++i)
     legend.push_back({LegendEntry::Kind::condition, static_cast<int>(i), condition_title(protocol.conditions[i])});
   const double top = 8 + draw_legend(nullptr, legend, 0, 0, width - kTrackLeft - 10) + 24;
   const double bottom = top + static_cast<double>(rows) * (kTrackHeight + kTrackGapY) - kTrackGapY;
-  const std::string title = "Levels that the answers chose";
-  Svg svg("figure-tracks", width, bottom + kTrackBottom, title,
+  Svg svg(narrow ? "figure-tracks-narrow" : "figure-tracks", width, bottom + kTrackBottom, title,
           fmt::format("A panel for every participant, from {} to {}.", panels.front().participant,
                       panels.back().participant));
   draw_legend(&svg, legend, kTrackLeft, 8, width - kTrackLeft - 10);
@@ -112,13 +110,26 @@ std::vector<Figure> track_figures(const StudyResults& results, const Protocol& p
   upwards.upwards = true;
   svg.text(18, (top + bottom) / 2, fmt::format("difference ({})", unit_of(protocol)), upwards);
   svg.text((kTrackLeft + width) / 2, bottom + 42, "trial of the track", anchored(kLabel, "middle"));
+  return svg;
+}
+
+}  // namespace
+
+std::vector<Figure> track_figures(const StudyResults& results, const Protocol& protocol) {
+  const auto* adaptive = std::get_if<AdaptiveResults>(&results.measured);
+  if (adaptive == nullptr || adaptive->rows.empty()) return {};
+  std::vector<TrackPanel> panels = track_panels(*adaptive);
+  const std::size_t participants = panels.size();
+  panels.resize(std::min(participants, kMostTrackPanels));
+  const std::string title = "Levels that the answers chose";
   return {{"tracks", title,
            fmt::format("Presented differences of every track in the order of its trials; a second track of a condition "
                        "is dashed. The wedges at the right are what the tracks of a condition come to.{}",
                        participants > kMostTrackPanels
                            ? fmt::format(" The first {} of {} participants.", kMostTrackPanels, participants)
                            : std::string()),
-           std::move(svg)}};
+           draw_track_panels(panels, protocol, title, kTrackColumns),
+           draw_track_panels(panels, protocol, title, kNarrowTracks)}};
 }
 
 }  // namespace jnd

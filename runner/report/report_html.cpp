@@ -70,8 +70,13 @@ std::string figure_anchor(const Figure& figure) {
 }
 
 std::string figure_html(const Figure& figure, int number) {
+  std::string pictures = fmt::format("<div class=\"picture\">\n{}</div>\n", figure.svg.element());
+  if (figure.narrow)
+    pictures =
+        fmt::format("<div class=\"picture wide-only\">\n{}</div>\n<div class=\"picture narrow-only\">\n{}</div>\n",
+                    figure.svg.element(), figure.narrow->element());
   return fmt::format("<figure id=\"{}\">\n{}<figcaption><strong>Figure {}. {}.</strong> {}</figcaption>\n</figure>\n",
-                     figure_anchor(figure), figure.svg.element(), number, escape_markup(figure.title),
+                     figure_anchor(figure), pictures, number, escape_markup(figure.title),
                      escape_markup(figure.caption));
 }
 

@@ -50,6 +50,7 @@ nav ol { columns: 2; column-gap: 2.5rem; padding-left: 1.3rem; margin: 0.5rem 0;
 nav h2 { font-size: 1rem; margin: 1.6rem 0 0.2rem; border: 0; padding: 0; }
 figure { margin: 1.8rem 0 2.2rem; }
 figure svg { display: block; max-width: 100%; height: auto; margin: 0 auto; }
+.narrow-only { display: none; }
 figcaption { margin: 0.6rem auto 0; max-width: 50rem; }
 figcaption strong { color: var(--ink); }
 .table { margin: 1.8rem 0; }
@@ -85,6 +86,7 @@ svg .faint { stroke: var(--faint); }
 svg .ink-line { stroke: var(--ink); }
 svg .ink-fill { fill: var(--ink); stroke: var(--paper); }
 svg .bar { stroke: var(--paper); }
+svg .on-bar { fill: #1a1a1a; }
 svg .within { stroke: var(--within); }
 svg .published { fill: var(--paper); stroke: var(--published); }
 svg .f0 { fill: var(--c0); } svg .s0 { stroke: var(--c0); } svg .h0 { fill: var(--paper); stroke: var(--c0); }
@@ -95,9 +97,14 @@ svg .f4 { fill: var(--c4); } svg .s4 { stroke: var(--c4); } svg .h4 { fill: var(
 svg .f5 { fill: var(--c5); } svg .s5 { stroke: var(--c5); } svg .h5 { fill: var(--paper); stroke: var(--c5); }
 svg .f6 { fill: var(--c6); } svg .s6 { stroke: var(--c6); } svg .h6 { fill: var(--paper); stroke: var(--c6); }
 
-@media (max-width: 40rem) {
+@media screen and (max-width: 40rem) {
   nav ol { columns: 1; }
   dl { grid-template-columns: 1fr; }
+  .wide-only { display: none; }
+  .narrow-only { display: block; }
+  /* One that has no form of its own for this width keeps its size, so that it can be read, and is scrolled. */
+  .picture { overflow-x: auto; }
+  .picture:not(.narrow-only) svg { max-width: none; }
 }
 @page { margin: 16mm 14mm; }
 @media print {

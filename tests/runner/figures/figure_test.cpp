@@ -43,6 +43,11 @@ void check_figures(const std::vector<Figure>& figures) {
     CHECK(markup_problem(figure.svg.element()).empty());
     CHECK_FALSE(has_odd_numbers(figure.svg.file()));
     CHECK(figure.svg.file().find("<desc") != std::string::npos);
+    if (figure.narrow) {
+      CHECK(markup_problem(figure.narrow->element()).empty());
+      CHECK_FALSE(has_odd_numbers(figure.narrow->element()));
+      CHECK(figure.narrow->width() <= 500);
+    }
     CHECK_FALSE(figure.caption.empty());
   }
 }
@@ -131,7 +136,7 @@ TEST_CASE("a usual study has every figure, with every participant in it") {
   const StudyResults results = invented_study(protocol, 18);
   const std::vector<Figure> figures = study_figures(results, protocol);
   check_figures(figures);
-  REQUIRE(figures.size() == 7);
+  REQUIRE(figures.size() == 9);
   const std::string slopes = figure_named(figures, "slopes").svg.file();
   CHECK(count_of(slopes, "class=\"panel\"") == 18);
   CHECK(count_of(slopes, "class=\"point\"") == 18 * 9);
@@ -239,6 +244,181 @@ TEST_CASE("every track is drawn in its participant's panel, and what it comes to
   CHECK(figures.front().caption.find("The first 24 of 26 participants.") != std::string::npos);
   results.measured = AdaptiveResults{};
   CHECK(track_figures(results, protocol).empty());
+}
+
+TEST_CASE("every answer is a mark: what was said by its place, what was wrong by its width") {
+  const Protocol protocol = published_protocol();
+  StudyResults results;
+  for (int person = 1; person <= 26; ++person) {
+    AnswersOf one{fmt::format("P{:02}", person), {}, {4}};
+    one.answers = {{.condition = 0, .said = 1, .target = 1},
+                   {.condition = 0, .said = 0, .target = 1},
+                   {.condition = 1, .said = 0, .target = 0},
+                   {.condition = 1, .said = 1, .target = 0, .excluded = true}};
+    results.answers.push_back(one);
+  }
+  const std::vector<Figure> figures = raster_figures(results, protocol);
+  REQUIRE(figures.size() == 1);
+  check_figures(figures);
+  const std::string svg = figures.front().svg.file();
+  const std::size_t rows = 24, in_legend = 2;  // "same" and "different", each right and wrong
+  CHECK(count_of(svg, "height=\"8\" class=\"ink\"") == rows + in_legend);
+  CHECK(count_of(svg, "class=\"within\"") == 2 * rows + in_legend);
+  CHECK(count_of(svg, "stroke-dasharray=\"1 1.5\"") == rows);
+  CHECK(svg.find("P24, trials 3 to 4: V") != std::string::npos);
+  CHECK(svg.find("P25") == std::string::npos);
+  CHECK(svg.find("P01: 2 of 4 right.") != std::string::npos);
+  CHECK(figures.front().caption.find("The first 24 of 26 participants.") != std::string::npos);
+  CHECK(figures.front().caption.find("left out of the results by a registered rule") != std::string::npos);
+  // Answers that are numbers, and tasks without answers to tell apart, have none.
+  for (AnswersOf& one : results.answers)
+    for (RasterAnswer& answer : one.answers) answer.said = answer.target = -1;
+  CHECK(raster_figures(results, protocol).empty());
+}
+
+TEST_CASE("order, preference and change have a figure each, with a row for everyone, and say why there is no value") {
+  const Protocol protocol = published_protocol();
+  StudyResults results;
+  ConstantResults& measured = constant(results);
+  measured.detailed = true;
+  for (int condition = 0; condition < 3; ++condition) {
+    BehaviourRow row;
+    row.condition = condition;
+    row.order = order_effect(10, 20, 5, 20);
+    row.bias = response_bias(Counts{20, 15, 20, 5}, 0.5);
+    row.drift = drift(Counts{10, 5, 10, 4}, Counts{10, 8, 10, 2});
+    row.holm = {.order = 0.4, .bias = kNaN, .drift = 0.03, .session = kNaN};
+    measured.behaviour.conditions.push_back(row);
+    row.participant = fmt::format("P{:02}", condition + 1);
+    row.condition = -1;
+    if (condition == 1) {
+      row.order = order_effect(0, 0, 5, 20);
+      row.bias = response_bias(Counts{20, 20, 20, 20}, 0.5);
+      row.drift = drift(Counts{10, 5, 0, 0}, Counts{10, 8, 10, 2});
+    }
+    measured.behaviour.participants.push_back(row);
+  }
+  const std::vector<Figure> figures = behaviour_figures(results, protocol);
+  check_figures(figures);
+  REQUIRE(figures.size() == 3);
+  for (const Figure& figure : figures) {
+    const std::string svg = figure.svg.file();
+    CHECK(count_of(svg, "class=\"mean\"") == 5);  // all but one have a value
+    CHECK(svg.find("S, everyone") != std::string::npos);
+    CHECK(svg.find(">P02<") != std::string::npos);
+  }
+  const std::string order = figure_named(figures, "order").svg.file();
+  CHECK(order.find("0.25 (") != std::string::npos);
+  CHECK(order.find("p = 0.4") != std::string::npos);
+  CHECK(order.find("no_stiffer_first") != std::string::npos);
+  CHECK(figure_named(figures, "bias").svg.file().find("no_information") != std::string::npos);
+  CHECK(figure_named(figures, "drift").svg.file().find("missing") != std::string::npos);
+  measured.detailed = false;
+  CHECK(behaviour_figures(results, protocol).empty());
+}
+
+TEST_CASE("ratings part at the middle of their scale, every answer counted once") {
+  const Protocol protocol = published_protocol();
+  const StudyResults results = invented_study(protocol, 18);
+  const std::vector<Figure> figures = rating_bar_figures(results, protocol);
+  REQUIRE(figures.size() == 1);
+  check_figures(figures);
+  const std::string svg = figures.front().svg.file();
+  int counted = 0;
+  for (std::size_t at = svg.find(" of 18 gave "); at != std::string::npos; at = svg.find(" of 18 gave ", at + 1)) {
+    const std::size_t from = svg.rfind(": ", at);
+    counted += std::stoi(svg.substr(from + 2, at - from - 2));
+  }
+  CHECK(counted == 18 * 3);
+  CHECK(svg.find("below the middle of the scale") != std::string::npos);
+  StudyResults without = results;
+  std::erase_if(without.comparisons, [](const OutcomeComparison& one) { return one.question; });
+  CHECK(rating_bar_figures(without, protocol).empty());
+}
+
+TEST_CASE("two cues together stand against their optimal combination, who lacks a JND by name") {
+  const Protocol protocol = published_protocol();
+  std::vector<CellCounts> cells = invented_counts(protocol, 12, 5);
+  for (CellCounts& cell : cells)
+    if (cell.participant == "P07" && cell.condition == 1) cell.counts = {6, 0, 6, 6};  // the wrong way round
+  const StudyResults results = invented_results(protocol, cells);
+  const std::vector<Figure> figures = combination_figures(results, protocol);
+  REQUIRE(figures.size() == 1);
+  check_figures(figures);
+  const std::string svg = figures.front().svg.file();
+  CHECK(svg.find("JND predicted from S and V (N/m)") != std::string::npos);
+  CHECK(svg.find("JND observed in SV (N/m)") != std::string::npos);
+  CHECK(figures.front().caption.find("Without a JND in one of the three: P07.") != std::string::npos);
+  CHECK(svg.find("P08: predicted ") != std::string::npos);
+  CHECK(svg.find("P07: predicted ") == std::string::npos);
+  Protocol alone = protocol;
+  alone.conditions[2].cues = alone.conditions[0].cues;
+  CHECK(combination_figures(results, alone).empty());
+}
+
+TEST_CASE("where conditions differ in one number, the outcome stands against it") {
+  Protocol protocol = published_protocol();
+  StudyResults results = invented_study(protocol, 12);
+  CHECK(parameter_figures(results, protocol).empty());  // they differ in their cues
+  for (std::size_t i = 0; i < 3; ++i) {
+    protocol.conditions[i].cues = {};
+    protocol.conditions[i].parameters = {{"delay_ms", 60.0 - 30.0 * static_cast<double>(i)}, {"gain", 2.0}};
+  }
+  const std::vector<Figure> figures = parameter_figures(results, protocol);
+  REQUIRE(figures.size() == 1);
+  check_figures(figures);
+  const std::string svg = figures.front().svg.file();
+  CHECK(count_of(svg, "class=\"point\"") == 12);
+  CHECK(count_of(svg, "class=\"mean\"") == 3);
+  CHECK(figures.front().title.find(" against delay_ms") != std::string::npos);
+  const OutcomeComparison& outcome = results.comparisons.front();
+  double sum = 0;
+  for (const ParticipantValues& one : outcome.everyone) sum += one.values[2];  // at a delay of 0
+  CHECK(svg.find(fmt::format("delay_ms 0: mean {} of 12", number_text(sum / 12, 3))) != std::string::npos);
+  protocol.conditions[1].parameters["gain"] = 3.0;  // and now in two
+  CHECK(parameter_figures(results, protocol).empty());
+  protocol.conditions[1].parameters["gain"] = 2.0;
+  protocol.conditions[1].parameters["delay_ms"] = std::string("much");
+  CHECK(parameter_figures(results, protocol).empty());
+}
+
+TEST_CASE("force against depth: a line for each press, the asked slope dotted, panels below one another on a phone") {
+  const Protocol protocol = published_protocol();
+  std::vector<PressedTrial> presses;
+  for (int condition = 0; condition < 3; ++condition) {
+    PressedTrial trial{"P03", 12, condition, {}};
+    for (int interval = 0; interval < 2; ++interval) {
+      PressTrace trace{.interval = interval,
+                       .stimulus = 400 + 300.0 * interval,
+                       .delivered = std::nullopt,
+                       .limited = false,
+                       .points = {}};
+      if (condition == 0) trace.delivered = trace.stimulus - 1;
+      for (int press = 0; press < 2; ++press) {
+        for (int i = 1; i <= 10; ++i)
+          trace.points.push_back({4e-4 * i, 0.1 * i, condition == 1 ? 0 : trace.stimulus * 4e-4 * i});
+        trace.points.push_back({0, 0, 0});
+      }
+      trial.intervals.push_back(trace);
+    }
+    presses.push_back(trial);
+  }
+  std::vector<Figure> figures = press_figures(presses, protocol);
+  REQUIRE(figures.size() == 1);
+  check_figures(figures);
+  const std::string svg = figures.front().svg.file();
+  CHECK(count_of(svg, "<polyline") == 3 * 2 * 2);
+  CHECK(count_of(svg, "class=\"rule\"") == 2 * 2);  // nothing was asked for under vibration alone
+  CHECK(svg.find("400, 700 N/m, felt as 399.0, 699.0") != std::string::npos);
+  CHECK(svg.find("400, 700 N/m, no force") != std::string::npos);
+  CHECK(figures.front().caption.find("a limit of the device was reached") == std::string::npos);
+  REQUIRE(figures.front().narrow.has_value());
+  CHECK(figures.front().narrow->width() < 360);
+  CHECK(figures.front().narrow->height() > 2 * figures.front().svg.height());
+  presses[0].intervals[0].limited = true;
+  CHECK(press_figures(presses, protocol).front().caption.find("a limit of the device was reached") !=
+        std::string::npos);
+  CHECK(press_figures({}, protocol).empty());
 }
 
 TEST_CASE("studies at the limits still have figures") {

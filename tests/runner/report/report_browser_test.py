@@ -99,7 +99,7 @@ class Report:
         return done.stdout
 
     def make(self):
-        self.run(self.jnd, "simulate", "chinello2017", "--participants", "18", "--study", "s.sqlite", "--seed", "1")
+        self.run(self.jnd, "simulate", "chinello2017", "--participants", "18", "--study", "s.sqlite", "--seed", "1", "--record", "full")
         self.run(self.jnd, "report", "s.sqlite")
         first = open(self.path("s-report.html"), "rb").read()
         refused = subprocess.run([self.jnd, "report", "s.sqlite"], cwd=self.folder, capture_output=True, text=True)
@@ -109,7 +109,8 @@ class Report:
 
     def check_files(self):
         names = sorted(os.listdir(self.path("s-report-figures")))
-        assert names == ["contrasts.svg", "jnd.svg", "rating-1.svg", "roc.svg", "sensitivity.svg", "slopes.svg", "time.svg"], names
+        assert names == ["bias.svg", "combination.svg", "contrasts.svg", "drift.svg", "jnd.svg", "order.svg", "presses.svg", "raster.svg", "rating-1.svg",
+                         "ratings.svg", "roc.svg", "sensitivity.svg", "slopes.svg", "time.svg"], names
         for name in names:
             root = xml.etree.ElementTree.parse(os.path.join(self.path("s-report-figures"), name)).getroot()
             assert root.tag == "{http://www.w3.org/2000/svg}svg", root.tag
@@ -126,7 +127,7 @@ class Report:
                      '<figure id="fig-sensitivity">', 'id="table-participants"', 'id="table-group"', 'id="methods"',
                      'id="provenance"', "Cautions"):
             assert part in document, f"{part} is not in the page as the browser understood it"
-        assert document.count("<svg") == 7 and document.count("</svg>") == 7
+        assert document.count("<svg") == 16 and document.count("</svg>") == 16  # 14, two of them for phones too
         assert "<script" not in document
 
     def check_screens(self):
@@ -161,7 +162,7 @@ def main():
         report.check_document()
         report.check_screens()
         pages = report.check_paper()
-    print(f"the report has 7 figures, {pages} printed pages, a light and a dark screen, and a silent console")
+    print(f"the report has 14 figures, {pages} printed pages, a light and a dark screen, and a silent console")
     return 0
 
 

@@ -1,0 +1,40 @@
+// What was felt in a few trials, tick by tick: force against depth. Read from the ticks that a session kept.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "data/study/study.h"
+#include "protocols/protocol.h"
+
+namespace jnd {
+
+struct PressTrace {
+  struct Point {
+    double depth = 0;       // in the study's unit of length: m or rad; 0 where the finger is out of the object
+    double measured_n = 0;  // by the device
+    double asked_n = 0;     // by the contact, before any limit
+  };
+  int interval = 0;                 // from 0
+  double stimulus = 0;              // that was asked for
+  std::optional<double> delivered;  // fitted; none without force, or without a contact
+  bool limited = false;             // a limit took some of the force away
+  std::vector<Point> points;        // every 5 ms, in the order of time
+};
+
+// The first answered main trial of a condition, of same-different the first with two different stimuli where there is
+// one; of the device that comes first.
+struct PressedTrial {
+  std::string participant;
+  int trial = 0;      // Trial::index
+  int condition = 0;  // place in the protocol
+  std::vector<PressTrace> intervals;
+};
+
+// Of the first of these sessions that kept ticks: a trial for each condition that has one. Empty where none did. Reads
+// only the ticks of those trials. Throws StorageError where they cannot be read.
+std::vector<PressedTrial> pressed_trials(const Study& study, const Protocol& protocol,
+                                         const std::vector<SessionInfo>& sessions);
+
+}  // namespace jnd

@@ -1,0 +1,141 @@
+// The registered outcome against the one number in which the conditions differ, such as a delay.
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "analysis/group/group.h"
+#include "analysis/numerics/special_values.h"
+#include "runner/figures/figure.h"
+#include "runner/figures/figure_axis.h"
+#include "runner/figures/figure_style.h"
+#include "runner/results/result_format.h"
+
+namespace jnd {
+
+namespace {
+
+constexpr int kHollow = 6;  // grey
+constexpr double kParameterLeft = 76, kParameterTop = 20, kParameterWidth = 460, kParameterHeight = 320,
+                 kParameterRight = 30, kParameterBelow = 54;
+
+// The one parameter in which the conditions differ, where it is a number in all of them.
+struct NumericParameter {
+  std::string name;
+  std::vector<double> values;  // by condition
+};
+
+std::optional<NumericParameter> numeric_parameter(const Protocol& protocol) {
+  if (protocol.conditions.size() < 2) return std::nullopt;
+  const Condition& first = protocol.conditions.front();
+  std::optional<NumericParameter> found;
+  for (const auto& [name, value] : first.parameters) {
+    const bool same = std::all_of(protocol.conditions.begin(), protocol.conditions.end(), [&](const Condition& one) {
+      const auto own = one.parameters.find(name);
+      return own != one.parameters.end() && own->second == value;
+    });
+    if (same) continue;
+    if (found) return std::nullopt;  // they differ in more than one
+    found = NumericParameter{name, {}};
+  }
+  if (!found) return std::nullopt;
+  for (const Condition& condition : protocol.conditions) {
+    const auto own = condition.parameters.find(found->name);
+    const double* const number = own == condition.parameters.end() ? nullptr : std::get_if<double>(&own->second);
+    if (number == nullptr || condition.parameters.size() != first.parameters.size() || condition.cues != first.cues)
+      return std::nullopt;
+    found->values.push_back(*number);
+  }
+  return found;
+}
+
+// In the order of the parameter; conditions with the same value beside one another.
+std::vector<std::size_t> by_parameter(const NumericParameter& parameter) {
+  std::vector<std::size_t> order(parameter.values.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return parameter.values[a] < parameter.values[b]; });
+  return order;
+}
+
+void draw_person(Svg& svg, const ParticipantValues& one, const NumericParameter& parameter,
+                 const std::vector<std::size_t>& order, const Scale& x, const Scale& y) {
+  std::vector<SvgPoint> corners;
+  std::string words = fmt::format("{}:", one.participant);
+  for (const std::size_t place : order) {
+    if (!std::isfinite(one.values[place])) continue;
+    corners.emplace_back(x.at(parameter.values[place]), y.at(one.values[place]));
+    words += fmt::format(" {:g}: {}", parameter.values[place], number_text(one.values[place], 3));
+  }
+  svg.begin("point", words);
+  if (corners.size() > 1) svg.polyline(corners, kFaint);
+  for (const auto& [at_x, at_y] : corners) svg.circle(at_x, at_y, 2.8, condition_hollow(kHollow));
+  svg.end();
+}
+
+}  // namespace
+
+std::vector<Figure> parameter_figures(const StudyResults& results, const Protocol& protocol) {
+  const std::optional<NumericParameter> parameter = numeric_parameter(protocol);
+  if (!parameter || results.comparisons.empty() || results.comparisons.front().question) return {};
+  const OutcomeComparison& outcome = results.comparisons.front();
+  const std::vector<std::size_t> order = by_parameter(*parameter);
+  std::map<double, std::vector<double>> values;  // of everyone who has one, by the parameter
+  for (const ParticipantValues& one : outcome.everyone)
+    for (const std::size_t place : order)
+      if (std::isfinite(one.values[place])) values[parameter->values[place]].push_back(one.values[place]);
+  if (values.size() < 2) return {};
+  std::map<double, MeanEstimate> means;
+  double low = kInf, high = -kInf;
+  for (const auto& [at, all] : values) {
+    const MeanEstimate mean = means[at] = mean_with_ci(all);
+    low = std::min({low, *std::min_element(all.begin(), all.end()), std::isfinite(mean.ci_low) ? mean.ci_low : low});
+    high =
+        std::max({high, *std::max_element(all.begin(), all.end()), std::isfinite(mean.ci_high) ? mean.ci_high : high});
+  }
+  const Panel panel{kParameterLeft, kParameterTop, kParameterLeft + kParameterWidth, kParameterTop + kParameterHeight};
+  const Range x_range = round_range(means.begin()->first, means.rbegin()->first, 6),
+              y_range = round_range(low, high, 6);
+  constexpr double kInside = 14;  // marks stand clear of the frame
+  const Scale x{x_range.low, x_range.high, panel.left + kInside, panel.right - kInside};
+  const Scale y{y_range.low, y_range.high, panel.bottom, panel.top};
+  const std::string title = fmt::format("{} against {}", outcome.title, parameter->name);
+  std::string description;
+  for (const auto& [at, mean] : means)
+    description +=
+        fmt::format("{} {:g}: mean {} of {} participants. ", parameter->name, at, number_text(mean.mean, 3), mean.n);
+  Svg svg("figure-parameter", panel.right + kParameterRight, panel.bottom + kParameterBelow, title, description);
+  draw_grid_rows(svg, panel, y, 6);
+  svg.rectangle(panel.left, panel.top, panel.width(), panel.height(), kFrame);
+  draw_x_axis(svg, panel, x, parameter->name, 6);
+  draw_y_axis(svg, panel, y, outcome.unit.empty() ? outcome.title : fmt::format("{} ({})", outcome.title, outcome.unit),
+              6);
+  for (const ParticipantValues& one : outcome.everyone) draw_person(svg, one, *parameter, order, x, y);
+  std::vector<SvgPoint> corners;
+  for (const auto& [at, mean] : means) corners.emplace_back(x.at(at), y.at(mean.mean));
+  svg.polyline(corners, kInk);
+  for (const auto& [at, mean] : means) {
+    svg.begin("mean", fmt::format("{} {:g}: mean {}, n = {}", parameter->name, at, number_text(mean.mean, 3), mean.n));
+    if (std::isfinite(mean.ci_low)) {
+      svg.line(x.at(at), y.at(mean.ci_low), x.at(at), y.at(mean.ci_high), kInk);
+      for (const double end : {mean.ci_low, mean.ci_high})
+        svg.line(x.at(at) - 5, y.at(end), x.at(at) + 5, y.at(end), kInk);
+    }
+    svg.circle(x.at(at), y.at(mean.mean), 5, kInkFill);
+    svg.end();
+  }
+  int without = 0;
+  for (const ParticipantValues& one : outcome.everyone) without += one.missing.empty() ? 0 : 1;
+  return {{"parameter", title,
+           fmt::format("The registered outcome over the values of \"{}\", in which alone the conditions differ: each "
+                       "participant, joined, and the mean with its 95 % confidence interval (Student t).{}",
+                       parameter->name,
+                       without > 0 ? fmt::format(" {} without a value in one of the conditions.",
+                                                 counted(without, "participant"))
+                                   : ""),
+           std::move(svg)}};
+}
+
+}  // namespace jnd
