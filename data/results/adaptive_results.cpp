@@ -30,6 +30,7 @@ AdaptiveRow row_of(const AdaptiveTrack& track, const Protocol& protocol) {
   row.false_alarms = track.false_alarms;
   row.levels = track.levels;
   row.reversals = track.reversals;
+  row.course = track.course;
   row.threshold = track_threshold(track, protocol);
   set_rates(row, protocol.stimulus.reference);
   return row;

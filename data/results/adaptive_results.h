@@ -8,6 +8,7 @@
 #include "analysis/thresholds/adaptive_threshold.h"
 #include "data/results/study_analysis.h"
 #include "data/study/study.h"
+#include "protocols/planning/adaptive_run.h"
 #include "protocols/protocol.h"
 
 namespace jnd {
@@ -15,19 +16,20 @@ namespace jnd {
 struct AdaptiveRow {
   std::string participant;
   SessionKind kind = SessionKind::simulated;
-  int condition = 0;              // place in the protocol
-  int track = 0;                  // from 1; 0: all tracks of the condition
-  bool finished = false;          // the stopping rule was met; of all tracks
-  int trials = 0;                 // answered, with a difference
-  int hits = 0;                   // of these, "different" said
-  int catch_trials = 0;           // answered
-  int false_alarms = 0;           // of these, "different" said
-  double false_alarm_rate = 0;    // 0..1; NaN without catch trials
-  AdaptiveThreshold threshold;    // in the study's unit
-  double weber = 0;               // of the reference; NaN without a threshold
-  std::vector<double> levels;     // of a track: presented differences, in order
-  std::vector<double> reversals;  // of a staircase's track: their levels
-  std::optional<int> group{};     // of the participant, place in Protocol::groups
+  int condition = 0;                     // place in the protocol
+  int track = 0;                         // from 1; 0: all tracks of the condition
+  bool finished = false;                 // the stopping rule was met; of all tracks
+  int trials = 0;                        // answered, with a difference
+  int hits = 0;                          // of these, "different" said
+  int catch_trials = 0;                  // answered
+  int false_alarms = 0;                  // of these, "different" said
+  double false_alarm_rate = 0;           // 0..1; NaN without catch trials
+  AdaptiveThreshold threshold;           // in the study's unit
+  double weber = 0;                      // of the reference; NaN without a threshold
+  std::vector<double> levels;            // of a track: presented differences, in order
+  std::vector<double> reversals;         // of a staircase's track: their levels
+  std::vector<TrackPosterior> course{};  // of a track of the Bayesian procedure: after each of `levels`
+  std::optional<int> group{};            // of the participant, place in Protocol::groups
 };
 
 // Over the participants whose threshold in the condition is ok.

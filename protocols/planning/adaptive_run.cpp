@@ -76,9 +76,21 @@ struct AdaptiveRun::State {
     }
     const bool positive = which ? correct == (side > 0) : correct != equal;
     posterior->procedure.update(equal ? 0 : place_on(side), positive);
+    note_posterior(equal);
     choose(procedure);
     over = procedure.precision && *track.sd_ln_s <= *procedure.precision;
     track.finished = over || static_cast<int>(track.levels.size()) >= procedure.trials;
+  }
+
+  void note_posterior(bool equal) {
+    constexpr double kLow = 0.025, kHigh = 0.975;
+    const PosteriorProcedure& run = posterior->procedure;
+    const TrackPosterior now{std::exp(run.estimate().mean_ln_s), std::exp(run.ln_s_quantile(kLow)),
+                             std::exp(run.ln_s_quantile(kHigh))};
+    if (!equal)
+      track.course.push_back(now);
+    else if (!track.course.empty())
+      track.course.back() = now;
   }
 
   void choose(const AdaptiveProcedure& procedure) {

@@ -16,6 +16,11 @@
 
 namespace jnd {
 
+// The JND by the posterior of the Bayesian procedure at one moment: exp of the mean of ln s, and its middle 95 %.
+struct TrackPosterior {
+  double jnd = 0, low = 0, high = 0;
+};
+
 // What one track has come to.
 struct AdaptiveTrack {
   int condition = 0;  // place in Protocol::conditions
@@ -30,7 +35,9 @@ struct AdaptiveTrack {
   int catch_trials = 0;                // answered
   int false_alarms = 0;                // of these, answered wrongly: a difference said where there was none
   std::optional<QuestEstimate> quest;  // of QUEST: the posterior of log10 of the level
-  std::optional<double> sd_ln_s{};     // of the Bayesian procedure: of the posterior, what stop.precision looks at
+  std::vector<TrackPosterior>
+      course{};  // of the Bayesian procedure: after each of `levels`, with the catch trials behind it
+  std::optional<double> sd_ln_s{};  // of the Bayesian procedure: of the posterior, what stop.precision looks at
 };
 
 class AdaptiveRun {

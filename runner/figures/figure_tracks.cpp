@@ -45,6 +45,25 @@ TrackScales track_scales(const std::vector<TrackPanel>& panels) {
   return {round_range(0, trials, 4), round_range(0, level > 0 ? level : 1, 4)};
 }
 
+// Behind the levels: what the posterior said after each answer, a band of its middle 95 % and its mean.
+void draw_course(Svg& svg, const AdaptiveRow& row, const Scale& x, const Scale& y) {
+  if (row.course.size() < 2) return;
+  std::vector<SvgPoint> band, mean;
+  for (std::size_t i = 0; i < row.course.size(); ++i) {
+    const double at = x.at(static_cast<double>(i) + 1);
+    band.emplace_back(at, y.clipped(row.course[i].low));
+    mean.emplace_back(at, y.clipped(row.course[i].jnd));
+  }
+  for (std::size_t i = row.course.size(); i-- > 0;)
+    band.emplace_back(x.at(static_cast<double>(i) + 1), y.clipped(row.course[i].high));
+  ShapeStyle shade = condition_fill(row.condition);
+  shade.opacity = 0.18;
+  svg.polygon(band, shade);
+  ShapeStyle line = condition_line(row.condition);
+  line.stroke_width = 2.2;
+  svg.polyline(mean, line);
+}
+
 void draw_track(Svg& svg, const AdaptiveRow& row, const Scale& x, const Scale& y, const Protocol& protocol) {
   std::vector<SvgPoint> corners;
   for (std::size_t i = 0; i < row.levels.size(); ++i)
@@ -54,6 +73,8 @@ void draw_track(Svg& svg, const AdaptiveRow& row, const Scale& x, const Scale& y
   ShapeStyle line = condition_line(row.condition);
   line.stroke_width = 1.4;
   if (row.track % 2 == 0) line.dash = "4 2";
+  draw_course(svg, row, x, y);
+  if (!row.course.empty()) line.stroke_width = 0.8;
   if (corners.size() > 1) svg.polyline(corners, line);
   if (!corners.empty())
     draw_marker(svg, row.condition, corners.back().first, corners.back().second, 3, condition_fill(row.condition));
@@ -122,14 +143,20 @@ std::vector<Figure> track_figures(const StudyResults& results, const Protocol& p
   const std::size_t participants = panels.size();
   panels.resize(std::min(participants, kMostTrackPanels));
   const std::string title = "Levels that the answers chose";
-  return {{"tracks", title,
-           fmt::format("Presented differences of every track in the order of its trials; a second track of a condition "
-                       "is dashed. The wedges at the right are what the tracks of a condition come to.{}",
-                       participants > kMostTrackPanels
-                           ? fmt::format(" The first {} of {} participants.", kMostTrackPanels, participants)
-                           : std::string()),
-           draw_track_panels(panels, protocol, title, kTrackColumns),
-           draw_track_panels(panels, protocol, title, kNarrowTracks)}};
+  const bool has_course = std::any_of(adaptive->rows.begin(), adaptive->rows.end(),
+                                      [](const AdaptiveRow& row) { return !row.course.empty(); });
+  return {
+      {"tracks", title,
+       fmt::format("Presented differences of every track in the order of its trials; a second track of a condition "
+                   "is dashed.{} The wedges at the right are what the tracks of a condition come to.{}",
+                   has_course ? " The thick line is the JND by the posterior after each answer, the band its middle "
+                                "95 %, as far as the scale goes."
+                              : "",
+                   participants > kMostTrackPanels
+                       ? fmt::format(" The first {} of {} participants.", kMostTrackPanels, participants)
+                       : std::string()),
+       draw_track_panels(panels, protocol, title, kTrackColumns),
+       draw_track_panels(panels, protocol, title, kNarrowTracks)}};
 }
 
 }  // namespace jnd

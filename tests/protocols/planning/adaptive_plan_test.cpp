@@ -347,6 +347,19 @@ TEST_CASE("a track of the Bayesian procedure has blocks of six, and ends with it
   CHECK(track.catch_trials == answers / 3);
   CHECK(static_cast<int>(track.levels.size()) == answers - answers / 3);
   CHECK_FALSE(run.tracks()[1].finished);  // another condition's
+
+  // After each answer what the posterior of all answers so far says, catch trials included.
+  REQUIRE(track.course.size() == track.levels.size());
+  const PosteriorConfiguration configuration = posterior_model(protocol, protocol.series[0]).configuration;
+  PosteriorProcedure again(configuration);
+  for (std::size_t i = 0; i < track.levels.size(); ++i) {
+    again.update_at(track.levels[i], track.correct[i]);
+    if (i % 2 == 1) again.update_at(0, false);  // every third answer was of a pair without a difference
+    if (i + 1 == track.levels.size() && answers % 3 != 0) break;
+    CHECK(track.course[i].jnd == Approx(std::exp(again.estimate().mean_ln_s)).epsilon(1e-9));
+    CHECK(track.course[i].low == Approx(std::exp(again.ln_s_quantile(0.025))).epsilon(1e-9));
+    CHECK(track.course[i].high == Approx(std::exp(again.ln_s_quantile(0.975))).epsilon(1e-9));
+  }
 }
 
 TEST_CASE("the posterior of all answers is what updates one by one lead to") {

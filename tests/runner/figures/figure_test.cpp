@@ -242,6 +242,16 @@ TEST_CASE("every track is drawn in its participant's panel, and what it comes to
   CHECK(svg.find("P24, ") != std::string::npos);
   CHECK(svg.find("P25, ") == std::string::npos);
   CHECK(figures.front().caption.find("The first 24 of 26 participants.") != std::string::npos);
+  CHECK(figures.front().caption.find("posterior") == std::string::npos);
+  // Of the Bayesian procedure each track has its posterior's mean and band.
+  for (AdaptiveRow& row : measured.rows)
+    if (row.track > 0) row.course = {{400, 150, 900}, {300, 180, 600}, {280, 190, 5000}};
+  results.measured = measured;
+  const std::vector<Figure> courses = track_figures(results, protocol);
+  check_figures(courses);
+  CHECK(count_of(courses.front().svg.file(), "<polyline") == shown * 4 * 2);
+  CHECK(count_of(courses.front().svg.file(), "opacity=\"0.18\"") == shown * 4);
+  CHECK(courses.front().caption.find("the JND by the posterior after each answer") != std::string::npos);
   results.measured = AdaptiveResults{};
   CHECK(track_figures(results, protocol).empty());
 }
