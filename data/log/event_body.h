@@ -34,7 +34,7 @@ inline constexpr std::string_view kPaused = "session.paused";  // cause ("key", 
 inline constexpr std::string_view kContinued = "session.continued";  // paused_s
 inline constexpr std::string_view kSessionUnblinded =
     "session.unblinded";  // shown ("forces"): the operator sees what tells the stimuli, from now on
-inline constexpr std::string_view kLeft = "session.left";            // ended by the operator: cause, reason, for_good
+inline constexpr std::string_view kLeft = "session.left";  // ended by the operator: cause, reason, for_good
 inline constexpr std::string_view kNote = "note";  // text, by, after_trial; in a session or in the study's chain
 inline constexpr std::string_view kChecklist = "checklist.answered";   // question, text, answer
 inline constexpr std::string_view kInstructed = "instructions.shown";  // id, language

@@ -80,7 +80,7 @@ class CommandLine(unittest.TestCase):
     def test_doctor_says_whether_the_machine_is_fit_and_what_to_do(self):
         done = self.jnd_class("doctor", "--seconds", "0.2", "--json")
         report = json.loads(done.stdout, parse_constant=lambda name: self.fail(name))
-        self.assertEqual(set(report), {"ok", "checks", "jitter"})
+        self.assertEqual(set(report), {"ok", "checks", "jitter", "rehearsal"})
         verdicts = {check["name"]: check["verdict"] for check in report["checks"]}
         self.assertLessEqual({"kernel", "processors", "clock source", "HID devices", "study folder"}, set(verdicts))
         # A busy or restricted machine may be unfit; the exit code says what the report does.
@@ -94,6 +94,7 @@ class CommandLine(unittest.TestCase):
         self.assertLessEqual(jitter["p50_us"], jitter["p99_us"])
         self.assertGreater(jitter["ticks"], 0)
         self.assertGreaterEqual(jitter["ticks"] + jitter["overruns"], 200)
+        self.assertLessEqual(report["rehearsal"]["p99_us"], report["rehearsal"]["max_us"])
         text = self.jnd("doctor", "--seconds", "0.1", "--study", os.path.join(self.path, "no", "such", "s.sqlite"), code=1).stdout
         self.assertIn("BAD", text)
         self.assertNotIn("\x1b", text)

@@ -74,8 +74,7 @@ TEST_CASE("Forces are on the screen where they may be seen, and give way to what
         for (const Row& row : frame.rows)
           for (const Span& span : row) REQUIRE(span.column + columns_of(span.text) <= columns);
         const std::string text = text_of(frame);
-        for (const char* const needed : {"UNBLINDED", "[x]"})
-          REQUIRE(text.find(needed) != std::string::npos);
+        for (const char* const needed : {"UNBLINDED", "[x]"}) REQUIRE(text.find(needed) != std::string::npos);
       }
   model.scene.to_read = true;
   CHECK(text_of(lay_out(model, 24, 80, true)).find("force N") == std::string::npos);
