@@ -6,20 +6,14 @@
 namespace jnd {
 
 namespace {
-
 constexpr std::chrono::milliseconds kLookEvery{50};
-
-std::unique_ptr<TelemetryRing> ring_of(std::size_t ticks) {
-  return ticks > 0 ? std::make_unique<TelemetryRing>(ticks) : nullptr;
 }
-
-}  // namespace
 
 FingertipRig::FingertipRig(RigInfo info, RigParts parts, Clock& clock, const RigOptions& options)
     : info_(std::move(info)),
       parts_(std::move(parts)),
-      telemetry_(ring_of(options.telemetry_ticks)),
-      live_(ring_of(options.live_ticks)),
+      telemetry_(options.telemetry_ticks > 0 ? std::make_unique<TelemetryRing>(options.telemetry_ticks) : nullptr),
+      live_(options.live_ticks > 0 ? std::make_unique<TelemetryRing>(options.live_ticks) : nullptr),
       snapshot_(options.realtime ? std::make_unique<LatestSnapshot>() : nullptr),
       loop_(parts_.channels, *parts_.tracker, clock, parts_.scene, {telemetry_.get(), live_.get(), snapshot_.get()}),
       thread_(std::move(parts_.thread)) {

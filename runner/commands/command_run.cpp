@@ -44,14 +44,15 @@ struct RunOptions {
   std::string participant;               // asked for where empty
   std::optional<std::uint64_t> seed;     // of a new study; drawn where not given
   std::optional<std::string> responder;  // a profile that answers instead of a person
-  bool participant_presses = false;      // who presses the answer keys
   std::string rig = "simulated";         // simulated, hid, or a rig file
+  bool participant_presses = false;      // who presses the answer keys
   bool fast = false;
   bool plain = false;                             // a line at a time
   std::string events;                             // where they are told to another program; empty: nowhere
   bool quiet = false;                             // no bell for the operator
   bool large_text = false;                        // of the participant's pages
   bool bell = false;                              // cues ring the terminal's bell, and no sound is played
+  bool technician = false;                        // forces are shown, and the session is marked as unblinded
   std::optional<std::string> kind;                // real or pilot; what the rig is for where not given
   std::optional<std::string> language;            // of the participant's texts
   std::string group;                              // of the participant, where the operator says it
@@ -59,7 +60,6 @@ struct RunOptions {
   std::string accept_gap;                         // why a too long interruption does not matter
   std::optional<std::string> override_readiness;  // why a bad finding does not matter
   std::string buttons;                            // a mapping of learn-buttons; empty: only keys answer
-  bool technician = false;                        // forces are shown, and the session is marked as unblinded
   std::string record = "full";                    // off, events, full
   std::string realtime = "prefer";                // off, prefer, require
 };

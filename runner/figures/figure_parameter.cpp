@@ -31,7 +31,9 @@ std::optional<NumericParameter> numeric_parameter(const Protocol& protocol) {
   if (protocol.conditions.size() < 2) return std::nullopt;
   const Condition& first = protocol.conditions.front();
   std::optional<NumericParameter> found;
-  for (const auto& [name, value] : first.parameters) {
+  for (const auto& entry : first.parameters) {
+    const std::string& name = entry.first;
+    const ParameterValue& value = entry.second;
     const bool same = std::all_of(protocol.conditions.begin(), protocol.conditions.end(), [&](const Condition& one) {
       const auto own = one.parameters.find(name);
       return own != one.parameters.end() && own->second == value;

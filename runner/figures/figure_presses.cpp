@@ -116,10 +116,11 @@ Svg draw_presses(const std::vector<PressedTrial>& trials, const Protocol& protoc
   Svg svg(most_columns == 1 ? "figure-presses-narrow" : "figure-presses", width, bottom + kPressBelow, title,
           description);
   for (std::size_t i = 0; i < trials.size(); ++i) {
-    const double left = kPressLeft + static_cast<double>(i % columns) * (kPressWidth + kPressGapX);
-    const double upper = kPressTop + static_cast<double>(i / columns) * (kPressHeight + kPressGapY);
+    const std::size_t row = i / columns, column = i % columns;
+    const double left = kPressLeft + static_cast<double>(column) * (kPressWidth + kPressGapX);
+    const double upper = kPressTop + static_cast<double>(row) * (kPressHeight + kPressGapY);
     draw_trial(svg, {left, upper, left + kPressWidth, upper + kPressHeight}, trials[i], scales, protocol, factor,
-               i % columns == 0);
+               column == 0);
   }
   TextStyle upwards = anchored(kLabel, "middle");
   upwards.upwards = true;

@@ -89,7 +89,8 @@ std::vector<Row> plot_rows(const Area& area, const ForceTrace& trace, int rows) 
   const std::vector<std::string> right =
       plotted(depth, trace.in_metres() ? tr("depth mm (5 s)") : tr("depth rad (5 s)"), rows, canvas);
   std::vector<Row> out;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(rows + kAround); ++i) {
+  const std::size_t lines = static_cast<std::size_t>(rows) + static_cast<std::size_t>(kAround);
+  for (std::size_t i = 0; i < lines; ++i) {
     Row row;
     if (i < left.size()) row.push_back({0, clipped(left[i], canvas.columns, area.unicode), {}});
     if (i < right.size()) row.push_back({canvas.columns, clipped(right[i], canvas.columns, area.unicode), {}});
