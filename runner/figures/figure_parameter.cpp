@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -21,7 +22,7 @@ constexpr int kHollow = 6;  // grey
 constexpr double kParameterLeft = 76, kParameterTop = 20, kParameterWidth = 460, kParameterHeight = 320,
                  kParameterRight = 30, kParameterBelow = 54;
 
-// The one parameter in which the conditions differ, where it is a number in all of them.
+// The one parameter in which the conditions differ, where it is a number in all of them, and another in each.
 struct NumericParameter {
   std::string name;
   std::vector<double> values;  // by condition
@@ -50,15 +51,17 @@ std::optional<NumericParameter> numeric_parameter(const Protocol& protocol) {
       return std::nullopt;
     found->values.push_back(*number);
   }
+  // Conditions that have a value in common would count everyone twice there.
+  if (std::set<double>(found->values.begin(), found->values.end()).size() < found->values.size()) return std::nullopt;
   return found;
 }
 
-// In the order of the parameter; conditions with the same value beside one another.
+// Conditions in the order of the parameter.
 std::vector<std::size_t> by_parameter(const NumericParameter& parameter) {
   std::vector<std::size_t> order(parameter.values.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return parameter.values[a] < parameter.values[b]; });
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return parameter.values[a] < parameter.values[b]; });
   return order;
 }
 

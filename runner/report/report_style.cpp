@@ -112,7 +112,7 @@ svg .f6 { fill: var(--c6); } svg .s6 { stroke: var(--c6); } svg .h6 { fill: var(
   body { max-width: none; padding: 0; font-size: 10pt; line-height: 1.4; }
   h1 { font-size: 16pt; }
   h2 { font-size: 12.5pt; margin-top: 16pt; }
-  h2, h3 { break-after: avoid; }
+  h2, h3, h4 { break-after: avoid; }
   nav, .skip { display: none; }
   a { color: inherit; text-decoration: none; }
   figure, tr, .alert, .short { break-inside: avoid; }

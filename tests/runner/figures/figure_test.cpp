@@ -388,6 +388,8 @@ TEST_CASE("where conditions differ in one number, the outcome stands against it"
   protocol.conditions[1].parameters["gain"] = 3.0;  // and now in two
   CHECK(parameter_figures(results, protocol).empty());
   protocol.conditions[1].parameters["gain"] = 2.0;
+  protocol.conditions[1].parameters["delay_ms"] = 60.0;  // as the first: everyone would count twice there
+  CHECK(parameter_figures(results, protocol).empty());
   protocol.conditions[1].parameters["delay_ms"] = std::string("much");
   CHECK(parameter_figures(results, protocol).empty());
 }
