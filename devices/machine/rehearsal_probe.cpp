@@ -1,6 +1,7 @@
 #include "devices/machine/rehearsal_probe.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -27,6 +28,7 @@ RehearsalReport probe_rehearsal(Rig& rig, const Stimulus& stimulus, double secon
     const Presentation given = rig.present(request);
     if (stop) break;
     ++report.presentations;
+    report.presented_s += given.duration_s;
     report.ticks += given.ticks;
     report.overruns += given.overruns;
     report.p99_us = std::max(report.p99_us, given.lateness_p99_us);
@@ -41,7 +43,12 @@ RehearsalReport probe_rehearsal(Rig& rig, const Stimulus& stimulus, double secon
   return report;
 }
 
-Check judge_rehearsal(const RehearsalReport& report) {
+std::optional<double> lost_trials(const RehearsalReport& report, double trial_s) {
+  if (!(report.presented_s > 0)) return std::nullopt;
+  return -std::expm1(-report.gaps / report.presented_s * trial_s);
+}
+
+Check judge_rehearsal(const RehearsalReport& report, double trial_s) {
   if (report.presentations == 0)
     return {.what = "rehearsal",
             .verdict = Verdict::warn,
@@ -53,8 +60,12 @@ Check judge_rehearsal(const RehearsalReport& report) {
                             .largest_us = report.largest_us,
                             .ticks = report.ticks,
                             .overruns = report.overruns});
-  const std::string lost = fmt::format("{} of {} presentation{} lost to a gap between commands", report.gaps,
-                                       report.presentations, report.presentations == 1 ? "" : "s");
+  std::string lost = fmt::format("{} of {} presentation{} lost to a gap between commands", report.gaps,
+                                 report.presentations, report.presentations == 1 ? "" : "s");
+  // Of none in some seconds nobody can tell how few would be lost in a session.
+  if (const std::optional<double> share = lost_trials(report, trial_s); share && report.gaps > 0)
+    lost += fmt::format(" (at this rate some {:.0f} of 100 trials, which present for {:.3g} s each)", 100 * *share,
+                        trial_s);
   check.found = fmt::format("{}, in real time on a simulated rig; {}", lost, check.found);
   if (report.gaps > 0) {
     check.verdict = Verdict::bad;

@@ -107,14 +107,17 @@ double expected_exploration_s(const Timeline& timeline) {
 
 }  // namespace
 
+double expected_presented_s(const Protocol& protocol) {
+  const double interval_s = kFirstContact_s + expected_exploration_s(protocol.timeline);
+  return task_of(protocol.task.kind).expected_looks(protocol) * felt_intervals(protocol.task) * interval_s;
+}
+
 double expected_trial_s(const Protocol& protocol) {
   const Timeline& timeline = protocol.timeline;
-  const Task& task = task_of(protocol.task.kind);
-  const int intervals = felt_intervals(protocol.task);
-  const double look_s =
-      intervals * (kFirstContact_s + expected_exploration_s(timeline)) + (intervals - 1) * timeline.gap_s + kAnswer_s;
-  const double looks = task.expected_looks(protocol);
-  return looks * look_s + (looks - 1) * timeline.gap_s + timeline.between_trials_s;
+  const double looks = task_of(protocol.task.kind).expected_looks(protocol);
+  const double rest_of_look_s = (felt_intervals(protocol.task) - 1) * timeline.gap_s + kAnswer_s;
+  return expected_presented_s(protocol) + looks * rest_of_look_s + (looks - 1) * timeline.gap_s +
+         timeline.between_trials_s;
 }
 
 double expected_duration_s(const Protocol& protocol) {

@@ -19,5 +19,7 @@ double expected_left_s(const Protocol& protocol, const Plan& plan, const Course&
                        std::optional<double> trial_s = std::nullopt);
 // One trial, from its first cue to the next trial's.
 double expected_trial_s(const Protocol& protocol);
+// The part of it in which the devices are at work.
+double expected_presented_s(const Protocol& protocol);
 
 }  // namespace jnd

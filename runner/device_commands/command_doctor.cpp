@@ -16,6 +16,7 @@
 #include "devices/machine/machine_checks.h"
 #include "devices/machine/rehearsal_probe.h"
 #include "devices/rigs/rig_factory.h"
+#include "protocols/course/duration.h"
 #include "protocols/input/resources.h"
 #include "protocols/reading/protocol_json.h"
 #include "runner/device_commands/device_commands.h"
@@ -26,9 +27,9 @@
 #include "runner/sound/player.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
-#include "runner/terminal/standard_streams.h"
 #include "runner/terminal/terminal.h"
 #include "runner/terminal/text_table.h"
+#include "runner/terminal/work_line.h"
 
 namespace jnd {
 
@@ -42,14 +43,22 @@ struct DoctorOptions {
 };
 
 JitterReport measure(RealtimePolicy policy, double seconds) {
+  const WorkLine working(fmt::format("measuring for {:g} s how late a loop of 1 ms wakes{}", seconds,
+                                     policy == RealtimePolicy::off ? ", without SCHED_FIFO" : ""));
   return probe_jitter_on_thread(policy, seconds, interrupt_requested());
 }
 
-// On simulated devices, by the loop that sessions run: of the protocol that was named, or of a shipped one where none
-// was, or its rig is not one of the program's own.
-RehearsalReport rehearse(const DoctorOptions& options) {
-  Protocol protocol = load_checked_protocol(options.protocol.empty() ? "tutorial" : options.protocol);
-  if (!protocol.rig.built_in()) protocol = load_checked_protocol("tutorial");
+// What is rehearsed: the protocol that was named, or a shipped one where none was, or it has no trials, or its rig is
+// not one of the program's own.
+Protocol rehearsed_protocol(const DoctorOptions& options) {
+  constexpr const char* kShipped = "tutorial";
+  Protocol protocol = load_checked_protocol(options.protocol.empty() ? kShipped : options.protocol);
+  return protocol.rig.built_in() && !protocol.explore ? protocol : load_checked_protocol(kShipped);
+}
+
+// On simulated devices, by the loop that sessions run.
+RehearsalReport rehearse(const Protocol& protocol, double seconds) {
+  const WorkLine working(fmt::format("rehearsing for {:g} s on a simulated rig", seconds));
   const RigDescription description = rig_of(protocol);
   const ParticipantProfile profile = load_profile(find_resource(Resource::profile, default_profile(protocol)));
   SteadyClock clock;
@@ -57,12 +66,21 @@ RehearsalReport rehearse(const DoctorOptions& options) {
   how.realtime = RealtimePolicy::prefer;
   const std::unique_ptr<Rig> rig = make_simulated_rig(protocol, description, profile, 1, 1, clock, how);
   return probe_rehearsal(*rig, {.stiffness = protocol.stimulus.reference, .cues = protocol.conditions.front().cues},
-                         options.seconds, interrupt_requested());
+                         seconds, interrupt_requested());
 }
 
-nlohmann::ordered_json rehearsal_json(const RehearsalReport& report) {
-  return {{"presentations", report.presentations},    {"gaps", report.gaps},   {"p99_us", json_number(report.p99_us)},
-          {"max_us", json_number(report.largest_us)}, {"ticks", report.ticks}, {"overruns", report.overruns}};
+// Nulls where nothing was measured.
+nlohmann::ordered_json rehearsal_json(const RehearsalReport& report, double trial_s) {
+  const std::optional<double> lost = lost_trials(report, trial_s);
+  return {{"presentations", report.presentations},
+          {"gaps", report.gaps},
+          {"presented_s", json_number(report.presented_s)},
+          {"trial_s", json_number(trial_s)},
+          {"lost_trials", lost ? json_number(*lost) : nlohmann::ordered_json(nullptr)},
+          {"p99_us", json_number(report.p99_us)},
+          {"max_us", json_number(report.largest_us)},
+          {"ticks", report.ticks},
+          {"overruns", report.overruns}};
 }
 
 nlohmann::ordered_json jitter_json(const JitterReport& report) {
@@ -77,8 +95,10 @@ nlohmann::ordered_json jitter_json(const JitterReport& report) {
 // Broken between words to the terminal's width, further lines indented. Whole where there is no terminal.
 std::string wrapped(const std::string& text, std::size_t indent) {
   if (!is_terminal(STDOUT_FILENO)) return text;
-  const auto width = static_cast<std::size_t>(std::max(terminal_width() - 1, 40)) - std::min<std::size_t>(indent, 30);
-  return fmt::format("{}", fmt::join(wrapped_words(text, width), "\n" + std::string(indent, ' ')));
+  constexpr int kNarrowest = 20;
+  const int width = std::max(terminal_width() - 1 - static_cast<int>(indent), kNarrowest);
+  return fmt::format("{}",
+                     fmt::join(wrapped_words(text, static_cast<std::size_t>(width)), "\n" + std::string(indent, ' ')));
 }
 
 std::string mark(Verdict verdict) {
@@ -140,21 +160,19 @@ int command_doctor(const DoctorOptions& options) {
   for (Check& check : check_rig_of(options)) checks.push_back(std::move(check));
   checks.push_back(
       check_storage(options.study.value_or("."), {.root = "/", .is_network = is_network_file_system, .syncs = 20}));
-  if (!options.json && is_terminal(STDERR_FILENO))
-    print_message(
-        "measuring how late a loop of 1 ms wakes, with and without SCHED_FIFO, and a short rehearsal: {:g} s each ...\n",
-        options.seconds);
   const JitterReport session = measure(RealtimePolicy::prefer, options.seconds);
   const bool compare = session.realtime.fifo();
   const JitterReport ordinary = compare ? measure(RealtimePolicy::off, options.seconds) : JitterReport{};
   if (interrupt_requested()) throw Stopped();
-  const RehearsalReport rehearsal = rehearse(options);
+  const Protocol protocol = rehearsed_protocol(options);
+  const double trial_s = expected_presented_s(protocol);
+  const RehearsalReport rehearsal = rehearse(protocol, options.seconds);
   if (interrupt_requested()) throw Stopped();
   for (Check& check : check_realtime(session.realtime)) checks.push_back(std::move(check));
   checks.push_back(judge_jitter(session));
   // For comparison, and no finding of its own: a session does not run so.
   if (compare) checks.back().found += "; without SCHED_FIFO: " + jitter_text(ordinary);
-  checks.push_back(judge_rehearsal(rehearsal));
+  checks.push_back(judge_rehearsal(rehearsal, trial_s));
 
   int bad = 0, warnings = 0;
   std::size_t name_width = 0;
@@ -173,7 +191,7 @@ int command_doctor(const DoctorOptions& options) {
                                {"what_to_do", check.what_to_do}});
     out["jitter"] = jitter_json(session);
     out["jitter"]["without_fifo"] = compare ? jitter_json(ordinary) : nlohmann::ordered_json(nullptr);
-    out["rehearsal"] = rehearsal_json(rehearsal);
+    out["rehearsal"] = rehearsal_json(rehearsal, trial_s);
     print_json(out);
     return code;
   }

@@ -12,6 +12,8 @@ using namespace jnd::testing;
 
 namespace {
 
+constexpr double kTrial_s = 6;
+
 // Presentations that end as they are told to, in no time.
 class ScriptedRig final : public Rig {
  public:
@@ -34,6 +36,7 @@ class ScriptedRig final : public Rig {
 Presentation presentation(Fault fault, double largest_us = 90) {
   Presentation given;
   given.fault = fault;
+  given.duration_s = 1.25;
   given.ticks = 1200;
   given.overruns = 2;
   given.lateness_p99_us = 20;
@@ -45,6 +48,7 @@ RehearsalReport report_of(int presentations, int gaps, double largest_us = 90, s
   RehearsalReport report;
   report.presentations = presentations;
   report.gaps = gaps;
+  report.presented_s = 1.25 * presentations;
   report.ticks = 1200 * presentations;
   report.overruns = overruns;
   report.p99_us = 20;
@@ -55,35 +59,48 @@ RehearsalReport report_of(int presentations, int gaps, double largest_us = 90, s
 }  // namespace
 
 TEST_CASE("a rehearsal is fit where it keeps its trials, by the limits of every loop") {
-  const Check fine = judge_rehearsal(report_of(3, 0));
+  const Check fine = judge_rehearsal(report_of(3, 0), kTrial_s);
   CHECK(fine.verdict == Verdict::ok);
   CHECK(
       fine.found ==
       "0 of 3 presentations lost to a gap between commands, in real time on a simulated rig; p99 20 us, largest 90 us "
       "over 3600 ticks of 1 ms, 0 skipped (0 %)");
   CHECK(fine.what_to_do.empty());
-  const Check lost = judge_rehearsal(report_of(3, 1));
+  const Check lost = judge_rehearsal(report_of(3, 1), kTrial_s);
   CHECK(lost.verdict == Verdict::bad);
   CHECK(lost.found.starts_with("1 of 3 presentations lost"));
   CHECK_FALSE(lost.what_to_do.empty());
-  CHECK(judge_rehearsal(report_of(1, 0)).found.starts_with("0 of 1 presentation lost"));
+  CHECK(judge_rehearsal(report_of(1, 0), kTrial_s).found.starts_with("0 of 1 presentation lost"));
   // The same figures get the same verdict as those of the loop alone.
   for (const double largest_us : {90.0, 900.0, 1100.0, 9400.0, 9600.0, 25'000.0}) {
     const RehearsalReport report = report_of(3, 0, largest_us, largest_us >= 1000 ? 1 : 0);
-    CHECK(judge_rehearsal(report).verdict == judge_loop({.what = "",
-                                                         .fifo = false,
-                                                         .p99_us = report.p99_us,
-                                                         .largest_us = report.largest_us,
-                                                         .ticks = report.ticks,
-                                                         .overruns = report.overruns})
-                                                 .verdict);
+    CHECK(judge_rehearsal(report, kTrial_s).verdict == judge_loop({.what = "",
+                                                                   .fifo = false,
+                                                                   .p99_us = report.p99_us,
+                                                                   .largest_us = report.largest_us,
+                                                                   .ticks = report.ticks,
+                                                                   .overruns = report.overruns})
+                                                           .verdict);
   }
-  CHECK(judge_rehearsal(RehearsalReport{}).verdict == Verdict::warn);
-  CHECK(judge_rehearsal(RehearsalReport{}).found == "not measured");
+  CHECK(judge_rehearsal(RehearsalReport{}, kTrial_s).verdict == Verdict::warn);
+  CHECK(judge_rehearsal(RehearsalReport{}, kTrial_s).found == "not measured");
   RehearsalReport broken = report_of(1, 0);
   broken.fault = "stale_pose";
-  CHECK(judge_rehearsal(broken).verdict == Verdict::bad);
-  CHECK(judge_rehearsal(broken).found.ends_with("ended by stale_pose"));
+  CHECK(judge_rehearsal(broken, kTrial_s).verdict == Verdict::bad);
+  CHECK(judge_rehearsal(broken, kTrial_s).found.ends_with("ended by stale_pose"));
+}
+
+TEST_CASE("a rehearsal says how many trials of usual length would have been lost") {
+  // A gap in 4 presentations of 1.25 s, trials that present for 6 s: 1 - exp(-6/5) = 0.6988.
+  CHECK(lost_trials(report_of(4, 1), 6).value() == Approx(0.698805788));
+  CHECK(lost_trials(report_of(4, 1), 0.001).value() == Approx(0.00019998));
+  CHECK(lost_trials(report_of(4, 4), 600).value() == Approx(1));
+  CHECK(lost_trials(report_of(4, 0), 6).value() == 0);
+  CHECK_FALSE(lost_trials(RehearsalReport{}, 6));
+  CHECK(judge_rehearsal(report_of(4, 1), 6)
+            .found.starts_with("1 of 4 presentations lost to a gap between commands (at this rate some 70 of 100 "
+                               "trials, which present for 6 s each), in real time"));
+  CHECK_FALSE(contains(judge_rehearsal(report_of(4, 0), 6).found, "trials"));
 }
 
 TEST_CASE("a rehearsal counts what was lost, and presents at least once") {
@@ -93,6 +110,7 @@ TEST_CASE("a rehearsal counts what was lost, and presents at least once") {
   CHECK(lost.presentations == 1);
   CHECK(lost.gaps == 1);
   CHECK(lost.largest_us == 25'000);
+  CHECK(lost.presented_s == 1.25);
   CHECK(lost.ticks == 1200);
   CHECK(lost.overruns == 2);
   CHECK(once.asked.front().stimulus.stiffness == 700);
@@ -116,5 +134,5 @@ TEST_CASE("a rehearsal counts what was lost, and presents at least once") {
   CHECK(kept.gaps == 0);
   CHECK(kept.fault.empty());
   CHECK(kept.ticks > 500);
-  CHECK(judge_rehearsal(kept).verdict == Verdict::ok);
+  CHECK(judge_rehearsal(kept, kTrial_s).verdict == Verdict::ok);
 }

@@ -109,6 +109,7 @@ TEST_CASE("expected duration adds up") {
   Protocol protocol = small_protocol(2, 3, 4, Sampling::balanced);
   // A trial: 2 (0.7 + 3) + 1 + 1.5 + 1 = 10.9 s; 24 of them.
   CHECK(expected_trial_s(protocol) == Approx(10.9));
+  CHECK(expected_presented_s(protocol) == Approx(7.4));
   CHECK(expected_duration_s(protocol) == Approx(24 * 10.9));
   protocol.practice = Practice{6, 0, {0}, 0.5, 3, Feedback::none};
   CHECK(expected_duration_s(protocol) == Approx(30 * 10.9));

@@ -6,6 +6,7 @@ Usage: command_line.py JND
 import contextlib
 import csv
 import json
+import math
 import os
 import re
 import shutil
@@ -94,7 +95,12 @@ class CommandLine(unittest.TestCase):
         self.assertLessEqual(jitter["p50_us"], jitter["p99_us"])
         self.assertGreater(jitter["ticks"], 0)
         self.assertGreaterEqual(jitter["ticks"] + jitter["overruns"], 200)
-        self.assertLessEqual(report["rehearsal"]["p99_us"], report["rehearsal"]["max_us"])
+        rehearsal = report["rehearsal"]
+        self.assertLessEqual(rehearsal["p99_us"], rehearsal["max_us"])
+        # Of the tutorial: two intervals of 2 s, and 0.7 s each to the first contact.
+        self.assertAlmostEqual(rehearsal["trial_s"], 5.4)
+        expected = 1 - math.exp(-rehearsal["gaps"] / rehearsal["presented_s"] * rehearsal["trial_s"])
+        self.assertAlmostEqual(rehearsal["lost_trials"], expected)
         text = self.jnd("doctor", "--seconds", "0.1", "--study", os.path.join(self.path, "no", "such", "s.sqlite"), code=1).stdout
         self.assertIn("BAD", text)
         self.assertNotIn("\x1b", text)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Commands that take longer than a second say so on a terminal, and nowhere else. The work that takes long here is reading
-a protocol from a pipe whose writer waits.
+a protocol from a pipe whose writer waits, and measuring the machine.
 
 Usage: work_line_test.py JND
 """
@@ -49,6 +49,19 @@ def on_a_terminal():
     assert results.startswith("error: ") and name not in results, text
 
 
+def doctor():
+    """Its measurements are told one by one, and Ctrl-C ends them."""
+    child, terminal = pty.fork()
+    if child == 0:
+        os.execv(JND, ["jnd", "doctor", "--seconds", "4"])
+    text = read_until(terminal, re.compile(r"\rrehearsing for 4 s on a simulated rig: \d+ s \.\.\."))
+    assert "measuring for 4 s how late a loop of 1 ms wakes: " in text, text
+    os.write(terminal, b"\x03")
+    text = read_until(terminal, None, text)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 130, text
+    assert "fit" not in text, text
+
+
 def elsewhere():
     reader, writer = os.pipe()
     with subprocess.Popen([JND, "check", f"/dev/fd/{reader}"], pass_fds=[reader], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as program:
@@ -62,5 +75,6 @@ def elsewhere():
 
 if __name__ == "__main__":
     on_a_terminal()
+    doctor()
     elsewhere()
     print("long work is told on a terminal, and nowhere else")
