@@ -36,7 +36,7 @@ struct DeviceCalibrateOptions {
   bool no_stiffness = false, store = false, yes = false, json = false;
 };
 
-struct Plan {
+struct CalibrationPlan {
   std::vector<CalibrationStep> steps;
   bool open_ended = false;
   std::vector<double> stiffness_n_per_m;
@@ -48,8 +48,8 @@ struct Plan {
   }
 };
 
-Plan plan_of(const DeviceCalibrateOptions& options) {
-  Plan plan;
+CalibrationPlan plan_of(const DeviceCalibrateOptions& options) {
+  CalibrationPlan plan;
   if (!options.no_stiffness) plan.stiffness_n_per_m = {500, 700, 900};
   if (options.reference != "interactive") {
     if (!options.push_n.empty())
@@ -72,7 +72,7 @@ Plan plan_of(const DeviceCalibrateOptions& options) {
   return plan;
 }
 
-void check_plan(const Plan& plan, const DeviceDescription& device, const std::string& name, bool store) {
+void check_plan(const CalibrationPlan& plan, const DeviceDescription& device, const std::string& name, bool store) {
   const double most_n = 1e-6 * device.limits.most_force_un;
   for (const CalibrationStep& step : plan.steps)
     if (step.pushed_n > most_n)
@@ -82,7 +82,7 @@ void check_plan(const Plan& plan, const DeviceDescription& device, const std::st
 }
 
 // On the device's thread: everything that is measured.
-CalibrationRecord measure(HidHandle& handle, const DeviceCalibrateOptions& options, const Plan& plan) {
+CalibrationRecord measure(HidHandle& handle, const DeviceCalibrateOptions& options, const CalibrationPlan& plan) {
   const DeviceDescription device = describe(handle, options.name);
   refuse_if_driven(device, options.name);
   check_plan(plan, device, options.name, options.store);
@@ -134,7 +134,7 @@ void print_findings(const CalibrationRecord& record, const std::vector<Calibrati
 
 int command_device_calibrate(const DeviceCalibrateOptions& options) {
   const HoldInterrupts hold;
-  const Plan plan = plan_of(options);
+  const CalibrationPlan plan = plan_of(options);
   std::error_code error;
   if (!options.out.empty() && std::filesystem::exists(options.out, error))
     throw UsageError(fmt::format("{} exists already; choose another name", options.out));
