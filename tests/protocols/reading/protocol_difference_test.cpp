@@ -1,5 +1,7 @@
 #include "protocols/reading/protocol_difference.h"
 
+#include <fmt/format.h>
+
 #include "protocols/input/input_error.h"
 #include "tests/catch.h"
 #include "tests/protocols/examples.h"
@@ -25,6 +27,53 @@ TEST_CASE("each difference has its path, the old value and the new one") {
                                                 "$.list[2]: removed 3", "$.gone: removed {\"x\": [1]}",
                                                 "$.kind: 1 -> \"1\"", "$.on: true -> false",
                                                 "$[\"new key\"]: added null"});
+}
+
+TEST_CASE("named things are compared by their names: one that is inserted in front is one difference") {
+  const std::string s = R"({"name": "S", "cues": ["skin"]})", v = R"({"name": "V", "cues": []})";
+  const auto lines = [](const std::string& before, const std::string& after) {
+    return difference_of(R"({"l": [)" + before + "]}", R"({"l": [)" + after + "]}").lines;
+  };
+  using Lines = std::vector<std::string>;
+  CHECK(lines(s + ", " + v, R"({"name": "N"}, )" + s + ", " + v) == Lines{R"($.l[0]: added {"name": "N"})"});
+  CHECK(lines(s + ", " + v, v) == Lines{R"($.l[0]: removed {"name": "S", "cues": ["skin"]})"});
+  CHECK(lines(s + ", " + v, R"({"name": "N"}, {"name": "S", "cues": []}, )" + v) ==
+        Lines{R"($.l[0].cues[0]: removed "skin")", R"($.l[0]: added {"name": "N"})"});
+  // The order is part of the meaning.
+  CHECK(lines(s + ", " + v, v + ", " + s) == Lines{R"($.l: the order "S", "V" -> "V", "S")"});
+  const ProtocolDifference order = difference_of("[" + s + ", " + v + "]", "[" + v + ", " + s + "]");
+  REQUIRE(order.changes.size() == 1);
+  CHECK_FALSE(order.same_meaning);
+  CHECK(order.changes.front().path == "$");
+  CHECK(order.changes.front().after == "[" + v + ", " + s + "]");
+  // "id" before "name"; names that stand twice are none.
+  CHECK(lines(R"({"id": "a", "name": "x"})", R"({"id": "b", "name": "x"}, {"id": "a", "name": "y"})") ==
+        Lines{R"($.l[0].name: "x" -> "y")", R"($.l[0]: added {"id": "b", "name": "x"})"});
+  CHECK(lines(s + ", " + s, v + ", " + s + ", " + s) == Lines{R"($.l[0]: added {"name": "V", "cues": []})"});
+}
+
+TEST_CASE("lists without names are compared by what they have in common") {
+  using Lines = std::vector<std::string>;
+  const auto lines = [](const std::string& before, const std::string& after) {
+    return difference_of(before, after).lines;
+  };
+  CHECK(lines("[1, 2, 3, 4]", "[0, 1, 2, 3, 4]") == Lines{"$[0]: added 0"});
+  CHECK(lines("[1, 2, 3, 4]", "[1, 2, 2.5, 3, 4]") == Lines{"$[2]: added 2.5"});
+  CHECK(lines("[1, 2, 3, 4]", "[1, 3, 4]") == Lines{"$[1]: removed 2"});
+  CHECK(lines("[1, 2, 3, 4]", "[2, 3, 9, 4, 5]") == Lines{"$[0]: removed 1", "$[2]: added 9", "$[4]: added 5"});
+  CHECK(lines(R"([{"after": 1}, {"after": 2}])", R"([{"after": 3}, {"after": 1}, {"after": 2}])") ==
+        Lines{R"($[0]: added {"after": 3})"});
+  CHECK(lines(R"([{"after": 1}, {"after": 2, "s": 1}])", R"([{"after": 1}, {"s": 5, "after": 2}])") ==
+        Lines{"$[1].s: 1 -> 5"});
+  CHECK(lines("[]", "[[1], [1]]") == Lines{"$[0]: added [1]", "$[1]: added [1]"});
+  CHECK(lines("[1, 2]", "[2, 1]").size() == 2);
+  // Too long for the table of common subsequences: by place.
+  std::string one = "[0", other = "[1";
+  for (int i = 2; i < 3000; ++i) {
+    one += fmt::format(", {}", i);
+    other += fmt::format(", {}", -i);
+  }
+  CHECK(difference_of(one + "]", other + "]").changes.size() == 2999);
 }
 
 TEST_CASE("lines are bounded in number and length, and hold no control characters") {

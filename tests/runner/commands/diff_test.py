@@ -64,6 +64,19 @@ class Diff(unittest.TestCase):
             self.changed(conditions=[change, *others])
             self.assertIs(json.loads(self.jnd("diff", "a.json", "b.json", "--json", code=1).stdout)["same_plans"], not differ)
 
+    def test_a_condition_that_is_inserted_in_front_is_one_difference(self):
+        first = self.protocol["conditions"][0]
+        self.changed(conditions=[first | {"name": "new", "label": "new"}, *self.protocol["conditions"]])
+        report = json.loads(self.jnd("diff", "a.json", "b.json", "--json", code=1).stdout)
+        self.assertEqual([(one["path"], one["change"]) for one in report["changes"]], [("$.conditions[0]", "added")])
+        self.assertIn("1 difference;", self.jnd("diff", "a.json", "b.json", code=1).stdout)
+
+    def test_another_order_of_conditions_is_another_plan(self):
+        self.changed(conditions=self.protocol["conditions"][::-1])
+        text = self.jnd("diff", "a.json", "b.json", code=1).stdout
+        self.assertIn("$.conditions: the order ", text)
+        self.assertIn("1 difference; the plans differ", text)
+
     def test_another_start_of_a_staircase_is_another_plan(self):
         self.jnd("new", "w.json", "--task", "which", "--procedure", "staircase")
         with open(os.path.join(self.folder, "w.json"), encoding="utf-8") as file:
