@@ -268,6 +268,10 @@ bool is_disk_error(const SQLite::Exception& error) noexcept {
   return primary_code(error) == SQLITE_IOERR;
 }
 
+bool is_full(const SQLite::Exception& error) noexcept {
+  return primary_code(error) == SQLITE_FULL;
+}
+
 void throw_write_error(const fs::path& path, const SQLite::Exception& error, int system_error) {
   const std::string where = path.string();
   switch (primary_code(error)) {

@@ -55,6 +55,8 @@ StorageError storage_error(const std::filesystem::path& path, const SQLite::Exce
                                     int system_error);
 // SQLITE_IOERR and its kin.
 bool is_disk_error(const SQLite::Exception& error) noexcept;
+// SQLITE_FULL: also where a quota or a limit of size ends the writing.
+bool is_full(const SQLite::Exception& error) noexcept;
 
 // Runs `action` and gives SQLite's errors as StorageError.
 template <typename Action>

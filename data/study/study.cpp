@@ -33,7 +33,8 @@ Study::Study(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 Study::~Study() {
   try {
-    close();
+    const std::scoped_lock lock(impl_->mutex);
+    impl_->close(impl_->write_failed);
   } catch (const std::exception& error) {
     // Everything acknowledged is committed; the next opening replays the write-ahead log. But it may be in a new file
     // now, or in one that was taken away, and only this says so.
@@ -173,7 +174,7 @@ void Study::Impl::read_info() {
   info.protocol_bytes = query.getColumn(3).getString();
 }
 
-void Study::Impl::close() {
+void Study::Impl::close(bool told) {
   if (!connection) return;
   std::string trouble = std::exchange(untold, {});
   if (lock && files) {
@@ -188,8 +189,8 @@ void Study::Impl::close() {
   try {
     if (lock) with_storage_errors(path, [&] { end_writing(*connection); });
   } catch (const StorageError& error) {
-    if (trouble.empty()) throw;
-    throw StorageError(fmt::format("{}. {}", trouble, error.what()));
+    if (!trouble.empty()) throw StorageError(fmt::format("{}. {}", trouble, error.what()));
+    if (!told) throw;
   }
   connection.reset();
   former.reset();

@@ -67,6 +67,7 @@ struct Study::Impl {
   bool back = false;               // of the last rescue: only the log was gone, and the study itself holds all again
   std::int64_t gaps = 0;           // events that the chains lacked when it was opened for writing
   bool disk_failed = false;        // the disk failed: what it flushed before may not be what it holds (see write())
+  bool write_failed = false;       // the disk did not take the last event, which its writer was told
 
   // The connection; throws StorageError after close(). Call with the mutex held, as all below.
   SQLite::Database& database() const;
@@ -95,7 +96,8 @@ struct Study::Impl {
   std::vector<Event> events(const std::string& session) const;
   std::vector<TelemetryBlob> telemetry(const std::string& session, std::int64_t seq) const;
   std::vector<SessionInfo> sessions() const;
-  void close();
+  // told: nothing is said of a disk that does not let the log be taken away either.
+  void close(bool told = false);
 
  private:
   void recover_from_disk_failure();
@@ -119,10 +121,12 @@ void Study::Impl::write(Action&& action) {
     recover_from_disk_failure();
     action();
     confirm_written();
+    write_failed = false;
   } catch (const SQLite::Exception& error) {
     const int system_error = errno;  // before the tidying calls the system again
     tidy_after_failure();
     disk_failed = disk_failed || is_disk_error(error);
+    write_failed = is_disk_error(error) || is_full(error);
     throw_write_error(path, error, system_error);
   } catch (...) {
     tidy_after_failure();
