@@ -58,8 +58,8 @@ std::string blinding_line(const BlindingState& state, const std::string& study) 
   return fmt::format(
       "BLINDED: {} of {} finished, {}. Conditions are in code or pooled, stimuli and seed are sealed. "
       "This ends with {}, or with: jnd unblind {} --reason \"...\"",
-      state.finished, counted(state.planned, "planned participant"), counted(state.unfinished, "session") + " open",
-      ends, study);
+      state.finished, counted(state.planned, "planned participant"),
+      counted(state.unfinished, "real session") + " open", ends, study);
 }
 
 }  // namespace jnd

@@ -107,10 +107,11 @@ TEST_CASE("a plan is sealed but in a study of simulated sessions alone", "[blind
 
 TEST_CASE("the line of a blinded study says why, and what ends it", "[blinding]") {
   BlindingState state{.blinded = true, .planned = 18, .finished = 2, .unfinished = 1};
-  CHECK(blinding_line(state, "s.sqlite") ==
-        "BLINDED: 2 of 18 planned participants finished, 1 session open. Conditions are in code or pooled, stimuli and "
-        "seed are sealed. This ends with 16 more finished participants and the end of 1 open session, or with: jnd "
-        "unblind s.sqlite --reason \"...\"");
+  CHECK(
+      blinding_line(state, "s.sqlite") ==
+      "BLINDED: 2 of 18 planned participants finished, 1 real session open. Conditions are in code or pooled, stimuli and "
+      "seed are sealed. This ends with 16 more finished participants and the end of 1 open session, or with: jnd "
+      "unblind s.sqlite --reason \"...\"");
   state = {.blinded = true, .planned = 18, .finished = 18, .unfinished = 2};
   CHECK(blinding_line(state, "s").find("This ends with the end of 2 open sessions, or") != std::string::npos);
 }

@@ -135,7 +135,7 @@ class Blinding(unittest.TestCase):
                 text = self.jnd(*arguments, code=code)
                 self.assert_silent(text, arguments)
                 if arguments[0] not in ("verify", "watch") and "--json" not in arguments:
-                    self.assertIn("BLINDED: 4 of 6 planned participants finished, 1 session open", text)
+                    self.assertIn("BLINDED: 4 of 6 planned participants finished, 1 real session open", text)
                     self.assertIn('unblind s.sqlite --reason', text)
         # Refusals say nothing either; a wrong seed is refused without the right one.
         for arguments in (("simulate", "protocol.json", "--study", "s.sqlite"),
@@ -219,7 +219,7 @@ class Blinding(unittest.TestCase):
         self.study("real", 5, 0)
         self.study("real", 1, 0, "ended-early")
         text = self.jnd("analyze", "s.sqlite")
-        self.assertIn("BLINDED: 5 of 6 planned participants finished, 0 sessions open", text)
+        self.assertIn("BLINDED: 5 of 6 planned participants finished, 0 real sessions open", text)
         result = json.loads(self.jnd("analyze", "s.sqlite", "--json"))
         self.assertEqual([row["state"] for row in result["participants"]], ["finished"] * 5 + ["ended early"])
         self.jnd("export", "s.sqlite", "--to", "x")
@@ -260,6 +260,11 @@ class Blinding(unittest.TestCase):
         for number in ("1", "2", "7"):
             self.assert_silent(self.jnd("plan", "--study", "s.sqlite", "--participant", number), number)
         self.assertNotIn(SEED, self.jnd("status", "s.sqlite"))
+        # What is said to be open is what the table below shows to be open.
+        self.study("pilot", 0, 1)
+        status = self.jnd("status", "s.sqlite")
+        self.assertIn("0 real sessions open", status)
+        self.assertRegex(status, r"pilot +open ")
         self.jnd("simulate", "protocol.json", "--study", "s.sqlite", code=2)
 
     def test_rehearsals_beside_real_sessions_keep_their_names_but_not_the_common_plan(self):
