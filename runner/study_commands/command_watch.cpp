@@ -9,6 +9,7 @@
 
 #include "analysis/numerics/stop_request.h"
 #include "data/log/storage_error.h"
+#include "data/study/study_lock.h"
 #include "devices/clock.h"
 #include "runner/keys/interrupt.h"
 #include "runner/keys/keyboard.h"
@@ -52,7 +53,9 @@ FileMark mark_of(const fs::path& study) {
 
 // Opened for each look and closed again: what stays open could keep the writer from bringing the study into one file.
 StudyOverview look(const std::string& study) {
-  return overview_of(*Study::open(study, Study::Access::read_only));
+  StudyOverview overview = overview_of(*Study::open(study, Study::Access::read_only));
+  overview.in_use = in_use(study);
+  return overview;
 }
 
 class Board {
@@ -70,6 +73,8 @@ class Board {
       constexpr std::int64_t kRest = 10;  // times as long as a look takes
       next_look_ns_ = clock.now_ns() + kRest * (clock.now_ns() - begun);
     }
+    // A session that is killed changes no file.
+    if (!overview_.open().empty()) overview_.in_use = in_use(study_);
     std::string text = board_text(overview_, study_, clock.utc_ns(), terminal_rows() - kRowsBelow, table_width());
     if (!trouble_.empty()) text += "\n  " + warn(printable("not read just now: " + trouble_)) + "\n";
     std::string screen = "\x1b[H";

@@ -49,7 +49,9 @@ std::string open_text(const StudyOverview& overview, std::int64_t now_utc_ns) {
     text += fmt::format("  {}  {}  {} {} of {}, {} voided\n{}", text.empty() ? "open now    " : "            ",
                         bold(printable(one.participant)), bar(one.trials_done, one.trials_total), one.trials_done,
                         one.trials_total, one.trials_voided, began_text(one, now_utc_ns));
-  return text.empty() ? "  open now      no session\n" : text;
+  if (text.empty()) return "  open now      no session\n";
+  // Which of several sessions a program that writes is at, the lock does not tell.
+  return text + (overview.in_use == false ? "                not running: it was closed or killed\n" : "");
 }
 
 std::string sessions_text(const StudyOverview& overview, std::size_t most, std::size_t columns) {

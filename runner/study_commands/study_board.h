@@ -10,7 +10,7 @@ namespace jnd {
 
 // Lines of text, each ended by a line feed. rows > 0: so many lines of a screen of these columns (0: without end), for
 // which the oldest sessions are left out; what stands above them is always there.
-// It tells nothing that `jnd status` does not. now_utc_ns: of the clock that sessions began by.
+// It tells nothing of what was felt and answered that `jnd status` does not. now_utc_ns: of the clock that sessions began by.
 std::string board_text(const StudyOverview& overview, const std::string& study, std::int64_t now_utc_ns, int rows,
                        std::size_t columns);
 

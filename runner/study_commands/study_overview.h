@@ -20,6 +20,7 @@ struct StudyOverview {
   int excluded = 0;
   bool blinded = false;               // real results are in code
   std::vector<SessionInfo> sessions;  // of the kind
+  std::optional<bool> in_use{};       // a program writes to it just now; none where nobody looked
   std::optional<int> next_number;     // lowest free number of the plan; none where a newcomer's group decides
 
   std::vector<SessionInfo> open() const;  // sessions that may be gone on with

@@ -3,6 +3,7 @@
 
 Usage: studies_test.py JND REAL_STUDY
 """
+import fcntl
 import hashlib
 import json
 import os
@@ -127,6 +128,21 @@ class Studies(unittest.TestCase):
         self.assertEqual(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), 0)
         self.jnd("verify", "s.sqlite")
         self.assertEqual(sorted(os.listdir(self.folder)), ["s.sqlite"])
+
+    def test_a_session_whose_program_is_gone_is_told_from_one_that_runs(self):
+        self.people("s.sqlite", 0, 1)
+        gone = "not running: it was closed or killed"
+        self.assertIn(gone, self.jnd("watch", "s.sqlite", "--once").stdout)
+        # As a program that writes does; killed, it leaves the file but not the lock.
+        with open(self.path("s.sqlite.lock"), "w", encoding="ascii") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            self.assertNotIn(gone, self.jnd("watch", "s.sqlite", "--once").stdout)
+            child, terminal = self.watch("s.sqlite")
+            self.assertNotIn(gone, self.wait_for(terminal, "q leaves"))
+        self.wait_for(terminal, gone)
+        os.write(terminal, b"q")
+        self.wait_for(terminal, "\x1b[?1049l")
+        self.assertEqual(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), 0)
 
     def test_ctrl_c_leaves_too_and_is_no_interruption(self):
         self.people("s.sqlite", 1, 0)

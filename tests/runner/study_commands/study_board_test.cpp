@@ -56,11 +56,27 @@ TEST_CASE("The board says who is at it, since when, and what comes next") {
   CHECK(text.find("P01") > text.find("P16"));  // the latest first
 }
 
+TEST_CASE("The board says where an open session has no program") {
+  StudyOverview overview = overview_with(17);
+  const auto says = [&overview] {
+    return board_text(overview, "s.sqlite", kTenPastNine_ns, 0, 0).find("not running") != std::string::npos;
+  };
+  CHECK_FALSE(says());  // nobody looked
+  overview.in_use = true;
+  CHECK_FALSE(says());
+  overview.in_use = false;
+  CHECK(says());
+  overview.sessions.pop_back();
+  CHECK_FALSE(says());
+}
+
 TEST_CASE("The board fits its window, and leaves out the oldest sessions for it") {
   for (const int sessions : {1, 5, 17})
     for (const std::size_t columns : {40, 60, 80, 120})
       for (int rows = 12; rows <= 50; ++rows) {
-        const std::string text = board_text(overview_with(sessions), "s.sqlite", kTenPastNine_ns, rows, columns);
+        StudyOverview overview = overview_with(sessions);
+        overview.in_use = false;
+        const std::string text = board_text(overview, "s.sqlite", kTenPastNine_ns, rows, columns);
         INFO(text);
         CHECK(lines_of(text, columns) <= rows);
         CHECK(text.find("open now") != std::string::npos);
