@@ -222,7 +222,9 @@ void CsvTable::find_among(Scanner& scanner, const std::vector<std::string>& want
   int line = 1;
   std::vector<std::string_view> names;
   if (!scanner.next(line, names))
-    fail_at(file_, 1, 0, "", "is empty", "the first line names the columns, among them " + listed(wanted));
+    fail_at(file_, 1, 0, "", "is empty",
+            wanted.empty() ? "the first line names the columns"
+                           : "the first line names the columns, among them " + listed(wanted));
   for (const std::string_view view : names) header_.emplace_back(view);
   for (const std::string& name : wanted) {
     const auto times = std::count(header_.begin(), header_.end(), name);

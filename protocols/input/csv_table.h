@@ -35,12 +35,13 @@ class CsvTable {
                         const std::vector<std::string>& optional = {});
 
   // The same of a table of another program: columns that are not asked for are passed over, whatever is
-  // in them. wanted: not empty, each a different one.
+  // in them. wanted: each a different one; none where which they are follows from columns().
   static CsvTable read_among(const std::string& file, const std::vector<std::string>& wanted);
   static CsvTable parse_among(std::string text, const std::string& file, const std::vector<std::string>& wanted);
 
   std::size_t rows() const noexcept { return lines_.size(); }
   bool has(std::string_view column) const noexcept;  // an optional column that the file has
+  const std::vector<std::string>& columns() const noexcept { return header_; }
 
   // The cell without the blanks around it; lives as long as the table. row < rows(); column: one that the file has.
   std::string_view text(std::size_t row, std::string_view column) const;

@@ -102,9 +102,11 @@ std::vector<ChoiceGroup> counted_groups(const WhichOptions& options, const TwoIn
 }
 
 std::vector<ChoiceGroup> trial_groups(const WhichOptions& options, const TwoIntervalOptions& model) {
-  if (options.trials.standard.empty())
+  if (options.trials.standard.empty() && !names_nothing(options.trials))
     throw UsageError("--standard is needed: what the levels were judged against, a number or a column");
   const TrialTable table = read_trials(options.input.file, options.trials, kWhichUse);
+  const bool with_order =
+      std::any_of(table.trials.begin(), table.trials.end(), [](const CsvTrial& trial) { return trial.order != 0; });
   std::vector<ChoiceGroup> groups;
   for (const TrialUnit& unit : table.units) {
     ChoiceGroup& group = groups.emplace_back();
@@ -113,7 +115,7 @@ std::vector<ChoiceGroup> trial_groups(const WhichOptions& options, const TwoInte
     group.answer.condition = unit.condition;
     group.answer.standard = *unit.standard;
     group.answer.options = model;
-    group.answer.options.order_term = !options.trials.order.empty();
+    group.answer.options.order_term = with_order;
   }
   std::map<std::tuple<std::size_t, double, int>, std::pair<long long, long long>> counts;
   for (const CsvTrial& trial : table.trials) {

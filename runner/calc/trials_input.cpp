@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <tuple>
 #include <utility>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "protocols/input/csv_table.h"
 #include "protocols/input/input_error.h"
@@ -133,13 +135,123 @@ TrialTable trials_of(const CsvTable& table, const std::string& file, const Trial
   return out;
 }
 
+// Columns of trials.csv that no other program has together; data/export/export_tables.cpp writes them.
+bool is_own_export(const CsvTable& table) {
+  constexpr const char* kAlways[] = {"participant", "condition", "practice", "answer", "excluded", "protocol_sha256"};
+  return std::all_of(std::begin(kAlways), std::end(kAlways), [&](const char* name) { return table.has(name); });
+}
+
+// The column of an export whose name ends with the study's unit; empty where there is none.
+std::string column_with_unit(const CsvTable& table, std::string_view beginning) {
+  for (const std::string& name : table.columns())
+    if (name.starts_with(beginning)) return name;
+  return {};
+}
+
+// Of which task an export is, as far as these commands know it.
+struct OwnExport {
+  std::string first, second, standard;  // columns of the stimuli and of the standard
+  bool same_different = false;
+  std::string more_first, more_second;  // answers: the first has more, the second has
+};
+
+OwnExport own_export(const CsvTable& table, const std::string& file, const TrialUse& use) {
+  OwnExport own;
+  own.first = column_with_unit(table, "stimulus_1_");
+  own.second = column_with_unit(table, "stimulus_2_");
+  if (own.first.empty()) throw InputError(file + ": an export without stimuli: the study is blinded, or has none");
+  own.standard = "standard" + own.first.substr(std::string_view("stimulus_1").size());
+  own.same_different = table.has("same");
+  // The curve of `fit`, which has no words of its own, goes with either.
+  const bool fits = own.same_different ? use.differences : use.with_order || use.words.empty();
+  const bool known = own.same_different || (table.has(own.standard) && table.has("target") && !own.second.empty() &&
+                                            column_with_unit(table, "stimulus_3_").empty());
+  if (fits && known) return own;
+  throw InputError(fmt::format(
+      "{}: an export of another task: sdt, jnd and fit take trials of same-different, which and fit trials of \"which "
+      "has more?\"; the results of every task are in its other files",
+      file));
+}
+
+// 1 where the first is larger, -1 where the second is, 0 where neither is.
+int larger_first(double first, double second) noexcept {
+  return first > second ? 1 : first < second ? -1 : 0;
+}
+
+// Which words say that the first, or the second, has more: `target` is the right answer, "chosen" of the protocol may
+// ask for what has less.
+void learn_words(OwnExport& own, const CsvTable& table) {
+  const TwoAnswers answers(table, "answer");
+  for (const auto& [one, other] : {std::pair("first", "second"), std::pair("left", "right")})
+    if (answers.only(one, other)) own.more_first = one, own.more_second = other;
+  if (own.more_first.empty()) table.fail(0, "answer", "is no answer to \"which has more?\"", "take another export");
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    const int more = larger_first(table.number(row, own.first), table.number(row, own.second));
+    const std::string_view target = table.text(row, "target");
+    if (more == 0 || target.empty()) continue;
+    if ((target == own.more_first) != (more > 0)) std::swap(own.more_first, own.more_second);
+    return;
+  }
+}
+
+TrialTable trials_of_export(const CsvTable& table, const std::string& file, const TrialUse& use) {
+  OwnExport own = own_export(table, file, use);
+  if (!own.same_different) learn_words(own, table);
+  TrialTable out;
+  out.file = file;
+  std::map<std::tuple<std::string_view, std::string_view, double>, std::size_t> places;
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    if (table.integer(row, "practice", 0, 1) == 1 || table.integer(row, "excluded", 0, 1) == 1) continue;
+    TrialUnit unit{.participant = std::string(table.text(row, "participant")),
+                   .condition = std::string(table.text(row, "condition")),
+                   .standard = std::nullopt,
+                   .one_of_several = !own.same_different};
+    if (!own.same_different) unit.standard = table.number(row, own.standard);
+    const auto [place, added] = places.try_emplace(
+        {table.text(row, "participant"), table.text(row, "condition"), unit.standard.value_or(0)}, out.units.size());
+    if (added) out.units.push_back(unit);
+    const double first = table.number(row, own.first), second = table.number(row, own.second);
+    const std::string_view answer = table.text(row, "answer");
+    CsvTrial trial;
+    trial.unit = place->second;
+    if (own.same_different) {
+      trial.level = std::abs(second - first);
+      trial.positive = answer == "different";
+    } else {
+      // Where a level may equal the standard the values do not tell which is which.
+      const bool comparison_second =
+          table.has("standard_interval") ? table.integer(row, "standard_interval", 1, 2) == 1 : first == *unit.standard;
+      trial.level = comparison_second ? second : first;
+      if (use.differences) trial.level -= *unit.standard;
+      trial.order = use.with_order ? (comparison_second ? 1 : -1) : 0;
+      trial.positive = answer == (comparison_second ? own.more_second : own.more_first);
+    }
+    out.trials.push_back(trial);
+  }
+  if (out.trials.empty()) throw InputError(file + ": no trial that counts: all are practice or excluded");
+  const int order = out.trials.front().order;
+  if (std::all_of(out.trials.begin(), out.trials.end(),
+                  [order](const CsvTrial& trial) { return trial.order == order; }))
+    for (CsvTrial& trial : out.trials) trial.order = 0;
+  return out;
+}
+
+TrialTable trials_without_names(const CsvTable& table, const std::string& file, const TrialUse& use) {
+  if (is_own_export(table)) return trials_of_export(table, file, use);
+  throw UsageError(
+      fmt::format("--trials needs --level and --answer, the columns of the level and of the answer (only trials.csv of "
+                  "jnd export needs no names); {} has the columns {}",
+                  file, fmt::join(table.columns(), ", ")));
+}
+
 }  // namespace
 
 const TrialUse kSameDifferentUse = {"the stimuli were different", {{"different", "same"}}, false, true};
 
 void add_trial_options(CLI::App& command, TrialOptions& options, const TrialUse& use) {
   command.add_flag("--trials", options.trials,
-                   "the table holds trials, a row each, of any program; the options below name its columns");
+                   "the table holds trials, a row each, of any program; the options below name its columns (trials.csv "
+                   "of jnd export needs none)");
   command.add_option("--level", options.level, "with --trials: column of the level");
   command.add_option("--answer", options.answer, "with --trials: column of the answer, one of two words");
   command.add_option("--participant", options.participant, "with --trials: column of the participant");
@@ -172,12 +284,20 @@ std::string TrialUnit::name() const {
   return text.empty() ? "all" : text;
 }
 
+bool names_nothing(const TrialOptions& options) noexcept {
+  return options.level.empty() && options.answer.empty() && options.participant.empty() && options.condition.empty() &&
+         options.standard.empty() && options.order.empty() && options.positive.empty();
+}
+
 TrialTable read_trials(const std::string& file, const TrialOptions& options, const TrialUse& use) {
+  const std::string name = file == "-" ? "standard input" : file;
+  if (names_nothing(options)) return trials_without_names(CsvTable::read_among(file, {}), name, use);
   const std::vector<std::string> wanted = wanted_columns(options);
-  return trials_of(CsvTable::read_among(file, wanted), file == "-" ? "standard input" : file, options, use);
+  return trials_of(CsvTable::read_among(file, wanted), name, options, use);
 }
 
 TrialTable parse_trials(std::string text, const std::string& file, const TrialOptions& options, const TrialUse& use) {
+  if (names_nothing(options)) return trials_without_names(CsvTable::parse_among(std::move(text), file, {}), file, use);
   return trials_of(CsvTable::parse_among(std::move(text), file, wanted_columns(options)), file, options, use);
 }
 

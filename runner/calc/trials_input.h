@@ -1,5 +1,5 @@
 // Single trials, a row each, from the table of any program: which columns say what, and the counts of their answers.
-// Other columns are passed over.
+// Other columns are passed over. Those of trials.csv of `jnd export` need not be named.
 #pragma once
 
 #include <optional>
@@ -40,7 +40,7 @@ void add_trial_options(CLI::App& command, TrialOptions& options, const TrialUse&
 struct CsvTrial {
   std::size_t unit = 0;  // in TrialTable::units
   double level = 0;      // with `differences` less the standard
-  int order = 0;         // 1: the comparison came second, -1: first, 0: not asked for
+  int order = 0;         // 1: the comparison came second, -1: first, 0: not asked for, or the same in all trials
   bool positive = false;
 };
 
@@ -61,9 +61,15 @@ struct TrialTable {
 // Throws UsageError where options lack --trials or do not go together, InputError with the place where a column is
 // missing, a level or standard is not a number, an order is neither 1 nor -1 (or second, first), or there are more than
 // two different answers; and where nothing says which answer is counted.
+// Where the options name no column the table is trials.csv of an export, of same-different or of "which has more?":
+// without practice and trials that a rule excludes; a level of same-different is the difference of the two stimuli.
+// Throws UsageError where it is another table, InputError where its task is not the command's.
 TrialTable read_trials(const std::string& file, const TrialOptions& options, const TrialUse& use);
 // The same from a text in memory; file is its name in messages.
 TrialTable parse_trials(std::string text, const std::string& file, const TrialOptions& options, const TrialUse& use);
+
+// Neither a column nor anything else is said of the table.
+bool names_nothing(const TrialOptions& options) noexcept;
 
 // Throws UsageError where an option of trials is given without --trials.
 void refuse_trial_options(const TrialOptions& options, const TrialUse& use);

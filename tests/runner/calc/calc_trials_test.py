@@ -3,11 +3,15 @@
 
 Usage: calc_trials_test.py JND
 """
+import csv
+import io
 import json
 import os
 import random
+import re
 import subprocess
 import sys
+import tempfile
 import unittest
 
 JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
@@ -34,6 +38,8 @@ def trials(counts, yes, no):
 CHOICES = [("P01", "V", x, 20, k) for x, k in ((800, 3), (900, 9), (1000, 18))]
 CHOICES += [("P02", "V", x, 20, k) for x, k in ((800, 1), (900, 12), (1000, 20))]
 DIFFERENCES = [("P01", "S", 0, 40, 9), ("P01", "S", 200, 20, 11), ("P01", "S", 400, 20, 17)]
+
+FIT = ("--function", "gaussian", "--guess", "0", "--lapse", "0")
 
 
 class Trials(unittest.TestCase):
@@ -87,9 +93,8 @@ class Trials(unittest.TestCase):
 
     def test_fit_sdt_and_jnd_as_from_counts(self):
         text = "x,n,k\n" + "".join(f"{x},{n},{k}\n" for _, _, x, n, k in CHOICES[:3])
-        options = ("--function", "gaussian", "--guess", "0", "--lapse", "0")
-        theirs, = self.lines("fit", *options, text=text)
-        ours, = self.lines("fit", *options, *COLUMNS, text=table(trials(CHOICES[:3], "yes", "no")))
+        theirs, = self.lines("fit", *FIT, text=text)
+        ours, = self.lines("fit", *FIT, *COLUMNS, text=table(trials(CHOICES[:3], "yes", "no")))
         self.assertEqual(ours["group"], "P01 / V")
         self.same_numbers(ours, theirs, leave=("group",))
 
@@ -119,6 +124,57 @@ class Trials(unittest.TestCase):
                                   text=table(trials(DIFFERENCES, "different", "same")))
         absolute, = self.lines("jnd", *COLUMNS, "--standard", "900", text=table(rows))
         self.assertEqual(absolute, differences)
+
+    def exported(self, protocol, participants=2):
+        """trials.csv of a simulated study, and its folder."""
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        study, out = os.path.join(folder.name, "s.sqlite"), os.path.join(folder.name, "out")
+        for command in (("simulate", protocol, "--participants", str(participants), "--seed", "1", "--study", study), ("export", study, "--to", out)):
+            subprocess.run([JND, *command], check=True, capture_output=True)
+        with open(os.path.join(out, "trials.csv"), encoding="utf-8") as file:
+            return file.read(), out
+
+    def test_an_export_of_same_different_needs_no_names(self):
+        text, _ = self.exported("tutorial")
+        rows = [row for row in csv.DictReader(io.StringIO(text)) if row["practice"] == "0"]
+        self.assertLess(len(rows), len(text.splitlines()) - 1)  # there is practice, which does not count
+        plain = table([(row["participant"], row["condition"], abs(float(row["stimulus_1_n_per_m"]) - float(row["stimulus_2_n_per_m"])), row["answer"])
+                       for row in rows])
+        for command, *more in (("sdt",), ("jnd", "--reference", "900"), ("fit", *FIT)):
+            key = lambda line: str([line.get(name) for name in ("participant", "condition", "id")])
+            ours = sorted(self.lines(command, *more, "--trials", text=text), key=key)
+            theirs = sorted(self.lines(command, *more, *COLUMNS, "--positive", "different", text=plain), key=key)
+            self.assertEqual(len(ours), len(theirs))
+            for one, other in zip(ours, theirs):
+                self.assertEqual(one, other)
+
+    def test_an_export_of_which_has_more_gives_the_numbers_of_its_study(self):
+        for protocol, same, *more in (("leib2015", {"pse": "pse", "jnd_75": "jnd"}), ("jones1997-viscosity", {"jnd_75": "jnd"}, "--pse-is-standard")):
+            text, out = self.exported(protocol)
+            lines = {(line["participant"], line["condition"], line["standard"]): line for line in self.lines("which", *more, "--trials", text=text)}
+            with open(os.path.join(out, "estimates.csv"), encoding="utf-8") as file:
+                estimates = list(csv.DictReader(file))
+            self.assertEqual(len(lines), len(estimates))
+            for row in estimates:
+                standard = float(next(row[name] for name in row if name.startswith("standard_")))
+                line = lines[row["participant"], row["condition"], standard]
+                for ours, theirs in same.items():
+                    self.assertAlmostEqual(line[ours], float(row[theirs]), places=6)
+                self.assertEqual(line["trials"], int(row["trials"]))
+
+    def test_an_export_of_another_task_is_refused_and_says_what_takes_it(self):
+        same_different, _ = self.exported("tutorial", 1)
+        which, _ = self.exported("leib2015", 1)
+        self.refused("an export of another task", "which and fit trials of", text=same_different, arguments=("--trials",))
+        for command in ("sdt", "jnd"):
+            self.refused("an export of another task", text=which, arguments=("--trials", "--reference", "85")[:1 if command == "sdt" else 3], command=command)
+        self.assertTrue(self.lines("fit", *FIT, "--trials", text=which))
+        self.refused("no trial that counts", text=re.sub(r"(?m)^(\w+,\w+,1,simulated,\w+,\d+,[^,]*,\d+,\d+),0,", r"\1,1,", same_different), arguments=("--trials",), command="sdt")
+        sealed = "\n".join(",".join(cell for i, cell in enumerate(line.split(",")) if i not in (14, 15)) for line in same_different.splitlines()) + "\n"
+        self.refused("an export without stimuli", text=sealed, arguments=("--trials",), command="sdt")
+        self.refused("--trials needs --level and --answer", "has the columns trial, subj, cond, stim, resp", text=table(trials(CHOICES, 1, 0)),
+                     arguments=("--trials",), code=2)
 
     def test_spreadsheets(self):
         rows = [(subj, cond, f"{stim / 1000}".replace(".", ","), answer) for subj, cond, stim, answer in
