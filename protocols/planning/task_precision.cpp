@@ -61,8 +61,7 @@ Simulated simulated(const Protocol& protocol, int participant, const TaskPrecisi
   RandomStream stream(question.seed, static_cast<std::uint64_t>(participant), "precision");
   AdaptiveRun run(protocol);
   const bool by_model = protocol.task.kind == TaskKind::same_different;  // others have a response model of their own
-  const double criterion =
-      by_model ? posterior_model(protocol, protocol.series.front()).configuration.shift_prior.mean : 0;
+  const double criterion = by_model ? assumed_criterion(protocol) : 0;
   const Plan plan = make_plan(protocol, participant, question.seed);
   for (const Trial& planned : plan.trials) {
     if (planned.practice || planned.condition != plan.conditions.front() || run.over(planned)) continue;
@@ -106,6 +105,10 @@ void summarize(TaskPrecisionRow& row, const std::vector<double>& values, int par
 }
 
 }  // namespace
+
+double assumed_criterion(const Protocol& protocol) {
+  return posterior_model(protocol, protocol.series.front()).configuration.shift_prior.mean;
+}
 
 std::vector<TaskPrecisionRow> task_precision(const Protocol& protocol, const TaskPrecisionQuestion& question,
                                              const std::function<void(int)>& progress) {

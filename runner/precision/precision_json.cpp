@@ -77,6 +77,7 @@ nlohmann::ordered_json precision_json(const PlannedPrecision& planned, const Pro
   Json out = {{"model", "yes-no"}, {"correction", to_string(question.design.correction)}, {"jnd", "least_squares"}};
   out["note"] = note.empty() ? Json(nullptr) : Json(note);
   out["criterion"] = "half of the difference";
+  out["assumed"] = assumed_of_participants(question);
   out["unit"] = to_string(protocol.stimulus.unit);
   out["differences"] = question.design.differences;
   out["trials_per_cell"] = question.design.trials;

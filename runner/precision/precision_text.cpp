@@ -165,8 +165,8 @@ std::string assumptions(const PlannedPrecision& planned, const Protocol& protoco
                   to_string(design.class_sizes), fmt::join(design.differences, ", "), to_string(protocol.stimulus.unit),
                   question.participants, question.participants == 1 ? "" : "s");
   text += fmt::format("true JND: {}\n", sources_of(planned, protocol));
-  text += fmt::format("yes-no d' of {} rates, criterion at half of the difference; least-squares JND\n",
-                      to_string(design.correction));
+  text += fmt::format("yes-no d' of {} rates, least-squares JND\n", to_string(design.correction));
+  text += fmt::format("assumed: {}\n", assumed_of_participants(question));
   const std::string note = precision_note(protocol);
   if (!note.empty()) text += fmt::format("note: {}\n", note);
   return text;
@@ -177,6 +177,15 @@ std::string assumptions(const PlannedPrecision& planned, const Protocol& protoco
 std::string_view to_string(ClassSizes sizes) noexcept {
   constexpr auto kWords = words<ClassSizes>({{"random", ClassSizes::random}, {"balanced", ClassSizes::balanced}});
   return word_of(kWords, sizes);
+}
+
+std::string assumed_of_participants(const PrecisionQuestion& question) {
+  std::string text =
+      "\"different\" is answered with probability Phi((difference - criterion) / JND), without bias (the criterion is half "
+      "of the series' difference) and without lapses, each answer independently of the others; ";
+  return text + (question.between_cv > 0
+                     ? fmt::format("in the group true JNDs spread by {}", of_cv(question.between_cv))
+                     : "everyone has the true JND");
 }
 
 std::string precision_text(const PlannedPrecision& planned, const Protocol& protocol, TableStyle style) {

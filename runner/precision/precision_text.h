@@ -20,6 +20,8 @@ struct PlannedPrecision {
 
 std::string_view to_string(ClassSizes sizes) noexcept;  // "random", "balanced"
 
+// What the figures assume of the participants, in one line.
+std::string assumed_of_participants(const PrecisionQuestion& question);
 // All of it. Lines ended by a newline.
 std::string precision_text(const PlannedPrecision& planned, const Protocol& protocol, TableStyle style);
 // One participant's part in a few lines, for `jnd check`. name: by which the user calls the protocol.

@@ -23,6 +23,17 @@ const Series& series_of(const TaskPrecisionRow& row, const Protocol& protocol) {
   return protocol.series[static_cast<std::size_t>(row.series)];
 }
 
+std::string assumed_of(const Protocol& protocol) {
+  const std::string answers =
+      protocol.task.kind == TaskKind::same_different
+          ? fmt::format(
+                "\"different\" is answered with probability Phi(difference / noise - {}), the criterion that the "
+                "procedure's prior expects",
+                four_digits(assumed_criterion(protocol)))
+          : "what is felt is the value plus normal noise, and the answer follows from what is felt, without bias";
+  return answers + ", without lapses, each answer independently of the others; everyone has the same noise";
+}
+
 }  // namespace
 
 std::string task_precision_text(const std::vector<TaskPrecisionRow>& rows, const TaskPrecisionQuestion& question,
@@ -42,7 +53,7 @@ std::string task_precision_text(const std::vector<TaskPrecisionRow>& rows, const
                range_text(four_digits(row.low), four_digits(row.high)), outcome.positive ? percent_text(row.cv) : "",
                percent_text(row.undefined)});
   }
-  return table.text(style) +
+  return table.text(style) + fmt::format("assumed: {}\n", assumed_of(protocol)) +
          fmt::format(
              "{} participants who feel alike were simulated in one condition; to them two equal intervals differ "
              "with a standard deviation of the noise{}. CV: standard deviation over mean of what is measured of "
@@ -58,11 +69,10 @@ std::string task_precision_text(const std::vector<TaskPrecisionRow>& rows, const
 nlohmann::ordered_json task_precision_json(const std::vector<TaskPrecisionRow>& rows,
                                            const TaskPrecisionQuestion& question, const Protocol& protocol) {
   const std::vector<TaskOutcome> outcomes = measured_outcomes(protocol);
-  nlohmann::ordered_json out = {{"protocol_sha256", protocol.sha256},
-                                {"registered", protocol.analysis.outcome},
-                                {"simulated", question.participants},
-                                {"noise_from", question.noise ? "asked" : "assumed"},
-                                {"precision", nlohmann::ordered_json::array()}};
+  nlohmann::ordered_json out = {
+      {"protocol_sha256", protocol.sha256}, {"registered", protocol.analysis.outcome},
+      {"simulated", question.participants}, {"noise_from", question.noise ? "asked" : "assumed"},
+      {"assumed", assumed_of(protocol)},    {"precision", nlohmann::ordered_json::array()}};
   for (const TaskPrecisionRow& row : rows)
     out["precision"].push_back({{"standard", series_of(row, protocol).name},
                                 {"noise", row.noise},

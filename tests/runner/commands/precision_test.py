@@ -71,6 +71,18 @@ class Precision(unittest.TestCase):
         other = self.plan("--jnd", "V=351", "--jnd", "208.5", "--trials", "40", "--participants", "12", "--cv", "0.2", "--between-cv", "0.2")
         self.assertEqual(other, block)
 
+    def test_it_says_what_it_assumes_of_participants(self):
+        text = self.jnd("plan", "chinello2017", "--precision").stdout
+        self.assertRegex(text, r"(?m)^assumed: .*Phi\(\(difference - criterion\) / JND\), without bias .*without lapses.*; everyone has the true JND$")
+        spread = self.jnd("plan", "chinello2017", "--precision", "--between-cv", "0.2").stdout
+        self.assertRegex(spread, r"(?m)^assumed: .*; in the group true JNDs spread by 20 %$")
+        self.assertIn("without lapses", self.plan()["assumed"])
+        tasks = self.jnd("plan", "leib2015", "--precision", "--simulated", "20")
+        self.assertRegex(tasks.stdout, r"(?m)^assumed: what is felt is the value plus normal noise.*without bias, without lapses")
+        posterior = ("plan", "adaptive-posterior", "--precision", "--jnd", "300", "--simulated", "20")
+        self.assertRegex(self.jnd(*posterior).stdout, r"(?m)^assumed: .*Phi\(difference / noise - [\d.]+\)")
+        self.assertIn("criterion", json.loads(self.jnd(*posterior, "--json").stdout)["assumed"])
+
     def test_the_seed_decides(self):
         one, same, other = self.plan("--seed", "5"), self.plan("--seed", "5"), self.plan("--seed", "6")
         self.assertEqual(one, same)
