@@ -87,7 +87,7 @@ WINGS = {
         "events": "session",
         "sound": "session terminal",
         "figures": "results terminal",
-        "opening": "keys session terminal",
+        "opening": "keys session terminal words",
         "device_commands": "keys opening sound terminal",
         "report": "figures keys results",
         "study_commands": "keys opening terminal",

@@ -91,7 +91,7 @@ void note_realtime(SessionLog& log, const RealtimeReport& report, const Clock& c
   log.append(event_kind::kRealtime, {{"policy", to_string(report.policy)}, {"items", std::move(items)}},
              {clock.utc_ns(), clock.now_ns()});
   const std::string problems = report.problems();
-  if (!problems.empty()) console.announce("The loop is not real-time:\n" + problems, true);
+  if (!problems.empty()) console.announce(tr("The loop is not real-time:") + "\n" + problems, true);
 }
 
 // What was found, said to the operator. False: the session must not be begun.
@@ -127,9 +127,9 @@ void check_technician(const RunOptions& options, const Protocol& protocol) {
 
 bool may_unblind(const RunOptions& options, const Protocol& protocol, SessionKind kind, Console& console) {
   if (!options.technician || kind != SessionKind::real || !protocol.blinded) return true;
-  return console.confirm(
+  return console.confirm(tr(
       "The technician's view shows the forces, and so the stimuli. This session of a blinded study will be marked as "
-      "unblinded for ever. Go on?");
+      "unblinded for ever. Go on?"));
 }
 
 // As every event of a session: where it cannot be written just now, it is tried again when the operator says so.
@@ -158,8 +158,9 @@ std::unique_ptr<SessionSound> sound_of(const RunOptions& options, const Protocol
 
 void tell_failures(const SessionSound* sound, Console& console) {
   if (sound == nullptr || sound->failures() == 0) return;
-  console.announce(fmt::format("{} sound{} could not be played; the bell rang for the cue after each.",
-                               sound->failures(), sound->failures() == 1 ? "" : "s"),
+  console.announce(sound->failures() == 1
+                       ? tr("1 sound could not be played; the bell rang for the cue after it.")
+                       : tr("{} sounds could not be played; the bell rang for the cue after each.", sound->failures()),
                    false);
 }
 
@@ -167,8 +168,9 @@ void tell_dropped(EventFeed* events, Console& console) {
   if (events == nullptr) return;
   events->finish();
   if (const std::int64_t dropped = events->dropped(); dropped > 0)
-    console.announce(fmt::format("{} event{} did not reach the reader of --events: it was too slow, or gone.", dropped,
-                                 dropped == 1 ? "" : "s"),
+    console.announce(dropped == 1
+                         ? tr("1 event did not reach the reader of --events: it was too slow, or gone.")
+                         : tr("{} events did not reach the reader of --events: it was too slow, or gone.", dropped),
                      false);
 }
 
@@ -256,9 +258,10 @@ int command_run(const RunOptions& options) {
   console_options.large_text = options.large_text;
   if (events) console_options.listeners.push_back(events.get());  // first: a sound takes a moment to start
   if (sound) console_options.listeners.push_back(sound.get());
+  use_language(options.language.value_or(protocol.language));
   if (request.participant.empty())
     request.participant = make_console(console_options, protocol, keyboard.get(), *clock, interrupted)
-                              ->ask_text("Participant code (letters and digits)");
+                              ->ask_text(tr("Participant code (letters and digits)"));
   check_participant_code(request.participant);
 
   // Without them no study is made, and where one of them is a model nothing counts as real.
@@ -296,9 +299,9 @@ int command_run(const RunOptions& options) {
     if (sound) readiness.items.push_back(sound->check());
     if (!is_ready(readiness, options, *console)) {
       study->close();
-      console->end(std::string("Not begun: see to what is marked BAD and try again.") +
-                   (readiness.overridable ? " Where there is a good reason to go on all the same: "
-                                            "--override-readiness \"REASON\" (it is kept)."
+      console->end(tr("Not begun: see to what is marked BAD and try again.") +
+                   (readiness.overridable ? " " + tr("Where there is a good reason to go on all the same: "
+                                                     "--override-readiness \"REASON\" (it is kept).")
                                           : ""));
       return exit_code::kProblemFound;
     }
@@ -306,7 +309,7 @@ int command_run(const RunOptions& options) {
 
   if (!may_unblind(options, protocol, request.kind, *console)) {
     study->close();
-    console->end("Not begun.");
+    console->end(tr("Not begun."));
     return exit_code::kProblemFound;
   }
 
@@ -317,8 +320,8 @@ int command_run(const RunOptions& options) {
   if (console_options.forces) opened.log->append(event_kind::kSessionUnblinded, {{"shown", "forces"}}, now());
   if (how.realtime) note_realtime(*opened.log, rig->realtime(), *clock, *console);
   if (const std::string missing = left_out_text(protocol, target.language); person && !missing.empty())
-    console->announce(fmt::format("The translation \"{}\" {}. They are shown in {}.", printable(target.language),
-                                  printable(missing), printable(protocol.language)),
+    console->announce(tr("The translation \"{}\" {}. They are shown in {}.", printable(target.language),
+                         printable(missing), printable(protocol.language)),
                       true);
   if (target.resumed && person)
     console->announce(resume_text(target.check, protocol.resume), !target.check.warning.empty());
@@ -358,18 +361,19 @@ int command_run(const RunOptions& options) {
                                      static_cast<double>(machine_clock.now_ns() - began_ns) * 1e-9));
   if (end == SessionEnd::interrupted) {
     study->close();
-    last_words(fmt::format("{}Stopped. Every answer so far is saved in {}; the same command goes on at the next trial.",
-                           missing.empty() ? "" : printable("Missing: " + missing) + ".\n",
-                           printable(study->path().string())) +
+    last_words((missing.empty() ? "" : tr("Missing: {}.", printable(missing)) + "\n") +
+               tr("Stopped. Every answer so far is saved in {}; the same command goes on at the next trial.",
+                  printable(study->path().string())) +
                summary);
     return exit_code::kInterrupted;
   }
   study->close();
+  const std::string saved_in = printable(study->path().string());
   last_words((end == SessionEnd::completed
-                  ? fmt::format("{} The session of {} is complete and saved in {}.", bold("Done."), request.participant,
-                                printable(study->path().string()))
-                  : fmt::format("Ended. The session of {} is closed as it is; everything so far is saved in {}.",
-                                request.participant, printable(study->path().string()))) +
+                  ? bold(tr("Done.")) + " " +
+                        tr("The session of {} is complete and saved in {}.", request.participant, saved_in)
+                  : tr("Ended. The session of {} is closed as it is; everything so far is saved in {}.",
+                       request.participant, saved_in)) +
              summary);
   return exit_code::kDone;
 }

@@ -1,8 +1,13 @@
 #include "runner/console/session_summary.h"
 
+#include <algorithm>
+#include <utility>
+#include <vector>
+
 #include <fmt/format.h>
 
 #include "runner/terminal/terminal.h"
+#include "runner/words/words.h"
 
 namespace jnd {
 
@@ -25,14 +30,21 @@ std::string quoted(const std::string& path) {
 
 std::string summary_text(const SessionSummary& summary) {
   const std::string study = printable(quoted(summary.study));
-  std::string text = fmt::format("  {:<9} {} of {}, {} voided\n", summary.free_interaction ? "objects" : "trials",
-                                 summary.trials_done, summary.trials_total, summary.trials_voided);
-  text += fmt::format("  this run  {}\n", duration_text(summary.run_s));
-  text += fmt::format("  saved in  {}\n", printable(summary.study));
-  if (summary.resumable) text += "  next      the same command goes on with it\n";
-  text += fmt::format("  {:<9} jnd status {}\n", summary.resumable ? "" : "next", study);
-  text += fmt::format("            jnd verify {}\n", study);
-  text += fmt::format("            jnd backup {} --to {}", study, printable(quoted(copy_name(summary.study))));
+  std::vector<std::pair<std::string, std::string>> rows = {
+      {summary.free_interaction ? tr("objects") : tr("trials"),
+       tr("{} of {}, {} voided", summary.trials_done, summary.trials_total, summary.trials_voided)},
+      {tr("this run"), duration_text(summary.run_s)},
+      {tr("saved in"), printable(summary.study)}};
+  if (summary.resumable) rows.emplace_back(tr("next"), tr("the same command goes on with it"));
+  rows.emplace_back(summary.resumable ? "" : tr("next"), "jnd status " + study);
+  rows.emplace_back("", "jnd verify " + study);
+  rows.emplace_back("", fmt::format("jnd backup {} --to {}", study, printable(quoted(copy_name(summary.study)))));
+  std::size_t width = 0;
+  for (const auto& row : rows) width = std::max(width, display_width(row.first));
+  std::string text;
+  for (const auto& [name, what] : rows)
+    text += fmt::format("{}  {}{}  {}", text.empty() ? "" : "\n", name, std::string(width - display_width(name), ' '),
+                        what);
   return text;
 }
 

@@ -8,6 +8,7 @@
 #include "runner/opening/readiness_buttons.h"
 #include "runner/opening/readiness_items.h"
 #include "runner/terminal/terminal.h"
+#include "runner/words/words.h"
 
 namespace jnd {
 
@@ -73,20 +74,20 @@ std::string readiness_text(const Readiness& readiness) {
   std::string text, limits;
   for (const Check& item : readiness.items) {
     if (item.verdict == Verdict::ok) {
-      if (item.what == kLimitsItem) limits = fmt::format("Limits: {}.\n", printable(item.found));
+      if (item.what == kLimitsItem) limits = tr("Limits: {}.", printable(item.found)) + "\n";
       continue;
     }
-    text +=
-        fmt::format("{} {}: {}\n", item.verdict == Verdict::bad ? "BAD" : "warning", item.what, printable(item.found));
+    text += fmt::format("{} {}: {}\n", item.verdict == Verdict::bad ? tr("BAD") : tr("warning"), item.what,
+                        printable(item.found));
     if (!item.what_to_do.empty()) text += fmt::format("  -> {}\n", printable(item.what_to_do));
   }
   if (text.empty()) {
-    for (const Check& item : readiness.items) text += (text.empty() ? "Ready: " : ", ") + item.what;
-    return text + ".\n" + limits;
+    for (const Check& item : readiness.items) text += (text.empty() ? "" : ", ") + item.what;
+    return tr("Ready: {}.", text) + "\n" + limits;
   }
   text += limits;
   if (readiness.blocked && !readiness.overridable)
-    text += "No reason sets this aside: answers could be lost, or the participant is not to take part.\n";
+    text += tr("No reason sets this aside: answers could be lost, or the participant is not to take part.") + "\n";
   return text;
 }
 

@@ -9,6 +9,7 @@
 #include "analysis/numerics/words.h"
 #include "devices/clock.h"
 #include "devices/machine/boot_id.h"
+#include "runner/words/words.h"
 
 namespace jnd {
 
@@ -77,11 +78,11 @@ ResumeCheck check_resume(const SessionState& state, const ResumePolicy& policy, 
   const bool known = !state.boot_id.empty() && !now.boot_id.empty();
   const bool same_start = known && state.boot_id == now.boot_id;
   if (state.left)
-    check.cause = "left by the operator";
+    check.cause = word("left by the operator");
   else if (known && !same_start)
-    check.cause = "the machine was restarted";
+    check.cause = word("the machine was restarted");
   else
-    check.cause = "the program was killed";
+    check.cause = word("the program was killed");
 
   const double wall_s = seconds(now.utc_ns - state.last_utc_ns);
   const double went_on_s = seconds(now.monotonic_ns - state.last_monotonic_ns);
@@ -122,13 +123,15 @@ nlohmann::ordered_json resumed_body(const ResumeCheck& check, const ResumeMoment
 }
 
 std::string resume_text(const ResumeCheck& check, const ResumePolicy& policy) {
-  std::string text = check.gap_s ? fmt::format("Interrupted for {} ({}).\n", gap_text(*check.gap_s), check.cause)
-                                 : fmt::format("Interrupted for an unknown time ({}).\n", check.cause);
-  if (!check.warning.empty()) text += fmt::format("Warning: {}.\n", check.warning);
+  const std::string_view cause = translated(check.cause);
+  std::string text = (check.gap_s ? tr("Interrupted for {} ({}).", gap_text(*check.gap_s), cause)
+                                  : tr("Interrupted for an unknown time ({}).", cause)) +
+                     "\n";
+  if (!check.warning.empty()) text += tr("Warning: {}.", check.warning) + "\n";
   if (check.too_long)
-    text += fmt::format("That is longer than the protocol allows ({}).\n", gap_text(policy.longest_gap_s.value_or(0)));
-  if (check.practice_again) text += "The last practice round comes again first, as the protocol asks.\n";
-  if (check.redo_block) text += "The interrupted block begins anew, as the protocol asks.\n";
+    text += tr("That is longer than the protocol allows ({}).", gap_text(policy.longest_gap_s.value_or(0))) + "\n";
+  if (check.practice_again) text += tr("The last practice round comes again first, as the protocol asks.") + "\n";
+  if (check.redo_block) text += tr("The interrupted block begins anew, as the protocol asks.") + "\n";
   return text;
 }
 

@@ -21,8 +21,8 @@ OF_TABLES = {"participant", "operator", "key", "button", "signal", "program"}
 
 def words_in_code():
     found = set()
-    for folder in ("console", "screen"):
-        for path in sorted((RUNNER / folder).glob("*.*")):
+    for places in ("console/*.*", "screen/*.*", "opening/*.cpp", "commands/command_run.cpp"):
+        for path in sorted(RUNNER.glob(places)):
             for call in re.finditer(r"\b(?:tr|word)\(\s*" + LITERALS, path.read_text(encoding="utf-8")):
                 parts = re.findall(r'"((?:[^"\\]|\\.)*)"', call[1])
                 found.add("".join(json.loads(f'"{part}"') for part in parts))
@@ -55,6 +55,9 @@ class Words(unittest.TestCase):
         self.assertIn("Durchgang 1 von 16", german)
         self.assertIn("VORFÜHRUNG", german)
         self.assertNotIn("Trial ", german)
+        self.assertIn("Fertig. Die Sitzung von P01 ist vollständig", german)
+        self.assertRegex(german, r"gespeichert in  s\.sqlite\n  weiter          jnd status s\.sqlite")
+        self.assertRegex(english, r"Done\. The session of P01 is complete[^\n]*\n(.*\n)*?  saved in  s\.sqlite\n  next      jnd status s\.sqlite")
 
     def test_a_language_is_added_by_a_file(self):
         with tempfile.TemporaryDirectory() as folder:
