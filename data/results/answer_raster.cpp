@@ -12,10 +12,11 @@ std::vector<AnswersOf> answer_raster(const Protocol& protocol, const std::vector
   std::vector<AnswersOf> raster;
   for (std::size_t session = 0; session < sessions.size(); ++session) {
     if (raster.empty() || raster.back().participant != sessions[session].participant)
-      raster.push_back({sessions[session].participant, {}, {}});
+      raster.push_back({sessions[session].participant, {}, {}, 0});
     AnswersOf& one = raster.back();
     one.answers.insert(one.answers.end(), by_session[session].begin(), by_session[session].end());
     one.sessions_end.push_back(one.answers.size());
+    one.voided += sessions[session].trials_voided;
   }
   return raster;
 }

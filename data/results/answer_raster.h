@@ -1,6 +1,7 @@
 // Every counted answer of a study, participant by participant, in the order in which it was given.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,7 @@ struct AnswersOf {
   std::string participant;
   std::vector<RasterAnswer> answers;      // of all sessions, one after the other
   std::vector<std::size_t> sessions_end;  // places in `answers` behind the last of each session
+  std::int64_t voided = 0;                // attempts that were repeated or left out; they are not in `answers`
 };
 
 // trials: those of read_counted_trials for these sessions, of which those of a participant stand together.

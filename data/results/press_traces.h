@@ -23,8 +23,7 @@ struct PressTrace {
   std::vector<Point> points;        // every 5 ms, in the order of time
 };
 
-// The first answered main trial of a condition, of same-different the first with two different stimuli where there is
-// one; of the device that comes first.
+// An answered main trial; of the device that comes first.
 struct PressedTrial {
   std::string participant;
   int trial = 0;      // Trial::index
@@ -32,9 +31,23 @@ struct PressedTrial {
   std::vector<PressTrace> intervals;
 };
 
-// Of the first of these sessions that kept ticks: a trial for each condition that has one. Empty where none did. Reads
-// only the ticks of those trials. Throws StorageError where they cannot be read.
+// The first answered trial of each condition, of same-different the first with two different stimuli where there is one.
+// Of the first of these sessions that kept ticks: a trial for each condition that has one, none that a registered rule
+// leaves out. Empty where no session did. Reads only the ticks of those trials. Throws StorageError where they cannot be
+// read.
 std::vector<PressedTrial> pressed_trials(const Study& study, const Protocol& protocol,
                                          const std::vector<SessionInfo>& sessions);
+
+// The answered main trial of that number in the first of the participant's sessions that kept its ticks; none where no
+// one did. trial: Trial::index.
+std::optional<PressedTrial> pressed_trial(const Study& study, const Protocol& protocol,
+                                          const std::vector<SessionInfo>& sessions, const std::string& participant,
+                                          int trial);
+
+// Trials whose presses are shown.
+struct ShownPresses {
+  std::vector<PressedTrial> trials;
+  bool chosen = false;  // by the user, not as pressed_trials() does
+};
 
 }  // namespace jnd

@@ -1,4 +1,5 @@
 // jnd report: a study as a page for people.
+#include <charconv>
 #include <filesystem>
 #include <utility>
 
@@ -6,10 +7,12 @@
 #include <fmt/format.h>
 
 #include "data/methods/methods_text.h"
+#include "data/results/press_traces.h"
 #include "data/results/study_results.h"
 #include "data/study/blinding.h"
 #include "protocols/version.h"
 #include "runner/commands/commands.h"
+#include "runner/opening/participant_names.h"
 #include "runner/opening/study_access.h"
 #include "runner/report/blinded_files.h"
 #include "runner/report/report_files.h"
@@ -27,12 +30,13 @@ namespace {
 
 struct ReportOptions {
   std::string study;
-  std::string file;                 // the page; empty: the study's name without extension + "-report.html", beside it
-  std::string figures_folder;       // empty: the page's name without extension + "-figures", beside it
-  std::optional<std::string> kind;  // real, pilot or simulated
-  std::optional<std::string> by;    // nominal or delivered; without it, what the protocol registers
-  bool replace = false;             // an earlier report
-  bool open = false;                // in the browser
+  std::string file;                  // the page; empty: the study's name without extension + "-report.html", beside it
+  std::string figures_folder;        // empty: the page's name without extension + "-figures", beside it
+  std::optional<std::string> kind;   // real, pilot or simulated
+  std::optional<std::string> by;     // nominal or delivered; without it, what the protocol registers
+  std::vector<std::string> presses;  // trials whose force is shown: "P01:12"
+  bool replace = false;              // an earlier report
+  bool open = false;                 // in the browser
 };
 
 ReportFacts facts_of(const Study& study, const Protocol& protocol, const std::filesystem::path& path,
@@ -46,6 +50,38 @@ ReportFacts facts_of(const Study& study, const Protocol& protocol, const std::fi
   return facts;
 }
 
+// "P01:12": the trial of that number of that participant.
+PressedTrial chosen_press(const Study& study, const Protocol& protocol, const std::vector<SessionInfo>& sessions,
+                          const std::string& text) {
+  const std::size_t colon = text.rfind(':');
+  int number = 0;
+  const char* const end = text.data() + text.size();
+  const bool fine = colon != std::string::npos && [&] {
+    const auto [behind, error] = std::from_chars(text.data() + colon + 1, end, number);
+    return error == std::errc() && behind == end;
+  }();
+  if (!fine)
+    throw UsageError(
+        fmt::format("--press {}: a participant and the number of a trial are needed, such as P01:12", printable(text)));
+  const std::string participant = participant_meant(text.substr(0, colon), sessions);
+  if (std::optional<PressedTrial> trial = pressed_trial(study, protocol, sessions, participant, number))
+    return std::move(*trial);
+  throw UsageError(
+      fmt::format("--press {}: no force was kept of trial {} of {} (--record full keeps it; trials.csv of jnd "
+                  "export has the numbers)",
+                  printable(text), number, printable(participant)));
+}
+
+ShownPresses presses_of(const Study& study, const Protocol& protocol, const std::vector<SessionInfo>& sessions,
+                        const ReportOptions& options) {
+  if (options.presses.empty()) return {.trials = pressed_trials(study, protocol, sessions)};
+  if (options.presses.size() > kMostPresses)
+    throw UsageError(fmt::format("--press: {} trials at most fit into the figure", kMostPresses));
+  ShownPresses shown{.trials = {}, .chosen = true};
+  for (const std::string& text : options.presses) shown.trials.push_back(chosen_press(study, protocol, sessions, text));
+  return shown;
+}
+
 void show_page(const std::filesystem::path& page, const ReportOptions& options) {
   if (options.open && !open_page(page))
     write_marked_message(
@@ -53,6 +89,8 @@ void show_page(const std::filesystem::path& page, const ReportOptions& options) 
 }
 
 int report_blinded(const Study& study, const Protocol& protocol, const ReportOptions& options, ReportFiles files) {
+  if (!options.presses.empty())
+    throw UsageError("--press shows forces, and so the stimuli, and the study is blinded: leave it out");
   const BlindedResults results =
       blinded_results(study, protocol, source_to_analyse(protocol, options.by), options.study);
   files.page_bytes = blinded_page(results, protocol, std::filesystem::path(options.study).filename().string());
@@ -82,7 +120,7 @@ int command_report(const ReportOptions& options) {
   std::optional<WorkLine> working(std::in_place, "analysing " + options.study);
   const StudyResults results = results_of(*study, protocol, kind, source_to_analyse(protocol, options.by));
   const std::vector<Figure> figures =
-      study_figures(results, protocol, pressed_trials(*study, protocol, sessions_of(*study, kind)));
+      study_figures(results, protocol, presses_of(*study, protocol, sessions_of(*study, kind), options));
   files.page_bytes = report_page(results, protocol, result_tables(results, protocol), figures,
                                  methods_text(*study, protocol, results), facts_of(*study, protocol, study_path, kind));
   for (const Figure& figure : figures) files.figures.emplace_back(figure.id + ".svg", figure.svg.file());
@@ -109,6 +147,9 @@ void add_report(CommandTree& tree) {
   command.add_option("--to", options.file, "the page (default: the study's name with -report.html, beside it)");
   command.add_option("--figures", options.figures_folder,
                      "the folder for the figures as SVG files (default: the page's name with -figures)");
+  command.add_option("--press", options.presses,
+                     "a trial whose force against depth is shown, such as P01:12; again for more (default: one of each "
+                     "condition)");
   add_kind_and_by(command, options.kind, options.by);
   command.add_flag("--replace", options.replace, "replace an earlier report");
   command.add_flag("--open", options.open, "then open the page in the browser ($BROWSER, else xdg-open)");

@@ -1,8 +1,10 @@
 // The figures of a study's report, each one SVG picture with the words around it.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "data/results/press_traces.h"
@@ -20,6 +22,15 @@ struct Figure {
   std::optional<Svg> narrow{};  // the same with its panels below one another, for the width of a phone
 };
 
+// A figure of more participants than one picture can hold goes on in further ones.
+struct FigurePage {
+  std::string id, title;  // "slopes-2", "d' against the difference (2 of 3)"; as they are where there is one page
+  std::size_t from = 0, to = 0;  // of what is shown: from..to-1
+};
+// count things, at most per_page (> 0) of them on each page, at least one page.
+std::vector<FigurePage> figure_pages(std::string_view id, std::string_view title, std::size_t count,
+                                     std::size_t per_page);
+
 // Each function returns no figure where there is nothing to draw. protocol: the study's.
 
 // Figure 5 of the paper: mean and 95 % interval by condition, with every participant, the within-subject interval and
@@ -28,7 +39,8 @@ std::vector<Figure> jnd_figures(const StudyResults& results, const Protocol& pro
 // Where the answers set the levels: their thresholds by condition, in the same form.
 std::vector<Figure> threshold_figures(const StudyResults& results, const Protocol& protocol);
 
-// Where the conditions differ in one number, such as a delay: the registered outcome against it.
+// Where the conditions differ in one number, such as a delay: the registered outcome against it, and of tasks that
+// compare something else the JND.
 std::vector<Figure> parameter_figures(const StudyResults& results, const Protocol& protocol);
 // Where a condition has the cues of two others together: its JND against that of an optimal combination of the two.
 std::vector<Figure> combination_figures(const StudyResults& results, const Protocol& protocol);
@@ -64,11 +76,12 @@ std::vector<Figure> behaviour_figures(const StudyResults& results, const Protoco
 // The median JND under every model, method and correction.
 std::vector<Figure> sensitivity_figures(const StudyResults& results, const Protocol& protocol);
 
-// Force against depth of chosen trials, a panel each.
-std::vector<Figure> press_figures(const std::vector<PressedTrial>& presses, const Protocol& protocol);
+// Force against depth of some trials, a panel each.
+std::vector<Figure> press_figures(const ShownPresses& presses, const Protocol& protocol);
+inline constexpr std::size_t kMostPresses = 12;  // more are not shown
 
 // All of them, in the order in which they are read. presses: trials whose ticks were kept; may be none.
 std::vector<Figure> study_figures(const StudyResults& results, const Protocol& protocol,
-                                  const std::vector<PressedTrial>& presses = {});
+                                  const ShownPresses& presses = {});
 
 }  // namespace jnd

@@ -24,18 +24,44 @@ struct BehaviourValue {
   std::string status{};
 };
 
+std::string reason(OrderStatus status) {
+  switch (status) {
+    case OrderStatus::no_stiffer_first:
+      return "the stiffer never came first";
+    case OrderStatus::no_stiffer_second:
+      return "the stiffer never came second";
+    case OrderStatus::no_different_trials:
+      return "no trial of different objects";
+    case OrderStatus::ok:
+      break;
+  }
+  return {};
+}
+
+std::string reason(RateStatus status) {
+  switch (status) {
+    case RateStatus::no_information:
+      return "all answers were the same";
+    case RateStatus::missing:
+      return "no trial of one kind";
+    case RateStatus::ok:
+      break;
+  }
+  return {};
+}
+
 BehaviourValue order_of(const BehaviourRow& row) {
-  if (row.order.status != OrderStatus::ok) return {.status = std::string(to_string(row.order.status))};
+  if (row.order.status != OrderStatus::ok) return {.status = reason(row.order.status)};
   return {row.order.difference, row.order.ci_low, row.order.ci_high, row.holm.order};
 }
 
 BehaviourValue bias_of(const BehaviourRow& row) {
-  if (row.bias.status != RateStatus::ok) return {.status = std::string(to_string(row.bias.status))};
+  if (row.bias.status != RateStatus::ok) return {.status = reason(row.bias.status)};
   return {row.bias.criterion, row.bias.ci_low, row.bias.ci_high, row.holm.bias};
 }
 
 BehaviourValue drift_of(const BehaviourRow& row) {
-  if (row.drift.status != RateStatus::ok) return {.status = std::string(to_string(row.drift.status))};
+  if (row.drift.status != RateStatus::ok) return {.status = reason(row.drift.status)};
   const HalfDifference& change = row.drift.dprime;
   return {change.difference, change.ci_low, change.ci_high, row.holm.drift};
 }

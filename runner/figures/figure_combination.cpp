@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/numerics/moments.h"
 #include "data/results/cue_combination.h"
 #include "runner/figures/figure.h"
 #include "runner/figures/figure_axis.h"
@@ -47,10 +48,38 @@ void draw_group(Svg& svg, const CueCombination& combination, const std::vector<c
   if (std::isfinite(ratio.ci_low)) {
     const double low = y.clipped(predicted * std::exp(ratio.ci_low));
     const double high = y.clipped(predicted * std::exp(ratio.ci_high));
-    svg.line(x.at(predicted), low, x.at(predicted), high, kInk);
-    for (const double end : {low, high}) svg.line(x.at(predicted) - 5, end, x.at(predicted) + 5, end, kInk);
+    svg.line(x.clipped(predicted), low, x.clipped(predicted), high, kInk);
+    for (const double end : {low, high}) svg.line(x.clipped(predicted) - 5, end, x.clipped(predicted) + 5, end, kInk);
   }
-  svg.circle(x.at(predicted), y.at(observed), 5, kInkFill);
+  svg.circle(x.clipped(predicted), y.clipped(observed), 5, kInkFill);
+  svg.end();
+}
+
+// Up to where the axes go: to the largest JND, unless it is so far off that it would squeeze the others together.
+double most_shown(const std::vector<const CombinedParticipant*>& people) {
+  constexpr double kFar = 4;  // medians
+  std::vector<double> values;
+  for (const CombinedParticipant* one : people) values.insert(values.end(), {*one->predicted, *one->observed});
+  const double limit = kFar * median_of(values);
+  double most = 0;
+  for (const double value : values)
+    if (value <= limit) most = std::max(most, value);
+  return most;
+}
+
+// At the edge where it lies beyond the axes, with its name.
+void draw_combined(Svg& svg, const CombinedParticipant& one, int condition, const Scale& x, const Scale& y,
+                   const Protocol& protocol) {
+  const double at_x = x.clipped(*one.predicted), at_y = y.clipped(*one.observed);
+  const std::string words = fmt::format("predicted {}, observed {}", stiffness_text(*one.predicted, protocol),
+                                        stiffness_text(*one.observed, protocol));
+  svg.begin("", fmt::format("{}: {}", one.participant, words));
+  draw_marker(svg, condition, at_x, at_y, 4.5, condition_hollow(condition));
+  if (!x.inside(*one.predicted) || !y.inside(*one.observed)) {
+    const bool right = at_x > (x.low_pixel + x.high_pixel) / 2;
+    svg.text(at_x + (right ? -10 : 10), std::max(at_y + 4, y.high_pixel + 14),
+             fmt::format("{}: {}", one.participant, words), anchored(kMuted, right ? "end" : "start"));
+  }
   svg.end();
 }
 
@@ -59,9 +88,7 @@ Figure combination_figure(const CueCombination& combination, std::size_t number,
   const std::string a = condition_text(protocol, combination.a), b = condition_text(protocol, combination.b);
   const std::string both = condition_text(protocol, combination.both);
   const std::vector<const CombinedParticipant*> people = with_both(combination);
-  double most = 0;
-  for (const CombinedParticipant* one : people) most = std::max({most, *one->predicted, *one->observed});
-  const Range range = round_range(0, most, 5);
+  const Range range = round_range(0, most_shown(people), 5);
   const Panel panel{kCombinationLeft, kCombinationTop, kCombinationLeft + kCombinationSide,
                     kCombinationTop + kCombinationSide};
   const Scale x{range.low, range.high, panel.left, panel.right};
@@ -80,25 +107,24 @@ Figure combination_figure(const CueCombination& combination, std::size_t number,
   svg.line(panel.left, panel.bottom, panel.right, panel.top, kRule);
   draw_x_axis(svg, panel, x, fmt::format("JND predicted from {} and {} ({})", a, b, unit_of(protocol)), 5);
   draw_y_axis(svg, panel, y, fmt::format("JND observed in {} ({})", both, unit_of(protocol)), 5);
-  for (const CombinedParticipant* one : people) {
-    svg.begin("", fmt::format("{}: predicted {}, observed {}", one->participant,
-                              stiffness_text(*one->predicted, protocol), stiffness_text(*one->observed, protocol)));
-    draw_marker(svg, combination.both, x.at(*one->predicted), y.at(*one->observed), 4.5,
-                condition_hollow(combination.both));
-    svg.end();
-  }
+  for (const CombinedParticipant* one : people) draw_combined(svg, *one, combination.both, x, y, protocol);
   draw_group(svg, combination, people, x, y);
-  std::string missing;
-  for (const CombinedParticipant& one : combination.participants)
-    if (!one.predicted || !one.observed) missing += (missing.empty() ? "" : ", ") + one.participant;
+  std::string missing, far;
+  for (const CombinedParticipant& one : combination.participants) {
+    if (!one.predicted || !one.observed)
+      missing += (missing.empty() ? "" : ", ") + one.participant;
+    else if (!x.inside(*one.predicted) || !y.inside(*one.observed))
+      far += (far.empty() ? "" : ", ") + one.participant;
+  }
   return {
       id, title,
       fmt::format("Each participant's JND in {0} against the one that an optimal combination of {1} and {2} would "
                   "have (independent noise: 1 / JND² adds; Ernst and Banks 2002, Nature 415:429). On the dotted "
                   "line both are equal, above it the cues together are worse than optimal. The full mark: geometric "
                   "means, with the 95 % confidence interval (Student t of the logarithms) of observed / predicted, "
-                  "{3}.{4}",
+                  "{3}.{4}{5}",
                   both, a, b, ratio_text(combination.log_ratio),
+                  far.empty() ? "" : fmt::format(" Off the scale, at its edge: {}.", far),
                   missing.empty() ? "" : fmt::format(" Without a JND in one of the three: {}.", missing)),
       std::move(svg)};
 }

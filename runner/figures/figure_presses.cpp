@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kPressLeft = 62, kPressWidth = 230, kPressHeight = 190, kPressGapX = 26, kPressGapY = 62,
                  kPressTop = 44, kPressBelow = 52;
-constexpr std::size_t kPressColumns = 3, kMostPresses = 12;
+constexpr std::size_t kPressColumns = 3;
 constexpr double kMillimetres = 1000;
 
 // Of the figure: depth in mm, or in rad.
@@ -52,6 +52,15 @@ std::string press_words(const PressedTrial& trial, const Protocol& protocol) {
   return fmt::format("{} {}{}", asked, unit_of(protocol), any ? ", felt as " + felt : ", no force");
 }
 
+bool is_limited(const PressedTrial& trial) {
+  return std::any_of(trial.intervals.begin(), trial.intervals.end(), [](const PressTrace& one) { return one.limited; });
+}
+
+std::string name_of(const PressedTrial& trial, const Protocol& protocol) {
+  return fmt::format("{}, {}, trial {}{}", trial.participant, condition_text(protocol, trial.condition), trial.trial,
+                     is_limited(trial) ? ", limited" : "");
+}
+
 // From the origin with the slope that was asked for: where it leaves the panel it ends.
 void draw_asked(Svg& svg, const PressTrace& trace, const Scale& x, const Scale& y, double factor) {
   const auto deepest = std::max_element(trace.points.begin(), trace.points.end(),
@@ -85,9 +94,7 @@ void draw_trial(Svg& svg, const Panel& panel, const PressedTrial& trial, const P
                 const Protocol& protocol, double factor, bool y_labels) {
   const Scale x{scales.depth.low, scales.depth.high, panel.left, panel.right};
   const Scale y{scales.force.low, scales.force.high, panel.bottom, panel.top};
-  svg.text(panel.left, panel.top - 32 + 8,
-           fitted(fmt::format("{}, trial {}", condition_text(protocol, trial.condition), trial.trial), kLabel.size,
-                  panel.width()),
+  svg.text(panel.left, panel.top - 32 + 8, fitted(name_of(trial, protocol), kLabel.size, panel.width()),
            strong(kLabel));
   const std::string words = press_words(trial, protocol);
   svg.text(panel.left, panel.top - 8, fitted(words, kMuted.size, panel.width()), kMuted);
@@ -95,7 +102,7 @@ void draw_trial(Svg& svg, const Panel& panel, const PressedTrial& trial, const P
   svg.rectangle(panel.left, panel.top, panel.width(), panel.height(), kFrame);
   if (y_labels) draw_y_axis(svg, panel, y, "", 4);
   draw_x_axis(svg, panel, x, "", 4);
-  svg.begin("", fmt::format("{}, trial {}: {}", trial.participant, trial.trial, words));
+  svg.begin("", fmt::format("{}: {}", name_of(trial, protocol), words));
   for (const PressTrace& trace : trial.intervals) draw_asked(svg, trace, x, y, factor);
   for (const PressTrace& trace : trial.intervals) draw_press(svg, trace, trial.condition, x, y, factor);
   svg.end();
@@ -111,8 +118,7 @@ Svg draw_presses(const std::vector<PressedTrial>& trials, const Protocol& protoc
   const double bottom = kPressTop + static_cast<double>(rows) * (kPressHeight + kPressGapY) - kPressGapY;
   std::string description;
   for (const PressedTrial& trial : trials)
-    description += fmt::format("{}, trial {}: {}. ", condition_text(protocol, trial.condition), trial.trial,
-                               press_words(trial, protocol));
+    description += fmt::format("{}: {}. ", name_of(trial, protocol), press_words(trial, protocol));
   Svg svg(most_columns == 1 ? "figure-presses-narrow" : "figure-presses", width, bottom + kPressBelow, title,
           description);
   for (std::size_t i = 0; i < trials.size(); ++i) {
@@ -132,23 +138,26 @@ Svg draw_presses(const std::vector<PressedTrial>& trials, const Protocol& protoc
 
 }  // namespace
 
-std::vector<Figure> press_figures(const std::vector<PressedTrial>& presses, const Protocol& protocol) {
-  if (presses.empty()) return {};
-  const auto shown = static_cast<std::ptrdiff_t>(std::min(presses.size(), kMostPresses));
-  const std::vector<PressedTrial> trials(presses.begin(), presses.begin() + shown);
-  bool limited = false;
-  for (const PressedTrial& trial : trials)
-    for (const PressTrace& trace : trial.intervals) limited = limited || trace.limited;
+std::vector<Figure> press_figures(const ShownPresses& presses, const Protocol& protocol) {
+  if (presses.trials.empty()) return {};
+  const auto shown = static_cast<std::ptrdiff_t>(std::min(presses.trials.size(), kMostPresses));
+  const std::vector<PressedTrial> trials(presses.trials.begin(), presses.trials.begin() + shown);
+  const bool limited = std::any_of(trials.begin(), trials.end(), is_limited);
   const std::string title = "Force against depth";
   const std::string device = protocol.rig.fingers.empty() ? "" : fmt::format(", {}", protocol.rig.fingers.front());
-  return {
-      {"presses", title,
-       fmt::format("A trial of each condition of {}{}: the first whose ticks were kept, and where that can be, of "
-                   "two different objects. Force against depth every 5 ms, the second interval dashed; the slope is "
-                   "the stiffness that was felt. Dotted: what was asked for.{}",
-                   trials.front().participant, device,
-                   limited ? " Where the force stays below that, a limit of the device was reached." : ""),
-       draw_presses(trials, protocol, title, kPressColumns), draw_presses(trials, protocol, title, 1)}};
+  const std::string which =
+      presses.chosen
+          ? fmt::format("Chosen trials{}.", device)
+          : fmt::format(
+                "A trial of each condition of {}{}: the first whose ticks were kept, and where that can be, of "
+                "two different objects.",
+                trials.front().participant, device);
+  return {{"presses", title,
+           fmt::format(
+               "{} Force against depth every 5 ms, the second interval dashed; the slope is the stiffness that was "
+               "felt. Dotted: what was asked for.{}",
+               which, limited ? " Limited: the force stays below that where a limit of the device was reached." : ""),
+           draw_presses(trials, protocol, title, kPressColumns), draw_presses(trials, protocol, title, 1)}};
 }
 
 }  // namespace jnd

@@ -16,7 +16,8 @@ namespace jnd {
 namespace {
 
 constexpr double kRocLeft = 58, kRocSide = 150, kRocGap = 34, kRocTop = 30, kRocBetween = 30, kRocBottom = 52;
-constexpr std::size_t kMostRocColumns = 5;
+constexpr double kRocNarrowBetween = 44;
+constexpr std::size_t kMostRocColumns = 5, kNarrowRocColumns = 2;
 
 // How many participants have these rates.
 using Rates = std::map<std::pair<double, double>, int>;
@@ -46,8 +47,6 @@ void draw_equal_dprime(Svg& svg, const Scale& x, const Scale& y, double dprime) 
 // named: the lines.
 void draw_roc(Svg& svg, const Panel& panel, const Rates& rates, int condition, bool y_labels, bool x_labels,
               bool named) {
-  TextStyle small = kMuted;
-  small.size = 9;
   const Scale x{0, 1, panel.left, panel.right}, y{0, 1, panel.bottom, panel.top};
   svg.rectangle(panel.left, panel.top, panel.width(), panel.height(), kFrame);
   for (const int dprime : {0, 1, 2, 3}) {
@@ -55,7 +54,7 @@ void draw_roc(Svg& svg, const Panel& panel, const Rates& rates, int condition, b
     // On the other diagonal, where both rates are as far from a half.
     if (named)
       svg.text(x.at(normal_cdf(-dprime / 2.0)) + 3, y.at(normal_cdf(dprime / 2.0)) + 10, fmt::format("{}", dprime),
-               small);
+               kMuted);
   }
   if (y_labels) draw_y_axis(svg, panel, y, "", 2);
   if (x_labels) draw_x_axis(svg, panel, x, "", 2);
@@ -69,45 +68,62 @@ void draw_roc(Svg& svg, const Panel& panel, const Rates& rates, int condition, b
   }
 }
 
+struct RocPanel {
+  int condition = 0, series = 0;
+};
+
+std::string difference_text(const Series& series, const Protocol& protocol) {
+  return fmt::format("{} {}", stiffness_text(std::abs(series.pair[1] - series.pair[0]), protocol), unit_of(protocol));
+}
+
+// A column for each condition and a row for each series; on a phone one after the other, two a row, each with its name.
+Svg draw_roc_panels(const StudyAnalysis& analysis, const Protocol& protocol, const std::string& title, bool narrow) {
+  std::vector<RocPanel> panels;
+  for (std::size_t series = 0; series < protocol.series.size(); ++series)
+    for (std::size_t condition = 0; condition < protocol.conditions.size(); ++condition)
+      panels.push_back({static_cast<int>(condition), static_cast<int>(series)});
+  const std::size_t columns = narrow ? std::min(kNarrowRocColumns, panels.size()) : protocol.conditions.size();
+  const std::size_t rows = (panels.size() + columns - 1) / columns;
+  const double between = narrow ? kRocNarrowBetween : kRocBetween;
+  const double right = kRocLeft + static_cast<double>(columns) * (kRocSide + kRocGap);
+  const double bottom = kRocTop + static_cast<double>(rows) * (kRocSide + between) - between;
+  Svg svg(narrow ? "figure-roc-narrow" : "figure-roc", narrow ? right : std::max(420.0, right + 90),
+          bottom + kRocBottom, title, "A panel for every condition and series; lines of d' 0, 1, 2 and 3. ");
+  for (std::size_t i = 0; i < panels.size(); ++i) {
+    const std::size_t row = i / columns, column = i % columns;
+    const RocPanel& panel = panels[i];
+    const double left = kRocLeft + static_cast<double>(column) * (kRocSide + kRocGap);
+    const double top = kRocTop + static_cast<double>(row) * (kRocSide + between);
+    const Series& series = protocol.series[static_cast<std::size_t>(panel.series)];
+    draw_roc(svg, {left, top, left + kRocSide, top + kRocSide}, rates_of(analysis, panel.condition, panel.series),
+             panel.condition, column == 0, i + columns >= panels.size(), row + 1 == rows && column == 0);
+    std::string name = condition_text(protocol, panel.condition);
+    if (narrow) name += ", " + difference_text(series, protocol);
+    if (narrow || row == 0) svg.text(left, top - 10, fitted(name, kLabel.size, kRocSide), strong(kLabel));
+    if (!narrow && column == 0)
+      svg.text(right - kRocGap + 10, top + kRocSide / 2, difference_text(series, protocol), kMuted);
+  }
+  TextStyle upwards = anchored(kLabel, "middle");
+  upwards.upwards = true;
+  svg.text(16, (kRocTop + bottom) / 2, "hit rate", upwards);
+  svg.text((kRocLeft + right - kRocGap) / 2, bottom + 42, "false-alarm rate", anchored(kLabel, "middle"));
+  return svg;
+}
+
 }  // namespace
 
 std::vector<Figure> roc_figures(const StudyResults& results, const Protocol& protocol) {
   const auto* constant = std::get_if<ConstantResults>(&results.measured);
   if (constant == nullptr || constant->analysis.cells.empty() || protocol.conditions.size() > kMostRocColumns)
     return {};
-  const auto columns = protocol.conditions.size(), rows = protocol.series.size();
-  const double right = kRocLeft + static_cast<double>(columns) * (kRocSide + kRocGap);
-  const double bottom = kRocTop + static_cast<double>(rows) * (kRocSide + kRocBetween) - kRocBetween;
   const std::string title = "Hits against false alarms";
-  std::string description = "A panel for every condition and series; lines of d' 0, 1, 2 and 3. ";
-  Svg svg("figure-roc", std::max(420.0, right + 90), bottom + kRocBottom, title, description);
-  for (std::size_t row = 0; row < rows; ++row) {
-    const Series& series = protocol.series[row];
-    const double top = kRocTop + static_cast<double>(row) * (kRocSide + kRocBetween);
-    for (std::size_t column = 0; column < columns; ++column) {
-      const double left = kRocLeft + static_cast<double>(column) * (kRocSide + kRocGap);
-      const int condition = static_cast<int>(column);
-      draw_roc(svg, {left, top, left + kRocSide, top + kRocSide},
-               rates_of(constant->analysis, condition, static_cast<int>(row)), condition, column == 0, row + 1 == rows,
-               row + 1 == rows && column == 0);
-      if (row == 0)
-        svg.text(left, top - 10, fitted(condition_text(protocol, condition), kLabel.size, kRocSide), strong(kLabel));
-    }
-    svg.text(
-        right - kRocGap + 10, top + kRocSide / 2,
-        fmt::format("{} {}", stiffness_text(std::abs(series.pair[1] - series.pair[0]), protocol), unit_of(protocol)),
-        kMuted);
-  }
-  TextStyle upwards = anchored(kLabel, "middle");
-  upwards.upwards = true;
-  svg.text(16, (kRocTop + bottom) / 2, "hit rate", upwards);
-  svg.text((kRocLeft + right - kRocGap) / 2, bottom + 42, "false-alarm rate", anchored(kLabel, "middle"));
   return {
       {"roc", title,
-       "Raw rates of every participant, a panel for each condition (columns) and stiffness difference (rows); larger "
-       "marks are several participants at one place. Lines of equal d' of the yes-no model: 0 (dotted), 1, 2 and 3. "
-       "Towards the lower left: a criterion that leans to \"same\".",
-       std::move(svg)}};
+       "Raw rates of every participant, a panel for each condition and stiffness difference; larger marks are several "
+       "participants at one place. Lines of equal d' of the yes-no model: 0 (dotted), 1, 2 and 3. Towards the lower "
+       "left: a criterion that leans to \"same\".",
+       draw_roc_panels(constant->analysis, protocol, title, false),
+       draw_roc_panels(constant->analysis, protocol, title, true)}};
 }
 
 }  // namespace jnd

@@ -108,19 +108,14 @@ std::vector<Figure> slope_figures(const StudyResults& results, const Protocol& p
              draw_grid(by_condition(people, protocol), scales, protocol, "slopes", what, description, 2, true)}};
   }
   std::vector<Figure> figures;
-  const std::size_t pages = (people.size() + kPanelsInFigure - 1) / kPanelsInFigure;
-  for (std::size_t page = 0; page < pages; ++page) {
-    const auto first = people.begin() + static_cast<std::ptrdiff_t>(page * kPanelsInFigure);
-    const auto last =
-        people.begin() + static_cast<std::ptrdiff_t>(std::min(people.size(), (page + 1) * kPanelsInFigure));
-    const std::vector<SlopePanel> shown(first, last);
-    const std::string id = pages == 1 ? "slopes" : fmt::format("slopes-{}", page + 1);
-    const std::string title = pages == 1 ? what : fmt::format("{} ({} of {})", what, page + 1, pages);
+  for (const FigurePage& page : figure_pages("slopes", what, people.size(), kPanelsInFigure)) {
+    const std::vector<SlopePanel> shown(people.begin() + static_cast<std::ptrdiff_t>(page.from),
+                                        people.begin() + static_cast<std::ptrdiff_t>(page.to));
     const std::string description =
         fmt::format("One panel for every participant, from {} to {}.", shown.front().title, shown.back().title);
-    figures.push_back({id, title, caption_of(analysis, protocol, false),
-                       draw_grid(shown, scales, protocol, id, title, description, 1, false),
-                       draw_grid(shown, scales, protocol, id, title, description, 1, true)});
+    figures.push_back({page.id, page.title, caption_of(analysis, protocol, false),
+                       draw_grid(shown, scales, protocol, page.id, page.title, description, 1, false),
+                       draw_grid(shown, scales, protocol, page.id, page.title, description, 1, true)});
   }
   return figures;
 }

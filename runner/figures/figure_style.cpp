@@ -171,7 +171,8 @@ std::vector<std::string> wrapped(std::string_view text, double size, double widt
 
 namespace {
 
-constexpr double kRow = 18, kSymbol = 22, kGap = 16;
+constexpr double kRow = 18, kSymbol = 22, kGap = 16, kLine = 14;
+constexpr std::size_t kMostLines = 3;  // of an entry
 
 void draw_symbol(Svg& svg, const LegendEntry& entry, double x, double y) {
   using Kind = LegendEntry::Kind;
@@ -212,8 +213,9 @@ void draw_published(Svg& svg, double x, double y, const std::optional<std::pair<
 double draw_legend(Svg* svg, const std::vector<LegendEntry>& entries, double x, double y, double width) {
   double across = 0, down = kRow / 2;
   for (const LegendEntry& entry : entries) {
-    const std::string text = fitted(entry.text, kLegendSize, width - kSymbol);
-    const double wide = kSymbol + text_width(text, kLegendSize) + kGap;
+    const std::vector<std::string> lines = wrapped(entry.text, kLegendSize, width - kSymbol, kMostLines);
+    double wide = 0;
+    for (const std::string& line : lines) wide = std::max(wide, kSymbol + text_width(line, kLegendSize) + kGap);
     if (across > 0 && across + wide - kGap > width) {
       across = 0;
       down += kRow;
@@ -222,9 +224,12 @@ double draw_legend(Svg* svg, const std::vector<LegendEntry>& entries, double x, 
       draw_symbol(*svg, entry, x + across, y + down);
       TextStyle style = kLabel;
       style.size = kLegendSize;
-      svg->text(x + across + kSymbol, y + down + 4, text, style);
+      for (std::size_t i = 0; i < lines.size(); ++i)
+        svg->text(x + across + kSymbol, y + down + 4 + kLine * static_cast<double>(i), lines[i], style);
     }
     across += wide;
+    // What takes more lines than one filled its row.
+    if (lines.size() > 1) down += kLine * static_cast<double>(lines.size() - 1);
   }
   return entries.empty() ? 0 : down + kRow / 2;
 }

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kTrackLeft = 62, kTrackWidth = 230, kTrackHeight = 130, kTrackGapX = 22, kTrackGapY = 34,
                  kTrackBottom = 52;
-constexpr std::size_t kTrackColumns = 3, kMostTrackPanels = 24;
+constexpr std::size_t kTrackColumns = 3, kTracksInFigure = 24, kMostTrackPanels = 96;
 
 struct TrackPanel {
   std::string participant;
@@ -104,10 +104,9 @@ void draw_tracks(Svg& svg, const Panel& panel, const TrackPanel& content, const 
 constexpr std::size_t kNarrowTracks = 1;
 constexpr double kLeastTracks = 480;
 
-Svg draw_track_panels(const std::vector<TrackPanel>& panels, const Protocol& protocol, const std::string& title,
-                      std::size_t most_columns) {
+Svg draw_track_panels(const std::vector<TrackPanel>& panels, const TrackScales& scales, const Protocol& protocol,
+                      const FigurePage& page, std::size_t most_columns) {
   const bool narrow = most_columns == kNarrowTracks;
-  const TrackScales scales = track_scales(panels);
   const std::size_t columns = std::min(most_columns, panels.size()), rows = (panels.size() + columns - 1) / columns;
   const double width =
       std::max(narrow ? 0.0 : kLeastTracks, kTrackLeft + static_cast<double>(columns) * (kTrackWidth + kTrackGapX));
@@ -116,7 +115,7 @@ Svg draw_track_panels(const std::vector<TrackPanel>& panels, const Protocol& pro
     legend.push_back({LegendEntry::Kind::condition, static_cast<int>(i), condition_title(protocol.conditions[i])});
   const double top = 8 + draw_legend(nullptr, legend, 0, 0, width - kTrackLeft - 10) + 24;
   const double bottom = top + static_cast<double>(rows) * (kTrackHeight + kTrackGapY) - kTrackGapY;
-  Svg svg(narrow ? "figure-tracks-narrow" : "figure-tracks", width, bottom + kTrackBottom, title,
+  Svg svg(fmt::format("figure-{}{}", page.id, narrow ? "-narrow" : ""), width, bottom + kTrackBottom, page.title,
           fmt::format("A panel for every participant, from {} to {}.", panels.front().participant,
                       panels.back().participant));
   draw_legend(&svg, legend, kTrackLeft, 8, width - kTrackLeft - 10);
@@ -142,21 +141,26 @@ std::vector<Figure> track_figures(const StudyResults& results, const Protocol& p
   std::vector<TrackPanel> panels = track_panels(*adaptive);
   const std::size_t participants = panels.size();
   panels.resize(std::min(participants, kMostTrackPanels));
-  const std::string title = "Levels that the answers chose";
+  const TrackScales scales = track_scales(panels);
   const bool has_course = std::any_of(adaptive->rows.begin(), adaptive->rows.end(),
                                       [](const AdaptiveRow& row) { return !row.course.empty(); });
-  return {
-      {"tracks", title,
-       fmt::format("Presented differences of every track in the order of its trials; a second track of a condition "
-                   "is dashed.{} The wedges at the right are what the tracks of a condition come to.{}",
-                   has_course ? " The thick line is the JND by the posterior after each answer, the band its middle "
-                                "95 %, as far as the scale goes."
-                              : "",
-                   participants > kMostTrackPanels
-                       ? fmt::format(" The first {} of {} participants.", kMostTrackPanels, participants)
-                       : std::string()),
-       draw_track_panels(panels, protocol, title, kTrackColumns),
-       draw_track_panels(panels, protocol, title, kNarrowTracks)}};
+  const std::string caption = fmt::format(
+      "Presented differences of every track in the order of its trials; a second track of a condition is dashed.{} The "
+      "wedges at the right are what the tracks of a condition come to.{}",
+      has_course ? " The thick line is the JND by the posterior after each answer, the band its middle 95 %, as far as "
+                   "the scale goes."
+                 : "",
+      participants > kMostTrackPanels ? fmt::format(" The first {} of {} participants.", kMostTrackPanels, participants)
+                                      : std::string());
+  std::vector<Figure> figures;
+  for (const FigurePage& page :
+       figure_pages("tracks", "Levels that the answers chose", panels.size(), kTracksInFigure)) {
+    const std::vector<TrackPanel> shown(panels.begin() + static_cast<std::ptrdiff_t>(page.from),
+                                        panels.begin() + static_cast<std::ptrdiff_t>(page.to));
+    figures.push_back({page.id, page.title, caption, draw_track_panels(shown, scales, protocol, page, kTrackColumns),
+                       draw_track_panels(shown, scales, protocol, page, kNarrowTracks)});
+  }
+  return figures;
 }
 
 }  // namespace jnd

@@ -1,5 +1,6 @@
 #include "runner/figures/svg.h"
 
+#include <cctype>
 #include <cmath>
 #include <cstddef>
 #include <stdexcept>
@@ -133,14 +134,33 @@ void Svg::polyline(const std::vector<SvgPoint>& corners, const ShapeStyle& style
   points("polyline", corners, open);
 }
 
+namespace {
+
+// The minus of a number is as long as a plus: a hyphen that a digit follows and no letter or digit precedes.
+std::string with_minus(std::string_view text) {
+  const auto alphanumeric = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool minus = text[i] == '-' && i + 1 < text.size() && text[i + 1] >= '0' && text[i + 1] <= '9' &&
+                       (i == 0 || !alphanumeric(text[i - 1]));
+    if (minus)
+      out += "\u2212";
+    else
+      out += text[i];
+  }
+  return out;
+}
+
+}  // namespace
+
 void Svg::text(double x, double y, std::string_view content, const TextStyle& style) {
   std::string turn;
   if (style.upwards) turn = fmt::format(" transform=\"rotate(-90 {} {})\"", svg_number(x), svg_number(y));
-  body_ += fmt::format("<text{}{}{}{}{}{}{}{}>{}</text>\n", number_attribute("x", x), number_attribute("y", y),
-                       attribute("class", style.css_class), attribute("fill", style.fill),
-                       number_attribute("font-size", style.size),
-                       style.anchor == "start" ? std::string() : attribute("text-anchor", style.anchor),
-                       style.bold ? attribute("font-weight", "bold") : std::string(), turn, escape_markup(content));
+  body_ += fmt::format(
+      "<text{}{}{}{}{}{}{}{}>{}</text>\n", number_attribute("x", x), number_attribute("y", y),
+      attribute("class", style.css_class), attribute("fill", style.fill), number_attribute("font-size", style.size),
+      style.anchor == "start" ? std::string() : attribute("text-anchor", style.anchor),
+      style.bold ? attribute("font-weight", "bold") : std::string(), turn, escape_markup(with_minus(content)));
 }
 
 void Svg::begin(std::string_view css_class, std::string_view label) {

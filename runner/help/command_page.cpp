@@ -44,6 +44,7 @@ constexpr auto kValues = std::to_array<std::pair<std::string_view, std::string_v
     {"--participant", "CODE"},
     {"--pose", "PZ,ROLL,PITCH"},
     {"--positive", "WORD"},
+    {"--press", "CODE:TRIAL"},
     {"--profile", "PROFILE"},
     {"--protocol", "PROTOCOL"},
     {"--reason", "REASON"},

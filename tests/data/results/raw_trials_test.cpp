@@ -118,6 +118,18 @@ TEST_CASE("force against depth is read of one trial of each condition, of differ
     CHECK(trace.points[8].depth == 1e-4 * 40);
     CHECK(trace.points[8].measured_n == 0.9 * (trace.stimulus * (1e-4 * 40)));
   }
+  // One that is asked for.
+  const std::vector<SessionInfo> sessions = sessions_of(*study, SessionKind::simulated);
+  const std::optional<PressedTrial> chosen = pressed_trial(*study, protocol, sessions, "P02", pressed[0].trial + 1);
+  REQUIRE(chosen);
+  CHECK(chosen->trial == pressed[0].trial + 1);
+  CHECK(chosen->intervals.size() == 2);
+  CHECK_FALSE(pressed_trial(*study, protocol, sessions, "P02", 10'000));
+  CHECK_FALSE(pressed_trial(*study, protocol, sessions, "P01", pressed[0].trial));
+  // None that a rule leaves out: here all of them.
+  Protocol strict = protocol;
+  strict.analysis.exclude.saturated_share_above = 0.1;
+  CHECK(pressed_trials(*study, strict, sessions).empty());
   // Without ticks there is nothing.
   const auto bare = new_study(folder / "bare.sqlite");
   bare->open_session(new_session(1));

@@ -232,8 +232,10 @@ TEST_CASE("every track is drawn in its participant's panel, and what it comes to
   StudyResults results;
   results.measured = measured;
   const std::vector<Figure> figures = track_figures(results, protocol);
-  REQUIRE(figures.size() == 1);
+  REQUIRE(figures.size() == 2);
   check_figures(figures);
+  CHECK(figures.back().title.ends_with(" (2 of 2)"));
+  CHECK(figures.back().svg.file().find("P26, ") != std::string::npos);
   const std::string svg = figures.front().svg.file();
   const int shown = 24;
   CHECK(count_of(svg, "<polyline") == shown * 4);
@@ -241,7 +243,7 @@ TEST_CASE("every track is drawn in its participant's panel, and what it comes to
   CHECK(count_of(svg, "<polygon") >= (shown - 1) * 2);  // and marks of conditions
   CHECK(svg.find("P24, ") != std::string::npos);
   CHECK(svg.find("P25, ") == std::string::npos);
-  CHECK(figures.front().caption.find("The first 24 of 26 participants.") != std::string::npos);
+  CHECK(figures.front().caption.find("The first ") == std::string::npos);
   CHECK(figures.front().caption.find("posterior") == std::string::npos);
   // Of the Bayesian procedure each track has its posterior's mean and band.
   for (AdaptiveRow& row : measured.rows)
@@ -260,7 +262,7 @@ TEST_CASE("every answer is a mark: what was said by its place, what was wrong by
   const Protocol protocol = published_protocol();
   StudyResults results;
   for (int person = 1; person <= 26; ++person) {
-    AnswersOf one{fmt::format("P{:02}", person), {}, {4}};
+    AnswersOf one{fmt::format("P{:02}", person), {}, {4}, person == 1 ? 2 : 0};
     one.answers = {{.condition = 0, .said = 1, .target = 1},
                    {.condition = 0, .said = 0, .target = 1},
                    {.condition = 1, .said = 0, .target = 0},
@@ -268,8 +270,11 @@ TEST_CASE("every answer is a mark: what was said by its place, what was wrong by
     results.answers.push_back(one);
   }
   const std::vector<Figure> figures = raster_figures(results, protocol);
-  REQUIRE(figures.size() == 1);
+  REQUIRE(figures.size() == 2);  // 24 people, and two more
   check_figures(figures);
+  CHECK(figures[0].id == "raster-1");
+  CHECK(figures[1].title == "Every answer (2 of 2)");
+  CHECK(figures[1].svg.file().find("P26, trials 3 to 4: V") != std::string::npos);
   const std::string svg = figures.front().svg.file();
   const std::size_t rows = 24, in_legend = 2;  // "same" and "different", each right and wrong
   CHECK(count_of(svg, "height=\"8\" class=\"ink\"") == rows + in_legend);
@@ -277,13 +282,49 @@ TEST_CASE("every answer is a mark: what was said by its place, what was wrong by
   CHECK(count_of(svg, "stroke-dasharray=\"1 1.5\"") == rows);
   CHECK(svg.find("P24, trials 3 to 4: V") != std::string::npos);
   CHECK(svg.find("P25") == std::string::npos);
-  CHECK(svg.find("P01: 2 of 4 right.") != std::string::npos);
-  CHECK(figures.front().caption.find("The first 24 of 26 participants.") != std::string::npos);
+  CHECK(svg.find("P01: 2 of 4 right, 2 attempts did not count. P02: 2 of 4 right.") != std::string::npos);
+  CHECK(figures.front().caption.find("Practice is not there, nor 2 attempts that did not count.") != std::string::npos);
   CHECK(figures.front().caption.find("left out of the results by a registered rule") != std::string::npos);
   // Answers that are numbers, and tasks without answers to tell apart, have none.
   for (AnswersOf& one : results.answers)
     for (RasterAnswer& answer : one.answers) answer.said = answer.target = -1;
   CHECK(raster_figures(results, protocol).empty());
+}
+
+TEST_CASE("many answers of a participant are folded into lines, so that no marks overlap") {
+  const Protocol protocol = published_protocol();
+  StudyResults results;
+  const AnswersOf many{"P01", std::vector<RasterAnswer>(500, {.condition = 2, .said = 1, .target = 1}), {300, 500}, 0};
+  results.answers.assign(10, many);
+  const std::vector<Figure> figures = raster_figures(results, protocol);
+  REQUIRE(figures.size() == 2);  // three lines each, so eight people a page
+  check_figures(figures);
+  const std::string svg = figures.front().svg.file();
+  CHECK(count_of(svg, ">P01<") == 8);
+  CHECK(count_of(svg, ">from 168<") == 8);
+  CHECK(count_of(svg, ">from 335<") == 8);
+  CHECK(count_of(svg, "P01, trials 335 to 500: SV") == 8);
+  CHECK(svg.find("answered, 167 a line") != std::string::npos);
+  CHECK(count_of(figures.back().svg.file(), "class=\"within\"") == 2 * 500 + 2);
+}
+
+TEST_CASE("figures go on where one cannot hold all") {
+  const auto of = [](std::size_t count) { return figure_pages("tracks", "Levels", count, 24); };
+  REQUIRE(of(24).size() == 1);
+  CHECK(of(24).front().id == "tracks");
+  CHECK(of(24).front().title == "Levels");
+  REQUIRE(of(49).size() == 3);
+  CHECK(of(49)[2].id == "tracks-3");
+  CHECK(of(49)[2].title == "Levels (3 of 3)");
+  CHECK(of(49)[2].from == 48);
+  CHECK(of(49)[2].to == 49);
+  CHECK(of(0).size() == 1);
+}
+
+TEST_CASE("a minus is as long as a plus, and hyphens stay what they are") {
+  Svg svg("figure-x", 10, 10, "x", "y");
+  svg.text(0, 0, "-3 (-1.5 to 2), P-01, m-5, x - 3, -", {});
+  CHECK(svg.file().find(">\u22123 (\u22121.5 to 2), P-01, m-5, x - 3, -<") != std::string::npos);
 }
 
 TEST_CASE("order, preference and change have a figure each, with a row for everyone, and say why there is no value") {
@@ -320,9 +361,9 @@ TEST_CASE("order, preference and change have a figure each, with a row for every
   const std::string order = figure_named(figures, "order").svg.file();
   CHECK(order.find("0.25 (") != std::string::npos);
   CHECK(order.find("p = 0.4") != std::string::npos);
-  CHECK(order.find("no_stiffer_first") != std::string::npos);
-  CHECK(figure_named(figures, "bias").svg.file().find("no_information") != std::string::npos);
-  CHECK(figure_named(figures, "drift").svg.file().find("missing") != std::string::npos);
+  CHECK(order.find("the stiffer never came first") != std::string::npos);
+  CHECK(figure_named(figures, "bias").svg.file().find("all answers were the same") != std::string::npos);
+  CHECK(figure_named(figures, "drift").svg.file().find("no trial of one kind") != std::string::npos);
   measured.detailed = false;
   CHECK(behaviour_figures(results, protocol).empty());
 }
@@ -361,9 +402,18 @@ TEST_CASE("two cues together stand against their optimal combination, who lacks 
   CHECK(figures.front().caption.find("Without a JND in one of the three: P07.") != std::string::npos);
   CHECK(svg.find("P08: predicted ") != std::string::npos);
   CHECK(svg.find("P07: predicted ") == std::string::npos);
+  CHECK(figures.front().caption.find("Off the scale") == std::string::npos);
   Protocol alone = protocol;
   alone.conditions[2].cues = alone.conditions[0].cues;
   CHECK(combination_figures(results, alone).empty());
+  // One who feels next to nothing does not squeeze the others together: at the edge, with the numbers.
+  for (CellCounts& cell : cells)
+    if (cell.participant == "P09") cell.counts = {500, 251, 500, 250};
+  const std::vector<Figure> with_far = combination_figures(invented_results(protocol, cells), protocol);
+  REQUIRE(with_far.size() == 1);
+  check_figures(with_far);
+  CHECK(with_far.front().caption.find("Off the scale, at its edge: P09.") != std::string::npos);
+  CHECK(with_far.front().svg.file().find(">P09: predicted ") != std::string::npos);
 }
 
 TEST_CASE("where conditions differ in one number, the outcome stands against it") {
@@ -380,11 +430,11 @@ TEST_CASE("where conditions differ in one number, the outcome stands against it"
   const std::string svg = figures.front().svg.file();
   CHECK(count_of(svg, "class=\"point\"") == 12);
   CHECK(count_of(svg, "class=\"mean\"") == 3);
-  CHECK(figures.front().title.find(" against delay_ms") != std::string::npos);
+  CHECK(figures.front().title.find(" against delay (ms)") != std::string::npos);
   const OutcomeComparison& outcome = results.comparisons.front();
   double sum = 0;
   for (const ParticipantValues& one : outcome.everyone) sum += one.values[2];  // at a delay of 0
-  CHECK(svg.find(fmt::format("delay_ms 0: mean {} of 12", number_text(sum / 12, 3))) != std::string::npos);
+  CHECK(svg.find(fmt::format("delay (ms) 0: mean {} of 12", number_text(sum / 12, 3))) != std::string::npos);
   protocol.conditions[1].parameters["gain"] = 3.0;  // and now in two
   CHECK(parameter_figures(results, protocol).empty());
   protocol.conditions[1].parameters["gain"] = 2.0;
@@ -415,7 +465,7 @@ TEST_CASE("force against depth: a line for each press, the asked slope dotted, p
     }
     presses.push_back(trial);
   }
-  std::vector<Figure> figures = press_figures(presses, protocol);
+  std::vector<Figure> figures = press_figures({.trials = presses}, protocol);
   REQUIRE(figures.size() == 1);
   check_figures(figures);
   const std::string svg = figures.front().svg.file();
@@ -428,8 +478,11 @@ TEST_CASE("force against depth: a line for each press, the asked slope dotted, p
   CHECK(figures.front().narrow->width() < 360);
   CHECK(figures.front().narrow->height() > 2 * figures.front().svg.height());
   presses[0].intervals[0].limited = true;
-  CHECK(press_figures(presses, protocol).front().caption.find("a limit of the device was reached") !=
-        std::string::npos);
+  const Figure limited = press_figures({.trials = presses, .chosen = true}, protocol).front();
+  CHECK(limited.caption.starts_with("Chosen trials"));
+  CHECK(limited.caption.find("a limit of the device was reached") != std::string::npos);
+  CHECK(count_of(limited.svg.file(), ">P03, S, trial 12, limited</text>") == 1);
+  CHECK(count_of(limited.svg.file(), ">P03, V, trial 12</text>") == 1);
   CHECK(press_figures({}, protocol).empty());
 }
 

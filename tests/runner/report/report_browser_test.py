@@ -4,9 +4,11 @@
 Usage: report_browser.py JND [FOLDER]
 With FOLDER the report, its pictures and the PDF stay there, to be looked at. Exits with 77 where there is no Chromium.
 """
+import contextlib
 import os
 import re
 import shutil
+import sqlite3
 import struct
 import subprocess
 import sys
@@ -89,11 +91,11 @@ class Report:
         assert done.returncode == 0, f"{command}: exit {done.returncode}\n{done.stdout}{done.stderr}"
         return done
 
-    def browse(self, *flags):
+    def browse(self, *flags, page="s-report.html", size=SIZE):
         """What the browser printed; its console must have stayed silent."""
         with tempfile.TemporaryDirectory() as profile:
-            done = self.run(self.browser, *FLAGS, f"--user-data-dir={profile}", f"--window-size={SIZE[0]},{SIZE[1]}", *flags,
-                            "file://" + self.path("s-report.html"), limit_s=300)  # a browser may hang
+            done = self.run(self.browser, *FLAGS, f"--user-data-dir={profile}", f"--window-size={size[0]},{size[1]}", *flags,
+                            "file://" + self.path(page), limit_s=300)  # a browser may hang
         said = [line for line in done.stderr.splitlines() if "CONSOLE" in line]
         assert not said, "\n".join(said)
         return done.stdout
@@ -121,13 +123,36 @@ class Report:
         for number in range(1, 19):
             assert f">P{number:02}<" in slopes, f"P{number:02} has no panel"
 
+    def check_presses(self):
+        """Trials that are asked for have a panel each; one whose force was not kept is refused before anything is made."""
+        self.run(self.jnd, "report", "s.sqlite", "--to", "chosen.html", "--press", "P02:100", "--press", "3:101")
+        svg = open(self.path("chosen-figures/presses.svg"), encoding="utf-8").read()
+        assert re.search(r">P02, [^<]*, trial 100[<,]", svg) and re.search(r">P03, [^<]*, trial 101[<,]", svg)
+        for wrong, said in (("P02:9999", "no force was kept"), ("P02", "such as P01:12"), ("P02:1x", "such as P01:12")):
+            refused = subprocess.run([self.jnd, "report", "s.sqlite", "--to", "wrong.html", "--press", wrong], cwd=self.folder, capture_output=True, text=True)
+            assert refused.returncode == 2 and said in refused.stderr, refused.stderr
+            assert not os.path.exists(self.path("wrong.html"))
+
+    def check_other_tasks(self):
+        """Every answer of the other tasks stands in their raster too; where the PSE is compared, the JND stands beside it."""
+        for protocol, figures in (("leib2015", {"raster", "parameter", "parameter-jnd", "curves"}), ("adaptive-posterior", {"raster", "tracks"})):
+            self.run(self.jnd, "simulate", protocol, "--participants", "4", "--study", "other.sqlite", "--seed", "1")
+            self.run(self.jnd, "report", "other.sqlite", "--replace")
+            names = {os.path.splitext(name)[0] for name in os.listdir(self.path("other-report-figures"))}
+            assert figures <= names, names
+            with contextlib.closing(sqlite3.connect(self.path("other.sqlite"))) as study:
+                right, answers = study.execute("SELECT sum(correct), count(correct) FROM trials WHERE practice = 0 AND participant = 'P03'").fetchone()
+            raster = open(self.path("other-report-figures/raster.svg"), encoding="utf-8").read()
+            assert f"P03: {right} of {answers} right." in raster, (right, answers)
+            os.remove(self.path("other.sqlite"))
+
     def check_document(self):
         document = self.browse("--dump-dom")
         for part in ('<figure id="fig-jnd">', '<figure id="fig-slopes">', '<figure id="fig-time">', '<figure id="fig-rating-1">',
                      '<figure id="fig-sensitivity">', 'id="table-participants"', 'id="table-group"', 'id="methods"',
                      'id="provenance"', "Cautions"):
             assert part in document, f"{part} is not in the page as the browser understood it"
-        assert document.count("<svg") == 16 and document.count("</svg>") == 16  # 14, two of them for phones too
+        assert document.count("<svg") == 17 and document.count("</svg>") == 17  # 14, three of them for phones too
         assert "<script" not in document
 
     def check_screens(self):
@@ -137,6 +162,20 @@ class Report:
             seen[name] = brightness(self.path(name + ".png"))
             assert seen[name][1] > 30, f"{name}: only {seen[name][1]} colours: is the page blank?"
         assert seen["light"][0] > 200 and seen["dark"][0] < 80, f"brightness and colours: {seen}"
+
+    def check_widths(self):
+        """Nothing is wider than the window, and of two forms of a figure one is shown."""
+        page = open(self.path("s-report.html"), encoding="utf-8").read()
+        page = re.sub(r'<meta http-equiv="Content-Security-Policy"[^>]*>', "", page, count=1)
+        measure = ("<script>addEventListener('load', () => { const shown = [...document.querySelectorAll('svg')].filter(e => e.getClientRects().length);"
+                   "document.title = ['WIDTHS', innerWidth, document.documentElement.scrollWidth, shown.length].join(' '); });</script>")
+        with open(self.path("measured.html"), "w", encoding="utf-8") as file:
+            file.write(page.replace("</body>", measure + "</body>"))
+        for wide in (500, 800, 1280):
+            document = self.browse("--dump-dom", page="measured.html", size=(wide, 900))
+            inner, scroll, shown = map(int, re.search(r"<title>WIDTHS (\d+) (\d+) (\d+)</title>", document).groups())
+            assert inner == wide and scroll <= inner, f"at {wide} px the page is {scroll} px wide"
+            assert shown == 14, f"at {wide} px {shown} figures are shown"
 
     def check_paper(self):
         # Paper is white whatever the person prefers on the screen.
@@ -156,11 +195,14 @@ def main():
         report = Report(sys.argv[1], browser, folder)
         report.make()
         report.check_files()
+        report.check_presses()
+        report.check_other_tasks()
         if browser is None:
             print("SKIPPED: no Chromium here (Debian: apt-get install chromium); nobody has looked at the report's page")
             return 77
         report.check_document()
         report.check_screens()
+        report.check_widths()
         pages = report.check_paper()
     print(f"the report has 14 figures, {pages} printed pages, a light and a dark screen, and a silent console")
     return 0
