@@ -258,10 +258,12 @@ int command_run(const RunOptions& options) {
   console_options.large_text = options.large_text;
   if (events) console_options.listeners.push_back(events.get());  // first: a sound takes a moment to start
   if (sound) console_options.listeners.push_back(sound.get());
-  use_language(options.language.value_or(protocol.language));
-  if (request.participant.empty())
+  if (request.participant.empty()) {
+    use_language(options.language.value_or(protocol.language));
     request.participant = make_console(console_options, protocol, keyboard.get(), *clock, interrupted)
                               ->ask_text(tr("Participant code (letters and digits)"));
+    use_language("en");  // refusals are English, as those of every command
+  }
   check_participant_code(request.participant);
 
   // Without them no study is made, and where one of them is a model nothing counts as real.
