@@ -322,8 +322,8 @@ int command_run(const RunOptions& options) {
   if (console_options.forces) opened.log->append(event_kind::kSessionUnblinded, {{"shown", "forces"}}, now());
   if (how.realtime) note_realtime(*opened.log, rig->realtime(), *clock, *console);
   if (const std::string missing = left_out_text(protocol, target.language); person && !missing.empty())
-    console->announce(tr("The translation \"{}\" {}. They are shown in {}.", printable(target.language),
-                         printable(missing), printable(protocol.language)),
+    console->announce(fmt::format("The translation \"{}\" {}. They are shown in {}.", printable(target.language),
+                                  printable(missing), printable(protocol.language)),
                       true);
   if (target.resumed && person)
     console->announce(resume_text(target.check, protocol.resume), !target.check.warning.empty());

@@ -168,8 +168,8 @@ class RealRig(unittest.TestCase):
     def test_texts_that_stay_in_another_language_are_told_before_the_session(self):
         protocol = self.write_protocol("half", translations={"de": {"$.trial.cues.first.say": "Erste Kugel."}})
         said = self.run_session("--fast", "--language", "DE", program=JND, keys=" s" * 8, protocol=protocol)
-        self.assertIn('Übersetzung "DE": leaves out 2 texts of the participant\'s: $.trial.cues.second.say, '
-                      "$.trial.cues.question.say. Gezeigt wird das in der Sprache en.", " ".join(said.split()))
+        self.assertIn('The translation "DE" leaves out 2 texts of the participant\'s: $.trial.cues.second.say, '
+                      "$.trial.cues.question.say. They are shown in en.", " ".join(said.split()))
         self.assertLess(said.index("leaves out"), said.index("Erste Kugel."))
         said = self.run_session("--fast", "--participant", "P02", program=JND, keys=" s" * 8, protocol=protocol)
         self.assertNotIn("leaves out", said)
