@@ -227,9 +227,7 @@ std::span<const TaskEstimateRow> series_from(const TaskEstimateRow& first, const
   return {&first, protocol.series.size()};
 }
 
-namespace {
-
-double mean_over_series(const TaskEstimateRow& first, std::size_t outcome, const Protocol& protocol, bool logarithms) {
+double outcome_value(const TaskEstimateRow& first, std::size_t outcome, const Protocol& protocol, bool logarithms) {
   double sum = 0;
   for (const TaskEstimateRow& row : series_from(first, protocol)) {
     const std::optional<double>& value = row.estimates.values[outcome].value;
@@ -239,14 +237,8 @@ double mean_over_series(const TaskEstimateRow& first, std::size_t outcome, const
   return std::isfinite(sum) ? sum / static_cast<double>(protocol.series.size()) : kNaN;
 }
 
-}  // namespace
-
-double outcome_value(const TaskEstimateRow& first, std::size_t outcome, const Protocol& protocol) {
-  return mean_over_series(first, outcome, protocol, false);
-}
-
 double registered_value(const TaskEstimateRow& first, const TaskResults& results, const Protocol& protocol) {
-  return mean_over_series(first, results.registered, protocol, protocol.analysis.tests.outcome == Outcome::log_jnd);
+  return outcome_value(first, results.registered, protocol, protocol.analysis.tests.outcome == Outcome::log_jnd);
 }
 
 }  // namespace jnd

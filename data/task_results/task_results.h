@@ -82,10 +82,11 @@ TaskResults task_results(const Study& study, const Protocol& protocol, const std
 
 // All series of one participant and condition. first: the first of them, in results.estimates.
 std::span<const TaskEstimateRow> series_from(const TaskEstimateRow& first, const Protocol& protocol) noexcept;
-// An outcome, by its place in Task::outcomes, of one participant and condition: its mean over the series. NaN where a
-// series has none.
-double outcome_value(const TaskEstimateRow& first, std::size_t outcome, const Protocol& protocol);
-// The same of the registered one, and of its logarithms where the tests are on them.
+// An outcome, by its place in Task::outcomes, of one participant and condition: its mean over the series, or that of its
+// logarithms. NaN where a series has none.
+double outcome_value(const TaskEstimateRow& first, std::size_t outcome, const Protocol& protocol,
+                     bool logarithms = false);
+// The same of the registered one, of logarithms where the tests are on them.
 double registered_value(const TaskEstimateRow& first, const TaskResults& results, const Protocol& protocol);
 
 }  // namespace jnd
