@@ -31,10 +31,9 @@ struct PressedTrial {
   std::vector<PressTrace> intervals;
 };
 
-// The first answered trial of each condition, of same-different the first with two different stimuli where there is one.
-// Of the first of these sessions that kept ticks: a trial for each condition that has one, none that a registered rule
-// leaves out. Empty where no session did. Reads only the ticks of those trials. Throws StorageError where they cannot be
-// read.
+// Of the first of these sessions that kept ticks: for each condition the first answered trial that no registered rule
+// leaves out, of same-different with two different stimuli where there is one. Empty where no session kept ticks. Reads
+// only the ticks of those trials. Throws StorageError where they cannot be read.
 std::vector<PressedTrial> pressed_trials(const Study& study, const Protocol& protocol,
                                          const std::vector<SessionInfo>& sessions);
 

@@ -27,6 +27,8 @@ struct FigurePage {
   std::string id, title;  // "slopes-2", "d' against the difference (2 of 3)"; as they are where there is one page
   std::size_t from = 0, to = 0;  // of what is shown: from..to-1
 };
+// Of every participant a panel or a line: so many in a figure, and in all.
+inline constexpr std::size_t kPeopleInFigure = 24, kMostPeopleDrawn = 96;
 // count things, at most per_page (> 0) of them on each page, at least one page.
 std::vector<FigurePage> figure_pages(std::string_view id, std::string_view title, std::size_t count,
                                      std::size_t per_page);

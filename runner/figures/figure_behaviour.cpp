@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "analysis/numerics/special_values.h"
+#include "analysis/numerics/words.h"
 #include "runner/figures/figure.h"
 #include "runner/figures/figure_forest.h"
 #include "runner/results/result_format.h"
@@ -25,29 +26,18 @@ struct BehaviourValue {
 };
 
 std::string reason(OrderStatus status) {
-  switch (status) {
-    case OrderStatus::no_stiffer_first:
-      return "the stiffer never came first";
-    case OrderStatus::no_stiffer_second:
-      return "the stiffer never came second";
-    case OrderStatus::no_different_trials:
-      return "no trial of different objects";
-    case OrderStatus::ok:
-      break;
-  }
-  return {};
+  constexpr auto kReasons = words<OrderStatus>({{"", OrderStatus::ok},
+                                                {"the stiffer never came first", OrderStatus::no_stiffer_first},
+                                                {"the stiffer never came second", OrderStatus::no_stiffer_second},
+                                                {"no trial of different objects", OrderStatus::no_different_trials}});
+  return std::string(word_of(kReasons, status));
 }
 
 std::string reason(RateStatus status) {
-  switch (status) {
-    case RateStatus::no_information:
-      return "all answers were the same";
-    case RateStatus::missing:
-      return "no trial of one kind";
-    case RateStatus::ok:
-      break;
-  }
-  return {};
+  constexpr auto kReasons = words<RateStatus>({{"", RateStatus::ok},
+                                               {"all answers were the same", RateStatus::no_information},
+                                               {"no trial of one kind", RateStatus::missing}});
+  return std::string(word_of(kReasons, status));
 }
 
 BehaviourValue order_of(const BehaviourRow& row) {

@@ -15,8 +15,7 @@ namespace {
 
 constexpr double kRasterNames = 74, kRasterPlot = 720, kRasterRow = 32, kRasterHalf = 9, kRasterStrip = 3,
                  kRasterBelow = 44, kWidestCell = 16, kRasterMark = 4;
-constexpr std::size_t kRasterLines = 24, kMostRasterRows = 96;  // lines in a figure, participants in all
-constexpr std::size_t kMostInLine = 240;                        // answers: more take further lines of their participant
+constexpr std::size_t kMostInLine = 240;  // answers: more take further lines of their participant
 
 constexpr ShapeStyle kRight{.css_class = "within", .fill = {}, .stroke = "#5c5c5c", .stroke_width = 1.2, .dash = {}};
 constexpr ShapeStyle kWrong{.css_class = "ink", .fill = "#1a1a1a", .stroke = {}, .stroke_width = 0, .dash = {}};
@@ -194,7 +193,7 @@ std::vector<Figure> raster_figures(const StudyResults& results, const Protocol& 
   });
   if (rows.empty() || classes < 2) return {};
   const std::size_t everyone = rows.size();
-  rows.resize(std::min(everyone, kMostRasterRows));
+  rows.resize(std::min(everyone, kMostPeopleDrawn));
   const RasterContent content = content_of(rows);
   if (classes != 2 && !content.judged) return {};  // nothing to tell apart
   std::size_t most = 0;
@@ -205,7 +204,7 @@ std::vector<Figure> raster_figures(const StudyResults& results, const Protocol& 
   if (everyone > rows.size()) caption += fmt::format(" The first {} of {} participants.", rows.size(), everyone);
   std::vector<Figure> figures;
   for (const FigurePage& page :
-       figure_pages("raster", "Every answer", rows.size(), std::max<std::size_t>(1, kRasterLines / lines_each))) {
+       figure_pages("raster", "Every answer", rows.size(), std::max<std::size_t>(1, kPeopleInFigure / lines_each))) {
     std::vector<RasterLine> lines;
     for (std::size_t i = page.from; i < page.to; ++i)
       for (std::size_t from = 0; from < rows[i].answers.size(); from += per_line)

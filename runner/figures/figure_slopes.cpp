@@ -13,7 +13,7 @@ namespace jnd {
 
 namespace {
 
-constexpr std::size_t kPanelsInFigure = 24, kMostPanels = 96, kColumns = 6, kNarrowColumns = 2;
+constexpr std::size_t kColumns = 6, kNarrowColumns = 2;
 constexpr double kLeft = 62, kSlopePanelWidth = 138, kSlopePanelHeight = 112, kGapX = 14, kGapY = 34, kBottom = 52,
                  kLeastWidth = 480;
 
@@ -100,7 +100,7 @@ std::vector<Figure> slope_figures(const StudyResults& results, const Protocol& p
   if (people.empty()) return {};
   const SlopeScales scales = slope_scales(people);
   const std::string what = "d' against the stiffness difference";
-  if (people.size() > kMostPanels) {
+  if (people.size() > kMostPeopleDrawn) {
     const std::string description = fmt::format(
         "{} participants, a panel for every condition, every participant's points and line.", people.size());
     return {{"slopes", what, caption_of(analysis, protocol, true),
@@ -108,7 +108,7 @@ std::vector<Figure> slope_figures(const StudyResults& results, const Protocol& p
              draw_grid(by_condition(people, protocol), scales, protocol, "slopes", what, description, 2, true)}};
   }
   std::vector<Figure> figures;
-  for (const FigurePage& page : figure_pages("slopes", what, people.size(), kPanelsInFigure)) {
+  for (const FigurePage& page : figure_pages("slopes", what, people.size(), kPeopleInFigure)) {
     const std::vector<SlopePanel> shown(people.begin() + static_cast<std::ptrdiff_t>(page.from),
                                         people.begin() + static_cast<std::ptrdiff_t>(page.to));
     const std::string description =

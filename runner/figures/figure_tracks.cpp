@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kTrackLeft = 62, kTrackWidth = 230, kTrackHeight = 130, kTrackGapX = 22, kTrackGapY = 34,
                  kTrackBottom = 52;
-constexpr std::size_t kTrackColumns = 3, kTracksInFigure = 24, kMostTrackPanels = 96;
+constexpr std::size_t kTrackColumns = 3;
 
 struct TrackPanel {
   std::string participant;
@@ -140,7 +140,7 @@ std::vector<Figure> track_figures(const StudyResults& results, const Protocol& p
   if (adaptive == nullptr || adaptive->rows.empty()) return {};
   std::vector<TrackPanel> panels = track_panels(*adaptive);
   const std::size_t participants = panels.size();
-  panels.resize(std::min(participants, kMostTrackPanels));
+  panels.resize(std::min(participants, kMostPeopleDrawn));
   const TrackScales scales = track_scales(panels);
   const bool has_course = std::any_of(adaptive->rows.begin(), adaptive->rows.end(),
                                       [](const AdaptiveRow& row) { return !row.course.empty(); });
@@ -150,11 +150,11 @@ std::vector<Figure> track_figures(const StudyResults& results, const Protocol& p
       has_course ? " The thick line is the JND by the posterior after each answer, the band its middle 95 %, as far as "
                    "the scale goes."
                  : "",
-      participants > kMostTrackPanels ? fmt::format(" The first {} of {} participants.", kMostTrackPanels, participants)
+      participants > kMostPeopleDrawn ? fmt::format(" The first {} of {} participants.", kMostPeopleDrawn, participants)
                                       : std::string());
   std::vector<Figure> figures;
   for (const FigurePage& page :
-       figure_pages("tracks", "Levels that the answers chose", panels.size(), kTracksInFigure)) {
+       figure_pages("tracks", "Levels that the answers chose", panels.size(), kPeopleInFigure)) {
     const std::vector<TrackPanel> shown(panels.begin() + static_cast<std::ptrdiff_t>(page.from),
                                         panels.begin() + static_cast<std::ptrdiff_t>(page.to));
     figures.push_back({page.id, page.title, caption, draw_track_panels(shown, scales, protocol, page, kTrackColumns),
