@@ -32,6 +32,8 @@ inline constexpr std::size_t kPeopleInFigure = 24, kMostPeopleDrawn = 96;
 // count things, at most per_page (> 0) of them on each page, at least one page.
 std::vector<FigurePage> figure_pages(std::string_view id, std::string_view title, std::size_t count,
                                      std::size_t per_page);
+// " The first 96 of 120 participants.": what a caption ends with where not everyone is drawn; otherwise empty.
+std::string first_of(std::size_t shown, std::size_t everyone);
 
 // Each function returns no figure where there is nothing to draw. protocol: the study's.
 
@@ -72,8 +74,8 @@ std::vector<Figure> time_figures(const StudyResults& results, const Protocol& pr
 std::vector<Figure> rating_figures(const StudyResults& results, const Protocol& protocol);
 // How often each level of the rating scales was given, by condition.
 std::vector<Figure> rating_bar_figures(const StudyResults& results, const Protocol& protocol);
-// The effect of the order of the two objects, the preference for an answer, the change within blocks: one each, by
-// condition and participant.
+// The effect of the order of the two objects, the preference for an answer, the change within blocks, by condition and
+// participant.
 std::vector<Figure> behaviour_figures(const StudyResults& results, const Protocol& protocol);
 // The median JND under every model, method and correction.
 std::vector<Figure> sensitivity_figures(const StudyResults& results, const Protocol& protocol);

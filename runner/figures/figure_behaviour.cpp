@@ -16,7 +16,7 @@ namespace jnd {
 namespace {
 
 constexpr std::size_t kMostPeople = 40;  // with a row of their own
-constexpr double kBehaviourRow = 22;
+constexpr double kBehaviourNames = 110, kBehaviourPlot = 230, kBehaviourRow = 18;
 
 // One quantity of a row; status: empty, or why there is no value.
 struct BehaviourValue {
@@ -57,23 +57,14 @@ BehaviourValue drift_of(const BehaviourRow& row) {
 }
 
 struct BehaviourSubject {
-  const char *id, *title, *x_title, *caption;
+  const char *title, *x_title;
   BehaviourValue (*of)(const BehaviourRow&);
 };
 
 constexpr std::array<BehaviourSubject, 3> kSubjects = {
-    {{"order", "Order of the two objects", "share of \"different\": the stiffer object first minus second",
-      "Among pairs of different objects, how much more often \"different\" was said where the stiffer object came "
-      "first, with Newcombe's 95 % interval.",
-      order_of},
-     {"bias", "Preference for an answer", "criterion c: negative prefers \"different\", positive \"same\"",
-      "Criterion of all trials together, with its 95 % interval (Wald). At 0 both answers are equally likely where "
-      "nothing is felt.",
-      bias_of},
-     {"drift", "Change within the blocks", "d' in the second half of each cell's trials minus the first",
-      "What is learnt or forgotten, or what tiredness takes: d' in the second half of each cell's trials less the "
-      "first, with its 95 % interval (Wald).",
-      drift_of}}};
+    {{"Order of the two objects", "stiffer object first − second", order_of},
+     {"Preference for an answer", "criterion c", bias_of},
+     {"Change within the blocks", "d' of the second half − first", drift_of}}};
 
 ForestRow forest_row(const BehaviourValue& value, const std::string& name, bool of_group) {
   ForestRow row{.name = name,
@@ -91,28 +82,16 @@ ForestRow forest_row(const BehaviourValue& value, const std::string& name, bool 
   return row;
 }
 
-Figure behaviour_figure(const BehaviourSubject& subject, const StudyBehaviour& behaviour, const Protocol& protocol) {
-  Forest forest;
-  forest.id = fmt::format("figure-{}", subject.id);
-  forest.title = subject.title;
-  forest.x_title = subject.x_title;
-  forest.row = kBehaviourRow;
+ForestColumn behaviour_column(const BehaviourSubject& subject, const StudyBehaviour& behaviour, std::size_t people,
+                              const Protocol& protocol) {
+  ForestColumn column{.title = subject.title, .x_title = subject.x_title, .rows = {}};
   for (const BehaviourRow& row : behaviour.conditions)
-    forest.rows.push_back(
+    column.rows.push_back(
         forest_row(subject.of(row), fmt::format("{}, everyone", condition_text(protocol, row.condition)), true));
-  for (const ForestRow& row : forest.rows) forest.description += row.words + ". ";
-  const std::size_t people = std::min(behaviour.participants.size(), kMostPeople);
   for (std::size_t i = 0; i < people; ++i)
-    forest.rows.push_back(
+    column.rows.push_back(
         forest_row(subject.of(behaviour.participants[i]), behaviour.participants[i].participant, false));
-  const std::string more = people < behaviour.participants.size()
-                               ? fmt::format(" The first {} of {} participants.", people, behaviour.participants.size())
-                               : "";
-  return {subject.id, subject.title,
-          fmt::format("{} Above everyone together by condition, below each participant over all conditions; p is "
-                      "Holm's over the rows of a kind. A cross: there is no value, for the reason at the right.{}",
-                      subject.caption, more),
-          draw_forest(forest)};
+  return column;
 }
 
 }  // namespace
@@ -120,10 +99,31 @@ Figure behaviour_figure(const BehaviourSubject& subject, const StudyBehaviour& b
 std::vector<Figure> behaviour_figures(const StudyResults& results, const Protocol& protocol) {
   const auto* constant = std::get_if<ConstantResults>(&results.measured);
   if (constant == nullptr || !constant->detailed || constant->behaviour.participants.empty()) return {};
-  std::vector<Figure> figures;
-  for (const BehaviourSubject& subject : kSubjects)
-    figures.push_back(behaviour_figure(subject, constant->behaviour, protocol));
-  return figures;
+  const StudyBehaviour& behaviour = constant->behaviour;
+  const std::size_t people = std::min(behaviour.participants.size(), kMostPeople);
+  Forest forest;
+  forest.id = "figure-behaviour";
+  forest.title = "How the answers were given";
+  forest.names = kBehaviourNames;
+  forest.plot = kBehaviourPlot;
+  forest.numbers = 0;
+  forest.between = 36;
+  forest.row = kBehaviourRow;
+  for (const BehaviourSubject& subject : kSubjects) {
+    const ForestColumn& column = forest.columns.emplace_back(behaviour_column(subject, behaviour, people, protocol));
+    forest.description += fmt::format("{}: ", column.title);
+    for (std::size_t i = 0; i < behaviour.conditions.size(); ++i)
+      forest.description += column.rows[i].words + (i + 1 < behaviour.conditions.size() ? "; " : ". ");
+  }
+  const std::string caption =
+      "Everyone together by condition, then each participant over all conditions, with 95 % intervals. Left: among "
+      "pairs of different objects, how much more often \"different\" was said where the stiffer object came first "
+      "(Newcombe). Middle: the criterion of all trials together (Wald); negative prefers \"different\", positive "
+      "\"same\", and at 0 both are equally likely where nothing is felt. Right: what is learnt or forgotten, or what "
+      "tiredness takes, d' in the second half of each cell's trials less the first (Wald). A cross: there is no value; "
+      "the table of the same name has the numbers, their p, and the reasons.";
+  return {{"behaviour", forest.title, caption + first_of(people, behaviour.participants.size()), draw_forest(forest),
+           draw_forest(forest, false)}};
 }
 
 }  // namespace jnd

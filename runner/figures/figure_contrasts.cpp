@@ -36,12 +36,13 @@ std::vector<Figure> contrast_figures(const StudyResults& results, const Protocol
   Forest forest;
   forest.id = "figure-contrasts";
   forest.title = "Registered contrasts";
-  forest.x_title = fmt::format("difference in {}", scale.name);
+  ForestColumn& column = forest.columns.emplace_back();
+  column.x_title = fmt::format("difference in {}", scale.name);
   for (const ContrastRow& row : rows) {
     const std::string name = contrast_title(row, protocol), numbers = numbers_of(row, scale);
     const MeanEstimate& difference = row.difference;
     forest.description += fmt::format("{}: {}. ", name, numbers);
-    forest.rows.push_back({name, scale.factor * difference.mean, scale.factor * difference.ci_low,
+    column.rows.push_back({name, scale.factor * difference.mean, scale.factor * difference.ci_low,
                            scale.factor * difference.ci_high, numbers,
                            fmt::format("{}: {}; n = {} of {}", name, numbers, difference.n, row.participants)});
   }

@@ -9,22 +9,28 @@
 namespace jnd {
 
 struct ForestRow {
-  std::string name;          // at the left
+  std::string name;          // at the left, of the first column alone
   double value = 0;          // NaN: a cross at the rule
   double low = 0, high = 0;  // of its interval; not finite: it has none
-  std::string numbers;       // at the right
+  std::string numbers;       // at the right, where the forest has room for them
   std::string words;         // tooltip
   bool of_group = true;      // of everyone: a full mark; otherwise a small one
 };
 
-struct Forest {
-  std::string id, title, description;  // of the picture
-  std::string x_title;
-  double names = 190, numbers = 250, row = 34;  // width at the left and at the right, height of a row
+// One quantity: of the columns of a forest each has the same rows.
+struct ForestColumn {
+  std::string title, x_title;  // title: above it; may be empty
   std::vector<ForestRow> rows;
 };
 
-// With zero in its range, and a rule there.
-Svg draw_forest(const Forest& forest);
+struct Forest {
+  std::string id, title, description;  // of the picture
+  // Widths at the left, of a column, at its right, between columns; height of a row.
+  double names = 190, plot = 380, numbers = 250, between = 24, row = 34;
+  std::vector<ForestColumn> columns;
+};
+
+// Each column with zero in its range, and a rule there. side_by_side: otherwise below one another, each with its names.
+Svg draw_forest(const Forest& forest, bool side_by_side = true);
 
 }  // namespace jnd

@@ -201,7 +201,7 @@ std::vector<Figure> raster_figures(const StudyResults& results, const Protocol& 
   const std::size_t lines_each = (most + kMostInLine - 1) / kMostInLine,
                     per_line = (most + lines_each - 1) / lines_each;
   std::string caption = raster_caption(content, protocol, classes);
-  if (everyone > rows.size()) caption += fmt::format(" The first {} of {} participants.", rows.size(), everyone);
+  caption += first_of(rows.size(), everyone);
   std::vector<Figure> figures;
   for (const FigurePage& page :
        figure_pages("raster", "Every answer", rows.size(), std::max<std::size_t>(1, kPeopleInFigure / lines_each))) {

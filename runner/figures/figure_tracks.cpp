@@ -150,8 +150,7 @@ std::vector<Figure> track_figures(const StudyResults& results, const Protocol& p
       has_course ? " The thick line is the JND by the posterior after each answer, the band its middle 95 %, as far as "
                    "the scale goes."
                  : "",
-      participants > kMostPeopleDrawn ? fmt::format(" The first {} of {} participants.", kMostPeopleDrawn, participants)
-                                      : std::string());
+      first_of(panels.size(), participants));
   std::vector<Figure> figures;
   for (const FigurePage& page :
        figure_pages("tracks", "Levels that the answers chose", panels.size(), kPeopleInFigure)) {

@@ -8,8 +8,9 @@ namespace jnd {
 
 namespace {
 
-// Columns from which a table is set smaller, and rows up to which it stays on one printed page.
-constexpr std::size_t kWideFrom = 10, kWidestFrom = 14, kShortUpTo = 24;
+// Columns from which a table is set smaller; rows up to which it stays on one printed page, and above which it is
+// folded: on the screen it opens, on paper its title stands for it.
+constexpr std::size_t kWideFrom = 10, kWidestFrom = 14, kShortUpTo = 20, kOpenUpTo = 120;
 
 std::string table_classes(const ResultTable& table) {
   std::string names = "table";
@@ -51,10 +52,16 @@ std::string table_anchor(const ResultTable& table) {
 
 std::string table_html(const ResultTable& table) {
   const std::string id = table_anchor(table);
-  std::string html = fmt::format(
-      "<section class=\"{}\" id=\"{}\">\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" "
+  const bool folded = table.rows.size() > kOpenUpTo;
+  std::string html = fmt::format("<section class=\"{}\" id=\"{}\">\n", table_classes(table), id);
+  if (folded)
+    html += fmt::format(
+        "<details>\n<summary>{} <span class=\"note\">{} rows; jnd export writes them as CSV</span></summary>\n",
+        escape_markup(table.title), table.rows.size());
+  html += fmt::format(
+      "<div class=\"scroll\" tabindex=\"0\" role=\"region\" "
       "aria-label=\"{}\">\n<table>\n<caption>{}",
-      table_classes(table), id, escape_markup("Table: " + table.title), escape_markup(table.title));
+      escape_markup("Table: " + table.title), escape_markup(table.title));
   if (!table.note.empty()) html += fmt::format("<span class=\"note\">{}</span>", escape_markup(table.note));
   html += "</caption>\n<thead><tr>";
   for (const ResultTable::Column& column : table.columns)
@@ -62,7 +69,8 @@ std::string table_html(const ResultTable& table) {
                         escape_markup(column.name));
   html += "</tr></thead>\n<tbody>\n";
   for (const std::vector<std::string>& row : table.rows) html += row_html(table, row);
-  return html + "</tbody>\n</table>\n</div>\n" + list_html(table.footnotes, "footnotes") + "</section>\n";
+  html += "</tbody>\n</table>\n</div>\n" + list_html(table.footnotes, "footnotes");
+  return html + (folded ? "</details>\n</section>\n" : "</section>\n");
 }
 
 std::string figure_anchor(const Figure& figure) {

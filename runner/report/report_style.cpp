@@ -54,6 +54,10 @@ figure svg { display: block; max-width: 100%; height: auto; margin: 0 auto; }
 figcaption { margin: 0.6rem auto 0; max-width: 50rem; }
 figcaption strong { color: var(--ink); }
 .table { margin: 1.8rem 0; }
+summary { font-weight: bold; cursor: pointer; }
+summary .note { font-weight: normal; }
+summary:focus-visible { outline: 2px solid var(--link); }
+details[open] summary { margin-bottom: 0.8rem; }
 .scroll { overflow-x: auto; }
 .scroll:focus-visible { outline: 2px solid var(--link); }
 table { border-collapse: collapse; font-size: 0.86rem; line-height: 1.4; font-variant-numeric: tabular-nums; }
@@ -119,10 +123,16 @@ svg .f6 { fill: var(--c6); } svg .s6 { stroke: var(--c6); } svg .h6 { fill: var(
   tbody tr:nth-child(-n+3) { break-before: avoid; }
   figure { margin: 10pt 0 14pt; }
   figure svg { max-width: min(100%, 150mm); max-height: 210mm; }
-  figure#fig-sensitivity svg, figure[id^="fig-slopes"] svg { max-width: 100%; }
+  figure:is(#fig-sensitivity, #fig-behaviour) svg { max-width: 100%; }
+  figure[id^="fig-slopes"] svg { max-width: 166mm; }
+  /* Two of them on a page. */
+  figure:is(#fig-jnd, #fig-threshold, #fig-outcome, #fig-time, #fig-combination, #fig-roc) svg,
+  figure:is([id^="fig-parameter"], [id^="fig-rating-"]) svg { max-height: 98mm; }
   figcaption, .note, .footnotes { font-size: 8.5pt; }
   thead { display: table-header-group; }
-  caption { break-after: avoid; }
+  /* Room for some rows below it, or it goes to the next page with them: break-after does nothing within a table. */
+  caption { break-inside: avoid; }
+  caption::after { content: ""; display: block; height: 30mm; margin-bottom: -30mm; }
   .scroll { overflow: visible; }
   table { font-size: 8pt; }
   tbody th, tbody td:not(:last-child) { white-space: normal; }

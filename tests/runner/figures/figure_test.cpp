@@ -351,19 +351,19 @@ TEST_CASE("order, preference and change have a figure each, with a row for every
   }
   const std::vector<Figure> figures = behaviour_figures(results, protocol);
   check_figures(figures);
-  REQUIRE(figures.size() == 3);
-  for (const Figure& figure : figures) {
-    const std::string svg = figure.svg.file();
-    CHECK(count_of(svg, "class=\"mean\"") == 5);  // all but one have a value
-    CHECK(svg.find("S, everyone") != std::string::npos);
-    CHECK(svg.find(">P02<") != std::string::npos);
-  }
-  const std::string order = figure_named(figures, "order").svg.file();
-  CHECK(order.find("0.25 (") != std::string::npos);
-  CHECK(order.find("p = 0.4") != std::string::npos);
-  CHECK(order.find("the stiffer never came first") != std::string::npos);
-  CHECK(figure_named(figures, "bias").svg.file().find("all answers were the same") != std::string::npos);
-  CHECK(figure_named(figures, "drift").svg.file().find("no trial of one kind") != std::string::npos);
+  REQUIRE(figures.size() == 1);
+  const auto check_form = [](const std::string& svg, std::size_t named) {
+    CHECK(count_of(svg, "class=\"mean\"") == 15);  // of each of three quantities all but one have a value
+    CHECK(count_of(svg, "class=\"missing\"") == 3);
+    CHECK(count_of(svg, ">S, everyone<") == named);
+    CHECK(count_of(svg, ">P02<") == named);
+    for (const char* words : {"S, everyone: 0.25 (", "p = 0.4", "P02: the stiffer never came first",
+                              "P02: all answers were the same", "P02: no trial of one kind"})
+      CHECK(svg.find(words) != std::string::npos);
+  };
+  check_form(figures[0].svg.file(), 1);  // the rows of the three columns are the same
+  REQUIRE(figures[0].narrow);
+  check_form(figures[0].narrow->file(), 3);
   measured.detailed = false;
   CHECK(behaviour_figures(results, protocol).empty());
 }
