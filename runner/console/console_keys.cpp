@@ -7,6 +7,7 @@
 
 #include "protocols/input/utf8.h"
 #include "protocols/tasks/task.h"
+#include "runner/console/session_words.h"
 #include "runner/keys/keyboard.h"
 #include "runner/keys/line_editor.h"
 #include "runner/words/words.h"
@@ -37,7 +38,7 @@ char32_t spared(char32_t letter, const TaskSpec& task) {
 
 // "different", or with its sureness "different, 2 of 3".
 std::string words_of(int said, int sureness, const TaskSpec& task) {
-  const std::string said_so(said_word(task, said));
+  const std::string said_so = shown_answer(task, said);
   return sureness == 0 ? said_so : tr("{}, {} of {} sure", said_so, sureness, task.sureness_levels);
 }
 

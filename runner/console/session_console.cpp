@@ -579,7 +579,7 @@ void SessionConsole::explored() {
 bool SessionConsole::exploring(double left_s) {
   keys_.look_at_stop();
   tell_events();
-  display_->countdown(tr("left"), left_s, exploring_s_);
+  display_->countdown(tr("time left"), left_s, exploring_s_);
   display_->refresh();
   if (broken_off_by_) return false;
   const KeyMap keys = exploring_keys();

@@ -56,18 +56,26 @@ std::string reason_text(const std::string& reason) {
   return printable(reason);
 }
 
+std::string shown_answer(const TaskSpec& task, int said) {
+  // Of the tasks; "first" to "third", "yes" and "no" are among the screen's words anyway.
+  [[maybe_unused]] static constexpr std::array kOfTasks = {
+      word("same"), word("different"), word("left"), word("right"), word("less"), word("more"), word("accept")};
+  const std::string_view said_so = said_word(task, said);
+  return std::string(task.kind == TaskKind::identify ? said_so : translated(said_so));
+}
+
 std::string usual_words(CuePlace place, const Protocol& protocol) {
   static constexpr std::array kOrdinals = {word("first"), word("second"), word("third")};
   static constexpr std::array kSpheres = {word("first sphere"), word("second sphere"), word("third sphere")};
   if (place == CuePlace::question) {
-    const std::vector<std::string>& classes = protocol.task.classes;
-    if (classes.empty()) return tr("which number?");
+    const int classes = static_cast<int>(protocol.task.classes.size());
+    if (classes == 0) return tr("which number?");
     std::string words;
-    for (std::size_t i = 0; i < classes.size(); ++i)
-      words += (i == 0                    ? std::string()
-                : i + 1 == classes.size() ? fmt::format(" {} ", tr("or"))
-                                          : std::string(", ")) +
-               classes[i];
+    for (int i = 0; i < classes; ++i)
+      words += (i == 0             ? std::string()
+                : i + 1 == classes ? fmt::format(" {} ", tr("or"))
+                                   : std::string(", ")) +
+               shown_answer(protocol.task, i);
     return words + "?";
   }
   if (felt_intervals(protocol.task) == 1) return tr("now");

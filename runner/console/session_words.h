@@ -18,6 +18,8 @@ std::string beside_heading(const TrialOutline& outline);
 std::string reason_text(const std::string& reason);
 // What is said where the protocol gives no words: "first sphere", "same or different?".
 std::string usual_words(CuePlace place, const Protocol& protocol);
+// Of what was said: "same", "second"; the names of classes (identify) are the protocol's own.
+std::string shown_answer(const TaskSpec& task, int said);
 // Of an interval, to be read from afar: "FIRST"; "FEEL" where it is the only one.
 std::string interval_word(CuePlace place, const Protocol& protocol);
 // "first: A7   second: B2"

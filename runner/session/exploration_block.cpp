@@ -27,6 +27,7 @@ void ExplorationBlock::settle_attempt(const step::SettleExploration& due) {
 }
 
 void ExplorationBlock::explore(const step::Explore& due) {
+  await_rig(parts_, recorder_, slots_done());  // told before the operator calls the participant to order
   if (ready(due.slot, due.attempt)) attempt(due.slot, due.attempt);
 }
 

@@ -9,6 +9,7 @@
 #include "protocols/course/prescription.h"
 #include "protocols/planning/adaptive_run.h"
 #include "protocols/planning/condition_codes.h"
+#include "runner/session/rig_connections.h"
 
 namespace jnd {
 
@@ -85,6 +86,8 @@ void SessionEngine::carry_out(const step::SettleTrial& due) {
 }
 
 void SessionEngine::carry_out(const step::Present& due) {
+  // What went missing is told now, not when the operator has called the participant to order.
+  await_rig(parts_, recorder_, after_trial());
   const TrialOutline outline = outline_of(due.trial);
   if (!ready(due.trial, outline)) return;
   const std::optional<double> took_s = conductor_.conduct(due.trial, outline);

@@ -55,7 +55,12 @@ class Waiting final : public SessionView {
     while (!back()) clock_.sleep_until_ns(clock_.now_ns() + 50'000'000);
     return {};
   }
+  OperatorRequest ready(const TrialOutline&) override {
+    announced();
+    return {};
+  }
   std::vector<std::string> told;
+  std::function<void()> announced = [] {};
 
  private:
   Clock& clock_;
@@ -100,7 +105,14 @@ struct Scene {
 TEST_CASE("A device that is pulled out is waited for, and the session goes on by itself") {
   Scene scene;
   Waiting person(scene.bench.clock, false);
+  int announced = 0, too_soon = 0;  // trials: all, and those that could not begin
+  person.announced = [&] {
+    ++announced;
+    if (scene.rig.absent()) ++too_soon;
+  };
   REQUIRE(scene.run(person, true) == SessionEnd::completed);
+  CHECK(announced == 17);
+  CHECK(too_soon == 0);
   CHECK(person.told == std::vector<std::string>{"device RRS3-0001 is not there"});
   CHECK(scene.moments() == std::vector<std::string>{"fault", "missing", "back"});
   CHECK(scene.bodies(event_kind::kConnections)[1].at("devices")[0].at("connected") == false);

@@ -54,6 +54,8 @@ class Words(unittest.TestCase):
         self.assertNotIn("Durchgang", english)
         self.assertIn("Durchgang 1 von 16", german)
         self.assertIn("VORFÜHRUNG", german)
+        self.assertRegex(english, r"saved: trial 1, (same|different), ")
+        self.assertRegex(german, r"gespeichert: Durchgang 1, (gleich|verschieden), ")
         self.assertNotIn("Trial ", german)
         self.assertIn("Fertig. Die Sitzung von P01 ist vollständig", german)
         self.assertRegex(german, r"gespeichert in  s\.sqlite\n  weiter          jnd status s\.sqlite")
