@@ -2,7 +2,7 @@
 """Files that cannot be opened, made or written, from outside: the message names the place, the cause and what to do, the
 exit code is that of storage, and no cause but a full disk is called one.
 
-Run by root, permissions are tried as the user nobody, and full and read-only disks on small ones in memory.
+Run by root, permissions are tried as the user nobody, with an installation where everybody may start it, and full and read-only disks on small ones in memory.
 
 Usage: file_trouble_test.py JND
 """
@@ -27,7 +27,10 @@ class FileTrouble(unittest.TestCase):
         kept = tempfile.TemporaryDirectory()
         cls.addClassCleanup(kept.cleanup)
         cls.study = pathlib.Path(kept.name, "s.sqlite")
-        subprocess.run([JND, *map(str, SIMULATE), cls.study], check=True, stdout=subprocess.DEVNULL)
+        prefix, build = pathlib.Path(kept.name, "prefix"), pathlib.Path(JND).parents[1]
+        subprocess.run(["cmake", "--install", build, "--prefix", prefix], check=True, stdout=subprocess.DEVNULL)
+        cls.program = prefix / "bin/jnd"
+        subprocess.run([cls.program, *map(str, SIMULATE), cls.study], check=True, stdout=subprocess.DEVNULL)
         cls.study.chmod(0o644)
         os.chmod(kept.name, 0o755)
 
@@ -38,7 +41,7 @@ class FileTrouble(unittest.TestCase):
         self.folder.chmod(0o777)
 
     def jnd(self, *arguments, code=STORAGE, **how):
-        done = subprocess.run([JND, *map(str, arguments)], capture_output=True, text=True, cwd=self.folder, **how)
+        done = subprocess.run([self.program, *map(str, arguments)], capture_output=True, text=True, cwd=self.folder, **how)
         self.assertEqual(done.returncode, code, f"{arguments}: {done.stdout}{done.stderr}")
         return done.stderr
 
@@ -66,18 +69,12 @@ class FileTrouble(unittest.TestCase):
                 self.refused(cause, *arguments, **how)
         self.assertEqual([one for one in place.rglob("*") if place.is_dir() and os.access(one, os.R_OK)], [])
 
-    def require_nobody(self):
-        if subprocess.run([JND, "--version"], capture_output=True, **NOBODY).returncode != 0:
-            self.skipTest("SKIPPED: the program is where the user nobody has no permission to start it")
-
     def test_a_folder_that_may_not_be_written_to_is_named(self):
-        self.require_nobody()
         place = self.folder / "fixed"
         place.mkdir(mode=0o555)
         self.refused_everywhere(f"no permission to write to the folder {place}", place, **NOBODY)
 
     def test_a_folder_that_may_not_be_entered_is_named(self):
-        self.require_nobody()
         place = self.folder / "closed"
         (place / "in").mkdir(parents=True)
         shutil.copy(self.study, place / "in" / "s.sqlite")
@@ -89,7 +86,6 @@ class FileTrouble(unittest.TestCase):
             self.refused(f"no permission to enter the folder {place}", command, place / "in" / "s.sqlite", **NOBODY)
 
     def test_a_study_that_may_not_be_read_or_written_is_named(self):
-        self.require_nobody()
         mine = self.folder / "mine.sqlite"
         shutil.copy(self.study, mine)
         note = ("note", mine, "dark room")
