@@ -145,6 +145,32 @@ TEST_CASE("An exploration that a fault ends comes again from its beginning") {
   CHECK(bodies(bench.log, event_kind::kExploration)[0].at("attempt") == 2);
 }
 
+TEST_CASE("What went missing is waited for before the next object is announced") {
+  Bench bench(exploring());
+  bench.rig.fault = [&](const PresentRequest& request) {
+    if (request.id.trial != 1 || request.id.attempt != 1) return Fault::none;
+    bench.rig.gone_until_ns = bench.clock.now_ns() + 5'000'000'000;
+    return Fault::device_lost;
+  };
+  class Announced final : public SessionView {
+   public:
+    explicit Announced(Bench& bench) : bench_(bench) {}
+    OperatorRequest ready_to_explore(const ExplorationOutline&) override {
+      ++announced;
+      if (!bench_.rig.missing().empty()) ++too_soon;
+      return {};
+    }
+    int announced = 0, too_soon = 0;
+
+   private:
+    Bench& bench_;
+  } view(bench);
+  REQUIRE(bench.run(view) == SessionEnd::completed);
+  check_whole(bench.log);
+  CHECK(view.announced == 5);  // four objects, one of them twice
+  CHECK(view.too_soon == 0);
+}
+
 TEST_CASE("Attempts that are used up give the exploration up, and the session goes on") {
   Bench bench(exploring());
   bench.rig.fault = [](const PresentRequest& request) {
