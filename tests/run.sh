@@ -19,7 +19,7 @@ step packages
 # shellcheck disable=SC2086
 install_missing $packages_to_build catch2 librapidcheck-dev libvalijson-dev python3 sqlite3 zstd mold
 # The page of `jnd report` is looked at in a real browser; without one that test says SKIPPED.
-install_missing chromium poppler-utils || echo "SKIPPED: chromium cannot be installed: the report is not looked at in a browser" >&2
+install_missing chromium poppler-utils || echo "SKIPPED: chromium or poppler-utils cannot be installed: the report is not looked at in a browser" >&2
 
 # The operator's screen is looked at through libvterm; without it that test says SKIPPED.
 install_missing libvterm-dev || echo "SKIPPED: libvterm-dev cannot be installed: the operator's screen is not looked at" >&2

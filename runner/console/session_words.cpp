@@ -57,9 +57,10 @@ std::string reason_text(const std::string& reason) {
 }
 
 std::string shown_answer(const TaskSpec& task, int said) {
-  // Of the tasks; "first" to "third", "yes" and "no" are among the screen's words anyway.
+  // Those that a table of a language has to have: what the tasks call answers ("A" and "B" are the same everywhere).
   [[maybe_unused]] static constexpr std::array kOfTasks = {
-      word("same"), word("different"), word("left"), word("right"), word("less"), word("more"), word("accept")};
+      word("same"), word("different"), word("first"), word("second"), word("third"), word("no"),
+      word("yes"),  word("left"),      word("right"), word("less"),   word("more"),  word("accept")};
   const std::string_view said_so = said_word(task, said);
   return std::string(task.kind == TaskKind::identify ? said_so : translated(said_so));
 }

@@ -9,7 +9,7 @@
 namespace jnd {
 
 struct ForestRow {
-  std::string name;          // at the left, of the first column alone
+  std::string name;          // at the left, once where the columns stand side by side
   double value = 0;          // NaN: a cross at the rule
   double low = 0, high = 0;  // of its interval; not finite: it has none
   std::string numbers;       // at the right, where the forest has room for them

@@ -2,7 +2,8 @@
 """Files that cannot be opened, made or written, from outside: the message names the place, the cause and what to do, the
 exit code is that of storage, and no cause but a full disk is called one.
 
-Run by root, permissions are tried as the user nobody, with an installation where everybody may start it, and full and read-only disks on small ones in memory.
+Run by root, permissions are tried as the user nobody, with an installation where everybody may start it, and full and
+read-only disks on small ones in memory.
 
 Usage: file_trouble_test.py JND
 """
