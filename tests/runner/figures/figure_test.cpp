@@ -327,7 +327,8 @@ TEST_CASE("a minus is as long as a plus, and hyphens stay what they are") {
   CHECK(svg.file().find(">\u22123 (\u22121.5 to 2), P-01, m-5, x - 3, -<") != std::string::npos);
 }
 
-TEST_CASE("order, preference and change are columns of one figure, with a row for everyone, and say why there is no value") {
+TEST_CASE(
+    "order, preference and change are columns of one figure, with a row for everyone, and say why there is no value") {
   const Protocol protocol = published_protocol();
   StudyResults results;
   ConstantResults& measured = constant(results);
