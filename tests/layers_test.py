@@ -1,4 +1,4 @@
-#!/ usr / bin / env python3
+#!/usr/bin/env python3
 """The house: rooms, their wings, and which wing may include which. Fails on an include that is not in the table, on a file
 in no wing, on a folder of too many files, on tests that stand in no wing of what they test, and on two headers with a type
 of the same name: where the linker meets both it keeps the code of one.
@@ -10,11 +10,11 @@ import sys
 
 MOST_FILES = 30  # in a folder, of those that are compiled
 
-#A room includes those that stand before it; data and devices do not know each other.
+# A room includes those that stand before it; data and devices do not know each other.
 ROOMS = {"analysis": [], "protocols": ["analysis"], "data": ["analysis", "protocols"],
          "devices": ["analysis", "protocols"], "runner": ["analysis", "protocols", "data", "devices"]}
 
-#The wings of each room, every one with those of its room that it may include."." is the room's own folder, its face.
+# The wings of each room, every one with those of its room that it may include. "." is the room's own folder, its face.
 WINGS = {
     "analysis": {
         "numerics": "",
@@ -96,7 +96,7 @@ WINGS = {
     },
 }
 
-#One component in C each, with its corpus of vectors or pages beside it : as long as it is.
+# One component in C each, with its corpus of vectors or pages beside it: as long as it is.
 ANY_LENGTH = {"devices/hid/firmware"}
 
 SOURCE = (".h", ".cpp", ".c")
