@@ -26,9 +26,10 @@ WINGS = {
         "thresholds": "detection numerics",
         "behaviour": "detection numerics thresholds",
         "group": "numerics scaling thresholds",
+        "hierarchical": "numerics",
         "precision": "detection numerics thresholds",
         "scaling": "numerics",
-        "selftest": "choice detection group numerics procedures psychometric ratings scaling thresholds",
+        "selftest": "choice detection group hierarchical numerics procedures psychometric ratings scaling thresholds",
     },
     "protocols": {
         ".": "",

@@ -42,15 +42,15 @@ bool newton_direction(const NewtonDerivatives& at, const NewtonBox& box, const s
                       std::vector<double>& direction);
 
 // function.value(place) -> double (-inf where impossible) and function.derivatives(place, NewtonDerivatives&). start
-// must lie in the box and have a finite value. Thread-safe; converged where the remaining step is below 1e-9 standard
-// errors. A search that promises no more than `wanted`, even were its gain kMostGain times what its steps promise, is
-// given up.
+// must lie in the box and have a finite value. Thread-safe; converged where the next step promises a gain below
+// `negligible` (1e-18: the remaining step is below 1e-9 standard errors), which is also what values may err by. A search
+// that promises no more than `wanted`, even were its gain kMostGain times what its steps promise, is given up.
 template <typename Function>
 NewtonResult maximise_in_box(const Function& function, std::vector<double> start, const NewtonBox& box,
-                             double wanted = -kInf) {
+                             double wanted = -kInf, double negligible = 1e-18) {
   constexpr int kMostSteps = 200, kMostHalvings = 50;
   constexpr double kMostGain = 4;
-  constexpr double kNegligible = 1e-18, kQuadratic = 1e-9, kRounding = 1e-13;
+  constexpr double kQuadratic = 1e-9, kRounding = 1e-13;
   NewtonResult result;
   result.place = std::move(start);
   NewtonDerivatives at, next;
@@ -73,7 +73,7 @@ NewtonResult maximise_in_box(const Function& function, std::vector<double> start
         blocking = static_cast<std::ptrdiff_t>(i);
       }
     }
-    if (!(ascent > kNegligible)) {
+    if (!(ascent > negligible)) {
       result.converged = true;
       return result;
     }
@@ -98,7 +98,7 @@ NewtonResult maximise_in_box(const Function& function, std::vector<double> start
       } else {
         value = function.value(trial);
       }
-      moved = moved || value >= at.value + 1e-4 * step * ascent;
+      moved = moved || value >= at.value + 1e-4 * step * ascent - negligible;
       if (moved && halving > 0) function.derivatives(trial, next);
     }
     if (!moved) {

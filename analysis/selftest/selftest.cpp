@@ -16,6 +16,7 @@
 #include "analysis/procedures/quest.h"
 #include "analysis/procedures/staircase.h"
 #include "analysis/psychometric/psychometric.h"
+#include "analysis/selftest/hierarchical_quantities.h"
 #include "analysis/selftest/posterior_quantities.h"
 #include "analysis/selftest/reference_numbers.h"
 #include "analysis/selftest/scaling_quantities.h"
@@ -380,9 +381,9 @@ Quantities adaptive_quantities() {
 
 std::vector<SelftestQuantity> selftest() {
   Quantities all;
-  for (const auto part :
-       {detection_quantities, jnd_quantities, group_quantities, psychometric_quantities, adaptive_quantities,
-        scaling_quantities, posterior_quantities, choice_quantities, two_interval_quantities, ratings_quantities}) {
+  for (const auto part : {detection_quantities, jnd_quantities, group_quantities, psychometric_quantities,
+                          adaptive_quantities, scaling_quantities, posterior_quantities, choice_quantities,
+                          two_interval_quantities, ratings_quantities, hierarchical_quantities}) {
     const Quantities some = part();
     all.insert(all.end(), some.begin(), some.end());
   }

@@ -30,7 +30,8 @@ struct SelftestQuantity {
 };
 
 // Every quantity that the program carries references of, recomputed: signal detection, tasks with a right answer, ratings,
-// choices between two intervals, scaling, thresholds, group statistics, psychometric functions, adaptive procedures.
+// choices between two intervals, scaling, thresholds, group statistics, psychometric functions, adaptive procedures,
+// the hierarchical model.
 std::vector<SelftestQuantity> selftest();
 
 }  // namespace jnd

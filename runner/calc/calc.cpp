@@ -20,6 +20,7 @@ void add_calc_commands(CommandTree& program) {
   add_calc_group(calc);
   add_calc_psychometric(calc);
   add_calc_which(calc);
+  add_calc_hierarchical(calc);
   add_calc_adaptive(calc);
   add_calc_scaling(calc);
   add_calc_posterior(calc);

@@ -27,6 +27,7 @@ void add_calc_jnd(CommandTree& calc);           // jnd
 void add_calc_group(CommandTree& calc);         // compare, wilcoxon, ptukey, qtukey, shapiro
 void add_calc_psychometric(CommandTree& calc);  // fit
 void add_calc_which(CommandTree& calc);         // which
+void add_calc_hierarchical(CommandTree& calc);  // hierarchical
 void add_calc_adaptive(CommandTree& calc);      // staircase, quest
 void add_calc_scaling(CommandTree& calc);       // magnitude, adjust
 void add_calc_posterior(CommandTree& calc);     // posterior

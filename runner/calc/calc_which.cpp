@@ -33,8 +33,6 @@ struct WhichOptions {
   bool pse_is_standard = false;
 };
 
-const TrialUse kWhichUse = {"the comparison was chosen", {{"comparison", "standard"}}, true, false};
-
 std::optional<double> which_number(const std::string& text) {
   double value = 0;
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);

@@ -247,6 +247,7 @@ TrialTable trials_without_names(const CsvTable& table, const std::string& file, 
 }  // namespace
 
 const TrialUse kSameDifferentUse = {"the stimuli were different", {{"different", "same"}}, false, true};
+const TrialUse kWhichUse = {"the comparison was chosen", {{"comparison", "standard"}}, true, false};
 
 void add_trial_options(CLI::App& command, TrialOptions& options, const TrialUse& use) {
   command.add_flag("--trials", options.trials,

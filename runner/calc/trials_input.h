@@ -32,8 +32,8 @@ struct TrialUse {
   bool differences = false;  // levels are differences: from --standard, where it is given
 };
 
-// Of same-different trials: the answer "different", and differences, 0 on same trials.
-extern const TrialUse kSameDifferentUse;
+// Of same-different trials: the answer "different", and differences, 0 on same trials. Of choices between two intervals.
+extern const TrialUse kSameDifferentUse, kWhichUse;
 
 void add_trial_options(CLI::App& command, TrialOptions& options, const TrialUse& use);
 

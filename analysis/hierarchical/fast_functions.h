@@ -1,0 +1,15 @@
+// Two functions for long tables: the same results as the exact ones to about 1e-14, many times as fast, and the same
+// bits on every processor.
+#pragma once
+
+#include <span>
+
+namespace jnd {
+
+// ln Phi(z), absolute error below 1e-14 or relative below 1e-13: Taylor's polynomial about the nearest of fixed places.
+double tabled_log_normal_cdf(double z) noexcept;
+
+// values[i] = e^(values[i] - less), relative error below 1e-14, for exponents of at most 1; 0 below e^-700.
+void exponentiate(std::span<double> values, double less) noexcept;
+
+}  // namespace jnd

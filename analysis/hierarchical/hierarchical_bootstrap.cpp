@@ -1,0 +1,106 @@
+#include "analysis/hierarchical/hierarchical_bootstrap.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstddef>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+#include "analysis/numerics/binomial_sampler.h"
+#include "analysis/numerics/experiment_stream.h"
+#include "analysis/numerics/normal.h"
+#include "analysis/numerics/stop_request.h"
+
+namespace jnd {
+
+namespace {
+
+constexpr std::uint64_t kPurpose = 0x4869657261726368;
+// Replicates are fitted with a likelihood that errs by less than 1e-4.
+constexpr double kReplicateFineness = 0.75, kReplicateNegligible = 1e-3;
+
+double uniform(ExperimentStream& stream) {
+  return (static_cast<double>(stream.next() >> 11U) + 0.5) * 0x1p-53;
+}
+
+double standard_normal(ExperimentStream& stream) {
+  return normal_quantile(uniform(stream));
+}
+
+}  // namespace
+
+std::vector<HierarchicalCell> drawn_answers(std::span<const HierarchicalCell> cells, const HierarchicalModel& model,
+                                            const HierarchicalPlace& truth, std::uint64_t seed,
+                                            std::uint64_t replicate) {
+  struct Person {
+    ExperimentStream stream;
+    double u = 0, w = 0;
+    std::vector<double> v;
+  };
+  std::vector<Person> people;
+  std::vector<HierarchicalCell> drawn(cells.begin(), cells.end());
+  for (HierarchicalCell& cell : drawn) {
+    const auto number = static_cast<std::size_t>(cell.participant), c = static_cast<std::size_t>(cell.condition);
+    while (people.size() <= number) {
+      Person& person = people.emplace_back(Person{{seed, kPurpose, replicate, people.size()}, 0, 0, {}});
+      const double first = standard_normal(person.stream), second = standard_normal(person.stream);
+      person.u = truth.tu * first;
+      person.w = truth.tw * (truth.rho * first + std::sqrt(1 - truth.rho * truth.rho) * second);
+      for (std::size_t i = 0; i < truth.mu.size(); ++i) person.v.push_back(truth.tv * standard_normal(person.stream));
+    }
+    Person& person = people[number];
+    const double ln_s = truth.mu[c] + person.u + person.v[c], k = truth.kappa[c] + person.w;
+    const double trials = cell.positive + cell.negative;
+    const double p = std::exp(log_rates(model.response, cell.level, ln_s, k, model.lapse).positive);
+    cell.positive = BinomialSampler(static_cast<int>(trials), std::min(p, 1.0)).at(uniform(person.stream));
+    cell.negative = trials - cell.positive;
+  }
+  return drawn;
+}
+
+EqualityBootstrap equality_bootstrap(std::span<const HierarchicalCell> cells, const HierarchicalModel& model,
+                                     const HierarchicalFit& fit, int replicates, std::uint64_t seed, int threads,
+                                     const std::function<void(int)>& progress) {
+  const std::size_t conditions = fit.conditions.size();
+  const double unit = model.response == ResponseModel::choice ? std::exp(fit.common.place.mu.front()) : 1;
+  HierarchicalForm free = HierarchicalForm::separate(conditions), common = HierarchicalForm::common(conditions);
+  const auto in_model = [](SpreadStatus status) { return status == SpreadStatus::ok || status == SpreadStatus::zero; };
+  free.tu = common.tu = in_model(fit.tu);
+  free.tv = common.tv = in_model(fit.tv);
+  free.tw = common.tw = in_model(fit.tw);
+  free.rho = common.rho = model.rho && free.tu && free.tw;
+  std::atomic<int> next{0}, as_large{0};
+  int done = 0;
+  std::mutex mutex;
+  std::exception_ptr failure;
+  const auto work = [&] {
+    try {
+      for (int i = next++; i < replicates; i = next++) {
+        stop_if_requested();
+        const std::vector<HierarchicalCell> drawn =
+            drawn_answers(cells, model, fit.common.place, seed, static_cast<std::uint64_t>(i));
+        HierarchicalLikelihood likelihood(drawn, model.response, model.lapse, kReplicateFineness);
+        const HierarchicalMaximum one = maximise(likelihood, common, fit.common.place, unit, kReplicateNegligible);
+        const HierarchicalMaximum each = maximise(likelihood, free, one.place, unit, kReplicateNegligible);
+        if (2 * (each.log_likelihood - one.log_likelihood) >= fit.lr) ++as_large;
+        const std::lock_guard lock(mutex);
+        ++done;
+        if (progress) progress(done);
+      }
+    } catch (...) {
+      const std::lock_guard lock(mutex);
+      if (!failure) failure = std::current_exception();
+      next = replicates;
+    }
+  };
+  {
+    std::vector<std::jthread> workers;
+    for (int i = 0; i < std::clamp(threads, 1, replicates); ++i) workers.emplace_back(work);
+  }
+  if (failure) std::rethrow_exception(failure);
+  return {replicates, as_large, (1.0 + as_large) / (1.0 + replicates)};
+}
+
+}  // namespace jnd

@@ -1,0 +1,256 @@
+#include "analysis/hierarchical/hierarchical_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+#include "analysis/hierarchical/hierarchical_information.h"
+#include "analysis/numerics/box_newton.h"
+#include "analysis/numerics/profile_interval.h"
+#include "analysis/numerics/tail_probabilities.h"
+
+namespace jnd {
+
+namespace {
+
+constexpr double kFirstSpread = 0.3, kFirstSpreadWithin = 0.15;  // where a search begins
+// The first search is a rough one, whose likelihood errs by less than 1e-4.
+constexpr double kRough = 0.75, kRoughlyEqual = 1e-3;
+// Times the range of levels: beyond it they do not tell a JND. A search goes a little further.
+constexpr double kOutside = 12, kBeyond = 0.2;
+
+double trials_of(std::span<const HierarchicalCell> cells) {
+  return std::accumulate(cells.begin(), cells.end(), 0.0,
+                         [](double sum, const HierarchicalCell& cell) { return sum + cell.positive + cell.negative; });
+}
+
+std::vector<HierarchicalCell> of_condition(std::span<const HierarchicalCell> cells, std::size_t condition) {
+  std::vector<HierarchicalCell> chosen;
+  for (const HierarchicalCell& cell : cells)
+    if (cell.condition == static_cast<int>(condition)) chosen.push_back(cell);
+  return chosen;
+}
+
+}  // namespace
+
+HierarchicalAnalysis::HierarchicalAnalysis(std::vector<HierarchicalCell> cells, const HierarchicalModel& model)
+    : cells_(std::move(cells)), model_(model), likelihood_(cells_, model.response, model.lapse) {
+  if (cells_.empty()) throw std::invalid_argument("a hierarchical analysis needs answers");
+  const std::size_t conditions = likelihood_.conditions();
+  fit_.participants = likelihood_.participants();
+  fit_.trials = trials_of(cells_);
+  find_start();
+  find_spreads();
+  form_ = model.one_mean ? HierarchicalForm::common(conditions) : HierarchicalForm::separate(conditions);
+  const auto estimated = [](SpreadStatus status) { return status == SpreadStatus::ok; };
+  form_.tu = estimated(fit_.tu);
+  form_.tv = estimated(fit_.tv);
+  form_.tw = estimated(fit_.tw);
+  form_.rho = model.rho && form_.tu && form_.tw;
+  form_.lowest = least_ - kBeyond;
+  form_.highest = greatest_ + kBeyond;
+
+  HierarchicalPlace place;
+  for (std::size_t c = 0; c < conditions; ++c) {
+    const PooledMaximum pooled = pooled_maximum(of_condition(cells_, c), model.response, model.lapse, start_);
+    place.mu.push_back(std::clamp(pooled.ln_s, form_.lowest, form_.highest));
+    place.kappa.push_back(pooled.criterion);
+  }
+  place.tu = form_.tu ? kFirstSpread : 0;
+  place.tv = form_.tv ? kFirstSpreadWithin : 0;
+  place.tw = form_.tw ? kFirstSpread * unit_ : 0;
+  HierarchicalLikelihood rough(cells_, model.response, model.lapse, kRough);
+  fit_.maximum = from_here(form_, maximise(rough, form_, place, unit_, kRoughlyEqual).place);
+
+  const HierarchicalPlace& found = fit_.maximum.place;
+  const auto settle = [](SpreadStatus& status, double spread) {
+    if (status == SpreadStatus::ok && spread == 0) status = SpreadStatus::zero;
+  };
+  settle(fit_.tu, found.tu);
+  settle(fit_.tv, found.tv);
+  settle(fit_.tw, found.tw);
+  for (std::size_t c = 0; c < conditions; ++c) {
+    const auto at_end = [&](double ln_s) {
+      return model.one_mean ? -kInf : from_here(form_.with_mean(c, ln_s), found).log_likelihood;
+    };
+    const SlopeStatus status = status_of(found.mu[c], fit_.maximum.log_likelihood, at_end);
+    fit_.conditions.push_back({status == SlopeStatus::ok ? found.mu[c] : kNaN, found.kappa[c], status, {}});
+  }
+  if (conditions < 2 || model.one_mean) return;
+  HierarchicalForm common = form_;
+  std::fill(common.of.begin(), common.of.end(), 0);
+  fit_.common = from_here(common, found);
+  fit_.lr = std::max(0.0, 2 * (fit_.maximum.log_likelihood - fit_.common.log_likelihood));
+  fit_.df = static_cast<int>(conditions) - 1;
+  fit_.p = chi2_upper(fit_.lr, fit_.df);
+}
+
+// The middle of what the levels can tell, and its ends.
+void HierarchicalAnalysis::find_start() {
+  std::set<double> levels;
+  for (const HierarchicalCell& cell : cells_) levels.insert(cell.level);
+  const bool choice = model_.response == ResponseModel::choice;
+  double smallest = kInf, largest = 0;
+  if (!choice) {
+    for (const double level : levels)
+      if (level != 0) smallest = std::min(smallest, std::abs(level));
+    largest = std::max(std::abs(*levels.begin()), std::abs(*levels.rbegin()));
+  } else {
+    for (auto next = std::next(levels.begin()); next != levels.end(); ++next)
+      smallest = std::min(smallest, *next - *std::prev(next));
+    largest = *levels.rbegin() - *levels.begin();
+  }
+  if (!(largest > 0)) throw std::invalid_argument("a hierarchical analysis needs levels that differ");
+  start_.ln_s = std::log(largest / (choice ? 4 : 2));
+  start_.criterion = model_.response == ResponseModel::yes_no ? 0.7 : 0;
+  unit_ = choice ? std::exp(start_.ln_s) : 1;
+  greatest_ = std::log(kOutside * largest);
+  least_ = std::log(smallest / kOutside);
+}
+
+void HierarchicalAnalysis::find_spreads() {
+  std::set<std::pair<int, int>> seen;
+  for (const HierarchicalCell& cell : cells_)
+    if (cell.positive + cell.negative > 0) seen.emplace(cell.participant, cell.condition);
+  bool several = false;
+  for (auto cell = seen.begin(); cell != seen.end(); ++cell)
+    several = several || (std::next(cell) != seen.end() && std::next(cell)->first == cell->first);
+  const auto status = [](bool asked, bool identified) {
+    if (!asked) return SpreadStatus::not_asked;
+    return identified ? SpreadStatus::ok : SpreadStatus::not_identified;
+  };
+  fit_.tu = status(model_.tu, fit_.participants > 1);
+  fit_.tw = status(model_.tw, fit_.participants > 1);
+  fit_.tv = status(model_.tv, fit_.participants > 1 && several);
+}
+
+// A search from a place whose means the form may move: far, and the criteria there are no longer near the best.
+HierarchicalMaximum HierarchicalAnalysis::from_here(const HierarchicalForm& form, const HierarchicalPlace& place) {
+  constexpr double kFar = 0.5;
+  HierarchicalPlace start = moved(form, place);
+  for (std::size_t c = 0; c < start.mu.size(); ++c)
+    if (std::abs(start.mu[c] - place.mu[c]) > kFar)
+      start.kappa[c] = pooled_maximum(of_condition(cells_, c), model_.response, model_.lapse,
+                                      {start.mu[c], start_.criterion, 0}, true)
+                           .criterion;
+  return maximise(likelihood_, form, start, unit_);
+}
+
+// at_end(ln s): the largest ln L with that mean. Answers that are as likely at an end of what is searched tell no JND.
+template <typename AtEnd>
+SlopeStatus HierarchicalAnalysis::status_of(double ln_s, double log_likelihood, const AtEnd& at_end) const {
+  constexpr double kAsLikely = 1e-4, kNear = 2.5;  // an end is looked at from so near
+  if (ln_s > greatest_ - kNear && (ln_s > greatest_ || at_end(form_.highest) > log_likelihood - kAsLikely))
+    return SlopeStatus::no_sensitivity;
+  if (ln_s < least_ + kNear && (ln_s < least_ || at_end(form_.lowest) > log_likelihood - kAsLikely))
+    return SlopeStatus::ceiling;
+  return SlopeStatus::ok;
+}
+
+// Covariances of the means in the approximation of hierarchical_information.h, by rows: where a profile is first looked
+// at, no more.
+std::vector<double> HierarchicalAnalysis::mean_errors() const {
+  const HierarchicalPlace& place = fit_.maximum.place;
+  const std::size_t n = 2 * place.mu.size(), all = n + 4;
+  const std::vector<double> full = marginal_information(likelihood_.cell_information(place), place);
+  std::vector<double> covariance;
+  for (std::size_t c = 0; c < place.mu.size(); ++c) {
+    std::vector<double> information(n * n), column(n, 0);
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; j < n; ++j) information[i * n + j] = full[i * all + j];
+    column[c] = 1;
+    solve_positive_definite(information, column);
+    covariance.insert(covariance.end(), column.begin(), column.begin() + static_cast<std::ptrdiff_t>(place.mu.size()));
+  }
+  return covariance;
+}
+
+// held(value): the form with the parameter at that value; slope(maximum): of ln L there, by the parameter.
+template <typename Held, typename Slope>
+ProfileEnds HierarchicalAnalysis::ends(double estimate, double error, const Held& held, const Slope& slope) {
+  constexpr double kOpen = 3;  // so far from the estimate, a factor of 20, an end is looked for
+  const double best = fit_.maximum.log_likelihood;
+  const auto end = [&](double side) {
+    HierarchicalPlace place = fit_.maximum.place;
+    const auto profile = [&](double value) {
+      const HierarchicalMaximum there = from_here(held(value), place);
+      place = there.place;
+      return ProfilePoint{best - there.log_likelihood, -slope(there)};
+    };
+    const double outside = estimate + side * kOpen, first = estimate + side * std::min(2 * error, kOpen / 2);
+    if (error > kOpen / 6 && profile(outside).drop < kProfileDrop) return side * kInf;
+    return profile_bound(profile, estimate, outside, first);
+  };
+  return {end(-1), end(1)};
+}
+
+const HierarchicalFit& HierarchicalAnalysis::add_intervals() {
+  const std::size_t conditions = fit_.conditions.size();
+  const std::vector<double> covariance = mean_errors();
+  for (std::size_t c = 0; c < conditions; ++c) {
+    ConditionMean& one = fit_.conditions[c];
+    const auto by = [&](const HierarchicalMaximum& there) {
+      return model_.one_mean ? std::accumulate(there.slope.mu.begin(), there.slope.mu.end(), 0.0) : there.slope.mu[c];
+    };
+    const auto held = [&](double value) {
+      HierarchicalForm form = form_;
+      if (!model_.one_mean) return form.with_mean(c, value);
+      std::fill(form.of.begin(), form.of.end(), -1);
+      std::fill(form.offset.begin(), form.offset.end(), value);
+      return form;
+    };
+    one.ends = ends(fit_.maximum.place.mu[c], std::sqrt(covariance[c * conditions + c]), held, by);
+  }
+  return fit_;
+}
+
+std::vector<ConditionDifference> HierarchicalAnalysis::differences() {
+  std::vector<ConditionDifference> differences;
+  const std::size_t conditions = fit_.conditions.size();
+  if (model_.one_mean) return differences;
+  const std::vector<double> covariance = mean_errors();
+  for (std::size_t a = 0; a < conditions; ++a)
+    for (std::size_t b = a + 1; b < conditions; ++b) {
+      ConditionDifference one{a, b, fit_.conditions[a].mu - fit_.conditions[b].mu, {}};
+      const double variance =
+          covariance[a * conditions + a] + covariance[b * conditions + b] - 2 * covariance[a * conditions + b];
+      const auto held = [&](double value) { return form_.with_difference(a, b, value); };
+      if (!std::isnan(one.difference))
+        one.ends = ends(one.difference, std::sqrt(std::max(variance, 0.0)), held,
+                        [a](const HierarchicalMaximum& there) { return there.slope.mu[a]; });
+      const double without = from_here(held(0), fit_.maximum.place).log_likelihood;
+      one.lr = std::max(0.0, 2 * (fit_.maximum.log_likelihood - without));
+      one.p = chi2_upper(one.lr, 1);
+      differences.push_back(one);
+    }
+  return differences;
+}
+
+std::vector<PersonEstimate> HierarchicalAnalysis::people() {
+  const std::size_t conditions = fit_.conditions.size();
+  std::vector<std::vector<HierarchicalCell>> cells(fit_.participants * conditions);
+  for (const HierarchicalCell& cell : cells_)
+    cells[static_cast<std::size_t>(cell.participant) * conditions + static_cast<std::size_t>(cell.condition)].push_back(
+        cell);
+  std::vector<PersonEstimate> people;
+  const std::vector<PersonPosterior> posteriors = likelihood_.posteriors(fit_.maximum.place);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    PersonEstimate& one = people.emplace_back();
+    one.mean = posteriors[i / conditions].mean[i % conditions];
+    one.sd = posteriors[i / conditions].sd[i % conditions];
+    one.status = SlopeStatus::missing;
+    if (trials_of(cells[i]) == 0) continue;
+    const PooledMaximum alone = pooled_maximum(cells[i], model_.response, model_.lapse, start_);
+    const auto at_end = [&](double ln_s) {
+      return pooled_maximum(cells[i], model_.response, model_.lapse, {ln_s, start_.criterion, 0}, true).log_likelihood;
+    };
+    one.status = status_of(alone.ln_s, alone.log_likelihood, at_end);
+    if (one.status == SlopeStatus::ok) one.alone = alone.ln_s;
+  }
+  return people;
+}
+
+}  // namespace jnd

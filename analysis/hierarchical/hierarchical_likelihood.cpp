@@ -1,0 +1,523 @@
+#include "analysis/hierarchical/hierarchical_likelihood.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <tuple>
+#include <utility>
+
+#include "analysis/numerics/normal.h"
+#include "analysis/numerics/special_values.h"
+
+namespace jnd {
+
+namespace {
+
+// A standard deviation below this is 0: ln L is even in it, and differs from its value at 0 by less than rounding.
+constexpr double kLeastSpread = 1e-5;
+// Nodes a standard deviation of the posterior apart: the error of the sum is exp(-2 pi^2), 3e-9. The integrand may end
+// where it has fallen to that share of its peak; a range is cut a little further out for the next evaluation.
+constexpr double kSpacing = 1, kLogEdge = -19.6, kLogCut = -22;
+constexpr double kFirstReach = 5, kFurthest = 8;  // standard deviations about 0 of the first range and of any
+constexpr double kFollowed = 5.9;                 // standard deviations of v
+constexpr double kGrowth = 0.4;                   // of its width, by which a range grows at an end
+constexpr double kClosest = 0.95;                 // the greatest correlation that nodes are placed for
+constexpr double kLatticeStepS = 0.2,
+                 kLatticeStepK = 0.17;  // of the least standard error of a cell: Lagrange's polynomial errs by 2e-8
+
+// Posteriors that are less like a normal distribution take more nodes for the same error.
+double fineness_of(ResponseModel model) {
+  switch (model) {
+    case ResponseModel::yes_no:
+      return 1;
+    case ResponseModel::differencing:
+      return 1.15;
+    case ResponseModel::choice:
+      return 1.35;
+  }
+  return 1;
+}
+
+HierarchicalPlace rounded(HierarchicalPlace place) {
+  for (double* spread : {&place.tu, &place.tv, &place.tw})
+    if (*spread < kLeastSpread) *spread = 0;
+  return place;
+}
+
+double dot(const double* a, const double* b, std::size_t n) {
+  double sum[4] = {0, 0, 0, 0};
+  std::size_t i = 0;
+  for (; i + 4 <= n; i += 4)
+    for (std::size_t j = 0; j < 4; ++j) sum[j] += a[i + j] * b[i + j];
+  for (; i < n; ++i) sum[0] += a[i] * b[i];
+  return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
+// out[i] = sum over the taps of weights[tap] rows[tap * stride + i].
+void combine(const double* rows, std::size_t stride, const double* weights, double* out, std::size_t n) {
+  static_assert(kInterpolationNodes == 10);
+  const double *a = rows, *b = rows + 5 * stride;
+  for (std::size_t i = 0; i < n; ++i)
+    out[i] = (weights[0] * a[i] + weights[1] * a[stride + i]) +
+             (weights[2] * a[2 * stride + i] + weights[3] * a[3 * stride + i]) +
+             (weights[4] * a[4 * stride + i] + weights[5] * b[i]) +
+             (weights[6] * b[stride + i] + weights[7] * b[2 * stride + i]) +
+             (weights[8] * b[3 * stride + i] + weights[9] * b[4 * stride + i]);
+}
+
+std::vector<double> levels_of(std::span<const HierarchicalCell> cells) {
+  std::vector<double> levels;
+  for (const HierarchicalCell& cell : cells) levels.push_back(cell.level);
+  std::sort(levels.begin(), levels.end());
+  levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
+  return levels;
+}
+
+}  // namespace
+
+HierarchicalPlace& HierarchicalPlace::operator+=(const HierarchicalPlace& other) noexcept {
+  for (std::size_t c = 0; c < mu.size(); ++c) {
+    mu[c] += other.mu[c];
+    kappa[c] += other.kappa[c];
+  }
+  tu += other.tu;
+  tv += other.tv;
+  tw += other.tw;
+  rho += other.rho;
+  return *this;
+}
+
+struct HierarchicalLikelihood::Evaluation {
+  explicit Evaluation(const HierarchicalPlace& at) : place(at), has_u(at.tu > 0), has_w(at.tw > 0) {}
+
+  const HierarchicalPlace& place;
+  bool has_u, has_w;
+  double spacing_u = 1, spacing_w = 1;
+  Rectangle all;                              // of nodes that the kernels reach
+  std::vector<LatticeKernel> over_s, over_k;  // by condition
+
+  // Of the participant at work: nodes of w by nodes of u, w outermost.
+  Rectangle box;
+  std::size_t wide = 0, high = 0;
+  std::vector<int> first_s;                // by condition: the first lattice node that is read
+  std::vector<std::vector<double>> read;   // by condition: the likelihood at the criteria of the nodes, over ln s
+  std::vector<std::vector<double>> inner;  // by condition: the integral over v
+  std::vector<double> prior, joint, adjoint, by_read;
+  std::vector<std::vector<double>> by_s, by_k;  // by condition: derivatives of ln L by the weights of the nodes
+  std::vector<double> in_u, in_w;               // joint, summed over the other direction
+  double total = 0;
+
+  struct Moments {
+    double u = 0, uu = 0, w = 0, ww = 0, uw = 0;
+  };
+  Moments moments() const noexcept;
+  double u(int node) const noexcept { return node * spacing_u; }
+  double w(int node) const noexcept { return node * spacing_w; }
+  void lay_out_prior();
+  void multiply();
+};
+
+HierarchicalLikelihood::HierarchicalLikelihood(std::span<const HierarchicalCell> cells, ResponseModel model,
+                                               double lapse, double fineness)
+    : model_(model),
+      lapse_(lapse),
+      fineness_(fineness * fineness_of(model)),
+      levels_(levels_of(cells)),
+      responses_(model, levels_, lapse, {}) {
+  std::size_t participants = 0;
+  for (const HierarchicalCell& cell : cells) {
+    participants = std::max(participants, static_cast<std::size_t>(cell.participant) + 1);
+    conditions_ = std::max(conditions_, static_cast<std::size_t>(cell.condition) + 1);
+  }
+  std::vector<std::vector<LevelAnswers>> answers(participants * conditions_);
+  for (const HierarchicalCell& cell : cells) {
+    const auto level =
+        static_cast<std::size_t>(std::lower_bound(levels_.begin(), levels_.end(), cell.level) - levels_.begin());
+    std::vector<LevelAnswers>& of =
+        answers[static_cast<std::size_t>(cell.participant) * conditions_ + static_cast<std::size_t>(cell.condition)];
+    auto known = std::find_if(of.begin(), of.end(), [level](const LevelAnswers& one) { return one.level == level; });
+    if (known == of.end()) known = of.insert(of.end(), {level, 0, 0});
+    known->positive += cell.positive;
+    known->negative += cell.negative;
+  }
+  people_.resize(participants);
+  for (std::size_t i = 0; i < answers.size(); ++i) people_[i / conditions_].cells.emplace_back(std::move(answers[i]));
+}
+
+// The least standard errors that a cell of as many trials could have about the place: how fine a lattice must be.
+void HierarchicalLikelihood::look_how_narrow(const HierarchicalPlace& place) {
+  double most_s = 0, most_k = 0;
+  for (std::size_t c = 0; c < conditions_; ++c) {
+    std::vector<LevelTrials> design;  // the most that anybody has
+    for (const double level : levels_) design.push_back({level, 0});
+    for (const Person& person : people_)
+      for (const LevelAnswers& one : person.cells[c].answers())
+        design[one.level].trials = std::max(design[one.level].trials, one.positive + one.negative);
+    const double unit = model_ == ResponseModel::choice ? std::exp(place.mu[c]) : 1;
+    for (const double s : {-1.0, -0.5, 0.0, 0.5, 1.0})
+      for (const double k : {-0.8, 0.0, 0.8}) {
+        const CellInformation told =
+            expected_information(model_, design, place.mu[c] + s, place.kappa[c] + k * unit, lapse_);
+        most_s = std::max(most_s, told.s);
+        most_k = std::max(most_k, told.k);
+      }
+  }
+  narrowest_ = 1 / std::sqrt(most_s);
+  finest_.ln_s = kLatticeStepS * narrowest_ / fineness_;
+  finest_.criterion = kLatticeStepK / std::sqrt(most_k) / fineness_;
+}
+
+// Where the normal density of v is wide, the lattice of ln s may be coarser.
+void HierarchicalLikelihood::choose_lattice(const HierarchicalPlace& place) {
+  if (finest_.ln_s == 0) look_how_narrow(place);
+  constexpr double kTooFine = 1.6;  // times: then the lattice is laid out anew
+  const double product = place.tv * narrowest_ / std::hypot(place.tv, narrowest_);  // the width of both together
+  const double step = finest_.ln_s * std::max(1.0, std::floor(product / (finest_.ln_s * fineness_)));
+  const double now = responses_.steps().ln_s;
+  if (now > 0 && step >= now && step <= kTooFine * now) return;
+  responses_ = ResponseLattice(model_, levels_, lapse_, {step, finest_.criterion});
+  for (Person& person : people_)
+    for (CellLikelihood& cell : person.cells) cell.forget();
+}
+
+// Where nodes are first put: the posterior that the expected information at the place promises.
+void HierarchicalLikelihood::look_around(const HierarchicalPlace& place) {
+  constexpr double kCertain = 1e12;
+  const double reach = kFirstReach * std::min(fineness_, 1.0);
+  looked_ = true;
+  looked_u_ = place.tu > 0;
+  looked_w_ = place.tw > 0;
+  const std::vector<CellInformation> information = cell_information(place);
+  for (std::size_t i = 0; i < people_.size(); ++i) {
+    Person& person = people_[i];
+    const double prior_s = place.tu > 0 ? 1 / (place.tu * place.tu) : kCertain;
+    const double prior_k = place.tw > 0 ? 1 / (place.tw * place.tw) : kCertain;
+    double in_s = prior_s, in_k = prior_k, in_both = 0;
+    for (std::size_t c = 0; c < conditions_; ++c) {
+      const CellInformation& one = information[i * conditions_ + c];
+      in_s += one.s;
+      in_k += one.k;
+      in_both += one.both;
+    }
+    const double determinant = std::max(in_s * in_k - in_both * in_both, 1e-9 * in_s * in_k);
+    person.information_u = std::max(0.0, determinant / in_k - prior_s);
+    person.information_w = std::max(0.0, determinant / in_s - prior_k);
+    person.correlation = -in_both / std::sqrt(in_s * in_k);
+    person.u = {-reach * place.tu, reach * place.tu};
+    person.w = {-reach * place.tw, reach * place.tw};
+  }
+}
+
+std::vector<CellInformation> HierarchicalLikelihood::cell_information(const HierarchicalPlace& place) const {
+  std::vector<CellInformation> information;
+  std::vector<LevelTrials> design;
+  for (const Person& person : people_)
+    for (std::size_t c = 0; c < conditions_; ++c) {
+      design.clear();
+      for (const LevelAnswers& one : person.cells[c].answers())
+        design.push_back({levels_[one.level], one.positive + one.negative});
+      information.push_back(expected_information(model_, design, place.mu[c], place.kappa[c], lapse_));
+    }
+  return information;
+}
+
+HierarchicalLikelihood::Rectangle HierarchicalLikelihood::rectangle_of(const Person& person,
+                                                                       const Evaluation& evaluation) const {
+  // Beyond so many standard deviations of the prior nothing is left, however wide the range was under another one, or
+  // wherever it lay.
+  const auto nodes = [](const Range& range, double prior, double spacing) {
+    const double furthest = kFurthest * prior;
+    const bool elsewhere = range.low >= furthest || range.high <= -furthest;
+    const double low = elsewhere ? -furthest : std::max(range.low, -furthest),
+                 high = elsewhere ? furthest : std::min(range.high, furthest);
+    return std::pair{static_cast<int>(std::floor(low / spacing)), static_cast<int>(std::ceil(high / spacing))};
+  };
+  Rectangle box;
+  if (evaluation.has_u) std::tie(box.u0, box.u1) = nodes(person.u, evaluation.place.tu, evaluation.spacing_u);
+  if (evaluation.has_w) std::tie(box.w0, box.w1) = nodes(person.w, evaluation.place.tw, evaluation.spacing_w);
+  return box;
+}
+
+void HierarchicalLikelihood::Evaluation::lay_out_prior() {
+  prior.resize(wide * high);
+  const double spare = 1 - place.rho * place.rho;
+  double scale = 1 / std::sqrt(spare);
+  if (has_u) scale *= spacing_u / place.tu / std::sqrt(2 * std::numbers::pi);
+  if (has_w) scale *= spacing_w / place.tw / std::sqrt(2 * std::numbers::pi);
+  for (std::size_t j = 0; j < high; ++j)
+    for (std::size_t i = 0; i < wide; ++i) {
+      const double a = has_u ? u(box.u0 + static_cast<int>(i)) / place.tu : 0;
+      const double b = has_w ? w(box.w0 + static_cast<int>(j)) / place.tw : 0;
+      prior[j * wide + i] = scale * std::exp(-(a * a - 2 * place.rho * a * b + b * b) / (2 * spare));
+    }
+}
+
+void HierarchicalLikelihood::Evaluation::multiply() {
+  joint = prior;
+  for (const std::vector<double>& one : inner)
+    for (std::size_t i = 0; i < joint.size(); ++i) joint[i] *= one[i];
+  in_u.assign(wide, 0);
+  in_w.assign(high, 0);
+  total = 0;
+  for (std::size_t j = 0; j < high; ++j)
+    for (std::size_t i = 0; i < wide; ++i) {
+      const double one = joint[j * wide + i];
+      total += one;
+      in_u[i] += std::abs(one);  // interpolation may fall below 0 where there is next to nothing
+      in_w[j] += std::abs(one);
+    }
+}
+
+HierarchicalLikelihood::Evaluation::Moments HierarchicalLikelihood::Evaluation::moments() const noexcept {
+  Moments mean;
+  for (std::size_t j = 0; j < high; ++j)
+    for (std::size_t i = 0; i < wide; ++i) {
+      const double share = joint[j * wide + i] / total;
+      const double x = u(box.u0 + static_cast<int>(i)), y = w(box.w0 + static_cast<int>(j));
+      mean.u += share * x;
+      mean.uu += share * x * x;
+      mean.w += share * y;
+      mean.ww += share * y * y;
+      mean.uw += share * x * y;
+    }
+  return mean;
+}
+
+// Forwards: from the lattices to the integral of one participant.
+void HierarchicalLikelihood::integrate(Person& person, Evaluation& at) {
+  at.box = rectangle_of(person, at);
+  at.wide = static_cast<std::size_t>(at.box.u1 - at.box.u0 + 1);
+  at.high = static_cast<std::size_t>(at.box.w1 - at.box.w0 + 1);
+  for (std::size_t c = 0; c < conditions_; ++c) {
+    const LatticeKernel &over_s = at.over_s[c], &over_k = at.over_k[c];
+    CellLikelihood& cell = person.cells[c];
+    const LatticeRange needed = {over_s.start(at.box.u0), over_s.start(at.box.u1) + static_cast<int>(over_s.taps()) - 1,
+                                 over_k.start(at.box.w0),
+                                 over_k.start(at.box.w1) + static_cast<int>(over_k.taps()) - 1};
+    cell.cover(needed, responses_);
+    at.first_s[c] = needed.s0;
+    const std::size_t nodes = needed.wide(), stride = cell.range().wide();
+    at.read[c].resize(nodes * at.high);
+    at.inner[c].resize(at.wide * at.high);
+    for (std::size_t j = 0; j < at.high; ++j) {
+      const int w = at.box.w0 + static_cast<int>(j);
+      double* read = &at.read[c][j * nodes];
+      combine(cell.at(needed.s0, over_k.start(w)), stride, over_k.weights(w), read, nodes);
+      for (std::size_t i = 0; i < at.wide; ++i) {
+        const int u = at.box.u0 + static_cast<int>(i);
+        at.inner[c][j * at.wide + i] = dot(over_s.weights(u), read + (over_s.start(u) - needed.s0), over_s.taps());
+      }
+    }
+  }
+  at.lay_out_prior();
+  at.multiply();
+}
+
+// Whether the integrand goes on beyond the nodes: then the participant's ranges grow.
+bool HierarchicalLikelihood::grown(Person& person, const Evaluation& at) const {
+  bool grew = false;
+  const auto look = [this, &grew](const std::vector<double>& margin, Range& range, double prior) {
+    const double edge = std::exp(kLogEdge * fineness_ * fineness_) * *std::max_element(margin.begin(), margin.end());
+    const double more = kGrowth * (range.high - range.low), furthest = kFurthest * prior;
+    const bool below = margin.front() > edge && range.low > -furthest,
+               above = margin.back() > edge && range.high < furthest;
+    if (below) range.low -= more;
+    if (above) range.high += more;
+    grew = grew || below || above;
+  };
+  if (at.has_u) look(at.in_u, person.u, at.place.tu);
+  if (at.has_w) look(at.in_w, person.w, at.place.tw);
+  return grew;
+}
+
+void HierarchicalLikelihood::remember(Person& person, const Evaluation& at) const {
+  const double share = std::exp(kLogCut * fineness_ * fineness_);
+  const auto cut = [share](const std::vector<double>& margin, int first, double spacing, Range& range) {
+    const double edge = share * *std::max_element(margin.begin(), margin.end());
+    const auto large = [edge](double value) { return value >= edge; };
+    const auto from = std::find_if(margin.begin(), margin.end(), large) - margin.begin();
+    const auto to = margin.rend() - std::find_if(margin.rbegin(), margin.rend(), large) - 1;
+    // A little beyond the last node that is too small to count.
+    range = {(first + static_cast<double>(from) - 1.3) * spacing, (first + static_cast<double>(to) + 1.3) * spacing};
+  };
+  const Evaluation::Moments mean = at.moments();
+  if (at.has_u) cut(at.in_u, at.box.u0, at.spacing_u, person.u);
+  if (at.has_w) cut(at.in_w, at.box.w0, at.spacing_w, person.w);
+  // What the answers tell, which stays the same under another prior. Of a prior so narrow that they tell nothing beside
+  // it, what was known before is better.
+  constexpr double kTelling = 0.9;
+  const double var_u = mean.uu - mean.u * mean.u, var_w = mean.ww - mean.w * mean.w;
+  const auto learn = [](double variance, double prior, double& information) {
+    if (variance > 0 && variance < kTelling * prior * prior) information = 1 / variance - 1 / (prior * prior);
+  };
+  learn(var_u, at.place.tu, person.information_u);
+  learn(var_w, at.place.tw, person.information_w);
+  person.correlation = var_u > 0 && var_w > 0 ? (mean.uw - mean.u * mean.w) / std::sqrt(var_u * var_w) : 0;
+}
+
+// Backwards: from the integral to the derivatives of its logarithm by the weights of the kernels.
+void HierarchicalLikelihood::go_back(const Person& person, Evaluation& at) const {
+  for (std::size_t c = 0; c < conditions_; ++c) {
+    at.adjoint = at.prior;
+    for (std::size_t other = 0; other < conditions_; ++other)
+      if (other != c)
+        for (std::size_t i = 0; i < at.adjoint.size(); ++i) at.adjoint[i] *= at.inner[other][i];
+    for (double& one : at.adjoint) one /= at.total;
+    const LatticeKernel &over_s = at.over_s[c], &over_k = at.over_k[c];
+    const CellLikelihood& cell = person.cells[c];
+    const std::size_t nodes = at.read[c].size() / at.high, stride = cell.range().wide(), taps = over_s.taps();
+    at.by_s[c].assign(at.wide * taps, 0);
+    at.by_k[c].assign(at.high * over_k.taps(), 0);
+    for (std::size_t j = 0; j < at.high; ++j) {
+      at.by_read.assign(nodes, 0);
+      for (std::size_t i = 0; i < at.wide; ++i) {
+        const int u = at.box.u0 + static_cast<int>(i);
+        const auto from = static_cast<std::size_t>(over_s.start(u) - at.first_s[c]);
+        const double *weights = over_s.weights(u), *read = &at.read[c][j * nodes + from];
+        const double by_inner = at.adjoint[j * at.wide + i];
+        double *by_weight = &at.by_s[c][i * taps], *by_read = &at.by_read[from];
+        for (std::size_t tap = 0; tap < taps; ++tap) by_weight[tap] += by_inner * read[tap];
+        for (std::size_t tap = 0; tap < taps; ++tap) by_read[tap] += by_inner * weights[tap];
+      }
+      const int w = at.box.w0 + static_cast<int>(j);
+      const double* row = cell.at(at.first_s[c], over_k.start(w));
+      double* by_weight = &at.by_k[c][j * over_k.taps()];
+      for (std::size_t tap = 0; tap < over_k.taps(); ++tap)
+        by_weight[tap] += dot(at.by_read.data(), row + tap * stride, nodes);
+    }
+  }
+}
+
+// The kernels for everybody's nodes, and some beside them.
+HierarchicalLikelihood::Evaluation HierarchicalLikelihood::prepared(const HierarchicalPlace& place) const {
+  Evaluation at(place);
+  double sd_u = place.tu, sd_w = place.tw, correlation = std::abs(place.rho);
+  for (const Person& person : people_) {
+    sd_u = std::min(sd_u, 1 / std::sqrt(1 / (place.tu * place.tu) + person.information_u));
+    sd_w = std::min(sd_w, 1 / std::sqrt(1 / (place.tw * place.tw) + person.information_w));
+    correlation = std::max(correlation, std::abs(person.correlation));
+  }
+  // Of correlated directions the sum errs with exp(-2 pi^2 (2 - 2 r)) too.
+  const double spacing = kSpacing * std::sqrt(std::min(1.0, 2 - 2 * std::min(correlation, kClosest))) / fineness_;
+  if (at.has_u) at.spacing_u = spacing * sd_u;
+  if (at.has_w) at.spacing_w = spacing * sd_w;
+  for (const Person& person : people_) {
+    const Rectangle box = rectangle_of(person, at);
+    at.all = {std::min(at.all.u0, box.u0), std::max(at.all.u1, box.u1), std::min(at.all.w0, box.w0),
+              std::max(at.all.w1, box.w1)};
+  }
+  const int more_u = at.has_u ? (at.all.u1 - at.all.u0) / 4 + 2 : 0,
+            more_w = at.has_w ? (at.all.w1 - at.all.w0) / 4 + 2 : 0;
+  at.all = {at.all.u0 - more_u, at.all.u1 + more_u, at.all.w0 - more_w, at.all.w1 + more_w};
+  for (std::size_t c = 0; c < conditions_; ++c) {
+    at.over_s.emplace_back(place.mu[c], at.spacing_u, at.all.u0, at.all.u1, place.tv, responses_.steps().ln_s,
+                           kFollowed * std::min(fineness_, 1.0));
+    at.over_k.emplace_back(place.kappa[c], at.spacing_w, at.all.w0, at.all.w1, 0, responses_.steps().criterion, 0);
+  }
+  at.by_s.resize(conditions_);
+  at.by_k.resize(conditions_);
+  at.first_s.resize(conditions_);
+  at.read.resize(conditions_);
+  at.inner.resize(conditions_);
+  return at;
+}
+
+// The integral of one participant over a range that holds all of it. False: the kernels do not reach so far.
+bool HierarchicalLikelihood::settled(Person& person, Evaluation& at) {
+  do {
+    const Rectangle box = rectangle_of(person, at);
+    if (box.u0 < at.all.u0 || box.u1 > at.all.u1 || box.w0 < at.all.w0 || box.w1 > at.all.w1) return false;
+    integrate(person, at);
+  } while (grown(person, at));
+  return true;
+}
+
+double HierarchicalLikelihood::log_of(const Person& person, const Evaluation& at) const {
+  if (!(at.total > 0)) return -kInf;  // a place so far from the answers that nothing is left of them
+  double value = std::log(at.total);
+  for (const CellLikelihood& cell : person.cells) value += cell.log_scale();
+  return value;
+}
+
+HierarchicalPlace HierarchicalLikelihood::slope_of(const Evaluation& at) const {
+  HierarchicalPlace slope;
+  for (std::size_t c = 0; c < conditions_; ++c) {
+    const LatticeKernel::Slopes slopes = at.over_s[c].slopes(at.box.u0, at.by_s[c]);
+    slope.mu.push_back(slopes.by_centre);
+    slope.tv += slopes.by_spread;
+    slope.kappa.push_back(at.over_k[c].slopes(at.box.w0, at.by_k[c]).by_centre);
+  }
+  const HierarchicalPlace& place = at.place;
+  const Evaluation::Moments mean = at.moments();
+  const double spare = 1 - place.rho * place.rho;
+  const double aa = at.has_u ? mean.uu / (place.tu * place.tu) : 1, bb = at.has_w ? mean.ww / (place.tw * place.tw) : 1;
+  const double ab = at.has_u && at.has_w ? mean.uw / (place.tu * place.tw) : place.rho;
+  if (at.has_u) slope.tu = ((aa - place.rho * ab) / spare - 1) / place.tu;
+  if (at.has_w) slope.tw = ((bb - place.rho * ab) / spare - 1) / place.tw;
+  slope.rho = (place.rho * spare + ab * (1 + place.rho * place.rho) - place.rho * (aa + bb)) / (spare * spare);
+  return slope;
+}
+
+// Everybody's integrals, each handed to `each` while it stands in the evaluation.
+template <typename Each>
+void HierarchicalLikelihood::through_everybody(const HierarchicalPlace& place, Each&& each) {
+  choose_lattice(place);
+  if ((place.tu > 0 && !looked_u_) || (place.tw > 0 && !looked_w_) || !looked_) look_around(place);
+  for (;;) {
+    Evaluation at = prepared(place);
+    std::size_t done = 0;
+    for (; done < people_.size() && settled(people_[done], at); ++done) {
+      go_back(people_[done], at);
+      each(done, at);
+      remember(people_[done], at);
+    }
+    if (done == people_.size()) return;
+  }
+}
+
+HierarchicalLikelihood::Value HierarchicalLikelihood::at(const HierarchicalPlace& given) {
+  const HierarchicalPlace place = rounded(given);
+  std::vector<double> values(people_.size());
+  std::vector<HierarchicalPlace> slopes(people_.size());
+  through_everybody(place, [&](std::size_t i, const Evaluation& at) {
+    values[i] = log_of(people_[i], at);
+    slopes[i] = slope_of(at);
+  });
+  Value value;
+  value.slope.mu.assign(conditions_, 0);
+  value.slope.kappa.assign(conditions_, 0);
+  for (std::size_t i = 0; i < people_.size(); ++i) {
+    value.log_likelihood += values[i];
+    if (std::isfinite(values[i])) value.slope += slopes[i];
+  }
+  return value;
+}
+
+std::vector<PersonPosterior> HierarchicalLikelihood::posteriors(const HierarchicalPlace& given) {
+  const HierarchicalPlace place = rounded(given);
+  std::vector<PersonPosterior> posteriors(people_.size());
+  through_everybody(place, [&](std::size_t person, const Evaluation& at) {
+    PersonPosterior& posterior = posteriors[person];
+    posterior = {};
+    posterior.criterion_shift = at.moments().w;
+    for (std::size_t c = 0; c < conditions_; ++c) {
+      // A weight times the derivative by it is the posterior probability of its node.
+      const LatticeKernel& over_s = at.over_s[c];
+      double mean = 0, square = 0;
+      for (int u = at.box.u0; u <= at.box.u1; ++u)
+        for (std::size_t tap = 0; tap < over_s.taps(); ++tap) {
+          const double share =
+              over_s.weights(u)[tap] * at.by_s[c][static_cast<std::size_t>(u - at.box.u0) * over_s.taps() + tap];
+          const double ln_s = (over_s.start(u) + static_cast<int>(tap)) * responses_.steps().ln_s;
+          mean += share * ln_s;
+          square += share * ln_s * ln_s;
+        }
+      posterior.mean.push_back(mean);
+      posterior.sd.push_back(std::sqrt(std::max(0.0, square - mean * mean)));
+    }
+  });
+  return posteriors;
+}
+
+}  // namespace jnd

@@ -1,0 +1,113 @@
+// The marginal likelihood of one model of everybody's answers, with its derivatives.
+//
+//   P(positive) = l/2 + (1 - l) F(level, s_pc, k_pc)       F: response_lattice.h
+//   ln s_pc = mu_c + u_p + v_pc,   k_pc = kappa_c + w_p
+//   u ~ N(0, tu^2), w ~ N(0, tw^2) with correlation rho, v ~ N(0, tv^2), independent over participants and conditions
+//
+// ln L is the sum over participants of ln of the integral over u, w of the product over conditions of the integral over
+// v of the likelihood of the answers: exact, in Bernoulli form (without binomial coefficients).
+//
+// How: the answers of a participant in a condition have a likelihood that depends on (ln s, k) alone and not on the
+// parameters. It is laid out on a lattice once. What is integrated over u and w is summed over a rectangle of equally
+// spaced nodes about the participant's own posterior (trapezoid rule: for what falls off like a normal density its error
+// falls with exp(-2 pi^2 (sd/spacing)^2)); at every node the integral over v is a weighted sum of lattice nodes
+// (lattice_kernel.h). The derivatives by all weights come from one pass backwards, and give those by all parameters.
+//
+// Source: Pinheiro and Bates 1995, J Comput Graph Stat 4:12 (adaptive quadrature about the posterior); Trefethen and
+// Weideman 2014, SIAM Review 56:385 (the trapezoid rule). Tests: glmer of lme4 with 25 nodes and two independent
+// implementations, analysis/selftest.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "analysis/hierarchical/lattice_kernel.h"
+#include "analysis/hierarchical/response_lattice.h"
+
+namespace jnd {
+
+// The answers of one participant in one condition at one level; those of the same three are added up.
+struct HierarchicalCell {
+  int participant = 0, condition = 0;  // from 0, without gaps
+  double level = 0;
+  double positive = 0, negative = 0;
+};
+
+// One value of every parameter.
+struct HierarchicalPlace {
+  std::vector<double> mu, kappa;  // of each condition
+  double tu = 0, tv = 0, tw = 0;  // >= 0
+  double rho = 0;                 // -1 < rho < 1
+
+  HierarchicalPlace& operator+=(const HierarchicalPlace& other) noexcept;  // of as many conditions
+};
+
+// Of ln s of one participant in each condition, given the answers of all conditions.
+struct PersonPosterior {
+  std::vector<double> mean, sd;
+  double criterion_shift = 0;  // mean of w
+};
+
+class HierarchicalLikelihood {
+ public:
+  // fineness > 1: more nodes everywhere, to check the integrals.
+  HierarchicalLikelihood(std::span<const HierarchicalCell> cells, ResponseModel model, double lapse,
+                         double fineness = 1);
+
+  struct Value {
+    double log_likelihood = 0;  // -inf, with the slopes of the others, where somebody's underflows
+    HierarchicalPlace slope;    // its derivatives; by tu, tv, tw: 0 at 0, where ln L is even
+  };
+  Value at(const HierarchicalPlace& place);
+  std::vector<PersonPosterior> posteriors(const HierarchicalPlace& place);
+
+  // The expected information of every cell's answers there, by participant and condition.
+  std::vector<CellInformation> cell_information(const HierarchicalPlace& place) const;
+
+  std::size_t participants() const noexcept { return people_.size(); }
+  std::size_t conditions() const noexcept { return conditions_; }
+
+ private:
+  struct Range {
+    double low = 0, high = 0;
+  };
+  // What the last evaluation found of a participant: where the nodes go next time.
+  struct Person {
+    std::vector<CellLikelihood> cells;  // by condition
+    Range u, w;
+    double information_u = 0, information_w = 0;  // of the answers, about each alone
+    double correlation = 0;                       // of u and w in the posterior
+  };
+  struct Rectangle {
+    int u0 = 0, u1 = 0, w0 = 0, w1 = 0;
+  };
+  struct Evaluation;
+
+  void look_how_narrow(const HierarchicalPlace& place);
+  void choose_lattice(const HierarchicalPlace& place);
+  void look_around(const HierarchicalPlace& place);
+  Evaluation prepared(const HierarchicalPlace& place) const;
+  template <typename Each>
+  void through_everybody(const HierarchicalPlace& place, Each&& each);
+  Rectangle rectangle_of(const Person& person, const Evaluation& at) const;
+  bool settled(Person& person, Evaluation& at);
+  void integrate(Person& person, Evaluation& at);
+  bool grown(Person& person, const Evaluation& at) const;
+  void go_back(const Person& person, Evaluation& at) const;
+  double log_of(const Person& person, const Evaluation& at) const;
+  HierarchicalPlace slope_of(const Evaluation& at) const;
+  void remember(Person& person, const Evaluation& at) const;
+
+  ResponseModel model_;
+  double lapse_, fineness_;
+  std::size_t conditions_ = 0;
+  std::vector<double> levels_;
+  double narrowest_ = 0;  // the least standard error that a cell's answers could have of ln s
+  LatticeSteps finest_;
+  ResponseLattice responses_;
+  std::vector<Person> people_;
+  bool looked_ = false, looked_u_ = false, looked_w_ = false;
+};
+
+}  // namespace jnd

@@ -1,0 +1,306 @@
+#include "analysis/hierarchical/hierarchical_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <numeric>
+
+#include "analysis/hierarchical/hierarchical_information.h"
+#include "analysis/numerics/box_newton.h"
+
+namespace jnd {
+
+namespace {
+
+// How far a search goes from its start: a factor of 50 in ln s, criteria of 6, spreads of 2.
+constexpr double kFurthestMean = 4, kFurthestCriterion = 6, kLargestSpread = 2, kLargestCorrelation = 0.995;
+// The smallest spread of a search. ln L is smooth in the square of a spread, which is what is searched, and differs
+// between 0 and here by next to nothing, but only beyond 0 does it have a slope in that square.
+constexpr double kSmallestSpread = 1e-3;
+constexpr double kGoodStart = 1e-6;  // ln L of the pooled answers
+constexpr double kRidge = 1e-3;      // least curvature of every variable
+
+// Places as vectors of what is free, and back. Spreads enter squared.
+class Variables {
+ public:
+  Variables(const HierarchicalForm& form, const HierarchicalPlace& start, double unit)
+      : form_(form), start_(start), unit_(unit), conditions_(form.of.size()) {
+    for (const int one : form.of) means_ = std::max(means_, static_cast<std::size_t>(one + 1));
+  }
+
+  std::size_t count() const noexcept {
+    return means_ + conditions_ + static_cast<std::size_t>(form_.tu + form_.tv + form_.tw + form_.rho);
+  }
+
+  std::vector<double> from(const HierarchicalPlace& place) const {
+    std::vector<double> x(means_, 0);
+    std::vector<int> bound(means_, 0);
+    for (std::size_t c = 0; c < conditions_; ++c)
+      if (form_.of[c] >= 0) {
+        x[static_cast<std::size_t>(form_.of[c])] += place.mu[c] - form_.offset[c];
+        ++bound[static_cast<std::size_t>(form_.of[c])];
+      }
+    for (std::size_t i = 0; i < means_; ++i) x[i] /= bound[i];
+    for (const double kappa : place.kappa) x.push_back(kappa / unit_);
+    const auto spread = [&x](double one) {
+      x.push_back(std::max(one, kSmallestSpread) * std::max(one, kSmallestSpread));
+    };
+    if (form_.tu) spread(place.tu);
+    if (form_.tv) spread(place.tv);
+    if (form_.tw) spread(place.tw / unit_);
+    if (form_.rho) x.push_back(place.rho);
+    return x;
+  }
+
+  HierarchicalPlace to(const std::vector<double>& x) const {
+    HierarchicalPlace place = start_;
+    for (std::size_t c = 0; c < conditions_; ++c)
+      place.mu[c] = form_.offset[c] + (form_.of[c] < 0 ? 0 : x[static_cast<std::size_t>(form_.of[c])]);
+    std::size_t i = means_;
+    for (double& kappa : place.kappa) kappa = x[i++] * unit_;
+    if (form_.tu) place.tu = std::sqrt(x[i++]);
+    if (form_.tv) place.tv = std::sqrt(x[i++]);
+    if (form_.tw) place.tw = std::sqrt(x[i++]) * unit_;
+    if (form_.rho) place.rho = x[i++];
+    return place;
+  }
+
+  std::vector<double> slope(const HierarchicalPlace& by, const HierarchicalPlace& at) const {
+    std::vector<double> slope(means_, 0);
+    for (std::size_t c = 0; c < conditions_; ++c)
+      if (form_.of[c] >= 0) slope[static_cast<std::size_t>(form_.of[c])] += by.mu[c];
+    for (const double kappa : by.kappa) slope.push_back(kappa * unit_);
+    if (form_.tu) slope.push_back(by.tu / (2 * at.tu));
+    if (form_.tv) slope.push_back(by.tv / (2 * at.tv));
+    if (form_.tw) slope.push_back(by.tw * unit_ * unit_ / (2 * at.tw));
+    if (form_.rho) slope.push_back(by.rho);
+    return slope;
+  }
+
+  // Of a matrix over all parameters (hierarchical_information.h) what concerns the free ones.
+  std::vector<double> curvature(const std::vector<double>& full) const {
+    const std::size_t all = 2 * conditions_ + 4, n = count();
+    std::vector<int> to(all, -1);
+    std::vector<double> scale(all, 1);
+    for (std::size_t c = 0; c < conditions_; ++c) {
+      to[c] = form_.of[c];
+      to[conditions_ + c] = static_cast<int>(means_ + c);
+      scale[conditions_ + c] = unit_;
+    }
+    int next = static_cast<int>(means_ + conditions_);
+    if (form_.tu) to[2 * conditions_] = next++;
+    if (form_.tv) to[2 * conditions_ + 1] = next++;
+    if (form_.tw) to[2 * conditions_ + 2] = next++;
+    if (form_.rho) to[2 * conditions_ + 3] = next++;
+    scale[2 * conditions_ + 2] = unit_ * unit_;
+    std::vector<double> out(n * n, 0);
+    for (std::size_t i = 0; i < all; ++i)
+      for (std::size_t j = 0; j < all; ++j)
+        if (to[i] >= 0 && to[j] >= 0)
+          out[static_cast<std::size_t>(to[i]) * n + static_cast<std::size_t>(to[j])] +=
+              scale[i] * scale[j] * full[i * all + j];
+    for (std::size_t i = 0; i < n; ++i) out[i * n + i] += kRidge;
+    return out;
+  }
+
+  NewtonBox box(const std::vector<double>& x) const {
+    NewtonBox box;
+    const auto add = [&](double low, double high) {
+      const double at = x[box.lower.size()];
+      box.lower.push_back(std::min(at, low));
+      box.upper.push_back(std::max(at, high));
+    };
+    const auto about = [&](double reach) { add(x[box.lower.size()] - reach, x[box.lower.size()] + reach); };
+    for (std::size_t i = 0; i < means_; ++i)
+      add(std::max(form_.lowest, x[i] - kFurthestMean), std::min(form_.highest, x[i] + kFurthestMean));
+    for (std::size_t c = 0; c < conditions_; ++c) about(kFurthestCriterion);
+    for (int i = 0; i < form_.tu + form_.tv + form_.tw; ++i)
+      add(kSmallestSpread * kSmallestSpread, kLargestSpread * kLargestSpread);
+    if (form_.rho) add(-kLargestCorrelation, kLargestCorrelation);
+    return box;
+  }
+
+  // A spread that the search left as small as it may be is 0.
+  HierarchicalPlace settled(HierarchicalPlace place) const {
+    constexpr double kAtBound = 1.001 * kSmallestSpread;
+    if (form_.tu && place.tu < kAtBound) place.tu = 0;
+    if (form_.tv && place.tv < kAtBound) place.tv = 0;
+    if (form_.tw && place.tw / unit_ < kAtBound) place.tw = 0;
+    return place;
+  }
+
+ private:
+  const HierarchicalForm& form_;
+  const HierarchicalPlace& start_;
+  double unit_;
+  std::size_t conditions_, means_ = 0;
+};
+
+// What maximise_in_box asks for. The curvature begins as that of a linear mixed model and is corrected by every step
+// (Broyden, Fletcher, Goldfarb and Shanno; Nocedal and Wright 2006, equation 6.19).
+class SearchedLikelihood {
+ public:
+  SearchedLikelihood(HierarchicalLikelihood& likelihood, const Variables& variables)
+      : likelihood_(likelihood), variables_(variables) {}
+
+  double value(const std::vector<double>& x) const {
+    ++evaluations_;
+    return likelihood_.at(variables_.to(x)).log_likelihood;
+  }
+
+  void derivatives(const std::vector<double>& x, NewtonDerivatives& at) const {
+    ++evaluations_;
+    const HierarchicalPlace place = variables_.to(x);
+    const HierarchicalLikelihood::Value value = likelihood_.at(place);
+    at.value = value.log_likelihood;
+    at.gradient = variables_.slope(value.slope, place);
+    if (curvature_.empty())
+      curvature_ = variables_.curvature(marginal_information(likelihood_.cell_information(place), place));
+    else
+      correct(x, at.gradient);
+    before_ = x;
+    slope_before_ = at.gradient;
+    at.curvature = at.expected = curvature_;
+  }
+
+  int evaluations() const noexcept { return evaluations_; }
+
+ private:
+  void correct(const std::vector<double>& x, const std::vector<double>& gradient) const {
+    const std::size_t n = x.size();
+    std::vector<double> step(n), fall(n), predicted(n, 0);
+    double along = 0, expected = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      step[i] = x[i] - before_[i];
+      fall[i] = slope_before_[i] - gradient[i];
+      along += step[i] * fall[i];
+    }
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; j < n; ++j) predicted[i] += curvature_[i * n + j] * step[j];
+    for (std::size_t i = 0; i < n; ++i) expected += step[i] * predicted[i];
+    constexpr double kLeastFall = 1e-3;  // of what was expected: else the curvature would not stay positive
+    if (!(expected > 0) || along < kLeastFall * expected) return;
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; j < n; ++j)
+        curvature_[i * n + j] += fall[i] * fall[j] / along - predicted[i] * predicted[j] / expected;
+  }
+
+  HierarchicalLikelihood& likelihood_;
+  const Variables& variables_;
+  mutable int evaluations_ = 0;
+  mutable std::vector<double> curvature_, before_, slope_before_;
+};
+
+// The likelihood of answers with one ln s and one criterion, this in `unit`.
+class PooledAnswers {
+ public:
+  PooledAnswers(std::span<const HierarchicalCell> cells, ResponseModel model, double lapse, double unit)
+      : cells_(cells), model_(model), lapse_(lapse), unit_(unit) {
+    for (const HierarchicalCell& cell : cells) design_.push_back({cell.level, cell.positive + cell.negative});
+  }
+
+  double value(const std::vector<double>& x) const {
+    double value = 0;
+    for (const HierarchicalCell& cell : cells_) {
+      const LogRates rates = log_rates(model_, cell.level, x[0], x[1] * unit_, lapse_);
+      value += cell.positive * rates.positive + cell.negative * rates.negative;
+    }
+    return value;
+  }
+
+  void derivatives(const std::vector<double>& x, NewtonDerivatives& at) const {
+    constexpr double kNudge = 1e-5;
+    at.value = value(x);
+    at.gradient = {(value({x[0] + kNudge, x[1]}) - value({x[0] - kNudge, x[1]})) / (2 * kNudge),
+                   (value({x[0], x[1] + kNudge}) - value({x[0], x[1] - kNudge})) / (2 * kNudge)};
+    const CellInformation told = expected_information(model_, design_, x[0], x[1] * unit_, lapse_);
+    at.curvature =
+        at.expected = {told.s + kRidge, told.both * unit_, told.both * unit_, told.k * unit_ * unit_ + kRidge};
+  }
+
+ private:
+  std::span<const HierarchicalCell> cells_;
+  ResponseModel model_;
+  double lapse_, unit_;
+  std::vector<LevelTrials> design_;
+};
+
+}  // namespace
+
+HierarchicalForm HierarchicalForm::separate(std::size_t conditions) {
+  HierarchicalForm form;
+  form.of.resize(conditions);
+  std::iota(form.of.begin(), form.of.end(), 0);
+  form.offset.assign(conditions, 0);
+  return form;
+}
+
+HierarchicalForm HierarchicalForm::common(std::size_t conditions) {
+  HierarchicalForm form;
+  form.of.assign(conditions, 0);
+  form.offset.assign(conditions, 0);
+  return form;
+}
+
+HierarchicalForm HierarchicalForm::with_mean(std::size_t condition, double mean) const {
+  HierarchicalForm form = *this;
+  form.of[condition] = -1;
+  form.offset[condition] = mean;
+  for (std::size_t c = condition + 1; c < of.size(); ++c) --form.of[c];
+  return form;
+}
+
+HierarchicalForm HierarchicalForm::with_difference(std::size_t a, std::size_t b, double difference) const {
+  HierarchicalForm form = *this;
+  form.of[a] = form.of[b];
+  form.offset[a] = difference;
+  for (int& one : form.of)
+    if (one > of[a]) --one;
+  return form;
+}
+
+HierarchicalPlace moved(const HierarchicalForm& form, const HierarchicalPlace& place) {
+  const Variables variables(form, place, 1);
+  HierarchicalPlace out = place;
+  out.mu = variables.to(variables.from(place)).mu;
+  return out;
+}
+
+HierarchicalMaximum maximise(HierarchicalLikelihood& likelihood, const HierarchicalForm& form,
+                             const HierarchicalPlace& start, double criterion_unit, double negligible) {
+  const Variables variables(form, start, criterion_unit);
+  const SearchedLikelihood function(likelihood, variables);
+  const std::vector<double> x = variables.from(start);
+  const NewtonResult found = maximise_in_box(function, x, variables.box(x), -kInf, negligible);
+  HierarchicalMaximum maximum;
+  maximum.place = variables.settled(variables.to(found.place));
+  const HierarchicalLikelihood::Value value = likelihood.at(maximum.place);
+  maximum.slope = value.slope;
+  maximum.log_likelihood = value.log_likelihood;
+  maximum.converged = found.converged && std::isfinite(value.log_likelihood);
+  maximum.evaluations = function.evaluations() + 1;
+  return maximum;
+}
+
+PooledMaximum pooled_maximum(std::span<const HierarchicalCell> cells, ResponseModel model, double lapse,
+                             const PooledMaximum& start, bool hold_ln_s) {
+  std::map<double, HierarchicalCell> together;  // by level
+  for (const HierarchicalCell& cell : cells) {
+    HierarchicalCell& one = together[cell.level];
+    one.level = cell.level;
+    one.positive += cell.positive;
+    one.negative += cell.negative;
+  }
+  const double unit = model == ResponseModel::choice ? std::exp(start.ln_s) : 1;
+  std::vector<HierarchicalCell> levels;
+  for (const auto& [level, cell] : together) levels.push_back(cell);
+  const PooledAnswers function(levels, model, lapse, unit);
+  const std::vector<double> x = {start.ln_s, start.criterion / unit};
+  const double reach = hold_ln_s ? 0 : kFurthestMean;
+  const NewtonBox box = {{x[0] - reach, x[1] - kFurthestCriterion}, {x[0] + reach, x[1] + kFurthestCriterion}};
+  const NewtonResult found = maximise_in_box(function, x, box, -kInf, kGoodStart);
+  return {found.place[0], found.place[1] * unit, found.value};
+}
+
+}  // namespace jnd

@@ -1,0 +1,53 @@
+// The largest marginal likelihood, where some parameters are held or bound together.
+#pragma once
+
+#include <vector>
+
+#include "analysis/hierarchical/hierarchical_likelihood.h"
+#include "analysis/numerics/special_values.h"
+
+namespace jnd {
+
+// Which parameters are estimated; the others keep the value of the start. The mean of condition c is the free number
+// of[c] plus offset[c]; with of[c] < 0 it is offset[c].
+struct HierarchicalForm {
+  bool tu = true, tv = true, tw = true, rho = false;
+  std::vector<int> of;
+  std::vector<double> offset;
+  double lowest = -kInf, highest = kInf;  // where the free numbers are searched
+
+  // Every condition its own mean; one mean for all; one mean held; the difference of two held (of a, less b).
+  static HierarchicalForm separate(std::size_t conditions);
+  static HierarchicalForm common(std::size_t conditions);
+  HierarchicalForm with_mean(std::size_t condition, double mean) const;
+  HierarchicalForm with_difference(std::size_t a, std::size_t b, double difference) const;
+};
+
+struct HierarchicalMaximum {
+  HierarchicalPlace place;
+  HierarchicalPlace slope;  // of ln L, by every parameter, those held included; by tu, tv, tw: 0 where they are 0
+  double log_likelihood = 0;
+  bool converged = false;
+  int evaluations = 0;
+};
+
+// The place with the means that the form makes of its own.
+HierarchicalPlace moved(const HierarchicalForm& form, const HierarchicalPlace& place);
+
+// From the start, moved. Spreads that are estimated begin at no less than a small one, and
+// end at 0 where ln L rises towards 0. criterion_unit: that of kappa and tw, 1 or a spread. negligible: differences of
+// ln L below this are not told apart.
+HierarchicalMaximum maximise(HierarchicalLikelihood& likelihood, const HierarchicalForm& form,
+                             const HierarchicalPlace& start, double criterion_unit = 1, double negligible = 1e-8);
+
+// The ln s and criterion that fit answers best as if they were one person's in one condition (participant and condition
+// of the cells do not count). Within a factor of 50 of the start; where the answers tell no slope, or a step, at its end.
+// hold_ln_s: only the criterion, at the start's ln s.
+struct PooledMaximum {
+  double ln_s = 0, criterion = 0;
+  double log_likelihood = 0;
+};
+PooledMaximum pooled_maximum(std::span<const HierarchicalCell> cells, ResponseModel model, double lapse,
+                             const PooledMaximum& start, bool hold_ln_s = false);
+
+}  // namespace jnd

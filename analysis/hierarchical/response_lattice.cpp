@@ -1,0 +1,78 @@
+#include "analysis/hierarchical/response_lattice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "analysis/hierarchical/fast_functions.h"
+#include "analysis/numerics/special_values.h"
+
+namespace jnd {
+
+namespace {
+
+// Nodes that a table gets beyond those asked for, so that a search does not build it anew at every step.
+constexpr int kSpareNodes = 3;
+
+}  // namespace
+
+LatticeRange LatticeRange::united(const LatticeRange& other) const noexcept {
+  if (empty()) return other;
+  return {std::min(s0, other.s0), std::max(s1, other.s1), std::min(k0, other.k0), std::max(k1, other.k1)};
+}
+
+LatticeRange LatticeRange::covering(const LatticeRange& needed) const noexcept {
+  constexpr std::size_t kMostWaste = 4;
+  const LatticeRange both = united(needed);
+  const bool near = both.wide() * both.high() <= kMostWaste * needed.wide() * needed.high();
+  return (near ? both : needed).widened(kSpareNodes);
+}
+
+ResponseLattice::ResponseLattice(ResponseModel model, std::vector<double> levels, double lapse,
+                                 const LatticeSteps& steps)
+    : model_(model), levels_(std::move(levels)), lapse_(lapse), steps_(steps) {
+  positive_.resize(levels_.size());
+  negative_.resize(levels_.size());
+}
+
+void ResponseLattice::cover(const LatticeRange& range) {
+  if (!range_.empty() && range_.holds(range)) return;
+  const LatticeRange wider = range_.covering(range);
+  for (std::size_t level = 0; level < levels_.size(); ++level) {
+    std::vector<double> positive(wider.wide() * wider.high()), negative(positive.size());
+    for (int k = wider.k0; k <= wider.k1; ++k)
+      for (int s = wider.s0; s <= wider.s1; ++s) {
+        const bool known = range_.holds({s, s, k, k});
+        const std::size_t from = known ? range_.place(s, k) : 0, to = wider.place(s, k);
+        const LogRates rates = known ? LogRates{positive_[level][from], negative_[level][from]}
+                                     : log_rates(model_, levels_[level], s * steps_.ln_s, k * steps_.criterion, lapse_);
+        positive[to] = rates.positive;
+        negative[to] = rates.negative;
+      }
+    positive_[level] = std::move(positive);
+    negative_[level] = std::move(negative);
+  }
+  range_ = wider;
+}
+
+void CellLikelihood::cover(const LatticeRange& range, ResponseLattice& responses) {
+  if (!range_.empty() && range_.holds(range)) return;
+  range_ = range_.covering(range);
+  responses.cover(range_);
+  const std::size_t wide = range_.wide();
+  values_.assign(wide * range_.high(), 0);
+  log_scale_ = -kInf;
+  for (int k = range_.k0; k <= range_.k1; ++k) {
+    double* row = &values_[range_.place(range_.s0, k)];
+    const std::size_t from = responses.range().place(range_.s0, k);
+    for (const LevelAnswers& answers : answers_) {
+      const double *positive = &responses.positive(answers.level)[from],
+                   *negative = &responses.negative(answers.level)[from];
+      for (std::size_t s = 0; s < wide; ++s) row[s] += answers.positive * positive[s] + answers.negative * negative[s];
+    }
+    log_scale_ = std::max(log_scale_, *std::max_element(row, row + wide));
+  }
+  exponentiate(values_, log_scale_);
+}
+
+}  // namespace jnd

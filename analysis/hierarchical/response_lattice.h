@@ -1,0 +1,81 @@
+// What answers are likely, on a lattice of spreads and criteria: once for each level of a study, and from these the
+// likelihood of one participant's answers in one condition.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "analysis/hierarchical/response_model.h"
+
+namespace jnd {
+
+// Nodes first..last of both directions.
+struct LatticeRange {
+  int s0 = 0, s1 = -1, k0 = 0, k1 = -1;
+  bool empty() const noexcept { return s1 < s0; }
+  bool holds(const LatticeRange& other) const noexcept {
+    return other.s0 >= s0 && other.s1 <= s1 && other.k0 >= k0 && other.k1 <= k1;
+  }
+  LatticeRange united(const LatticeRange& other) const noexcept;
+  // What a table is built for that needs more than it has: both, unless most of that would lie idle; and a little more.
+  LatticeRange covering(const LatticeRange& needed) const noexcept;
+  LatticeRange widened(int by) const noexcept { return {s0 - by, s1 + by, k0 - by, k1 + by}; }
+  std::size_t wide() const noexcept { return static_cast<std::size_t>(s1 - s0 + 1); }
+  std::size_t high() const noexcept { return static_cast<std::size_t>(k1 - k0 + 1); }
+  // Of a node in an array that holds all spreads of the first criterion, then those of the next.
+  std::size_t place(int s, int k) const noexcept {
+    return static_cast<std::size_t>(k - k0) * wide() + static_cast<std::size_t>(s - s0);
+  }
+};
+
+struct LatticeSteps {
+  double ln_s = 0, criterion = 0;  // > 0
+};
+
+// ln P of both answers at every level.
+class ResponseLattice {
+ public:
+  ResponseLattice(ResponseModel model, std::vector<double> levels, double lapse, const LatticeSteps& steps);
+
+  const LatticeSteps& steps() const noexcept { return steps_; }
+  const LatticeRange& range() const noexcept { return range_; }
+  void cover(const LatticeRange& range);
+  const std::vector<double>& positive(std::size_t level) const noexcept { return positive_[level]; }
+  const std::vector<double>& negative(std::size_t level) const noexcept { return negative_[level]; }
+
+ private:
+  ResponseModel model_;
+  std::vector<double> levels_;
+  double lapse_;
+  LatticeSteps steps_;
+  LatticeRange range_;
+  std::vector<std::vector<double>> positive_, negative_;  // by level
+};
+
+// The answers of one participant in one condition at one level.
+struct LevelAnswers {
+  std::size_t level = 0;  // place in the levels
+  double positive = 0, negative = 0;
+};
+
+// Their likelihood on the lattice, divided by its largest value there.
+class CellLikelihood {
+ public:
+  explicit CellLikelihood(std::vector<LevelAnswers> answers) : answers_(std::move(answers)) {}
+
+  void cover(const LatticeRange& range, ResponseLattice& responses);
+  void forget() noexcept { range_ = {}; }
+  const LatticeRange& range() const noexcept { return range_; }
+  const double* at(int s, int k) const noexcept { return &values_[range_.place(s, k)]; }
+  double log_scale() const noexcept { return log_scale_; }
+  const std::vector<LevelAnswers>& answers() const noexcept { return answers_; }
+
+ private:
+  std::vector<LevelAnswers> answers_;
+  LatticeRange range_;
+  std::vector<double> values_;
+  double log_scale_ = 0;
+};
+
+}  // namespace jnd

@@ -1,0 +1,455 @@
+// jnd calc hierarchical: one model of everybody's answers, the JND of the group and of each person.
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "analysis/hierarchical/hierarchical_bootstrap.h"
+#include "analysis/hierarchical/hierarchical_fit.h"
+#include "protocols/input/csv_table.h"
+#include "protocols/input/input_error.h"
+#include "runner/calc/calc.h"
+#include "runner/calc/trials_input.h"
+#include "runner/terminal/exit_code.h"
+#include "runner/terminal/json_output.h"
+#include "runner/terminal/number_text.h"
+#include "runner/terminal/progress_bar.h"
+#include "runner/terminal/terminal.h"
+#include "runner/terminal/text_table.h"
+
+namespace jnd {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+struct HierarchicalCommand {
+  CalcInput input;
+  TrialOptions trials;
+  std::string task, observer = "yes-no", random = "tu,tv,tw", lapse = "0";
+  bool one_jnd = false, people = false;
+  int bootstrap = 0, threads = 0;
+  std::uint64_t seed = 1;
+};
+
+// The option's own words: of either task.
+const TrialUse kHierarchicalUse = {"the stimuli were different, or the comparison was chosen", {}, false, false};
+
+// What the analysis was made of, and by which names.
+struct NamedAnswers {
+  std::vector<std::string> participants, conditions;
+  std::vector<HierarchicalCell> cells;
+  std::optional<double> standard;
+
+  int participant(const std::string& name) { return place(participants, name); }
+  int condition(const std::string& name) { return place(conditions, name); }
+
+ private:
+  static int place(std::vector<std::string>& names, const std::string& name) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found != names.end()) return static_cast<int>(found - names.begin());
+    names.push_back(name);
+    return static_cast<int>(names.size()) - 1;
+  }
+};
+
+std::optional<double> finite_number(const std::string& text) {
+  double value = 0;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || stop != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+HierarchicalModel model_of(const HierarchicalCommand& options) {
+  HierarchicalModel model;
+  model.response = options.task == "which"              ? ResponseModel::choice
+                   : options.observer == "differencing" ? ResponseModel::differencing
+                                                        : ResponseModel::yes_no;
+  if (options.task == "which" && options.observer != "yes-no")
+    throw UsageError("--observer goes with --task same-different: how \"different\" is decided");
+  const std::optional<double> lapse = finite_number(options.lapse);
+  if (!lapse || !(*lapse >= 0 && *lapse < 1))
+    throw UsageError(fmt::format("--lapse: {} is not a rate from 0 to below 1", options.lapse));
+  model.lapse = *lapse;
+  model.tu = model.tv = model.tw = false;
+  model.one_mean = options.one_jnd;
+  const std::map<std::string, bool*, std::less<>> parts = {
+      {"tu", &model.tu}, {"tv", &model.tv}, {"tw", &model.tw}, {"rho", &model.rho}};
+  for (const std::string& name : CLI::detail::split(options.random, ',')) {
+    const std::string word = CLI::detail::trim_copy(name);
+    if (word == "none" || word.empty()) continue;
+    const auto part = parts.find(word);
+    if (part == parts.end())
+      throw UsageError(
+          fmt::format("--random: {} is none of tu, tv, tw, rho (with commas between them), or none", word));
+    *part->second = true;
+  }
+  if (model.rho && !(model.tu && model.tw)) throw UsageError("--random: rho, their correlation, goes with tu and tw");
+  return model;
+}
+
+NamedAnswers counted_answers(const HierarchicalCommand& options) {
+  refuse_trial_options(options.trials, kHierarchicalUse);
+  const bool which = options.task == "which";
+  NamedAnswers answers;
+  if (which) {
+    answers.standard = finite_number(options.trials.standard);
+    if (!answers.standard)
+      throw UsageError("--standard is needed: the number that the levels were judged against, in their unit");
+  } else if (!options.trials.standard.empty()) {
+    answers.standard = finite_number(options.trials.standard);
+    if (!answers.standard) throw UsageError("--standard: a number (a column goes with --trials)");
+  }
+  const std::string level = which ? "x" : "delta";
+  const CsvTable table = CsvTable::read(options.input.file, {"participant", level, "n", "k"}, {"condition"});
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    HierarchicalCell cell;
+    cell.participant = answers.participant(std::string(table.text(row, "participant")));
+    cell.condition = answers.condition(table.has("condition") ? std::string(table.text(row, "condition")) : "all");
+    cell.level = which ? table.number(row, level) - *answers.standard : table.number(row, level, {0, 1e300});
+    const int n = table.integer(row, "n", 0), k = table.integer(row, "k", 0);
+    if (k > n) table.fail(row, "k", fmt::format("{} answers in {} trials", k, n), "k is at most n");
+    cell.positive = k;
+    cell.negative = n - k;
+    answers.cells.push_back(cell);
+  }
+  return answers;
+}
+
+NamedAnswers trial_answers(const HierarchicalCommand& options) {
+  const bool which = options.task == "which";
+  const TrialTable table = read_trials(options.input.file, options.trials, which ? kWhichUse : kSameDifferentUse);
+  const std::vector<std::vector<TrialCount>> counts = count_trials(table);
+  NamedAnswers answers;
+  for (std::size_t unit = 0; unit < counts.size(); ++unit) {
+    const TrialUnit& of = table.units[unit];
+    if (!of.participant) throw UsageError("--participant is needed: the column that tells people apart");
+    if (which && !of.standard)
+      throw UsageError("--standard is needed: what the levels were judged against, a number or a column");
+    for (const TrialCount& count : counts[unit]) {
+      const double level = which ? count.level - *of.standard : std::abs(count.level);
+      answers.cells.push_back({answers.participant(*of.participant), answers.condition(of.condition.value_or("all")),
+                               level, static_cast<double>(count.k), static_cast<double>(count.n - count.k)});
+    }
+    if (of.standard) answers.standard = of.standard;
+  }
+  return answers;
+}
+
+void refuse_empty(const HierarchicalCommand& options, const NamedAnswers& answers) {
+  const std::string file = options.input.file == "-" ? "standard input" : options.input.file;
+  for (std::size_t c = 0; c < answers.conditions.size(); ++c)
+    if (std::none_of(answers.cells.begin(), answers.cells.end(), [c](const HierarchicalCell& cell) {
+          return cell.condition == static_cast<int>(c) && cell.positive + cell.negative > 0;
+        }))
+      throw InputError(
+          fmt::format("{}: condition {} has no trials (leave its rows out)", file, printable(answers.conditions[c])));
+  const auto differs = [&](const HierarchicalCell& cell) { return cell.level != answers.cells.front().level; };
+  if (options.task == "which"
+          ? std::none_of(answers.cells.begin(), answers.cells.end(), differs)
+          : std::none_of(answers.cells.begin(), answers.cells.end(), [](const auto& cell) { return cell.level != 0; }))
+    throw InputError(
+        fmt::format("{}: there is one level only, which tells no JND (give rows of several levels)", file));
+}
+
+struct HierarchicalResult {
+  NamedAnswers answers;
+  HierarchicalModel model;
+  HierarchicalFit fit;
+  std::vector<ConditionDifference> differences;
+  std::vector<PersonEstimate> people;
+  std::optional<EqualityBootstrap> bootstrap;
+
+  bool choice() const noexcept { return model.response == ResponseModel::choice; }
+};
+
+// ---- JSON
+
+ordered_json ends_json(const ProfileEnds& ends, bool as_ratio = false) {
+  const auto number = [as_ratio](double end) { return json_number(as_ratio ? std::exp(end) : end); };
+  return ordered_json::array({number(ends.low), number(ends.high)});
+}
+
+ordered_json people_json(const HierarchicalResult& result) {
+  ordered_json people = ordered_json::array();
+  const std::size_t conditions = result.answers.conditions.size();
+  for (std::size_t i = 0; i < result.people.size(); ++i) {
+    const PersonEstimate& one = result.people[i];
+    ordered_json person;
+    person["participant"] = result.answers.participants[i / conditions];
+    person["condition"] = result.answers.conditions[i % conditions];
+    person["jnd"] = json_number(std::exp(one.mean));
+    person["mu"] = json_number(one.mean);
+    person["mu_sd"] = json_number(one.sd);
+    person["jnd_alone"] = json_number(std::exp(one.alone));
+    person["status_alone"] = word_of(kSlopeStatusWords, one.status);
+    people.push_back(std::move(person));
+  }
+  return people;
+}
+
+ordered_json hierarchical_json(const HierarchicalResult& result) {
+  const HierarchicalFit& fit = result.fit;
+  const HierarchicalPlace& place = fit.maximum.place;
+  ordered_json out;
+  out["conditions"] = result.answers.conditions;
+  out["participants"] = fit.participants;
+  out["trials"] = fit.trials;
+  out["observer"] = word_of(kResponseModelWords, result.model.response);
+  out["lapse"] = result.model.lapse;
+  out["converged"] = fit.maximum.converged;
+  out["loglik"] = json_number(fit.maximum.log_likelihood);
+  const std::size_t means = result.model.one_mean ? 1 : fit.conditions.size();
+  ordered_json status = ordered_json::array(), mu = status, jnd = status, criteria = status, mu_ci = status,
+               jnd_ci = status;
+  for (std::size_t c = 0; c < fit.conditions.size(); ++c) {
+    const ConditionMean& one = fit.conditions[c];
+    criteria.push_back(json_number(one.criterion));
+    if (c >= means) continue;
+    status.push_back(word_of(kSlopeStatusWords, one.status));
+    mu.push_back(json_number(one.mu));
+    jnd.push_back(json_number(std::exp(one.mu)));
+    mu_ci.push_back(ends_json(one.ends));
+    jnd_ci.push_back(ends_json(one.ends, true));
+  }
+  out["status"] = std::move(status);
+  out["mu"] = std::move(mu);
+  out["group_jnd"] = std::move(jnd);
+  out[result.choice() ? "alpha" : "kappa"] = std::move(criteria);
+  out["tu"] = place.tu;
+  out["tv"] = place.tv;
+  out["tw"] = place.tw;
+  out["rho"] = result.model.rho ? json_number(place.rho) : ordered_json(nullptr);
+  for (const auto& [name, one] : {std::pair{"tu_status", fit.tu}, {"tv_status", fit.tv}, {"tw_status", fit.tw}})
+    out[name] = word_of(kSpreadStatusWords, one);
+  if (fit.df > 0) {
+    out["loglik_equal_mu"] = json_number(fit.common.log_likelihood);
+    out["lr_equal_mu"] = json_number(fit.lr);
+    out["df"] = fit.df;
+    out["p_equal_mu"] = json_number(fit.p);
+    out["mu_equal"] = json_number(fit.common.place.mu.front());
+  }
+  if (result.bootstrap)
+    out["bootstrap"] = {{"replicates", result.bootstrap->replicates},
+                        {"as_large", result.bootstrap->as_large},
+                        {"p_equal_mu", result.bootstrap->p}};
+  out["mu_ci"] = std::move(mu_ci);
+  out["jnd_ci"] = std::move(jnd_ci);
+  ordered_json differences = ordered_json::array();
+  for (const ConditionDifference& one : result.differences)
+    differences.push_back({{"a", one.a + 1},
+                           {"b", one.b + 1},
+                           {"diff", json_number(one.difference)},
+                           {"ci", ends_json(one.ends)},
+                           {"ratio", json_number(std::exp(one.difference))},
+                           {"ratio_ci", ends_json(one.ends, true)},
+                           {"lr", json_number(one.lr)},
+                           {"p", json_number(one.p)}});
+  out["mu_diff"] = std::move(differences);
+  out["people"] = people_json(result);
+  return out;
+}
+
+// ---- for a person
+
+using Align = TextTable::Align;
+
+std::string five_digits(double value) {
+  if (std::isnan(value)) return "-";
+  return std::isinf(value) ? "inf" : fmt::format("{:.4g}", value);
+}
+
+std::string jnd_range(const ProfileEnds& ends) {
+  if (std::isnan(ends.low)) return "-";
+  return range_text(five_digits(std::exp(ends.low)), five_digits(std::exp(ends.high)));
+}
+
+std::string conditions_text(const HierarchicalResult& result) {
+  const double standard = result.answers.standard.value_or(kNaN);
+  std::vector<std::string> header = {"condition", "JND", "95 % profile"};
+  std::vector<Align> align = {Align::left, Align::right, Align::right};
+  if (standard > 0) {
+    header.emplace_back("Weber");
+    align.push_back(Align::right);
+  }
+  header.emplace_back(result.choice()                                  ? "PSE"
+                      : result.model.response == ResponseModel::yes_no ? "criterion"
+                                                                       : "ln tau");
+  header.emplace_back("status");
+  align.push_back(Align::right);
+  align.push_back(Align::left);
+  TextTable table(header, align);
+  for (std::size_t c = 0; c < result.fit.conditions.size(); ++c) {
+    const ConditionMean& one = result.fit.conditions[c];
+    std::vector<std::string> row = {printable(result.answers.conditions[c]), five_digits(std::exp(one.mu)),
+                                    jnd_range(one.ends)};
+    if (standard > 0) row.push_back(percent_text(std::exp(one.mu) / standard));
+    row.push_back(result.choice() ? five_digits(standard + one.criterion) : number_text(one.criterion, 3));
+    row.emplace_back(word_of(kSlopeStatusWords, one.status));
+    table.add(row);
+  }
+  return table.text();
+}
+
+std::string differences_text(const HierarchicalResult& result) {
+  if (result.differences.empty()) return "";
+  TextTable table({"conditions", "ratio of JNDs", "95 % profile", "chi-square", "p"},
+                  {Align::left, Align::right, Align::right, Align::right, Align::right});
+  for (const ConditionDifference& one : result.differences)
+    table.add({printable(result.answers.conditions[one.a] + " : " + result.answers.conditions[one.b]),
+               number_text(std::exp(one.difference), 3), range_text(std::exp(one.ends.low), std::exp(one.ends.high), 3),
+               number_text(one.lr, 2), p_value_text(one.p)});
+  std::string text = "\n" + table.text();
+  text += fmt::format("One JND for all conditions: chi-square {} with {} df, p {}.\n", number_text(result.fit.lr, 2),
+                      result.fit.df, p_value_text(result.fit.p));
+  if (result.bootstrap)
+    text += fmt::format("In {} of {} studies drawn without a difference it is as large: p {}.\n",
+                        result.bootstrap->as_large, result.bootstrap->replicates, p_value_text(result.bootstrap->p));
+  return text;
+}
+
+std::string spreads_text(const HierarchicalResult& result) {
+  const HierarchicalFit& fit = result.fit;
+  const HierarchicalPlace& place = fit.maximum.place;
+  TextTable table({"standard deviation between people", "", "of", "status"},
+                  {Align::left, Align::right, Align::left, Align::left});
+  const auto add = [&table](const char* name, double value, const char* of, SpreadStatus status) {
+    if (status == SpreadStatus::not_asked) return;
+    table.add({name, five_digits(value), of, std::string(word_of(kSpreadStatusWords, status))});
+  };
+  add("persons (tu)", place.tu, "ln JND", fit.tu);
+  add("persons by condition (tv)", place.tv, "ln JND", fit.tv);
+  add(result.choice() ? "PSE (tw)" : "criterion (tw)", place.tw, result.choice() ? "the level's unit" : "z", fit.tw);
+  std::string text = "\n" + table.text();
+  if (result.model.rho) text += fmt::format("Correlation of the first and the last: {}.\n", number_text(place.rho, 3));
+  return text;
+}
+
+std::string people_text(const HierarchicalResult& result) {
+  TextTable table({"participant", "condition", "JND", "68 % of it", "from these answers alone", "status"},
+                  {Align::left, Align::left, Align::right, Align::right, Align::right, Align::left});
+  const std::size_t conditions = result.answers.conditions.size();
+  for (std::size_t i = 0; i < result.people.size(); ++i) {
+    const PersonEstimate& one = result.people[i];
+    table.add({printable(result.answers.participants[i / conditions]),
+               printable(result.answers.conditions[i % conditions]), five_digits(std::exp(one.mean)),
+               range_text(five_digits(std::exp(one.mean - one.sd)), five_digits(std::exp(one.mean + one.sd))),
+               five_digits(std::exp(one.alone)), std::string(word_of(kSlopeStatusWords, one.status))});
+  }
+  return "\n" + table.text() +
+         dim("JND: given everybody's answers, at the group's estimates, which draws those with few answers towards the\n"
+             "group; its range does not say how uncertain the group's estimates are.") +
+         "\n";
+}
+
+std::string meanings_text(const HierarchicalResult& result) {
+  const auto any = [&result](SlopeStatus status) {
+    return std::any_of(result.fit.conditions.begin(), result.fit.conditions.end(),
+                       [status](const ConditionMean& one) { return one.status == status; });
+  };
+  std::string text;
+  if (any(SlopeStatus::no_sensitivity))
+    text +=
+        warn("no_sensitivity: the answers do not change with the level; there is no JND within 12 times the levels.") +
+        "\n";
+  if (any(SlopeStatus::ceiling))
+    text += warn("ceiling: a step fits; the JND is below a twelfth of what the levels differ by.") + "\n";
+  if (!result.fit.maximum.converged)
+    text += warn("The search for the largest likelihood did not settle: take no number from here.") + "\n";
+  return text;
+}
+
+std::string hierarchical_text(const HierarchicalResult& result) {
+  const HierarchicalFit& fit = result.fit;
+  const char* const what = result.choice() ? "choices between two intervals"
+                           : result.model.response == ResponseModel::yes_no
+                               ? "same-different, decided on the difference"
+                               : "same-different, decided on the size of the difference";
+  std::string text =
+      bold(fmt::format("hierarchical model: {}, lapse {:g}; {}, {:g} trials", what, result.model.lapse,
+                       counted(static_cast<std::int64_t>(fit.participants), "participant"), fit.trials)) +
+      "\n";
+  text += conditions_text(result);
+  text += dim(result.choice() ? "JND: s, from the PSE to where the comparison is chosen in 84 % of the trials, of the "
+                                "median person."
+                              : "JND: the difference of which d' is 1, of the median person.") +
+          "\n";
+  text += differences_text(result) + spreads_text(result);
+  if (!result.people.empty()) text += people_text(result);
+  text += dim("Assumed: ln JND differs between people, and their criteria do, as normal distributions do, by the same\n"
+              "spreads in every condition, and nobody's answers change during the study.") +
+          "\n";
+  return text + meanings_text(result);
+}
+
+int hierarchical(const HierarchicalCommand& options) {
+  HierarchicalResult result;
+  result.model = model_of(options);
+  result.answers = options.trials.trials ? trial_answers(options) : counted_answers(options);
+  refuse_empty(options, result.answers);
+  HierarchicalAnalysis analysis(result.answers.cells, result.model);
+  analysis.add_intervals();
+  result.fit = analysis.fit();
+  result.differences = analysis.differences();
+  if (options.people || options.input.json) result.people = analysis.people();
+  if (options.bootstrap > 0 && result.fit.df > 0) {
+    const int processors = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+    ProgressBar bar("drawing studies", options.bootstrap);
+    result.bootstrap =
+        equality_bootstrap(result.answers.cells, result.model, result.fit, options.bootstrap, options.seed,
+                           options.threads > 0 ? options.threads : processors, [&bar](int done) { bar.update(done); });
+  }
+  if (options.input.json)
+    fmt::print("{}\n", json_line(hierarchical_json(result)));
+  else
+    fmt::print("{}", hierarchical_text(result));
+  return exit_code::kDone;
+}
+
+}  // namespace
+
+void add_calc_hierarchical(CommandTree& calc) {
+  const auto [command, options] =
+      calc.add("hierarchical", "One model of everybody's answers: the group's JND, ratios of conditions, each person's",
+               "jnd calc hierarchical answers.csv --task same-different", hierarchical);
+  add_input(command, options.input,
+            "participant, condition, n, k, and delta (the difference, 0 on same trials; k: answers \"different\") or x "
+            "(the comparison's level; k: times it was chosen)");
+  command.add_option("--task", options.task, "what was asked")
+      ->check(CLI::IsMember({"same-different", "which"}))
+      ->required();
+  command
+      .add_option("--observer", options.observer,
+                  "of same-different: decided on the difference (yes-no), or on its size (differencing)")
+      ->check(CLI::IsMember({"yes-no", "differencing"}))
+      ->capture_default_str();
+  command.add_option("--lapse", options.lapse, "share of trials answered by chance")->capture_default_str();
+  command
+      .add_option("--random", options.random,
+                  "what differs between people, with commas: tu (JND), tv (JND by condition), tw (criterion, PSE), rho "
+                  "(correlation of tu and tw); none")
+      ->capture_default_str();
+  command.add_flag("--one-jnd", options.one_jnd, "one JND for all conditions");
+  command.add_flag("--people", options.people, "also each person's JND, beside the one from their answers alone");
+  command
+      .add_option("--bootstrap", options.bootstrap,
+                  "draw so many studies without a difference between conditions, for the test of one JND")
+      ->check(CLI::Range(0, 100'000))
+      ->capture_default_str();
+  command.add_option("--seed", options.seed, "of the drawn studies")->capture_default_str();
+  command.add_option("--threads", options.threads, "drawn studies at a time (default: one a processor)")
+      ->check(CLI::Range(1, 1024));
+  add_trial_options(command, options.trials, kHierarchicalUse);
+}
+
+}  // namespace jnd

@@ -1,0 +1,186 @@
+// Fits, intervals, tests and what becomes of them at the edges.
+#include "analysis/hierarchical/hierarchical_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "analysis/numerics/tail_probabilities.h"
+#include "analysis/selftest/hierarchical_quantities.h"
+#include "tests/analysis/hierarchical/hierarchical_fixtures.h"
+#include "tests/catch.h"
+
+namespace jnd {
+namespace {
+
+using namespace jnd::testing;
+
+TEST_CASE("every reference fit agrees with glmer and two other implementations", "[hierarchical]") {
+  for (const SelftestQuantity& quantity : hierarchical_quantities()) {
+    CAPTURE(quantity.name, quantity.largest_difference, quantity.tolerance);
+    CHECK(quantity.cases > 10);
+    CHECK(quantity.ok());
+  }
+}
+
+TEST_CASE("a profile falls by half of 3.84 at the ends of its interval, and the ratio of two conditions is theirs",
+          "[hierarchical]") {
+  const std::vector<HierarchicalCell> cells = published_study(12, 2);
+  HierarchicalAnalysis analysis(cells, {});
+  const HierarchicalFit& fit = analysis.add_intervals();
+  REQUIRE(fit.maximum.converged);
+  const auto at = [&](const HierarchicalForm& form) {
+    HierarchicalLikelihood likelihood(cells, ResponseModel::yes_no, 0, 1.3);
+    return maximise(likelihood, form, fit.maximum.place).log_likelihood;
+  };
+  const double best = at(HierarchicalForm::separate(3));
+  CHECK(std::abs(best - fit.maximum.log_likelihood) < 1e-6);
+  for (std::size_t c = 0; c < 3; ++c)
+    for (const double end : {fit.conditions[c].ends.low, fit.conditions[c].ends.high})
+      CHECK(std::abs(2 * (best - at(HierarchicalForm::separate(3).with_mean(c, end))) - 3.841458820694124) < 1e-4);
+  for (const ConditionDifference& one : analysis.differences()) {
+    CHECK(one.difference == Approx(fit.conditions[one.a].mu - fit.conditions[one.b].mu));
+    for (const double end : {one.ends.low, one.ends.high})
+      CHECK(std::abs(2 * (best - at(HierarchicalForm::separate(3).with_difference(one.a, one.b, end))) -
+                     3.841458820694124) < 1e-4);
+    CHECK((one.p < 0.05) == (one.ends.low > 0 || one.ends.high < 0));
+  }
+}
+
+TEST_CASE("what the answers cannot tell has a status", "[hierarchical]") {
+  SECTION("one participant: no spread between people") {
+    const HierarchicalFit fit = HierarchicalAnalysis(published_study(1, 4), {}).fit();
+    CHECK(fit.tu == SpreadStatus::not_identified);
+    CHECK(fit.tw == SpreadStatus::not_identified);
+    CHECK(fit.maximum.place.tu == 0);
+    CHECK(fit.maximum.converged);
+  }
+  SECTION("nobody in more than one condition: persons are not told from persons by condition") {
+    std::vector<HierarchicalCell> cells;
+    for (const HierarchicalCell& cell : published_study(9, 5))
+      if (cell.condition == cell.participant % 3) cells.push_back(cell);
+    const HierarchicalFit fit = HierarchicalAnalysis(cells, {}).fit();
+    CHECK(fit.tu != SpreadStatus::not_identified);
+    CHECK(fit.tv == SpreadStatus::not_identified);
+    CHECK(fit.maximum.converged);
+  }
+  SECTION("people all alike: the spread is 0") {
+    std::vector<HierarchicalCell> cells;
+    for (int p = 0; p < 8; ++p)
+      for (const auto& [level, positive] : {std::pair{0.0, 4.0}, {200.0, 3.0}, {400.0, 5.0}})
+        cells.push_back({p, 0, level, positive, (level == 0 ? 18.0 : 6.0) - positive});
+    HierarchicalAnalysis analysis(cells, {});
+    const HierarchicalFit& fit = analysis.add_intervals();
+    CHECK(fit.tu == SpreadStatus::zero);
+    CHECK(fit.tw == SpreadStatus::zero);
+    CHECK(fit.df == 0);
+    CHECK(std::isnan(fit.p));
+    CHECK(fit.conditions[0].ends.low < fit.conditions[0].mu);
+    CHECK(fit.conditions[0].ends.high > fit.conditions[0].mu);
+  }
+  SECTION("a condition whose answers do not change with the level, and one where a step fits") {
+    std::vector<HierarchicalCell> cells = published_study(6, 6);
+    for (HierarchicalCell& cell : cells) {
+      const double n = cell.positive + cell.negative;
+      if (cell.condition == 1) cell.positive = n / 2;
+      if (cell.condition == 2) cell.positive = cell.level > 0 ? n : 0;
+      cell.negative = n - cell.positive;
+    }
+    HierarchicalAnalysis analysis(cells, {});
+    const HierarchicalFit& fit = analysis.add_intervals();
+    CHECK(fit.conditions[0].status == SlopeStatus::ok);
+    CHECK(fit.conditions[1].status == SlopeStatus::no_sensitivity);
+    CHECK(fit.conditions[2].status == SlopeStatus::ceiling);
+    CHECK(fit.conditions[1].ends.high == kInf);
+    CHECK(fit.conditions[2].ends.low == -kInf);
+    CHECK(std::isnan(fit.conditions[1].mu));
+    CHECK(fit.conditions[1].ends.low > fit.conditions[0].ends.high);
+    for (const ConditionDifference& one : analysis.differences()) {
+      CHECK(std::isnan(one.difference));
+      CHECK(one.p < 0.001);
+    }
+  }
+  SECTION("somebody whose own answers have no JND has one among the others") {
+    std::vector<HierarchicalCell> cells = published_study(8, 7);
+    for (HierarchicalCell& cell : cells)
+      if (cell.participant == 3 && cell.condition == 0) {
+        cell.positive = cell.level > 0 ? 6 : 0;
+        cell.negative = cell.level > 0 ? 0 : 18;
+      }
+    HierarchicalAnalysis analysis(cells, {});
+    const PersonEstimate one = analysis.people()[9];
+    CHECK(one.status == SlopeStatus::ceiling);
+    CHECK(std::isnan(one.alone));
+    CHECK(std::isfinite(one.mean));
+    CHECK(one.sd > 0);
+    CHECK(one.mean < analysis.fit().conditions[0].mu);
+  }
+  SECTION("no answers, or one level") {
+    CHECK_THROWS_AS(HierarchicalAnalysis({}, {}), std::invalid_argument);
+    CHECK_THROWS_AS(HierarchicalAnalysis({{0, 0, 0, 3, 4}}, {}), std::invalid_argument);
+  }
+}
+
+TEST_CASE("persons are drawn towards the group, the more the fewer their answers", "[hierarchical]") {
+  std::vector<HierarchicalCell> few = published_study(10, 8), many = few;
+  for (HierarchicalCell& cell : many) {
+    cell.positive *= 20;
+    cell.negative *= 20;
+  }
+  const auto distance = [](const std::vector<HierarchicalCell>& cells) {
+    HierarchicalAnalysis analysis(cells, {});
+    double sum = 0;
+    for (const PersonEstimate& one : analysis.people())
+      if (one.status == SlopeStatus::ok) sum += std::abs(one.mean - one.alone);
+    return sum;
+  };
+  CHECK(distance(many) < 0.75 * distance(few));
+}
+
+TEST_CASE("with many people and trials the truth comes back", "[hierarchical]") {
+  std::vector<HierarchicalCell> questions = published_questions(200);
+  for (HierarchicalCell& cell : questions) cell.negative *= 3;
+  HierarchicalModel model;
+  model.rho = true;
+  HierarchicalPlace truth = published_truth();
+  truth.rho = 0.5;
+  const HierarchicalFit fit = HierarchicalAnalysis(drawn_answers(questions, model, truth, 3, 0), model).fit();
+  REQUIRE(fit.maximum.converged);
+  for (std::size_t c = 0; c < 3; ++c) CHECK(std::abs(fit.conditions[c].mu - truth.mu[c]) < 0.1);
+  CHECK(std::abs(fit.maximum.place.tu - truth.tu) < 0.07);
+  CHECK(std::abs(fit.maximum.place.tv - truth.tv) < 0.07);
+  CHECK(std::abs(fit.maximum.place.tw - truth.tw) < 0.07);
+  CHECK(std::abs(fit.maximum.place.rho - truth.rho) < 0.25);
+}
+
+TEST_CASE("studies drawn without a difference show one as often as they should", "[hierarchical][long]") {
+  HierarchicalPlace equal = published_truth();
+  equal.mu.assign(3, std::log(283.5));
+  int rejected = 0, studies = 200;
+  for (int i = 0; i < studies; ++i) {
+    const auto cells =
+        drawn_answers(published_questions(12), HierarchicalModel{}, equal, 9, static_cast<std::uint64_t>(i));
+    HierarchicalLikelihood likelihood(cells, ResponseModel::yes_no, 0, 0.75);
+    const double one = maximise(likelihood, HierarchicalForm::common(3), equal, 1, 1e-3).log_likelihood;
+    const double each = maximise(likelihood, HierarchicalForm::separate(3), equal, 1, 1e-3).log_likelihood;
+    if (chi2_upper(2 * (each - one), 2) < 0.05) ++rejected;
+  }
+  CHECK(rejected >= 2);  // 5 % of 200, less 2.6 standard errors of a binomial number, and more
+  CHECK(rejected <= 22);
+}
+
+TEST_CASE("the bootstrap of the test of one JND is the same on any number of threads, and counts itself",
+          "[hierarchical]") {
+  const std::vector<HierarchicalCell> cells = published_study(6, 11);
+  const HierarchicalFit fit = HierarchicalAnalysis(cells, {}).fit();
+  const EqualityBootstrap one = equality_bootstrap(cells, {}, fit, 20, 5, 1),
+                          two = equality_bootstrap(cells, {}, fit, 20, 5, 2);
+  CHECK(one.as_large == two.as_large);
+  CHECK(one.p == Approx((1.0 + one.as_large) / 21));
+  HierarchicalFit certain = fit;
+  certain.lr = 0;
+  CHECK(equality_bootstrap(cells, {}, certain, 10, 5, 2).p == 1);
+}
+
+}  // namespace
+}  // namespace jnd
