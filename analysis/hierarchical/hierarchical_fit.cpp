@@ -142,7 +142,7 @@ HierarchicalMaximum HierarchicalAnalysis::from_here(const HierarchicalForm& form
 // at_end(ln s): the largest ln L with that mean. Answers that are as likely at an end of what is searched tell no JND.
 template <typename AtEnd>
 SlopeStatus HierarchicalAnalysis::status_of(double ln_s, double log_likelihood, const AtEnd& at_end) const {
-  constexpr double kAsLikely = 1e-4, kNear = 2.5;  // an end is looked at from so near
+  constexpr double kAsLikely = 1e-4, kNear = 1.2;  // an end is looked at from so near
   if (ln_s > greatest_ - kNear && (ln_s > greatest_ || at_end(form_.highest) > log_likelihood - kAsLikely))
     return SlopeStatus::no_sensitivity;
   if (ln_s < least_ + kNear && (ln_s < least_ || at_end(form_.lowest) > log_likelihood - kAsLikely))

@@ -287,8 +287,8 @@ HierarchicalLikelihood::Evaluation::Moments HierarchicalLikelihood::Evaluation::
 // Forwards: from the lattices to the integral of one participant.
 void HierarchicalLikelihood::integrate(Person& person, Evaluation& at) {
   at.box = rectangle_of(person, at);
-  at.wide = static_cast<std::size_t>(at.box.u1 - at.box.u0 + 1);
-  at.high = static_cast<std::size_t>(at.box.w1 - at.box.w0 + 1);
+  at.wide = static_cast<std::size_t>(at.box.u1 - at.box.u0) + 1;
+  at.high = static_cast<std::size_t>(at.box.w1 - at.box.w0) + 1;
   for (std::size_t c = 0; c < conditions_; ++c) {
     const LatticeKernel &over_s = at.over_s[c], &over_k = at.over_k[c];
     CellLikelihood& cell = person.cells[c];

@@ -59,8 +59,8 @@ class HierarchicalLikelihood {
     double log_likelihood = 0;  // -inf, with the slopes of the others, where somebody's underflows
     HierarchicalPlace slope;    // its derivatives; by tu, tv, tw: 0 at 0, where ln L is even
   };
-  Value at(const HierarchicalPlace& place);
-  std::vector<PersonPosterior> posteriors(const HierarchicalPlace& place);
+  Value at(const HierarchicalPlace& given);
+  std::vector<PersonPosterior> posteriors(const HierarchicalPlace& given);
 
   // The expected information of every cell's answers there, by participant and condition.
   std::vector<CellInformation> cell_information(const HierarchicalPlace& place) const;
@@ -90,7 +90,7 @@ class HierarchicalLikelihood {
   Evaluation prepared(const HierarchicalPlace& place) const;
   template <typename Each>
   void through_everybody(const HierarchicalPlace& place, Each&& each);
-  Rectangle rectangle_of(const Person& person, const Evaluation& at) const;
+  Rectangle rectangle_of(const Person& person, const Evaluation& evaluation) const;
   bool settled(Person& person, Evaluation& at);
   void integrate(Person& person, Evaluation& at);
   bool grown(Person& person, const Evaluation& at) const;

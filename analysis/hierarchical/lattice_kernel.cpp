@@ -47,7 +47,7 @@ int first_node(double at) {
 LatticeKernel::LatticeKernel(double centre, double spacing, int first, int last, double spread, double step,
                              double reach)
     : first_(first), step_(step) {
-  const auto count = static_cast<std::size_t>(last - first + 1);
+  const auto count = static_cast<std::size_t>(last - first) + 1;
   const double nodes = spread / step;
   const bool summed = nodes >= kNarrowestSum;
   const int beside = summed ? static_cast<int>(std::ceil(reach * nodes)) + 1

@@ -39,18 +39,19 @@ void ResponseLattice::cover(const LatticeRange& range) {
   if (!range_.empty() && range_.holds(range)) return;
   const LatticeRange wider = range_.covering(range);
   for (std::size_t level = 0; level < levels_.size(); ++level) {
-    std::vector<double> positive(wider.wide() * wider.high()), negative(positive.size());
+    const std::vector<double> known_positive = std::move(positive_[level]),
+                              known_negative = std::move(negative_[level]);
+    positive_[level].assign(wider.wide() * wider.high(), 0);
+    negative_[level].assign(wider.wide() * wider.high(), 0);
     for (int k = wider.k0; k <= wider.k1; ++k)
       for (int s = wider.s0; s <= wider.s1; ++s) {
         const bool known = range_.holds({s, s, k, k});
         const std::size_t from = known ? range_.place(s, k) : 0, to = wider.place(s, k);
-        const LogRates rates = known ? LogRates{positive_[level][from], negative_[level][from]}
+        const LogRates rates = known ? LogRates{known_positive[from], known_negative[from]}
                                      : log_rates(model_, levels_[level], s * steps_.ln_s, k * steps_.criterion, lapse_);
-        positive[to] = rates.positive;
-        negative[to] = rates.negative;
+        positive_[level][to] = rates.positive;
+        negative_[level][to] = rates.negative;
       }
-    positive_[level] = std::move(positive);
-    negative_[level] = std::move(negative);
   }
   range_ = wider;
 }

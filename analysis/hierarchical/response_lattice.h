@@ -21,8 +21,8 @@ struct LatticeRange {
   // What a table is built for that needs more than it has: both, unless most of that would lie idle; and a little more.
   LatticeRange covering(const LatticeRange& needed) const noexcept;
   LatticeRange widened(int by) const noexcept { return {s0 - by, s1 + by, k0 - by, k1 + by}; }
-  std::size_t wide() const noexcept { return static_cast<std::size_t>(s1 - s0 + 1); }
-  std::size_t high() const noexcept { return static_cast<std::size_t>(k1 - k0 + 1); }
+  std::size_t wide() const noexcept { return static_cast<std::size_t>(s1 - s0) + 1; }
+  std::size_t high() const noexcept { return static_cast<std::size_t>(k1 - k0) + 1; }
   // Of a node in an array that holds all spreads of the first criterion, then those of the next.
   std::size_t place(int s, int k) const noexcept {
     return static_cast<std::size_t>(k - k0) * wide() + static_cast<std::size_t>(s - s0);
