@@ -7,6 +7,7 @@
 #include <tuple>
 #include <utility>
 
+#include "analysis/hierarchical/person_mode.h"
 #include "analysis/numerics/normal.h"
 #include "analysis/numerics/special_values.h"
 
@@ -19,10 +20,11 @@ constexpr double kLeastSpread = 1e-5;
 // Nodes a standard deviation of the posterior apart: the error of the sum is exp(-2 pi^2), 3e-9. The integrand may end
 // where it has fallen to that share of its peak; a range is cut a little further out for the next evaluation.
 constexpr double kSpacing = 1, kLogEdge = -19.6, kLogCut = -22;
-constexpr double kFirstReach = 5, kFurthest = 8;  // standard deviations about 0 of the first range and of any
-constexpr double kFollowed = 5.9;                 // standard deviations of v
-constexpr double kGrowth = 0.4;                   // of its width, by which a range grows at an end
-constexpr double kClosest = 0.95;                 // the greatest correlation that nodes are placed for
+constexpr double kFirstReach = 6,
+                 kFurthest = 8;    // standard deviations: of the first range about the mode, of any about 0
+constexpr double kFollowed = 5.9;  // standard deviations of v
+constexpr double kGrowth = 0.4;    // of its width, by which a range grows at an end
+constexpr double kClosest = 0.95;  // the greatest correlation that nodes are placed for
 constexpr double kLatticeStepS = 0.2,
                  kLatticeStepK = 0.17;  // of the least standard error of a cell: Lagrange's polynomial errs by 2e-8
 
@@ -181,32 +183,47 @@ void HierarchicalLikelihood::choose_lattice(const HierarchicalPlace& place) {
     for (CellLikelihood& cell : person.cells) cell.forget();
 }
 
-// Where nodes are first put: the posterior that the expected information at the place promises.
-void HierarchicalLikelihood::look_around(const HierarchicalPlace& place) {
-  constexpr double kCertain = 1e12;
-  const double reach = kFirstReach * std::min(fineness_, 1.0);
-  looked_ = true;
-  looked_u_ = place.tu > 0;
-  looked_w_ = place.tw > 0;
-  const std::vector<CellInformation> information = cell_information(place);
-  for (std::size_t i = 0; i < people_.size(); ++i) {
-    Person& person = people_[i];
-    const double prior_s = place.tu > 0 ? 1 / (place.tu * place.tu) : kCertain;
-    const double prior_k = place.tw > 0 ? 1 / (place.tw * place.tw) : kCertain;
-    double in_s = prior_s, in_k = prior_k, in_both = 0;
-    for (std::size_t c = 0; c < conditions_; ++c) {
-      const CellInformation& one = information[i * conditions_ + c];
-      in_s += one.s;
-      in_k += one.k;
-      in_both += one.both;
-    }
-    const double determinant = std::max(in_s * in_k - in_both * in_both, 1e-9 * in_s * in_k);
-    person.information_u = std::max(0.0, determinant / in_k - prior_s);
-    person.information_w = std::max(0.0, determinant / in_s - prior_k);
-    person.correlation = -in_both / std::sqrt(in_s * in_k);
-    person.u = {-reach * place.tu, reach * place.tu};
-    person.w = {-reach * place.tw, reach * place.tw};
+// Where nodes are put: about the most likely deviations of the person.
+void HierarchicalLikelihood::locate(Person& person, const HierarchicalPlace& place) const {
+  std::vector<PersonCell> cells;
+  for (std::size_t c = 0; c < conditions_; ++c) {
+    PersonCell& cell = cells.emplace_back();
+    cell.mu = place.mu[c];
+    cell.kappa = place.kappa[c];
+    for (const LevelAnswers& one : person.cells[c].answers())
+      cell.answers.push_back({levels_[one.level], one.positive, one.negative});
   }
+  const PersonMode mode = person_mode(cells, model_, lapse_, {place.tu, place.tv, place.tw, place.rho});
+  person.information_u = mode.information_u;
+  person.information_w = mode.information_w;
+  person.correlation = mode.correlation;
+  const double reach = kFirstReach * std::min(fineness_, 1.0);
+  const auto about = [reach](double middle, double prior, double information) {
+    const double sd = prior > 0 ? 1 / std::sqrt(1 / (prior * prior) + information) : 0;
+    return Range{middle - reach * sd, middle + reach * sd};
+  };
+  person.u = about(mode.u, place.tu, mode.information_u);
+  person.w = about(mode.w, place.tw, mode.information_w);
+}
+
+// Those whose nodes lie nowhere yet, or so far from where the place has moved them that another range would have to
+// grow towards them.
+void HierarchicalLikelihood::look_around(const HierarchicalPlace& place) {
+  constexpr double kFar = 1.5;  // standard deviations of a person's posterior
+  const bool anew = before_.mu.empty() || (place.tu > 0) != (before_.tu > 0) || (place.tw > 0) != (before_.tw > 0);
+  double moved_s = 0, moved_k = 0;
+  for (std::size_t c = 0; c < conditions_ && !anew; ++c) {
+    moved_s = std::max(moved_s, std::abs(place.mu[c] - before_.mu[c]));
+    moved_k = std::max(moved_k, std::abs(place.kappa[c] - before_.kappa[c]));
+  }
+  const auto far = [](double moved, double prior, double information) {
+    return moved * moved * (1 / (prior * prior) + information) > kFar * kFar;
+  };
+  for (Person& person : people_)
+    if (anew || (place.tu > 0 && far(moved_s, place.tu, person.information_u)) ||
+        (place.tw > 0 && far(moved_k, place.tw, person.information_w)))
+      locate(person, place);
+  before_ = place;
 }
 
 std::vector<CellInformation> HierarchicalLikelihood::cell_information(const HierarchicalPlace& place) const {
@@ -463,7 +480,7 @@ HierarchicalPlace HierarchicalLikelihood::slope_of(const Evaluation& at) const {
 template <typename Each>
 void HierarchicalLikelihood::through_everybody(const HierarchicalPlace& place, Each&& each) {
   choose_lattice(place);
-  if ((place.tu > 0 && !looked_u_) || (place.tw > 0 && !looked_w_) || !looked_) look_around(place);
+  look_around(place);
   for (;;) {
     Evaluation at = prepared(place);
     std::size_t done = 0;

@@ -1,6 +1,6 @@
 // The marginal likelihood of one model of everybody's answers, with its derivatives.
 //
-//   P(positive) = l/2 + (1 - l) F(level, s_pc, k_pc)       F: response_lattice.h
+//   P(positive) = l/2 + (1 - l) F(level, s_pc, k_pc)       F: response_model.h
 //   ln s_pc = mu_c + u_p + v_pc,   k_pc = kappa_c + w_p
 //   u ~ N(0, tu^2), w ~ N(0, tw^2) with correlation rho, v ~ N(0, tv^2), independent over participants and conditions
 //
@@ -86,6 +86,7 @@ class HierarchicalLikelihood {
 
   void look_how_narrow(const HierarchicalPlace& place);
   void choose_lattice(const HierarchicalPlace& place);
+  void locate(Person& person, const HierarchicalPlace& place) const;
   void look_around(const HierarchicalPlace& place);
   Evaluation prepared(const HierarchicalPlace& place) const;
   template <typename Each>
@@ -107,7 +108,7 @@ class HierarchicalLikelihood {
   LatticeSteps finest_;
   ResponseLattice responses_;
   std::vector<Person> people_;
-  bool looked_ = false, looked_u_ = false, looked_w_ = false;
+  HierarchicalPlace before_;  // of the last evaluation
 };
 
 }  // namespace jnd

@@ -137,6 +137,16 @@ TEST_CASE("persons are drawn towards the group, the more the fewer their answers
   CHECK(distance(many) < 0.75 * distance(few));
 }
 
+TEST_CASE("thousands of answers a cell need no more than narrower ranges", "[hierarchical]") {
+  std::vector<HierarchicalCell> questions = published_questions(4, 3);
+  for (HierarchicalCell& cell : questions) cell.negative *= 300;
+  const auto cells = drawn_answers(questions, {}, published_truth(), 21, 0);
+  const HierarchicalFit fit = HierarchicalAnalysis(cells, {}).fit();
+  REQUIRE(fit.maximum.converged);
+  HierarchicalLikelihood fine(cells, ResponseModel::yes_no, 0, 2);
+  CHECK(std::abs(fine.at(fit.maximum.place).log_likelihood - fit.maximum.log_likelihood) < 1e-6);
+}
+
 TEST_CASE("with many people and trials the truth comes back", "[hierarchical]") {
   std::vector<HierarchicalCell> questions = published_questions(200);
   for (HierarchicalCell& cell : questions) cell.negative *= 3;
