@@ -18,15 +18,11 @@ namespace jnd {
 namespace {
 
 constexpr std::uint64_t kPurpose = 0x4869657261726368;
-// Replicates are fitted with a likelihood that errs by less than 1e-4.
+// Replicates are fitted with a likelihood that errs by a few 1e-4.
 constexpr double kReplicateFineness = 0.75, kReplicateNegligible = 1e-3;
 
-double uniform(ExperimentStream& stream) {
-  return (static_cast<double>(stream.next() >> 11U) + 0.5) * 0x1p-53;
-}
-
 double standard_normal(ExperimentStream& stream) {
-  return normal_quantile(uniform(stream));
+  return normal_quantile(open_uniform(stream.next()));
 }
 
 }  // namespace
@@ -54,7 +50,7 @@ std::vector<HierarchicalCell> drawn_answers(std::span<const HierarchicalCell> ce
     const double ln_s = truth.mu[c] + person.u + person.v[c], k = truth.kappa[c] + person.w;
     const double trials = cell.positive + cell.negative;
     const double p = std::exp(log_rates(model.response, cell.level, ln_s, k, model.lapse).positive);
-    cell.positive = BinomialSampler(static_cast<int>(trials), std::min(p, 1.0)).at(uniform(person.stream));
+    cell.positive = BinomialSampler(static_cast<int>(trials), std::min(p, 1.0)).at(open_uniform(person.stream.next()));
     cell.negative = trials - cell.positive;
   }
   return drawn;

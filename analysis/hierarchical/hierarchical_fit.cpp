@@ -17,7 +17,7 @@ namespace jnd {
 namespace {
 
 constexpr double kFirstSpread = 0.3, kFirstSpreadWithin = 0.15;  // where a search begins
-// The first search is a rough one, whose likelihood errs by less than 1e-4.
+// The first search is a rough one, whose likelihood errs by a few 1e-4.
 constexpr double kRough = 0.75, kRoughlyEqual = 1e-3;
 // Times the range of levels: beyond it they do not tell a JND. A search goes a little further.
 constexpr double kOutside = 12, kBeyond = 0.2;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <tuple>
 #include <utility>
@@ -517,7 +516,6 @@ std::vector<PersonPosterior> HierarchicalLikelihood::posteriors(const Hierarchic
   through_everybody(place, [&](std::size_t person, const Evaluation& at) {
     PersonPosterior& posterior = posteriors[person];
     posterior = {};
-    posterior.criterion_shift = at.moments().w;
     for (std::size_t c = 0; c < conditions_; ++c) {
       // A weight times the derivative by it is the posterior probability of its node.
       const LatticeKernel& over_s = at.over_s[c];

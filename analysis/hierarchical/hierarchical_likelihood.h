@@ -46,7 +46,6 @@ struct HierarchicalPlace {
 // Of ln s of one participant in each condition, given the answers of all conditions.
 struct PersonPosterior {
   std::vector<double> mean, sd;
-  double criterion_shift = 0;  // mean of w
 };
 
 class HierarchicalLikelihood {

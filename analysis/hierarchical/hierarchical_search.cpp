@@ -144,13 +144,9 @@ class SearchedLikelihood {
   SearchedLikelihood(HierarchicalLikelihood& likelihood, const Variables& variables)
       : likelihood_(likelihood), variables_(variables) {}
 
-  double value(const std::vector<double>& x) const {
-    ++evaluations_;
-    return likelihood_.at(variables_.to(x)).log_likelihood;
-  }
+  double value(const std::vector<double>& x) const { return likelihood_.at(variables_.to(x)).log_likelihood; }
 
   void derivatives(const std::vector<double>& x, NewtonDerivatives& at) const {
-    ++evaluations_;
     const HierarchicalPlace place = variables_.to(x);
     const HierarchicalLikelihood::Value value = likelihood_.at(place);
     at.value = value.log_likelihood;
@@ -163,8 +159,6 @@ class SearchedLikelihood {
     slope_before_ = at.gradient;
     at.curvature = at.expected = curvature_;
   }
-
-  int evaluations() const noexcept { return evaluations_; }
 
  private:
   void correct(const std::vector<double>& x, const std::vector<double>& gradient) const {
@@ -188,7 +182,6 @@ class SearchedLikelihood {
 
   HierarchicalLikelihood& likelihood_;
   const Variables& variables_;
-  mutable int evaluations_ = 0;
   mutable std::vector<double> curvature_, before_, slope_before_;
 };
 
@@ -279,7 +272,6 @@ HierarchicalMaximum maximise(HierarchicalLikelihood& likelihood, const Hierarchi
   maximum.slope = value.slope;
   maximum.log_likelihood = value.log_likelihood;
   maximum.converged = found.converged && std::isfinite(value.log_likelihood);
-  maximum.evaluations = function.evaluations() + 1;
   return maximum;
 }
 

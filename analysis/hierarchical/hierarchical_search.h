@@ -28,7 +28,6 @@ struct HierarchicalMaximum {
   HierarchicalPlace slope;  // of ln L, by every parameter, those held included; by tu, tv, tw: 0 where they are 0
   double log_likelihood = 0;
   bool converged = false;
-  int evaluations = 0;
 };
 
 // The place with the means that the form makes of its own.

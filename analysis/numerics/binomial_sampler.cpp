@@ -39,7 +39,11 @@ int BinomialSampler::at(double u) const noexcept {
 }
 
 double open_uniform(std::mt19937_64& generator) {
-  return (static_cast<double>(generator() >> 11U) + 0.5) * 0x1p-53;
+  return open_uniform(std::uint64_t{generator()});
+}
+
+double open_uniform(std::uint64_t bits) {
+  return (static_cast<double>(bits >> 11U) + 0.5) * 0x1p-53;
 }
 
 }  // namespace jnd

@@ -1,6 +1,7 @@
 // Binomial draws by inversion: one uniform number a draw, so that a seed gives the same counts everywhere.
 #pragma once
 
+#include <cstdint>
 #include <random>
 #include <vector>
 
@@ -21,5 +22,6 @@ class BinomialSampler {
 // Uniform in the open interval (0, 1) from the generator's upper 53 bits; the standard's own distributions differ
 // between libraries.
 double open_uniform(std::mt19937_64& generator);
+double open_uniform(std::uint64_t bits);  // the same of 64 random bits
 
 }  // namespace jnd

@@ -1,6 +1,5 @@
 // jnd calc hierarchical: one model of everybody's answers, the JND of the group and of each person.
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -63,13 +62,6 @@ struct NamedAnswers {
   }
 };
 
-std::optional<double> finite_number(const std::string& text) {
-  double value = 0;
-  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || stop != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
-  return value;
-}
-
 HierarchicalModel model_of(const HierarchicalCommand& options) {
   HierarchicalModel model;
   model.response = options.task == "which"              ? ResponseModel::choice
@@ -77,7 +69,7 @@ HierarchicalModel model_of(const HierarchicalCommand& options) {
                                                         : ResponseModel::yes_no;
   if (options.task == "which" && options.observer != "yes-no")
     throw UsageError("--observer goes with --task same-different: how \"different\" is decided");
-  const std::optional<double> lapse = finite_number(options.lapse);
+  const std::optional<double> lapse = number_in_option(options.lapse);
   if (!lapse || !(*lapse >= 0 && *lapse < 1))
     throw UsageError(fmt::format("--lapse: {} is not a rate from 0 to below 1", options.lapse));
   model.lapse = *lapse;
@@ -103,11 +95,11 @@ NamedAnswers counted_answers(const HierarchicalCommand& options) {
   const bool which = options.task == "which";
   NamedAnswers answers;
   if (which) {
-    answers.standard = finite_number(options.trials.standard);
+    answers.standard = number_in_option(options.trials.standard);
     if (!answers.standard)
       throw UsageError("--standard is needed: the number that the levels were judged against, in their unit");
   } else if (!options.trials.standard.empty()) {
-    answers.standard = finite_number(options.trials.standard);
+    answers.standard = number_in_option(options.trials.standard);
     if (!answers.standard) throw UsageError("--standard: a number (a column goes with --trials)");
   }
   const std::string level = which ? "x" : "delta";
@@ -141,6 +133,10 @@ NamedAnswers trial_answers(const HierarchicalCommand& options) {
       answers.cells.push_back({answers.participant(*of.participant), answers.condition(of.condition.value_or("all")),
                                level, static_cast<double>(count.k), static_cast<double>(count.n - count.k)});
     }
+    if (answers.standard && of.standard && *answers.standard != *of.standard)
+      throw InputError(
+          fmt::format("{}: the levels were judged against several standards, {:g} and {:g} (give the rows of one)",
+                      table.file, *answers.standard, *of.standard));
     if (of.standard) answers.standard = of.standard;
   }
   return answers;
@@ -173,6 +169,11 @@ struct HierarchicalResult {
   bool choice() const noexcept { return model.response == ResponseModel::choice; }
 };
 
+// Of the model, and where there is a test of the one with one JND.
+bool settled(const HierarchicalFit& fit) {
+  return fit.maximum.converged && (fit.df == 0 || fit.common.converged);
+}
+
 // ---- JSON
 
 ordered_json ends_json(const ProfileEnds& ends, bool as_ratio = false) {
@@ -204,10 +205,10 @@ ordered_json hierarchical_json(const HierarchicalResult& result) {
   ordered_json out;
   out["conditions"] = result.answers.conditions;
   out["participants"] = fit.participants;
-  out["trials"] = fit.trials;
+  out["trials"] = std::llround(fit.trials);
   out["observer"] = word_of(kResponseModelWords, result.model.response);
   out["lapse"] = result.model.lapse;
-  out["converged"] = fit.maximum.converged;
+  out["converged"] = settled(fit);
   out["loglik"] = json_number(fit.maximum.log_likelihood);
   const std::size_t means = result.model.one_mean ? 1 : fit.conditions.size();
   ordered_json status = ordered_json::array(), mu = status, jnd = status, criteria = status, mu_ci = status,
@@ -264,14 +265,14 @@ ordered_json hierarchical_json(const HierarchicalResult& result) {
 
 using Align = TextTable::Align;
 
-std::string five_digits(double value) {
+std::string four_digits(double value) {
   if (std::isnan(value)) return "-";
   return std::isinf(value) ? "inf" : fmt::format("{:.4g}", value);
 }
 
 std::string jnd_range(const ProfileEnds& ends) {
   if (std::isnan(ends.low)) return "-";
-  return range_text(five_digits(std::exp(ends.low)), five_digits(std::exp(ends.high)));
+  return range_text(four_digits(std::exp(ends.low)), four_digits(std::exp(ends.high)));
 }
 
 std::string conditions_text(const HierarchicalResult& result) {
@@ -291,10 +292,10 @@ std::string conditions_text(const HierarchicalResult& result) {
   TextTable table(header, align);
   for (std::size_t c = 0; c < result.fit.conditions.size(); ++c) {
     const ConditionMean& one = result.fit.conditions[c];
-    std::vector<std::string> row = {printable(result.answers.conditions[c]), five_digits(std::exp(one.mu)),
+    std::vector<std::string> row = {printable(result.answers.conditions[c]), four_digits(std::exp(one.mu)),
                                     jnd_range(one.ends)};
     if (standard > 0) row.push_back(percent_text(std::exp(one.mu) / standard));
-    row.push_back(result.choice() ? five_digits(standard + one.criterion) : number_text(one.criterion, 3));
+    row.push_back(result.choice() ? four_digits(standard + one.criterion) : number_text(one.criterion, 3));
     row.emplace_back(word_of(kSlopeStatusWords, one.status));
     table.add(row);
   }
@@ -325,7 +326,7 @@ std::string spreads_text(const HierarchicalResult& result) {
                   {Align::left, Align::right, Align::left, Align::left});
   const auto add = [&table](const char* name, double value, const char* of, SpreadStatus status) {
     if (status == SpreadStatus::not_asked) return;
-    table.add({name, five_digits(value), of, std::string(word_of(kSpreadStatusWords, status))});
+    table.add({name, four_digits(value), of, std::string(word_of(kSpreadStatusWords, status))});
   };
   add("persons (tu)", place.tu, "ln JND", fit.tu);
   add("persons by condition (tv)", place.tv, "ln JND", fit.tv);
@@ -342,9 +343,9 @@ std::string people_text(const HierarchicalResult& result) {
   for (std::size_t i = 0; i < result.people.size(); ++i) {
     const PersonEstimate& one = result.people[i];
     table.add({printable(result.answers.participants[i / conditions]),
-               printable(result.answers.conditions[i % conditions]), five_digits(std::exp(one.mean)),
-               range_text(five_digits(std::exp(one.mean - one.sd)), five_digits(std::exp(one.mean + one.sd))),
-               five_digits(std::exp(one.alone)), std::string(word_of(kSlopeStatusWords, one.status))});
+               printable(result.answers.conditions[i % conditions]), four_digits(std::exp(one.mean)),
+               range_text(four_digits(std::exp(one.mean - one.sd)), four_digits(std::exp(one.mean + one.sd))),
+               four_digits(std::exp(one.alone)), std::string(word_of(kSlopeStatusWords, one.status))});
   }
   return "\n" + table.text() +
          dim("JND: given everybody's answers, at the group's estimates, which draws those with few answers towards the\n"
@@ -364,7 +365,7 @@ std::string meanings_text(const HierarchicalResult& result) {
         "\n";
   if (any(SlopeStatus::ceiling))
     text += warn("ceiling: a step fits; the JND is below a twelfth of what the levels differ by.") + "\n";
-  if (!result.fit.maximum.converged)
+  if (!settled(result.fit))
     text += warn("The search for the largest likelihood did not settle: take no number from here.") + "\n";
   return text;
 }
@@ -376,7 +377,7 @@ std::string hierarchical_text(const HierarchicalResult& result) {
                                ? "same-different, decided on the difference"
                                : "same-different, decided on the size of the difference";
   std::string text =
-      bold(fmt::format("hierarchical model: {}, lapse {:g}; {}, {:g} trials", what, result.model.lapse,
+      bold(fmt::format("hierarchical model: {}, lapse {:g}; {}, {:.0f} trials", what, result.model.lapse,
                        counted(static_cast<std::int64_t>(fit.participants), "participant"), fit.trials)) +
       "\n";
   text += conditions_text(result);
@@ -397,12 +398,14 @@ int hierarchical(const HierarchicalCommand& options) {
   result.model = model_of(options);
   result.answers = options.trials.trials ? trial_answers(options) : counted_answers(options);
   refuse_empty(options, result.answers);
+  if (options.bootstrap > 0 && (options.one_jnd || result.answers.conditions.size() < 2))
+    throw UsageError("--bootstrap tests one JND for all conditions: it takes several conditions, without --one-jnd");
   HierarchicalAnalysis analysis(result.answers.cells, result.model);
   analysis.add_intervals();
   result.fit = analysis.fit();
   result.differences = analysis.differences();
   if (options.people || options.input.json) result.people = analysis.people();
-  if (options.bootstrap > 0 && result.fit.df > 0) {
+  if (options.bootstrap > 0) {
     const int processors = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
     ProgressBar bar("drawing studies", options.bootstrap);
     result.bootstrap =

@@ -1,7 +1,6 @@
 // jnd calc which: PSE, JND and order bias of choices between two intervals ("which is stiffer?").
 #include "runner/calc/calc_which.h"
 
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <stdexcept>
@@ -33,19 +32,12 @@ struct WhichOptions {
   bool pse_is_standard = false;
 };
 
-std::optional<double> which_number(const std::string& text) {
-  double value = 0;
-  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || stop != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
-  return value;
-}
-
 TwoIntervalOptions which_model(const WhichOptions& options) {
   TwoIntervalOptions model;
   model.link = *value_of(kChoiceLinkWords, options.link);
   model.lapse.reset();
   if (options.lapse == "free") return model;
-  model.lapse = which_number(options.lapse);
+  model.lapse = number_in_option(options.lapse);
   if (!model.lapse || !(*model.lapse >= 0 && *model.lapse < 1))
     throw UsageError(fmt::format("--lapse: {} is neither a rate from 0 to below 1 nor free", options.lapse));
   return model;
@@ -73,7 +65,7 @@ ChoiceRow choice_row(const CsvTable& table, std::size_t row) {
 
 std::vector<ChoiceGroup> counted_groups(const WhichOptions& options, const TwoIntervalOptions& model) {
   refuse_trial_options(options.trials, kWhichUse);
-  const std::optional<double> standard = which_number(options.trials.standard);
+  const std::optional<double> standard = number_in_option(options.trials.standard);
   if (!standard)
     throw UsageError(
         options.trials.standard.empty()

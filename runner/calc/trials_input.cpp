@@ -285,6 +285,13 @@ std::string TrialUnit::name() const {
   return text.empty() ? "all" : text;
 }
 
+std::optional<double> number_in_option(const std::string& text) {
+  double value = 0;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || stop != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
 bool names_nothing(const TrialOptions& options) noexcept {
   return options.level.empty() && options.answer.empty() && options.participant.empty() && options.condition.empty() &&
          options.standard.empty() && options.order.empty() && options.positive.empty();

@@ -68,6 +68,9 @@ TrialTable read_trials(const std::string& file, const TrialOptions& options, con
 // The same from a text in memory; file is its name in messages.
 TrialTable parse_trials(std::string text, const std::string& file, const TrialOptions& options, const TrialUse& use);
 
+// What the text of an option says where it is a finite number and nothing else, such as --standard or --lapse.
+std::optional<double> number_in_option(const std::string& text);
+
 // Neither a column nor anything else is said of the table.
 bool names_nothing(const TrialOptions& options) noexcept;
 

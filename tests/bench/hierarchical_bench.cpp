@@ -13,36 +13,18 @@
 #include "analysis/hierarchical/hierarchical_bootstrap.h"
 #include "analysis/hierarchical/hierarchical_fit.h"
 #include "analysis/numerics/normal.h"
+#include "tests/analysis/hierarchical/hierarchical_fixtures.h"
 
 namespace {
 
 using namespace jnd;
-
-HierarchicalPlace truth() {
-  HierarchicalPlace place;
-  place.mu = {std::log(208.5), std::log(283.5), std::log(351.0)};
-  place.kappa = {0.75, 0.75, 0.75};
-  place.tu = 0.3;
-  place.tv = 0.15;
-  place.tw = 0.3;
-  return place;
-}
-
-// 18 participants, 3 conditions, 36 trials a cell.
-std::vector<HierarchicalCell> study(std::uint64_t number) {
-  std::vector<HierarchicalCell> questions;
-  for (int p = 0; p < 18; ++p)
-    for (int c = 0; c < 3; ++c)
-      for (const double level : {0.0, 200.0, 300.0, 400.0})
-        questions.push_back({p, c, level, 0, level == 0 ? 18.0 : 6.0});
-  return drawn_answers(questions, HierarchicalModel{}, truth(), 1, number);
-}
+using namespace jnd::testing;
 
 // ln L with 15 places a direction for u, v and w, as a loop over people and places says it.
 double plain_likelihood(const std::vector<HierarchicalCell>& cells) {
   constexpr int kPlaces = 15;
   constexpr double kWidth = 0.8;
-  const HierarchicalPlace place = truth();
+  const HierarchicalPlace place = published_truth();
   const auto deviation = [](int i) { return (i - kPlaces / 2) * kWidth; };
   double sum = 0;
   for (int p = 0; p < 18; ++p) {
@@ -75,7 +57,7 @@ double plain_likelihood(const std::vector<HierarchicalCell>& cells) {
 
 double baseline_seconds() {
   static const double seconds = [] {
-    const std::vector<HierarchicalCell> cells = study(0);
+    const std::vector<HierarchicalCell> cells = published_study(18, 0);
     const auto begin = std::chrono::steady_clock::now();
     for (int i = 0; i < 5; ++i) benchmark::DoNotOptimize(plain_likelihood(cells));
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() / 5;
@@ -88,7 +70,7 @@ void run(benchmark::State& state, Work&& work) {
   const double baseline = baseline_seconds();
   std::uint64_t number = 0;
   const auto begin = std::chrono::steady_clock::now();
-  for (auto _ : state) work(study(number++ % 50));
+  for (auto _ : state) work(published_study(18, number++ % 50));
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   state.counters["ratio"] = seconds / static_cast<double>(state.iterations()) / baseline;
 }
@@ -103,7 +85,8 @@ BENCHMARK(fit)->Unit(benchmark::kMillisecond);
 void fit_of_a_drawn_study(benchmark::State& state) {
   run(state, [](const std::vector<HierarchicalCell>& cells) {
     HierarchicalLikelihood likelihood(cells, ResponseModel::yes_no, 0, 0.75);
-    benchmark::DoNotOptimize(maximise(likelihood, HierarchicalForm::separate(3), truth(), 1, 1e-3).log_likelihood);
+    benchmark::DoNotOptimize(
+        maximise(likelihood, HierarchicalForm::separate(3), published_truth(), 1, 1e-3).log_likelihood);
   });
 }
 BENCHMARK(fit_of_a_drawn_study)->Unit(benchmark::kMillisecond);

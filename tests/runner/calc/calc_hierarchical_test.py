@@ -88,6 +88,15 @@ class CalcHierarchical(unittest.TestCase):
                             "where", "--level", "difference", "--answer", "said")
         self.assertAlmostEqual(counted["loglik"], told["loglik"], delta=1e-7)
         self.assertEqual(counted["conditions"], told["conditions"])
+        self.assertEqual(counted["trials"], sum(row[3] for row in rows))
+        self.assertIsInstance(counted["trials"], int)
+
+    def test_trials_against_several_standards_are_refused(self):
+        trials = ["who,standard,level,said"] + [f"P{p},{standard},{level},{said}" for p in (1, 2) for standard in (500, 900)
+                                                for level in (400, 1000) for said in ("yes", "no")]
+        done = self.calc(trials, "--task", "which", "--trials", "--participant", "who", "--level", "level", "--answer",
+                         "said", "--standard", "standard", code=3)
+        self.assertIn("several standards, 500 and 900", done.stderr)
 
     def test_people_get_tables(self):
         rows = [row for row in REFERENCE["same_different"][0]["input"]["rows"] if row[0] <= 6]
@@ -135,6 +144,7 @@ class CalcHierarchical(unittest.TestCase):
                               (("--task", "same-different", "--lapse", "1"), "--lapse"),
                               (("--task", "which"), "--standard is needed"),
                               (("--task", "which", "--observer", "differencing"), "--observer goes with"),
+                              (("--task", "same-different", "--bootstrap", "9"), "--bootstrap tests one JND"),
                               ((), "--task")):
             done = self.calc(good, *options, code=2)
             self.assertIn(part, done.stderr)
