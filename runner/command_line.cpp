@@ -34,6 +34,7 @@ void add_commands(CommandTree& tree) {
   add_new(tree);
   add_check(tree);
   add_plan(tree);
+  add_combine(tree);
   add_diff(tree);
   tree.heading("Run it");
   add_run(tree);

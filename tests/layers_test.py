@@ -82,6 +82,7 @@ WINGS = {
         "help": "keys terminal",
         "results": "calc terminal",
         "precision": "terminal",
+        "power": "opening session terminal",
         "session": "keys terminal",
         "console": "keys session terminal words",
         "screen": "console keys session terminal words",
@@ -92,7 +93,7 @@ WINGS = {
         "device_commands": "keys opening sound terminal",
         "report": "figures keys results",
         "study_commands": "keys opening terminal",
-        "commands": "console events keys opening precision report results screen session sound study_commands terminal words",
+        "commands": "console events keys opening power precision report results screen session sound study_commands terminal words",
         ".": "calc commands device_commands help keys study_commands terminal",
     },
 }

@@ -67,15 +67,38 @@ void adjust(std::vector<PairComparison>& pairs) {
   }
 }
 
-}  // namespace
-
-Comparison compare(const WithinTable& table) {
+Comparison begun(const WithinTable& table) {
   Comparison result;
   result.n = table.n;
   result.k = table.k;
   if (table.n < 2 || table.k < 2) result.status = StatisticStatus::too_few;
+  return result;
+}
+
+std::vector<std::vector<double>> columns_of(const WithinTable& table) {
   std::vector<std::vector<double>> columns;
   for (std::size_t j = 0; j < table.k; ++j) columns.push_back(table.column(j));
+  return columns;
+}
+
+// each(a, b): (0,1), (0,2), ..., (1,2), ...
+template <typename Each>
+void for_pairs(const WithinTable& table, const Each& each) {
+  for (std::size_t a = 0; a < table.k; ++a)
+    for (std::size_t b = a + 1; b < table.k; ++b) each(a, b);
+}
+
+Tukey tukey_of(double mean_difference, const RepeatedMeasures& anova, const WithinTable& table) {
+  const double mean_square_error = anova.status == StatisticStatus::ok ? anova.effect.ss_error / anova.effect.df2 : 0.0;
+  return tukey(mean_difference, mean_square_error, static_cast<double>(table.n), anova.effect.df2,
+               static_cast<int>(table.k));
+}
+
+}  // namespace
+
+Comparison compare(const WithinTable& table) {
+  Comparison result = begun(table);
+  const std::vector<std::vector<double>> columns = columns_of(table);
   const auto n = static_cast<double>(table.n), k = static_cast<double>(table.k);
   const double t_quantile = student_t_quantile_two_sided(0.05, n - 1);
   const std::vector<std::vector<double>> centred = without_participants(columns, table.n);
@@ -90,23 +113,48 @@ Comparison compare(const WithinTable& table) {
   }
   result.friedman = friedman(table);
 
-  const WithinEffect& effect = result.anova.effect;
-  const double mean_square_error = result.anova.status == StatisticStatus::ok ? effect.ss_error / effect.df2 : 0.0;
   const int groups = static_cast<int>(table.k);
-  for (std::size_t a = 0; a < table.k; ++a) {
-    for (std::size_t b = a + 1; b < table.k; ++b) {
-      PairComparison pair;
-      pair.a = a;
-      pair.b = b;
-      pair.t = paired_t(columns[a], columns[b], t_quantile);
-      pair.mean_difference = pair.t.mean_difference;
-      pair.games_howell = games_howell(columns[a], columns[b], groups);
-      pair.tukey = tukey(pair.mean_difference, mean_square_error, n, effect.df2, groups);
-      pair.wilcoxon = signed_rank(columns[a], columns[b]);
-      result.pairs.push_back(pair);
-    }
-  }
+  for_pairs(table, [&](std::size_t a, std::size_t b) {
+    PairComparison pair;
+    pair.a = a;
+    pair.b = b;
+    pair.t = paired_t(columns[a], columns[b], t_quantile);
+    pair.mean_difference = pair.t.mean_difference;
+    pair.games_howell = games_howell(columns[a], columns[b], groups);
+    pair.tukey = tukey_of(pair.mean_difference, result.anova, table);
+    pair.wilcoxon = signed_rank(columns[a], columns[b]);
+    result.pairs.push_back(pair);
+  });
   adjust(result.pairs);
+  return result;
+}
+
+Comparison compare_pairs(const WithinTable& table, PairTest test) {
+  Comparison result = begun(table);
+  const std::vector<std::vector<double>> columns = columns_of(table);
+  if (test == PairTest::tukey) result.anova = repeated_measures(table);
+  for_pairs(table, [&](std::size_t a, std::size_t b) {
+    PairComparison pair;
+    pair.a = a;
+    pair.b = b;
+    const PairedT t = paired_t(columns[a], columns[b]);
+    pair.mean_difference = t.mean_difference;
+    switch (test) {
+      case PairTest::paired_t:
+        pair.t = t;
+        break;
+      case PairTest::games_howell:
+        pair.games_howell = games_howell(columns[a], columns[b], static_cast<int>(table.k));
+        break;
+      case PairTest::tukey:
+        pair.tukey = tukey_of(pair.mean_difference, result.anova, table);
+        break;
+      case PairTest::wilcoxon:
+        pair.wilcoxon = signed_rank(columns[a], columns[b]);
+        break;
+    }
+    result.pairs.push_back(pair);
+  });
   return result;
 }
 

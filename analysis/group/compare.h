@@ -52,4 +52,9 @@ struct Comparison {
 // table.k = 1..1000, table.n >= 0.
 Comparison compare(const WithinTable& table);
 
+// One test of every pair and nothing else, for studies that are simulated by the thousand: of the comparison n, k and the
+// pairs, and of these the differences and that test, as compare() has them.
+enum class PairTest { paired_t, games_howell, tukey, wilcoxon };
+Comparison compare_pairs(const WithinTable& table, PairTest test);
+
 }  // namespace jnd

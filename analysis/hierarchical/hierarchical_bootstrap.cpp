@@ -18,8 +18,6 @@ namespace jnd {
 namespace {
 
 constexpr std::uint64_t kPurpose = 0x4869657261726368;
-// Replicates are fitted with a likelihood that errs by a few 1e-4.
-constexpr double kReplicateFineness = 0.75, kReplicateNegligible = 1e-3;
 
 double standard_normal(ExperimentStream& stream) {
   return normal_quantile(open_uniform(stream.next()));
@@ -60,13 +58,15 @@ EqualityBootstrap equality_bootstrap(std::span<const HierarchicalCell> cells, co
                                      const HierarchicalFit& fit, int replicates, std::uint64_t seed, int threads,
                                      const std::function<void(int)>& progress) {
   const std::size_t conditions = fit.conditions.size();
-  const double unit = model.response == ResponseModel::choice ? std::exp(fit.common.place.mu.front()) : 1;
+  const SearchRange range = search_range(cells, model.response);
   HierarchicalForm free = HierarchicalForm::separate(conditions), common = HierarchicalForm::common(conditions);
   const auto in_model = [](SpreadStatus status) { return status == SpreadStatus::ok || status == SpreadStatus::zero; };
   free.tu = common.tu = in_model(fit.tu);
   free.tv = common.tv = in_model(fit.tv);
   free.tw = common.tw = in_model(fit.tw);
   free.rho = common.rho = model.rho && free.tu && free.tw;
+  free.lowest = common.lowest = range.lowest();
+  free.highest = common.highest = range.highest();
   std::atomic<int> next{0}, as_large{0};
   int done = 0;
   std::mutex mutex;
@@ -77,9 +77,11 @@ EqualityBootstrap equality_bootstrap(std::span<const HierarchicalCell> cells, co
         stop_if_requested();
         const std::vector<HierarchicalCell> drawn =
             drawn_answers(cells, model, fit.common.place, seed, static_cast<std::uint64_t>(i));
-        HierarchicalLikelihood likelihood(drawn, model.response, model.lapse, kReplicateFineness);
-        const HierarchicalMaximum one = maximise(likelihood, common, fit.common.place, unit, kReplicateNegligible);
-        const HierarchicalMaximum each = maximise(likelihood, free, one.place, unit, kReplicateNegligible);
+        HierarchicalLikelihood likelihood(drawn, model.response, model.lapse, kRoughFineness);
+        const HierarchicalMaximum one =
+            maximise(likelihood, common, fit.common.place, range.criterion_unit, kRoughlyNegligible);
+        const HierarchicalMaximum each =
+            maximise(likelihood, free, one.place, range.criterion_unit, kRoughlyNegligible);
         if (2 * (each.log_likelihood - one.log_likelihood) >= fit.lr) ++as_large;
         const std::lock_guard lock(mutex);
         ++done;

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numeric>
 #include <set>
-#include <stdexcept>
 #include <utility>
 
 #include "analysis/hierarchical/hierarchical_information.h"
@@ -17,10 +16,6 @@ namespace jnd {
 namespace {
 
 constexpr double kFirstSpread = 0.3, kFirstSpreadWithin = 0.15;  // where a search begins
-// The first search is a rough one, whose likelihood errs by a few 1e-4.
-constexpr double kRough = 0.75, kRoughlyEqual = 1e-3;
-// Times the range of levels: beyond it they do not tell a JND. A search goes a little further.
-constexpr double kOutside = 12, kBeyond = 0.2;
 
 double trials_of(std::span<const HierarchicalCell> cells) {
   return std::accumulate(cells.begin(), cells.end(), 0.0,
@@ -37,12 +32,13 @@ std::vector<HierarchicalCell> of_condition(std::span<const HierarchicalCell> cel
 }  // namespace
 
 HierarchicalAnalysis::HierarchicalAnalysis(std::vector<HierarchicalCell> cells, const HierarchicalModel& model)
-    : cells_(std::move(cells)), model_(model), likelihood_(cells_, model.response, model.lapse) {
-  if (cells_.empty()) throw std::invalid_argument("a hierarchical analysis needs answers");
+    : cells_(std::move(cells)),
+      model_(model),
+      range_(search_range(cells_, model.response)),
+      likelihood_(cells_, model.response, model.lapse) {
   const std::size_t conditions = likelihood_.conditions();
   fit_.participants = likelihood_.participants();
   fit_.trials = trials_of(cells_);
-  find_start();
   find_spreads();
   form_ = model.one_mean ? HierarchicalForm::common(conditions) : HierarchicalForm::separate(conditions);
   const auto estimated = [](SpreadStatus status) { return status == SpreadStatus::ok; };
@@ -50,20 +46,20 @@ HierarchicalAnalysis::HierarchicalAnalysis(std::vector<HierarchicalCell> cells, 
   form_.tv = estimated(fit_.tv);
   form_.tw = estimated(fit_.tw);
   form_.rho = model.rho && form_.tu && form_.tw;
-  form_.lowest = least_ - kBeyond;
-  form_.highest = greatest_ + kBeyond;
+  form_.lowest = range_.lowest();
+  form_.highest = range_.highest();
 
   HierarchicalPlace place;
   for (std::size_t c = 0; c < conditions; ++c) {
-    const PooledMaximum pooled = pooled_maximum(of_condition(cells_, c), model.response, model.lapse, start_);
+    const PooledMaximum pooled = pooled_maximum(of_condition(cells_, c), model.response, model.lapse, range_.start);
     place.mu.push_back(std::clamp(pooled.ln_s, form_.lowest, form_.highest));
     place.kappa.push_back(pooled.criterion);
   }
   place.tu = form_.tu ? kFirstSpread : 0;
   place.tv = form_.tv ? kFirstSpreadWithin : 0;
-  place.tw = form_.tw ? kFirstSpread * unit_ : 0;
-  HierarchicalLikelihood rough(cells_, model.response, model.lapse, kRough);
-  fit_.maximum = from_here(form_, maximise(rough, form_, place, unit_, kRoughlyEqual).place);
+  place.tw = form_.tw ? kFirstSpread * range_.criterion_unit : 0;
+  HierarchicalLikelihood rough(cells_, model.response, model.lapse, kRoughFineness);
+  fit_.maximum = from_here(form_, maximise(rough, form_, place, range_.criterion_unit, kRoughlyNegligible).place);
 
   const HierarchicalPlace& found = fit_.maximum.place;
   const auto settle = [](SpreadStatus& status, double spread) {
@@ -86,29 +82,6 @@ HierarchicalAnalysis::HierarchicalAnalysis(std::vector<HierarchicalCell> cells, 
   fit_.lr = std::max(0.0, 2 * (fit_.maximum.log_likelihood - fit_.common.log_likelihood));
   fit_.df = static_cast<int>(conditions) - 1;
   fit_.p = chi2_upper(fit_.lr, fit_.df);
-}
-
-// The middle of what the levels can tell, and its ends.
-void HierarchicalAnalysis::find_start() {
-  std::set<double> levels;
-  for (const HierarchicalCell& cell : cells_) levels.insert(cell.level);
-  const bool choice = model_.response == ResponseModel::choice;
-  double smallest = kInf, largest = 0;
-  if (!choice) {
-    for (const double level : levels)
-      if (level != 0) smallest = std::min(smallest, std::abs(level));
-    largest = std::max(std::abs(*levels.begin()), std::abs(*levels.rbegin()));
-  } else {
-    for (auto next = std::next(levels.begin()); next != levels.end(); ++next)
-      smallest = std::min(smallest, *next - *std::prev(next));
-    largest = *levels.rbegin() - *levels.begin();
-  }
-  if (!(largest > 0)) throw std::invalid_argument("a hierarchical analysis needs levels that differ");
-  start_.ln_s = std::log(largest / (choice ? 4 : 2));
-  start_.criterion = model_.response == ResponseModel::yes_no ? 0.7 : 0;
-  unit_ = choice ? std::exp(start_.ln_s) : 1;
-  greatest_ = std::log(kOutside * largest);
-  least_ = std::log(smallest / kOutside);
 }
 
 void HierarchicalAnalysis::find_spreads() {
@@ -134,38 +107,20 @@ HierarchicalMaximum HierarchicalAnalysis::from_here(const HierarchicalForm& form
   for (std::size_t c = 0; c < start.mu.size(); ++c)
     if (std::abs(start.mu[c] - place.mu[c]) > kFar)
       start.kappa[c] = pooled_maximum(of_condition(cells_, c), model_.response, model_.lapse,
-                                      {start.mu[c], start_.criterion, 0}, true)
+                                      {start.mu[c], range_.start.criterion, 0}, true)
                            .criterion;
-  return maximise(likelihood_, form, start, unit_);
+  return maximise(likelihood_, form, start, range_.criterion_unit);
 }
 
 // at_end(ln s): the largest ln L with that mean. Answers that are as likely at an end of what is searched tell no JND.
 template <typename AtEnd>
 SlopeStatus HierarchicalAnalysis::status_of(double ln_s, double log_likelihood, const AtEnd& at_end) const {
   constexpr double kAsLikely = 1e-4, kNear = 1.2;  // an end is looked at from so near
-  if (ln_s > greatest_ - kNear && (ln_s > greatest_ || at_end(form_.highest) > log_likelihood - kAsLikely))
+  if (ln_s > range_.greatest - kNear && (ln_s > range_.greatest || at_end(form_.highest) > log_likelihood - kAsLikely))
     return SlopeStatus::no_sensitivity;
-  if (ln_s < least_ + kNear && (ln_s < least_ || at_end(form_.lowest) > log_likelihood - kAsLikely))
+  if (ln_s < range_.least + kNear && (ln_s < range_.least || at_end(form_.lowest) > log_likelihood - kAsLikely))
     return SlopeStatus::ceiling;
   return SlopeStatus::ok;
-}
-
-// Covariances of the means in the approximation of hierarchical_information.h, by rows: where a profile is first looked
-// at, no more.
-std::vector<double> HierarchicalAnalysis::mean_errors() const {
-  const HierarchicalPlace& place = fit_.maximum.place;
-  const std::size_t n = 2 * place.mu.size(), all = n + 4;
-  const std::vector<double> full = marginal_information(likelihood_.cell_information(place), place);
-  std::vector<double> covariance;
-  for (std::size_t c = 0; c < place.mu.size(); ++c) {
-    std::vector<double> information(n * n), column(n, 0);
-    for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t j = 0; j < n; ++j) information[i * n + j] = full[i * all + j];
-    column[c] = 1;
-    solve_positive_definite(information, column);
-    covariance.insert(covariance.end(), column.begin(), column.begin() + static_cast<std::ptrdiff_t>(place.mu.size()));
-  }
-  return covariance;
 }
 
 // held(value): the form with the parameter at that value; slope(maximum): of ln L there, by the parameter.
@@ -189,7 +144,8 @@ ProfileEnds HierarchicalAnalysis::ends(double estimate, double error, const Held
 
 const HierarchicalFit& HierarchicalAnalysis::add_intervals() {
   const std::size_t conditions = fit_.conditions.size();
-  const std::vector<double> covariance = mean_errors();
+  const std::vector<double> covariance =
+      mean_covariance(likelihood_.cell_information(fit_.maximum.place), fit_.maximum.place);
   for (std::size_t c = 0; c < conditions; ++c) {
     ConditionMean& one = fit_.conditions[c];
     const auto by = [&](const HierarchicalMaximum& there) {
@@ -211,7 +167,8 @@ std::vector<ConditionDifference> HierarchicalAnalysis::differences() {
   std::vector<ConditionDifference> differences;
   const std::size_t conditions = fit_.conditions.size();
   if (model_.one_mean) return differences;
-  const std::vector<double> covariance = mean_errors();
+  const std::vector<double> covariance =
+      mean_covariance(likelihood_.cell_information(fit_.maximum.place), fit_.maximum.place);
   for (std::size_t a = 0; a < conditions; ++a)
     for (std::size_t b = a + 1; b < conditions; ++b) {
       ConditionDifference one{a, b, fit_.conditions[a].mu - fit_.conditions[b].mu, {}};
@@ -243,9 +200,10 @@ std::vector<PersonEstimate> HierarchicalAnalysis::people() {
     one.sd = posteriors[i / conditions].sd[i % conditions];
     one.status = SlopeStatus::missing;
     if (trials_of(cells[i]) == 0) continue;
-    const PooledMaximum alone = pooled_maximum(cells[i], model_.response, model_.lapse, start_);
+    const PooledMaximum alone = pooled_maximum(cells[i], model_.response, model_.lapse, range_.start);
     const auto at_end = [&](double ln_s) {
-      return pooled_maximum(cells[i], model_.response, model_.lapse, {ln_s, start_.criterion, 0}, true).log_likelihood;
+      return pooled_maximum(cells[i], model_.response, model_.lapse, {ln_s, range_.start.criterion, 0}, true)
+          .log_likelihood;
     };
     one.status = status_of(alone.ln_s, alone.log_likelihood, at_end);
     if (one.status == SlopeStatus::ok) one.alone = alone.ln_s;

@@ -105,9 +105,7 @@ class HierarchicalAnalysis {
 
  private:
   void find_spreads();
-  void find_start();
   HierarchicalMaximum from_here(const HierarchicalForm& form, const HierarchicalPlace& place);
-  std::vector<double> mean_errors() const;
   template <typename Held, typename Slope>
   ProfileEnds ends(double estimate, double error, const Held& held, const Slope& slope);
   template <typename AtEnd>
@@ -116,10 +114,8 @@ class HierarchicalAnalysis {
   std::vector<HierarchicalCell> cells_;
   HierarchicalModel model_;
   HierarchicalForm form_;
+  SearchRange range_;
   HierarchicalLikelihood likelihood_;
-  PooledMaximum start_;              // of anybody's cell
-  double unit_ = 1;                  // of criteria
-  double least_ = 0, greatest_ = 0;  // ln s beyond which there is no slope to tell
   HierarchicalFit fit_;
 };
 

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <map>
 #include <numeric>
+#include <set>
+#include <stdexcept>
 
 #include "analysis/hierarchical/hierarchical_information.h"
 #include "analysis/numerics/box_newton.h"
@@ -293,6 +296,46 @@ PooledMaximum pooled_maximum(std::span<const HierarchicalCell> cells, ResponseMo
   const NewtonBox box = {{x[0] - reach, x[1] - kFurthestCriterion}, {x[0] + reach, x[1] + kFurthestCriterion}};
   const NewtonResult found = maximise_in_box(function, x, box, -kInf, kGoodStart);
   return {found.place[0], found.place[1] * unit, found.value};
+}
+
+namespace {
+
+// Times the range of levels: beyond it they do not tell a JND.
+constexpr double kOutside = 12, kBeyond = 0.2;
+
+}  // namespace
+
+double SearchRange::lowest() const noexcept {
+  return least - kBeyond;
+}
+
+double SearchRange::highest() const noexcept {
+  return greatest + kBeyond;
+}
+
+SearchRange search_range(std::span<const HierarchicalCell> cells, ResponseModel model) {
+  if (cells.empty()) throw std::invalid_argument("a hierarchical analysis needs answers");
+  std::set<double> levels;
+  for (const HierarchicalCell& cell : cells) levels.insert(cell.level);
+  const bool choice = model == ResponseModel::choice;
+  double smallest = kInf, largest = 0;
+  if (!choice) {
+    for (const double level : levels)
+      if (level != 0) smallest = std::min(smallest, std::abs(level));
+    largest = std::max(std::abs(*levels.begin()), std::abs(*levels.rbegin()));
+  } else {
+    for (auto next = std::next(levels.begin()); next != levels.end(); ++next)
+      smallest = std::min(smallest, *next - *std::prev(next));
+    largest = *levels.rbegin() - *levels.begin();
+  }
+  if (!(largest > 0)) throw std::invalid_argument("a hierarchical analysis needs levels that differ");
+  SearchRange range;
+  range.start.ln_s = std::log(largest / (choice ? 4 : 2));
+  range.start.criterion = model == ResponseModel::yes_no ? 0.7 : 0;
+  range.criterion_unit = choice ? std::exp(range.start.ln_s) : 1;
+  range.greatest = std::log(kOutside * largest);
+  range.least = std::log(smallest / kOutside);
+  return range;
 }
 
 }  // namespace jnd

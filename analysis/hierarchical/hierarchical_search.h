@@ -49,4 +49,18 @@ struct PooledMaximum {
 PooledMaximum pooled_maximum(std::span<const HierarchicalCell> cells, ResponseModel model, double lapse,
                              const PooledMaximum& start, bool hold_ln_s = false);
 
+// What the levels of a study can tell, and where a search of it begins.
+struct SearchRange {
+  PooledMaximum start;             // of anybody's answers in one condition
+  double criterion_unit = 1;       // 1, or of choices a spread
+  double least = 0, greatest = 0;  // ln s beyond which there is no slope to tell: 12 times beyond the levels
+  double lowest() const noexcept;  // of a search, which goes a little further
+  double highest() const noexcept;
+};
+// Throws std::invalid_argument without cells, and where all have one level.
+SearchRange search_range(std::span<const HierarchicalCell> cells, ResponseModel model);
+
+// A search with a likelihood of that fineness errs by a few 1e-4 of ln L: enough to come near, and for drawn studies.
+inline constexpr double kRoughFineness = 0.75, kRoughlyNegligible = 1e-3;
+
 }  // namespace jnd

@@ -71,14 +71,34 @@ void fill(OutcomeComparison& outcome, const std::vector<ParticipantRows<Row>>& r
       });
 }
 
-void test(OutcomeComparison& outcome) {
+PairTest pair_test(PostHoc test) noexcept {
+  switch (test) {
+    case PostHoc::holm_t:
+      return PairTest::paired_t;
+    case PostHoc::games_howell:
+      return PairTest::games_howell;
+    case PostHoc::tukey:
+      return PairTest::tukey;
+    case PostHoc::wilcoxon:
+      break;
+  }
+  return PairTest::wilcoxon;
+}
+
+// pairs: only those, by this test; none: everything.
+void test(OutcomeComparison& outcome, std::optional<PostHoc> pairs = std::nullopt) {
   if (outcome.refused.empty() && outcome.table.k < 2) outcome.refused = "one condition has nothing to be compared with";
   if (outcome.refused.empty() && outcome.table.n < 2 && !outcome.crossed && outcome.left_out.empty())
     outcome.refused = "groups of participants get different conditions: fewer than 2 participants get them all";
   if (outcome.refused.empty() && outcome.table.n < 2)
     outcome.refused = fmt::format("{} complete participant{}: at least 2 are needed", outcome.table.n,
                                   outcome.table.n == 1 ? "" : "s");
-  if (outcome.refused.empty()) outcome.comparison = compare(outcome.table);
+  if (!outcome.refused.empty()) return;
+  outcome.comparison = pairs ? compare_pairs(outcome.table, pair_test(*pairs)) : compare(outcome.table);
+}
+
+void test(OutcomeComparison& outcome, Compared compared, const Protocol& protocol) {
+  test(outcome, compared == Compared::contrasts ? std::optional(protocol.analysis.tests.post_hoc) : std::nullopt);
 }
 
 double outcome_of(const JndEstimate& estimate, Outcome outcome) {
@@ -134,7 +154,7 @@ std::string_view to_string(PostHoc test) noexcept {
 }
 
 OutcomeComparison compare_thresholds(const std::vector<ThresholdResult>& thresholds, const Protocol& protocol,
-                                     Outcome outcome) {
+                                     Outcome outcome, Compared compared) {
   const std::string unit(to_string(protocol.stimulus.unit));
   OutcomeComparison result;
   result.outcome = to_string(outcome);
@@ -153,11 +173,11 @@ OutcomeComparison compare_thresholds(const std::vector<ThresholdResult>& thresho
   if (outcome != Outcome::slope && !result.left_out.empty())
     result.refused =
         fmt::format("tests on the JND need a JND of everyone; without one: {}", joined_names(result.left_out));
-  test(result);
+  test(result, compared, protocol);
   return result;
 }
 
-OutcomeComparison compare_adaptive(const std::vector<AdaptiveRow>& rows, const Protocol& protocol) {
+OutcomeComparison compare_adaptive(const std::vector<AdaptiveRow>& rows, const Protocol& protocol, Compared compared) {
   std::vector<AdaptiveRow> whole;
   for (const AdaptiveRow& row : rows)
     if (row.track == 0) whole.push_back(row);
@@ -174,11 +194,11 @@ OutcomeComparison compare_adaptive(const std::vector<AdaptiveRow>& rows, const P
   if (!result.left_out.empty())
     result.refused =
         fmt::format("tests on thresholds need one of everyone; without one: {}", joined_names(result.left_out));
-  test(result);
+  test(result, compared, protocol);
   return result;
 }
 
-OutcomeComparison compare_task(const TaskResults& results, const Protocol& protocol) {
+OutcomeComparison compare_task(const TaskResults& results, const Protocol& protocol, Compared compared) {
   const TaskOutcome& outcome = results.outcomes[results.registered];
   const bool logarithm = protocol.analysis.tests.outcome == Outcome::log_jnd;
   OutcomeComparison result;
@@ -197,7 +217,7 @@ OutcomeComparison compare_task(const TaskResults& results, const Protocol& proto
   if (!result.left_out.empty())
     result.refused = fmt::format("tests on the {} need a value of everyone; without one: {}", outcome.title,
                                  joined_names(result.left_out));
-  test(result);
+  test(result, compared, protocol);
   return result;
 }
 

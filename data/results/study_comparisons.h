@@ -86,14 +86,20 @@ std::string_view to_string(Outcome outcome) noexcept;   // "slope", "jnd", "log_
 std::string_view to_string(BetweenTest test) noexcept;  // "none", "welch", "mann-whitney", "mixed-anova"
 std::string_view to_string(PostHoc test) noexcept;      // "holm-t", "games-howell", "tukey", "wilcoxon"
 
+// How much of a comparison is computed. contrasts: the pairs, each by the registered post-hoc test alone, which is what
+// contrast_p() needs; for studies that are simulated by the thousand.
+enum class Compared { everything, contrasts };
+
 // Slopes of thresholds, by participant and condition. Tests on the slope leave out whose slope is not finite;
 // those on the JND or its logarithm are refused where a participant has none (a mean over the rest would be biased).
 OutcomeComparison compare_thresholds(const std::vector<ThresholdResult>& thresholds, const Protocol& protocol,
-                                     Outcome outcome);
+                                     Outcome outcome, Compared compared = Compared::everything);
 // Of an adaptive study; tests are refused where a participant has no threshold. rows: of adaptive_results.
-OutcomeComparison compare_adaptive(const std::vector<AdaptiveRow>& rows, const Protocol& protocol);
+OutcomeComparison compare_adaptive(const std::vector<AdaptiveRow>& rows, const Protocol& protocol,
+                                   Compared compared = Compared::everything);
 // The registered outcome of a task, by participant its mean over the standards.
-OutcomeComparison compare_task(const TaskResults& results, const Protocol& protocol);
+OutcomeComparison compare_task(const TaskResults& results, const Protocol& protocol,
+                               Compared compared = Compared::everything);
 OutcomeComparison compare_times(const std::vector<ThresholdResult>& thresholds, const Protocol& protocol);
 // participants: those that the ratings were read for. groups: theirs; empty where there are none.
 OutcomeComparison compare_ratings(const RatedQuestion& ratings, const std::vector<std::string>& participants,

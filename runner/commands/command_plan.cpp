@@ -1,4 +1,4 @@
-// jnd plan: every trial of a participant in order, or the balance of a whole cohort.
+// jnd plan: every trial of a participant in order, the balance of a whole cohort, or what the design will measure.
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -13,6 +13,7 @@
 #include "protocols/tasks/task.h"
 #include "runner/commands/commands.h"
 #include "runner/commands/plan_explorations.h"
+#include "runner/commands/power_options.h"
 #include "runner/commands/precision_options.h"
 #include "runner/opening/participant_names.h"
 #include "runner/opening/study_access.h"
@@ -36,6 +37,7 @@ struct PlanOptions {
   std::optional<std::uint64_t> seed;  // 1 where not given
   bool json = false;
   PrecisionOptions precision;
+  PowerOptions power;
 };
 
 std::vector<std::string> names_in_order(const std::vector<int>& order, const auto& things) {
@@ -286,10 +288,26 @@ int plan_of_protocol(const Protocol& protocol, std::uint64_t seed, const PlanOpt
   return exit_code::kDone;
 }
 
+// What an order of trials does not depend on.
+void refuse_figures(const PrecisionOptions& options) {
+  const auto refuse = [](const char* name, bool given) {
+    if (given) throw CLI::RequiresError(name, "--precision or --power");
+  };
+  refuse("--jnd", !options.jnds.empty());
+  refuse("--trials", !options.trials.empty());
+  refuse("--participants", !options.participants.empty());
+  refuse("--between-cv", options.between_cv.has_value());
+}
+
 int command_plan(const PlanOptions& options) {
   if (options.protocol.empty() && !options.precision.asked && !options.study) throw CLI::RequiredError("PROTOCOL");
   if (options.precision.asked && options.study) throw CLI::ExcludesError("--precision", "--study");
+  if (options.power.asked && options.study) throw CLI::ExcludesError("--power", "--study");
+  if (options.power.asked && options.precision.asked) throw CLI::ExcludesError("--power", "--precision");
   const std::uint64_t given_seed = options.seed.value_or(1);
+  if (options.power.asked)
+    return plan_power(options.protocol, given_seed, options.json, options.precision, options.power);
+  if (!options.precision.asked) refuse_figures(options.precision);
   if (options.precision.asked)
     return plan_precision(options.protocol.empty() ? "chinello2017" : options.protocol, given_seed, options.json,
                           options.precision);
@@ -322,6 +340,7 @@ void add_plan(CommandTree& tree) {
   command.add_option("--study", options.study, "the plan of a study's participant, by its own protocol and seed");
   command.add_flag("--json", options.json, "machine-readable");
   add_precision_options(command, options.precision);
+  add_power_options(command, options.power);
 }
 
 }  // namespace jnd

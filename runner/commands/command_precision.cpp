@@ -34,32 +34,6 @@ double jnd_from(const std::string& text, const std::string& argument) {
   return value;
 }
 
-void set_jnds(const std::vector<std::string>& arguments, const Protocol& protocol, PlannedPrecision& planned,
-              std::vector<double>& jnds) {
-  // The value for all first, so that it never overrides one of a condition.
-  for (const std::string& argument : arguments) {
-    if (argument.find('=') != std::string::npos) continue;
-    jnds.assign(jnds.size(), jnd_from(argument, argument));
-    planned.sources.assign(jnds.size(), JndSource::asked);
-  }
-  for (const std::string& argument : arguments) {
-    const std::string::size_type equals = argument.find('=');
-    if (equals == std::string::npos) continue;
-    std::string known;
-    bool found = false;
-    for (std::size_t i = 0; i < jnds.size(); ++i) {
-      known += (known.empty() ? "" : ", ") + protocol.conditions[i].name;
-      if (protocol.conditions[i].name != argument.substr(0, equals)) continue;
-      jnds[i] = jnd_from(argument.substr(equals + 1), argument);
-      planned.sources[i] = JndSource::asked;
-      found = true;
-    }
-    if (!found)
-      throw UsageError(
-          fmt::format("--jnd {}: the protocol has no such condition; it has {}", printable(argument), known));
-  }
-}
-
 // Says how far it is where that takes more than about a second.
 Precision precision_with_progress(const PrecisionQuestion& question) {
   constexpr double kMostCellsWithoutWord = 1e6;
@@ -72,23 +46,48 @@ Precision precision_with_progress(const PrecisionQuestion& question) {
 
 }  // namespace
 
+std::vector<PlannedJnd> asked_jnds(const std::vector<std::string>& arguments, const Protocol& protocol) {
+  std::vector<PlannedJnd> jnds;
+  for (const Condition& condition : protocol.conditions) jnds.push_back(planned_jnd(protocol, condition.name));
+  // The value for all first, so that it never overrides one of a condition.
+  for (const std::string& argument : arguments) {
+    if (argument.find('=') != std::string::npos) continue;
+    jnds.assign(jnds.size(), {jnd_from(argument, argument), JndSource::asked});
+  }
+  for (const std::string& argument : arguments) {
+    const std::string::size_type equals = argument.find('=');
+    if (equals == std::string::npos) continue;
+    std::string known;
+    bool found = false;
+    for (std::size_t i = 0; i < jnds.size(); ++i) {
+      known += (known.empty() ? "" : ", ") + protocol.conditions[i].name;
+      if (protocol.conditions[i].name != argument.substr(0, equals)) continue;
+      jnds[i] = {jnd_from(argument.substr(equals + 1), argument), JndSource::asked};
+      found = true;
+    }
+    if (!found)
+      throw UsageError(
+          fmt::format("--jnd {}: the protocol has no such condition; it has {}", printable(argument), known));
+  }
+  return jnds;
+}
+
 void add_precision_options(CLI::App& plan, PrecisionOptions& options) {
   CLI::Option* precision =
       plan.add_flag("--precision", options.asked, "how well this design will measure JNDs, instead of the order");
   plan.add_option("--jnd", options.jnds,
                   "true JND to plan for: a number for all conditions, or NAME=NUMBER for one (default: the published "
                   "values, else the Weber fractions of the simulated participants)")
-      ->needs(precision)
       ->allow_extra_args(false);
-  plan.add_option("--trials", options.trials, "trials per cell (default: the protocol's)")
-      ->needs(precision)
-      ->check(CLI::Range(1, kMostTrials));
-  plan.add_option("--participants", options.participants, "participants (default: the protocol's)")
-      ->needs(precision)
-      ->check(CLI::Range(1, 1000));
+  plan.add_option("--trials", options.trials, "trials per cell (default: the protocol's); with --power several: 12,24")
+      ->check(CLI::Range(1, kMostTrials))
+      ->delimiter(',');
+  plan.add_option("--participants", options.participants,
+                  "participants (default: the protocol's); with --power several: 12,18,24")
+      ->check(CLI::Range(1, 1000))
+      ->delimiter(',');
   plan.add_option("--between-cv", options.between_cv,
-                  "spread of the participants' true JNDs, as a coefficient of variation (default: 0)")
-      ->needs(precision)
+                  "spread of the participants' true JNDs, as a coefficient of variation (default: 0; with --power 0.3)")
       ->check(CLI::Range(0.0, 2.0));
   plan.add_option("--cv", options.cv, "wanted coefficient of variation of one participant's JND (default: 0.1)")
       ->needs(precision)
@@ -111,7 +110,7 @@ namespace {
 // Of a task: by simulation.
 int plan_task_precision(const Protocol& protocol, const std::string& name, std::uint64_t seed, bool json,
                         const PrecisionOptions& options) {
-  if (options.participants || options.between_cv > 0)
+  if (!options.participants.empty() || options.between_cv.value_or(0) > 0)
     throw UsageError(
         fmt::format("{}: --participants and --between-cv are for same-different with fixed series; --simulated "
                     "says how many participants are simulated here",
@@ -152,13 +151,15 @@ int plan_precision(const std::string& name, std::uint64_t seed, bool json, const
   Protocol protocol = load_checked_protocol(name);
   if (protocol.task.kind == TaskKind::explore)
     throw UsageError(fmt::format("{}: precision cannot be foretold of free interaction", printable(name)));
-  if (options.trials) protocol.design.trials_per_cell = *options.trials;
+  for (const auto* const list : {&options.trials, &options.participants})
+    if (list->size() > 1) throw UsageError("several designs at once are for --power: give one number with --precision");
+  if (!options.trials.empty()) protocol.design.trials_per_cell = options.trials.front();
   if (!has_precision(protocol)) {
     const int balance = task_of(protocol.task.kind).balance_of(protocol.task);
     if (protocol.design.sampling == Sampling::balanced && protocol.design.trials_per_cell % balance != 0)
       throw UsageError(
           fmt::format("--trials {}: balanced cells need a multiple of {}", protocol.design.trials_per_cell, balance));
-    if (options.trials && protocol.design.procedure)
+    if (!options.trials.empty() && protocol.design.procedure)
       throw UsageError("--trials: a procedure says itself when its tracks end");
     return plan_task_precision(protocol, name, seed, json, options);
   }
@@ -166,15 +167,17 @@ int plan_precision(const std::string& name, std::uint64_t seed, bool json, const
   if (options.simulated) throw UsageError("--simulated is for tasks other than same-different, and for procedures");
   if (protocol.design.sampling == Sampling::balanced && protocol.design.trials_per_cell % 4 != 0)
     throw UsageError(fmt::format("--trials {}: balanced cells need a multiple of 4", protocol.design.trials_per_cell));
-  if (options.participants) protocol.design.participants = *options.participants;
+  if (!options.participants.empty()) protocol.design.participants = options.participants.front();
   PrecisionQuestion question = precision_question(protocol);
-  question.between_cv = options.between_cv;
+  question.between_cv = options.between_cv.value_or(0);
   question.wanted_cv = options.cv;
   question.seed = seed;
   PlannedPrecision planned;
-  for (const Condition& condition : protocol.conditions)
-    planned.sources.push_back(planned_jnd(protocol, condition.name).source);
-  set_jnds(options.jnds, protocol, planned, question.jnds);
+  question.jnds.clear();
+  for (const PlannedJnd& jnd : asked_jnds(options.jnds, protocol)) {
+    question.jnds.push_back(jnd.value);
+    planned.sources.push_back(jnd.source);
+  }
   planned.precision = precision_with_progress(question);
   if (json) {
     nlohmann::ordered_json out = {{"protocol_sha256", protocol.sha256}};

@@ -13,6 +13,7 @@ void add_new(CommandTree& tree);
 void add_init(CommandTree& tree);
 void add_check(CommandTree& tree);
 void add_plan(CommandTree& tree);
+void add_combine(CommandTree& tree);
 void add_diff(CommandTree& tree);
 void add_run(CommandTree& tree);
 void add_simulate(CommandTree& tree);

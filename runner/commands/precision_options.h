@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "protocols/planning/planned_precision.h"
+
 namespace CLI {
 class App;
 }
@@ -15,16 +17,19 @@ namespace jnd {
 struct PrecisionOptions {
   bool asked = false;             // --precision
   std::vector<std::string> jnds;  // true JNDs: "208.5" for all conditions, "SV=208.5" for one; else the protocol's
-  std::optional<int> trials;      // a cell; else the protocol's
-  std::optional<int> participants;
-  double between_cv = 0;  // of the participants' true JNDs
-  double cv = 0.10;       // wanted, of one participant's JND
+  std::vector<int> trials;        // a cell; else the protocol's. Several for --power alone, as participants
+  std::vector<int> participants;
+  std::optional<double> between_cv;  // of the participants' true JNDs
+  double cv = 0.10;                  // wanted, of one participant's JND
   bool markdown = false;
   std::optional<double> noise;   // of a felt difference, of a task whose precision is simulated
   std::optional<int> simulated;  // participants of a task whose precision is simulated
 };
 // Adds the options to `jnd plan`.
 void add_precision_options(CLI::App& plan, PrecisionOptions& options);
+
+// The JND of each condition: as the arguments of --jnd have it, else as planned. Throws UsageError.
+std::vector<PlannedJnd> asked_jnds(const std::vector<std::string>& arguments, const Protocol& protocol);
 
 // name: a protocol's file, or the name of a shipped one. Returns the exit code. Throws UsageError where the options do not fit
 // the protocol.

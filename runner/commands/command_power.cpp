@@ -1,0 +1,286 @@
+// jnd plan --power: how often a study will find what is there; and jnd combine, which adds its shares up.
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <thread>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "data/files/draft.h"
+#include "protocols/input/input_error.h"
+#include "protocols/planning/allotment.h"
+#include "protocols/tasks/task.h"
+#include "runner/commands/commands.h"
+#include "runner/commands/power_options.h"
+#include "runner/keys/interrupt.h"
+#include "runner/opening/study_access.h"
+#include "runner/power/power_shard.h"
+#include "runner/power/power_text.h"
+#include "runner/session/simulate.h"
+#include "runner/terminal/exit_code.h"
+#include "runner/terminal/json_output.h"
+#include "runner/terminal/progress_bar.h"
+#include "runner/terminal/terminal.h"
+
+namespace jnd {
+
+namespace {
+
+constexpr int kMostStudies = 100'000'000, kMostShares = 100'000;
+
+void write_new(const std::string& file, const std::string& text) {
+  if (file.empty()) return;
+  Draft draft(file, Draft::What::file, Draft::Access::everyone);
+  draft.write(text);
+  if (!draft.publish()) throw InputError(fmt::format("{}: is there already (give another name)", printable(file)));
+}
+
+// The share that --shard says, of how many.
+struct ShareOption {
+  int share = 1, shares = 1;
+};
+ShareOption share_from(const std::string& text) {
+  if (text.empty()) return {};
+  ShareOption share;
+  const std::size_t slash = text.find('/');
+  const auto number = [&](std::size_t begin, std::size_t end, int& value) {
+    const auto [rest, error] = std::from_chars(text.data() + begin, text.data() + end, value);
+    return error == std::errc() && rest == text.data() + end;
+  };
+  if (slash == std::string::npos || !number(0, slash, share.share) || !number(slash + 1, text.size(), share.shares) ||
+      share.share < 1 || share.share > share.shares || share.shares > kMostShares)
+    throw UsageError(fmt::format("--shard {}: K/N with K from 1 to N, such as 3/64", printable(text)));
+  return share;
+}
+
+int threads_of(const PowerOptions& options) {
+  return options.threads > 0 ? options.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+std::vector<PowerAnalysis> analyses_of(const PowerOptions& options, const Protocol& protocol) {
+  std::vector<PowerAnalysis> analyses;
+  for (const std::string& word : options.analyses) {
+    const PowerAnalysis analysis = value_of(kPowerAnalysisWords, word).value();
+    if (const std::string why = power_refusal(analysis, protocol); !why.empty())
+      throw UsageError(fmt::format("--analysis {}: {}", word, why));
+    if (std::find(analyses.begin(), analyses.end(), analysis) == analyses.end()) analyses.push_back(analysis);
+  }
+  if (!options.analyses.empty()) return analyses;
+  for (const PowerAnalysis analysis : {PowerAnalysis::registered, PowerAnalysis::hierarchical})
+    if (power_refusal(analysis, protocol).empty()) analyses.push_back(analysis);
+  if (analyses.empty()) throw UsageError(power_refusal(PowerAnalysis::hierarchical, protocol));
+  return analyses;
+}
+
+void refuse_protocol(const Protocol& protocol, const std::string& name) {
+  if (!response_model_of(protocol))
+    throw UsageError(fmt::format(
+        "{}: power is offered for \"same-different\" with yes-no or differencing d', and for \"which\"; this study has {}",
+        printable(name),
+        protocol.task.kind == TaskKind::same_different
+            ? fmt::format("the model \"{}\"", protocol.analysis.model)
+            : fmt::format("the task \"{}\"", to_string(protocol.task.kind))));
+  if (!everyone_has_all(protocol))
+    throw UsageError(
+        fmt::format("{}: groups get different conditions; power is of contrasts within participants", printable(name)));
+  if (protocol.conditions.size() < 2)
+    throw UsageError(fmt::format("{}: one condition has nothing to be compared with", printable(name)));
+}
+
+// Cells of a design that is balanced need a multiple of the arrangements.
+void refuse_trials(const std::vector<int>& trials, const Protocol& protocol) {
+  if (protocol.design.procedure) {
+    if (!trials.empty()) throw UsageError("--trials: a procedure says itself when its tracks end");
+    return;
+  }
+  const int balance = task_of(protocol.task.kind).balance_of(protocol.task);
+  for (const int one : trials)
+    if (protocol.design.sampling == Sampling::balanced && one % balance != 0)
+      throw UsageError(fmt::format("--trials {}: balanced cells need a multiple of {}", one, balance));
+}
+
+template <typename Value>
+std::vector<Value> in_order(std::vector<Value> values) {
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+  return values;
+}
+
+PowerQuestion question_of(const Protocol& protocol, std::uint64_t seed, const PrecisionOptions& precision,
+                          const PowerOptions& options) {
+  PowerQuestion question;
+  question.participants = in_order(precision.participants);
+  if (question.participants.empty()) question.participants = {protocol.design.participants};
+  question.trials = in_order(precision.trials);
+  if (question.trials.empty() && !protocol.design.procedure) question.trials = {protocol.design.trials_per_cell};
+  question.effects = in_order(options.effects);
+  if (question.effects.empty()) question.effects = options.physics ? std::vector{1.0} : std::vector{0.0, 1.0};
+  for (const PlannedJnd& jnd : asked_jnds(precision.jnds, protocol)) question.jnds.push_back(jnd.value);
+  for (const Contrast& contrast : protocol.analysis.contrasts) question.contrasts.push_back({contrast.a, contrast.b});
+  question.people.between_cv = precision.between_cv.value_or(question.people.between_cv);
+  question.people.interaction_cv = options.interaction_cv.value_or(question.people.interaction_cv);
+  question.people.criterion = options.criterion.value_or(usual_criterion(response_model_of(protocol).value()));
+  question.people.criterion_sd = options.criterion_sd.value_or(question.people.criterion_sd);
+  question.people.lapse = options.lapses;
+  question.people.drop_out = options.drop_out;
+  question.analyses = analyses_of(options, protocol);
+  question.studies = options.studies;
+  question.seed = seed;
+  question.wanted = options.wanted;
+  if (options.physics) question.profile = options.profile.empty() ? default_profile(protocol) : options.profile;
+  return question;
+}
+
+void refuse_question(const PowerQuestion& question, const PrecisionOptions& precision, const PowerOptions& options,
+                     const Protocol& protocol) {
+  if (!options.physics) {
+    if (!options.profile.empty()) throw UsageError("--profile goes with --physics");
+    const bool equal = std::all_of(question.jnds.begin(), question.jnds.end(),
+                                   [&](double jnd) { return jnd == question.jnds.front(); });
+    if (equal &&
+        std::any_of(question.effects.begin(), question.effects.end(), [](double effect) { return effect != 0; }))
+      throw UsageError(
+          fmt::format("all conditions are planned with the JND {:g}, so that there is nothing to find: give --jnd "
+                      "{}=NUMBER, or --effect 0 for the rate of false findings",
+                      question.jnds.front(), protocol.conditions.front().name));
+    return;
+  }
+  if (protocol.task.kind != TaskKind::same_different || protocol.design.procedure)
+    throw UsageError("--physics is for same-different with given levels");
+  if (!options.effects.empty() || !precision.jnds.empty() || precision.between_cv || options.interaction_cv ||
+      options.criterion || options.criterion_sd || options.lapses > 0)
+    throw UsageError(
+        "--physics: what participants feel and answer follows from the rig and the profile; --effect, --jnd, "
+        "--between-cv, --interaction-cv, --criterion, --criterion-sd and --lapses do not go with it");
+}
+
+// Every pair, where the protocol registers none: tested as contrasts are.
+void add_contrasts(Protocol& protocol) {
+  if (!protocol.analysis.contrasts.empty()) return;
+  const int conditions = static_cast<int>(protocol.conditions.size());
+  for (int a = 0; a < conditions; ++a)
+    for (int b = a + 1; b < conditions; ++b) protocol.analysis.contrasts.push_back({a, b});
+}
+
+}  // namespace
+
+void add_power_files(CLI::App& command, PowerFiles& files) {
+  command.add_option("--csv", files.csv, "also all numbers of the power study as a CSV file, a row each");
+  command.add_option("--ademp", files.ademp,
+                     "also the plan of the simulation in Markdown: aims, data, estimands, methods, performance");
+}
+
+void refuse_existing(const PowerFiles& files) {
+  for (const std::string& file : {files.csv, files.ademp, files.figure})
+    if (!file.empty() && std::filesystem::exists(file))
+      throw InputError(fmt::format("{}: is there already (give another name)", printable(file)));
+}
+
+void give_power_result(const PowerResult& result, const PowerFiles& files, bool json) {
+  write_new(files.csv, power_csv(result));
+  write_new(files.ademp, ademp_text(result));
+  if (json)
+    print_json(power_json(result));
+  else
+    fmt::print("{}", power_text(result));
+}
+
+void add_power_options(CLI::App& plan, PowerOptions& options) {
+  CLI::Option* const power = plan.add_flag(
+      "--power", options.asked, "how often such a study finds what is there, and how precisely, by simulating it");
+  const auto add = [&](CLI::Option* option) { return option->needs(power); };
+  add(plan.add_option("--effect", options.effects,
+                      "how far apart the true JNDs are: 0 not at all, 1 as planned (default: 0,1)"))
+      ->check(CLI::Range(0.0, 10.0))
+      ->delimiter(',');
+  add(plan.add_option("--analysis", options.analyses, "how studies are analysed (default: registered,hierarchical)"))
+      ->check(CLI::IsMember({"registered", "median", "log-ml", "hierarchical"}))
+      ->delimiter(',');
+  add(plan.add_option("--interaction-cv", options.interaction_cv,
+                      "spread of what a condition adds to a person's JND (default: 0.15)"))
+      ->check(CLI::Range(0.0, 2.0));
+  add(plan.add_option("--criterion", options.criterion,
+                      "mean criterion: of d' where \"different\" begins; of choices the bias, in JNDs (default: 0.75; "
+                      "differencing, ln tau: 0.5; choices: 0)"))
+      ->check(CLI::Range(-5.0, 5.0));
+  add(plan.add_option("--criterion-sd", options.criterion_sd, "its spread between people (default: 0.3)"))
+      ->check(CLI::Range(0.0, 5.0));
+  add(plan.add_option("--lapses", options.lapses, "share of trials answered by a guess (default: 0)"))
+      ->check(CLI::Range(0.0, 0.9));
+  add(plan.add_option("--drop-out", options.drop_out, "share of participants who leave nothing (default: 0)"))
+      ->check(CLI::Range(0.0, 0.9));
+  add(plan.add_option("--studies", options.studies, "how many are simulated of each design (default: 1000)"))
+      ->check(CLI::Range(1, kMostStudies));
+  add(plan.add_option("--wanted", options.wanted, "the power that the smallest design is to have (default: 0.8)"))
+      ->check(CLI::Range(0.01, 0.999));
+  add(plan.add_flag("--physics", options.physics,
+                    "participants go through the simulated rig at 1 kHz, instead of answering by the response model"));
+  add(plan.add_option("--profile", options.profile, "with --physics: profile file, or name of a shipped one"));
+  add(plan.add_option("--threads", options.threads, "studies at a time (default: one a processor)"))
+      ->check(CLI::Range(1, 1024));
+  CLI::Option* const to =
+      add(plan.add_option("--to", options.to, "write what `jnd combine` reads to this file, instead of the result"));
+  add(plan.add_option("--shard", options.shard, "one share of the studies only, such as 3/64"))->needs(to);
+  add_power_files(plan, options.files);
+  for (const char* const name : {"--csv", "--ademp"}) plan.get_option(name)->needs(power)->excludes(to);
+}
+
+int plan_power(const std::string& name, std::uint64_t seed, bool json, const PrecisionOptions& precision,
+               const PowerOptions& options) {
+  const ShareOption share = share_from(options.shard);
+  Protocol protocol = load_checked_protocol(name);
+  refuse_protocol(protocol, name);
+  refuse_trials(precision.trials, protocol);
+  add_contrasts(protocol);
+  const PowerQuestion question = question_of(protocol, seed, precision, options);
+  refuse_question(question, precision, options, protocol);
+  refuse_existing(options.files);
+  const HoldInterrupts hold;
+  const StudyRange range = share_of(question.studies, share.share, share.shares);
+  std::optional<ProgressBar> bar(std::in_place, "simulating studies", range.last - range.first);
+  const auto progress = [&bar](std::int64_t done) { bar->update(done); };
+  if (options.to.empty()) {
+    PowerResult result{protocol, question, power_study(protocol, question, range, threads_of(options), progress)};
+    bar.reset();
+    give_power_result(result, options.files, json);
+    return exit_code::kDone;
+  }
+  const ShardEnd end =
+      make_shard(protocol, question, share.share, share.shares, options.to, threads_of(options), progress);
+  bar.reset();
+  fmt::print("{}: share {} of {}, studies {} to {}{}\n", printable(options.to), share.share, share.shares,
+             range.first + 1, range.last, end == ShardEnd::was_there ? "; it was there already" : "");
+  return exit_code::kDone;
+}
+
+namespace {
+
+struct CombineOptions {
+  std::vector<std::string> files;
+  PowerFiles written;
+  bool json = false;
+};
+
+int command_combine(const CombineOptions& options) {
+  refuse_existing(options.written);
+  const HoldInterrupts hold;
+  const std::vector<std::filesystem::path> files(options.files.begin(), options.files.end());
+  give_power_result(combined(files), options.written, options.json);
+  return exit_code::kDone;
+}
+
+}  // namespace
+
+void add_combine(CommandTree& tree) {
+  const auto [command, options] =
+      tree.add("combine", "Add up the shares of a power study", "jnd combine shares/*.json", command_combine);
+  command.add_option("FILES", options.files, "every file that plan --power --shard has written, in any order")
+      ->required()
+      ->type_name("");
+  add_power_files(command, options.written);
+  command.add_flag("--json", options.json, "machine-readable");
+}
+
+}  // namespace jnd

@@ -1,0 +1,103 @@
+#include "runner/power/power_question.h"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "protocols/tasks/task.h"
+
+namespace jnd {
+
+std::vector<PowerDesign> PowerQuestion::designs() const {
+  std::vector<PowerDesign> designs;
+  const std::vector<int> counts = trials.empty() ? std::vector<int>{0} : trials;
+  for (const int people_count : participants)
+    for (const int of_cell : counts)
+      for (const double effect : effects) designs.push_back({people_count, of_cell, effect});
+  return designs;
+}
+
+std::optional<ResponseModel> response_model_of(const Protocol& protocol) {
+  if (protocol.task.kind == TaskKind::which) return ResponseModel::choice;
+  if (protocol.task.kind != TaskKind::same_different) return std::nullopt;
+  if (protocol.analysis.model == "yes-no") return ResponseModel::yes_no;
+  if (protocol.analysis.model == "differencing") return ResponseModel::differencing;
+  return std::nullopt;
+}
+
+double usual_criterion(ResponseModel model) noexcept {
+  switch (model) {
+    case ResponseModel::yes_no:
+      return 0.75;
+    case ResponseModel::differencing:
+      return 0.5;
+    case ResponseModel::choice:
+      break;
+  }
+  return 0;
+}
+
+HierarchicalPlace truth_of(const PowerQuestion& question, double effect, const Protocol& protocol) {
+  const bool choice = protocol.task.kind == TaskKind::which;
+  // The JND of choices is meant as registered, at 75 % or 84 % or d' = 1; s is the noise of the felt difference.
+  const double of_noise = choice ? task_of(protocol.task.kind).jnd_of_noise(protocol).value_or(1) : 1;
+  double mean = 0;
+  for (const double jnd : question.jnds) mean += std::log(jnd / of_noise) / static_cast<double>(question.jnds.size());
+  const double unit = choice ? std::exp(mean) : 1;
+  HierarchicalPlace truth;
+  for (const double jnd : question.jnds) {
+    truth.mu.push_back(mean + effect * (std::log(jnd / of_noise) - mean));
+    truth.kappa.push_back(question.people.criterion * unit);
+  }
+  truth.tu = std::sqrt(std::log1p(question.people.between_cv * question.people.between_cv));
+  truth.tv = std::sqrt(std::log1p(question.people.interaction_cv * question.people.interaction_cv));
+  truth.tw = question.people.criterion_sd * unit;
+  return truth;
+}
+
+nlohmann::ordered_json to_json(const PowerQuestion& question) {
+  nlohmann::ordered_json analyses = nlohmann::ordered_json::array();
+  for (const PowerAnalysis one : question.analyses) analyses.push_back(word_of(kPowerAnalysisWords, one));
+  return {{"participants", question.participants},
+          {"trials", question.trials},
+          {"effects", question.effects},
+          {"jnds", question.jnds},
+          {"contrasts", question.contrasts},
+          {"between_cv", question.people.between_cv},
+          {"interaction_cv", question.people.interaction_cv},
+          {"criterion", question.people.criterion},
+          {"criterion_sd", question.people.criterion_sd},
+          {"lapse", question.people.lapse},
+          {"drop_out", question.people.drop_out},
+          {"analyses", analyses},
+          {"studies", question.studies},
+          {"seed", question.seed},
+          {"wanted_power", question.wanted},
+          {"profile", question.profile ? nlohmann::ordered_json(*question.profile) : nlohmann::ordered_json(nullptr)}};
+}
+
+PowerQuestion power_question_from(const nlohmann::ordered_json& json) {
+  PowerQuestion question;
+  json.at("participants").get_to(question.participants);
+  json.at("trials").get_to(question.trials);
+  json.at("effects").get_to(question.effects);
+  json.at("jnds").get_to(question.jnds);
+  json.at("contrasts").get_to(question.contrasts);
+  json.at("between_cv").get_to(question.people.between_cv);
+  json.at("interaction_cv").get_to(question.people.interaction_cv);
+  json.at("criterion").get_to(question.people.criterion);
+  json.at("criterion_sd").get_to(question.people.criterion_sd);
+  json.at("lapse").get_to(question.people.lapse);
+  json.at("drop_out").get_to(question.people.drop_out);
+  for (const auto& word : json.at("analyses")) {
+    const auto analysis = value_of(kPowerAnalysisWords, word.get<std::string>());
+    if (!analysis) throw std::invalid_argument("an analysis that is not known");
+    question.analyses.push_back(*analysis);
+  }
+  json.at("studies").get_to(question.studies);
+  json.at("seed").get_to(question.seed);
+  json.at("wanted_power").get_to(question.wanted);
+  if (!json.at("profile").is_null()) question.profile = json.at("profile").get<std::string>();
+  return question;
+}
+
+}  // namespace jnd
