@@ -143,9 +143,9 @@ ProfileEnds HierarchicalAnalysis::ends(double estimate, double error, const Held
 }
 
 const HierarchicalFit& HierarchicalAnalysis::add_intervals() {
-  const std::size_t conditions = fit_.conditions.size();
+  const std::size_t conditions = fit_.conditions.size(), stride = 2 * conditions;
   const std::vector<double> covariance =
-      mean_covariance(likelihood_.cell_information(fit_.maximum.place), fit_.maximum.place);
+      covariance_of_estimates(likelihood_.cell_information(fit_.maximum.place), fit_.maximum.place);
   for (std::size_t c = 0; c < conditions; ++c) {
     ConditionMean& one = fit_.conditions[c];
     const auto by = [&](const HierarchicalMaximum& there) {
@@ -158,22 +158,21 @@ const HierarchicalFit& HierarchicalAnalysis::add_intervals() {
       std::fill(form.offset.begin(), form.offset.end(), value);
       return form;
     };
-    one.ends = ends(fit_.maximum.place.mu[c], std::sqrt(covariance[c * conditions + c]), held, by);
+    one.ends = ends(fit_.maximum.place.mu[c], std::sqrt(covariance[c * stride + c]), held, by);
   }
   return fit_;
 }
 
 std::vector<ConditionDifference> HierarchicalAnalysis::differences() {
   std::vector<ConditionDifference> differences;
-  const std::size_t conditions = fit_.conditions.size();
+  const std::size_t conditions = fit_.conditions.size(), stride = 2 * conditions;
   if (model_.one_mean) return differences;
   const std::vector<double> covariance =
-      mean_covariance(likelihood_.cell_information(fit_.maximum.place), fit_.maximum.place);
+      covariance_of_estimates(likelihood_.cell_information(fit_.maximum.place), fit_.maximum.place);
   for (std::size_t a = 0; a < conditions; ++a)
     for (std::size_t b = a + 1; b < conditions; ++b) {
       ConditionDifference one{a, b, fit_.conditions[a].mu - fit_.conditions[b].mu, {}};
-      const double variance =
-          covariance[a * conditions + a] + covariance[b * conditions + b] - 2 * covariance[a * conditions + b];
+      const double variance = covariance[a * stride + a] + covariance[b * stride + b] - 2 * covariance[a * stride + b];
       const auto held = [&](double value) { return form_.with_difference(a, b, value); };
       if (!std::isnan(one.difference))
         one.ends = ends(one.difference, std::sqrt(std::max(variance, 0.0)), held,

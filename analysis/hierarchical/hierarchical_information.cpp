@@ -94,17 +94,13 @@ std::vector<double> marginal_information(std::span<const CellInformation> cells,
   return information;
 }
 
-std::vector<double> mean_covariance(std::span<const CellInformation> cells, const HierarchicalPlace& place) {
-  const std::size_t conditions = place.mu.size(), n = 2 * conditions, all = n + 4;
+std::vector<double> covariance_of_estimates(std::span<const CellInformation> cells, const HierarchicalPlace& place) {
+  const std::size_t n = 2 * place.mu.size(), all = n + 4;
   const std::vector<double> full = marginal_information(cells, place);
-  Square of_means(n * n);
+  Square information(n * n);
   for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = 0; j < n; ++j) of_means[i * n + j] = full[i * all + j];
-  const Square covariance = inverse(of_means, n);
-  std::vector<double> out(conditions * conditions);
-  for (std::size_t a = 0; a < conditions; ++a)
-    for (std::size_t b = 0; b < conditions; ++b) out[a * conditions + b] = covariance[a * n + b];
-  return out;
+    for (std::size_t j = 0; j < n; ++j) information[i * n + j] = full[i * all + j];
+  return inverse(information, n);
 }
 
 }  // namespace jnd

@@ -19,7 +19,7 @@ namespace jnd {
 // and condition.
 std::vector<double> marginal_information(std::span<const CellInformation> cells, const HierarchicalPlace& place);
 
-// Of the same the covariances of the estimated means, by rows, as if the spreads were known.
-std::vector<double> mean_covariance(std::span<const CellInformation> cells, const HierarchicalPlace& place);
+// Of the same the covariances of the estimated mu of each condition, then of kappa, by rows, as if the spreads were known.
+std::vector<double> covariance_of_estimates(std::span<const CellInformation> cells, const HierarchicalPlace& place);
 
 }  // namespace jnd

@@ -6,8 +6,10 @@
 #include <iterator>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
 #include "analysis/hierarchical/hierarchical_information.h"
 #include "analysis/numerics/box_newton.h"
@@ -151,7 +153,8 @@ class SearchedLikelihood {
 
   void derivatives(const std::vector<double>& x, NewtonDerivatives& at) const {
     const HierarchicalPlace place = variables_.to(x);
-    const HierarchicalLikelihood::Value value = likelihood_.at(place);
+    if (looked_at_.size() > 1) looked_at_.erase(looked_at_.begin());
+    const HierarchicalLikelihood::Value& value = looked_at_.emplace_back(x, likelihood_.at(place)).second;
     at.value = value.log_likelihood;
     at.gradient = variables_.slope(value.slope, place);
     if (curvature_.empty())
@@ -161,6 +164,13 @@ class SearchedLikelihood {
     before_ = x;
     slope_before_ = at.gradient;
     at.curvature = at.expected = curvature_;
+  }
+
+  // Of a place where derivatives were found: the last one, or the one before, which a search comes back to.
+  std::optional<HierarchicalLikelihood::Value> found_at(const std::vector<double>& x) const {
+    for (const auto& [place, value] : looked_at_)
+      if (place == x) return value;
+    return std::nullopt;
   }
 
  private:
@@ -186,6 +196,7 @@ class SearchedLikelihood {
   HierarchicalLikelihood& likelihood_;
   const Variables& variables_;
   mutable std::vector<double> curvature_, before_, slope_before_;
+  mutable std::vector<std::pair<std::vector<double>, HierarchicalLikelihood::Value>> looked_at_;
 };
 
 // The likelihood of answers with one ln s and one criterion, this in `unit`.
@@ -270,8 +281,12 @@ HierarchicalMaximum maximise(HierarchicalLikelihood& likelihood, const Hierarchi
   const std::vector<double> x = variables.from(start);
   const NewtonResult found = maximise_in_box(function, x, variables.box(x), -kInf, negligible);
   HierarchicalMaximum maximum;
-  maximum.place = variables.settled(variables.to(found.place));
-  const HierarchicalLikelihood::Value value = likelihood.at(maximum.place);
+  const HierarchicalPlace place = variables.to(found.place);
+  maximum.place = variables.settled(place);
+  const bool moved = maximum.place.tu != place.tu || maximum.place.tv != place.tv || maximum.place.tw != place.tw;
+  std::optional<HierarchicalLikelihood::Value> known;
+  if (!moved) known = function.found_at(found.place);
+  const HierarchicalLikelihood::Value value = known ? *known : likelihood.at(maximum.place);
   maximum.slope = value.slope;
   maximum.log_likelihood = value.log_likelihood;
   maximum.converged = found.converged && std::isfinite(value.log_likelihood);
