@@ -68,8 +68,13 @@ std::vector<PowerAnalysis> analyses_of(const PowerOptions& options, const Protoc
     if (std::find(analyses.begin(), analyses.end(), analysis) == analyses.end()) analyses.push_back(analysis);
   }
   if (!options.analyses.empty()) return analyses;
-  for (const PowerAnalysis analysis : {PowerAnalysis::registered, PowerAnalysis::hierarchical})
-    if (power_refusal(analysis, protocol).empty()) analyses.push_back(analysis);
+  for (const PowerAnalysis analysis : {PowerAnalysis::registered, PowerAnalysis::hierarchical}) {
+    const std::string why = power_refusal(analysis, protocol);
+    if (why.empty())
+      analyses.push_back(analysis);
+    else
+      write_marked_message(fmt::format("{} is left out: {}", word_of(kPowerAnalysisWords, analysis), why));
+  }
   if (analyses.empty()) throw UsageError(power_refusal(PowerAnalysis::hierarchical, protocol));
   return analyses;
 }

@@ -1,0 +1,145 @@
+#!/usr/bin/env python3
+"""jnd plan --power and jnd combine: what a user meets. Shares are killed at any moment, and add up to the same bytes.
+
+Usage: power_test.py JND"""
+import csv
+import json
+import pathlib
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+JND = None
+
+
+def jnd(*arguments, code=0):
+    done = subprocess.run([JND, *map(str, arguments)], capture_output=True, text=True, check=False)
+    assert done.returncode == code, (arguments, done.returncode, done.stdout[-2000:], done.stderr[-2000:])
+    return done
+
+
+def power(*arguments, code=0):
+    return jnd("plan", "chinello2017", "--power", *arguments, code=code)
+
+
+class PowerTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.path = pathlib.Path(self.folder.name)
+
+    def tearDown(self):
+        self.folder.cleanup()
+
+    def test_tables_and_files(self):
+        options = ["--studies", 12, "--participants", "6,9", "--trials", "12,24", "--effect", "0,1"]
+        csv_file, ademp = self.path / "power.csv", self.path / "ademp.md"
+        text = power(*options, "--csv", csv_file, "--ademp", ademp).stdout
+        for words in ("Power at 0.05", "of effect 0 the rate of false findings", "V - SV", "1.683", "hierarchical",
+                      "The smallest of these designs with a power of 80 %", "common random numbers"):
+            self.assertIn(words, text)
+        with open(csv_file, encoding="utf-8") as stream:
+            rows = list(csv.DictReader(stream))
+        designs = {(row["participants"], row["trials"], row["effect"]) for row in rows}
+        self.assertEqual(len(designs), 8)
+        document = json.loads(power(*options, "--json").stdout)
+        self.assertEqual(document["studies"], 12)
+        self.assertEqual(len(document["contrasts"]), 8 * 3 * 2)
+        told = {(r["participants"], r["trials"], r["effect"], r["analysis"], r["contrast"]): r["power"]["value"]
+                for r in document["contrasts"]}
+        for row in rows:
+            if row["number"] == "power":
+                key = (int(row["participants"]), int(row["trials"]), float(row["effect"]), row["analysis"], row["name"])
+                self.assertEqual(float(row["value"]), told[key])
+        # A row of every number, and none that is not a number.
+        self.assertNotIn("nan", csv_file.read_text(encoding="utf-8").lower())
+        for part in ("Aims", "Data-generating mechanisms", "Estimands", "Methods", "Performance measures"):
+            self.assertIn(f"**{part}**", ademp.read_text(encoding="utf-8"))
+        # What is there is not written over, and that is said before the work begins.
+        before = csv_file.read_bytes()
+        self.assertIn("is there already", power("--studies", 100000000, "--csv", csv_file, code=3).stderr)
+        self.assertEqual(csv_file.read_bytes(), before)
+
+    def test_shares_that_are_killed(self):
+        """A share killed at random moments, until it is there; the result is that of one run without shares."""
+        options = ["--studies", 60, "--participants", 6, "--effect", 1, "--threads", 1]
+        whole = power(*options).stdout
+        files = []
+        generator = random.Random(4)
+        for share in range(1, 4):
+            files.append(self.path / f"{share}.json")
+            kills = 0
+            while not files[-1].exists():
+                run = subprocess.Popen([JND, "plan", "chinello2017", "--power", *map(str, options), "--shard", f"{share}/3",
+                                        "--to", str(files[-1])], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                if kills < 4:
+                    time.sleep(generator.uniform(0.0, 0.12))
+                    run.send_signal(signal.SIGKILL)
+                    kills += 1
+                run.wait()
+        self.assertEqual(jnd("combine", *reversed(files)).stdout, whole)
+        left = {file.name for file in self.path.iterdir() if not file.name.endswith(".json")}
+        self.assertFalse({name for name in left if name.endswith(".part")}, left)
+        self.assertIn("it was there already", power(*options, "--shard", "2/3", "--to", files[1]).stdout)
+        missing = jnd("combine", files[0], files[2], code=3)
+        self.assertEqual(missing.stdout, "")
+        self.assertIn("share 2 of 3 is missing", missing.stderr)
+
+    def test_interrupted(self):
+        file = self.path / "share.json"
+        run = subprocess.Popen([JND, "plan", "chinello2017", "--power", "--studies", "100000", "--to", str(file)],
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        time.sleep(0.5)
+        run.send_signal(signal.SIGINT)
+        run.communicate(timeout=60)
+        self.assertEqual(run.returncode, 130)
+        self.assertFalse(file.exists())
+
+    def test_refusals(self):
+        for arguments, words in (
+                (["--shard", "1/2"], "--to"),
+                (["--shard", "3/2", "--to", self.path / "x"], "K/N"),
+                (["--shard", "0/2", "--to", self.path / "x"], "K/N"),
+                (["--shard", "1", "--to", self.path / "x"], "K/N"),
+                (["--trials", "0"], "--trials"),
+                (["--jnd", "250"], "nothing to find"),
+                (["--profile", "chinello2017"], "--physics"),
+                (["--physics", "--effect", "1"], "do not go with it"),
+                (["--precision"], "--precision"),
+                (["--analysis", "anova"], "--analysis")):
+            done = subprocess.run([JND, "plan", "chinello2017", "--power", "--studies", "2", *map(str, arguments)],
+                                  capture_output=True, text=True, check=False)
+            self.assertNotIn(done.returncode, (0, 1), arguments)
+            self.assertIn(words, done.stderr)
+            self.assertEqual(done.stdout, "")
+        for protocol, words in (("carpenter2018-oddity", '"oddity"'), ("jones1997-viscosity", "one condition"),
+                                ("adaptive-staircase", "--trials")):
+            done = jnd("plan", protocol, "--power", "--trials", 8, code=2)
+            self.assertIn(words, done.stderr)
+        self.assertIn("--precision or --power", jnd("plan", "chinello2017", "--participants", "12", code=2).stderr)
+        self.assertIn("several designs", jnd("plan", "chinello2017", "--precision", "--participants", "12,18", code=2).stderr)
+
+    def test_through_the_rig(self):
+        """Two studies through the model of the device: what the counts say is what jnd simulate counts."""
+        document = json.loads(power("--physics", "--participants", 3, "--studies", 2, "--json").stdout)
+        self.assertEqual(document["question"]["profile"], "chinello2017")
+        for row in document["contrasts"]:
+            self.assertIsNone(row["true_ratio"])
+            self.assertIsNone(row["coverage"]["value"])
+            self.assertIsNotNone(row["mean"]["value"])
+
+    def test_choices_and_procedures(self):
+        done = jnd("plan", "leib2015", "--power", "--jnd", "none=33", "--jnd", "delay=50", "--studies", 4, "--effect", 1,
+                   "--participants", 6)
+        self.assertIn("choices, probit", done.stdout)
+        self.assertIn("registered is left out", done.stderr)
+        staircase = jnd("plan", "adaptive-staircase", "--power", "--studies", 2, "--participants", 4).stdout
+        self.assertIn("threshold", staircase)
+
+
+if __name__ == "__main__":
+    JND = sys.argv.pop(1)
+    unittest.main()
