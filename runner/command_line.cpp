@@ -10,6 +10,7 @@
 
 #include "protocols/version.h"
 #include "runner/calc/calc.h"
+#include "runner/cluster/cluster.h"
 #include "runner/commands/commands.h"
 #include "runner/device_commands/device_commands.h"
 #include "runner/help/help_commands.h"
@@ -35,6 +36,7 @@ void add_commands(CommandTree& tree) {
   add_check(tree);
   add_plan(tree);
   add_combine(tree);
+  add_cluster(tree);
   add_diff(tree);
   tree.heading("Run it");
   add_run(tree);

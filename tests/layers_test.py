@@ -78,6 +78,7 @@ WINGS = {
         "terminal": "",
         "words": "",
         "calc": "terminal",
+        "cluster": "keys terminal",
         "keys": "terminal",
         "help": "keys terminal",
         "results": "calc terminal",
@@ -94,7 +95,7 @@ WINGS = {
         "report": "figures keys results",
         "study_commands": "keys opening terminal",
         "commands": "console events keys opening power precision report results screen session sound study_commands terminal words",
-        ".": "calc commands device_commands help keys study_commands terminal",
+        ".": "calc cluster commands device_commands help keys study_commands terminal",
     },
 }
 

@@ -1,0 +1,201 @@
+// jnd cluster: makes the folder of a campaign, submits it, and follows it to its end.
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <thread>
+
+#include <CLI/CLI.hpp>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include "data/files/scratch_folder.h"
+#include "devices/device_error.h"
+#include "protocols/input/input_error.h"
+#include "runner/cluster/called_program.h"
+#include "runner/cluster/campaign.h"
+#include "runner/cluster/cluster.h"
+#include "runner/cluster/follower.h"
+#include "runner/cluster/job_script.h"
+#include "runner/cluster/slurm.h"
+#include "runner/keys/interrupt.h"
+#include "runner/terminal/exit_code.h"
+#include "runner/terminal/number_text.h"
+#include "runner/terminal/standard_streams.h"
+#include "runner/terminal/terminal.h"
+
+namespace jnd {
+
+namespace {
+
+struct ClusterOptions {
+  std::string folder;
+  std::vector<std::string> job;  // plan PROTOCOL --power ...
+  std::optional<int> shards;
+  std::optional<std::string> program, partition, time, account, memory;
+  std::optional<int> at_once;
+  std::vector<std::string> sbatch, setup;
+  bool submit = false, follow = false, json = false;
+  int retries = 3;
+  double every_s = 10;
+};
+
+// Of a folder that only one program submits from at a time. Where the file system has no locks, none is there.
+class CampaignLock {
+ public:
+  explicit CampaignLock(const Campaign& campaign)
+      : file_(open((campaign.folder() / "campaign.json").c_str(), O_RDONLY | O_CLOEXEC)) {
+    if (file_ < 0 || flock(file_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+    close(file_);
+    throw UsageError(
+        fmt::format("{}: another jnd cluster submits or follows this campaign just now", campaign.folder().string()));
+  }
+  ~CampaignLock() {
+    if (file_ >= 0) close(file_);
+  }
+  CampaignLock(const CampaignLock&) = delete;
+  CampaignLock& operator=(const CampaignLock&) = delete;
+
+ private:
+  int file_;
+};
+
+CampaignSettings settings_from(const ClusterOptions& options, CampaignSettings before) {
+  const auto take = [](auto& to, const auto& given) {
+    if (given) to = *given;
+  };
+  if (options.program && options.program->find('/') != std::string::npos)
+    before.program = std::filesystem::absolute(*options.program).lexically_normal().string();
+  else
+    take(before.program, options.program);
+  take(before.partition, options.partition);
+  take(before.time, options.time);
+  take(before.account, options.account);
+  take(before.memory, options.memory);
+  take(before.at_once, options.at_once);
+  if (!options.sbatch.empty()) before.sbatch = options.sbatch;
+  if (!options.setup.empty()) before.setup = options.setup;
+  require_sbatch_words(before);
+  return before;
+}
+
+// A mistake in the plan's options would be found by every task of the cluster: so the first shard is begun here, for a
+// moment. What is in it is not kept.
+void try_plan(const ClusterOptions& options, const std::string& program, int shards) {
+  constexpr std::chrono::milliseconds kTrial{1500};
+  const ScratchFolder scratch("cluster");
+  std::vector<std::string> command = {program};
+  command.insert(command.end(), options.job.begin(), options.job.end());
+  command.insert(command.end(), {"--shard", fmt::format("1/{}", shards), "--to", (scratch.path() / "1.json").string()});
+  const auto end = std::chrono::steady_clock::now() + kTrial;
+  try {
+    const CalledProgram tried = call_program(command, std::filesystem::current_path(), [end] {
+      return std::chrono::steady_clock::now() < end && !interrupt_requested();
+    });
+    if (tried.code == exit_code::kUsage) throw UsageError(fmt::format("the plan is not taken: {}", tried.trouble()));
+    if (tried.code == exit_code::kInvalidInput) throw InputError(tried.trouble());
+  } catch (const DeviceError&) {  // it is on the cluster's machines alone
+  }
+}
+
+Campaign made_or_opened(const ClusterOptions& options) {
+  std::optional<Campaign> campaign = Campaign::open(options.folder);
+  if (!campaign && options.job.empty())
+    throw UsageError(fmt::format(
+        "{}: no campaign is there yet: say what is to be run, behind --: plan PROTOCOL --power ...", options.folder));
+  if (campaign) {
+    if (!options.job.empty())
+      campaign->require_same(Campaign::job_of(options.job, options.shards.value_or(campaign->shards())));
+    else if (options.shards && *options.shards != campaign->shards())
+      throw UsageError(fmt::format("{} is cut in {}, which cannot be changed", options.folder,
+                                   counted(campaign->shards(), "shard")));
+    campaign->change(settings_from(options, campaign->settings()));
+    return *std::move(campaign);
+  }
+  CampaignSettings none;
+  none.program = std::filesystem::read_symlink("/proc/self/exe").string();
+  const CampaignSettings settings = settings_from(options, none);
+  const CampaignJob job = Campaign::job_of(options.job, options.shards.value_or(0));
+  try_plan(options, settings.program, job.shards);
+  return Campaign::make(options.folder, job, settings);
+}
+
+void print_state(const Campaign& campaign) {
+  const auto finished = static_cast<std::int64_t>(campaign.finished().size());
+  const std::string folder = shell_quoted(campaign.folder().string());
+  fmt::print("{}: {} of {} there\n", printable(campaign.folder().string()), finished,
+             counted(campaign.shards(), "shard"));
+  if (finished == campaign.shards()) {
+    fmt::print("  the result:  {}/{} combine\n", printable(folder), Campaign::kScript);
+    return;
+  }
+  fmt::print("  with Slurm, from here:  jnd cluster {} --submit --follow\n", printable(folder));
+  fmt::print("  by hand:                cd {} && sbatch {}\n", printable(folder), Campaign::kScript);
+  fmt::print("  without a scheduler:    {}/{}\n", printable(folder), Campaign::kLoop);
+}
+
+int command_cluster(const ClusterOptions& options) {
+  const HoldInterrupts hold;
+  const Campaign campaign = made_or_opened(options);
+  if (!options.submit && !options.follow) {
+    print_state(campaign);
+    return exit_code::kDone;
+  }
+  const CampaignLock lock(campaign);
+  Slurm slurm(campaign.folder(), campaign.name());
+  if (options.submit) {
+    const std::optional<std::size_t> submitted = submit_missing(campaign, slurm);
+    if (!submitted) return interrupt_requested() ? exit_code::kInterrupted : exit_code::kProblemFound;
+    if (*submitted == 0)
+      print_message("{}: nothing to submit: every shard is there or in the queue\n",
+                    printable(campaign.folder().string()));
+  }
+  if (!options.follow) return exit_code::kDone;
+  FollowOptions follow{options.retries, options.every_s, {}};
+  if (options.json) follow.combine.emplace_back("--json");
+  return Follower(campaign, slurm, follow).follow();
+}
+
+}  // namespace
+
+void add_cluster(CommandTree& tree) {
+  const auto [command, options] = tree.add(
+      "cluster", "Run a power study on a cluster, in shards: write its job, submit it, follow it to the result",
+      "jnd cluster campaign --shards 64 --time 02:00:00 --submit --follow -- plan chinello2017 --power",
+      command_cluster);
+  command.add_option("FOLDER", options.folder, "the campaign's folder; made where it does not exist")->required();
+  command.add_option(
+      "JOB", options.job,
+      "behind --: the plan to run, plan PROTOCOL --power ...; may be left out of a campaign that is there");
+  command.add_option("--shards", options.shards, "into how many parts it is cut, each a task of one processor")
+      ->check(CLI::Range(1, Campaign::kMostShards));
+  command.add_flag("--submit", options.submit, "submit with sbatch what is neither there nor in the queue");
+  command.add_flag(
+      "--follow", options.follow,
+      "show how it gets on, submit again what was lost, and print the result; Ctrl-C leaves the jobs alone");
+  command.add_flag("--json", options.json, "with --follow: the result, machine-readable");
+  command
+      .add_option("--retries", options.retries,
+                  "how often a shard is submitted again that ends without getting on (default: 3)")
+      ->check(CLI::Range(0, 100));
+  command.add_option("--every", options.every_s, "seconds between two looks at the queue (default: 10)")
+      ->check(CLI::Range(0.05, 3600.0));
+  command.add_option("--partition", options.partition, "of the cluster")->type_name("NAME");
+  command.add_option("--time", options.time, "limit of one shard")->type_name("HH:MM:SS");
+  command.add_option("--account", options.account, "that the time is charged to")->type_name("NAME");
+  command.add_option("--memory", options.memory, "of one shard, such as 2G")->type_name("SIZE");
+  command.add_option("--at-once", options.at_once, "how many shards run at a time at most")->check(CLI::Range(1, 1000));
+  command
+      .add_option("--sbatch", options.sbatch, "another option of sbatch, such as --sbatch=--qos=long; may be repeated")
+      ->type_name("OPTION")
+      ->allow_extra_args(false);
+  command
+      .add_option("--setup", options.setup, "a line of shell before the program: 'module load gcc'; may be repeated")
+      ->type_name("LINE")
+      ->allow_extra_args(false);
+  command.add_option("--program", options.program, "the jnd to run, where the cluster has another one than this")
+      ->type_name("FILE");
+}
+
+}  // namespace jnd

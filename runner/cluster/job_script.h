@@ -1,0 +1,25 @@
+// The scripts in a campaign's folder: one for a scheduler, which also runs a shard by hand and combines them, and a loop for
+// where there is no scheduler.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "runner/cluster/campaign.h"
+
+namespace jnd {
+
+struct JobScript {
+  std::string name;  // of the jobs
+  int shards = 0;
+  std::vector<std::string> arguments;  // of jnd plan, behind the protocol
+  CampaignSettings settings;
+};
+
+std::string job_script(const JobScript& script);
+std::string loop_script(int shards);
+
+// Throws UsageError where a setting cannot stand in the script: #SBATCH lines know no quoting that could be relied on.
+void require_sbatch_words(const CampaignSettings& settings);
+
+}  // namespace jnd
