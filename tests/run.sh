@@ -30,6 +30,7 @@ preset=${1:-dev}
 if [ "$preset" = dev ]; then
   install_missing qemu-system-x86 cpio || echo "SKIPPED: QEMU cannot be installed: the program meets no real HID stack" >&2
   install_missing bash-completion zsh fish || echo "SKIPPED: zsh and fish cannot be installed: nobody looks at what Tab offers there" >&2
+  install_missing slurmctld slurmd slurm-client munge || echo "SKIPPED: Slurm cannot be installed: jnd cluster meets no real scheduler" >&2
   install_missing r-base-core || echo "SKIPPED: r-base-core cannot be installed: the exports' recompute.R is not run" >&2
   install_missing gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm ||
     echo "SKIPPED: gcc-arm-none-eabi cannot be installed: the firmware is not built for a Cortex-M" >&2

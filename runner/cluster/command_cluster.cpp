@@ -182,7 +182,7 @@ void add_cluster(CommandTree& tree) {
   command.add_option("--every", options.every_s, "seconds between two looks at the queue (default: 10)")
       ->check(CLI::Range(0.05, 3600.0));
   command.add_option("--partition", options.partition, "of the cluster")->type_name("NAME");
-  command.add_option("--time", options.time, "limit of one shard")->type_name("HH:MM:SS");
+  command.add_option("--time", options.time, "limit of one shard, such as 02:00:00")->type_name("TIME");
   command.add_option("--account", options.account, "that the time is charged to")->type_name("NAME");
   command.add_option("--memory", options.memory, "of one shard, such as 2G")->type_name("SIZE");
   command.add_option("--at-once", options.at_once, "how many shards run at a time at most")->check(CLI::Range(1, 1000));

@@ -140,7 +140,7 @@ void Follower::tell_lost(const std::vector<LostShard>& lost) {
     if (why.empty()) why = shard.state;
     if (why.starts_with("COMPLETED")) why += ", but its file is not there";
     if (why.empty()) why = "gone from the queue without its file";
-    why += shard.given_up          ? fmt::format("; given up after {}", counted(shard.tries, "try"))
+    why += shard.given_up          ? fmt::format("; given up (try {})", shard.tries)
            : shard.tries > 1       ? fmt::format("; again (try {})", shard.tries + 1)
            : options_.retries == 0 ? ""
                                    : "; again";
@@ -166,7 +166,7 @@ void Follower::tell_progress(bool last) {
   };
   add(counts.running, "running");
   add(counts.waiting, counts.why_waiting.empty() ? "waiting" : fmt::format("waiting ({})", counts.why_waiting));
-  add(counts.unseen, "not in the queue just now");
+  add(counts.unseen, "just ended");
   add(counts.lost, "to be submitted again");
   add(counts.given_up, "failed");
   add(counts.never, "not submitted");

@@ -1,0 +1,156 @@
+"""A Slurm of one machine, for a test: munged, slurmctld and slurmd on the loopback, all of their files in one folder. As root,
+with the Debian packages slurmctld, slurmd, slurm-client and munge; systemd is not needed."""
+import ctypes
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import time
+
+PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch", "squeue", "scontrol", "scancel", "sinfo")
+CORES = 4  # that it takes itself to have
+
+CONFIGURATION = """
+ClusterName=test
+SlurmctldHost={host}(127.0.0.1)
+SlurmctldPort={ports[0]}
+SlurmdPort={ports[1]}
+SlurmUser=root
+SlurmdUser=root
+CommunicationParameters=NoInAddrAny,NoCtldInAddrAny
+AuthType=auth/munge
+AuthInfo=socket={root}/munge.socket
+CredType=cred/munge
+StateSaveLocation={root}/state
+SlurmdSpoolDir={root}/spool
+SlurmctldPidFile={root}/slurmctld.pid
+SlurmdPidFile={root}/slurmd.pid
+SlurmctldLogFile={root}/slurmctld.log
+SlurmdLogFile={root}/slurmd.log
+ProctrackType=proctrack/linuxproc
+TaskPlugin=task/none
+SelectType=select/cons_tres
+SelectTypeParameters=CR_Core
+SchedulerType=sched/backfill
+SchedulerParameters=sched_min_interval=100000,batch_sched_delay=0,sched_interval=1,bf_interval=1
+SwitchType=switch/none
+MpiDefault=none
+AccountingStorageType=accounting_storage/none
+JobAcctGatherType=jobacct_gather/none
+ReturnToService=2
+KillWait=1
+MinJobAge=300
+PropagateResourceLimits=NONE
+SlurmdParameters=config_overrides
+NodeName={host} NodeAddr=127.0.0.1 CPUs={cores} State=UNKNOWN
+PartitionName=all Nodes={host} Default=YES MaxTime=INFINITE State=UP
+"""
+
+
+class SlurmUnavailable(Exception):
+    """It cannot be started here; says why."""
+
+
+def free_ports(count):
+    sockets = [socket.socket() for _ in range(count)]
+    for one in sockets:
+        one.bind(("127.0.0.1", 0))
+    ports = [one.getsockname()[1] for one in sockets]
+    for one in sockets:
+        one.close()
+    return ports
+
+
+def end_with_the_test():
+    """The daemon is killed when this process ends, however it ends."""
+    ctypes.CDLL(None).prctl(1, signal.SIGKILL)
+
+
+class RealSlurm:
+    def __init__(self, folder):
+        self.root = folder
+        self.daemons = []
+        missing = [name for name in PROGRAMS if shutil.which(name, path=self.path()) is None]
+        if missing:
+            raise SlurmUnavailable(f"{', '.join(missing)} not found (Debian packages slurmctld, slurmd, slurm-client, munge)")
+        if os.getuid() != 0:
+            raise SlurmUnavailable("a Slurm of its own needs root")
+        self.environment = dict(os.environ, SLURM_CONF=f"{self.root}/slurm.conf", PATH=self.path())
+        try:
+            self.start()
+        except BaseException:
+            self.stop()
+            raise
+
+    @staticmethod
+    def path():
+        return os.environ["PATH"] + ":/usr/sbin:/sbin"
+
+    def start(self):
+        os.chmod(self.root, 0o755)
+        for name in ("state", "spool"):
+            os.makedirs(f"{self.root}/{name}")
+        with open(f"{self.root}/munge.key", "wb") as key:
+            os.fchmod(key.fileno(), 0o600)
+            key.write(os.urandom(128))
+        host = socket.gethostname().split(".")[0]
+        with open(f"{self.root}/slurm.conf", "w") as file:
+            file.write(CONFIGURATION.format(host=host, root=self.root, ports=free_ports(2), cores=CORES))
+        self.host = host
+        self.daemon("munged", "--foreground", "--force", f"--key-file={self.root}/munge.key", f"--socket={self.root}/munge.socket",
+                    f"--pid-file={self.root}/munge.pid", f"--log-file={self.root}/munge.log", f"--seed-file={self.root}/munge.seed")
+        self.until(lambda: os.path.exists(f"{self.root}/munge.socket"), "munged")
+        self.daemon("slurmctld", "-D")
+        self.daemon("slurmd", "-D")
+        self.until(lambda: self.run("sinfo", "--noheader", "--format=%T", check=False) == "idle", "the node")
+
+    def daemon(self, *command):
+        log = open(f"{self.root}/{command[0]}.out", "w")
+        self.daemons.append(subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, env=self.environment,
+                                             start_new_session=True, preexec_fn=end_with_the_test))
+        log.close()
+
+    def until(self, reached, what, seconds=20):
+        end = time.monotonic() + seconds
+        while not reached():
+            gone = [one.args[0] for one in self.daemons if one.poll() is not None]
+            if gone or time.monotonic() > end:
+                words = open(f"{self.root}/{(gone or ['slurmctld'])[0]}.out").read().strip().splitlines()
+                raise SlurmUnavailable(f"{what} does not come up: {words[-1] if words else 'no words'}")
+            time.sleep(0.05)
+
+    def run(self, *command, check=True):
+        done = subprocess.run(command, capture_output=True, text=True, env=self.environment)
+        if check and done.returncode != 0:
+            raise AssertionError(f"{command}: {done.stdout}{done.stderr}")
+        return done.stdout.strip()
+
+    def tasks(self, state):
+        """"JOB_SHARD" of those that are in this state."""
+        return self.run("squeue", "--noheader", "--array", f"--states={state}", "--format=%F_%K", check=False).split()
+
+    def node(self, state):
+        self.run("scontrol", "update", f"nodename={self.host}", f"state={state}", "reason=test")
+
+    def end_controller(self):
+        controller = next(one for one in self.daemons if one.args[0] == "slurmctld")
+        self.daemons.remove(controller)
+        controller.terminate()
+        controller.wait()
+
+    def start_controller(self):
+        self.daemon("slurmctld", "-D")
+
+    def stop(self):
+        if any("slurmctld" in one.args[0] and one.poll() is None for one in self.daemons):
+            self.run("scancel", "--full", "--user=root", check=False)
+        for one in reversed(self.daemons):
+            if one.poll() is None:
+                one.terminate()
+        for one in self.daemons:
+            try:
+                one.wait(5)
+            except subprocess.TimeoutExpired:
+                one.kill()
+                one.wait()

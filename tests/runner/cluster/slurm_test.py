@@ -1,0 +1,170 @@
+#!/usr/bin/env python3
+"""jnd cluster on a real Slurm of this machine alone (real_slurm.py): tasks that are killed, a node that goes down, a controller
+that is started again and a full disk change nothing in the result. SKIPPED (77) where Slurm cannot be started.
+
+Usage: slurm_test.py JND
+"""
+import os
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+import real_slurm
+
+JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
+PROGRAM = os.path.join(os.path.dirname(os.path.abspath(__file__)), "shard_program.py")
+SHARDS = 8
+APART = ["unshare", "--mount", "--pid", "--fork", "--kill-child", "--mount-proc"]
+
+
+class OnSlurm(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.folder.cleanup)
+        cls.slurm = real_slurm.RealSlurm(os.path.join(cls.folder.name))
+        cls.addClassCleanup(cls.slurm.stop)
+
+    def setUp(self):
+        self.path = os.path.realpath(tempfile.mkdtemp(dir=self.folder.name))
+        with open(os.path.join(self.path, "a study.json"), "w") as file:
+            file.write('{"title": "a study"}')
+        self.whole = subprocess.run([PROGRAM, "plan", "a study.json", "--power"], capture_output=True, text=True, cwd=self.path,
+                                    check=True).stdout
+
+    def start(self, *arguments, step=0.05, **variables):
+        """jnd cluster, which goes on by itself."""
+        words = [JND, "cluster", "run", "--shards", str(SHARDS), "--every", "0.2", "--program", PROGRAM, *arguments,
+                 "--", "plan", "a study.json", "--power"]
+        process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=open(os.path.join(self.path, "told"), "w+"), text=True, cwd=self.path,
+                                   env=dict(self.slurm.environment, SHARD_STEP_S=str(step), **variables))
+        self.addCleanup(process.kill)
+        self.addCleanup(process.stdout.close)
+        return process
+
+    def told(self):
+        with open(os.path.join(self.path, "told")) as file:
+            return file.read()
+
+    def ends_with(self, process, code=0):
+        try:
+            out = process.communicate(timeout=60)[0]
+        except subprocess.TimeoutExpired:
+            self.fail(f"no end of it: {self.told()}\n{self.slurm.run('squeue', '--states=all', check=False)}")
+        self.assertEqual(process.returncode, code, self.told())
+        return out
+
+    def until(self, reached, process=None):
+        end = time.monotonic() + 30
+        while not reached():
+            if time.monotonic() > end or (process and process.poll() is not None):
+                self.fail(f"it does not come: {self.told()}")
+            time.sleep(0.05)
+
+    def kill_program(self, shard):
+        """Of a task of this test's campaign."""
+        for pid in filter(str.isdigit, os.listdir("/proc")):
+            try:
+                words = open(f"/proc/{pid}/cmdline").read().split("\0")
+                if f"{shard}/{SHARDS}" in words and os.readlink(f"/proc/{pid}/cwd").startswith(self.path):
+                    os.kill(int(pid), signal.SIGKILL)
+            except OSError:  # it has ended meanwhile
+                pass
+
+    def test_an_array_runs_and_is_combined(self):
+        self.assertEqual(self.ends_with(self.start("--submit", "--follow")), self.whole)
+
+    def test_tasks_that_are_killed_run_again(self):
+        chance = random.Random(1)
+        process = self.start("--submit", "--follow", "--retries", "20", step=0.4)
+        killed = []
+        while len(killed) < 6 and process.poll() is None:
+            running = self.slurm.tasks("running")
+            if not running:
+                time.sleep(0.05)
+                continue
+            task = chance.choice(running)
+            if len(killed) % 2 == 0:
+                self.slurm.run("scancel", task, check=False)
+            else:
+                self.kill_program(task.split("_")[1])
+            killed.append(task)
+            time.sleep(0.5)
+        self.assertEqual(self.ends_with(process), self.whole)
+        self.assertIn("; again", self.told())
+        self.assertEqual(len(killed), 6)
+
+    def test_a_node_that_goes_down(self):
+        for options, seen in ((["--sbatch=--no-requeue"], "NODE_FAIL; again"), ([], "waiting (BeginTime)")):
+            with self.subTest(seen=seen):
+                process = self.start(*options, "--submit", "--follow", step=0.3)
+                self.until(lambda: self.slurm.tasks("running"), process)
+                self.slurm.node("down")
+                self.until(lambda: seen in self.told(), process)
+                if self.slurm.run("sinfo", "--noheader", "--format=%T").startswith("down"):
+                    self.slurm.node("resume")
+                # Slurm lets what it requeues wait for two minutes.
+                for task in self.slurm.tasks("pending"):
+                    self.slurm.run("scontrol", "update", f"jobid={task}", "starttime=now", check=False)
+                self.assertEqual(self.ends_with(process), self.whole)
+            subprocess.run(["rm", "-r", os.path.join(self.path, "run")], check=True)
+
+    def test_submitted_by_hand_followed_left_and_followed_again(self):
+        self.assertIn("0 of 8", self.ends_with(self.start()))
+        self.slurm.environment["SHARD_STEP_S"] = "0.3"
+        self.addCleanup(self.slurm.environment.pop, "SHARD_STEP_S")
+        subprocess.run(["sbatch", "job.sh"], cwd=os.path.join(self.path, "run"), env=self.slurm.environment, check=True,
+                       capture_output=True)
+        process = self.start("--follow")
+        self.until(lambda: "running" in self.told(), process)
+        process.send_signal(signal.SIGINT)
+        self.assertEqual(self.ends_with(process, 130), "")
+        self.assertTrue(self.slurm.tasks("running"))
+        process = self.start("--follow")
+        self.until(lambda: "running" in self.told(), process)
+        self.slurm.end_controller()
+        self.until(lambda: "squeue does not answer" in self.told(), process)
+        self.slurm.start_controller()
+        self.assertEqual(self.ends_with(process), self.whole)
+        self.assertNotIn("again", self.told())
+
+    def test_a_full_disk(self):
+        shards = os.path.join(self.path, "run", "shards")
+        self.ends_with(self.start())
+        mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", shards], capture_output=True, text=True)
+        if mounted.returncode != 0:
+            print(f"SKIPPED: no full disk, because mount is not permitted here: {mounted.stderr.strip()}", file=sys.stderr)
+            self.skipTest("mount is not permitted")
+        self.addCleanup(subprocess.run, ["umount", "--lazy", shards])
+        with open(os.path.join(shards, "something else"), "wb") as file:
+            file.write(bytes(56 * 1024))
+        process = self.start("--submit", "--follow", "--retries", "1", SHARD_PADDING="5000")
+        self.assertEqual(self.ends_with(process, 1), "")
+        self.assertIn("No space left on device", self.told())
+        self.assertIn("given up: shard", self.told())
+        os.remove(os.path.join(shards, "something else"))
+        process = self.start("--submit", "--follow", SHARD_PADDING="100")
+        self.assertEqual(self.ends_with(process), self.whole)
+
+
+def main():
+    if "JND_SLURM_APART" not in os.environ:
+        # Processes and mounts of their own: whatever happens, nothing of it is left. Without the right to that, as it is.
+        if subprocess.run([*APART, "true"], capture_output=True).returncode == 0:
+            os.environ["JND_SLURM_APART"] = "1"
+            os.execvp(APART[0], [*APART, sys.executable, os.path.abspath(__file__), JND, *sys.argv[1:]])
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            real_slurm.RealSlurm(folder).stop()
+        except real_slurm.SlurmUnavailable as why:
+            print(f"SKIPPED: jnd cluster does not meet a real Slurm: {why}")
+            sys.exit(77)
+    unittest.main()
+
+
+if __name__ == "__main__":
+    main()
