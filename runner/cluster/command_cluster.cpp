@@ -1,8 +1,6 @@
 // jnd cluster: makes the folder of a campaign, submits it, and follows it to its end.
 #include <chrono>
 #include <filesystem>
-#include <memory>
-#include <thread>
 
 #include <CLI/CLI.hpp>
 #include <fcntl.h>
@@ -10,9 +8,9 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include "analysis/numerics/stop_request.h"
 #include "data/files/scratch_folder.h"
 #include "devices/device_error.h"
-#include "protocols/input/input_error.h"
 #include "runner/cluster/called_program.h"
 #include "runner/cluster/campaign.h"
 #include "runner/cluster/cluster.h"
@@ -38,7 +36,7 @@ struct ClusterOptions {
   std::vector<std::string> sbatch, setup;
   bool submit = false, follow = false, json = false;
   int retries = 3;
-  double every_s = 10;
+  double every_s = 20;
 };
 
 // Of a folder that only one program submits from at a time. Where the file system has no locks, none is there.
@@ -81,8 +79,8 @@ CampaignSettings settings_from(const ClusterOptions& options, CampaignSettings b
 }
 
 // A mistake in the plan's options would be found by every task of the cluster: so the first shard is begun here, for a
-// moment. What is in it is not kept.
-void try_plan(const ClusterOptions& options, const std::string& program, int shards) {
+// moment. Returns the exit code of a plan that is not taken, which has said why. What was begun is not kept.
+std::optional<int> try_plan(const ClusterOptions& options, const std::string& program, int shards) {
   constexpr std::chrono::milliseconds kTrial{1500};
   const ScratchFolder scratch("cluster");
   std::vector<std::string> command = {program};
@@ -93,41 +91,46 @@ void try_plan(const ClusterOptions& options, const std::string& program, int sha
     const CalledProgram tried = call_program(command, std::filesystem::current_path(), [end] {
       return std::chrono::steady_clock::now() < end && !interrupt_requested();
     });
-    if (tried.code == exit_code::kUsage) throw UsageError(fmt::format("the plan is not taken: {}", tried.trouble()));
-    if (tried.code == exit_code::kInvalidInput) throw InputError(tried.trouble());
+    stop_if_requested();
+    if (tried.code != exit_code::kUsage && tried.code != exit_code::kInvalidInput) return {};
+    write_message(printable_lines(tried.errors));
+    return tried.code;
   } catch (const DeviceError&) {  // it is on the cluster's machines alone
+    return {};
   }
 }
 
-Campaign made_or_opened(const ClusterOptions& options) {
+// The campaign that is in the folder, with the settings that are asked for now; none where there is none yet.
+std::optional<Campaign> opened(const ClusterOptions& options) {
   std::optional<Campaign> campaign = Campaign::open(options.folder);
-  if (!campaign && options.job.empty())
+  if (!campaign) {
+    if (!options.job.empty()) return {};
     throw UsageError(fmt::format(
         "{}: no campaign is there yet: say what is to be run, behind --: plan PROTOCOL --power ...", options.folder));
-  if (campaign) {
-    if (!options.job.empty())
-      campaign->require_same(Campaign::job_of(options.job, options.shards.value_or(campaign->shards())));
-    else if (options.shards && *options.shards != campaign->shards())
-      throw UsageError(fmt::format("{} is cut in {}, which cannot be changed", options.folder,
-                                   counted(campaign->shards(), "shard")));
-    campaign->change(settings_from(options, campaign->settings()));
-    return *std::move(campaign);
   }
-  CampaignSettings none;
-  none.program = std::filesystem::read_symlink("/proc/self/exe").string();
-  const CampaignSettings settings = settings_from(options, none);
-  const CampaignJob job = Campaign::job_of(options.job, options.shards.value_or(0));
-  try_plan(options, settings.program, job.shards);
-  return Campaign::make(options.folder, job, settings);
+  if (!options.job.empty())
+    campaign->require_same(Campaign::job_of(options.job, options.shards.value_or(campaign->shards())));
+  else if (options.shards && *options.shards != campaign->shards())
+    throw UsageError(
+        fmt::format("{} is cut in {}, which cannot be changed", options.folder, counted(campaign->shards(), "shard")));
+  campaign->change(settings_from(options, campaign->settings()));
+  return campaign;
+}
+
+std::string state_of(const Campaign& campaign) {
+  try {
+    Slurm slurm(campaign.folder(), campaign.name());
+    return Follower(campaign, slurm, {}).state();
+  } catch (const UsageError&) {  // no Slurm is here
+    return fmt::format("{} of {} there", campaign.finished().size(), counted(campaign.shards(), "shard"));
+  }
 }
 
 void print_state(const Campaign& campaign) {
-  const auto finished = static_cast<std::int64_t>(campaign.finished().size());
   const std::string folder = shell_quoted(campaign.folder().string());
-  fmt::print("{}: {} of {} there\n", printable(campaign.folder().string()), finished,
-             counted(campaign.shards(), "shard"));
-  if (finished == campaign.shards()) {
-    fmt::print("  the result:  {}/{} combine\n", printable(folder), Campaign::kScript);
+  fmt::print("{}: {}\n", printable(campaign.folder().string()), state_of(campaign));
+  if (campaign.finished().size() == static_cast<std::size_t>(campaign.shards())) {
+    fmt::print("  the result:             {}/{} combine\n", printable(folder), Campaign::kScript);
     return;
   }
   fmt::print("  with Slurm, from here:  jnd cluster {} --submit --follow\n", printable(folder));
@@ -135,13 +138,7 @@ void print_state(const Campaign& campaign) {
   fmt::print("  without a scheduler:    {}/{}\n", printable(folder), Campaign::kLoop);
 }
 
-int command_cluster(const ClusterOptions& options) {
-  const HoldInterrupts hold;
-  const Campaign campaign = made_or_opened(options);
-  if (!options.submit && !options.follow) {
-    print_state(campaign);
-    return exit_code::kDone;
-  }
+int submit_and_follow(const ClusterOptions& options, const Campaign& campaign) {
   const CampaignLock lock(campaign);
   Slurm slurm(campaign.folder(), campaign.name());
   if (options.submit) {
@@ -155,6 +152,22 @@ int command_cluster(const ClusterOptions& options) {
   FollowOptions follow{options.retries, options.every_s, {}};
   if (options.json) follow.combine.emplace_back("--json");
   return Follower(campaign, slurm, follow).follow();
+}
+
+int command_cluster(const ClusterOptions& options) {
+  const HoldInterrupts hold;
+  std::optional<Campaign> campaign = opened(options);
+  if (!campaign) {
+    CampaignSettings of_this_program;
+    of_this_program.program = std::filesystem::read_symlink("/proc/self/exe").string();
+    const CampaignSettings settings = settings_from(options, of_this_program);
+    const CampaignJob job = Campaign::job_of(options.job, options.shards.value_or(0));
+    if (const std::optional<int> code = try_plan(options, settings.program, job.shards)) return *code;
+    campaign = Campaign::make(options.folder, job, settings);
+  }
+  if (options.submit || options.follow) return submit_and_follow(options, *campaign);
+  print_state(*campaign);
+  return exit_code::kDone;
 }
 
 }  // namespace
@@ -171,15 +184,15 @@ void add_cluster(CommandTree& tree) {
   command.add_option("--shards", options.shards, "into how many parts it is cut, each a task of one processor")
       ->check(CLI::Range(1, Campaign::kMostShards));
   command.add_flag("--submit", options.submit, "submit with sbatch what is neither there nor in the queue");
-  command.add_flag(
+  CLI::Option* const follow = command.add_flag(
       "--follow", options.follow,
       "show how it gets on, submit again what was lost, and print the result; Ctrl-C leaves the jobs alone");
-  command.add_flag("--json", options.json, "with --follow: the result, machine-readable");
+  command.add_flag("--json", options.json, "the result, machine-readable")->needs(follow);
   command
       .add_option("--retries", options.retries,
                   "how often a shard is submitted again that ends without getting on (default: 3)")
       ->check(CLI::Range(0, 100));
-  command.add_option("--every", options.every_s, "seconds between two looks at the queue (default: 10)")
+  command.add_option("--every", options.every_s, "seconds between two looks at the queue (default: 20)")
       ->check(CLI::Range(0.05, 3600.0));
   command.add_option("--partition", options.partition, "of the cluster")->type_name("NAME");
   command.add_option("--time", options.time, "limit of one shard, such as 02:00:00")->type_name("TIME");

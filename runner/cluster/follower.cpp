@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <fstream>
-#include <sstream>
 #include <thread>
 #include <utility>
 
@@ -45,11 +44,10 @@ Submissions::Submissions(const Campaign& campaign) : file_(campaign.folder() / "
 
 void Submissions::add(std::int64_t job, const std::set<int>& shards) const {
   const int file = open(file_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
-  if (file < 0) throw cannot_write(file_, errno);
-  int error = write_all(file, fmt::format("{} {}\n", job, ranges_text(shards)));
+  int error = file < 0 ? errno : write_all(file, fmt::format("{} {}\n", job, ranges_text(shards)));
   if (error == 0 && fsync(file) != 0) error = errno;
-  close(file);
-  if (error != 0) throw cannot_write(file_, error);
+  if (file >= 0) close(file);
+  if (error != 0) write_marked_message(cannot_write(file_, error).what());
 }
 
 std::vector<std::pair<std::int64_t, std::set<int>>> Submissions::all() const {
@@ -88,6 +86,20 @@ std::optional<std::size_t> submit_missing(const Campaign& campaign, Slurm& slurm
   return missing.size();
 }
 
+std::string progress_text(const ShardTable::Counts& counts, int shards) {
+  std::string text = fmt::format("{} of {} there", counts.finished, counted(shards, "shard"));
+  const auto add = [&text](int count, std::string_view what) {
+    if (count > 0) text += fmt::format(", {} {}", count, what);
+  };
+  add(counts.running, "running");
+  add(counts.waiting, counts.why_waiting.empty() ? "waiting" : fmt::format("waiting ({})", counts.why_waiting));
+  add(counts.unseen, "just ended");
+  add(counts.lost, "to be submitted again");
+  add(counts.given_up, "failed");
+  add(counts.never, "not submitted");
+  return text;
+}
+
 Follower::Follower(const Campaign& campaign, Slurm& slurm, FollowOptions options)
     : campaign_(campaign),
       slurm_(slurm),
@@ -115,6 +127,11 @@ int Follower::follow() {
   }
   say("Interrupted: the jobs go on. The same command follows them again.");
   return exit_code::kInterrupted;
+}
+
+std::string Follower::state() {
+  table_.look(look());
+  return progress_text(table_.counts(), campaign_.shards());
 }
 
 QueueLook Follower::look() {
@@ -158,25 +175,16 @@ void Follower::tell_held() {
     say(fmt::format("these wait for you or an administrator ({}); scontrol release {}", held.front().reason, jobs));
 }
 
-void Follower::tell_progress(bool last) {
-  const ShardTable::Counts counts = table_.counts();
-  std::string text = fmt::format("{} of {} shards there", counts.finished, campaign_.shards());
-  const auto add = [&text](int count, std::string_view what) {
-    if (count > 0) text += fmt::format(", {} {}", count, what);
-  };
-  add(counts.running, "running");
-  add(counts.waiting, counts.why_waiting.empty() ? "waiting" : fmt::format("waiting ({})", counts.why_waiting));
-  add(counts.unseen, "just ended");
-  add(counts.lost, "to be submitted again");
-  add(counts.given_up, "failed");
-  add(counts.never, "not submitted");
-  if (text == shown_ && !last) return;
+void Follower::tell_progress() {
+  const std::string text = progress_text(table_.counts(), campaign_.shards());
+  if (text == shown_) return;
   shown_ = text;
   if (!is_terminal(STDERR_FILENO)) {
     print_message("{}\n", printable(text));
     return;
   }
-  print_message("\r\x1b[K{}", printable(text));
+  // On one line, which a longer one would leave.
+  print_message("\r\x1b[K{}", printable(text).substr(0, static_cast<std::size_t>(terminal_width() - 1)));
   drawn_ = true;
 }
 

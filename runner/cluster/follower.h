@@ -14,7 +14,7 @@ namespace jnd {
 
 struct FollowOptions {
   int retries = 3;
-  double every_s = 10;               // between two looks
+  double every_s = 20;               // between two looks
   std::vector<std::string> combine;  // options of jnd combine
 };
 
@@ -22,7 +22,8 @@ struct FollowOptions {
 class Submissions {
  public:
   explicit Submissions(const Campaign& campaign);
-  void add(std::int64_t job, const std::set<int>& shards) const;  // throws StorageError
+  // Where it cannot be written it is said, and that is all: the queue knows the job by its name.
+  void add(std::int64_t job, const std::set<int>& shards) const;
   std::vector<std::pair<std::int64_t, std::set<int>>> all() const;
 
  private:
@@ -33,17 +34,22 @@ class Submissions {
 // is said.
 std::optional<std::size_t> submit_missing(const Campaign& campaign, Slurm& slurm);
 
+// "12 of 64 shards there, 8 running, 44 waiting (Priority)".
+std::string progress_text(const ShardTable::Counts& counts, int shards);
+
 class Follower {
  public:
   Follower(const Campaign& campaign, Slurm& slurm, FollowOptions options);
   // Returns the exit code.
   int follow();
+  // How it is getting on, at one look; no more than is known where the queue does not answer.
+  std::string state();
 
  private:
   QueueLook look();
   void tell_lost(const std::vector<LostShard>& lost);
   void tell_held();
-  void tell_progress(bool last = false);
+  void tell_progress();
   void say(const std::string& text);  // a line of its own, not over the progress
   void submit_lost();
   std::optional<int> ended();
@@ -55,7 +61,7 @@ class Follower {
   FollowOptions options_;
   Submissions submissions_;
   ShardTable table_;
-  std::string shown_, trouble_, held_, last_tail_;
+  std::string shown_, trouble_, held_;
   bool drawn_ = false;
   int refusals_ = 0;
 };

@@ -40,8 +40,9 @@ class OnSlurm(unittest.TestCase):
         """jnd cluster, which goes on by itself."""
         words = [JND, "cluster", "run", "--shards", str(SHARDS), "--every", "0.2", "--program", PROGRAM, *arguments,
                  "--", "plan", "a study.json", "--power"]
-        process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=open(os.path.join(self.path, "told"), "w+"), text=True, cwd=self.path,
-                                   env=dict(self.slurm.environment, SHARD_STEP_S=str(step), **variables))
+        with open(os.path.join(self.path, "told"), "w") as told:
+            process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=told, text=True, cwd=self.path,
+                                       env=dict(self.slurm.environment, SHARD_STEP_S=str(step), **variables))
         self.addCleanup(process.kill)
         self.addCleanup(process.stdout.close)
         return process
@@ -69,7 +70,8 @@ class OnSlurm(unittest.TestCase):
         """Of a task of this test's campaign."""
         for pid in filter(str.isdigit, os.listdir("/proc")):
             try:
-                words = open(f"/proc/{pid}/cmdline").read().split("\0")
+                with open(f"/proc/{pid}/cmdline") as line:
+                    words = line.read().split("\0")
                 if f"{shard}/{SHARDS}" in words and os.readlink(f"/proc/{pid}/cwd").startswith(self.path):
                     os.kill(int(pid), signal.SIGKILL)
             except OSError:  # it has ended meanwhile
