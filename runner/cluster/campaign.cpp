@@ -28,12 +28,14 @@ namespace fs = std::filesystem;
 using OrderedJson = nlohmann::ordered_json;
 
 constexpr const char* kMark = "campaign.json";
+constexpr const char* kProtocol = "protocol";  // a folder, so that the file keeps its name
 constexpr const char* kShards = "shards";
 constexpr const char* kLogs = "logs";
 constexpr int kFormat = 1;
 
-// What jnd cluster itself gives to jnd plan, or asks of jnd combine.
-constexpr std::array<std::string_view, 4> kNotOfPlan = {"--shard", "--to", "--json", "--study"};
+// Options of the plan that are said elsewhere.
+constexpr std::array<std::string_view, 3> kOfShards = {"--shard", "--to", "--threads"};
+constexpr std::array<std::string_view, 3> kOfCombine = {"--json", "--csv", "--ademp"};
 
 fs::path normal(const fs::path& folder) {
   fs::path path = fs::absolute(folder).lexically_normal();
@@ -52,8 +54,8 @@ void add_file(std::vector<CampaignFile>& files, const std::string& name) {
         "{} is not below this folder, so it cannot be copied to where it would be found: start jnd cluster in a folder "
         "above it, or name it with its whole path",
         name));
-  constexpr std::array<std::string_view, 6> kTaken = {
-      kMark, kShards, kLogs, Campaign::kProtocol, Campaign::kScript, Campaign::kLoop};
+  constexpr std::array<std::string_view, 6> kTaken = {kMark,     kShards,           kLogs,
+                                                      kProtocol, Campaign::kScript, Campaign::kLoop};
   if (std::find(kTaken.begin(), kTaken.end(), first) != kTaken.end())
     throw UsageError(fmt::format("{}: the campaign's folder has a file of that name of its own; rename yours", name));
   if (std::any_of(files.begin(), files.end(), [&](const CampaignFile& one) { return one.name == path.string(); }))
@@ -132,16 +134,19 @@ CampaignJob Campaign::job_of(const std::vector<std::string>& words, int shards) 
     throw UsageError("behind -- stands what is to be run: plan PROTOCOL --power ..., the protocol first");
   if (shards < 1) throw UsageError("--shards says into how many parts the study is cut");
   CampaignJob job{shards, {words.begin() + 2, words.end()}, {}};
-  const std::string protocol = read_input_file(find_resource(Resource::protocol, words[1]));
-  job.files.push_back({kProtocol, protocol});
+  const fs::path place = find_resource(Resource::protocol, words[1]);
+  const std::string protocol = read_input_file(place);
+  job.files.push_back({(fs::path(kProtocol) / place.filename()).string(), protocol});
   add_files_named_in(parse_json(protocol, words[1]), job.files);
   for (const std::string& argument : job.arguments) {
     const std::string name = option_name(argument);
-    if (std::find(kNotOfPlan.begin(), kNotOfPlan.end(), name) != kNotOfPlan.end())
-      throw UsageError(fmt::format("{} does not go with jnd cluster: {}", name,
-                                   name == "--study"  ? "the plan is of a protocol"
-                                   : name == "--json" ? "ask for it when the shards are combined"
-                                                      : "it is set for every shard"));
+    const auto is_among = [&name](const auto& names) {
+      return std::find(names.begin(), names.end(), name) != names.end();
+    };
+    if (is_among(kOfShards)) throw UsageError(fmt::format("{} is set for every shard: leave it out", name));
+    if (is_among(kOfCombine))
+      throw UsageError(
+          fmt::format("{} is for when the shards are combined: FOLDER/{} combine {} ...", name, kScript, name));
     add_file(job.files, argument);
     if (name.size() < argument.size()) add_file(job.files, argument.substr(name.size() + 1));
   }
@@ -303,7 +308,9 @@ std::string Campaign::text() const {
 }
 
 std::string Campaign::script() const {
-  return job_script({name_, shards_, arguments_, settings_});
+  JobScript script{name_, shards_, {hashes_.front().name}, settings_};
+  script.plan.insert(script.plan.end(), arguments_.begin(), arguments_.end());
+  return job_script(script);
 }
 
 void Campaign::write_scripts() const {

@@ -20,7 +20,7 @@ struct CampaignFile {
 struct CampaignJob {
   int shards = 0;
   std::vector<std::string> arguments;  // of jnd plan, behind the protocol
-  std::vector<CampaignFile> files;     // the protocol first
+  std::vector<CampaignFile> files;     // the protocol first, under its own name: results tell it
 };
 
 // How it is run: may be changed at any time. Empty and 0: as the cluster has it.
@@ -36,8 +36,7 @@ struct CampaignSettings {
 
 class Campaign {
  public:
-  static constexpr const char* kProtocol = "protocol.json";  // the names in the folder
-  static constexpr const char* kScript = "job.sh";
+  static constexpr const char* kScript = "job.sh";  // the names in the folder
   static constexpr const char* kLoop = "loop.sh";
   static constexpr int kMostShards = 1000;  // an array of Slurm, as it ships
 

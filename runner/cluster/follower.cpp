@@ -115,6 +115,7 @@ int Follower::follow() {
   for (;;) {
     const QueueLook now = look();
     if (interrupt_requested()) break;
+    tell_trouble();
     const std::vector<LostShard> lost = table_.look(now);
     tell_lost(lost);
     if (now.queue) {
@@ -137,16 +138,17 @@ std::string Follower::state() {
 QueueLook Follower::look() {
   QueueLook now;
   now.queue = slurm_.queue();
-  if (!now.queue && !interrupt_requested() && slurm_.trouble() != trouble_) {
-    trouble_ = slurm_.trouble();
-    say(fmt::format("squeue does not answer: {}; asking on", trouble_));
-  }
-  if (now.queue) trouble_.clear();
   // After the queue: what was finished before its job left the queue is then seen.
   now.finished = campaign_.finished();
   for (int shard = 1; shard <= campaign_.shards(); ++shard)
     if (!now.finished.contains(shard)) now.progress[shard] = campaign_.progress(shard);
   return now;
+}
+
+void Follower::tell_trouble() {
+  if (slurm_.trouble() == trouble_) return;
+  trouble_ = slurm_.trouble();
+  if (!trouble_.empty()) say(fmt::format("squeue does not answer: {}; asking on", trouble_));
 }
 
 void Follower::tell_lost(const std::vector<LostShard>& lost) {

@@ -47,6 +47,7 @@ class Follower {
 
  private:
   QueueLook look();
+  void tell_trouble();
   void tell_lost(const std::vector<LostShard>& lost);
   void tell_held();
   void tell_progress();

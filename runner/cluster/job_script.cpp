@@ -22,7 +22,7 @@ constexpr std::string_view kHead = R"sh(#!/bin/bash
 #   with Slurm, all shards          cd into this folder, then:  sbatch job.sh
 #   one shard, here                 ./job.sh 3
 #   without a scheduler             ./loop.sh, or with GNU parallel:  seq @SHARDS@ | parallel ./job.sh
-#   the result, when all are there  ./job.sh combine    (--json, ... behind it)
+#   the result, when all are there  ./job.sh combine    (behind it options of jnd combine: --json, --csv FILE, ...)
 #
 # A shard that is there stays; one that was stopped goes on where it was. This folder may be moved to another machine as it
 # is; only the program below has to be there.
@@ -42,6 +42,7 @@ if [ $# -eq 0 ] && [ -n "$SLURM_ARRAY_TASK_ID" ]; then
 else
   folder=$(dirname -- "$0")
 fi
+here=$PWD
 cd -- "$folder" || exit
 if [ ! -f campaign.json ]; then
   echo "job.sh: $PWD is not the folder of this campaign: cd into that one, then sbatch job.sh" >&2
@@ -54,15 +55,15 @@ constexpr std::string_view kRun = R"sh(
 if [ "$1" = combine ]; then
   shift
   files=()
-  for ((i = 1; i <= @SHARDS@; ++i)); do files+=("shards/$i.json"); done
-  exec "$program" combine "${files[@]}" "$@"
+  for ((i = 1; i <= @SHARDS@; ++i)); do files+=("$PWD/shards/$i.json"); done
+  cd -- "$here" && exec "$program" combine "${files[@]}" "$@"
 fi
 if ! [[ "$1" =~ ^[0-9]+$ ]] || [ "$1" -lt 1 ] || [ "$1" -gt @SHARDS@ ]; then
   echo "usage: ./job.sh N    a shard, 1 to @SHARDS@;  or ./job.sh combine" >&2
   exit 2
 fi
 echo "job.sh: shard $1 of @SHARDS@ on $(uname -n), job ${SLURM_JOB_ID:-none}"
-"$program" plan @PLAN@ --shard "$1/@SHARDS@" --to "shards/$1.json"
+"$program" plan @PLAN@ --threads 1 --shard "$1/@SHARDS@" --to "shards/$1.json"
 status=$?
 [ $status -eq 0 ] || echo "job.sh: shard $1 ended with exit code $status" >&2
 exit $status
@@ -123,8 +124,8 @@ std::string job_script(const JobScript& script) {
   out += fmt::format("\nprogram={}\n{}", shell_quoted(settings.program), kFolder);
   if (!settings.setup.empty()) out += "\n";
   for (const std::string& line : settings.setup) out += line + "\n";
-  std::string plan = Campaign::kProtocol;
-  for (const std::string& argument : script.arguments) plan += " " + shell_quoted(argument);
+  std::string plan;
+  for (const std::string& argument : script.plan) plan += (plan.empty() ? "" : " ") + shell_quoted(argument);
   return out + filled_in(filled_in(kRun, "@SHARDS@", shards), "@PLAN@", plan);
 }
 

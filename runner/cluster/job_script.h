@@ -12,7 +12,7 @@ namespace jnd {
 struct JobScript {
   std::string name;  // of the jobs
   int shards = 0;
-  std::vector<std::string> arguments;  // of jnd plan, behind the protocol
+  std::vector<std::string> plan;  // the arguments of jnd plan, the protocol first
   CampaignSettings settings;
 };
 

@@ -124,7 +124,7 @@ class Cluster(unittest.TestCase):
         self.write("profile.json", "{}")
         self.write("study.json", '{"rig": {"device": "rigs/mine.json"}, "title": "title.json"}')
         self.cluster("run", "--shards", "2", plan=("plan", "study.json", "--power", "--profile=profile.json"))
-        for name in ("rigs/mine.json", "profile.json", "protocol.json"):
+        for name in ("rigs/mine.json", "profile.json", "protocol/study.json"):
             self.assertTrue(os.path.exists(os.path.join(self.path, "run", name)), name)
         self.write("job.json", "{}")
         os.makedirs(os.path.join(self.path, "shards"))
@@ -174,7 +174,7 @@ class Cluster(unittest.TestCase):
         self.assertIn("--other", self.cluster("run", code=2, plan=("plan", "study.json", "--power", "--other")).stderr)
         self.write("study.json", '{"title": "another study"}')
         self.assertIn("protocol is another one", self.cluster("run", code=2).stderr)
-        self.write("run/protocol.json", '{"title": "another study"}')
+        self.write("run/protocol/study.json", '{"title": "another study"}')
         self.assertIn("changed since", self.cluster("run", code=3, plan=None).stderr)
 
     def test_mistakes_in_the_plan_are_said_at_once(self):

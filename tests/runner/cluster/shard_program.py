@@ -36,6 +36,9 @@ def plan(arguments):
     protocol, options = arguments[0], list(arguments[1:])
     if "--wrong" in options:
         fail(2, "plan has no option --wrong")
+    if "--threads" in options:
+        at = options.index("--threads")
+        del options[at:at + 2]
     shard = target = None
     if "--shard" in options:
         at = options.index("--shard")
@@ -55,7 +58,7 @@ def plan(arguments):
         done.append(value(key, step))
         try:
             with open(target + ".new", "w") as file:
-                file.write(json.dumps(done) + " " * int(os.environ.get("SHARD_PADDING", "0")))
+                json.dump(done, file)
             os.rename(target + ".new", target + ".part")
         except OSError as error:
             fail(5, f"{target}: cannot be written: {error.strerror}")

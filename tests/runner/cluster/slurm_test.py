@@ -18,6 +18,9 @@ import real_slurm
 JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
 PROGRAM = os.path.join(os.path.dirname(os.path.abspath(__file__)), "shard_program.py")
 SHARDS = 8
+PLAYED = ["plan", "a study.json", "--power"]  # by PROGRAM, whose shards take as long as the test wants
+POWER = ["plan", "a study.json", "--power", "--studies", "64"]  # by jnd itself
+LONGER = ["plan", "a study.json", "--power", "--studies", "80", "--physics", "--analysis", "registered"]
 APART = ["unshare", "--mount", "--pid", "--fork", "--kill-child", "--mount-proc"]
 
 
@@ -31,18 +34,19 @@ class OnSlurm(unittest.TestCase):
 
     def setUp(self):
         self.path = os.path.realpath(tempfile.mkdtemp(dir=self.folder.name))
-        with open(os.path.join(self.path, "a study.json"), "w") as file:
-            file.write('{"title": "a study"}')
-        self.whole = subprocess.run([PROGRAM, "plan", "a study.json", "--power"], capture_output=True, text=True, cwd=self.path,
-                                    check=True).stdout
+        subprocess.run([JND, "new", "a study.json", "--from", "tutorial"], cwd=self.path, check=True, capture_output=True)
 
-    def start(self, *arguments, step=0.05, **variables):
+    def whole(self, plan=PLAYED):
+        """What the study comes to without a cluster."""
+        return subprocess.run([PROGRAM if plan is PLAYED else JND, *plan], capture_output=True, text=True, cwd=self.path, check=True).stdout
+
+    def start(self, *arguments, plan=PLAYED, step=0.05):
         """jnd cluster, which goes on by itself."""
-        words = [JND, "cluster", "run", "--shards", str(SHARDS), "--every", "0.2", "--program", PROGRAM, *arguments,
-                 "--", "plan", "a study.json", "--power"]
+        words = [JND, "cluster", "run", "--shards", str(SHARDS), "--every", "0.2",
+                 "--program", PROGRAM if plan is PLAYED else JND, *arguments, "--", *plan]
         with open(os.path.join(self.path, "told"), "w") as told:
             process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=told, text=True, cwd=self.path,
-                                       env=dict(self.slurm.environment, SHARD_STEP_S=str(step), **variables))
+                                       env=dict(self.slurm.environment, SHARD_STEP_S=str(step)))
         self.addCleanup(process.kill)
         self.addCleanup(process.stdout.close)
         return process
@@ -78,11 +82,11 @@ class OnSlurm(unittest.TestCase):
                 pass
 
     def test_an_array_runs_and_is_combined(self):
-        self.assertEqual(self.ends_with(self.start("--submit", "--follow")), self.whole)
+        self.assertEqual(self.ends_with(self.start("--submit", "--follow", plan=POWER)), self.whole(POWER))
 
     def test_tasks_that_are_killed_run_again(self):
         chance = random.Random(1)
-        process = self.start("--submit", "--follow", "--retries", "20", step=0.4)
+        process = self.start("--submit", "--follow", "--retries", "20", plan=LONGER)
         killed = []
         while len(killed) < 6 and process.poll() is None:
             running = self.slurm.tasks("running")
@@ -96,7 +100,7 @@ class OnSlurm(unittest.TestCase):
                 self.kill_program(task.split("_")[1])
             killed.append(task)
             time.sleep(0.5)
-        self.assertEqual(self.ends_with(process), self.whole)
+        self.assertEqual(self.ends_with(process), self.whole(LONGER))
         self.assertIn("; again", self.told())
         self.assertEqual(len(killed), 6)
 
@@ -112,7 +116,7 @@ class OnSlurm(unittest.TestCase):
                 # Slurm lets what it requeues wait for two minutes.
                 for task in self.slurm.tasks("pending"):
                     self.slurm.run("scontrol", "update", f"jobid={task}", "starttime=now", check=False)
-                self.assertEqual(self.ends_with(process), self.whole)
+                self.assertEqual(self.ends_with(process), self.whole())
             subprocess.run(["rm", "-r", os.path.join(self.path, "run")], check=True)
 
     def test_submitted_by_hand_followed_left_and_followed_again(self):
@@ -131,26 +135,22 @@ class OnSlurm(unittest.TestCase):
         self.slurm.end_controller()
         self.until(lambda: "squeue does not answer" in self.told(), process)
         self.slurm.start_controller()
-        self.assertEqual(self.ends_with(process), self.whole)
+        self.assertEqual(self.ends_with(process), self.whole())
         self.assertNotIn("again", self.told())
 
     def test_a_full_disk(self):
         shards = os.path.join(self.path, "run", "shards")
-        self.ends_with(self.start())
+        self.ends_with(self.start(plan=POWER))
         mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", shards], capture_output=True, text=True)
         if mounted.returncode != 0:
             print(f"SKIPPED: no full disk, because mount is not permitted here: {mounted.stderr.strip()}", file=sys.stderr)
             self.skipTest("mount is not permitted")
         self.addCleanup(subprocess.run, ["umount", "--lazy", shards])
-        with open(os.path.join(shards, "something else"), "wb") as file:
-            file.write(bytes(56 * 1024))
-        process = self.start("--submit", "--follow", "--retries", "1", SHARD_PADDING="5000")
-        self.assertEqual(self.ends_with(process, 1), "")
-        self.assertIn("No space left on device", self.told())
+        self.assertEqual(self.ends_with(self.start("--submit", "--follow", "--retries", "1", plan=POWER), 1), "")
+        self.assertIn("the disk is full", self.told())
         self.assertIn("given up: shard", self.told())
-        os.remove(os.path.join(shards, "something else"))
-        process = self.start("--submit", "--follow", SHARD_PADDING="100")
-        self.assertEqual(self.ends_with(process), self.whole)
+        subprocess.run(["mount", "-o", "remount,size=1m", shards], check=True)
+        self.assertEqual(self.ends_with(self.start("--submit", "--follow", plan=POWER)), self.whole(POWER))
 
 
 def main():
