@@ -39,11 +39,12 @@ struct ClusterOptions {
   double every_s = 20;
 };
 
-// Of a folder that only one program submits from at a time. Where the file system has no locks, none is there.
+// Of a campaign that only one program submits at a time: on the file that is never replaced. Where the file system has no
+// locks, none is there.
 class CampaignLock {
  public:
   explicit CampaignLock(const Campaign& campaign)
-      : file_(open((campaign.folder() / "campaign.json").c_str(), O_RDONLY | O_CLOEXEC)) {
+      : file_(open(Submissions::file_of(campaign).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
     if (file_ < 0 || flock(file_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
     close(file_);
     throw UsageError(

@@ -40,7 +40,11 @@ std::string as_jobs(const std::vector<QueueTask>& tasks) {
 
 }  // namespace
 
-Submissions::Submissions(const Campaign& campaign) : file_(campaign.folder() / "submitted.txt") {}
+Submissions::Submissions(const Campaign& campaign) : file_(file_of(campaign)) {}
+
+std::filesystem::path Submissions::file_of(const Campaign& campaign) {
+  return campaign.folder() / "submitted.txt";
+}
 
 void Submissions::add(std::int64_t job, const std::set<int>& shards) const {
   const int file = open(file_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
@@ -154,8 +158,12 @@ void Follower::tell_trouble() {
 void Follower::tell_lost(const std::vector<LostShard>& lost) {
   // Those that ended alike are said together: a node that fails takes many with it.
   std::map<std::string, std::set<int>> alike;
+  std::set<std::int64_t> jobs;
+  for (const LostShard& shard : lost) jobs.insert(shard.job);
+  jobs.erase(0);
+  const std::string accounts = slurm_.accounts(jobs);
   for (const LostShard& shard : lost) {
-    std::string why = slurm_.why_ended(shard.job, shard.shard);
+    std::string why = Slurm::ending_in(accounts, shard.job, shard.shard);
     if (why.empty()) why = shard.state;
     if (why.starts_with("COMPLETED")) why += ", but its file is not there";
     if (why.empty()) why = "gone from the queue without its file";

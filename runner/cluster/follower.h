@@ -22,6 +22,7 @@ struct FollowOptions {
 class Submissions {
  public:
   explicit Submissions(const Campaign& campaign);
+  static std::filesystem::path file_of(const Campaign& campaign);
   // Where it cannot be written it is said, and that is all: the queue knows the job by its name.
   void add(std::int64_t job, const std::set<int>& shards) const;
   std::vector<std::pair<std::int64_t, std::set<int>>> all() const;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "protocols/input/number_from.h"
 #include "runner/cluster/called_program.h"
@@ -65,14 +66,15 @@ std::optional<std::vector<QueueTask>> Slurm::queue() {
   return tasks_in(squeue.output);
 }
 
-std::string Slurm::why_ended(std::int64_t job, int shard) {
-  if (!accounting_ || job == 0 || !is_on_path("sacct")) return "";
-  const CalledProgram sacct = call_program({"sacct", "--noheader", "--allocations", "--parsable2",
-                                            "--format=JobID,State,ExitCode", fmt::format("--jobs={}_{}", job, shard)},
-                                           folder_, while_not_interrupted);
-  // Where there is no accounting it will not come: asking for every shard would only keep the follower.
+std::string Slurm::accounts(const std::set<std::int64_t>& jobs) {
+  if (!accounting_ || jobs.empty() || !is_on_path("sacct")) return "";
+  const CalledProgram sacct =
+      call_program({"sacct", "--noheader", "--allocations", "--parsable2", "--format=JobID,State,ExitCode",
+                    fmt::format("--jobs={}", fmt::join(jobs, ","))},
+                   folder_, while_not_interrupted);
+  // Where there is no accounting it will not come.
   if (!sacct.done && while_not_interrupted()) accounting_ = false;
-  return sacct.done ? ending_in(sacct.output, job, shard) : "";
+  return sacct.done ? sacct.output : "";
 }
 
 std::vector<QueueTask> Slurm::tasks_in(std::string_view lines) {

@@ -24,12 +24,12 @@ class Slurm {
   std::optional<std::vector<QueueTask>> queue();
   const std::string& trouble() const noexcept { return trouble_; }  // of the last call, in Slurm's words
 
-  // "TIMEOUT", or "FAILED, exit code 5"; empty where nobody knows.
-  std::string why_ended(std::int64_t job, int shard);
+  // What sacct says of the tasks of these jobs, for ending_in(); empty where there is no accounting.
+  std::string accounts(const std::set<std::int64_t>& jobs);
 
   // Of squeue's lines "JOB|SHARD|STATE|REASON"; others are left out.
   static std::vector<QueueTask> tasks_in(std::string_view lines);
-  // Of sacct's lines "JOB_SHARD|STATE|CODE:SIGNAL".
+  // Of sacct's lines "JOB_SHARD|STATE|CODE:SIGNAL": "TIMEOUT", or "FAILED, exit code 5"; empty where it is not in them.
   static std::string ending_in(std::string_view lines, std::int64_t job, int shard);
 
  private:

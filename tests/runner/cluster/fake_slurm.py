@@ -112,9 +112,12 @@ def squeue():
 def sacct():
     if not os.path.exists(path("accounting")):
         sys.exit("Slurm accounting storage is disabled")
-    name = next(word for word in sys.argv if word.startswith("--jobs=")).removeprefix("--jobs=")
-    state = open(path("tasks", name)).read().split("|")[0] if os.path.exists(path("tasks", name)) else "NODE_FAIL"
-    print(f"{name}|{state}|{'5:0' if state == 'FAILED' else '0:0'}")
+    jobs = next(word for word in sys.argv if word.startswith("--jobs=")).removeprefix("--jobs=").split(",")
+    for job in jobs:
+        for shard in range(1, 7):
+            place = path("tasks", f"{job}_{shard}")
+            state = open(place).read().split("|")[0] if os.path.exists(place) else "NODE_FAIL"
+            print(f"{job}_{shard}|{state}|{'5:0' if state == 'FAILED' else '0:0'}")
 
 
 if __name__ == "__main__":
