@@ -35,7 +35,7 @@ std::string trimmed(std::string text) {
 }  // namespace
 
 std::string CalledProgram::trouble() const {
-  const std::string words = trimmed(errors.empty() ? output : errors);
+  std::string words = trimmed(errors.empty() ? output : errors);
   if (!words.empty()) return words;
   return code ? fmt::format("exit code {}", *code) : "it was ended";
 }

@@ -93,9 +93,10 @@ std::optional<int> try_plan(const ClusterOptions& options, const std::string& pr
       return std::chrono::steady_clock::now() < end && !interrupt_requested();
     });
     stop_if_requested();
-    if (tried.code != exit_code::kUsage && tried.code != exit_code::kInvalidInput) return {};
+    const int code = tried.code.value_or(exit_code::kDone);
+    if (code != exit_code::kUsage && code != exit_code::kInvalidInput) return {};
     write_message(printable_lines(tried.errors));
-    return tried.code;
+    return code;
   } catch (const DeviceError&) {  // it is on the cluster's machines alone
     return {};
   }
