@@ -167,10 +167,9 @@ void Follower::tell_lost(const std::vector<LostShard>& lost) {
     if (why.empty()) why = shard.state;
     if (why.starts_with("COMPLETED")) why += ", but its file is not there";
     if (why.empty()) why = "gone from the queue without its file";
-    why += shard.given_up          ? fmt::format("; given up (try {})", shard.tries)
-           : shard.tries > 1       ? fmt::format("; again (try {})", shard.tries + 1)
-           : options_.retries == 0 ? ""
-                                   : "; again";
+    why += shard.given_up    ? fmt::format("; given up (try {})", shard.tries)
+           : shard.tries > 1 ? fmt::format("; again (try {})", shard.tries + 1)
+                             : "; again";
     alike[why].insert(shard.shard);
   }
   for (const auto& [why, shards] : alike) say(fmt::format("{}: {}", shards_text(shards), why));
@@ -210,11 +209,13 @@ void Follower::submit_lost() {
   const std::optional<std::int64_t> job = slurm_.submit(lost, campaign_.settings().at_once);
   if (!job) {
     ++refusals_;
-    say(fmt::format("Slurm does not take {} again: {}", shards_text(lost), slurm_.trouble()));
+    const std::string text = fmt::format("Slurm does not take {} again: {}", shards_text(lost), slurm_.trouble());
+    if (text != std::exchange(refusal_, text)) say(text);
     // It may have taken it all the same, and only its answer was lost: then the queue shows it at the next look.
     return;
   }
   refusals_ = 0;
+  refusal_.clear();
   for (const int shard : lost) table_.submitted(shard, *job);
   submissions_.add(*job, lost);
 }

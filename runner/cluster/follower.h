@@ -63,7 +63,7 @@ class Follower {
   FollowOptions options_;
   Submissions submissions_;
   ShardTable table_;
-  std::string shown_, trouble_, held_;
+  std::string shown_, trouble_, refusal_, held_;  // what was said last
   bool drawn_ = false;
   int refusals_ = 0;
 };
