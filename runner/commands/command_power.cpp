@@ -1,4 +1,4 @@
-// jnd plan --power: how often a study will find what is there; and jnd combine, which adds its shares up.
+// jnd plan --power: how often a study will find what is there; and jnd combine, which adds its shards up.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -28,7 +28,7 @@ namespace jnd {
 
 namespace {
 
-constexpr int kMostStudies = 100'000'000, kMostShares = 100'000;
+constexpr int kMostStudies = 100'000'000, kMostShards = 100'000;
 
 void write_new(const std::string& file, const std::string& text) {
   if (file.empty()) return;
@@ -37,22 +37,22 @@ void write_new(const std::string& file, const std::string& text) {
   if (!draft.publish()) throw InputError(fmt::format("{}: is there already (give another name)", printable(file)));
 }
 
-// The share that --shard says, of how many.
-struct ShareOption {
-  int share = 1, shares = 1;
+// The shard that --shard says, of how many.
+struct ShardOption {
+  int number = 1, of = 1;
 };
-ShareOption share_from(const std::string& text) {
+ShardOption shard_from(const std::string& text) {
   if (text.empty()) return {};
-  ShareOption share;
+  ShardOption shard;
   const std::size_t slash = text.find('/');
   const auto number = [&](std::size_t begin, std::size_t end, int& value) {
     const auto [rest, error] = std::from_chars(text.data() + begin, text.data() + end, value);
     return error == std::errc() && rest == text.data() + end;
   };
-  if (slash == std::string::npos || !number(0, slash, share.share) || !number(slash + 1, text.size(), share.shares) ||
-      share.share < 1 || share.share > share.shares || share.shares > kMostShares)
+  if (slash == std::string::npos || !number(0, slash, shard.number) || !number(slash + 1, text.size(), shard.of) ||
+      shard.number < 1 || shard.number > shard.of || shard.of > kMostShards)
     throw UsageError(fmt::format("--shard {}: K/N with K from 1 to N, such as 3/64", printable(text)));
-  return share;
+  return shard;
 }
 
 int threads_of(const PowerOptions& options) {
@@ -227,14 +227,14 @@ void add_power_options(CLI::App& plan, PowerOptions& options) {
       ->check(CLI::Range(1, 1024));
   CLI::Option* const to =
       add(plan.add_option("--to", options.to, "write what `jnd combine` reads to this file, instead of the result"));
-  add(plan.add_option("--shard", options.shard, "one share of the studies only, such as 3/64"))->needs(to);
+  add(plan.add_option("--shard", options.shard, "one shard of the studies only, such as 3/64"))->needs(to);
   add_power_files(plan, options.files);
   for (const char* const name : {"--csv", "--ademp"}) plan.get_option(name)->needs(power)->excludes(to);
 }
 
 int plan_power(const std::string& name, std::uint64_t seed, bool json, const PrecisionOptions& precision,
                const PowerOptions& options) {
-  const ShareOption share = share_from(options.shard);
+  const ShardOption shard = shard_from(options.shard);
   Protocol protocol = load_checked_protocol(name);
   refuse_protocol(protocol, name);
   refuse_trials(precision.trials, protocol);
@@ -243,7 +243,7 @@ int plan_power(const std::string& name, std::uint64_t seed, bool json, const Pre
   refuse_question(question, precision, options, protocol);
   refuse_existing(options.files);
   const HoldInterrupts hold;
-  const StudyRange range = share_of(question.studies, share.share, share.shares);
+  const StudyRange range = shard_range(question.studies, shard.number, shard.of);
   std::optional<ProgressBar> bar(std::in_place, "simulating studies", range.last - range.first);
   const auto progress = [&bar](std::int64_t done) { bar->update(done); };
   if (options.to.empty()) {
@@ -253,10 +253,10 @@ int plan_power(const std::string& name, std::uint64_t seed, bool json, const Pre
     return exit_code::kDone;
   }
   const ShardEnd end =
-      make_shard(protocol, question, share.share, share.shares, options.to, threads_of(options), progress);
+      make_shard(protocol, question, shard.number, shard.of, options.to, threads_of(options), progress);
   bar.reset();
-  fmt::print("{}: share {} of {}, studies {} to {}{}\n", printable(options.to), share.share, share.shares,
-             range.first + 1, range.last, end == ShardEnd::was_there ? "; it was there already" : "");
+  fmt::print("{}: shard {} of {}, studies {} to {}{}\n", printable(options.to), shard.number, shard.of, range.first + 1,
+             range.last, end == ShardEnd::was_there ? "; it was there already" : "");
   return exit_code::kDone;
 }
 
@@ -280,7 +280,7 @@ int command_combine(const CombineOptions& options) {
 
 void add_combine(CommandTree& tree) {
   const auto [command, options] =
-      tree.add("combine", "Add up the shares of a power study", "jnd combine shares/*.json", command_combine);
+      tree.add("combine", "Add up the shards of a power study", "jnd combine shards/*.json", command_combine);
   command.add_option("FILES", options.files, "every file that plan --power --shard has written, in any order")
       ->required()
       ->type_name("");

@@ -33,7 +33,7 @@ struct PowerOptions {
   std::string profile;  // empty: what fits
   int threads = 0;      // 0: as many as the machine has processors
   std::string shard;    // "3/64"; empty: all
-  std::string to;       // file of the share; empty: none
+  std::string to;       // file of the shard; empty: none
   PowerFiles files;
 };
 // Adds the options to `jnd plan`.

@@ -38,14 +38,14 @@ void write_whole(const std::filesystem::path& file, const std::string& text) {
   draft.replace([](const std::filesystem::path&) {});
 }
 
-// What was done of the same share before; none where there is nothing that can be used.
+// What was done of the same shard before; none where there is nothing that can be used.
 std::optional<PowerShard> begun(const std::filesystem::path& part, const PowerShard& whole) {
   if (!std::filesystem::exists(part)) return std::nullopt;
   try {
     PowerShard shard = read_shard(part);
     const bool same = shard.program == whole.program && shard.result.protocol.sha256 == whole.result.protocol.sha256 &&
-                      to_json(shard.result.question) == to_json(whole.result.question) && shard.share == whole.share &&
-                      shard.shares == whole.shares && shard.range.first == whole.range.first;
+                      to_json(shard.result.question) == to_json(whole.result.question) &&
+                      shard.number == whole.number && shard.of == whole.of && shard.range.first == whole.range.first;
     return same ? std::optional(std::move(shard)) : std::nullopt;
   } catch (const InputError&) {
     return std::nullopt;  // half written: it begins anew
@@ -62,8 +62,7 @@ std::string difference(const PowerShard& first, const PowerShard& second) {
     if (other.at(key) != value)
       return fmt::format("of another question than the first: {} is {} and not {}", key, other.at(key).dump(),
                          value.dump());
-  if (first.shares != second.shares)
-    return fmt::format("one of {} shares, and the first one of {}", second.shares, first.shares);
+  if (first.of != second.of) return fmt::format("one of {} shards, and the first one of {}", second.of, first.of);
   return "";
 }
 
@@ -76,8 +75,8 @@ std::string shard_text(const PowerShard& shard) {
                        {"protocol_sha256", shard.result.protocol.sha256},
                        {"protocol_bytes", shard.result.protocol.bytes},
                        {"question", to_json(shard.result.question)},
-                       {"share", shard.share},
-                       {"shares", shard.shares},
+                       {"shard", shard.number},
+                       {"shards", shard.of},
                        {"first", shard.range.first},
                        {"last", shard.range.last},
                        {"tally", to_json(shard.result.tally)}};
@@ -93,7 +92,7 @@ PowerShard read_shard(const std::filesystem::path& file) {
   text << stream.rdbuf();
   const auto no_shard = [&] {
     return InputError(
-        fmt::format("{}: is not a share of a power study (give the files that --to has written)", name_of(file)));
+        fmt::format("{}: is not a shard of a power study (give the files that --to has written)", name_of(file)));
   };
   try {
     ordered_json json = ordered_json::parse(text.str());
@@ -104,8 +103,8 @@ PowerShard read_shard(const std::filesystem::path& file) {
       throw InputError(fmt::format("{}: is not as it was written (make it again)", name_of(file)));
     PowerShard shard;
     json.at("program").get_to(shard.program);
-    json.at("share").get_to(shard.share);
-    json.at("shares").get_to(shard.shares);
+    json.at("shard").get_to(shard.number);
+    json.at("shards").get_to(shard.of);
     json.at("first").get_to(shard.range.first);
     json.at("last").get_to(shard.range.last);
     shard.result.question = power_question_from(json.at("question"));
@@ -120,21 +119,21 @@ PowerShard read_shard(const std::filesystem::path& file) {
   }
 }
 
-ShardEnd make_shard(const Protocol& protocol, const PowerQuestion& question, int share, int shares,
+ShardEnd make_shard(const Protocol& protocol, const PowerQuestion& question, int number, int of,
                     const std::filesystem::path& file, int threads, const std::function<void(std::int64_t)>& progress) {
   constexpr double kBetweenWrites_s = 10;
   PowerShard shard{{protocol, question, PowerTally::of(question)},
                    std::string(kVersion),
-                   share,
-                   shares,
-                   share_of(question.studies, share, shares)};
+                   number,
+                   of,
+                   shard_range(question.studies, number, of)};
   const StudyRange all = shard.range;
   if (std::filesystem::exists(file)) {
     const PowerShard there = read_shard(file);
     const std::string other = difference(shard, there);
-    if (!other.empty() || there.share != share)
+    if (!other.empty() || there.number != number)
       throw InputError(fmt::format("{}: is there already, and {} (give another name)", name_of(file),
-                                   other.empty() ? fmt::format("is share {}", there.share) : "is " + other));
+                                   other.empty() ? fmt::format("is shard {}", there.number) : "is " + other));
     return ShardEnd::was_there;
   }
   const std::filesystem::path part = part_of(file);
@@ -164,21 +163,21 @@ ShardEnd make_shard(const Protocol& protocol, const PowerQuestion& question, int
 
 PowerResult combined(std::span<const std::filesystem::path> files) {
   std::vector<PowerShard> shards;
-  std::vector<std::string> names;  // by share
+  std::vector<std::string> names;  // by shard
   for (const std::filesystem::path& file : files) {
     PowerShard shard = read_shard(file);
     if (!shards.empty())
       if (const std::string other = difference(shards.front(), shard); !other.empty())
-        throw InputError(fmt::format("{}: is {} (combine the shares of one study)", name_of(file), other));
-    const StudyRange whole = share_of(shard.result.question.studies, shard.share, shard.shares);
-    if (shard.share < 1 || shard.share > shard.shares || shard.range.first != whole.first ||
+        throw InputError(fmt::format("{}: is {} (combine the shards of one study)", name_of(file), other));
+    const StudyRange whole = shard_range(shard.result.question.studies, shard.number, shard.of);
+    if (shard.number < 1 || shard.number > shard.of || shard.range.first != whole.first ||
         shard.range.last != whole.last || shard.result.tally.studies != whole.last - whole.first)
-      throw InputError(fmt::format("{}: is not a finished share (run the command that makes it again)", name_of(file)));
-    names.resize(static_cast<std::size_t>(shard.shares));
-    std::string& name = names[static_cast<std::size_t>(shard.share - 1)];
+      throw InputError(fmt::format("{}: is not a finished shard (run the command that makes it again)", name_of(file)));
+    names.resize(static_cast<std::size_t>(shard.of));
+    std::string& name = names[static_cast<std::size_t>(shard.number - 1)];
     if (!name.empty())
       throw InputError(
-          fmt::format("{}: is share {}, and so is {} (give one of them)", name_of(file), shard.share, name));
+          fmt::format("{}: is shard {}, and so is {} (give one of them)", name_of(file), shard.number, name));
     name = name_of(file);
     shards.push_back(std::move(shard));
   }
@@ -188,7 +187,7 @@ PowerResult combined(std::span<const std::filesystem::path> files) {
     if (names[i].empty() && ++count <= 10) missing += fmt::format("{}{}", missing.empty() ? "" : ", ", i + 1);
   if (count > 10) missing += fmt::format(" and {} more", count - 10);
   if (count > 0)
-    throw InputError(fmt::format("share{} {} of {} {} missing (make {}, or give {})", count == 1 ? "" : "s", missing,
+    throw InputError(fmt::format("shard{} {} of {} {} missing (make {}, or give {})", count == 1 ? "" : "s", missing,
                                  names.size(), count == 1 ? "is" : "are", count == 1 ? "it" : "them",
                                  count == 1 ? "its file" : "their files"));
   PowerResult result = std::move(shards.front().result);

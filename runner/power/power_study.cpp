@@ -47,8 +47,8 @@ std::vector<std::unique_ptr<SharedPeople>> shared_people(const Protocol& protoco
 
 }  // namespace
 
-StudyRange share_of(std::int64_t studies, int share, int shares) noexcept {
-  return {studies * (share - 1) / shares, studies * share / shares};
+StudyRange shard_range(std::int64_t studies, int number, int of) noexcept {
+  return {studies * (number - 1) / of, studies * number / of};
 }
 
 PowerTally power_study(const Protocol& protocol, const PowerQuestion& question, StudyRange range, int threads,

@@ -14,8 +14,8 @@ namespace jnd {
 struct StudyRange {
   std::int64_t first = 0, last = 0;
 };
-// Share k of K, from 1, of all studies: they differ by one study at most.
-StudyRange share_of(std::int64_t studies, int share, int shares) noexcept;
+// Shard `number` of `of`, from 1, of all studies: they differ by one study at most.
+StudyRange shard_range(std::int64_t studies, int number, int of) noexcept;
 
 // The tally of these studies: the same on any number of threads. progress: called by one thread at a time with the
 // number of studies that are done. Throws Stopped (analysis/numerics/stop_request.h).

@@ -1,5 +1,5 @@
 // What many simulated studies of one design came to, as counts and exact sums: the same bits however the studies were
-// shared out, in whatever order the shares are added.
+// cut in shards, in whatever order these are added.
 #pragma once
 
 #include <cstdint>

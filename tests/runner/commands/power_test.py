@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""jnd plan --power and jnd combine: what a user meets. Shares are killed at any moment, and add up to the same bytes.
+"""jnd plan --power and jnd combine: what a user meets. Shards are killed at any moment, and add up to the same bytes.
 
 Usage: power_test.py JND"""
 import csv
@@ -64,16 +64,16 @@ class PowerTest(unittest.TestCase):
         self.assertEqual(csv_file.read_bytes(), before)
 
     def test_shares_that_are_killed(self):
-        """A share killed at random moments, until it is there; the result is that of one run without shares."""
+        """A shard killed at random moments, until it is there; the result is that of one run without shards."""
         options = ["--studies", 60, "--participants", 6, "--effect", 1, "--threads", 1]
         whole = power(*options).stdout
         files = []
         generator = random.Random(4)
-        for share in range(1, 4):
-            files.append(self.path / f"{share}.json")
+        for shard in range(1, 4):
+            files.append(self.path / f"{shard}.json")
             kills = 0
             while not files[-1].exists():
-                run = subprocess.Popen([JND, "plan", "chinello2017", "--power", *map(str, options), "--shard", f"{share}/3",
+                run = subprocess.Popen([JND, "plan", "chinello2017", "--power", *map(str, options), "--shard", f"{shard}/3",
                                         "--to", str(files[-1])], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
                 if kills < 4:
                     time.sleep(generator.uniform(0.0, 0.12))
@@ -86,10 +86,10 @@ class PowerTest(unittest.TestCase):
         self.assertIn("it was there already", power(*options, "--shard", "2/3", "--to", files[1]).stdout)
         missing = jnd("combine", files[0], files[2], code=3)
         self.assertEqual(missing.stdout, "")
-        self.assertIn("share 2 of 3 is missing", missing.stderr)
+        self.assertIn("shard 2 of 3 is missing", missing.stderr)
 
     def test_interrupted(self):
-        file = self.path / "share.json"
+        file = self.path / "shard.json"
         run = subprocess.Popen([JND, "plan", "chinello2017", "--power", "--studies", "100000", "--to", str(file)],
                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         time.sleep(0.5)

@@ -166,7 +166,7 @@ TEST_CASE("the mean of a registered contrast is that of the enumeration", "[powe
   }
 }
 
-TEST_CASE("shares add up to the same bytes, however many they are", "[power][shards]") {
+TEST_CASE("shards add up to the same bytes, however many they are", "[power][shards]") {
   const TemporaryFolder folder;
   for (const std::string name : {"chinello2017", "adaptive-staircase"}) {
     const Protocol protocol = shipped(name);
@@ -182,13 +182,13 @@ TEST_CASE("shares add up to the same bytes, however many they are", "[power][sha
     }
     const std::string whole = everything(result_of(protocol, question, 2));
     CHECK(everything(result_of(protocol, question, 1)) == whole);
-    for (const int shares : {1, 2, 7, 64}) {
-      if (shares > question.studies) continue;
+    for (const int shards : {1, 2, 7, 64}) {
+      if (shards > question.studies) continue;
       std::vector<std::filesystem::path> files;
-      for (int share = shares; share >= 1; --share) {
-        files.push_back(folder.path() / fmt::format("{}-{}-of-{}.json", name, share, shares));
-        CHECK(make_shard(protocol, question, share, shares, files.back(), 1) == ShardEnd::made);
-        CHECK(make_shard(protocol, question, share, shares, files.back(), 1) == ShardEnd::was_there);
+      for (int shard = shards; shard >= 1; --shard) {
+        files.push_back(folder.path() / fmt::format("{}-{}-of-{}.json", name, shard, shards));
+        CHECK(make_shard(protocol, question, shard, shards, files.back(), 1) == ShardEnd::made);
+        CHECK(make_shard(protocol, question, shard, shards, files.back(), 1) == ShardEnd::was_there);
       }
       std::swap(files.front(), files[files.size() / 2]);
       CHECK(everything(combined(files)) == whole);
@@ -196,14 +196,14 @@ TEST_CASE("shares add up to the same bytes, however many they are", "[power][sha
   }
 }
 
-TEST_CASE("shares that do not go together are refused", "[power][shards]") {
+TEST_CASE("shards that do not go together are refused", "[power][shards]") {
   const TemporaryFolder folder;
   const Protocol protocol = shipped("chinello2017");
   PowerQuestion question = question_of(protocol);
   question.participants = {4};
   question.studies = 6;
   const auto file = [&](const std::string& name) { return folder.path() / name; };
-  for (int share = 1; share <= 3; ++share) make_shard(protocol, question, share, 3, file(std::to_string(share)), 1);
+  for (int shard = 1; shard <= 3; ++shard) make_shard(protocol, question, shard, 3, file(std::to_string(shard)), 1);
   PowerQuestion other = question;
   other.people.lapse = 0.01;
   make_shard(protocol, other, 2, 3, file("other"), 1);
@@ -232,23 +232,23 @@ TEST_CASE("shares that do not go together are refused", "[power][shards]") {
     return std::string("taken");
   };
   CHECK(refusal({"3", "1", "2"}) == "taken");
-  CHECK_THAT(refusal({"1", "3"}), Catch::Matchers::Contains("share 2 of 3 is missing"));
-  CHECK_THAT(refusal({"3"}), Catch::Matchers::Contains("shares 1, 2 of 3 are missing"));
-  CHECK_THAT(refusal({"1", "2", "2", "3"}), Catch::Matchers::Contains("is share 2, and so is"));
+  CHECK_THAT(refusal({"1", "3"}), Catch::Matchers::Contains("shard 2 of 3 is missing"));
+  CHECK_THAT(refusal({"3"}), Catch::Matchers::Contains("shards 1, 2 of 3 are missing"));
+  CHECK_THAT(refusal({"1", "2", "2", "3"}), Catch::Matchers::Contains("is shard 2, and so is"));
   CHECK_THAT(refusal({"1", "other", "3"}), Catch::Matchers::Contains("lapse is 0.01 and not 0.0"));
-  CHECK_THAT(refusal({"1", "of_two"}), Catch::Matchers::Contains("one of 2 shares"));
+  CHECK_THAT(refusal({"1", "of_two"}), Catch::Matchers::Contains("one of 2 shards"));
   CHECK_THAT(refusal({"1", "edited", "3"}), Catch::Matchers::Contains("not as it was written"));
   CHECK_THAT(refusal({"1", "older", "3"}), Catch::Matchers::Contains("version 0.0.1"));
-  CHECK_THAT(refusal({"1", "unfinished", "3"}), Catch::Matchers::Contains("not a finished share"));
-  CHECK_THAT(refusal({"1", "cut", "3"}), Catch::Matchers::Contains("is not a share of a power study"));
-  CHECK_THAT(refusal({"no_shard"}), Catch::Matchers::Contains("is not a share of a power study"));
+  CHECK_THAT(refusal({"1", "unfinished", "3"}), Catch::Matchers::Contains("not a finished shard"));
+  CHECK_THAT(refusal({"1", "cut", "3"}), Catch::Matchers::Contains("is not a shard of a power study"));
+  CHECK_THAT(refusal({"no_shard"}), Catch::Matchers::Contains("is not a shard of a power study"));
   CHECK_THAT(refusal({"1", "nowhere"}), Catch::Matchers::Contains("cannot be read"));
   // A name that something else has is left alone.
   CHECK_THROWS_AS(make_shard(protocol, question, 1, 3, file("2"), 1), InputError);
   CHECK_THROWS_AS(make_shard(protocol, question, 2, 3, file("other"), 1), InputError);
 }
 
-TEST_CASE("a share goes on from what was done of it", "[power][shards]") {
+TEST_CASE("a shard goes on from what was done of it", "[power][shards]") {
   const TemporaryFolder folder;
   const Protocol protocol = shipped("chinello2017");
   PowerQuestion question = question_of(protocol);
