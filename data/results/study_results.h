@@ -7,8 +7,8 @@
 #include <variant>
 #include <vector>
 
+#include "data/raw_trials/answer_raster.h"
 #include "data/results/adaptive_results.h"
-#include "data/results/answer_raster.h"
 #include "data/results/questionnaire_results.h"
 #include "data/results/study_analysis.h"
 #include "data/results/study_behaviour.h"

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "data/methods/methods_text.h"
-#include "data/results/press_traces.h"
+#include "data/raw_trials/press_traces.h"
 #include "data/results/study_results.h"
 #include "data/study/blinding.h"
 #include "protocols/version.h"

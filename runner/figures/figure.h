@@ -7,10 +7,10 @@
 #include <string_view>
 #include <vector>
 
-#include "data/results/press_traces.h"
+#include "data/raw_trials/press_traces.h"
 #include "data/results/study_results.h"
 #include "protocols/protocol.h"
-#include "runner/figures/svg.h"
+#include "runner/drawing/svg.h"
 
 namespace jnd {
 

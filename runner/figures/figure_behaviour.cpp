@@ -7,8 +7,8 @@
 
 #include "analysis/numerics/special_values.h"
 #include "analysis/numerics/words.h"
+#include "runner/drawing/figure_forest.h"
 #include "runner/figures/figure.h"
-#include "runner/figures/figure_forest.h"
 #include "runner/results/result_format.h"
 
 namespace jnd {

@@ -6,9 +6,9 @@
 
 #include "analysis/numerics/moments.h"
 #include "data/results/cue_combination.h"
+#include "runner/drawing/figure_axis.h"
+#include "runner/drawing/figure_style.h"
 #include "runner/figures/figure.h"
-#include "runner/figures/figure_axis.h"
-#include "runner/figures/figure_style.h"
 #include "runner/results/result_format.h"
 
 namespace jnd {

@@ -5,9 +5,9 @@
 #include <string_view>
 #include <vector>
 
-#include "runner/figures/figure_axis.h"
+#include "runner/drawing/figure_axis.h"
+#include "runner/drawing/figure_style.h"
 #include "runner/figures/figure_conditions.h"
-#include "runner/figures/figure_style.h"
 
 namespace jnd {
 

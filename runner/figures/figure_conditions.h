@@ -9,7 +9,7 @@
 
 #include "analysis/group/group.h"
 #include "protocols/protocol.h"
-#include "runner/figures/svg.h"
+#include "runner/drawing/svg.h"
 
 namespace jnd {
 

@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "runner/drawing/figure_forest.h"
 #include "runner/figures/figure.h"
-#include "runner/figures/figure_forest.h"
 #include "runner/results/result_format.h"
 
 namespace jnd {

@@ -11,9 +11,9 @@
 #include "analysis/group/group.h"
 #include "analysis/numerics/special_values.h"
 #include "protocols/planning/allotment.h"
+#include "runner/drawing/figure_axis.h"
+#include "runner/drawing/figure_style.h"
 #include "runner/figures/figure.h"
-#include "runner/figures/figure_axis.h"
-#include "runner/figures/figure_style.h"
 #include "runner/results/result_format.h"
 
 namespace jnd {

@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
-#include "data/results/press_traces.h"
+#include "data/raw_trials/press_traces.h"
+#include "runner/drawing/figure_axis.h"
+#include "runner/drawing/figure_style.h"
 #include "runner/figures/figure.h"
-#include "runner/figures/figure_axis.h"
-#include "runner/figures/figure_style.h"
 #include "runner/results/result_format.h"
 
 namespace jnd {

@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
+#include "runner/drawing/figure_axis.h"
+#include "runner/drawing/figure_style.h"
 #include "runner/figures/figure.h"
-#include "runner/figures/figure_axis.h"
-#include "runner/figures/figure_style.h"
 #include "runner/results/result_format.h"
 
 namespace jnd {

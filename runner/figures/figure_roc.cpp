@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 
 #include "analysis/numerics/normal.h"
+#include "runner/drawing/figure_axis.h"
+#include "runner/drawing/figure_style.h"
 #include "runner/figures/figure.h"
-#include "runner/figures/figure_axis.h"
-#include "runner/figures/figure_style.h"
 #include "runner/results/result_format.h"
 
 namespace jnd {

@@ -6,8 +6,8 @@
 
 #include "data/results/study_analysis.h"
 #include "protocols/protocol.h"
-#include "runner/figures/figure_axis.h"
-#include "runner/figures/figure_style.h"
+#include "runner/drawing/figure_axis.h"
+#include "runner/drawing/figure_style.h"
 
 namespace jnd {
 

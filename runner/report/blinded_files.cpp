@@ -13,7 +13,7 @@
 #include "data/study/trial_rows.h"
 #include "protocols/planning/condition_codes.h"
 #include "protocols/version.h"
-#include "runner/figures/svg.h"
+#include "runner/drawing/svg.h"
 #include "runner/report/report_html.h"
 #include "runner/report/report_style.h"
 

@@ -8,7 +8,7 @@
 #include <md4c.h>
 
 #include "analysis/numerics/words.h"
-#include "runner/figures/svg.h"
+#include "runner/drawing/svg.h"
 
 namespace jnd {
 

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "data/methods/verdict_text.h"
-#include "runner/figures/figure_style.h"
+#include "runner/drawing/figure_style.h"
 #include "runner/report/report_html.h"
 #include "runner/report/report_markdown.h"
 #include "runner/report/report_style.h"

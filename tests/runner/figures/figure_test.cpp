@@ -8,9 +8,9 @@
 #include <rapidcheck.h>
 
 #include "analysis/numerics/special_values.h"
-#include "runner/figures/figure_axis.h"
+#include "runner/drawing/figure_axis.h"
+#include "runner/drawing/figure_style.h"
 #include "runner/figures/figure_conditions.h"
-#include "runner/figures/figure_style.h"
 #include "runner/terminal/number_text.h"
 #include "tests/catch.h"
 #include "tests/runner/markup_check.h"

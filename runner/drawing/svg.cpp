@@ -1,4 +1,4 @@
-#include "runner/figures/svg.h"
+#include "runner/drawing/svg.h"
 
 #include <cctype>
 #include <cmath>

@@ -1,10 +1,10 @@
-#include "runner/figures/figure_forest.h"
+#include "runner/drawing/figure_forest.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "runner/figures/figure_axis.h"
-#include "runner/figures/figure_style.h"
+#include "runner/drawing/figure_axis.h"
+#include "runner/drawing/figure_style.h"
 
 namespace jnd {
 

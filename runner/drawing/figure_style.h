@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "protocols/protocol.h"
-#include "runner/figures/svg.h"
+#include "runner/drawing/svg.h"
 
 namespace jnd {
 

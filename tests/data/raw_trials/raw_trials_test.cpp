@@ -1,8 +1,8 @@
 // What figures of single trials are made of: every answer in its order, and force against depth of a few trials.
 #include "data/log/event_body.h"
 #include "data/log/telemetry.h"
-#include "data/results/answer_raster.h"
-#include "data/results/press_traces.h"
+#include "data/raw_trials/answer_raster.h"
+#include "data/raw_trials/press_traces.h"
 #include "data/results/study_analysis.h"
 #include "protocols/planning/plan.h"
 #include "tests/catch.h"

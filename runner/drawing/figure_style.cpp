@@ -1,4 +1,4 @@
-#include "runner/figures/figure_style.h"
+#include "runner/drawing/figure_style.h"
 
 #include <algorithm>
 #include <array>

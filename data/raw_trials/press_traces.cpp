@@ -1,4 +1,4 @@
-#include "data/results/press_traces.h"
+#include "data/raw_trials/press_traces.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "data/results/answer_raster.h"
+#include "data/raw_trials/answer_raster.h"
 
 namespace jnd {
 

@@ -1,4 +1,4 @@
-#include "runner/figures/figure_axis.h"
+#include "runner/drawing/figure_axis.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "runner/figures/figure_style.h"
+#include "runner/drawing/figure_style.h"
 #include "runner/terminal/plot.h"
 
 namespace jnd {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "runner/figures/svg.h"
+#include "runner/drawing/svg.h"
 
 namespace jnd {
 
