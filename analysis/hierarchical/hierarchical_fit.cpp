@@ -197,6 +197,7 @@ std::vector<PersonEstimate> HierarchicalAnalysis::people() {
     PersonEstimate& one = people.emplace_back();
     one.mean = posteriors[i / conditions].mean[i % conditions];
     one.sd = posteriors[i / conditions].sd[i % conditions];
+    one.criterion = fit_.maximum.place.kappa[i % conditions] + posteriors[i / conditions].w;
     one.status = SlopeStatus::missing;
     if (trials_of(cells[i]) == 0) continue;
     const PooledMaximum alone = pooled_maximum(cells[i], model_.response, model_.lapse, range_.start);

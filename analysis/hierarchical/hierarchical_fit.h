@@ -9,7 +9,7 @@
 // intervals). Tests: glmer of lme4 with 25 nodes, two independent implementations, analysis/selftest.
 #pragma once
 
-#include <span>
+#include <string_view>
 #include <vector>
 
 #include "analysis/hierarchical/hierarchical_search.h"
@@ -17,6 +17,11 @@
 #include "analysis/numerics/words.h"
 
 namespace jnd {
+
+// What everyone who reads a number of the model is told.
+inline constexpr std::string_view kHierarchicalAssumptions =
+    "Assumed: ln JND differs between people, and their criteria do, as normal distributions do, by the same spreads in "
+    "every condition, and nobody's answers change during the study.";
 
 // What is estimated besides the means and criteria of the conditions.
 struct HierarchicalModel {
@@ -73,6 +78,7 @@ struct ConditionDifference {
 
 struct PersonEstimate {
   double mean = 0, sd = 0;               // of ln s given everybody's answers, at the estimates of the group
+  double criterion = 0;                  // mean of k, given the same
   double alone = kNaN;                   // ln s from the answers of this cell only
   SlopeStatus status = SlopeStatus::ok;  // of that one
 };

@@ -531,6 +531,7 @@ std::vector<PersonPosterior> HierarchicalLikelihood::posteriors(const Hierarchic
       posterior.mean.push_back(mean);
       posterior.sd.push_back(std::sqrt(std::max(0.0, square - mean * mean)));
     }
+    posterior.w = at.moments().w;
   });
   return posteriors;
 }

@@ -43,9 +43,10 @@ struct HierarchicalPlace {
   HierarchicalPlace& operator+=(const HierarchicalPlace& other) noexcept;  // of as many conditions
 };
 
-// Of ln s of one participant in each condition, given the answers of all conditions.
+// Of one participant, given the answers of all conditions.
 struct PersonPosterior {
-  std::vector<double> mean, sd;
+  std::vector<double> mean, sd;  // of ln s in each condition
+  double w = 0;                  // mean of what their criteria have beside those of the group
 };
 
 class HierarchicalLikelihood {

@@ -7,6 +7,7 @@
 #include "data/export/answer_fields.h"
 #include "data/export/between_fields.h"
 #include "data/export/data_package.h"
+#include "data/export/hierarchical_fields.h"
 #include "data/export/result_fields.h"
 #include "data/export/task_fields.h"
 
@@ -27,6 +28,16 @@ void add_file(std::vector<ResultFile>& files, const std::string& name, const Fie
 template <typename Row>
 void append(std::vector<Row>& rows, const std::vector<Row>& more) {
   rows.insert(rows.end(), more.begin(), more.end());
+}
+
+// Where the model was not fitted, the rows of conditions say why.
+void add_hierarchical_files(std::vector<ResultFile>& files, const StudyHierarchical& model, const Protocol& protocol,
+                            SessionKind kind) {
+  if (model.people.empty()) return;
+  add_file(files, "hierarchical.csv", hierarchical_fields(protocol, kind), hierarchical_rows(model));
+  add_file(files, "hierarchical_ratios.csv", hierarchical_ratio_fields(protocol, kind), model.ratios);
+  if (model.status == HierarchicalStatus::ok)
+    add_file(files, "hierarchical_people.csv", hierarchical_person_fields(protocol, kind), model.people);
 }
 
 }  // namespace
@@ -83,6 +94,9 @@ std::vector<ResultFile> result_files(const StudyResults& results, const Protocol
   add_file(files, "pairs.csv", pair_fields(protocol), pairs);
   add_file(files, "sensitivity.csv", sensitivity_fields(protocol), sensitivity);
   add_file(files, "behaviour.csv", behaviour_fields(protocol), behaviour);
+  if (const auto* constant = std::get_if<ConstantResults>(&results.measured);
+      constant != nullptr && constant->hierarchical)
+    add_hierarchical_files(files, *constant->hierarchical, protocol, kind);
   add_file(files, "sureness.csv", sureness_fields(protocol), sureness);
   add_file(files, "items.csv", score_fields(protocol), scores);
   add_file(files, "ratings.csv", rating_fields(protocol), rating_rows(results.questionnaire.tests));

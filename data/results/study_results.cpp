@@ -117,6 +117,8 @@ struct ForgetGroups {
   void operator()(ConstantResults& measured) const {
     for (CellResult& row : measured.analysis.cells) row.group.reset();
     for (ThresholdResult& row : measured.analysis.thresholds) row.group.reset();
+    if (measured.hierarchical)
+      for (HierarchicalPerson& row : measured.hierarchical->people) row.group.reset();
   }
   void operator()(AdaptiveResults& measured) const {
     for (AdaptiveRow& row : measured.rows) row.group.reset();
@@ -157,6 +159,11 @@ StudyResults results_of(const Study& study, const Protocol& protocol, SessionKin
 
 StudyResults results_of(const Study& study, const Protocol& protocol, SessionKind kind) {
   return results_of(study, protocol, kind, registered_source(protocol));
+}
+
+void add_hierarchical(StudyResults& results, const Protocol& protocol) {
+  if (auto* constant = std::get_if<ConstantResults>(&results.measured); constant != nullptr && !constant->hierarchical)
+    constant->hierarchical = study_hierarchical(constant->analysis, protocol);
 }
 
 std::vector<ContrastRow> contrasts_of(const StudyResults& results, const Protocol& protocol) {

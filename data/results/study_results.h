@@ -14,6 +14,7 @@
 #include "data/results/study_behaviour.h"
 #include "data/results/study_comparisons.h"
 #include "data/results/study_contrasts.h"
+#include "data/results/study_hierarchical.h"
 #include "data/results/study_sensitivity.h"
 #include "data/task_results/study_sureness.h"
 #include "data/task_results/task_results.h"
@@ -24,12 +25,13 @@ namespace jnd {
 
 // Where the protocol sets the levels.
 struct ConstantResults {
-  StudyAnalysis analysis;                   // cells, thresholds, group, contrasts
-  SeriesComparison by_series;               // condition x series
-  bool detailed = true;                     // what follows was computed; not above kMostInDetail participants
-  std::vector<SensitivityRow> sensitivity;  // the registered method first
-  StudyBehaviour behaviour;                 // order effect, bias, drift, cue strategy
-  std::vector<SurenessRow> sureness;        // the JND from all degrees; empty where sureness is not asked
+  StudyAnalysis analysis;                           // cells, thresholds, group, contrasts
+  SeriesComparison by_series;                       // condition x series
+  bool detailed = true;                             // what follows was computed; not above kMostInDetail participants
+  std::vector<SensitivityRow> sensitivity;          // the registered method first
+  StudyBehaviour behaviour;                         // order effect, bias, drift, cue strategy
+  std::vector<SurenessRow> sureness;                // the JND from all degrees; empty where sureness is not asked
+  std::optional<StudyHierarchical> hierarchical{};  // after add_hierarchical()
 };
 
 // Of the tasks whose estimates are the task's own.
@@ -58,6 +60,8 @@ const Attendance& attendance_of(const StudyResults& results);
 // Checks the chains of the study first: throws BrokenChain where it is not what was recorded.
 StudyResults results_of(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by);
 StudyResults results_of(const Study& study, const Protocol& protocol, SessionKind kind);  // by what is registered
+// For those who show it: of a study over given levels also the hierarchical model. Nothing else waits for its fit.
+void add_hierarchical(StudyResults& results, const Protocol& protocol);
 // The rows of contrasts.csv and its like; empty where none is registered, or there are no trials.
 std::vector<ContrastRow> contrasts_of(const StudyResults& results, const Protocol& protocol);
 // Of counts alone: without behaviour, ratings and times.

@@ -387,9 +387,9 @@ std::string hierarchical_text(const HierarchicalResult& result) {
           "\n";
   text += differences_text(result) + spreads_text(result);
   if (!result.people.empty()) text += people_text(result);
-  text += dim("Assumed: ln JND differs between people, and their criteria do, as normal distributions do, by the same\n"
-              "spreads in every condition, and nobody's answers change during the study.") +
-          "\n";
+  constexpr std::size_t kColumns = 104;
+  for (const std::string& line : wrapped_words(std::string(kHierarchicalAssumptions), kColumns))
+    text += dim(line) + "\n";
   return text + meanings_text(result);
 }
 

@@ -1,0 +1,140 @@
+#include "data/export/hierarchical_fields.h"
+
+#include <string>
+
+#include "data/export/between_fields.h"
+#include "data/export/result_fields.h"
+
+namespace jnd {
+
+namespace {
+
+constexpr const char* kKindsCounted = "real pilot simulated";
+constexpr const char* kSlopeStatuses = "ok no_sensitivity ceiling missing";
+
+void add_spread(Fields<HierarchicalConditionRow>& fields, const std::string& key, const std::string& of,
+                HierarchicalSpread StudyHierarchical::*spread) {
+  using R = HierarchicalConditionRow;
+  fields.push_back(Field<R>(key, "standard deviation between people of " + of + "; empty where its status says why",
+                            [spread](const R& r) { return (r.of->*spread).sd; }));
+  fields.push_back(Field<R>(key + "_status",
+                            "what that is; zero: the likelihood is largest at 0; not_identified: it takes several "
+                            "participants, or several conditions of one",
+                            [spread](const R& r) { return word_of(kSpreadStatusWords, (r.of->*spread).status); },
+                            {.levels = "ok zero not_identified"}));
+}
+
+}  // namespace
+
+std::vector<HierarchicalConditionRow> hierarchical_rows(const StudyHierarchical& model) {
+  std::vector<HierarchicalConditionRow> rows;
+  for (const HierarchicalCondition& one : model.conditions) rows.push_back({&model, &one});
+  return rows;
+}
+
+Fields<HierarchicalConditionRow> hierarchical_fields(const Protocol& protocol, SessionKind kind) {
+  using R = HierarchicalConditionRow;
+  using F = Field<R>;
+  const std::string unit(to_string(protocol.stimulus.unit));
+  const int digits = stiffness_decimals(protocol);
+  Fields<R> fields = {
+      F("condition", "condition", [&protocol](const R& r) { return condition_of(protocol, r.one->condition); }),
+      F("kind", "kind of the sessions", [kind](const R&) { return kind; }, {.levels = kKindsCounted}),
+      F("observer",
+        "how \"different\" is decided: on the difference (yes_no), or on its size (differencing); empty where the "
+        "model is not offered",
+        [](const R& r) {
+          return r.of->response ? std::optional(word_of(kResponseModelWords, *r.of->response)) : std::nullopt;
+        },
+        {.levels = "yes_no differencing"}),
+      F("participants", "participants with counted trials in any condition",
+        [](const R& r) { return r.of->participants; }),
+      F("n", "those with counted trials in this one", [](const R& r) { return r.one->participants; },
+        {.column = "n_used"}),
+      F("jnd", "JND of the median person, the geometric mean over people; empty where status says why",
+        [](const R& r) { return r.one->jnd; },
+        {.column = in_unit("jnd_", protocol), .unit = unit, .title = "JND " + unit, .digits = digits}),
+      F("ci_low", "lower end of its 95 % interval (profile likelihood); 0 where the answers leave it open",
+        [](const R& r) { return r.one->ci_low; },
+        {.column = in_unit("jnd_ci95_low_", protocol), .unit = unit, .digits = digits}),
+      F("ci_high", "upper end; Inf where the answers leave it open", [](const R& r) { return r.one->ci_high; },
+        {.column = in_unit("jnd_ci95_high_", protocol), .unit = unit, .digits = digits}),
+      F("weber", "that JND / reference", [](const R& r) { return r.one->weber; },
+        {.title = "Weber", .shown = Shown::percent}),
+      F("criterion",
+        "criterion of the group: z of the rate of \"same\" to equal stimuli (yes_no), ln of the size from which "
+        "\"different\" is said, in JNDs (differencing)",
+        [](const R& r) { return r.one->criterion; }),
+      F("status", "what the JND is; of all conditions why the model was not fitted",
+        [](const R& r) { return status_word(*r.of, *r.one); },
+        {.levels = "ok no_sensitivity ceiling missing no_answers not_offered too_many_people not_converged"})};
+  add_spread(fields, "sd_persons", "ln JND over persons", &StudyHierarchical::persons);
+  add_spread(fields, "sd_persons_by_condition", "ln JND over conditions of a person", &StudyHierarchical::by_condition);
+  add_spread(fields, "sd_criterion", "the criterion over persons", &StudyHierarchical::criteria);
+  fields.push_back(F("equal_lr", "likelihood-ratio chi-square of one JND for all conditions; empty of one condition",
+                     [](const R& r) { return r.of->equal_lr; }, {.digits = 2}));
+  fields.push_back(F("equal_df", "its degrees of freedom",
+                     [](const R& r) { return r.of->equal_df > 0 ? std::optional(r.of->equal_df) : std::nullopt; }));
+  fields.push_back(F("equal_p", "its p", [](const R& r) { return r.of->equal_p; }, {.shown = Shown::p_value}));
+  fields.push_back(
+      F("protocol_sha256", "SHA-256 of the protocol's bytes", [sha = protocol.sha256](const R&) { return sha; }));
+  return fields;
+}
+
+Fields<HierarchicalRatio> hierarchical_ratio_fields(const Protocol& protocol, SessionKind kind) {
+  using R = HierarchicalRatio;
+  using F = Field<R>;
+  return {F("a", "first condition", [&protocol](const R& r) { return condition_of(protocol, r.a); },
+            {.column = "condition_a"}),
+          F("b", "second condition", [&protocol](const R& r) { return condition_of(protocol, r.b); },
+            {.column = "condition_b"}),
+          F("kind", "kind of the sessions", [kind](const R&) { return kind; }, {.levels = kKindsCounted}),
+          F("participants", "participants with counted trials in both", &R::participants, {.title = "n"}),
+          F("ratio", "JND of a / JND of b, of the median person; empty where status says why", &R::ratio,
+            {.title = "ratio of JNDs"}),
+          F("ci_low", "lower end of its 95 % interval (profile likelihood); 0 where the answers leave it open",
+            &R::ci_low, {.column = "ci95_low"}),
+          F("ci_high", "upper end; Inf where the answers leave it open", &R::ci_high, {.column = "ci95_high"}),
+          F("lr", "likelihood-ratio chi-square of a ratio of 1, 1 degree of freedom", &R::lr,
+            {.title = "chi-square", .digits = 2}),
+          F("p", "its p, without correction for several ratios", &R::p, {.shown = Shown::p_value}),
+          F("status", "ok, or no_jnd where a condition has none; the test is there all the same",
+            [](const R& r) { return r.defined ? "ok" : "no_jnd"; }, {.levels = "ok no_jnd"})};
+}
+
+Fields<HierarchicalPerson> hierarchical_person_fields(const Protocol& protocol, SessionKind kind) {
+  using R = HierarchicalPerson;
+  using F = Field<R>;
+  const std::string unit(to_string(protocol.stimulus.unit));
+  const int digits = stiffness_decimals(protocol);
+  Fields<R> fields = {
+      F("participant", "code of the participant", &R::participant),
+      F("kind", "kind of the sessions", [kind](const R&) { return kind; }, {.levels = kKindsCounted}),
+      F("condition", "condition", [&protocol](const R& r) { return condition_of(protocol, r.condition); }),
+      F("separate", "the registered JND of the participant, from these answers alone; empty where its status says why",
+        &R::separate,
+        {.column = in_unit("jnd_separate_", protocol), .unit = unit, .title = "separate JND", .digits = digits}),
+      F("separate_status", "what that is", &R::separate_status,
+        {.levels = "ok no_sensitivity ceiling no_information", .title = "of that"}),
+      F("alone",
+        "the JND from these answers alone by the observer of the hierarchical model; empty where its status "
+        "says why",
+        &R::alone,
+        {.column = in_unit("jnd_alone_", protocol), .unit = unit, .title = "by its observer", .digits = digits}),
+      F("alone_status", "what that is", [](const R& r) { return word_of(kSlopeStatusWords, r.alone_status); },
+        {.levels = kSlopeStatuses}),
+      F("jnd",
+        "the JND given everybody's answers, drawn towards the group's: exp of the mean of ln JND; empty where status "
+        "says why",
+        &R::jnd,
+        {.column = in_unit("jnd_shrunken_", protocol), .unit = unit, .title = "shrunken JND", .digits = digits}),
+      F("ln_sd", "standard deviation of ln JND given the same, at the group's estimates", &R::ln_sd,
+        {.column = "ln_jnd_sd", .title = "sd of its ln"}),
+      F("criterion", "criterion given the same, as in hierarchical.csv", &R::criterion),
+      F("status", "ok, missing (no counted trial), or no_group_jnd (nothing to be drawn towards)",
+        [](const R& r) { return word_of(kShrunkenStatusWords, r.status); }, {.levels = "ok missing no_group_jnd"})};
+  add_group_field(fields, protocol);
+  return fields;
+}
+
+}  // namespace jnd

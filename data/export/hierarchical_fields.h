@@ -1,0 +1,26 @@
+// The blocks of the hierarchical model, each with its fields. A list refers to the protocol, which must outlive it.
+#pragma once
+
+#include <vector>
+
+#include "data/export/field.h"
+#include "data/results/study_hierarchical.h"
+#include "protocols/protocol.h"
+
+namespace jnd {
+
+// A condition; what is of the whole model stands in every row.
+struct HierarchicalConditionRow {
+  const StudyHierarchical* of;
+  const HierarchicalCondition* one;
+};
+std::vector<HierarchicalConditionRow> hierarchical_rows(const StudyHierarchical& model);
+Fields<HierarchicalConditionRow> hierarchical_fields(const Protocol& protocol, SessionKind kind);
+
+// A pair of conditions.
+Fields<HierarchicalRatio> hierarchical_ratio_fields(const Protocol& protocol, SessionKind kind);
+
+// A participant and condition.
+Fields<HierarchicalPerson> hierarchical_person_fields(const Protocol& protocol, SessionKind kind);
+
+}  // namespace jnd
