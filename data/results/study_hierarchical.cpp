@@ -143,6 +143,7 @@ void add_ratios(StudyHierarchical& model, const std::vector<ConditionDifference>
 
 void add_people(StudyHierarchical& model, const std::vector<PersonEstimate>& people, const StudyAnalysis& analysis,
                 const Protocol& protocol, const ModelPlaces& places) {
+  const bool alike = model.alike();  // what integrals round is no difference between people
   for (std::size_t row = 0; row < model.people.size(); ++row) {
     if (!has_trials(analysis, row, protocol.series.size())) continue;
     HierarchicalPerson& one = model.people[row];
@@ -155,8 +156,8 @@ void add_people(StudyHierarchical& model, const std::vector<PersonEstimate>& peo
     one.status = ShrunkenStatus::no_group_jnd;
     if (model.conditions[static_cast<std::size_t>(one.condition)].status != SlopeStatus::ok) continue;
     one.status = ShrunkenStatus::ok;
-    one.jnd = std::exp(found.mean);
-    one.ln_sd = found.sd;
+    one.jnd = alike ? model.conditions[static_cast<std::size_t>(one.condition)].jnd : std::exp(found.mean);
+    one.ln_sd = alike ? 0 : found.sd;
   }
 }
 
@@ -190,13 +191,13 @@ StudyHierarchical study_hierarchical(const StudyAnalysis& analysis, const Protoc
   if (!fit.maximum.converged || (fit.df > 0 && !fit.common.converged))
     return refuse(model, HierarchicalStatus::not_converged, "the search for the largest likelihood did not settle");
   model.status = HierarchicalStatus::ok;
+  model.persons = spread_of(fit.tu, fit.maximum.place.tu);
+  model.by_condition = spread_of(fit.tv, fit.maximum.place.tv);
+  model.criteria = spread_of(fit.tw, fit.maximum.place.tw);
   fitted.add_intervals();
   add_conditions(model, fit, answers.places, protocol);
   add_people(model, fitted.people(), analysis, protocol, answers.places);
   add_ratios(model, fitted.differences(), answers.places);
-  model.persons = spread_of(fit.tu, fit.maximum.place.tu);
-  model.by_condition = spread_of(fit.tv, fit.maximum.place.tv);
-  model.criteria = spread_of(fit.tw, fit.maximum.place.tw);
   model.equal_lr = fit.lr;
   model.equal_p = fit.p;
   model.equal_df = fit.df;

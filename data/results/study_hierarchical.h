@@ -93,6 +93,8 @@ struct StudyHierarchical {
   std::vector<HierarchicalPerson> people;    // by participant, condition that they get
   HierarchicalSpread persons, by_condition;  // of ln JND: of persons, of persons by condition
   HierarchicalSpread criteria;               // of the criterion
+  // The JNDs of all people are one in a condition: nothing else was found, or could be.
+  bool alike() const noexcept { return persons.status != SpreadStatus::ok && by_condition.status != SpreadStatus::ok; }
   // One JND for all conditions, by likelihood ratio; df 0: there is no such test.
   double equal_lr = kNaN, equal_p = kNaN;
   int equal_df = 0;

@@ -159,7 +159,9 @@ int command_analyze(const AnalyzeOptions& options) {
   const SessionKind kind = kind_to_analyse(*study, options.kind);
   if (blinding_of(*study, protocol, kind).blinded) return analyze_blinded(*study, protocol, options);
   std::optional<WorkLine> working(std::in_place, "analysing " + options.study);
-  const StudyResults results = results_of(*study, protocol, kind, source_to_analyse(protocol, options.by));
+  StudyResults results = results_of(*study, protocol, kind, source_to_analyse(protocol, options.by));
+  if (options.json || !options.csv.empty() || options.shows(Section::participants) || options.shows(Section::tests))
+    add_hierarchical(results, protocol);
   working.reset();
   if (options.by && !std::holds_alternative<ConstantResults>(results.measured))
     write_marked_message("--by makes no difference here: this study has no fit over stiffness differences");

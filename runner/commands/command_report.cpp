@@ -118,7 +118,8 @@ int command_report(const ReportOptions& options) {
   const SessionKind kind = kind_to_analyse(*study, options.kind);
   if (blinding_of(*study, protocol, kind).blinded) return report_blinded(*study, protocol, options, std::move(files));
   std::optional<WorkLine> working(std::in_place, "analysing " + options.study);
-  const StudyResults results = results_of(*study, protocol, kind, source_to_analyse(protocol, options.by));
+  StudyResults results = results_of(*study, protocol, kind, source_to_analyse(protocol, options.by));
+  add_hierarchical(results, protocol);
   const std::vector<Figure> figures =
       study_figures(results, protocol, presses_of(*study, protocol, sessions_of(*study, kind), options));
   files.page_bytes = report_page(results, protocol, result_tables(results, protocol), figures,

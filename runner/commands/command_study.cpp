@@ -216,7 +216,8 @@ int command_export(const ExportOptions& options) {
                      "\nThe recorded forces give the stimuli away: export without --telemetry until then");
   if (blinding_of(*study, protocol, kind).blinded) return export_in_code(*study, protocol, options);
   std::optional<WorkLine> working(std::in_place, "exporting " + options.study);
-  const StudyResults results = results_of(*study, protocol, kind, source_to_analyse(protocol, options.by));
+  StudyResults results = results_of(*study, protocol, kind, source_to_analyse(protocol, options.by));
+  add_hierarchical(results, protocol);
   std::optional<TelemetryExport> telemetry;
   if (options.telemetry) telemetry = {{limit::kNames.begin(), limit::kNames.end()}};
   const HoldInterrupts hold;

@@ -28,7 +28,41 @@ double widest(const std::vector<std::string>& labels) {
   return width;
 }
 
+// The fewest of 1, 3 / 1, 2, 5 / ... in every decade of which there are enough.
+std::vector<double> ratio_ticks(double low, double high) {
+  constexpr std::size_t kEnough = 4;
+  const std::vector<std::vector<double>> ladders = {
+      {1},
+      {1, 3},
+      {1, 2, 5},
+      {1, 1.5, 2, 3, 5, 7},
+      {1, 1.2, 1.4, 1.6, 1.8, 2, 2.5, 3, 3.5, 4, 5, 6, 7, 8, 9},
+      {1,   1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7, 1.8, 1.9, 2, 2.2, 2.4, 2.6, 2.8, 3,
+       3.2, 3.4, 3.6, 3.8, 4,   4.5, 5,   5.5, 6,   6.5, 7, 7.5, 8,   8.5, 9,   9.5}};
+  std::vector<double> ticks;
+  for (const std::vector<double>& ladder : ladders) {
+    ticks.clear();
+    for (double decade = std::floor(std::log10(low)); decade <= std::log10(high); ++decade)
+      for (const double step : ladder)
+        if (const double tick = step * std::pow(10, decade); tick >= low && tick <= high) ticks.push_back(tick);
+    if (ticks.size() >= kEnough) break;
+  }
+  return ticks;
+}
+
+std::vector<std::string> labels_of(const Scale& scale, const std::vector<double>& ticks) {
+  if (!scale.logarithmic) return tick_labels(ticks);
+  std::vector<std::string> labels;
+  for (const double tick : ticks) labels.push_back(fmt::format("{:.6g}", tick));
+  return labels;
+}
+
 }  // namespace
+
+double Scale::at(double value) const {
+  const double share = logarithmic ? std::log(value / low) / std::log(high / low) : (value - low) / (high - low);
+  return low_pixel + share * (high_pixel - low_pixel);
+}
 
 double Scale::clipped(double value) const {
   if (std::isnan(value)) throw std::logic_error("a figure has a value that is not a number");
@@ -47,7 +81,14 @@ Range round_range(double low, double high, int wanted) {
   return {step * std::floor(low / step + 1e-9), step * std::ceil(high / step - 1e-9)};
 }
 
+Range ratio_range(double low, double high) {
+  if (!(low > 0) || !std::isfinite(high)) throw std::logic_error("a logarithmic axis has no range above 0");
+  constexpr double kRoom = 1.08;
+  return {low / kRoom, high * kRoom};
+}
+
 std::vector<double> ticks_of(const Scale& scale, int wanted) {
+  if (scale.logarithmic) return ratio_ticks(scale.low, scale.high);
   return axis_ticks(scale.low, scale.high, wanted);
 }
 
@@ -82,7 +123,7 @@ void draw_grid_columns(Svg& svg, const Panel& panel, const Scale& scale, int wan
 
 void draw_y_axis(Svg& svg, const Panel& panel, const Scale& scale, const std::string& title, int wanted) {
   const std::vector<double> ticks = ticks_of(scale, wanted);
-  const std::vector<std::string> labels = tick_labels(ticks);
+  const std::vector<std::string> labels = labels_of(scale, ticks);
   for (std::size_t i = 0; i < ticks.size(); ++i) {
     const double y = scale.at(ticks[i]);
     svg.line(panel.left - kTick, y, panel.left, y, kFrame);
@@ -96,7 +137,7 @@ void draw_y_axis(Svg& svg, const Panel& panel, const Scale& scale, const std::st
 
 void draw_x_axis(Svg& svg, const Panel& panel, const Scale& scale, const std::string& title, int wanted) {
   const std::vector<double> ticks = ticks_of(scale, wanted);
-  const std::vector<std::string> labels = tick_labels(ticks);
+  const std::vector<std::string> labels = labels_of(scale, ticks);
   for (std::size_t i = 0; i < ticks.size(); ++i) {
     const double x = scale.at(ticks[i]);
     svg.line(x, panel.bottom, x, panel.bottom + kTick, kFrame);
@@ -112,7 +153,7 @@ void draw_right_axis(Svg& svg, const Panel& panel, const Scale& scale, double fa
   named.low *= factor;
   named.high *= factor;
   const std::vector<double> ticks = ticks_of(named, wanted);
-  std::vector<std::string> labels = tick_labels(ticks);
+  std::vector<std::string> labels = labels_of(named, ticks);
   for (std::size_t i = 0; i < ticks.size(); ++i) {
     labels[i] += suffix;
     const double y = named.at(ticks[i]);

@@ -1,4 +1,5 @@
-// Linear axes of figures: values to pixels, round ticks, labels. The ticks are those of the terminal's plots (plot.h).
+// Axes of figures: values to pixels, round ticks, labels. The ticks of linear ones are those of the terminal's plots
+// (plot.h).
 #pragma once
 
 #include <string>
@@ -12,7 +13,8 @@ namespace jnd {
 struct Scale {
   double low = 0, high = 1;  // low < high, finite
   double low_pixel = 0, high_pixel = 1;
-  double at(double value) const { return low_pixel + (value - low) / (high - low) * (high_pixel - low_pixel); }
+  bool logarithmic = false;  // with low > 0: equal ratios are equally far apart; of values > 0
+  double at(double value) const;
   // Not beyond the ends. Infinities go to them; NaN is the caller's to keep away.
   double clipped(double value) const;
   bool inside(double value) const { return value >= low && value <= high; }
@@ -25,6 +27,10 @@ struct Range {
 };
 Range round_range(double low, double high, int wanted);
 
+// A little more than low..high, 0 < low <= high, for a logarithmic scale.
+Range ratio_range(double low, double high);
+
+// Of a logarithmic scale about as many as its decades need, whatever is wanted.
 std::vector<double> ticks_of(const Scale& scale, int wanted);
 // All of them with as many decimals as the finest one needs.
 std::vector<std::string> tick_labels(const std::vector<double>& ticks);

@@ -13,15 +13,33 @@ namespace {
 constexpr double kForestTop = 14, kForestTitle = 18, kForestBelow = 52, kForestRight = 16;
 constexpr int kForestTicks = 6;
 
-Range forest_range(const std::vector<ForestRow>& rows) {
-  double low = 0, high = 0;
+// Where there is no difference.
+double rule_of(const Forest& forest) {
+  return forest.ratios ? 1 : 0;
+}
+
+Scale forest_scale(const Forest& forest, const std::vector<ForestRow>& rows, const Panel& panel) {
+  double low = rule_of(forest), high = low;
   for (const ForestRow& row : rows)
     for (const double end : {row.value, row.low, row.high})
-      if (std::isfinite(end)) {
+      if (std::isfinite(end) && (end > 0 || !forest.ratios)) {
         low = std::min(low, end);
         high = std::max(high, end);
       }
-  return round_range(low, high, kForestTicks);
+  const Range range = forest.ratios ? ratio_range(low, high) : round_range(low, high, kForestTicks);
+  return {range.low, range.high, panel.left, panel.right, forest.ratios};
+}
+
+// An open end goes to the edge, without a cap.
+void draw_forest_interval(Svg& svg, const Forest& forest, const ForestRow& row, const Scale& x, double y) {
+  const bool any =
+      forest.ratios ? !std::isnan(row.low) && !std::isnan(row.high) : std::isfinite(row.low) && std::isfinite(row.high);
+  if (!any) return;
+  const double end_height = row.of_group ? 5 : 3;
+  const ShapeStyle& line = row.of_group ? kInk : kWithin;
+  svg.line(x.clipped(row.low), y, x.clipped(row.high), y, line);
+  for (const double end : {row.low, row.high})
+    if (!forest.ratios || x.inside(end)) svg.line(x.clipped(end), y - end_height, x.clipped(end), y + end_height, line);
 }
 
 void draw_forest_row(Svg& svg, const Forest& forest, const ForestRow& row, bool named, const Panel& panel,
@@ -32,25 +50,20 @@ void draw_forest_row(Svg& svg, const Forest& forest, const ForestRow& row, bool 
     svg.text(panel.right + 14, y + 4, fitted(row.numbers, kMuted.size, forest.numbers - 16), kMuted);
   svg.begin(std::isnan(row.value) ? "missing" : "mean", row.words);
   if (std::isnan(row.value)) {
-    draw_cross(svg, x.at(0), y, 4, kInk);
+    draw_cross(svg, x.at(rule_of(forest)), y, 4, kInk);
     return svg.end();
   }
-  if (std::isfinite(row.low) && std::isfinite(row.high)) {
-    const double from = x.at(row.low), to = x.at(row.high), end_height = row.of_group ? 5 : 3;
-    const ShapeStyle& line = row.of_group ? kInk : kWithin;
-    svg.line(from, y, to, y, line);
-    for (const double end : {from, to}) svg.line(end, y - end_height, end, y + end_height, line);
-  }
+  draw_forest_interval(svg, forest, row, x, y);
   svg.circle(x.at(row.value), y, row.of_group ? 4.5 : 3, kInkFill);
   svg.end();
 }
 
 void draw_forest_column(Svg& svg, const Forest& forest, const ForestColumn& column, bool named, const Panel& panel) {
-  const Range range = forest_range(column.rows);
-  const Scale x{range.low, range.high, panel.left, panel.right};
+  const Scale x = forest_scale(forest, column.rows, panel);
   draw_grid_columns(svg, panel, x, kForestTicks);
   draw_x_axis(svg, panel, x, column.x_title, kForestTicks);
-  svg.line(x.at(0), panel.top, x.at(0), panel.bottom, kRule);
+  const double rule = x.at(rule_of(forest));
+  svg.line(rule, panel.top, rule, panel.bottom, kRule);
   if (!column.title.empty()) svg.text(panel.left, panel.top - 8, column.title, strong(kLabel));
   for (std::size_t i = 0; i < column.rows.size(); ++i)
     draw_forest_row(svg, forest, column.rows[i], named, panel, x,

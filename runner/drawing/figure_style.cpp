@@ -180,6 +180,8 @@ void draw_symbol(Svg& svg, const LegendEntry& entry, double x, double y) {
   switch (entry.kind) {
     case Kind::condition:
       return draw_marker(svg, entry.condition, middle, y, 4.5, condition_fill(entry.condition));
+    case Kind::hollow:
+      return draw_marker(svg, entry.condition, middle, y, 4.5, condition_hollow(entry.condition));
     case Kind::interval:
       svg.line(middle, y - 7, middle, y + 7, kInk);
       return svg.circle(middle, y, 4, kInkFill);

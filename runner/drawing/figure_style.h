@@ -65,8 +65,8 @@ std::string fitted(std::string_view text, double size, double width);
 std::vector<std::string> wrapped(std::string_view text, double size, double width, std::size_t most);
 
 struct LegendEntry {
-  enum class Kind { condition, interval, within, published, median, line, arrow, cross } kind = Kind::condition;
-  int condition = 0;  // of Kind::condition
+  enum class Kind { condition, hollow, interval, within, published, median, line, arrow, cross } kind = Kind::condition;
+  int condition = 0;  // of Kind::condition and Kind::hollow
   std::string text;
 };
 // Entries in rows from the left, wrapped at width; draws them from y downwards and returns the height taken. With

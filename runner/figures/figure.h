@@ -58,6 +58,10 @@ std::vector<Figure> slope_figures(const StudyResults& results, const Protocol& p
 std::vector<Figure> roc_figures(const StudyResults& results, const Protocol& protocol);
 // Each registered contrast with its interval, on the scale on which it is tested.
 std::vector<Figure> contrast_figures(const StudyResults& results, const Protocol& protocol);
+// Of the hierarchical model, where it was added to the results: each participant's separate JND joined to the shrunken
+// one, beside the group's; and every ratio of two conditions.
+std::vector<Figure> hierarchical_figures(const StudyResults& results, const Protocol& protocol);
+std::vector<Figure> ratio_figures(const StudyResults& results, const Protocol& protocol);
 // Where the answers set the levels: the levels of every track, a panel for every participant.
 std::vector<Figure> track_figures(const StudyResults& results, const Protocol& protocol);
 

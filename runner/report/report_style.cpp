@@ -126,7 +126,7 @@ svg .f6 { fill: var(--c6); } svg .s6 { stroke: var(--c6); } svg .h6 { fill: var(
   figure:is(#fig-sensitivity, #fig-behaviour) svg { max-width: 100%; }
   figure[id^="fig-slopes"] svg { max-width: 166mm; }
   /* Two of them on a page. */
-  figure:is(#fig-jnd, #fig-threshold, #fig-outcome, #fig-time, #fig-combination, #fig-roc) svg,
+  figure:is(#fig-jnd, #fig-threshold, #fig-outcome, #fig-time, #fig-combination, #fig-people, #fig-roc) svg,
   figure:is([id^="fig-parameter"], [id^="fig-rating-"]) svg { max-height: 98mm; }
   figcaption, .note, .footnotes { font-size: 8.5pt; }
   thead { display: table-header-group; }

@@ -200,6 +200,9 @@ struct ResultsJson {
     for (const OutcomeComparison& outcome : results.comparisons)
       out["comparisons"].push_back(outcome_json(outcome, protocol));
     out["condition_by_series"] = series_json(measured.by_series);
+    out["hierarchical"] = measured.hierarchical
+                              ? hierarchical_json(*measured.hierarchical, protocol, measured.analysis.attendance.kind)
+                              : Json(nullptr);
     out["sensitivity"] = Json::array();
     for (const SensitivityRow& row : measured.sensitivity)
       out["sensitivity"].push_back(sensitivity_json(row, protocol));

@@ -36,6 +36,12 @@ ResultTable task_group_table(const StudyResults& results, const TaskResults& mea
 ResultTable proportion_table(const TaskResults& results, const Protocol& protocol);
 ResultTable task_counts_table(const TaskResults& results, const Protocol& protocol);
 
+// hierarchical_tables.cpp: the hierarchical model, where it was added to the results.
+ResultTable hierarchical_table(const ConstantResults& results, const Protocol& protocol);
+ResultTable hierarchical_ratios_table(const ConstantResults& results, const Protocol& protocol);
+ResultTable hierarchical_people_table(const ConstantResults& results, const Protocol& protocol);
+nlohmann::ordered_json hierarchical_json(const StudyHierarchical& model, const Protocol& protocol, SessionKind kind);
+
 // between_tables.cpp: groups of participants. The JSON is of results that have groups.
 ResultTable groups_table(const StudyResults& results, const Protocol& protocol);
 ResultTable between_table(const StudyResults& results, const Protocol& protocol);

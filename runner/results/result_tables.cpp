@@ -166,13 +166,23 @@ struct TablesOf {
 
   std::vector<ResultTable> operator()(const ConstantResults& measured) const {
     const StudyAnalysis& analysis = measured.analysis;
-    return {participants_table(analysis, protocol), group_table(analysis, protocol),
-            contrasts_table(results, protocol),     groups_table(results, protocol),
-            between_table(results, protocol),       omnibus_table(results, protocol),
-            pairs_table(results, protocol),         series_table(measured, protocol),
-            sensitivity_table(measured, protocol),  sureness_table(measured, protocol),
-            behaviour_table(measured, protocol),    cues_table(measured, protocol),
-            items_table(results, protocol),         ratings_table(results, protocol),
+    return {participants_table(analysis, protocol),
+            hierarchical_people_table(measured, protocol),
+            group_table(analysis, protocol),
+            contrasts_table(results, protocol),
+            groups_table(results, protocol),
+            between_table(results, protocol),
+            omnibus_table(results, protocol),
+            pairs_table(results, protocol),
+            series_table(measured, protocol),
+            hierarchical_table(measured, protocol),
+            hierarchical_ratios_table(measured, protocol),
+            sensitivity_table(measured, protocol),
+            sureness_table(measured, protocol),
+            behaviour_table(measured, protocol),
+            cues_table(measured, protocol),
+            items_table(results, protocol),
+            ratings_table(results, protocol),
             cells_table(analysis, protocol)};
   }
   std::vector<ResultTable> operator()(const AdaptiveResults& measured) const {
@@ -207,20 +217,24 @@ struct TablesOf {
 }  // namespace
 
 Section section_of(const ResultTable& table) {
-  constexpr std::array<std::pair<std::string_view, Section>, 14> kSections = {{{"participants", Section::participants},
-                                                                               {"group", Section::participants},
-                                                                               {"contrasts", Section::tests},
-                                                                               {"groups", Section::tests},
-                                                                               {"between", Section::tests},
-                                                                               {"tests", Section::tests},
-                                                                               {"pairs", Section::tests},
-                                                                               {"series", Section::tests},
-                                                                               {"proportion", Section::tests},
-                                                                               {"sensitivity", Section::models},
-                                                                               {"models", Section::models},
-                                                                               {"behaviour", Section::behaviour},
-                                                                               {"cues", Section::behaviour},
-                                                                               {"sureness", Section::behaviour}}};
+  constexpr std::array<std::pair<std::string_view, Section>, 17> kSections = {
+      {{"participants", Section::participants},
+       {"group", Section::participants},
+       {"contrasts", Section::tests},
+       {"groups", Section::tests},
+       {"between", Section::tests},
+       {"tests", Section::tests},
+       {"pairs", Section::tests},
+       {"series", Section::tests},
+       {"hierarchical-people", Section::participants},
+       {"hierarchical", Section::tests},
+       {"hierarchical-ratios", Section::tests},
+       {"proportion", Section::tests},
+       {"sensitivity", Section::models},
+       {"models", Section::models},
+       {"behaviour", Section::behaviour},
+       {"cues", Section::behaviour},
+       {"sureness", Section::behaviour}}};
   for (const auto& [id, section] : kSections)
     if (table.id == id) return section;
   return table.id == "cells" ? Section::cells : Section::questions;

@@ -1,0 +1,245 @@
+// The hierarchical model: each person's JND before and after it is drawn towards the group's, and ratios of conditions.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "runner/drawing/figure_axis.h"
+#include "runner/drawing/figure_forest.h"
+#include "runner/drawing/figure_style.h"
+#include "runner/figures/figure.h"
+#include "runner/results/result_format.h"
+
+namespace jnd {
+
+namespace {
+
+constexpr double kGroupLeft = 74, kGroupRight = 74, kGroupHeight = 330, kGroupTop = 8, kGroupFoot = 48,
+                 kNarrowWidth = 480, kNarrowRight = 14;
+constexpr double kEdgeRoom = 12;  // of an arrow from the frame
+// Of the width of a condition, from its middle.
+constexpr double kSeparateAt = -0.28, kShrunkenAt = 0.06, kGroupAt = 0.32;
+
+const StudyHierarchical* model_of(const StudyResults& results) {
+  const auto* constant = std::get_if<ConstantResults>(&results.measured);
+  if (constant == nullptr || !constant->hierarchical) return nullptr;
+  const StudyHierarchical& model = *constant->hierarchical;
+  return model.status == HierarchicalStatus::ok ? &model : nullptr;
+}
+
+bool is_drawn(const HierarchicalPerson& person) {
+  return person.status != ShrunkenStatus::missing;
+}
+
+// The first of the people, at most kMostPeopleDrawn.
+std::vector<const HierarchicalPerson*> people_drawn(const StudyHierarchical& model) {
+  std::vector<const HierarchicalPerson*> drawn;
+  std::size_t people = 0;
+  for (const ParticipantRows<HierarchicalPerson>& row : by_participant(model.people, model.conditions.size())) {
+    const auto counts = [](const HierarchicalPerson* one) { return one != nullptr && is_drawn(*one); };
+    if (std::none_of(row.of.begin(), row.of.end(), counts)) continue;
+    if (++people > kMostPeopleDrawn) break;
+    std::copy_if(row.of.begin(), row.of.end(), std::back_inserter(drawn), counts);
+  }
+  return drawn;
+}
+
+// Everything of the model, and separate JNDs that do not lie far beyond it. Low > high: nothing has a JND.
+Range jnd_range(const StudyHierarchical& model, const std::vector<const HierarchicalPerson*>& people) {
+  constexpr double kFarBeyond = 3;
+  Range range{kInf, 0};
+  const auto add = [&range](double value) {
+    if (!(value > 0) || !std::isfinite(value)) return;
+    range.low = std::min(range.low, value);
+    range.high = std::max(range.high, value);
+  };
+  for (const HierarchicalCondition& one : model.conditions) {
+    add(one.jnd);
+    if (one.status != SlopeStatus::ok) continue;
+    add(std::max(one.ci_low, one.jnd / kFarBeyond));
+    add(std::min(one.ci_high, one.jnd * kFarBeyond));
+  }
+  for (const HierarchicalPerson* one : people) add(one->jnd);
+  const Range core = range;
+  for (const HierarchicalPerson* one : people)
+    if (!(core.low <= core.high) || (one->separate > core.low / kFarBeyond && one->separate < core.high * kFarBeyond))
+      add(one->separate);
+  return range;
+}
+
+std::string separate_text(const HierarchicalPerson& person, const Protocol& protocol) {
+  return person.separate_status == JndStatus::ok ? stiffness_text(person.separate, protocol)
+                                                 : std::string(to_string(person.separate_status));
+}
+
+std::string person_words(const HierarchicalPerson& person, const Protocol& protocol) {
+  std::string text = fmt::format("{}, {}: separate {}", person.participant, condition_text(protocol, person.condition),
+                                 separate_text(person, protocol));
+  if (person.status == ShrunkenStatus::ok)
+    text += fmt::format(", shrunken {} {}", stiffness_text(person.jnd, protocol), unit_of(protocol));
+  return text;
+}
+
+std::string group_words(const HierarchicalCondition& row, const Protocol& protocol) {
+  const std::string& name = condition_text(protocol, row.condition);
+  if (row.status != SlopeStatus::ok) return fmt::format("{}: {}", name, word_of(kSlopeStatusWords, row.status));
+  return fmt::format("{}: group {} {}, 95 % interval {}", name, stiffness_text(row.jnd, protocol), unit_of(protocol),
+                     range_text(row.ci_low, row.ci_high, stiffness_decimals(protocol)));
+}
+
+class ShrinkageDrawing {
+ public:
+  ShrinkageDrawing(const StudyHierarchical& model, std::vector<const HierarchicalPerson*> people,
+                   const Protocol& protocol, const Range& range, bool narrow)
+      : model_(model), people_(std::move(people)), protocol_(protocol), narrow_(narrow) {
+    const double columns = static_cast<double>(model.conditions.size());
+    const double right = narrow ? kNarrowRight : kGroupRight;
+    width_ = narrow ? kNarrowWidth
+                    : std::max(kNarrowWidth, kGroupLeft + columns * std::clamp(600 / columns, 84.0, 190.0) + right);
+    const double top = kGroupTop + draw_legend(nullptr, legend(), 0, 0, width_ - kGroupLeft - 10) + 8;
+    panel_ = {kGroupLeft, top, width_ - right, top + kGroupHeight};
+    slot_ = panel_.width() / columns;
+    scale_ = {range.low, range.high, panel_.bottom - kEdgeRoom, panel_.top + kEdgeRoom, true};
+    radius_ = people_.size() <= 30 * model.conditions.size() && slot_ > 100 ? 3.8 : 2.6;
+  }
+  Svg drawn(const std::string& id, const std::string& title, const std::string& description);
+
+ private:
+  std::vector<LegendEntry> legend() const;
+  double middle(int condition) const { return panel_.left + slot_ * (condition + 0.5); }
+  void draw_person(Svg& svg, const HierarchicalPerson& person) const;
+  void draw_group(Svg& svg, const HierarchicalCondition& row) const;
+
+  const StudyHierarchical& model_;
+  std::vector<const HierarchicalPerson*> people_;
+  const Protocol& protocol_;
+  bool narrow_;
+  double width_ = 0, slot_ = 0, radius_ = 0;
+  Panel panel_;
+  Scale scale_;
+};
+
+std::vector<LegendEntry> ShrinkageDrawing::legend() const {
+  using Kind = LegendEntry::Kind;
+  std::vector<LegendEntry> entries = {{Kind::hollow, 0, "separate JND"},
+                                      {Kind::condition, 0, "shrunken JND"},
+                                      {Kind::interval, 0, "group, 95 % interval"}};
+  if (std::any_of(people_.begin(), people_.end(),
+                  [](const HierarchicalPerson* one) { return one->separate_status != JndStatus::ok; }))
+    entries.push_back({Kind::arrow, 0, "no separate JND"});
+  return entries;
+}
+
+void ShrinkageDrawing::draw_person(Svg& svg, const HierarchicalPerson& person) const {
+  const double from_x = middle(person.condition) + kSeparateAt * slot_,
+               to_x = middle(person.condition) + kShrunkenAt * slot_;
+  const bool shrunken = person.status == ShrunkenStatus::ok;
+  const double to_y = shrunken ? scale_.clipped(person.jnd) : panel_.bottom - kEdgeRoom;
+  // Where the separate one has no value, or one beyond the scale, an arrow stands at the edge.
+  const bool inside = person.separate_status == JndStatus::ok && scale_.inside(person.separate);
+  const bool up = person.separate_status == JndStatus::no_sensitivity ||
+                  (person.separate_status == JndStatus::ok && person.separate > scale_.high);
+  const bool placed = person.separate_status != JndStatus::no_information;
+  const double from_y = inside ? scale_.at(person.separate) : up ? panel_.top + 8 : panel_.bottom - 8;
+  svg.begin("point", person_words(person, protocol_));
+  if (shrunken && placed) svg.line(from_x, from_y, to_x, to_y, kFaint);
+  if (!placed)
+    draw_cross(svg, from_x, shrunken ? to_y : from_y, radius_, condition_line(person.condition));
+  else if (inside)
+    draw_marker(svg, person.condition, from_x, from_y, radius_, condition_hollow(person.condition));
+  else
+    draw_arrow(svg, from_x, from_y, radius_, up, condition_hollow(person.condition));
+  if (shrunken) draw_marker(svg, person.condition, to_x, to_y, radius_, condition_fill(person.condition));
+  svg.end();
+}
+
+void ShrinkageDrawing::draw_group(Svg& svg, const HierarchicalCondition& row) const {
+  const double x = middle(row.condition) + kGroupAt * slot_;
+  svg.begin("mean", group_words(row, protocol_));
+  if (row.status == SlopeStatus::ok) {
+    svg.line(x, scale_.clipped(row.ci_low), x, scale_.clipped(row.ci_high), kInk);
+    for (const double end : {row.ci_low, row.ci_high})  // an open end has no cap
+      if (scale_.inside(end)) svg.line(x - 5, scale_.at(end), x + 5, scale_.at(end), kInk);
+    svg.circle(x, scale_.clipped(row.jnd), 5, kInkFill);
+  }
+  svg.end();
+  TextStyle name = strong(anchored(kLabel, "middle"));
+  name.size = 13;
+  svg.text(middle(row.condition), panel_.bottom + 20,
+           fitted(condition_text(protocol_, row.condition), name.size, slot_ - 8), name);
+  const std::string below = row.status == SlopeStatus::ok ? fmt::format("n = {}", row.participants)
+                                                          : std::string(word_of(kSlopeStatusWords, row.status));
+  svg.text(middle(row.condition), panel_.bottom + 36, fitted(below, kMuted.size, slot_ - 4),
+           anchored(kMuted, "middle"));
+}
+
+Svg ShrinkageDrawing::drawn(const std::string& id, const std::string& title, const std::string& description) {
+  Svg svg(fmt::format("figure-{}{}", id, narrow_ ? "-narrow" : ""), width_, panel_.bottom + kGroupFoot, title,
+          description);
+  draw_legend(&svg, legend(), panel_.left, kGroupTop, width_ - kGroupLeft - 10);
+  draw_grid_rows(svg, panel_, scale_, 6);
+  draw_y_axis(svg, panel_, scale_, fmt::format("JND ({})", unit_of(protocol_)), 6);
+  if (!narrow_ && protocol_.stimulus.reference > 0)
+    draw_right_axis(svg, panel_, scale_, 100 / protocol_.stimulus.reference, " %", "Weber fraction", 6);
+  svg.rectangle(panel_.left, panel_.top, panel_.width(), panel_.height(), kFrame);
+  for (const HierarchicalPerson* one : people_) draw_person(svg, *one);
+  for (const HierarchicalCondition& row : model_.conditions) draw_group(svg, row);
+  return svg;
+}
+
+std::string ratio_numbers(const HierarchicalRatio& row) {
+  const std::string p = fmt::format("p = {}", p_value_text(row.p));
+  if (!row.defined) return "no ratio, " + p;
+  return fmt::format("{} ({}), {}", number_text(row.ratio, 2), range_text(row.ci_low, row.ci_high, 2), p);
+}
+
+}  // namespace
+
+std::vector<Figure> hierarchical_figures(const StudyResults& results, const Protocol& protocol) {
+  const StudyHierarchical* model = model_of(results);
+  if (model == nullptr) return {};
+  const std::vector<const HierarchicalPerson*> people = people_drawn(*model);
+  Range range = jnd_range(*model, people);
+  if (!(range.low <= range.high)) return {};  // nobody has a JND
+  range = ratio_range(range.low, range.high);
+  const std::string id = "people", title = "People and group";
+  std::string description;
+  for (const HierarchicalCondition& row : model->conditions) description += group_words(row, protocol) + ". ";
+  const std::string caption = fmt::format(
+      "Each participant's separate JND ({}), joined to the one given everybody's answers, which is drawn towards the "
+      "group as far as the participant's answers are few; beside them the JND of the median person with its 95 % "
+      "profile interval, by the hierarchical model of {} participants. The axis is logarithmic. An arrow at the edge "
+      "is a separate estimate without a JND, or beyond the scale; a cross one without information. {}{}",
+      describe(std::get<ConstantResults>(results.measured).analysis.method), model->participants,
+      kHierarchicalAssumptions,
+      first_of(std::min(kMostPeopleDrawn, static_cast<std::size_t>(model->participants)),
+               static_cast<std::size_t>(model->participants)));
+  return {{id, title, caption, ShrinkageDrawing(*model, people, protocol, range, false).drawn(id, title, description),
+           ShrinkageDrawing(*model, people, protocol, range, true).drawn(id, title, description)}};
+}
+
+std::vector<Figure> ratio_figures(const StudyResults& results, const Protocol& protocol) {
+  const StudyHierarchical* model = model_of(results);
+  if (model == nullptr || model->ratios.empty()) return {};
+  Forest forest;
+  forest.id = "figure-ratios";
+  forest.title = "Ratios of conditions";
+  forest.ratios = true;
+  ForestColumn& column = forest.columns.emplace_back();
+  column.x_title = "ratio of JNDs";
+  for (const HierarchicalRatio& row : model->ratios) {
+    const std::string name = fmt::format("{} : {}", condition_text(protocol, row.a), condition_text(protocol, row.b));
+    const std::string numbers = ratio_numbers(row), words = fmt::format("{}: {}", name, numbers);
+    forest.description += words + ". ";
+    column.rows.push_back(
+        {name, row.ratio, row.ci_low, row.ci_high, numbers, fmt::format("{}; n = {}", words, row.participants)});
+  }
+  return {
+      {"ratios", forest.title,
+       "JND of the first condition over that of the second, of the median person, with its 95 % profile interval, "
+       "by the hierarchical model; p: likelihood ratio, each alone. The axis is logarithmic, and the dotted line is "
+       "no difference. An interval without an end goes on to the edge; a cross: one of the two has no JND.",
+       draw_forest(forest)}};
+}
+
+}  // namespace jnd

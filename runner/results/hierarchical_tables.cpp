@@ -1,0 +1,137 @@
+// The tables and the JSON of the hierarchical model.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "data/export/hierarchical_fields.h"
+#include "runner/results/field_output.h"
+#include "runner/results/result_format.h"
+#include "runner/results/result_table_parts.h"
+
+namespace jnd {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// "0.24 between persons (ln JND)", or why there is no number.
+std::string spread_text(const HierarchicalSpread& spread, const char* of) {
+  return spread.status == SpreadStatus::ok || spread.status == SpreadStatus::zero
+             ? fmt::format("{} {}", number_text(spread.sd, 2), of)
+             : fmt::format("not identified {}", of);
+}
+
+std::string equality_text(const StudyHierarchical& model) {
+  return fmt::format("one JND for all conditions: chi-square {} with {} df, p {}", number_text(model.equal_lr, 2),
+                     model.equal_df, p_value_text(model.equal_p));
+}
+
+Json spread_json(const HierarchicalSpread& spread) {
+  return {{"sd", json_value(spread.sd)}, {"status", word_of(kSpreadStatusWords, spread.status)}};
+}
+
+template <typename Row>
+Json rows_json(const Fields<Row>& fields, const std::vector<Row>& rows, const std::vector<std::string>& keys) {
+  Json all = Json::array();
+  for (const Row& row : rows) all.push_back(json_of(fields, row, keys));
+  return all;
+}
+
+}  // namespace
+
+ResultTable hierarchical_table(const ConstantResults& results, const Protocol& protocol) {
+  ResultTable table{"hierarchical", "The group by the hierarchical model", "", {}, {}, {}};
+  if (!results.hierarchical || results.hierarchical->people.empty()) return table;
+  const StudyHierarchical& model = *results.hierarchical;
+  const bool differencing = model.response == ResponseModel::differencing;
+  table.note = fmt::format(
+      "one model of everybody's answers, decided on the {}difference; JND: of the median person, with 95 % profile "
+      "likelihood; not registered{}",
+      differencing ? "size of the " : "",
+      results.analysis.by == DifferenceSource::nominal ? "" : "; over the delivered differences");
+  const TableMaker of(hierarchical_fields(protocol, results.analysis.attendance.kind));
+  table = of(std::move(table),
+             {of("condition"), of("n"), of("jnd"), of.range("ci_low", "ci_high"), of("weber"),
+              of("criterion", differencing ? "ln tau" : "criterion"), of("status")},
+             hierarchical_rows(model));
+  if (model.status != HierarchicalStatus::ok) {
+    table.footnotes.push_back("no model: " + model.reason);
+    return table;
+  }
+  if (model.equal_df > 0) table.footnotes.push_back(equality_text(model));
+  table.footnotes.push_back(fmt::format(
+      "standard deviation between people: {}; {}; {}", spread_text(model.persons, "of ln JND"),
+      spread_text(model.by_condition, "of ln JND by condition"), spread_text(model.criteria, "of the criterion")));
+  if (model.participants == 1)
+    table.footnotes.emplace_back("one participant: intervals and tests say nothing of anybody else");
+  table.footnotes.emplace_back(kHierarchicalAssumptions);
+  return table;
+}
+
+ResultTable hierarchical_ratios_table(const ConstantResults& results, const Protocol& protocol) {
+  ResultTable table{"hierarchical-ratios", "Ratios of conditions by the hierarchical model", "", {}, {}, {}};
+  if (!results.hierarchical) return table;
+  table.note = "JND of the first / JND of the second; p: likelihood ratio, each alone";
+  const TableMaker of(hierarchical_ratio_fields(protocol, results.analysis.attendance.kind));
+  return of(std::move(table),
+            {of.words("conditions",
+                      [&](const HierarchicalRatio& row) { return of.text("a", row) + " : " + of.text("b", row); }),
+             of("participants"), of("ratio"), of.range("ci_low", "ci_high"), of("lr"), of("p"), of("status")},
+            results.hierarchical->ratios);
+}
+
+ResultTable hierarchical_people_table(const ConstantResults& results, const Protocol& protocol) {
+  ResultTable table{"hierarchical-people", "Participants by the hierarchical model", "", {}, {}, {}};
+  if (!results.hierarchical || results.hierarchical->status != HierarchicalStatus::ok) return table;
+  table.note = fmt::format(
+      "separate: {}, of these answers alone; shrunken: given everybody's answers, drawn towards the group's JND as far "
+      "as a participant's answers are few",
+      describe(results.analysis.method));
+  const TableMaker of(hierarchical_person_fields(protocol, results.analysis.attendance.kind));
+  using Row = HierarchicalPerson;
+  // A status is said where it says something.
+  const auto said = [&of](const char* key) {
+    return [&of, key](const Row& row) {
+      std::string text = of.text(key, row);
+      return text == "ok" ? "" : text;
+    };
+  };
+  std::vector<TableColumn<Row>> columns = {of("participant")};
+  if (!protocol.groups.empty()) columns.push_back(of("group"));
+  columns.insert(columns.end(), {of("condition"), of("separate"), of.words("of that", said("separate_status")),
+                                 of("jnd"), of("ln_sd"), of("criterion"), of.words("status", said("status"))});
+  table = of(std::move(table), columns, results.hierarchical->people);
+  for (std::size_t i = table.rows.size(); i-- > 1;)  // a participant is named once
+    if (table.rows[i].front() == table.rows[i - 1].front()) table.rows[i].front().clear();
+  if (results.hierarchical->alike() && results.hierarchical->participants > 1)
+    table.footnotes.emplace_back("the answers show no difference between people's JNDs: everybody's is the group's");
+  table.footnotes.emplace_back(kHierarchicalAssumptions);
+  return table;
+}
+
+Json hierarchical_json(const StudyHierarchical& model, const Protocol& protocol, SessionKind kind) {
+  Json out = {{"status", word_of(kHierarchicalStatusWords, model.status)},
+              {"reason", model.reason.empty() ? Json(nullptr) : Json(model.reason)},
+              {"observer", model.response ? Json(word_of(kResponseModelWords, *model.response)) : Json(nullptr)},
+              {"participants", model.participants},
+              {"trials", model.trials}};
+  out["conditions"] = rows_json(hierarchical_fields(protocol, kind), hierarchical_rows(model),
+                                {"condition", "n", "jnd", "ci_low", "ci_high", "weber", "criterion", "status"});
+  out["ratios"] = rows_json(hierarchical_ratio_fields(protocol, kind), model.ratios,
+                            {"a", "b", "participants", "ratio", "ci_low", "ci_high", "lr", "p", "status"});
+  out["people"] = model.status == HierarchicalStatus::ok
+                      ? rows_json(hierarchical_person_fields(protocol, kind), model.people,
+                                  {"participant", "condition", "separate", "separate_status", "alone", "alone_status",
+                                   "jnd", "ln_sd", "criterion", "status"})
+                      : Json::array();
+  out["sd"] = {{"persons", spread_json(model.persons)},
+               {"persons_by_condition", spread_json(model.by_condition)},
+               {"criterion", spread_json(model.criteria)}};
+  out["equal"] =
+      model.equal_df > 0
+          ? Json{{"lr", json_value(model.equal_lr)}, {"df", model.equal_df}, {"p", json_value(model.equal_p)}}
+          : Json(nullptr);
+  return out;
+}
+
+}  // namespace jnd
