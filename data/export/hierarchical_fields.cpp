@@ -19,8 +19,12 @@ void add_spread(Fields<HierarchicalConditionRow>& fields, const std::string& key
                             [spread](const R& r) { return (r.of->*spread).sd; }));
   fields.push_back(Field<R>(key + "_status",
                             "what that is; zero: the likelihood is largest at 0; not_identified: it takes several "
-                            "participants, or several conditions of one",
-                            [spread](const R& r) { return word_of(kSpreadStatusWords, (r.of->*spread).status); },
+                            "participants, or several conditions of one; empty without a model",
+                            [spread](const R& r) {
+                              return r.of->status == HierarchicalStatus::ok
+                                         ? std::optional(word_of(kSpreadStatusWords, (r.of->*spread).status))
+                                         : std::nullopt;
+                            },
                             {.levels = "ok zero not_identified"}));
 }
 

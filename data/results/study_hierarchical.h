@@ -93,12 +93,16 @@ struct StudyHierarchical {
   std::vector<HierarchicalPerson> people;    // by participant, condition that they get
   HierarchicalSpread persons, by_condition;  // of ln JND: of persons, of persons by condition
   HierarchicalSpread criteria;               // of the criterion
-  // The JNDs of all people are one in a condition: nothing else was found, or could be.
+  // The JNDs of all people in a condition are one: nothing else was found, or could be.
   bool alike() const noexcept { return persons.status != SpreadStatus::ok && by_condition.status != SpreadStatus::ok; }
   // One JND for all conditions, by likelihood ratio; df 0: there is no such test.
   double equal_lr = kNaN, equal_p = kNaN;
   int equal_df = 0;
 };
+
+// What a model whose people are alike() says of them.
+inline constexpr std::string_view kPeopleAlike =
+    "The answers show no difference between people's JNDs: everybody's is the group's.";
 
 // Of the trials that count, by maximum likelihood. A fraction of a second for twenty people, some seconds for the most.
 StudyHierarchical study_hierarchical(const StudyAnalysis& analysis, const Protocol& protocol);

@@ -96,16 +96,22 @@ class ShrinkageDrawing {
     const double right = narrow ? kNarrowRight : kGroupRight;
     width_ = narrow ? kNarrowWidth
                     : std::max(kNarrowWidth, kGroupLeft + columns * std::clamp(600 / columns, 84.0, 190.0) + right);
+    scale_ = {range.low, range.high, 1, 0, true};  // what is on it, before where
     const double top = kGroupTop + draw_legend(nullptr, legend(), 0, 0, width_ - kGroupLeft - 10) + 8;
     panel_ = {kGroupLeft, top, width_ - right, top + kGroupHeight};
     slot_ = panel_.width() / columns;
-    scale_ = {range.low, range.high, panel_.bottom - kEdgeRoom, panel_.top + kEdgeRoom, true};
+    scale_.low_pixel = panel_.bottom - kEdgeRoom;
+    scale_.high_pixel = panel_.top + kEdgeRoom;
     radius_ = people_.size() <= 30 * model.conditions.size() && slot_ > 100 ? 3.8 : 2.6;
   }
   Svg drawn(const std::string& id, const std::string& title, const std::string& description);
 
  private:
   std::vector<LegendEntry> legend() const;
+  // Whether the separate JND lies on the scale. Otherwise an arrow at the edge, or a cross, stands for it.
+  bool has_place(const HierarchicalPerson& person) const {
+    return person.separate_status == JndStatus::ok && scale_.inside(person.separate);
+  }
   double middle(int condition) const { return panel_.left + slot_ * (condition + 0.5); }
   void draw_person(Svg& svg, const HierarchicalPerson& person) const;
   void draw_group(Svg& svg, const HierarchicalCondition& row) const;
@@ -124,9 +130,13 @@ std::vector<LegendEntry> ShrinkageDrawing::legend() const {
   std::vector<LegendEntry> entries = {{Kind::hollow, 0, "separate JND"},
                                       {Kind::condition, 0, "shrunken JND"},
                                       {Kind::interval, 0, "group, 95 % interval"}};
-  if (std::any_of(people_.begin(), people_.end(),
-                  [](const HierarchicalPerson* one) { return one->separate_status != JndStatus::ok; }))
-    entries.push_back({Kind::arrow, 0, "no separate JND"});
+  const auto any = [this](auto is) { return std::any_of(people_.begin(), people_.end(), is); };
+  if (any([this](const HierarchicalPerson* one) {
+        return !has_place(*one) && one->separate_status != JndStatus::no_information;
+      }))
+    entries.push_back({Kind::arrow, 0, "none, or beyond the scale"});
+  if (any([](const HierarchicalPerson* one) { return one->separate_status == JndStatus::no_information; }))
+    entries.push_back({Kind::cross, 0, "no information"});
   return entries;
 }
 
@@ -135,8 +145,7 @@ void ShrinkageDrawing::draw_person(Svg& svg, const HierarchicalPerson& person) c
                to_x = middle(person.condition) + kShrunkenAt * slot_;
   const bool shrunken = person.status == ShrunkenStatus::ok;
   const double to_y = shrunken ? scale_.clipped(person.jnd) : panel_.bottom - kEdgeRoom;
-  // Where the separate one has no value, or one beyond the scale, an arrow stands at the edge.
-  const bool inside = person.separate_status == JndStatus::ok && scale_.inside(person.separate);
+  const bool inside = has_place(person);
   const bool up = person.separate_status == JndStatus::no_sensitivity ||
                   (person.separate_status == JndStatus::ok && person.separate > scale_.high);
   const bool placed = person.separate_status != JndStatus::no_information;
@@ -209,9 +218,9 @@ std::vector<Figure> hierarchical_figures(const StudyResults& results, const Prot
       "Each participant's separate JND ({}), joined to the one given everybody's answers, which is drawn towards the "
       "group as far as the participant's answers are few; beside them the JND of the median person with its 95 % "
       "profile interval, by the hierarchical model of {} participants. The axis is logarithmic. An arrow at the edge "
-      "is a separate estimate without a JND, or beyond the scale; a cross one without information. {}{}",
+      "is a separate estimate without a JND, or beyond the scale; a cross one without information. {}{}{}",
       describe(std::get<ConstantResults>(results.measured).analysis.method), model->participants,
-      kHierarchicalAssumptions,
+      model->alike() && model->participants > 1 ? std::string(kPeopleAlike) + " " : "", kHierarchicalAssumptions,
       first_of(std::min(kMostPeopleDrawn, static_cast<std::size_t>(model->participants)),
                static_cast<std::size_t>(model->participants)));
   return {{id, title, caption, ShrinkageDrawing(*model, people, protocol, range, false).drawn(id, title, description),

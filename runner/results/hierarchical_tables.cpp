@@ -104,7 +104,7 @@ ResultTable hierarchical_people_table(const ConstantResults& results, const Prot
   for (std::size_t i = table.rows.size(); i-- > 1;)  // a participant is named once
     if (table.rows[i].front() == table.rows[i - 1].front()) table.rows[i].front().clear();
   if (results.hierarchical->alike() && results.hierarchical->participants > 1)
-    table.footnotes.emplace_back("the answers show no difference between people's JNDs: everybody's is the group's");
+    table.footnotes.emplace_back(kPeopleAlike);
   table.footnotes.emplace_back(kHierarchicalAssumptions);
   return table;
 }
@@ -124,9 +124,11 @@ Json hierarchical_json(const StudyHierarchical& model, const Protocol& protocol,
                                   {"participant", "condition", "separate", "separate_status", "alone", "alone_status",
                                    "jnd", "ln_sd", "criterion", "status"})
                       : Json::array();
-  out["sd"] = {{"persons", spread_json(model.persons)},
-               {"persons_by_condition", spread_json(model.by_condition)},
-               {"criterion", spread_json(model.criteria)}};
+  out["sd"] = nullptr;
+  if (model.status == HierarchicalStatus::ok)
+    out["sd"] = {{"persons", spread_json(model.persons)},
+                 {"persons_by_condition", spread_json(model.by_condition)},
+                 {"criterion", spread_json(model.criteria)}};
   out["equal"] =
       model.equal_df > 0
           ? Json{{"lr", json_value(model.equal_lr)}, {"df", model.equal_df}, {"p", json_value(model.equal_p)}}

@@ -1,0 +1,271 @@
+// The hierarchical model of a study: that of its counts, with a status for whatever it does not say.
+#include "data/results/study_hierarchical.h"
+
+#include <cmath>
+
+#include "data/export/result_columns.h"
+#include "data/results/study_results.h"
+#include "data/study/study_admin.h"
+#include "tests/catch.h"
+#include "tests/data/constant_results.h"
+#include "tests/data/study_fixture.h"
+
+namespace jnd {
+namespace {
+
+// Twelve trials a class and cell; people and conditions differ, in a fixed pattern.
+std::vector<CellCounts> patterned_counts(int people) {
+  std::vector<CellCounts> cells;
+  for (int person = 0; person < people; ++person)
+    for (int condition = 0; condition < 3; ++condition)
+      for (int series = 0; series < 3; ++series) {
+        const int hits = 4 + 2 * series + (person + condition) % 3 - (condition == 1 ? 1 : 0) + person % 2;
+        cells.push_back({"P" + std::to_string(10 + person),
+                         condition,
+                         series,
+                         {12, std::min(hits, 12), 12, (person + 2 * series + condition) % 4}});
+      }
+  return cells;
+}
+
+StudyHierarchical model_of(const std::vector<CellCounts>& cells, const Protocol& protocol = chinello()) {
+  return study_hierarchical(analyze_counts(cells, protocol, SessionKind::simulated), protocol);
+}
+
+TEST_CASE("the model of a study is that of its counts", "[data]") {
+  const std::vector<CellCounts> counts = patterned_counts(6);
+  const StudyAnalysis analysis = analyze_counts(counts, chinello(), SessionKind::simulated);
+  const StudyHierarchical model = study_hierarchical(analysis, chinello());
+  REQUIRE(model.status == HierarchicalStatus::ok);
+  CHECK(model.reason.empty());
+  CHECK(model.response == ResponseModel::yes_no);
+  CHECK(model.participants == 6);
+  CHECK(model.trials == 6 * 9 * 24);
+
+  std::vector<HierarchicalCell> cells;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    const CellCounts& one = counts[i];
+    const std::array<double, 2>& pair = chinello().series[static_cast<std::size_t>(one.series)].pair;
+    const int person = static_cast<int>(i / 9);
+    const auto number = [](int count) { return static_cast<double>(count); };
+    cells.push_back({person, one.condition, std::abs(pair[1] - pair[0]), number(one.counts.hits),
+                     number(one.counts.n_diff - one.counts.hits)});
+    cells.push_back({person, one.condition, 0, number(one.counts.false_alarms),
+                     number(one.counts.n_same - one.counts.false_alarms)});
+  }
+  HierarchicalAnalysis fitted(cells, {});
+  const HierarchicalFit& fit = fitted.add_intervals();
+  for (std::size_t c = 0; c < 3; ++c) {
+    const HierarchicalCondition& one = model.conditions[c];
+    CHECK(one.condition == static_cast<int>(c));
+    CHECK(one.participants == 6);
+    CHECK(one.status == SlopeStatus::ok);
+    CHECK(status_word(model, one) == "ok");
+    CHECK(one.jnd == Approx(std::exp(fit.conditions[c].mu)).epsilon(1e-9));
+    CHECK(one.ci_low == Approx(std::exp(fit.conditions[c].ends.low)).epsilon(1e-9));
+    CHECK(one.ci_high == Approx(std::exp(fit.conditions[c].ends.high)).epsilon(1e-9));
+    CHECK(one.weber == Approx(one.jnd / 900));
+    CHECK(one.criterion == Approx(fit.conditions[c].criterion).epsilon(1e-9));
+  }
+  const std::vector<PersonEstimate> people = fitted.people();
+  REQUIRE(model.people.size() == 18);
+  for (std::size_t i = 0; i < people.size(); ++i) {
+    const HierarchicalPerson& one = model.people[i];
+    CHECK(one.participant == analysis.thresholds[i].participant);
+    CHECK(one.status == ShrunkenStatus::ok);
+    CHECK(one.jnd == Approx(std::exp(people[i].mean)).epsilon(1e-6));
+    CHECK(one.criterion == Approx(people[i].criterion).epsilon(1e-9));
+    CHECK(one.separate == analysis.thresholds[i].jnd.jnd);
+    CHECK(one.alone == Approx(std::exp(people[i].alone)).epsilon(1e-9));
+  }
+  const std::vector<ConditionDifference> differences = fitted.differences();
+  REQUIRE(model.ratios.size() == 3);
+  for (std::size_t i = 0; i < differences.size(); ++i) {
+    const HierarchicalRatio& one = model.ratios[i];
+    CHECK(one.defined);
+    CHECK(one.participants == 6);
+    CHECK(one.a == static_cast<int>(differences[i].a));
+    CHECK(one.b == static_cast<int>(differences[i].b));
+    CHECK(one.ratio == Approx(std::exp(differences[i].difference)).epsilon(1e-9));
+    CHECK(one.ratio == Approx(model.conditions[differences[i].a].jnd / model.conditions[differences[i].b].jnd));
+    CHECK(one.ci_low == Approx(std::exp(differences[i].ends.low)).epsilon(1e-9));
+    CHECK(one.p == Approx(differences[i].p).epsilon(1e-9));
+  }
+  CHECK(model.equal_df == 2);
+  CHECK(model.equal_p == Approx(fit.p).epsilon(1e-9));
+}
+
+TEST_CASE("shrunken JNDs lie between what the answers alone say and the group", "[data]") {
+  std::vector<CellCounts> counts = patterned_counts(8);
+  for (std::size_t i = 0; i < 9; ++i) counts[i].counts = {12, 12 - static_cast<int>(i % 2), 12, 1};  // very fine
+  for (std::size_t i = 9; i < 18; ++i) counts[i].counts = {12, 3 + static_cast<int>(i % 3), 12, 2};  // coarse
+  const StudyHierarchical model = model_of(counts);
+  REQUIRE(model.status == HierarchicalStatus::ok);
+  REQUIRE(model.persons.status == SpreadStatus::ok);
+  CHECK_FALSE(model.alike());
+  for (const HierarchicalPerson& one : model.people) {
+    const double group = model.conditions[static_cast<std::size_t>(one.condition)].jnd;
+    if (one.participant == "P10") CHECK(one.jnd < group);
+    if (one.participant == "P11") CHECK(one.jnd > group);
+    if (one.alone_status == SlopeStatus::ok && one.participant == "P11") CHECK(one.jnd < one.alone);
+    CHECK(one.ln_sd > 0);
+  }
+}
+
+TEST_CASE("of one participant no spread is told", "[data]") {
+  const StudyHierarchical model = model_of(patterned_counts(1));
+  REQUIRE(model.status == HierarchicalStatus::ok);
+  CHECK(model.participants == 1);
+  for (const HierarchicalSpread* spread : {&model.persons, &model.by_condition, &model.criteria}) {
+    CHECK(spread->status == SpreadStatus::not_identified);
+    CHECK(std::isnan(spread->sd));
+  }
+  CHECK(model.people.front().jnd == model.conditions.front().jnd);
+}
+
+TEST_CASE("a condition without slope has no JND, ratio or shrunken JND, and the others have", "[data]") {
+  std::vector<CellCounts> counts = patterned_counts(5);
+  for (CellCounts& cell : counts)
+    if (cell.condition == 1) cell.counts = {12, 3, 12, 4};
+  const StudyHierarchical model = model_of(counts);
+  REQUIRE(model.status == HierarchicalStatus::ok);
+  CHECK(status_word(model, model.conditions[1]) == "no_sensitivity");
+  CHECK(std::isnan(model.conditions[1].jnd));
+  CHECK(std::isnan(model.conditions[1].weber));
+  CHECK(model.conditions[0].status == SlopeStatus::ok);
+  for (const HierarchicalRatio& one : model.ratios) {
+    const bool without = one.a == 1 || one.b == 1;
+    CHECK(one.defined == !without);
+    CHECK(std::isnan(one.ratio) == without);
+    CHECK(one.p >= 0);
+    CHECK(one.p <= 1);
+  }
+  for (const HierarchicalPerson& one : model.people) {
+    CHECK(one.status == (one.condition == 1 ? ShrunkenStatus::no_group_jnd : ShrunkenStatus::ok));
+    CHECK(std::isnan(one.jnd) == (one.condition == 1));
+  }
+}
+
+TEST_CASE("who and what has no trials is missing, and moves nobody else", "[data]") {
+  std::vector<CellCounts> counts = patterned_counts(4);
+  std::vector<CellCounts> others;
+  for (CellCounts& cell : counts) {
+    if (cell.condition == 2) cell.counts = {};
+    if (cell.participant == "P11") cell.counts = {};
+    if (cell.participant != "P11") others.push_back(cell);
+  }
+  const StudyHierarchical model = model_of(counts), without = model_of(others);
+  REQUIRE(model.status == HierarchicalStatus::ok);
+  CHECK(model.participants == 3);
+  CHECK(status_word(model, model.conditions[2]) == "missing");
+  CHECK(std::isnan(model.conditions[2].jnd));
+  CHECK(model.conditions[2].participants == 0);
+  REQUIRE(model.ratios.size() == 1);
+  CHECK(model.ratios.front().participants == 3);
+  CHECK(model.ratios.front().p == without.ratios.front().p);
+  CHECK(model.conditions[0].jnd == without.conditions[0].jnd);
+  REQUIRE(model.people.size() == 12);
+  for (const HierarchicalPerson& one : model.people) {
+    const bool missing = one.participant == "P11" || one.condition == 2;
+    CHECK((one.status == ShrunkenStatus::missing) == missing);
+    CHECK(std::isnan(one.jnd) == missing);
+    CHECK(std::isnan(one.criterion) == missing);
+  }
+  CHECK(model.people.back().jnd != model.people.back().jnd);
+  CHECK(model.people[9].jnd == without.people[6].jnd);
+}
+
+TEST_CASE("where there is no model the reason is said, and nothing is estimated", "[data]") {
+  Protocol independent = chinello();
+  independent.analysis.model = "independent-observation";
+  const StudyHierarchical not_offered = model_of(patterned_counts(2), independent);
+  CHECK(not_offered.status == HierarchicalStatus::not_offered);
+  CHECK_FALSE(not_offered.response);
+  CHECK(not_offered.reason == "there is none of the registered model of d', independent-observation");
+
+  const StudyHierarchical many = model_of(patterned_counts(201));
+  CHECK(many.status == HierarchicalStatus::too_many_people);
+  CHECK(many.reason.find("jnd calc hierarchical") != std::string::npos);
+
+  std::vector<CellCounts> nobody = patterned_counts(2);
+  for (CellCounts& cell : nobody) cell.counts = {0, 0, 12, 3};
+  const StudyHierarchical no_answers = model_of(nobody);
+  CHECK(no_answers.status == HierarchicalStatus::no_answers);
+
+  for (const StudyHierarchical* model : {&not_offered, &many, &no_answers}) {
+    CHECK(model->ratios.empty());
+    CHECK(model->equal_df == 0);
+    for (const HierarchicalCondition& one : model->conditions) {
+      CHECK(status_word(*model, one) == word_of(kHierarchicalStatusWords, model->status));
+      CHECK(std::isnan(one.jnd));
+    }
+    for (const HierarchicalPerson& one : model->people) CHECK(std::isnan(one.jnd));
+  }
+}
+
+TEST_CASE("the differencing observer is that of a protocol which registers it", "[data]") {
+  Protocol differencing = chinello();
+  differencing.analysis.model = "differencing";
+  differencing.analysis.jnd_method = "ml";
+  const StudyHierarchical model = model_of(patterned_counts(4), differencing);
+  REQUIRE(model.status == HierarchicalStatus::ok);
+  CHECK(model.response == ResponseModel::differencing);
+  CHECK(model.conditions.front().jnd != model_of(patterned_counts(4)).conditions.front().jnd);
+}
+
+TEST_CASE("what the registered rules leave out is not in the model either", "[data]") {
+  const TemporaryFolder folder;
+  const auto study = new_study(folder / "study.jnd", chinello());
+  for (int number = 1; number <= 3; ++number) run_whole_session(*study, chinello(), number);
+  Protocol protocol = chinello();
+  protocol.analysis.exclude.response_time_above_s = 1.2;  // those of the trials behind the 70th
+  exclude_participant(*study, "P02", SessionKind::simulated, "asleep", false, {1'700'000'999'000'000'000, 999});
+  StudyResults results = results_of(*study, protocol, SessionKind::simulated);
+  CHECK_FALSE(constant(results).hierarchical);  // nobody asked for it
+  add_hierarchical(results, protocol);
+  REQUIRE(constant(results).hierarchical);
+  const StudyHierarchical& model = *constant(results).hierarchical;
+  std::int64_t counted = 0, excluded = 0;
+  for (const CellResult& cell : constant(results).analysis.cells) {
+    counted += cell.counts.n_diff + cell.counts.n_same;
+    excluded += cell.excluded;
+  }
+  CHECK(excluded > 0);
+  CHECK(model.trials == counted);
+  CHECK(model.participants == 2);
+  for (const HierarchicalPerson& one : model.people) CHECK(one.participant != "P02");
+}
+
+std::size_t lines_of(const std::string& text) {
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+TEST_CASE("files of the model are written where it was asked for, and say why there is none", "[data]") {
+  StudyResults results =
+      results_of(analyze_counts(patterned_counts(3), chinello(), SessionKind::simulated), chinello());
+  const auto files_of = [&](const Protocol& protocol) {
+    std::map<std::string, std::string> files;
+    for (const ResultFile& file : result_files(results, protocol, nullptr))
+      if (file.name.starts_with("hierarchical")) files[file.name] = file.text;
+    return files;
+  };
+  CHECK(files_of(chinello()).empty());
+  add_hierarchical(results, chinello());
+  const auto files = files_of(chinello());
+  REQUIRE(files.size() == 3);
+  CHECK(lines_of(files.at("hierarchical.csv")) == 1 + 3);
+  CHECK(lines_of(files.at("hierarchical_ratios.csv")) == 1 + 3);
+  CHECK(lines_of(files.at("hierarchical_people.csv")) == 1 + 9);
+  for (const auto& [name, text] : files) CHECK(text.find("nan") == std::string::npos);
+
+  Protocol independent = chinello();
+  independent.analysis.model = "independent-observation";
+  results = results_of(analyze_counts(patterned_counts(3), independent, SessionKind::simulated), independent);
+  add_hierarchical(results, independent);
+  const auto refused = files_of(independent);
+  REQUIRE(refused.size() == 1);
+  CHECK(refused.at("hierarchical.csv").find("S,simulated,,3,3,,,,,,not_offered,,,,,,") != std::string::npos);
+}
+
+}  // namespace
+}  // namespace jnd
