@@ -89,7 +89,8 @@ ResultTable hierarchical_people_table(const ConstantResults& results, const Prot
       describe(results.analysis.method));
   const TableMaker of(hierarchical_person_fields(protocol, results.analysis.attendance.kind));
   using Row = HierarchicalPerson;
-  // A status is said where it says something.
+  const std::vector<Row>& people = results.hierarchical->people;
+  // What is ok is said of nobody, and there is no column where all are.
   const auto said = [&of](const char* key) {
     return [&of, key](const Row& row) {
       std::string text = of.text(key, row);
@@ -98,9 +99,13 @@ ResultTable hierarchical_people_table(const ConstantResults& results, const Prot
   };
   std::vector<TableColumn<Row>> columns = {of("participant")};
   if (!protocol.groups.empty()) columns.push_back(of("group"));
-  columns.insert(columns.end(), {of("condition"), of("separate"), of.words("of that", said("separate_status")),
-                                 of("jnd"), of("ln_sd"), of("criterion"), of.words("status", said("status"))});
-  table = of(std::move(table), columns, results.hierarchical->people);
+  columns.insert(columns.end(), {of("condition"), of("separate")});
+  if (std::any_of(people.begin(), people.end(), [](const Row& row) { return row.separate_status != JndStatus::ok; }))
+    columns.push_back(of.words("without", said("separate_status")));
+  columns.insert(columns.end(), {of("jnd"), of("ln_sd"), of("criterion")});
+  if (std::any_of(people.begin(), people.end(), [](const Row& row) { return row.status != ShrunkenStatus::ok; }))
+    columns.push_back(of.words("status", said("status")));
+  table = of(std::move(table), columns, people);
   for (std::size_t i = table.rows.size(); i-- > 1;)  // a participant is named once
     if (table.rows[i].front() == table.rows[i - 1].front()) table.rows[i].front().clear();
   if (results.hierarchical->alike() && results.hierarchical->participants > 1)

@@ -7,6 +7,7 @@
 
 #include "analysis/numerics/special_values.h"
 #include "data/export/answer_fields.h"
+#include "data/export/hierarchical_fields.h"
 #include "data/export/result_fields.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
@@ -38,6 +39,9 @@ TEST_CASE("no two fields of a block have one name", "[data]") {
     check_names(group_fields(protocol, SessionKind::real));
     check_names(contrast_fields(protocol, SessionKind::real));
     check_names(pair_fields(protocol));
+    check_names(hierarchical_fields(protocol, SessionKind::real));
+    check_names(hierarchical_ratio_fields(protocol, SessionKind::real));
+    check_names(hierarchical_person_fields(protocol, SessionKind::real));
     check_names(sensitivity_fields(protocol));
     check_names(model_fields(protocol));
     check_names(behaviour_fields(protocol));

@@ -151,6 +151,68 @@ TEST_CASE("a usual study has every figure, with every participant in it") {
     CHECK(models.find(escape_markup(describe(row.method).substr(0, 20))) != std::string::npos);
 }
 
+TEST_CASE("the hierarchical model has its figures where it was added: who is drawn towards the group, and ratios") {
+  const Protocol protocol = published_protocol();
+  StudyResults results = invented_study(protocol, 18);
+  add_hierarchical(results, protocol);
+  StudyHierarchical& model = *constant(results).hierarchical;
+  const std::vector<Figure> figures = study_figures(results, protocol);
+  check_figures(figures);
+  CHECK(figures.size() == 9 + 2);
+  const Figure& people = figure_named(figures, "people");
+  REQUIRE(people.narrow);
+  for (const Svg* svg : {&people.svg, &*people.narrow}) {
+    CHECK(count_of(svg->file(), "class=\"point\"") == 18 * 3);
+    CHECK(count_of(svg->file(), "class=\"mean\"") == 3);
+  }
+  CHECK(people.caption.find(std::string(kHierarchicalAssumptions)) != std::string::npos);
+  const Figure& ratios = figure_named(figures, "ratios");
+  CHECK(count_of(ratios.svg.file(), "class=\"mean\"") == 3);
+  CHECK(ratios.svg.file().find(number_text(model.ratios.front().ratio, 2)) != std::string::npos);
+
+  // What is open, undefined or far away stays on the page; who has no trials is not drawn.
+  model.conditions[0].ci_high = kInf;
+  model.conditions[1] = {.condition = 1, .participants = 18, .status = SlopeStatus::no_sensitivity, .ci_high = kInf};
+  model.ratios[0] = {.a = 0, .b = 1, .participants = 18, .lr = 3, .p = 0.08};
+  model.ratios[1].ci_low = 0;
+  model.people[0].separate = 1e9;
+  model.people[2].separate_status = JndStatus::no_information;
+  model.people[2].separate = kNaN;
+  for (HierarchicalPerson& one : model.people) {
+    if (one.condition == 1) one.status = ShrunkenStatus::no_group_jnd;
+    if (one.condition == 1) one.jnd = one.ln_sd = kNaN;
+    if (one.participant == "P18") one = {.participant = one.participant, .group = {}, .condition = one.condition};
+  }
+  const std::vector<Figure> odd = study_figures(results, protocol);
+  check_figures(odd);
+  CHECK(count_of(figure_named(odd, "people").svg.file(), "class=\"point\"") == 17 * 3);
+  CHECK(count_of(figure_named(odd, "ratios").svg.file(), "class=\"missing\"") == 1);
+  CHECK(figure_named(odd, "people").svg.file().find("no information") != std::string::npos);
+
+  model.status = HierarchicalStatus::too_many_people;
+  CHECK(study_figures(results, protocol).size() == 9);
+}
+
+TEST_CASE("logarithmic axes have round ticks, and equal ratios lie equally far apart") {
+  const Range range = ratio_range(0.5, 2);
+  CHECK(range.low < 0.5);
+  CHECK(range.high > 2);
+  const Scale scale{range.low, range.high, 100, 500, true};
+  CHECK(scale.at(range.low) == Approx(100));
+  CHECK(scale.at(range.high) == Approx(500));
+  CHECK(scale.at(1) - scale.at(0.5) == Approx(scale.at(2) - scale.at(1)));
+  for (const auto& [low, high] : {std::pair{0.5, 2.0}, {0.97, 1.04}, {1e-3, 1e4}, {99.0, 101.0}, {150.0, 3000.0}}) {
+    const std::vector<double> ticks = ticks_of({low, high, 0, 1, true}, 6);
+    CHECK(ticks.size() >= 1);
+    CHECK(ticks.size() <= 12);
+    for (const double tick : ticks) {
+      CHECK(tick >= low);
+      CHECK(tick <= high);
+    }
+  }
+  CHECK_THROWS_AS(ratio_range(0, 1), std::logic_error);
+}
+
 TEST_CASE("every registered contrast is drawn with its numbers, and every participant's rates once") {
   const Protocol protocol = published_protocol();
   const StudyResults results = invented_study(protocol, 18);

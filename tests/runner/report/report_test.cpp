@@ -238,7 +238,8 @@ TEST_CASE("the style sheet knows every class of the figures, dark paper and prin
   CHECK(style.find("prefers-color-scheme: dark") != std::string::npos);
   CHECK(style.find("@media print") != std::string::npos);
   const Protocol protocol = published_protocol();
-  const StudyResults results = invented_study(protocol, 30);
+  StudyResults results = invented_study(protocol, 30);
+  add_hierarchical(results, protocol);
   for (const Figure& figure : study_figures(results, protocol)) {
     const std::string svg = figure.svg.file();
     for (std::size_t at = svg.find("class=\""); at != std::string::npos; at = svg.find("class=\"", at + 1)) {

@@ -1,0 +1,81 @@
+// The tables and the JSON of the hierarchical model: what is ok is not said, what is missing has its reason.
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include "runner/results/result_table_parts.h"
+#include "runner/results/result_tables.h"
+#include "tests/catch.h"
+#include "tests/runner/report_fixture.h"
+
+using namespace jnd;
+
+namespace {
+
+const ResultTable& table_named(const std::vector<ResultTable>& tables, const std::string& id) {
+  const auto found =
+      std::find_if(tables.begin(), tables.end(), [&](const ResultTable& table) { return table.id == id; });
+  if (found == tables.end()) throw std::runtime_error("no table " + id);
+  return *found;
+}
+
+bool says(const ResultTable& table, std::string_view words) {
+  return std::any_of(table.footnotes.begin(), table.footnotes.end(),
+                     [words](const std::string& note) { return note.find(words) != std::string::npos; });
+}
+
+TEST_CASE("the hierarchical model has its tables where it was added") {
+  const Protocol protocol = published_protocol();
+  StudyResults results = invented_study(protocol, 9);
+  for (const ResultTable& table : result_tables(results, protocol)) CHECK_FALSE(table.id.starts_with("hierarchical"));
+  add_hierarchical(results, protocol);
+  const std::vector<ResultTable> tables = result_tables(results, protocol);
+  const ResultTable& group = table_named(tables, "hierarchical");
+  CHECK(group.rows.size() == 3);
+  CHECK(section_of(group) == Section::tests);
+  CHECK(says(group, "one JND for all conditions"));
+  CHECK(says(group, "standard deviation between people"));
+  CHECK(group.footnotes.back() == kHierarchicalAssumptions);
+  const ResultTable& ratios = table_named(tables, "hierarchical-ratios");
+  CHECK(ratios.rows.size() == 3);
+  CHECK(ratios.rows.front().front() == "S : V");
+  CHECK(section_of(ratios) == Section::tests);
+  const ResultTable& people = table_named(tables, "hierarchical-people");
+  CHECK(people.rows.size() == 27);
+  CHECK(section_of(people) == Section::participants);
+  CHECK(people.rows[1].front().empty());  // named once
+  CHECK(people.columns.back().name == "criterion");
+
+  StudyHierarchical& model = *constant(results).hierarchical;
+  model.people[3].status = ShrunkenStatus::missing;
+  model.people[4].separate_status = JndStatus::no_sensitivity;
+  const ResultTable odd = hierarchical_people_table(constant(results), protocol);
+  CHECK(odd.columns.back().name == "status");
+  CHECK(odd.rows[3].back() == "missing");
+  CHECK(odd.rows[0].back().empty());
+  CHECK(odd.rows[4][3] == "no_sensitivity");
+}
+
+TEST_CASE("where there is no hierarchical model, its table and JSON say why") {
+  Protocol protocol = published_protocol();
+  protocol.analysis.model = "independent-observation";
+  StudyResults results =
+      results_of(analyze_counts(invented_counts(protocol, 3, 5), protocol, SessionKind::simulated), protocol);
+  add_hierarchical(results, protocol);
+  const std::vector<ResultTable> tables = result_tables(results, protocol);
+  const ResultTable& group = table_named(tables, "hierarchical");
+  CHECK(group.rows.front().back() == "not_offered");
+  CHECK(says(group, "no model: there is none of the registered model of d'"));
+  CHECK_THROWS(table_named(tables, "hierarchical-people"));
+  const nlohmann::ordered_json json =
+      hierarchical_json(*constant(results).hierarchical, protocol, SessionKind::simulated);
+  CHECK(json.at("status") == "not_offered");
+  CHECK(json.at("observer").is_null());
+  CHECK(json.at("sd").is_null());
+  CHECK(json.at("equal").is_null());
+  CHECK(json.at("people").empty());
+  CHECK(json.at("conditions").at(0).at("jnd").is_null());
+  CHECK(json.at("conditions").at(0).at("status") == "not_offered");
+}
+
+}  // namespace
