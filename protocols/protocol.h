@@ -302,6 +302,8 @@ struct AnalysisPlan {
   double lapse = 0;                     // fixed rate; lapse_free: estimated
   bool lapse_free = false;
   bool by_delivered = false;  // slopes over the delivered stiffness differences
+  bool hierarchical =
+      false;  // contrasts are ratios of JNDs by one model of everybody's answers, not of separate values
   Exclusions exclude;
   std::vector<Contrast> contrasts;
   GroupTestPlan tests;

@@ -447,15 +447,21 @@ recompute <- function(folder) {
     if (is.null(said)) return()
     check("contrasts.csv", source, said,
           c("condition_a", "condition_b", "kind", "outcome", "unit", "registered", "test"), convention)
-    registered <- which(said$registered == "1")
-    tested <- outcome_named(said$outcome[registered[1]])
+    # Those of the hierarchical model have no separate values that they could be computed from.
+    hierarchical <- said$outcome == "hierarchical_log_jnd"
+    if (any(hierarchical)) skip("contrasts.csv", "hierarchical_log_jnd")
+    computed <- which(!hierarchical)
+    scale <- said$outcome[computed[1]]
+    on_scale <- said$outcome == scale
+    registered <- which(on_scale & said$registered == "1")
+    tested <- outcome_named(scale)
     # Where somebody has no value in one condition, contrasts of the others are tested all the same.
     each_alone <- !tested$crossed || (tested$refused && tested$left_out > 0)
     contrasts <- as.matrix(said[c("condition_a", "condition_b")])
-    for (i in seq_len(nrow(said))) {
-      of_row <- if (said$registered[i] == "1") tested else outcome_named(said$outcome[i])
+    for (i in computed) {
+      of_row <- if (on_scale[i]) tested else outcome_named(said$outcome[i])
       pairs <- finite_rows(of_both(of_row, contrasts[i, ]))
-      if (said$registered[i] == "1" && !each_alone && tested$name != "jnd")
+      if (on_scale[i] && !each_alone && tested$name != "jnd")
         pairs <- tested$complete[, contrasts[i, ], drop = FALSE]
       of <- mean_with_interval(pairs[, 1] - pairs[, 2])
       everyone <- if (each_alone) nrow(of_both(tested, contrasts[i, ])) else nrow(tested$complete) + tested$left_out
@@ -463,6 +469,7 @@ recompute <- function(folder) {
               list(participants = everyone, n_difference = of$n, difference_mean = of$mean, difference_sd = of$sd,
                    difference_ci95_low = of$low, difference_ci95_high = of$high))
     }
+    if (!length(registered)) return()
     test <- max(said$test[registered])  # empty in rows without p
     if (test == "") return()
     p <- p_of_contrasts(tested, contrasts[registered, , drop = FALSE], each_alone, test)

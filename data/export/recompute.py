@@ -700,22 +700,30 @@ def p_of_contrasts(outcome, contrasts, each_alone, test):
     return None if None in p_values else dict(zip(contrasts, holm(p_values)))
 
 
+HIERARCHICAL = "hierarchical_log_jnd"
+
+
 def check_contrasts(outcome_named, source):
     said = read("contrasts.csv")
     if not said:
         return
     checked = Checked("contrasts.csv", source, said, ("condition_a", "condition_b", "kind", "outcome", "unit",
                                                       "registered", "test"), CONVENTION)
-    registered = [row for row in said if row["registered"] == "1"]
-    tested = outcome_named(registered[0]["outcome"])
+    # Those of the hierarchical model have no separate values that they could be computed from.
+    computed = [row for row in said if row["outcome"] != HIERARCHICAL]
+    if len(computed) < len(said):
+        checked.skipped.append(HIERARCHICAL)
+    scale = computed[0]["outcome"]
+    on_scale = [row for row in computed if row["outcome"] == scale]
+    tested = outcome_named(scale)
     # Where somebody has no value in one condition, contrasts of the others are tested all the same.
     each_alone = not tested.crossed or (tested.refused and tested.left_out > 0)
-    test = max(row["test"] for row in registered)  # empty in rows without p
-    contrasts = [(row["condition_a"], row["condition_b"]) for row in registered]
+    test = max(row["test"] for row in on_scale)  # empty in rows without p
+    contrasts = [(row["condition_a"], row["condition_b"]) for row in on_scale]
     p_values = p_of_contrasts(tested, contrasts, each_alone, test) if test else None
-    for row in said:
+    for row in computed:
         contrast = (row["condition_a"], row["condition_b"])
-        outcome = tested if row["registered"] == "1" else outcome_named(row["outcome"])
+        outcome = tested if row["outcome"] == scale else outcome_named(row["outcome"])
         pairs = finite_pairs(outcome.of_both(*contrast))
         if outcome is tested and not each_alone and outcome.name != "jnd":
             pairs = [(own[contrast[0]], own[contrast[1]]) for own in outcome.complete]

@@ -270,19 +270,30 @@ Fields<ContrastRow> contrast_fields(const Protocol& protocol, SessionKind kind) 
         {.column = "condition_b"}),
       F("kind", "kind of the sessions", [kind](const R&) { return kind; }, {.levels = kSessionKinds}),
       F("outcome", "the scale of every number in the row", &R::outcome,
-        {.levels = protocol.task.kind == TaskKind::same_different ? "slope jnd log_jnd threshold" : ""}),
+        {.levels =
+             protocol.task.kind == TaskKind::same_different ? "slope jnd log_jnd threshold hierarchical_log_jnd" : ""}),
       F("unit", "unit of the differences in the row; empty where they have none", &R::unit),
       F("registered", "1 on the scale of the registered tests; 0 where the JND stands beside it", &R::registered,
         {.levels = "0 1"}),
       F("participants", "participants (N)", &R::participants)};
-  add_mean(fields, "difference", "", "a - b within the participants who have both", "", &R::difference);
+  add_mean(
+      fields, "difference", "",
+      protocol.analysis.hierarchical
+          ? "a - b within the participants who have both; of hierarchical_log_jnd that of the median person by the "
+            "hierarchical model, with its profile interval (Inf: open) and no standard deviation"
+          : "a - b within the participants who have both",
+      "", &R::difference);
   fields.push_back(p_field<R>(
       "p", "of the registered contrast, corrected as registered; empty where not registered or refused", &R::p));
   // Where there is a p, whose it is.
   const PostHoc test = protocol.analysis.tests.post_hoc;
   fields.push_back(F("test", "the test behind p; empty without p",
-                     [test](const R& r) { return std::isnan(r.p) ? std::string_view() : to_string(test); },
-                     {.levels = "holm-t wilcoxon games-howell tukey"}));
+                     [test](const R& r) {
+                       return std::isnan(r.p)                   ? std::string_view()
+                              : r.outcome == kHierarchicalScale ? kHierarchicalTest
+                                                                : to_string(test);
+                     },
+                     {.levels = "holm-t wilcoxon games-howell tukey hierarchical-lr-holm"}));
   fields.push_back(
       beside<R>("refused", [](const R& r) { return r.refused.empty() ? FieldValue() : FieldValue(r.refused); }));
   if (protocol.design.procedure)

@@ -168,12 +168,34 @@ std::string post_hoc_words(PostHoc post_hoc, std::size_t contrasts) {
 // What is registered: "... by A, and the 3 registered contrasts by B"; empty where nothing is.
 std::string registered_tests(const Protocol& protocol) {
   const std::string omnibus = omnibus_words(protocol.analysis.tests.omnibus, protocol.conditions.size());
-  const std::size_t contrasts = protocol.analysis.contrasts.size();
+  const std::size_t contrasts = protocol.analysis.hierarchical ? 0 : protocol.analysis.contrasts.size();
   std::string text = omnibus.empty() ? "" : "all conditions together by " + omnibus;
   if (contrasts == 0) return text;
   return text + fmt::format("{}the {}registered contrast{} by {}", text.empty() ? "" : ", and ",
                             contrasts == 1 ? "" : fmt::format("{} ", contrasts), plural(contrasts),
                             post_hoc_words(protocol.analysis.tests.post_hoc, contrasts));
+}
+
+// The contrasts by one model of everybody's answers, where that is registered.
+std::string hierarchical_paragraph(const Protocol& protocol, const ConstantResults& measured) {
+  const std::size_t contrasts = protocol.analysis.contrasts.size();
+  if (!protocol.analysis.hierarchical || !measured.hierarchical || contrasts == 0) return "";
+  const StudyHierarchical& model = *measured.hierarchical;
+  if (model.status != HierarchicalStatus::ok)
+    return fmt::format("\nThe registered contrasts of the hierarchical model were refused: {}.\n", model.reason);
+  return fmt::format(
+      "\nThe {}registered contrast{} {} of JNDs by one model of the answers of all {} participants, fitted by maximum "
+      "likelihood: {}, where x is the stiffness difference, s a participant's JND in a condition, and ln s the sum of a "
+      "value of the condition, one of the participant and one of both (Pinheiro and Bates 2000; Moscatelli et al. 2012). "
+      "A ratio was tested by its likelihood ratio{}, and its interval is of profile likelihood (Venzon and Moolgavkar "
+      "1988; alpha = {:g}). {}\n",
+      contrasts == 1 ? "" : fmt::format("{} ", contrasts), plural(contrasts),
+      contrasts == 1 ? "is a ratio" : "are ratios", model.participants,
+      model.response == ResponseModel::differencing
+          ? "P(\"different\") = Phi((x/s - t)/sqrt(2)) + Phi((-x/s - t)/sqrt(2)) with the criterion t"
+          : "P(\"different\") = Phi(x/s - k) with the criterion k",
+      contrasts == 1 ? "" : " with Holm's correction over the contrasts (Holm 1979)", protocol.analysis.tests.alpha,
+      kHierarchicalAssumptions);
 }
 
 // What was tested beside the registered outcome.
@@ -253,7 +275,8 @@ std::string test_paragraph(const Protocol& protocol, const StudyResults& results
     return fmt::format("The tests on the {} were refused: {}.{}\n", outcome.title, markdown_text(outcome.refused),
                        other_tests(results, !tests.empty()));
   std::string text =
-      tests.empty() ? std::string("No test was registered.")
+      tests.empty() ? std::string(protocol.analysis.hierarchical ? "No test of separate values was registered."
+                                                                 : "No test was registered.")
                     : fmt::format("The {} was compared over {} ({} of {} participants{}; alpha = {:g}).", outcome.title,
                                   tests, outcome.table.n, outcome.table.n + outcome.left_out.size(),
                                   outcome.crossed ? "" : " who had every condition", protocol.analysis.tests.alpha);
@@ -336,7 +359,8 @@ struct Sections {
 
   std::string operator()(const ConstantResults& measured) const {
     return with_estimates(estimate_paragraph(protocol, measured.analysis),
-                          exclusion_paragraph(protocol, measured.analysis.exclusions));
+                          exclusion_paragraph(protocol, measured.analysis.exclusions),
+                          hierarchical_paragraph(protocol, measured));
   }
   std::string operator()(const AdaptiveResults&) const {
     return with_estimates(
@@ -354,9 +378,12 @@ struct Sections {
   }
 
  private:
-  std::string with_estimates(const std::string& estimates, const std::string& exclusions) const {
-    return fmt::format("## Design\n\n{}\n## Estimates\n\n{}\n{}\n## Tests\n\n{}{}", design_paragraph(protocol, results),
-                       estimates, exclusions, test_paragraph(protocol, results), group_tests(protocol, results));
+  // contrasts: of a model of their own.
+  std::string with_estimates(const std::string& estimates, const std::string& exclusions,
+                             const std::string& contrasts = "") const {
+    return fmt::format("## Design\n\n{}\n## Estimates\n\n{}\n{}\n## Tests\n\n{}{}{}",
+                       design_paragraph(protocol, results), estimates, exclusions, test_paragraph(protocol, results),
+                       contrasts, group_tests(protocol, results));
   }
 };
 

@@ -98,6 +98,12 @@ constexpr std::array kReferences = {
     Reference{"Morey 2008",
               "Morey R. D. (2008). Confidence intervals from normalized data: A correction to Cousineau (2005). "
               "Tutorials in Quantitative Methods for Psychology 4(2), 61-64. https://doi.org/10.20982/tqmp.04.2.p061"},
+    Reference{
+        "Moscatelli et al. 2012",
+        "Moscatelli A., Mezzetti M., Lacquaniti F. (2012). Modeling psychophysical data at the population-level: The "
+        "generalized linear mixed model. Journal of Vision 12(11), 26. https://doi.org/10.1167/12.11.26"},
+    Reference{"Pinheiro and Bates 2000",
+              "Pinheiro J. C., Bates D. M. (2000). Mixed-Effects Models in S and S-PLUS. Springer, New York."},
     Reference{"Royston 1995",
               "Royston P. (1995). Remark AS R94: A remark on Algorithm AS 181: The W-test for normality. Applied "
               "Statistics 44(4), 547-551. https://doi.org/10.2307/2986146"},
@@ -105,6 +111,9 @@ constexpr std::array kReferences = {
               "Salmon J. K., Moraes M. A., Dror R. O., Shaw D. E. (2011). Parallel random numbers: as easy as 1, 2, 3. "
               "Proceedings of SC '11: International Conference for High Performance Computing, Networking, Storage and "
               "Analysis, article 16. https://doi.org/10.1145/2063384.2063405"},
+    Reference{"Venzon and Moolgavkar 1988",
+              "Venzon D. J., Moolgavkar S. H. (1988). A method for computing profile-likelihood-based confidence "
+              "intervals. Applied Statistics 37(1), 87-94. https://doi.org/10.2307/2347496"},
     Reference{"Watson and Pelli 1983",
               "Watson A. B., Pelli D. G. (1983). QUEST: A Bayesian adaptive psychometric method. Perception & "
               "Psychophysics 33(2), 113-120. https://doi.org/10.3758/BF03202828"},

@@ -40,10 +40,15 @@ std::string found_words(const ContrastRow& row, const OutcomeComparison& tested,
   const std::string& a = condition_name(protocol, row.a);
   const std::string& b = condition_name(protocol, row.b);
   const std::string p = p_equals(row.p, protocol.analysis.tests.alpha);
-  // The sign of a mean difference need not be that of the ranks.
-  if (protocol.analysis.tests.post_hoc == PostHoc::wilcoxon)
-    return fmt::format("{} and {} differ ({}, {})", a, b, tested.title, p);
+  const bool hierarchical = row.outcome == kHierarchicalScale;
   const bool more = row.difference.mean > 0;
+  if (hierarchical && !std::isnan(row.difference.mean))
+    return fmt::format("discrimination is finer in {} than in {} (JNDs of the hierarchical model, ratio {:.2f}, {})",
+                       more ? b : a, more ? a : b, std::exp(row.difference.mean), p);
+  // Without a JND there is no ratio; the sign of a mean difference need not be that of the ranks.
+  if (hierarchical || protocol.analysis.tests.post_hoc == PostHoc::wilcoxon)
+    return fmt::format("{} and {} differ ({}, {})", a, b,
+                       hierarchical ? "likelihood ratio in the hierarchical model" : tested.title, p);
   if (protocol.task.kind != TaskKind::same_different)
     return fmt::format("the mean {} is {} in {} than in {} ({})", tested.title, more ? "larger" : "smaller", a, b, p);
   const bool finer = more == (tested.outcome == to_string(Outcome::slope));
@@ -106,7 +111,8 @@ std::string significance(double p, double alpha) {
 // Of two conditions the F of an analysis of variance is the square of the contrast's t.
 bool is_the_contrasts_test(const Protocol& protocol) noexcept {
   return protocol.conditions.size() == 2 && protocol.analysis.contrasts.size() == 1 &&
-         protocol.analysis.tests.omnibus == Omnibus::anova && protocol.analysis.tests.post_hoc == PostHoc::holm_t;
+         protocol.analysis.tests.omnibus == Omnibus::anova && protocol.analysis.tests.post_hoc == PostHoc::holm_t &&
+         !protocol.analysis.hierarchical;
 }
 
 std::string omnibus_words(const OutcomeComparison& tested, const Protocol& protocol) {
@@ -158,7 +164,8 @@ std::string groups_words(const StudyResults& results, const Protocol& protocol) 
 }
 
 // How many of the other models and methods decide every registered test alike.
-std::string methods_words(const StudyResults& results) {
+std::string methods_words(const StudyResults& results, const Protocol& protocol) {
+  if (protocol.analysis.hierarchical) return {};  // they test separate values, and not what is registered
   const auto* constant = std::get_if<ConstantResults>(&results.measured);
   if (constant == nullptr || constant->sensitivity.empty() || !constant->sensitivity.front().refused.empty()) return {};
   const SensitivityRow& registered = constant->sensitivity.front();
@@ -211,7 +218,7 @@ std::string verdict_text(const StudyResults& results, const Protocol& protocol) 
   std::string text = contrasts_words(contrasts_of(results, protocol), tested, protocol) +
                      omnibus_words(tested, protocol) + groups_words(results, protocol);
   if (text.empty()) return protocol.conditions.size() > 1 ? "The protocol registers no test of the conditions." : "";
-  text += methods_words(results);
+  text += methods_words(results, protocol);
   return text.starts_with(' ') ? text.substr(1) : text;
 }
 

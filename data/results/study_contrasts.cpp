@@ -1,6 +1,12 @@
 #include "data/results/study_contrasts.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <tuple>
+#include <utility>
+
+#include "analysis/group/p_adjust.h"
 
 namespace jnd {
 
@@ -14,7 +20,59 @@ MeanEstimate difference_of(const WithinTable& table, const Contrast& contrast) {
   return mean_with_ci(differences);
 }
 
+// The registered one, before its p is corrected.
+ContrastRow hierarchical_row(const Contrast& contrast, const StudyHierarchical& model) {
+  ContrastRow row;
+  row.a = contrast.a;
+  row.b = contrast.b;
+  row.outcome = kHierarchicalScale;
+  row.registered = true;
+  const auto found = std::find_if(model.ratios.begin(), model.ratios.end(), [&](const HierarchicalRatio& one) {
+    return std::minmax(one.a, one.b) == std::minmax(contrast.a, contrast.b);
+  });
+  row.difference = {0, kNaN, kNaN, kNaN, kNaN};
+  if (found == model.ratios.end()) {
+    row.refused = model.reason.empty() ? "a condition has no trials" : model.reason;
+    return row;
+  }
+  row.difference.n = found->participants;
+  row.p = found->p;
+  if (!found->defined) return row;
+  const double turned = found->a == contrast.a ? 1 : -1;
+  row.difference.mean = turned * std::log(found->ratio);
+  std::tie(row.difference.ci_low, row.difference.ci_high) =
+      std::minmax({turned * std::log(found->ci_low), turned * std::log(found->ci_high)});
+  return row;
+}
+
 }  // namespace
+
+std::vector<ContrastRow> hierarchical_contrasts(const std::vector<ContrastRow>& rows, const StudyHierarchical& model,
+                                                const Protocol& protocol) {
+  const std::vector<Contrast>& contrasts = protocol.analysis.contrasts;
+  std::vector<ContrastRow> registered;
+  std::vector<double> p;
+  for (const Contrast& contrast : contrasts) {
+    registered.push_back(hierarchical_row(contrast, model));
+    p.push_back(registered.back().p);
+  }
+  p = holm(p);
+  std::vector<ContrastRow> all;
+  std::size_t place = 0;  // of the contrast
+  for (ContrastRow row : rows) {
+    if (row.registered) {  // the first row of its contrast
+      registered[place].p = p[place];
+      registered[place].participants = row.participants;
+      registered[place].difference_source = row.difference_source;
+      all.push_back(std::move(registered[place++]));
+    }
+    row.registered = false;
+    row.p = kNaN;
+    row.refused.clear();
+    all.push_back(std::move(row));
+  }
+  return all;
+}
 
 std::vector<ContrastRow> contrast_rows(const std::vector<ContrastResult>& jnds, const OutcomeComparison& registered,
                                        const Protocol& protocol) {

@@ -178,7 +178,7 @@ StudyHierarchical study_hierarchical(const StudyAnalysis& analysis, const Protoc
   if (!model.response)
     return refuse(model, HierarchicalStatus::not_offered,
                   fmt::format("there is none of the registered model of d', {}", protocol.analysis.model));
-  if (static_cast<std::size_t>(model.participants) > kMostInDetail)
+  if (static_cast<std::size_t>(model.participants) > kMostInDetail && !protocol.analysis.hierarchical)
     return refuse(model, HierarchicalStatus::too_many_people,
                   fmt::format("it is left out above {} participants; jnd calc hierarchical takes the trials of jnd "
                               "export",

@@ -22,7 +22,7 @@ enum class HierarchicalStatus {
   ok,
   no_answers,       // no counted trial with different stimuli
   not_offered,      // of the registered model of d' there is none
-  too_many_people,  // above kMostInDetail
+  too_many_people,  // above kMostInDetail, where it is not registered
   not_converged     // the search for the largest likelihood did not settle
 };
 inline constexpr auto kHierarchicalStatusWords =

@@ -49,6 +49,7 @@ ConstantResults constant_results(StudyAnalysis analysis, const Protocol& protoco
   results.by_series = compare_series(results.analysis.cells, protocol);
   results.detailed = static_cast<std::size_t>(results.analysis.attendance.participants) <= kMostInDetail;
   if (results.detailed) results.sensitivity = study_sensitivity(results.analysis, protocol);
+  if (protocol.analysis.hierarchical) results.hierarchical = study_hierarchical(results.analysis, protocol);
   return results;
 }
 
@@ -169,8 +170,11 @@ void add_hierarchical(StudyResults& results, const Protocol& protocol) {
 std::vector<ContrastRow> contrasts_of(const StudyResults& results, const Protocol& protocol) {
   if (results.comparisons.empty()) return {};
   const auto* constant = std::get_if<ConstantResults>(&results.measured);
-  return contrast_rows(constant == nullptr ? std::vector<ContrastResult>() : constant->analysis.contrasts,
-                       results.comparisons.front(), protocol);
+  std::vector<ContrastRow> rows =
+      contrast_rows(constant == nullptr ? std::vector<ContrastResult>() : constant->analysis.contrasts,
+                    results.comparisons.front(), protocol);
+  if (!protocol.analysis.hierarchical || constant == nullptr || !constant->hierarchical) return rows;
+  return hierarchical_contrasts(rows, *constant->hierarchical, protocol);
 }
 
 StudyResults results_of(StudyAnalysis analysis, const Protocol& protocol) {

@@ -31,7 +31,7 @@ struct ConstantResults {
   std::vector<SensitivityRow> sensitivity;          // the registered method first
   StudyBehaviour behaviour;                         // order effect, bias, drift, cue strategy
   std::vector<SurenessRow> sureness;                // the JND from all degrees; empty where sureness is not asked
-  std::optional<StudyHierarchical> hierarchical{};  // after add_hierarchical()
+  std::optional<StudyHierarchical> hierarchical{};  // after add_hierarchical(), or where it is registered
 };
 
 // Of the tasks whose estimates are the task's own.

@@ -96,6 +96,10 @@ std::string precision_note(const Protocol& protocol) {
   if (analysis.by_delivered)
     note += fmt::format("{}the figures are for the nominal differences; the protocol registers the delivered ones",
                         note.empty() ? "" : "; ");
+  if (analysis.hierarchical)
+    note +=
+        fmt::format("{}the figures are for separate JNDs; the protocol registers contrasts of the hierarchical model",
+                    note.empty() ? "" : "; ");
   if (!everyone_has_all(protocol))
     note += fmt::format("{}groups get different conditions: the figures are for the participants of one",
                         note.empty() ? "" : "; ");

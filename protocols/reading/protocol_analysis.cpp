@@ -102,6 +102,20 @@ void check_model_and_method(const JsonNode& node, JsonReader& reader, ProtocolRe
                  "write \"jnd\": \"ml\", or remove it");
 }
 
+// The contrasts by one model of everybody's answers, which has tests of its own.
+void check_hierarchical(const JsonNode& node, JsonReader& reader, const ProtocolReading& reading) {
+  const AnalysisPlan& analysis = reading.protocol.analysis;
+  if (!analysis.hierarchical) return;
+  if (analysis.model == "independent-observation")
+    reader.error("group", "there is no hierarchical model of independent observation",
+                 "write \"model\": \"yes-no\" or \"differencing\", or remove it");
+  if (reading.protocol.design.procedure)
+    reader.error("group", "the hierarchical model is of given levels, and a procedure sets them here", "remove it");
+  if (const JsonNode* tests = node.find("tests"); tests != nullptr && tests->find("post_hoc") != nullptr)
+    reader.error("group", "the hierarchical model tests the contrasts by likelihood ratio: there is no other post_hoc",
+                 "remove \"post_hoc\", or this");
+}
+
 // The question of a published rating.
 void look_at_question(JsonReader& reader, const PublishedValue& value, ProtocolReading& reading) {
   if (value.question.empty()) return;
@@ -117,8 +131,8 @@ void look_at_question(JsonReader& reader, const PublishedValue& value, ProtocolR
 
 // Of free interaction: there are ratings alone, so what belongs to d' has no meaning.
 void read_analysis_of_ratings(JsonReader& reader, ProtocolReading& reading) {
-  for (const std::string_view key :
-       {"model", "correction", "jnd", "criterion", "stiffness", "exclude", "outcome", "jnd_convention", "lapse"})
+  for (const std::string_view key : {"model", "correction", "jnd", "criterion", "stiffness", "group", "exclude",
+                                     "outcome", "jnd_convention", "lapse"})
     if (reader.member(key) != nullptr)
       reader.error(key, "has no meaning with the paradigm \"explore\"", "remove it: there are no trials");
   if (const JsonNode* contrasts = reader.array_or_null("contrasts", 0, 190)) read_contrasts(*contrasts, reading);
@@ -139,7 +153,7 @@ void read_analysis_of_ratings(JsonReader& reader, ProtocolReading& reading) {
 void read_analysis_of_task(JsonReader& reader, ProtocolReading& reading) {
   AnalysisPlan& analysis = reading.protocol.analysis;
   const std::string task(to_string(reading.protocol.task.kind));
-  for (const std::string_view key : {"model", "correction", "jnd", "criterion", "stiffness"})
+  for (const std::string_view key : {"model", "correction", "jnd", "criterion", "stiffness", "group"})
     if (reader.member(key) != nullptr)
       reader.error(key, fmt::format("belongs to the task \"same-different\", not to {}", in_quotes(task)),
                    "remove it: \"outcome\" says what is compared");
@@ -258,6 +272,8 @@ void read_analysis(const JsonNode& node, ProtocolReading& reading) {
   analysis.common_criterion = reader.one_of_or<bool>("criterion", {{"per-series", false}, {"common", true}}, false);
   check_model_and_method(node, reader, reading);
   analysis.by_delivered = reader.one_of_or<bool>("stiffness", {{"nominal", false}, {"delivered", true}}, false);
+  analysis.hierarchical = reader.one_of_or<bool>("group", {{"separate", false}, {"hierarchical", true}}, false);
+  check_hierarchical(node, reader, reading);
   if (const JsonNode* exclude = reader.object_or_null("exclude")) read_exclusions(*exclude, reading);
   if (const JsonNode* contrasts = reader.array_or_null("contrasts", 0, 190)) read_contrasts(*contrasts, reading);
   if (const JsonNode* tests = reader.object_or_null("tests")) read_tests(*tests, reading);

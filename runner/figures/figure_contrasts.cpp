@@ -48,10 +48,12 @@ std::vector<Figure> contrast_figures(const StudyResults& results, const Protocol
   }
   return {
       {"contrasts", forest.title,
-       fmt::format("Mean paired difference of each registered contrast on the scale on which it is tested ({}), with "
-                   "its 95 % confidence interval (Student t, not corrected for the number of contrasts); p as "
+       fmt::format("{} ({}), with its 95 % confidence interval ({}, not corrected for the number of contrasts); p as "
                    "registered. The dotted line is no difference.",
-                   scale.name),
+                   protocol.analysis.hierarchical
+                       ? "Each registered contrast as the logarithm of the ratio of two JNDs"
+                       : "Mean paired difference of each registered contrast on the scale on which it is tested",
+                   scale.name, protocol.analysis.hierarchical ? "profile likelihood" : "Student t"),
        draw_forest(forest)}};
 }
 

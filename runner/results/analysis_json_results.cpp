@@ -35,12 +35,16 @@ Json outcome_json(const OutcomeComparison& outcome, const Protocol& protocol) {
   if (!outcome.refused.empty()) return out;
   if (outcome.registered && outcome.crossed) {
     out["omnibus_p"] = json_number(omnibus_p(outcome.comparison, protocol.analysis));
-    out["contrasts"] = Json::array();
-    const std::vector<double> p = contrast_p(outcome.comparison, protocol.analysis);
-    for (std::size_t i = 0; i < p.size(); ++i) {
-      Json one = contrast_json(protocol.analysis.contrasts[i], protocol);
-      one["p"] = json_number(p[i]);
-      out["contrasts"].push_back(one);
+    if (protocol.analysis.hierarchical) {  // whose contrasts are not this outcome's
+      out["contrasts"] = nullptr;
+    } else {
+      out["contrasts"] = Json::array();
+      const std::vector<double> p = contrast_p(outcome.comparison, protocol.analysis);
+      for (std::size_t i = 0; i < p.size(); ++i) {
+        Json one = contrast_json(protocol.analysis.contrasts[i], protocol);
+        one["p"] = json_number(p[i]);
+        out["contrasts"].push_back(one);
+      }
     }
   }
   std::vector<std::string> names;

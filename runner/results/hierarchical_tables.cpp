@@ -46,8 +46,9 @@ ResultTable hierarchical_table(const ConstantResults& results, const Protocol& p
   const bool differencing = model.response == ResponseModel::differencing;
   table.note = fmt::format(
       "one model of everybody's answers, decided on the {}difference; JND: of the median person, with 95 % profile "
-      "likelihood; not registered{}",
+      "likelihood; {}{}",
       differencing ? "size of the " : "",
+      protocol.analysis.hierarchical ? "registered for the contrasts" : "not registered",
       results.analysis.by == DifferenceSource::nominal ? "" : "; over the delivered differences");
   const TableMaker of(hierarchical_fields(protocol, results.analysis.attendance.kind));
   table = of(std::move(table),

@@ -43,6 +43,8 @@ ContrastScale contrast_scale(const ContrastRow& row, const OutcomeComparison& te
     text.name = fmt::format("d' per {} {}", slope_step(protocol), unit_of(protocol));
   } else if (row.outcome == to_string(Outcome::log_jnd)) {
     text.name = "ln JND";
+  } else if (row.outcome == kHierarchicalScale) {
+    text.name = "ln JND (hierarchical model)";
   } else if (protocol.task.kind == TaskKind::same_different) {
     text.name = fmt::format("{} {}", row.outcome == to_string(Outcome::jnd) ? "JND" : row.outcome, unit_of(protocol));
     text.decimals = stiffness_decimals(protocol);

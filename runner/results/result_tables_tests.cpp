@@ -22,6 +22,19 @@ std::string_view post_hoc_name(PostHoc post_hoc) noexcept {
   return word_of(kWords, post_hoc);
 }
 
+// How the contrasts come about, all of them or the registered ones.
+std::string contrasts_note(const Protocol& protocol, bool registered_only) {
+  const bool hierarchical = protocol.analysis.hierarchical;
+  const std::string tests = hierarchical ? "likelihood ratio in the hierarchical model, Holm over the contrasts"
+                                         : std::string(post_hoc_name(protocol.analysis.tests.post_hoc));
+  if (registered_only)
+    return hierarchical ? fmt::format("ln of the ratio of JNDs with its profile interval; p: {}", tests)
+                        : fmt::format("paired differences with Student's interval; p: {}", tests);
+  return fmt::format(
+      "paired differences with Student's interval{}, each row on one scale; p: {}, on the registered scale (*)",
+      hierarchical ? ", of the hierarchical model with its profile interval" : "", tests);
+}
+
 std::string contrast_name(const Contrast& contrast, const Protocol& protocol) {
   return condition_text(protocol, contrast.a) + " - " + condition_text(protocol, contrast.b);
 }
@@ -51,9 +64,7 @@ ResultTable contrasts_table(const StudyResults& results, const Protocol& protoco
   if (rows.empty()) return table;
   const OutcomeComparison& tested = results.comparisons.front();
   const auto* constant = std::get_if<ConstantResults>(&results.measured);
-  table.note = fmt::format(
-      "paired differences with Student's interval{}; p: {}{}", registered_only ? "" : ", each row on one scale",
-      post_hoc_name(protocol.analysis.tests.post_hoc), registered_only ? "" : ", on the registered scale (*)");
+  table.note = contrasts_note(protocol, registered_only);
   if (registered_only) table.title += ": " + contrast_scale(rows.front(), tested, protocol).name;
   const TableMaker of(contrast_fields(protocol, attendance_of(results).kind));
   using Row = ContrastRow;
@@ -78,10 +89,12 @@ ResultTable contrasts_table(const StudyResults& results, const Protocol& protoco
       return contrast_scale(row, tested, protocol).name + (row.registered ? " *" : "");
     }));
   columns.insert(columns.end(),
-                 {of.share("difference.n", "participants", "n"), of.words("mean difference", mean, true),
+                 {of.share("difference.n", "participants", "n"),
+                  of.words(protocol.analysis.hierarchical ? "difference" : "mean difference", mean, true),
                   of.words("95 % CI", interval, true), of.words("p", p, true), of.words("cautions", cautions)});
   table = of(std::move(table), columns, rows);
-  if (!tested.refused.empty()) table.footnotes.push_back("no tests: " + tested.refused);
+  const std::string& refused = protocol.analysis.hierarchical ? rows.front().refused : tested.refused;
+  if (!refused.empty()) table.footnotes.push_back("no tests: " + refused);
   if (std::all_of(table.rows.begin(), table.rows.end(), [](const auto& row) { return row.back().empty(); })) {
     table.columns.pop_back();
     for (auto& row : table.rows) row.pop_back();
@@ -187,8 +200,11 @@ ResultTable sensitivity_table(const ConstantResults& results, const Protocol& pr
        "Would another method change the conclusion?",
        fmt::format("median JND in {} (no sensitivity counts as infinite; ceiling: below what was tested); tests on the "
                    "{} as registered, alpha = "
-                   "{:g}; models measure d' differently: JNDs of different models are not comparable",
-                   unit_of(protocol), to_string(protocol.analysis.tests.outcome), protocol.analysis.tests.alpha),
+                   "{:g}; models measure d' differently: JNDs of different models are not comparable{}",
+                   unit_of(protocol), to_string(protocol.analysis.tests.outcome), protocol.analysis.tests.alpha,
+                   protocol.analysis.hierarchical
+                       ? "; the contrasts are registered by the hierarchical model, and stand here by separate values"
+                       : ""),
        {},
        {},
        {}},

@@ -209,6 +209,25 @@ TEST_CASE("what the methods of every registered analysis cite is listed in full,
   CHECK(texts.size() + 1 >= changes);  // the tutorial's own analysis is among the first and the last of these
 }
 
+TEST_CASE("the methods say which model tests the contrasts", "[data]") {
+  Protocol protocol = chinello();
+  const std::size_t contrasts = protocol.analysis.contrasts.size();
+  REQUIRE(contrasts == 3);
+  const std::string separate = methods_of(protocol);
+  CHECK(has(separate, "the 3 registered contrasts by paired t tests"));
+  CHECK_FALSE(has(separate, "hierarchical"));
+  protocol.analysis.hierarchical = true;
+  const std::string text = methods_of(protocol);
+  require_references(text);
+  CHECK(has(text, "The 3 registered contrasts are ratios of JNDs by one model of the answers of all 2 participants"));
+  CHECK(has(text, "(Venzon and Moolgavkar 1988; alpha = 0.05)"));
+  CHECK(has(text, std::string(kHierarchicalAssumptions)));
+  CHECK_FALSE(has(text, "paired t test"));
+  protocol.analysis.model = "differencing";
+  protocol.analysis.jnd_method = "ml";
+  CHECK(has(methods_of(protocol), "with the criterion t, where x is"));
+}
+
 TEST_CASE("the methods of a fit to counts speak of no corrected rates", "[data]") {
   Protocol protocol = tutorial();
   protocol.analysis.jnd_method = "ml";

@@ -60,6 +60,22 @@ TEST_CASE("a difference is named with its direction and p") {
   CHECK_FALSE(says(text, "finer in V than"));
 }
 
+TEST_CASE("where the hierarchical model is registered the verdict is of its ratios") {
+  Protocol protocol = published();
+  protocol.analysis.hierarchical = true;
+  const StudyResults results = results_of_shares(protocol, {0.6, 0.3, 0.75}, 12);
+  const std::string text = verdict_text(results, protocol);
+  INFO(text);
+  CHECK(says(text, "discrimination is finer in S than in V (JNDs of the hierarchical model, ratio 0."));
+  CHECK(says(text, "discrimination is finer in SV than in V (JNDs of the hierarchical model, ratio "));
+  CHECK_FALSE(says(text, "finer in V than"));
+  CHECK_FALSE(says(text, "other methods"));  // they test something else
+  // Answers of chance: no ratio, whatever its p.
+  const std::string chance = verdict_text(results_of_shares(protocol, {0.25, 0.25, 0.25}, 12), protocol);
+  INFO(chance);
+  CHECK_FALSE(says(chance, "nan"));
+}
+
 TEST_CASE("ranks have no direction, groups of one cannot be tested, one condition has nothing to compare") {
   Protocol protocol = published();
   protocol.analysis.tests.post_hoc = PostHoc::wilcoxon;

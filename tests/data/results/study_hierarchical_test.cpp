@@ -1,8 +1,11 @@
 // The hierarchical model of a study: that of its counts, with a status for whatever it does not say.
 #include "data/results/study_hierarchical.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "analysis/group/p_adjust.h"
 #include "data/export/result_columns.h"
 #include "data/results/study_results.h"
 #include "data/study/study_admin.h"
@@ -234,6 +237,52 @@ TEST_CASE("what the registered rules leave out is not in the model either", "[da
   CHECK(model.trials == counted);
   CHECK(model.participants == 2);
   for (const HierarchicalPerson& one : model.people) CHECK(one.participant != "P02");
+}
+
+TEST_CASE("registered contrasts of the model are its ratios, corrected by Holm, before the separate ones", "[data]") {
+  Protocol protocol = chinello();
+  protocol.analysis.hierarchical = true;
+  protocol.analysis.contrasts = {{0, 1}, {2, 0}, {1, 2}};  // one of them turned
+  const StudyResults results =
+      results_of(analyze_counts(patterned_counts(7), protocol, SessionKind::simulated), protocol);
+  REQUIRE(constant(results).hierarchical);  // nobody has to ask
+  const StudyHierarchical& model = *constant(results).hierarchical;
+  Protocol plain = chinello();
+  plain.analysis.contrasts = protocol.analysis.contrasts;
+  const std::vector<ContrastRow> separate =
+      contrasts_of(results_of(analyze_counts(patterned_counts(7), plain, SessionKind::simulated), plain), plain);
+  const std::vector<ContrastRow> rows = contrasts_of(results, protocol);
+  REQUIRE(rows.size() == separate.size() + 3);
+  REQUIRE(rows.size() == 9);
+  const std::array<const HierarchicalRatio*, 3> ratios = {&model.ratios[0], &model.ratios[1], &model.ratios[2]};
+  const std::vector<double> p = holm(std::vector<double>{ratios[0]->p, ratios[1]->p, ratios[2]->p});
+  for (std::size_t i = 0; i < 3; ++i) {
+    const ContrastRow& row = rows[3 * i];
+    CHECK(row.registered);
+    CHECK(row.outcome == kHierarchicalScale);
+    CHECK(row.participants == 7);
+    CHECK(row.difference.n == 7);
+    CHECK(row.p == p[i]);
+    CHECK(std::isnan(row.difference.sd));
+    const double turned = i == 1 ? -1 : 1;
+    CHECK(row.difference.mean == Approx(turned * std::log(ratios[i]->ratio)));
+    CHECK(row.difference.ci_low < row.difference.mean);
+    CHECK(row.difference.ci_high > row.difference.mean);
+    for (const std::size_t other : {3 * i + 1, 3 * i + 2}) {
+      CHECK_FALSE(rows[other].registered);
+      CHECK(std::isnan(rows[other].p));
+      CHECK(rows[other].outcome == separate[other - i - 1].outcome);
+      CHECK(rows[other].difference.mean == separate[other - i - 1].difference.mean);
+    }
+  }
+
+  protocol.analysis.model = "independent-observation";  // which the reader of protocols refuses
+  const StudyResults refused =
+      results_of(analyze_counts(patterned_counts(2), protocol, SessionKind::simulated), protocol);
+  for (const ContrastRow& row : contrasts_of(refused, protocol)) {
+    CHECK(std::isnan(row.p));
+    CHECK(row.refused.empty() == !row.registered);
+  }
 }
 
 std::size_t lines_of(const std::string& text) {

@@ -111,8 +111,8 @@ class Report:
 
     def check_files(self):
         names = sorted(os.listdir(self.path("s-report-figures")))
-        assert names == ["behaviour.svg", "combination.svg", "contrasts.svg", "jnd.svg", "presses.svg", "raster.svg", "rating-1.svg", "ratings.svg",
-                         "roc.svg", "sensitivity.svg", "slopes.svg", "time.svg"], names
+        assert names == ["behaviour.svg", "combination.svg", "contrasts.svg", "jnd.svg", "people.svg", "presses.svg", "raster.svg", "rating-1.svg",
+                         "ratings.svg", "ratios.svg", "roc.svg", "sensitivity.svg", "slopes.svg", "time.svg"], names
         for name in names:
             root = xml.etree.ElementTree.parse(os.path.join(self.path("s-report-figures"), name)).getroot()
             assert root.tag == "{http://www.w3.org/2000/svg}svg", root.tag
