@@ -35,7 +35,7 @@ constexpr int kFormat = 1;
 
 // Options of the plan that are said elsewhere.
 constexpr std::array<std::string_view, 3> kOfShards = {"--shard", "--to", "--threads"};
-constexpr std::array<std::string_view, 3> kOfCombine = {"--json", "--csv", "--ademp"};
+constexpr std::array<std::string_view, 4> kOfCombine = {"--json", "--csv", "--figure", "--ademp"};
 
 fs::path normal(const fs::path& folder) {
   fs::path path = fs::absolute(folder).lexically_normal();

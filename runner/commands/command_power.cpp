@@ -16,6 +16,7 @@
 #include "runner/commands/power_options.h"
 #include "runner/keys/interrupt.h"
 #include "runner/opening/study_access.h"
+#include "runner/power/power_figure.h"
 #include "runner/power/power_shard.h"
 #include "runner/power/power_text.h"
 #include "runner/session/simulate.h"
@@ -173,6 +174,7 @@ void add_contrasts(Protocol& protocol) {
 
 void add_power_files(CLI::App& command, PowerFiles& files) {
   command.add_option("--csv", files.csv, "also all numbers of the power study as a CSV file, a row each");
+  command.add_option("--figure", files.figure, "also curves of power over the designs, as an SVG picture");
   command.add_option("--ademp", files.ademp,
                      "also the plan of the simulation in Markdown: aims, data, estimands, methods, performance");
 }
@@ -186,6 +188,7 @@ void refuse_existing(const PowerFiles& files) {
 void give_power_result(const PowerResult& result, const PowerFiles& files, bool json) {
   write_new(files.csv, power_csv(result));
   write_new(files.ademp, ademp_text(result));
+  if (!files.figure.empty()) write_new(files.figure, power_figure(result).file());
   if (json)
     print_json(power_json(result));
   else
@@ -229,7 +232,7 @@ void add_power_options(CLI::App& plan, PowerOptions& options) {
       add(plan.add_option("--to", options.to, "write what `jnd combine` reads to this file, instead of the result"));
   add(plan.add_option("--shard", options.shard, "one shard of the studies only, such as 3/64"))->needs(to);
   add_power_files(plan, options.files);
-  for (const char* const name : {"--csv", "--ademp"}) plan.get_option(name)->needs(power)->excludes(to);
+  for (const char* const name : {"--csv", "--figure", "--ademp"}) plan.get_option(name)->needs(power)->excludes(to);
 }
 
 int plan_power(const std::string& name, std::uint64_t seed, bool json, const PrecisionOptions& precision,

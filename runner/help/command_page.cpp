@@ -17,6 +17,7 @@ namespace {
 // text says so itself with type_name().
 constexpr auto kValues = std::to_array<std::pair<std::string_view, std::string_view>>({
     {"--accept-gap", "REASON"},
+    {"--ademp", "FILE"},
     {"--answer", "COLUMN"},
     {"--batch", "FILE"},
     {"--buttons", "FILE"},
@@ -26,6 +27,7 @@ constexpr auto kValues = std::to_array<std::pair<std::string_view, std::string_v
     {"--csv", "FILE"},
     {"--device", "DEVICE"},
     {"--events", "SOCKET"},
+    {"--figure", "FILE"},
     {"--figures", "FOLDER"},
     {"--from", "PROTOCOL"},
     {"--geometry", "FILE"},
@@ -68,6 +70,12 @@ constexpr auto kValues = std::to_array<std::pair<std::string_view, std::string_v
     {"jnd device calibrate --reference", "interactive|FILE"},
     {"jnd doctor --study", "STUDY|FOLDER"},
     {"jnd export --to", "FOLDER"},
+    {"jnd plan --analysis", "NAME,..."},
+    {"jnd plan --effect", "NUMBER,..."},
+    {"jnd plan --participants", "N,..."},
+    {"jnd plan --shard", "K/N"},
+    {"jnd plan --to", "FILE"},
+    {"jnd plan --trials", "N,..."},
     {"jnd run --kind", "real|pilot"},
     {"jnd run --rig", "simulated|hid|specimens|FILE"},
 });

@@ -104,7 +104,8 @@ double StudyAnalyst::true_difference(PowerAnalysis analysis, std::size_t contras
              b = static_cast<std::size_t>(question_.contrasts[contrast][1]);
   const double half_variance = 0.5 * (truth_.tu * truth_.tu + truth_.tv * truth_.tv);
   const Outcome outcome = protocol_.analysis.tests.outcome;
-  if (analysis != PowerAnalysis::registered || (outcome == Outcome::log_jnd)) return truth_.mu[a] - truth_.mu[b];
+  if (analysis != PowerAnalysis::registered || outcome == Outcome::log_jnd || protocol_.analysis.hierarchical)
+    return truth_.mu[a] - truth_.mu[b];
   if (std::isnan(true_jnd(analysis, a))) return kNaN;
   if (outcome == Outcome::slope && model_.response != ResponseModel::choice && !protocol_.design.procedure)
     return std::exp(half_variance - truth_.mu[a]) - std::exp(half_variance - truth_.mu[b]);
@@ -115,6 +116,11 @@ double StudyAnalyst::true_difference(PowerAnalysis analysis, std::size_t contras
 // By the rules of jnd analyze: whoever has no value is left out, or a test is refused, as registered.
 StudyOutcome StudyAnalyst::registered(std::span<const DrawnPerson> people) const {
   StudyOutcome outcome;
+  if (protocol_.analysis.hierarchical) {
+    outcome.contrasts = hierarchical(people).contrasts;
+    add_registered_group(outcome, people);
+    return outcome;
+  }
   OutcomeComparison values;
   if (model_.response == ResponseModel::choice) {
     TaskResults results;
@@ -277,7 +283,7 @@ StudyOutcome StudyAnalyst::hierarchical(std::span<const DrawnPerson> people) con
 }
 
 std::string contrast_scale(PowerAnalysis analysis, const Protocol& protocol) {
-  if (analysis != PowerAnalysis::registered) return "ln JND";
+  if (analysis != PowerAnalysis::registered || protocol.analysis.hierarchical) return "ln JND";
   if (protocol.task.kind == TaskKind::which || protocol.design.procedure) {
     const std::string name =
         protocol.design.procedure && protocol.task.kind != TaskKind::which ? "threshold" : protocol.analysis.outcome;

@@ -12,6 +12,7 @@ import sys
 import tempfile
 import time
 import unittest
+import xml.dom.minidom
 
 JND = None
 
@@ -37,7 +38,8 @@ class PowerTest(unittest.TestCase):
     def test_tables_and_files(self):
         options = ["--studies", 12, "--participants", "6,9", "--trials", "12,24", "--effect", "0,1"]
         csv_file, ademp = self.path / "power.csv", self.path / "ademp.md"
-        text = power(*options, "--csv", csv_file, "--ademp", ademp).stdout
+        figure = self.path / "power.svg"
+        text = power(*options, "--csv", csv_file, "--ademp", ademp, "--figure", figure).stdout
         for words in ("Power at 0.05", "of effect 0 the rate of false findings", "V - SV", "1.683", "hierarchical",
                       "The smallest of these designs with a power of 80 %", "common random numbers"):
             self.assertIn(words, text)
@@ -54,6 +56,10 @@ class PowerTest(unittest.TestCase):
             if row["number"] == "power":
                 key = (int(row["participants"]), int(row["trials"]), float(row["effect"]), row["analysis"], row["name"])
                 self.assertEqual(float(row["value"]), told[key])
+        # A mark for every power, each with its words.
+        drawn = xml.dom.minidom.parse(str(figure))
+        marks = [title.firstChild.data for title in drawn.getElementsByTagName("title") if "participants" in title.firstChild.data]
+        self.assertEqual(len(marks), 8 * 3 * 2)
         # A row of every number, and none that is not a number.
         self.assertNotIn("nan", csv_file.read_text(encoding="utf-8").lower())
         for part in ("Aims", "Data-generating mechanisms", "Estimands", "Methods", "Performance measures"):
