@@ -30,6 +30,18 @@ struct ModelAnswers {
   std::vector<HierarchicalCell> cells;
 };
 
+// Delivered differences are hardly twice the same, and the fit takes as long as there are different ones.
+double level_of(const CellResult& cell, double step) {
+  return cell.difference_source == DifferenceSource::nominal ? cell.difference
+                                                             : step * std::round(cell.difference / step);
+}
+
+double step_of(const StudyAnalysis& analysis) {
+  double largest = 0;
+  for (const CellResult& cell : analysis.cells) largest = std::max(largest, cell.difference);
+  return largest / kDeliveredSteps;
+}
+
 std::int64_t trials_of(const Counts& counts) noexcept {
   return counts.n_diff + counts.n_same;
 }
@@ -38,6 +50,7 @@ ModelAnswers answers_of(const StudyAnalysis& analysis, const Protocol& protocol)
   ModelAnswers answers;
   ModelPlaces& places = answers.places;
   const std::size_t series = protocol.series.size();
+  const double step = step_of(analysis);
   places.of_condition.assign(protocol.conditions.size(), -1);
   for (const CellResult& cell : analysis.cells)
     if (trials_of(cell.counts) > 0) places.of_condition[static_cast<std::size_t>(cell.condition)] = 0;
@@ -63,7 +76,7 @@ ModelAnswers answers_of(const StudyAnalysis& analysis, const Protocol& protocol)
           answers.cells.push_back({places.participants, condition, level, static_cast<double>(positive),
                                    static_cast<double>(trials - positive)});
       };
-      add(cell.difference, counts.hits, counts.n_diff);
+      add(level_of(cell, step), counts.hits, counts.n_diff);
       add(0, counts.false_alarms, counts.n_same);
     }
     places.of_threshold.insert(places.of_threshold.end(), end - first, any ? places.participants : -1);

@@ -104,6 +104,9 @@ struct StudyHierarchical {
 inline constexpr std::string_view kPeopleAlike =
     "The answers show no difference between people's JNDs: everybody's is the group's.";
 
+// Delivered differences count to so many steps of the largest one.
+inline constexpr int kDeliveredSteps = 200;
+
 // Of the trials that count, by maximum likelihood. A fraction of a second for twenty people, some seconds for the most.
 StudyHierarchical study_hierarchical(const StudyAnalysis& analysis, const Protocol& protocol);
 

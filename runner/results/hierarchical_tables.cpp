@@ -49,7 +49,9 @@ ResultTable hierarchical_table(const ConstantResults& results, const Protocol& p
       "likelihood; {}{}",
       differencing ? "size of the " : "",
       protocol.analysis.hierarchical ? "registered for the contrasts" : "not registered",
-      results.analysis.by == DifferenceSource::nominal ? "" : "; over the delivered differences");
+      results.analysis.by == DifferenceSource::nominal
+          ? ""
+          : fmt::format("; over the delivered differences, to {:g} % of the largest", 100.0 / kDeliveredSteps));
   const TableMaker of(hierarchical_fields(protocol, results.analysis.attendance.kind));
   table = of(std::move(table),
              {of("condition"), of("n"), of("jnd"), of.range("ci_low", "ci_high"), of("weber"),

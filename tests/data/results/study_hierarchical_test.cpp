@@ -216,6 +216,20 @@ TEST_CASE("the differencing observer is that of a protocol which registers it", 
   CHECK(model.conditions.front().jnd != model_of(patterned_counts(4)).conditions.front().jnd);
 }
 
+TEST_CASE("delivered differences are those of the cells, near enough", "[data]") {
+  StudyAnalysis analysis = analyze_counts(patterned_counts(6), chinello(), SessionKind::simulated);
+  const StudyHierarchical nominal = study_hierarchical(analysis, chinello());
+  for (std::size_t i = 0; i < analysis.cells.size(); ++i) {
+    CellResult& cell = analysis.cells[i];
+    cell.difference *= 0.8 + 1e-4 * static_cast<double>(i % 7);
+    cell.difference_source = DifferenceSource::delivered;
+  }
+  const StudyHierarchical delivered = study_hierarchical(analysis, chinello());
+  REQUIRE(delivered.status == HierarchicalStatus::ok);
+  for (std::size_t c = 0; c < 3; ++c)
+    CHECK(delivered.conditions[c].jnd == Approx(0.8 * nominal.conditions[c].jnd).epsilon(5e-3));
+}
+
 TEST_CASE("what the registered rules leave out is not in the model either", "[data]") {
   const TemporaryFolder folder;
   const auto study = new_study(folder / "study.jnd", chinello());
