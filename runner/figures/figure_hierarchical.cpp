@@ -214,13 +214,16 @@ std::vector<Figure> hierarchical_figures(const StudyResults& results, const Prot
   const std::string id = "people", title = "People and group";
   std::string description;
   for (const HierarchicalCondition& row : model->conditions) description += group_words(row, protocol) + ". ";
+  const bool alike = model->alike() && model->participants > 1 &&
+                     std::any_of(people.begin(), people.end(),
+                                 [](const HierarchicalPerson* one) { return one->status == ShrunkenStatus::ok; });
   const std::string caption = fmt::format(
       "Each participant's separate JND ({}), joined to the one given everybody's answers, which is drawn towards the "
       "group as far as the participant's answers are few; beside them the JND of the median person with its 95 % "
       "profile interval, by the hierarchical model of {} participants. The axis is logarithmic. An arrow at the edge "
       "is a separate estimate without a JND, or beyond the scale; a cross one without information. {}{}{}",
       describe(std::get<ConstantResults>(results.measured).analysis.method), model->participants,
-      model->alike() && model->participants > 1 ? std::string(kPeopleAlike) + " " : "", kHierarchicalAssumptions,
+      alike ? std::string(kPeopleAlike) + " " : "", kHierarchicalAssumptions,
       first_of(std::min(kMostPeopleDrawn, static_cast<std::size_t>(model->participants)),
                static_cast<std::size_t>(model->participants)));
   return {{id, title, caption, ShrinkageDrawing(*model, people, protocol, range, false).drawn(id, title, description),

@@ -111,7 +111,8 @@ ResultTable hierarchical_people_table(const ConstantResults& results, const Prot
   table = of(std::move(table), columns, people);
   for (std::size_t i = table.rows.size(); i-- > 1;)  // a participant is named once
     if (table.rows[i].front() == table.rows[i - 1].front()) table.rows[i].front().clear();
-  if (results.hierarchical->alike() && results.hierarchical->participants > 1)
+  if (results.hierarchical->alike() && results.hierarchical->participants > 1 &&
+      std::any_of(people.begin(), people.end(), [](const Row& row) { return row.status == ShrunkenStatus::ok; }))
     table.footnotes.emplace_back(kPeopleAlike);
   table.footnotes.emplace_back(kHierarchicalAssumptions);
   return table;
