@@ -246,12 +246,16 @@ std::vector<Figure> ratio_figures(const StudyResults& results, const Protocol& p
     column.rows.push_back(
         {name, row.ratio, row.ci_low, row.ci_high, numbers, fmt::format("{}; n = {}", words, row.participants)});
   }
+  Forest narrow = forest;
+  narrow.names = 90;
+  narrow.plot = 200;
+  narrow.numbers = 184;
   return {
       {"ratios", forest.title,
        "JND of the first condition over that of the second, of the median person, with its 95 % profile interval, "
        "by the hierarchical model; p: likelihood ratio, each alone. The axis is logarithmic, and the dotted line is "
        "no difference. An interval without an end goes on to the edge; a cross: one of the two has no JND.",
-       draw_forest(forest)}};
+       draw_forest(forest), draw_forest(narrow, false)}};
 }
 
 }  // namespace jnd

@@ -152,7 +152,7 @@ class Report:
                      '<figure id="fig-sensitivity">', 'id="table-participants"', 'id="table-group"', 'id="methods"',
                      'id="provenance"', "Cautions"):
             assert part in document, f"{part} is not in the page as the browser understood it"
-        assert document.count("<svg") == 16 and document.count("</svg>") == 16  # 12, four of them for phones too
+        assert document.count("<svg") == 20 and document.count("</svg>") == 20  # 14, six of them for phones too
         assert "<script" not in document
         # Of 18 participants there are 162 cells, more than a page should show at once; the 54 rows of participants stay open.
         folded = re.findall(r'id="table-([a-z-]+)">\s*<details>\s*<summary>[^<]*<span class="note">(\d+) rows', document)
