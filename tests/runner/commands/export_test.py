@@ -244,6 +244,7 @@ class Export(unittest.TestCase):
         for name, analysis in {"weighted": {"jnd": "weighted", "tests": {"on": "jnd", "post_hoc": "wilcoxon"}},
                                "slopes": {"jnd": "inverse_mean_slope", "correction": "half", "stiffness": "delivered"},
                                "ratios": {"jnd": "mean_of_ratios", "tests": {"on": "log-jnd"}},
+                               "hierarchical": {"group": "hierarchical", "stiffness": "delivered"},
                                "likelihood": {"model": "differencing", "jnd": "ml", "correction": "none"},
                                "independent": {"model": "independent-observation",
                                                "exclude": {"response_time_above_s": 1.3}}}.items():
@@ -270,6 +271,8 @@ class Export(unittest.TestCase):
                     self.assertIn("contrasts.csv: from trials.csv", printed)
                     self.assertEqual(columns[:2], ["  not computed: missing",
                                                    "  not computed: jnd_ci95_low_n_per_m, jnd_ci95_high_n_per_m"])
+                if name == "hierarchical":
+                    self.assertIn("  not computed: the rows of hierarchical_log_jnd", columns)
                 if name == "likelihood":
                     self.assertIn("group.csv: from the participants' JNDs in thresholds.csv (method ml)", printed)
         if R is None:
