@@ -285,8 +285,7 @@ void add_combine(CommandTree& tree) {
   const auto [command, options] =
       tree.add("combine", "Add up the shards of a power study", "jnd combine shards/*.json", command_combine);
   command.add_option("FILES", options.files, "every file that plan --power --shard has written, in any order")
-      ->required()
-      ->type_name("");
+      ->required();
   add_power_files(command, options.written);
   command.add_flag("--json", options.json, "machine-readable");
 }
