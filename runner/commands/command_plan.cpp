@@ -324,8 +324,9 @@ int command_plan(const PlanOptions& options) {
 }  // namespace
 
 void add_plan(CommandTree& tree) {
-  const auto [command, options] = tree.add("plan", "Print a participant's trials, a cohort's balance, or what a design will measure and find",
-                                           "jnd plan chinello2017 --participant P07 --seed 1", command_plan);
+  const auto [command, options] =
+      tree.add("plan", "Print a participant's trials, a cohort's balance, or what a design will measure and find",
+               "jnd plan chinello2017 --participant P07 --seed 1", command_plan);
   command.add_option("PROTOCOL", options.protocol,
                      "protocol file, or name of a shipped one (with --precision: chinello2017 where none is named)");
   command.add_option("--participant", options.participant,

@@ -130,7 +130,7 @@ class Help(unittest.TestCase):
                                env=os.environ | {"MANPAGER": "cat", "MANWIDTH": "80", "LC_ALL": "C.UTF-8", "MAN_KEEP_FORMATTING": ""})
         self.assertEqual((shown.returncode, shown.stderr), (0, ""))
         text = " ".join(re.sub(".\b", "", shown.stdout).split())
-        self.assertIn("jnd-plan - Print the trials of a participant", text)
+        self.assertIn("jnd-plan - Print a participant's trials", text)
         self.assertIn("jnd plan chinello2017 --participant", text)
         self.assertIn("EXIT STATUS", text)
 
