@@ -40,9 +40,11 @@ std::vector<double> ratio_ticks(double low, double high) {
       {1,   1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7, 1.8, 1.9, 2, 2.2, 2.4, 2.6, 2.8, 3,
        3.2, 3.4, 3.6, 3.8, 4,   4.5, 5,   5.5, 6,   6.5, 7, 7.5, 8,   8.5, 9,   9.5}};
   std::vector<double> ticks;
+  const auto first = static_cast<int>(std::floor(std::log10(low))),
+             last = static_cast<int>(std::floor(std::log10(high)));
   for (const std::vector<double>& ladder : ladders) {
     ticks.clear();
-    for (double decade = std::floor(std::log10(low)); decade <= std::log10(high); ++decade)
+    for (int decade = first; decade <= last; ++decade)
       for (const double step : ladder)
         if (const double tick = step * std::pow(10, decade); tick >= low && tick <= high) ticks.push_back(tick);
     if (ticks.size() >= kEnough) break;
