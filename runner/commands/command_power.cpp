@@ -23,6 +23,7 @@
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
 #include "runner/terminal/progress_bar.h"
+#include "runner/terminal/standard_streams.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {

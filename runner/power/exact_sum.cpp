@@ -104,18 +104,20 @@ ExactSum ExactSum::from_text(std::string_view text) {
     throw fail();
   int first = 0;
   const auto head = std::from_chars(text.data() + 1, text.data() + colon, first);
-  const auto count = static_cast<int>((text.size() - colon - 1) / 8);
-  if (head.ec != std::errc() || head.ptr != text.data() + colon || first < 0 || count < 1 || first + count > kDigits)
+  const std::size_t count = (text.size() - colon - 1) / 8;
+  if (head.ec != std::errc() || head.ptr != text.data() + colon || first < 0 || count < 1 ||
+      static_cast<std::size_t>(first) + count > kDigits)
     throw fail();
-  for (int i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     std::uint32_t digit = 0;
-    const char* const begin = text.data() + colon + 1 + static_cast<std::size_t>(i) * 8;
+    const char* const begin = text.data() + colon + 1 + i * 8;
     const auto read = std::from_chars(begin, begin + 8, digit, 16);
     if (read.ec != std::errc() || read.ptr != begin + 8) throw fail();
-    sum.digits_[static_cast<std::size_t>(first + i)] = digit;
+    sum.digits_[static_cast<std::size_t>(first) + i] = digit;
   }
   if (text[0] == '-') {
-    for (int i = first + count; i < kDigits; ++i) sum.digits_[static_cast<std::size_t>(i)] = kBase - 1;
+    for (std::size_t i = static_cast<std::size_t>(first) + count; i < sum.digits_.size(); ++i)
+      sum.digits_[i] = kBase - 1;
     sum.digits_.back() -= kBase;  // two's complement
   }
   return sum;

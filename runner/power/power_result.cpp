@@ -124,7 +124,7 @@ std::vector<SmallestDesign> smallest_designs(const PowerResult& result) {
           if (row.design.effect == effect && row.contrast == i && row.analysis == analysis &&
               row.power.value >= result.question.wanted && (!smallest.design || size(row) < size(*smallest.design)))
             smallest.design = row;
-        all.push_back(std::move(smallest));
+        all.push_back(smallest);
       }
   }
   return all;
