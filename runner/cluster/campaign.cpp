@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <sys/stat.h>
 
 #include "data/files/draft.h"
 #include "protocols/input/json_document.h"
@@ -252,9 +253,10 @@ std::set<int> Campaign::finished() const {
 }
 
 std::uintmax_t Campaign::progress(int shard) const {
-  std::error_code error;
-  const std::uintmax_t size = fs::file_size(shard_file(shard).string() + ".part", error);
-  return error ? 0 : size;
+  struct stat part {};
+  if (stat((shard_file(shard).string() + ".part").c_str(), &part) != 0) return 0;
+  constexpr std::uintmax_t kSecond = 1'000'000'000;
+  return static_cast<std::uintmax_t>(part.st_mtim.tv_sec) * kSecond + static_cast<std::uintmax_t>(part.st_mtim.tv_nsec);
 }
 
 std::string Campaign::log_tail(int shard, int lines) const {

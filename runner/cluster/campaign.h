@@ -62,7 +62,7 @@ class Campaign {
 
   std::filesystem::path shard_file(int shard) const;  // which is whole where it exists
   std::set<int> finished() const;                     // shards whose file is there
-  // How much a shard has put down of what it is at; 0 where it is not begun.
+  // When a shard last put down what it has done, which it does only with more: ns since 1970; 0 where it is not begun.
   std::uintmax_t progress(int shard) const;
   // The last lines of the newest log of a shard, with the log's name before; empty where there is none.
   std::string log_tail(int shard, int lines) const;

@@ -29,7 +29,7 @@ struct QueueTask {
 
 struct QueueLook {
   std::set<int> finished;                       // whose file is there
-  std::map<int, std::uintmax_t> progress;       // of others, what they have put down so far
+  std::map<int, std::uintmax_t> progress;       // of others, Campaign::progress
   std::optional<std::vector<QueueTask>> queue;  // none: it did not answer
 };
 

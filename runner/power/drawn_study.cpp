@@ -51,6 +51,12 @@ GroupJnd median_of_jnds(std::vector<double> jnds) {
   return group;
 }
 
+// A procedure may have kept to one level, which tells no JND.
+bool levels_differ(const std::vector<HierarchicalCell>& cells) {
+  return std::any_of(cells.begin(), cells.end(),
+                     [&](const HierarchicalCell& cell) { return cell.level != cells.front().level; });
+}
+
 void correct(std::vector<GroupContrast>& contrasts) {
   std::vector<double> p;
   for (const GroupContrast& one : contrasts) p.push_back(one.p);
@@ -262,8 +268,8 @@ StudyOutcome StudyAnalyst::hierarchical(std::span<const DrawnPerson> people) con
   }
   outcome.group.resize(truth_.mu.size());
   outcome.contrasts.resize(question_.contrasts.size());
-  outcome.undefined = number < 2;
-  if (number < 2) return outcome;
+  outcome.undefined = number < 2 || !levels_differ(cells);
+  if (outcome.undefined) return outcome;
   const RoughFit fit = rough_fit(cells, model_, truth_, question_.contrasts);
   const double t = student_t_quantile_two_sided(0.05, number - 1);
   for (std::size_t c = 0; c < fit.means.size(); ++c) {
