@@ -142,7 +142,8 @@ class Analyze(unittest.TestCase):
             text += read
         os.close(ours)
         self.assertEqual(done.wait(), 0)
-        return text.decode().replace("\r\n", "\n")
+        text = text.decode().replace("\r\n", "\n")
+        return re.sub(r"(\r[^\r\n]*\x1b\[K)+\n?", "", text)  # how long it works, which is said from a second on
 
     def test_on_a_terminal_tables_fit_and_long_output_is_paged(self):
         tests = ("analyze", "chinello2017.sqlite", "--tests")
