@@ -84,7 +84,7 @@ WINGS = {
         "help": "keys terminal",
         "results": "calc terminal",
         "precision": "terminal",
-        "power": "drawing opening session terminal",
+        "power": "drawing keys opening session terminal",
         "session": "keys terminal",
         "console": "keys session terminal words",
         "screen": "console keys session terminal words",

@@ -9,12 +9,14 @@
 #include "analysis/numerics/binomial_sampler.h"
 #include "analysis/numerics/experiment_stream.h"
 #include "analysis/numerics/normal.h"
+#include "analysis/numerics/stop_request.h"
 #include "protocols/input/resources.h"
 #include "protocols/planning/adaptive_run.h"
 #include "protocols/planning/plan.h"
 #include "protocols/planning/track_threshold.h"
 #include "protocols/tasks/same_different_task.h"
 #include "protocols/tasks/task.h"
+#include "runner/keys/interrupt.h"
 #include "runner/opening/rig_limits.h"
 #include "runner/opening/study_access.h"
 #include "runner/session/simulate.h"
@@ -272,7 +274,8 @@ class RiggedPeople final : public PeopleSource {
     std::vector<std::vector<std::vector<SeriesCounts>>> series(
         all.size(), std::vector<std::vector<SeriesCounts>>(protocol_.conditions.size()));
     const std::vector<CellCounts> cells = simulate_counts(simulation);
-    std::map<std::string, std::size_t> places;  // in the order of their numbers
+    if (interrupt_requested()) throw Stopped();  // what came back then is no study
+    std::map<std::string, std::size_t> places;   // in the order of their numbers
     for (const CellCounts& cell : cells) {
       const std::size_t p = places.emplace(cell.participant, places.size()).first->second;
       const std::array<double, 2>& pair = protocol_.series[static_cast<std::size_t>(cell.series)].pair;

@@ -1,17 +1,21 @@
 #include "runner/power/power_study.h"
 
+#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <sstream>
+#include <thread>
 
 #include <catch2/catch.hpp>
 
+#include "analysis/numerics/stop_request.h"
 #include "analysis/precision/precision.h"
 #include "data/results/study_comparisons.h"
 #include "protocols/input/input_error.h"
 #include "protocols/input/resources.h"
 #include "protocols/planning/planned_precision.h"
 #include "protocols/reading/protocol_json.h"
+#include "runner/keys/interrupt.h"
 #include "runner/power/power_shard.h"
 #include "runner/power/power_text.h"
 #include "tests/temporary_folder.h"
@@ -272,6 +276,23 @@ TEST_CASE("a shard goes on from what was done of it", "[power][shards]") {
   std::ofstream(anew.string() + ".part") << shard_text(part).substr(0, 200);
   make_shard(protocol, question, 1, 1, anew, 1);
   CHECK(text_of(anew) == text_of(whole));
+}
+
+TEST_CASE("a study through the rig that is interrupted does not count", "[power]") {
+  const Protocol protocol = shipped("chinello2017");
+  PowerQuestion question = question_of(protocol);
+  question.participants = {200};
+  question.effects = {1};
+  question.profile = "chinello2017";
+  // The last one of its range: nobody looks at the request after it.
+  std::jthread later([] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    request_interrupt();
+  });
+  CHECK_THROWS_AS(power_study(protocol, question, {0, 1}, 1), Stopped);
+  later.join();
+  interrupts().end = false;
+  stop_requested() = false;
 }
 
 TEST_CASE("the analyses of a drawn study", "[power]") {
