@@ -20,7 +20,7 @@ PROGRAM = os.path.join(os.path.dirname(os.path.abspath(__file__)), "shard_progra
 SHARDS = 8
 PLAYED = ["plan", "a study.json", "--power"]  # by PROGRAM, whose shards take as long as the test wants
 POWER = ["plan", "a study.json", "--power", "--studies", "64"]  # by jnd itself
-LONGER = ["plan", "a study.json", "--power", "--studies", "80", "--physics", "--analysis", "registered"]
+LONGER = ["plan", "a study.json", "--power", "--studies", "200", "--physics", "--analysis", "registered"]
 APART = ["unshare", "--mount", "--pid", "--fork", "--kill-child", "--mount-proc"]
 
 
@@ -57,7 +57,7 @@ class OnSlurm(unittest.TestCase):
 
     def ends_with(self, process, code=0):
         try:
-            out = process.communicate(timeout=60)[0]
+            out = process.communicate(timeout=180)[0]
         except subprocess.TimeoutExpired:
             self.fail(f"no end of it: {self.told()}\n{self.slurm.run('squeue', '--states=all', check=False)}")
         self.assertEqual(process.returncode, code, self.told())
