@@ -10,12 +10,6 @@ namespace jnd {
 
 namespace {
 
-std::optional<ResponseModel> response_of(const std::string& model) {
-  if (model == "yes-no") return ResponseModel::yes_no;
-  if (model == "differencing") return ResponseModel::differencing;
-  return std::nullopt;
-}
-
 // Where participants and conditions with trials stand among those that the model counts; -1 without trials.
 struct ModelPlaces {
   std::vector<int> of_threshold;  // the participant of each row of StudyAnalysis::thresholds
@@ -182,12 +176,18 @@ StudyHierarchical& refuse(StudyHierarchical& model, HierarchicalStatus status, s
 
 }  // namespace
 
+std::optional<ResponseModel> registered_observer(const AnalysisPlan& plan) {
+  if (plan.model == "yes-no") return ResponseModel::yes_no;
+  if (plan.model == "differencing") return ResponseModel::differencing;
+  return std::nullopt;
+}
+
 StudyHierarchical study_hierarchical(const StudyAnalysis& analysis, const Protocol& protocol) {
   StudyHierarchical model;
   lay_out(model, analysis, protocol);
   const ModelAnswers answers = answers_of(analysis, protocol);
   model.participants = answers.places.participants;
-  model.response = response_of(protocol.analysis.model);
+  model.response = registered_observer(protocol.analysis);
   if (!model.response)
     return refuse(model, HierarchicalStatus::not_offered,
                   fmt::format("there is none of the registered model of d', {}", protocol.analysis.model));

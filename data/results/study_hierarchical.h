@@ -107,6 +107,9 @@ inline constexpr std::string_view kPeopleAlike =
 // Delivered differences count to so many steps of the largest one.
 inline constexpr int kDeliveredSteps = 200;
 
+// The observer of the registered model of d' of same-different; none where there is no hierarchical model of it.
+std::optional<ResponseModel> registered_observer(const AnalysisPlan& plan);
+
 // Of the trials that count, by maximum likelihood. A fraction of a second for twenty people, some seconds for the most.
 StudyHierarchical study_hierarchical(const StudyAnalysis& analysis, const Protocol& protocol);
 

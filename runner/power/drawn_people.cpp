@@ -97,29 +97,53 @@ ThresholdResult threshold_of(int participant, std::size_t condition, const std::
   return result;
 }
 
-// Same-different with given levels: counts of a cell by inversion, one number a class.
-class CountedPeople final : public PeopleSource {
+// Everybody drawn from the population, one by one.
+class ModelledPeople : public PeopleSource {
  public:
-  CountedPeople(const Protocol& protocol, const PowerQuestion& question, double effect)
+  ModelledPeople(const Protocol& protocol, const PowerQuestion& question, double effect)
       : protocol_(protocol),
         question_(question),
-        method_(registered_method(protocol)),
         model_(response_model_of(protocol).value()),
         truth_(truth_of(question, effect, protocol)) {}
 
   std::vector<DrawnPerson> people(std::uint64_t study, int count) const override {
     std::vector<DrawnPerson> all;
-    for (int p = 1; p <= count; ++p) all.push_back(person(study, p));
+    for (int p = 1; p <= count; ++p) {
+      ExperimentStream stream(question_.seed, kPersonPurpose, study, static_cast<std::uint64_t>(p));
+      const Person person = person_of(truth_, question_.people, stream);
+      DrawnPerson& drawn = all.emplace_back();
+      drawn.dropped = person.dropped;
+      if (!drawn.dropped) answer(person, study, p, stream, drawn);
+    }
     return all;
   }
 
+ protected:
+  // stream: what is left of the person's own numbers.
+  virtual void answer(const Person& person, std::uint64_t study, int participant, ExperimentStream& stream,
+                      DrawnPerson& drawn) const = 0;
+
+  // Of a positive answer.
+  double rate(const Person& person, double level, std::size_t condition) const {
+    return std::exp(
+        log_rates(model_, level, person.ln_s[condition], person.k[condition], question_.people.lapse).positive);
+  }
+
+  const Protocol& protocol_;
+  const PowerQuestion& question_;
+  ResponseModel model_;
+  HierarchicalPlace truth_;
+};
+
+// Same-different with given levels: counts of a cell by inversion, one number a class.
+class CountedPeople final : public ModelledPeople {
+ public:
+  CountedPeople(const Protocol& protocol, const PowerQuestion& question, double effect)
+      : ModelledPeople(protocol, question, effect), method_(registered_method(protocol)) {}
+
  private:
-  DrawnPerson person(std::uint64_t study, int participant) const {
-    ExperimentStream stream(question_.seed, kPersonPurpose, study, static_cast<std::uint64_t>(participant));
-    const Person person = person_of(truth_, question_.people, stream);
-    DrawnPerson drawn;
-    drawn.dropped = person.dropped;
-    if (drawn.dropped) return drawn;
+  void answer(const Person& person, std::uint64_t /*study*/, int participant, ExperimentStream& stream,
+              DrawnPerson& drawn) const override {
     const int trials = protocol_.design.trials_per_cell * protocol_.design.sessions;
     std::vector<SeriesCounts> series(protocol_.series.size());
     for (std::size_t c = 0; c < person.ln_s.size(); ++c) {
@@ -139,46 +163,22 @@ class CountedPeople final : public PeopleSource {
       }
       drawn.thresholds.push_back(threshold_of(participant, c, series, protocol_, method_));
     }
-    return drawn;
   }
 
-  double rate(const Person& person, double level, std::size_t condition) const {
-    return std::exp(
-        log_rates(model_, level, person.ln_s[condition], person.k[condition], question_.people.lapse).positive);
-  }
-
-  const Protocol& protocol_;
-  const PowerQuestion& question_;
   ThresholdMethod method_;
-  ResponseModel model_;
-  HierarchicalPlace truth_;
 };
 
 // Every other design, trial by trial through the participant's plan.
-class AnsweringPeople final : public PeopleSource {
+class AnsweringPeople final : public ModelledPeople {
  public:
-  AnsweringPeople(const Protocol& protocol, const PowerQuestion& question, double effect)
-      : protocol_(protocol),
-        question_(question),
-        model_(response_model_of(protocol).value()),
-        truth_(truth_of(question, effect, protocol)) {}
-
-  std::vector<DrawnPerson> people(std::uint64_t study, int count) const override {
-    std::vector<DrawnPerson> all;
-    for (int p = 1; p <= count; ++p) all.push_back(person(study, p));
-    return all;
-  }
+  using ModelledPeople::ModelledPeople;
 
  private:
   bool choice() const noexcept { return model_ == ResponseModel::choice; }
 
-  DrawnPerson person(std::uint64_t study, int participant) const {
+  void answer(const Person& person, std::uint64_t study, int participant, ExperimentStream& /*stream*/,
+              DrawnPerson& drawn) const override {
     const auto number = static_cast<std::uint64_t>(participant);
-    ExperimentStream stream(question_.seed, kPersonPurpose, study, number);
-    const Person person = person_of(truth_, question_.people, stream);
-    DrawnPerson drawn;
-    drawn.dropped = person.dropped;
-    if (drawn.dropped) return drawn;
     // Of each condition numbers of its own, so that what another one asks changes nothing.
     std::vector<ExperimentStream> streams;
     for (std::size_t c = 0; c < truth_.mu.size(); ++c)
@@ -203,7 +203,6 @@ class AnsweringPeople final : public PeopleSource {
       add_estimates(drawn, participant, answered, tracks);
     else
       add_tracks(drawn, participant, tracks);
-    return drawn;
   }
 
   // The answer that u stands for, which is also counted.
@@ -212,9 +211,7 @@ class AnsweringPeople final : public PeopleSource {
     const int standard = trial.standard_place >= 0 ? trial.standard_place : trial.stimuli[0] == trial.standard ? 0 : 1;
     const double level = choice() ? trial.stimuli[static_cast<std::size_t>(1 - standard)] - trial.standard
                                   : std::abs(trial.stimuli[0] - trial.stimuli[1]);
-    const double rate = std::exp(
-        log_rates(model_, level, person.ln_s[condition], person.k[condition], question_.people.lapse).positive);
-    const bool positive = u < rate;
+    const bool positive = u < rate(person, level, condition);
     add_answers(counted, condition, level, positive ? 1 : 0, positive ? 0 : 1);
     if (!choice()) return {.said = positive ? kClassDifferent : kClassSame};
     const int greater = positive ? 1 - standard : standard;
@@ -248,11 +245,6 @@ class AnsweringPeople final : public PeopleSource {
       row.threshold = condition_threshold(own, protocol_);
     }
   }
-
-  const Protocol& protocol_;
-  const PowerQuestion& question_;
-  ResponseModel model_;
-  HierarchicalPlace truth_;
 };
 
 // Through the model of the device, with the shipped participants, or those of a file.

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "data/results/study_hierarchical.h"
 #include "protocols/tasks/task.h"
 
 namespace jnd {
@@ -19,9 +20,7 @@ std::vector<PowerDesign> PowerQuestion::designs() const {
 std::optional<ResponseModel> response_model_of(const Protocol& protocol) {
   if (protocol.task.kind == TaskKind::which) return ResponseModel::choice;
   if (protocol.task.kind != TaskKind::same_different) return std::nullopt;
-  if (protocol.analysis.model == "yes-no") return ResponseModel::yes_no;
-  if (protocol.analysis.model == "differencing") return ResponseModel::differencing;
-  return std::nullopt;
+  return registered_observer(protocol.analysis);
 }
 
 double usual_criterion(ResponseModel model) noexcept {

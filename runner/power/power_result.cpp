@@ -52,6 +52,17 @@ void for_analyses(const PowerResult& result, const Call& call) {
   }
 }
 
+// By design, then contrast or condition; analyses stay in their order.
+template <typename Summary>
+void sort_by_design(std::vector<Summary>& all, std::size_t Summary::*place) {
+  std::stable_sort(all.begin(), all.end(), [place](const Summary& x, const Summary& y) {
+    const auto key = [place](const Summary& one) {
+      return std::tuple(one.design.participants, one.design.trials, one.design.effect, one.*place);
+    };
+    return key(x) < key(y);
+  });
+}
+
 }  // namespace
 
 std::vector<ContrastSummary> contrast_summaries(const PowerResult& result) {
@@ -70,12 +81,7 @@ std::vector<ContrastSummary> contrast_summaries(const PowerResult& result) {
       one.estimate = summary_of(tally.estimates, analyst.true_difference(analysis, i), result.tally.studies);
     }
   });
-  std::stable_sort(all.begin(), all.end(), [](const ContrastSummary& x, const ContrastSummary& y) {
-    const auto key = [](const ContrastSummary& one) {
-      return std::tuple(one.design.participants, one.design.trials, one.design.effect, one.contrast);
-    };
-    return key(x) < key(y);
-  });
+  sort_by_design(all, &ContrastSummary::contrast);
   return all;
 }
 
@@ -88,12 +94,7 @@ std::vector<GroupSummary> group_summaries(const PowerResult& result) {
                      summary_of(result.tally.by_design[d][a].group[c], std::log(analyst.true_jnd(analysis, c)),
                                 result.tally.studies)});
   });
-  std::stable_sort(all.begin(), all.end(), [](const GroupSummary& x, const GroupSummary& y) {
-    const auto key = [](const GroupSummary& one) {
-      return std::tuple(one.design.participants, one.design.trials, one.design.effect, one.condition);
-    };
-    return key(x) < key(y);
-  });
+  sort_by_design(all, &GroupSummary::condition);
   return all;
 }
 
