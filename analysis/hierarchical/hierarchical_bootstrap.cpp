@@ -47,7 +47,7 @@ std::vector<HierarchicalCell> drawn_answers(std::span<const HierarchicalCell> ce
     Person& person = people[number];
     const double ln_s = truth.mu[c] + person.u + person.v[c], k = truth.kappa[c] + person.w;
     const double trials = cell.positive + cell.negative;
-    const double p = std::exp(log_rates(model.response, cell.level, ln_s, k, model.lapse).positive);
+    const double p = std::exp(log_rates(model.response, cell.level, ln_s, k, model.shared.lapse).positive);
     cell.positive = BinomialSampler(static_cast<int>(trials), std::min(p, 1.0)).at(open_uniform(person.stream.next()));
     cell.negative = trials - cell.positive;
   }
@@ -77,7 +77,7 @@ EqualityBootstrap equality_bootstrap(std::span<const HierarchicalCell> cells, co
         stop_if_requested();
         const std::vector<HierarchicalCell> drawn =
             drawn_answers(cells, model, fit.common.place, seed, static_cast<std::uint64_t>(i));
-        HierarchicalLikelihood likelihood(drawn, model.response, model.lapse, kRoughFineness);
+        HierarchicalLikelihood likelihood(drawn, model.response, model.shared, kRoughFineness);
         const HierarchicalMaximum one =
             maximise(likelihood, common, fit.common.place, range.criterion_unit, kRoughlyNegligible);
         const HierarchicalMaximum each =

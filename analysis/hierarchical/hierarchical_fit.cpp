@@ -35,7 +35,7 @@ HierarchicalAnalysis::HierarchicalAnalysis(std::vector<HierarchicalCell> cells, 
     : cells_(std::move(cells)),
       model_(model),
       range_(search_range(cells_, model.response)),
-      likelihood_(cells_, model.response, model.lapse) {
+      likelihood_(cells_, model.response, model.shared) {
   const std::size_t conditions = likelihood_.conditions();
   fit_.participants = likelihood_.participants();
   fit_.trials = trials_of(cells_);
@@ -51,14 +51,15 @@ HierarchicalAnalysis::HierarchicalAnalysis(std::vector<HierarchicalCell> cells, 
 
   HierarchicalPlace place;
   for (std::size_t c = 0; c < conditions; ++c) {
-    const PooledMaximum pooled = pooled_maximum(of_condition(cells_, c), model.response, model.lapse, range_.start);
+    const PooledMaximum pooled =
+        pooled_maximum(of_condition(cells_, c), model.response, model.shared.lapse, range_.start);
     place.mu.push_back(std::clamp(pooled.ln_s, form_.lowest, form_.highest));
     place.kappa.push_back(pooled.criterion);
   }
   place.tu = form_.tu ? kFirstSpread : 0;
   place.tv = form_.tv ? kFirstSpreadWithin : 0;
   place.tw = form_.tw ? kFirstSpread * range_.criterion_unit : 0;
-  HierarchicalLikelihood rough(cells_, model.response, model.lapse, kRoughFineness);
+  HierarchicalLikelihood rough(cells_, model.response, model.shared, kRoughFineness);
   fit_.maximum = from_here(form_, maximise(rough, form_, place, range_.criterion_unit, kRoughlyNegligible).place);
 
   const HierarchicalPlace& found = fit_.maximum.place;
@@ -106,7 +107,7 @@ HierarchicalMaximum HierarchicalAnalysis::from_here(const HierarchicalForm& form
   HierarchicalPlace start = moved(form, place);
   for (std::size_t c = 0; c < start.mu.size(); ++c)
     if (std::abs(start.mu[c] - place.mu[c]) > kFar)
-      start.kappa[c] = pooled_maximum(of_condition(cells_, c), model_.response, model_.lapse,
+      start.kappa[c] = pooled_maximum(of_condition(cells_, c), model_.response, model_.shared.lapse,
                                       {start.mu[c], range_.start.criterion, 0}, true)
                            .criterion;
   return maximise(likelihood_, form, start, range_.criterion_unit);
@@ -200,9 +201,9 @@ std::vector<PersonEstimate> HierarchicalAnalysis::people() {
     one.criterion = fit_.maximum.place.kappa[i % conditions] + posteriors[i / conditions].w;
     one.status = SlopeStatus::missing;
     if (trials_of(cells[i]) == 0) continue;
-    const PooledMaximum alone = pooled_maximum(cells[i], model_.response, model_.lapse, range_.start);
+    const PooledMaximum alone = pooled_maximum(cells[i], model_.response, model_.shared.lapse, range_.start);
     const auto at_end = [&](double ln_s) {
-      return pooled_maximum(cells[i], model_.response, model_.lapse, {ln_s, range_.start.criterion, 0}, true)
+      return pooled_maximum(cells[i], model_.response, model_.shared.lapse, {ln_s, range_.start.criterion, 0}, true)
           .log_likelihood;
     };
     one.status = status_of(alone.ln_s, alone.log_likelihood, at_end);

@@ -26,7 +26,7 @@ inline constexpr std::string_view kHierarchicalAssumptions =
 // What is estimated besides the means and criteria of the conditions.
 struct HierarchicalModel {
   ResponseModel response = ResponseModel::yes_no;
-  double lapse = 0;                      // fixed, 0 <= lapse < 1
+  SharedParameters shared;
   bool tu = true, tv = true, tw = true;  // spreads of persons, of persons by condition, of criteria
   bool rho = false;                      // the correlation of u and w, with tu and tw
   bool one_mean = false;                 // one mu for all conditions

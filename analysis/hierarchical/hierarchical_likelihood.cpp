@@ -67,12 +67,22 @@ void combine(const double* rows, std::size_t stride, const double* weights, doub
              (weights[8] * b[3 * stride + i] + weights[9] * b[4 * stride + i]);
 }
 
-std::vector<double> levels_of(std::span<const HierarchicalCell> cells) {
-  std::vector<double> levels;
-  for (const HierarchicalCell& cell : cells) levels.push_back(cell.level);
-  std::sort(levels.begin(), levels.end());
-  levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
-  return levels;
+LatticeQuestion question_of(const HierarchicalCell& cell) {
+  return {cell.level, cell.second_half};
+}
+
+std::vector<LatticeQuestion> questions_of(std::span<const HierarchicalCell> cells) {
+  std::vector<LatticeQuestion> questions;
+  for (const HierarchicalCell& cell : cells) questions.push_back(question_of(cell));
+  std::sort(questions.begin(), questions.end());
+  questions.erase(std::unique(questions.begin(), questions.end()), questions.end());
+  return questions;
+}
+
+// Independent answers that would tell as much as these, which are alike (Kish's design effect).
+double independent_trials(const QuestionAnswers& answers, double overdispersion) {
+  const double n = answers.positive + answers.negative;
+  return n / (1 + std::max(0.0, n - 1) * overdispersion);
 }
 
 }  // namespace
@@ -120,25 +130,26 @@ struct HierarchicalLikelihood::Evaluation {
 };
 
 HierarchicalLikelihood::HierarchicalLikelihood(std::span<const HierarchicalCell> cells, ResponseModel model,
-                                               double lapse, double fineness)
+                                               const SharedParameters& shared, double fineness)
     : model_(model),
-      lapse_(lapse),
+      shared_(shared),
       fineness_(fineness * fineness_of(model)),
-      levels_(levels_of(cells)),
-      responses_(model, levels_, lapse, {}) {
+      questions_(questions_of(cells)),
+      responses_(model, questions_, shared, {}) {
   std::size_t participants = 0;
   for (const HierarchicalCell& cell : cells) {
     participants = std::max(participants, static_cast<std::size_t>(cell.participant) + 1);
     conditions_ = std::max(conditions_, static_cast<std::size_t>(cell.condition) + 1);
   }
-  std::vector<std::vector<LevelAnswers>> answers(participants * conditions_);
+  std::vector<std::vector<QuestionAnswers>> answers(participants * conditions_);
   for (const HierarchicalCell& cell : cells) {
-    const auto level =
-        static_cast<std::size_t>(std::lower_bound(levels_.begin(), levels_.end(), cell.level) - levels_.begin());
-    std::vector<LevelAnswers>& of =
+    const auto question = static_cast<std::size_t>(
+        std::lower_bound(questions_.begin(), questions_.end(), question_of(cell)) - questions_.begin());
+    std::vector<QuestionAnswers>& of =
         answers[static_cast<std::size_t>(cell.participant) * conditions_ + static_cast<std::size_t>(cell.condition)];
-    auto known = std::find_if(of.begin(), of.end(), [level](const LevelAnswers& one) { return one.level == level; });
-    if (known == of.end()) known = of.insert(of.end(), {level, 0, 0});
+    auto known =
+        std::find_if(of.begin(), of.end(), [question](const QuestionAnswers& one) { return one.question == question; });
+    if (known == of.end()) known = of.insert(of.end(), {question, 0, 0});
     known->positive += cell.positive;
     known->negative += cell.negative;
   }
@@ -146,25 +157,35 @@ HierarchicalLikelihood::HierarchicalLikelihood(std::span<const HierarchicalCell>
   for (std::size_t i = 0; i < answers.size(); ++i) people_[i / conditions_].cells.emplace_back(std::move(answers[i]));
 }
 
+void HierarchicalLikelihood::set_shared(const SharedParameters& shared) {
+  if (shared == shared_) return;
+  shared_ = shared;
+  if (shared.lapse < narrowest_lapse_) finest_ = {};
+  responses_ = ResponseLattice(model_, questions_, shared_, responses_.steps());
+  for (Person& person : people_)
+    for (CellLikelihood& cell : person.cells) cell.forget();
+}
+
 // The least standard errors that a cell of as many trials could have about the place: how fine a lattice must be.
 void HierarchicalLikelihood::look_how_narrow(const HierarchicalPlace& place) {
   double most_s = 0, most_k = 0;
   for (std::size_t c = 0; c < conditions_; ++c) {
     std::vector<LevelTrials> design;  // the most that anybody has
-    for (const double level : levels_) design.push_back({level, 0});
+    for (const LatticeQuestion& question : questions_) design.push_back({question.level, 0});
     for (const Person& person : people_)
-      for (const LevelAnswers& one : person.cells[c].answers())
-        design[one.level].trials = std::max(design[one.level].trials, one.positive + one.negative);
+      for (const QuestionAnswers& one : person.cells[c].answers())
+        design[one.question].trials = std::max(design[one.question].trials, one.positive + one.negative);
     const double unit = model_ == ResponseModel::choice ? std::exp(place.mu[c]) : 1;
     for (const double s : {-1.0, -0.5, 0.0, 0.5, 1.0})
       for (const double k : {-0.8, 0.0, 0.8}) {
         const CellInformation told =
-            expected_information(model_, design, place.mu[c] + s, place.kappa[c] + k * unit, lapse_);
+            expected_information(model_, design, place.mu[c] + s, place.kappa[c] + k * unit, shared_.lapse);
         most_s = std::max(most_s, told.s);
         most_k = std::max(most_k, told.k);
       }
   }
   narrowest_ = 1 / std::sqrt(most_s);
+  narrowest_lapse_ = shared_.lapse;
   finest_.ln_s = kLatticeStepS * narrowest_ / fineness_;
   finest_.criterion = kLatticeStepK / std::sqrt(most_k) / fineness_;
 }
@@ -177,7 +198,7 @@ void HierarchicalLikelihood::choose_lattice(const HierarchicalPlace& place) {
   const double step = finest_.ln_s * std::max(1.0, std::floor(product / (finest_.ln_s * fineness_)));
   const double now = responses_.steps().ln_s;
   if (now > 0 && step >= now && step <= kTooFine * now) return;
-  responses_ = ResponseLattice(model_, levels_, lapse_, {step, finest_.criterion});
+  responses_ = ResponseLattice(model_, questions_, shared_, {step, finest_.criterion});
   for (Person& person : people_)
     for (CellLikelihood& cell : person.cells) cell.forget();
 }
@@ -189,10 +210,10 @@ void HierarchicalLikelihood::locate(Person& person, const HierarchicalPlace& pla
     PersonCell& cell = cells.emplace_back();
     cell.mu = place.mu[c];
     cell.kappa = place.kappa[c];
-    for (const LevelAnswers& one : person.cells[c].answers())
-      cell.answers.push_back({levels_[one.level], one.positive, one.negative});
+    for (const QuestionAnswers& one : person.cells[c].answers())
+      cell.answers.push_back({questions_[one.question].level, one.positive, one.negative});
   }
-  const PersonMode mode = person_mode(cells, model_, lapse_, {place.tu, place.tv, place.tw, place.rho});
+  const PersonMode mode = person_mode(cells, model_, shared_.lapse, {place.tu, place.tv, place.tw, place.rho});
   person.information_u = mode.information_u;
   person.information_w = mode.information_w;
   person.correlation = mode.correlation;
@@ -231,9 +252,9 @@ std::vector<CellInformation> HierarchicalLikelihood::cell_information(const Hier
   for (const Person& person : people_)
     for (std::size_t c = 0; c < conditions_; ++c) {
       design.clear();
-      for (const LevelAnswers& one : person.cells[c].answers())
-        design.push_back({levels_[one.level], one.positive + one.negative});
-      information.push_back(expected_information(model_, design, place.mu[c], place.kappa[c], lapse_));
+      for (const QuestionAnswers& one : person.cells[c].answers())
+        design.push_back({questions_[one.question].level, independent_trials(one, shared_.overdispersion)});
+      information.push_back(expected_information(model_, design, place.mu[c], place.kappa[c], shared_.lapse));
     }
   return information;
 }

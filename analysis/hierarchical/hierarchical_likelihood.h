@@ -1,6 +1,7 @@
 // The marginal likelihood of one model of everybody's answers, with its derivatives.
 //
-//   P(positive) = l/2 + (1 - l) F(level, s_pc, k_pc)       F: response_model.h
+//   P(positive) = l/2 + (1 - l) F(level, s_pc, k_pc)       F: response_model.h; l, drift, over-dispersion:
+//                                                          shared_parameters.h
 //   ln s_pc = mu_c + u_p + v_pc,   k_pc = kappa_c + w_p
 //   u ~ N(0, tu^2), w ~ N(0, tw^2) with correlation rho, v ~ N(0, tv^2), independent over participants and conditions
 //
@@ -27,11 +28,12 @@
 
 namespace jnd {
 
-// The answers of one participant in one condition at one level; those of the same three are added up.
+// The answers of one participant in one condition at one level (and in one half); those of the same are added up.
 struct HierarchicalCell {
   int participant = 0, condition = 0;  // from 0, without gaps
   double level = 0;
-  double positive = 0, negative = 0;
+  double positive = 0, negative = 0;  // whole numbers, where answers are over-dispersed
+  bool second_half = false;           // of the participant's trials in the condition; without drift all are of one
 };
 
 // One value of every parameter.
@@ -52,8 +54,11 @@ struct PersonPosterior {
 class HierarchicalLikelihood {
  public:
   // fineness > 1: more nodes everywhere, to check the integrals.
-  HierarchicalLikelihood(std::span<const HierarchicalCell> cells, ResponseModel model, double lapse,
+  HierarchicalLikelihood(std::span<const HierarchicalCell> cells, ResponseModel model, const SharedParameters& shared,
                          double fineness = 1);
+
+  // From here on with these.
+  void set_shared(const SharedParameters& shared);
 
   struct Value {
     double log_likelihood = 0;  // -inf, with the slopes of the others, where somebody's underflows
@@ -101,10 +106,12 @@ class HierarchicalLikelihood {
   void remember(Person& person, const Evaluation& at) const;
 
   ResponseModel model_;
-  double lapse_, fineness_;
+  SharedParameters shared_;
+  double fineness_;
   std::size_t conditions_ = 0;
-  std::vector<double> levels_;
-  double narrowest_ = 0;  // the least standard error that a cell's answers could have of ln s
+  std::vector<LatticeQuestion> questions_;
+  double narrowest_ = 0;        // the least standard error that a cell's answers could have of ln s
+  double narrowest_lapse_ = 0;  // with which that was looked for: with more lapses a cell tells less
   LatticeSteps finest_;
   ResponseLattice responses_;
   std::vector<Person> people_;

@@ -28,29 +28,32 @@ LatticeRange LatticeRange::covering(const LatticeRange& needed) const noexcept {
   return (near ? both : needed).widened(kSpareNodes);
 }
 
-ResponseLattice::ResponseLattice(ResponseModel model, std::vector<double> levels, double lapse,
-                                 const LatticeSteps& steps)
-    : model_(model), levels_(std::move(levels)), lapse_(lapse), steps_(steps) {
-  positive_.resize(levels_.size());
-  negative_.resize(levels_.size());
+ResponseLattice::ResponseLattice(ResponseModel model, std::vector<LatticeQuestion> questions,
+                                 const SharedParameters& shared, const LatticeSteps& steps)
+    : model_(model), questions_(std::move(questions)), shared_(shared), steps_(steps) {
+  positive_.resize(questions_.size());
+  negative_.resize(questions_.size());
 }
 
 void ResponseLattice::cover(const LatticeRange& range) {
   if (!range_.empty() && range_.holds(range)) return;
   const LatticeRange wider = range_.covering(range);
-  for (std::size_t level = 0; level < levels_.size(); ++level) {
-    const std::vector<double> known_positive = std::move(positive_[level]),
-                              known_negative = std::move(negative_[level]);
-    positive_[level].assign(wider.wide() * wider.high(), 0);
-    negative_[level].assign(wider.wide() * wider.high(), 0);
+  for (std::size_t i = 0; i < questions_.size(); ++i) {
+    const LatticeQuestion& question = questions_[i];
+    const double side = question.second_half ? 0.5 : -0.5;
+    const double shift_s = side * shared_.drift_ln_s, shift_k = side * shared_.drift_criterion;
+    const std::vector<double> known_positive = std::move(positive_[i]), known_negative = std::move(negative_[i]);
+    positive_[i].assign(wider.wide() * wider.high(), 0);
+    negative_[i].assign(wider.wide() * wider.high(), 0);
     for (int k = wider.k0; k <= wider.k1; ++k)
       for (int s = wider.s0; s <= wider.s1; ++s) {
         const bool known = range_.holds({s, s, k, k});
         const std::size_t from = known ? range_.place(s, k) : 0, to = wider.place(s, k);
         const LogRates rates = known ? LogRates{known_positive[from], known_negative[from]}
-                                     : log_rates(model_, levels_[level], s * steps_.ln_s, k * steps_.criterion, lapse_);
-        positive_[level][to] = rates.positive;
-        negative_[level][to] = rates.negative;
+                                     : log_rates(model_, question.level, s * steps_.ln_s + shift_s,
+                                                 k * steps_.criterion + shift_k, shared_.lapse);
+        positive_[i][to] = rates.positive;
+        negative_[i][to] = rates.negative;
       }
   }
   range_ = wider;
@@ -66,9 +69,9 @@ void CellLikelihood::cover(const LatticeRange& range, ResponseLattice& responses
   for (int k = range_.k0; k <= range_.k1; ++k) {
     double* row = &values_[range_.place(range_.s0, k)];
     const std::size_t from = responses.range().place(range_.s0, k);
-    for (const LevelAnswers& answers : answers_) {
-      const double *positive = &responses.positive(answers.level)[from],
-                   *negative = &responses.negative(answers.level)[from];
+    for (const QuestionAnswers& answers : answers_) {
+      const double *positive = &responses.positive(answers.question)[from],
+                   *negative = &responses.negative(answers.question)[from];
       for (std::size_t s = 0; s < wide; ++s) row[s] += answers.positive * positive[s] + answers.negative * negative[s];
     }
     log_scale_ = std::max(log_scale_, *std::max_element(row, row + wide));

@@ -1,12 +1,14 @@
-// What answers are likely, on a lattice of spreads and criteria: once for each level of a study, and from these the
+// What answers are likely, on a lattice of spreads and criteria: once for each question of a study, and from these the
 // likelihood of one participant's answers in one condition.
 #pragma once
 
+#include <compare>
 #include <cstddef>
 #include <span>
 #include <vector>
 
 #include "analysis/hierarchical/response_model.h"
+#include "analysis/hierarchical/shared_parameters.h"
 
 namespace jnd {
 
@@ -33,46 +35,55 @@ struct LatticeSteps {
   double ln_s = 0, criterion = 0;  // > 0
 };
 
-// ln P of both answers at every level.
+// What was asked, as far as the answer's probability depends on it.
+struct LatticeQuestion {
+  double level = 0;
+  bool second_half = false;  // of a person's trials in a condition
+  friend auto operator<=>(const LatticeQuestion&, const LatticeQuestion&) = default;
+};
+
+// ln P of both answers to every question.
 class ResponseLattice {
  public:
-  ResponseLattice(ResponseModel model, std::vector<double> levels, double lapse, const LatticeSteps& steps);
+  ResponseLattice(ResponseModel model, std::vector<LatticeQuestion> questions, const SharedParameters& shared,
+                  const LatticeSteps& steps);
 
   const LatticeSteps& steps() const noexcept { return steps_; }
   const LatticeRange& range() const noexcept { return range_; }
   void cover(const LatticeRange& range);
-  const std::vector<double>& positive(std::size_t level) const noexcept { return positive_[level]; }
-  const std::vector<double>& negative(std::size_t level) const noexcept { return negative_[level]; }
+  const SharedParameters& shared() const noexcept { return shared_; }
+  const std::vector<double>& positive(std::size_t question) const noexcept { return positive_[question]; }
+  const std::vector<double>& negative(std::size_t question) const noexcept { return negative_[question]; }
 
  private:
   ResponseModel model_;
-  std::vector<double> levels_;
-  double lapse_;
+  std::vector<LatticeQuestion> questions_;
+  SharedParameters shared_;
   LatticeSteps steps_;
   LatticeRange range_;
-  std::vector<std::vector<double>> positive_, negative_;  // by level
+  std::vector<std::vector<double>> positive_, negative_;  // by question
 };
 
-// The answers of one participant in one condition at one level.
-struct LevelAnswers {
-  std::size_t level = 0;  // place in the levels
+// The answers of one participant in one condition to one question.
+struct QuestionAnswers {
+  std::size_t question = 0;  // place in the questions
   double positive = 0, negative = 0;
 };
 
 // Their likelihood on the lattice, divided by its largest value there.
 class CellLikelihood {
  public:
-  explicit CellLikelihood(std::vector<LevelAnswers> answers) : answers_(std::move(answers)) {}
+  explicit CellLikelihood(std::vector<QuestionAnswers> answers) : answers_(std::move(answers)) {}
 
   void cover(const LatticeRange& range, ResponseLattice& responses);
   void forget() noexcept { range_ = {}; }
   const LatticeRange& range() const noexcept { return range_; }
   const double* at(int s, int k) const noexcept { return &values_[range_.place(s, k)]; }
   double log_scale() const noexcept { return log_scale_; }
-  const std::vector<LevelAnswers>& answers() const noexcept { return answers_; }
+  const std::vector<QuestionAnswers>& answers() const noexcept { return answers_; }
 
  private:
-  std::vector<LevelAnswers> answers_;
+  std::vector<QuestionAnswers> answers_;
   LatticeRange range_;
   std::vector<double> values_;
   double log_scale_ = 0;

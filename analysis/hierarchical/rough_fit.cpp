@@ -27,7 +27,7 @@ RoughFit rough_fit(std::span<const HierarchicalCell> cells, const HierarchicalMo
   if (!form.tv) start.tv = 0;
   if (!form.tw) start.tw = 0;
   if (!form.rho) start.rho = 0;
-  HierarchicalLikelihood likelihood(cells, model.response, model.lapse, kRoughFineness);
+  HierarchicalLikelihood likelihood(cells, model.response, model.shared, kRoughFineness);
   const HierarchicalMaximum best = maximise(likelihood, form, start, range.criterion_unit, kRoughlyNegligible);
   const std::vector<double> covariance = covariance_of_estimates(likelihood.cell_information(best.place), best.place);
   RoughFit fit;

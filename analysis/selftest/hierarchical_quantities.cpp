@@ -79,7 +79,7 @@ HierarchicalModel reference_model(const json& fit, ResponseModel response) {
   };
   HierarchicalModel model;
   model.response = response;
-  model.lapse = given.at("lapse");
+  model.shared.lapse = given.at("lapse");
   model.tu = has("tu");
   model.tv = has("tv");
   model.tw = has("tw");

@@ -72,7 +72,7 @@ HierarchicalModel model_of(const HierarchicalCommand& options) {
   const std::optional<double> lapse = number_in_option(options.lapse);
   if (!lapse || !(*lapse >= 0 && *lapse < 1))
     throw UsageError(fmt::format("--lapse: {} is not a rate from 0 to below 1", options.lapse));
-  model.lapse = *lapse;
+  model.shared.lapse = *lapse;
   model.tu = model.tv = model.tw = false;
   model.one_mean = options.one_jnd;
   const std::map<std::string, bool*, std::less<>> parts = {
@@ -207,7 +207,7 @@ ordered_json hierarchical_json(const HierarchicalResult& result) {
   out["participants"] = fit.participants;
   out["trials"] = std::llround(fit.trials);
   out["observer"] = word_of(kResponseModelWords, result.model.response);
-  out["lapse"] = result.model.lapse;
+  out["lapse"] = result.model.shared.lapse;
   out["converged"] = settled(fit);
   out["loglik"] = json_number(fit.maximum.log_likelihood);
   const std::size_t means = result.model.one_mean ? 1 : fit.conditions.size();
@@ -377,7 +377,7 @@ std::string hierarchical_text(const HierarchicalResult& result) {
                                ? "same-different, decided on the difference"
                                : "same-different, decided on the size of the difference";
   std::string text =
-      bold(fmt::format("hierarchical model: {}, lapse {:g}; {}, {:.0f} trials", what, result.model.lapse,
+      bold(fmt::format("hierarchical model: {}, lapse {:g}; {}, {:.0f} trials", what, result.model.shared.lapse,
                        counted(static_cast<std::int64_t>(fit.participants), "participant"), fit.trials)) +
       "\n";
   text += conditions_text(result);

@@ -72,7 +72,7 @@ StudyAnalyst::StudyAnalyst(const Protocol& protocol, const PowerQuestion& questi
       truth_(truth_of(question, effect, protocol)),
       known_(!question.profile) {
   model_.response = response_model_of(protocol).value();
-  model_.lapse = question.people.lapse;
+  model_.shared.lapse = question.people.lapse;
   if (model_.response != ResponseModel::choice) return;
   of_noise_ = task_of(protocol.task.kind).jnd_of_noise(protocol).value_or(1);
   const std::vector<TaskOutcome> outcomes = measured_outcomes(protocol);
@@ -222,7 +222,7 @@ StudyOutcome StudyAnalyst::log_ml(std::span<const DrawnPerson> people) const {
           cells.begin(), cells.end(), [&](const HierarchicalCell& cell) { return cell.level != cells.front().level; });
       if (levels_differ) {
         if (!range || protocol_.design.procedure) range = search_range(cells, model_.response);
-        const double ln_s = pooled_maximum(cells, model_.response, model_.lapse, range->start).ln_s;
+        const double ln_s = pooled_maximum(cells, model_.response, model_.shared.lapse, range->start).ln_s;
         if (ln_s > range->least && ln_s < range->greatest) value = ln_s;
       }
       outcome.undefined = outcome.undefined || std::isnan(value);

@@ -84,7 +84,7 @@ BENCHMARK(fit)->Unit(benchmark::kMillisecond);
 
 void fit_of_a_drawn_study(benchmark::State& state) {
   run(state, [](const std::vector<HierarchicalCell>& cells) {
-    HierarchicalLikelihood likelihood(cells, ResponseModel::yes_no, 0, 0.75);
+    HierarchicalLikelihood likelihood(cells, ResponseModel::yes_no, {}, 0.75);
     benchmark::DoNotOptimize(
         maximise(likelihood, HierarchicalForm::separate(3), published_truth(), 1, 1e-3).log_likelihood);
   });

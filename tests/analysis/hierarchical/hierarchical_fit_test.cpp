@@ -30,7 +30,7 @@ TEST_CASE("a profile falls by half of 3.84 at the ends of its interval, and the 
   const HierarchicalFit& fit = analysis.add_intervals();
   REQUIRE(fit.maximum.converged);
   const auto at = [&](const HierarchicalForm& form) {
-    HierarchicalLikelihood likelihood(cells, ResponseModel::yes_no, 0, 1.3);
+    HierarchicalLikelihood likelihood(cells, ResponseModel::yes_no, {}, 1.3);
     return maximise(likelihood, form, fit.maximum.place).log_likelihood;
   };
   const double best = at(HierarchicalForm::separate(3));
@@ -143,7 +143,7 @@ TEST_CASE("thousands of answers a cell need no more than narrower ranges", "[hie
   const auto cells = drawn_answers(questions, {}, published_truth(), 21, 0);
   const HierarchicalFit fit = HierarchicalAnalysis(cells, {}).fit();
   REQUIRE(fit.maximum.converged);
-  HierarchicalLikelihood fine(cells, ResponseModel::yes_no, 0, 2);
+  HierarchicalLikelihood fine(cells, ResponseModel::yes_no, {}, 2);
   CHECK(std::abs(fine.at(fit.maximum.place).log_likelihood - fit.maximum.log_likelihood) < 1e-6);
 }
 
@@ -170,7 +170,7 @@ TEST_CASE("studies drawn without a difference show one as often as they should",
   for (int i = 0; i < studies; ++i) {
     const auto cells =
         drawn_answers(published_questions(12), HierarchicalModel{}, equal, 9, static_cast<std::uint64_t>(i));
-    HierarchicalLikelihood likelihood(cells, ResponseModel::yes_no, 0, 0.75);
+    HierarchicalLikelihood likelihood(cells, ResponseModel::yes_no, {}, 0.75);
     const double one = maximise(likelihood, HierarchicalForm::common(3), equal, 1, 1e-3).log_likelihood;
     const double each = maximise(likelihood, HierarchicalForm::separate(3), equal, 1, 1e-3).log_likelihood;
     if (chi2_upper(2 * (each - one), 2) < 0.05) ++rejected;

@@ -35,7 +35,8 @@ TEST_CASE("the likelihood at every reference maximum, and with twice the nodes",
       const json& expected = fit.at("expected");
       const double lapse = fit.at("model").at("lapse");
       const HierarchicalPlace place = reference_place(expected);
-      HierarchicalLikelihood usual(cells, ResponseModel::yes_no, lapse), fine(cells, ResponseModel::yes_no, lapse, 2);
+      HierarchicalLikelihood usual(cells, ResponseModel::yes_no, {.lapse = lapse}),
+          fine(cells, ResponseModel::yes_no, {.lapse = lapse}, 2);
       const double value = usual.at(place).log_likelihood, finer = fine.at(place).log_likelihood;
       CHECK(std::abs(value - expected.at("loglik").get<double>()) < 1e-6);
       CHECK(std::abs(finer - expected.at("loglik").get<double>()) < 2e-8);
@@ -82,12 +83,12 @@ TEST_CASE("the likelihood of one person by brute force, for every model of the a
       place.kappa = {0.7};
       place.tw = 0.35;
       for (const ResponseModel model : {ResponseModel::yes_no, ResponseModel::differencing}) {
-        HierarchicalLikelihood likelihood(judged, model, lapse);
+        HierarchicalLikelihood likelihood(judged, model, {.lapse = lapse});
         CHECK(std::abs(likelihood.at(place).log_likelihood - by_brute_force(judged, model, lapse, place)) < 1e-6);
       }
       place.kappa = {20};
       place.tw = 60;
-      HierarchicalLikelihood likelihood(chosen, ResponseModel::choice, lapse);
+      HierarchicalLikelihood likelihood(chosen, ResponseModel::choice, {.lapse = lapse});
       CHECK(std::abs(likelihood.at(place).log_likelihood -
                      by_brute_force(chosen, ResponseModel::choice, lapse, place)) < 1e-6);
     }
@@ -97,7 +98,7 @@ TEST_CASE("derivatives are those of the value", "[hierarchical]") {
   const std::vector<HierarchicalCell> cells = published_study(6, 3);
   HierarchicalPlace place = published_truth();
   place.rho = 0.3;
-  HierarchicalLikelihood likelihood(cells, ResponseModel::yes_no, 0.01, 1.5);
+  HierarchicalLikelihood likelihood(cells, ResponseModel::yes_no, {.lapse = 0.01}, 1.5);
   const HierarchicalPlace slope = likelihood.at(place).slope;
   const auto by = [&](const std::function<double&(HierarchicalPlace&)>& parameter) {
     constexpr double kStep = 1e-4;
@@ -118,14 +119,14 @@ TEST_CASE("derivatives are those of the value", "[hierarchical]") {
 
 TEST_CASE("people whose answers say nothing, or all the same, have a likelihood too", "[hierarchical]") {
   std::vector<HierarchicalCell> cells = published_study(4, 1);
-  const double before = HierarchicalLikelihood(cells, ResponseModel::yes_no, 0).at(published_truth()).log_likelihood;
+  const double before = HierarchicalLikelihood(cells, ResponseModel::yes_no, {}).at(published_truth()).log_likelihood;
   cells.push_back({4, 0, 0, 0, 0});
-  CHECK(std::abs(HierarchicalLikelihood(cells, ResponseModel::yes_no, 0).at(published_truth()).log_likelihood -
+  CHECK(std::abs(HierarchicalLikelihood(cells, ResponseModel::yes_no, {}).at(published_truth()).log_likelihood -
                  before) < 1e-6);
   for (const double level : {0.0, 200.0, 300.0, 400.0}) cells.push_back({5, 0, level, 12, 0});
   for (const double level : {0.0, 200.0, 300.0, 400.0})
     cells.push_back({6, 0, level, level > 0 ? 12.0 : 0.0, level > 0 ? 0.0 : 12.0});
-  HierarchicalLikelihood usual(cells, ResponseModel::yes_no, 0), fine(cells, ResponseModel::yes_no, 0, 2);
+  HierarchicalLikelihood usual(cells, ResponseModel::yes_no, {}), fine(cells, ResponseModel::yes_no, {}, 2);
   const double value = usual.at(published_truth()).log_likelihood;
   CHECK(value < before);
   CHECK(std::abs(value - fine.at(published_truth()).log_likelihood) < 1e-6);

@@ -1,0 +1,20 @@
+// What answers depend on besides a person's spread and criterion, the same for everybody.
+#pragma once
+
+namespace jnd {
+
+struct SharedParameters {
+  double lapse = 0;  // 0 <= lapse < 1: on that share of trials the answer is a guess
+  // 0 <= overdispersion < 1: how much more alike the answers of one person, condition and level (and half) are than
+  // independent ones, as the intra-class correlation r of a beta-binomial distribution: the probability of an answer
+  // varies between such sets with the variance r p (1 - p).
+  // Source: Schuett, Harmeling, Macke and Wichmann 2016, Vision Res 122:105 (over-dispersed psychometric functions).
+  double overdispersion = 0;
+  // The second half of a person's trials in a condition less the first: of ln s, and of the criterion in its own unit.
+  // Each half lies half of it beside the person's ln s and criterion.
+  double drift_ln_s = 0, drift_criterion = 0;
+
+  friend bool operator==(const SharedParameters&, const SharedParameters&) = default;
+};
+
+}  // namespace jnd
