@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "analysis/hierarchical/wide_registers.h"
 #include "analysis/numerics/normal.h"
 
 namespace jnd {
@@ -58,7 +59,7 @@ double tabled_log_normal_cdf(double z) noexcept {
 }
 
 // e^x = 2^n e^r with n whole and |r| <= ln 2 / 2: Taylor's polynomial of e^r, and n put into the exponent's bits.
-void exponentiate(std::span<double> values, double less) noexcept {
+JND_WIDE_REGISTERS void exponentiate(std::span<double> values, double less) noexcept {
   constexpr double kLog2E = 1.4426950408889634, kLn2High = 0.693147180369123816490,
                    kLn2Low = 1.90821492927058770002e-10;
   constexpr double kToWhole = 6755399441055744.0;  // 1.5 * 2^52: added, it leaves a whole number in the low bits

@@ -60,7 +60,8 @@ HierarchicalAnalysis::HierarchicalAnalysis(std::vector<HierarchicalCell> cells, 
   place.tv = form_.tv ? kFirstSpreadWithin : 0;
   place.tw = form_.tw ? kFirstSpread * range_.criterion_unit : 0;
   HierarchicalLikelihood rough(cells_, model.response, model.shared, kRoughFineness);
-  fit_.maximum = from_here(form_, maximise(rough, form_, place, range_.criterion_unit, kRoughlyNegligible).place);
+  fit_.maximum = maximise(rough, form_, place, range_.criterion_unit, kRoughlyNegligible);
+  fit_.maximum = from_here(form_, fit_.maximum);
 
   const HierarchicalPlace& found = fit_.maximum.place;
   const auto settle = [](SpreadStatus& status, double spread) {
@@ -71,7 +72,7 @@ HierarchicalAnalysis::HierarchicalAnalysis(std::vector<HierarchicalCell> cells, 
   settle(fit_.tw, found.tw);
   for (std::size_t c = 0; c < conditions; ++c) {
     const auto at_end = [&](double ln_s) {
-      return model.one_mean ? -kInf : from_here(form_.with_mean(c, ln_s), found).log_likelihood;
+      return model.one_mean ? -kInf : from_here(form_.with_mean(c, ln_s), fit_.maximum).log_likelihood;
     };
     const SlopeStatus status = status_of(found.mu[c], fit_.maximum.log_likelihood, at_end);
     fit_.conditions.push_back({status == SlopeStatus::ok ? found.mu[c] : kNaN, found.kappa[c], status, {}});
@@ -79,7 +80,7 @@ HierarchicalAnalysis::HierarchicalAnalysis(std::vector<HierarchicalCell> cells, 
   if (conditions < 2 || model.one_mean) return;
   HierarchicalForm common = form_;
   std::fill(common.of.begin(), common.of.end(), 0);
-  fit_.common = from_here(common, found);
+  fit_.common = from_here(common, fit_.maximum);
   fit_.lr = std::max(0.0, 2 * (fit_.maximum.log_likelihood - fit_.common.log_likelihood));
   fit_.df = static_cast<int>(conditions) - 1;
   fit_.p = chi2_upper(fit_.lr, fit_.df);
@@ -102,15 +103,21 @@ void HierarchicalAnalysis::find_spreads() {
 }
 
 // A search from a place whose means the form may move: far, and the criteria there are no longer near the best.
-HierarchicalMaximum HierarchicalAnalysis::from_here(const HierarchicalForm& form, const HierarchicalPlace& place) {
+HierarchicalMaximum HierarchicalAnalysis::from_here(const HierarchicalForm& form, const HierarchicalMaximum& from,
+                                                    double negligible) {
   constexpr double kFar = 0.5;
+  const HierarchicalPlace& place = from.place;
   HierarchicalPlace start = moved(form, place);
+  bool far = false;
   for (std::size_t c = 0; c < start.mu.size(); ++c)
-    if (std::abs(start.mu[c] - place.mu[c]) > kFar)
+    if (std::abs(start.mu[c] - place.mu[c]) > kFar) {
+      far = true;
       start.kappa[c] = pooled_maximum(of_condition(cells_, c), model_.response, model_.shared.lapse,
                                       {start.mu[c], range_.start.criterion, 0}, true)
                            .criterion;
-  return maximise(likelihood_, form, start, range_.criterion_unit);
+    }
+  if (!far) start = moved(form, place, from.information, range_.criterion_unit);
+  return maximise(likelihood_, form, start, range_.criterion_unit, negligible, from.information);
 }
 
 // at_end(ln s): the largest ln L with that mean. Answers that are as likely at an end of what is searched tell no JND.
@@ -124,26 +131,33 @@ SlopeStatus HierarchicalAnalysis::status_of(double ln_s, double log_likelihood, 
   return SlopeStatus::ok;
 }
 
+// Before many searches near the maximum.
+void HierarchicalAnalysis::look_closely() {
+  if (!looked_closely_) observe_information(likelihood_, form_, fit_.maximum, range_.criterion_unit);
+  looked_closely_ = true;
+}
+
 // held(value): the form with the parameter at that value; slope(maximum): of ln L there, by the parameter.
 template <typename Held, typename Slope>
 ProfileEnds HierarchicalAnalysis::ends(double estimate, double error, const Held& held, const Slope& slope) {
   constexpr double kOpen = 3;  // so far from the estimate, a factor of 20, an end is looked for
+  constexpr double kCloseEnough = 1e-4, kNegligibleHere = 1e-6;  // of the parameter, of ln L
   const double best = fit_.maximum.log_likelihood;
   const auto end = [&](double side) {
-    HierarchicalPlace place = fit_.maximum.place;
+    HierarchicalMaximum there = fit_.maximum;
     const auto profile = [&](double value) {
-      const HierarchicalMaximum there = from_here(held(value), place);
-      place = there.place;
+      there = from_here(held(value), there, kNegligibleHere);
       return ProfilePoint{best - there.log_likelihood, -slope(there)};
     };
     const double outside = estimate + side * kOpen, first = estimate + side * std::min(2 * error, kOpen / 2);
     if (error > kOpen / 6 && profile(outside).drop < kProfileDrop) return side * kInf;
-    return profile_bound(profile, estimate, outside, first);
+    return profile_bound(profile, estimate, outside, first, kCloseEnough);
   };
   return {end(-1), end(1)};
 }
 
 const HierarchicalFit& HierarchicalAnalysis::add_intervals() {
+  look_closely();
   const std::size_t conditions = fit_.conditions.size(), stride = 2 * conditions;
   const std::vector<double> covariance =
       covariance_of_estimates(likelihood_.cell_information(fit_.maximum.place), fit_.maximum.place);
@@ -168,6 +182,7 @@ std::vector<ConditionDifference> HierarchicalAnalysis::differences() {
   std::vector<ConditionDifference> differences;
   const std::size_t conditions = fit_.conditions.size(), stride = 2 * conditions;
   if (model_.one_mean) return differences;
+  look_closely();
   const std::vector<double> covariance =
       covariance_of_estimates(likelihood_.cell_information(fit_.maximum.place), fit_.maximum.place);
   for (std::size_t a = 0; a < conditions; ++a)
@@ -178,7 +193,7 @@ std::vector<ConditionDifference> HierarchicalAnalysis::differences() {
       if (!std::isnan(one.difference))
         one.ends = ends(one.difference, std::sqrt(std::max(variance, 0.0)), held,
                         [a](const HierarchicalMaximum& there) { return there.slope.mu[a]; });
-      const double without = from_here(held(0), fit_.maximum.place).log_likelihood;
+      const double without = from_here(held(0), fit_.maximum).log_likelihood;
       one.lr = std::max(0.0, 2 * (fit_.maximum.log_likelihood - without));
       one.p = chi2_upper(one.lr, 1);
       differences.push_back(one);

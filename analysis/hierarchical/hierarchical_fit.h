@@ -26,7 +26,7 @@ inline constexpr std::string_view kHierarchicalAssumptions =
 // What is estimated besides the means and criteria of the conditions.
 struct HierarchicalModel {
   ResponseModel response = ResponseModel::yes_no;
-  SharedParameters shared;
+  SharedParameters shared{};
   bool tu = true, tv = true, tw = true;  // spreads of persons, of persons by condition, of criteria
   bool rho = false;                      // the correlation of u and w, with tu and tw
   bool one_mean = false;                 // one mu for all conditions
@@ -111,7 +111,9 @@ class HierarchicalAnalysis {
 
  private:
   void find_spreads();
-  HierarchicalMaximum from_here(const HierarchicalForm& form, const HierarchicalPlace& place);
+  HierarchicalMaximum from_here(const HierarchicalForm& form, const HierarchicalMaximum& from,
+                                double negligible = kNegligible);
+  void look_closely();
   template <typename Held, typename Slope>
   ProfileEnds ends(double estimate, double error, const Held& held, const Slope& slope);
   template <typename AtEnd>
@@ -123,6 +125,7 @@ class HierarchicalAnalysis {
   SearchRange range_;
   HierarchicalLikelihood likelihood_;
   HierarchicalFit fit_;
+  bool looked_closely_ = false;
 };
 
 }  // namespace jnd

@@ -6,6 +6,8 @@
 #include <tuple>
 #include <utility>
 
+#include "analysis/hierarchical/fast_functions.h"
+#include "analysis/hierarchical/lattice_sums.h"
 #include "analysis/hierarchical/person_mode.h"
 #include "analysis/numerics/normal.h"
 #include "analysis/numerics/special_values.h"
@@ -19,13 +21,14 @@ constexpr double kLeastSpread = 1e-5;
 // Nodes a standard deviation of the posterior apart: the error of the sum is exp(-2 pi^2), 3e-9. The integrand may end
 // where it has fallen to that share of its peak; a range is cut a little further out for the next evaluation.
 constexpr double kSpacing = 1, kLogEdge = -19.6, kLogCut = -22;
-constexpr double kFirstReach = 6,
+constexpr double kFirstReach = 7,
                  kFurthest = 8;    // standard deviations: of the first range about the mode, of any about 0
 constexpr double kFollowed = 5.9;  // standard deviations of v
 constexpr double kGrowth = 0.4;    // of its width, by which a range grows at an end
 constexpr double kClosest = 0.95;  // the greatest correlation that nodes are placed for
-constexpr double kLatticeStepS = 0.2,
-                 kLatticeStepK = 0.17;  // of the least standard error of a cell: Lagrange's polynomial errs by 2e-8
+// Of the least standard error that a cell's answers can have of ln s, and one answer of the criterion: Lagrange's
+// polynomial through a likelihood, and through the logarithm of one, errs by 2e-8.
+constexpr double kLatticeStepS = 0.2, kLatticeStepK = 0.12;
 
 // Posteriors that are less like a normal distribution take more nodes for the same error.
 double fineness_of(ResponseModel model) {
@@ -44,27 +47,6 @@ HierarchicalPlace rounded(HierarchicalPlace place) {
   for (double* spread : {&place.tu, &place.tv, &place.tw})
     if (*spread < kLeastSpread) *spread = 0;
   return place;
-}
-
-double dot(const double* a, const double* b, std::size_t n) {
-  double sum[4] = {0, 0, 0, 0};
-  std::size_t i = 0;
-  for (; i + 4 <= n; i += 4)
-    for (std::size_t j = 0; j < 4; ++j) sum[j] += a[i + j] * b[i + j];
-  for (; i < n; ++i) sum[0] += a[i] * b[i];
-  return (sum[0] + sum[1]) + (sum[2] + sum[3]);
-}
-
-// out[i] = sum over the taps of weights[tap] rows[tap * stride + i].
-void combine(const double* rows, std::size_t stride, const double* weights, double* out, std::size_t n) {
-  static_assert(kInterpolationNodes == 10);
-  const double *a = rows, *b = rows + 5 * stride;
-  for (std::size_t i = 0; i < n; ++i)
-    out[i] = (weights[0] * a[i] + weights[1] * a[stride + i]) +
-             (weights[2] * a[2 * stride + i] + weights[3] * a[3 * stride + i]) +
-             (weights[4] * a[4 * stride + i] + weights[5] * b[i]) +
-             (weights[6] * b[stride + i] + weights[7] * b[2 * stride + i]) +
-             (weights[8] * b[3 * stride + i] + weights[9] * b[4 * stride + i]);
 }
 
 LatticeQuestion question_of(const HierarchicalCell& cell) {
@@ -111,12 +93,14 @@ struct HierarchicalLikelihood::Evaluation {
   // Of the participant at work: nodes of w by nodes of u, w outermost.
   Rectangle box;
   std::size_t wide = 0, high = 0;
-  std::vector<int> first_s;                // by condition: the first lattice node that is read
-  std::vector<std::vector<double>> read;   // by condition: the likelihood at the criteria of the nodes, over ln s
+  std::vector<int> first_s;  // by condition: the first lattice node that is read
+  // By condition: the likelihood at the criteria of the nodes, over ln s; the derivative of its logarithm by the criterion.
+  std::vector<std::vector<double>> read, by_criterion;
   std::vector<std::vector<double>> inner;  // by condition: the integral over v
   std::vector<double> prior, joint, adjoint, by_read;
-  std::vector<std::vector<double>> by_s, by_k;  // by condition: derivatives of ln L by the weights of the nodes
-  std::vector<double> in_u, in_w;               // joint, summed over the other direction
+  std::vector<std::vector<double>> by_s;  // by condition: derivatives of ln L by the weights of the nodes
+  std::vector<double> by_kappa;           // by condition: derivative of ln L
+  std::vector<double> in_u, in_w;         // joint, summed over the other direction
   double total = 0;
 
   struct Moments {
@@ -125,9 +109,17 @@ struct HierarchicalLikelihood::Evaluation {
   Moments moments() const noexcept;
   double u(int node) const noexcept { return node * spacing_u; }
   double w(int node) const noexcept { return node * spacing_w; }
+  LatticeRange read_by(std::size_t condition, const Rectangle& nodes) const noexcept;
   void lay_out_prior();
   void multiply();
 };
+
+// The lattice nodes that the kernels of those nodes read.
+LatticeRange HierarchicalLikelihood::Evaluation::read_by(std::size_t condition, const Rectangle& nodes) const noexcept {
+  const LatticeKernel &s = over_s[condition], &k = over_k[condition];
+  return {s.start(nodes.u0), s.start(nodes.u1) + static_cast<int>(s.taps()) - 1, k.start(nodes.w0),
+          k.start(nodes.w1) + static_cast<int>(k.taps()) - 1};
+}
 
 HierarchicalLikelihood::HierarchicalLikelihood(std::span<const HierarchicalCell> cells, ResponseModel model,
                                                const SharedParameters& shared, double fineness)
@@ -166,7 +158,8 @@ void HierarchicalLikelihood::set_shared(const SharedParameters& shared) {
     for (CellLikelihood& cell : person.cells) cell.forget();
 }
 
-// The least standard errors that a cell of as many trials could have about the place: how fine a lattice must be.
+// The least standard errors that the answers of a cell, and one answer, could have about the place: how fine a lattice
+// must be.
 void HierarchicalLikelihood::look_how_narrow(const HierarchicalPlace& place) {
   double most_s = 0, most_k = 0;
   for (std::size_t c = 0; c < conditions_; ++c) {
@@ -181,7 +174,13 @@ void HierarchicalLikelihood::look_how_narrow(const HierarchicalPlace& place) {
         const CellInformation told =
             expected_information(model_, design, place.mu[c] + s, place.kappa[c] + k * unit, shared_.lapse);
         most_s = std::max(most_s, told.s);
-        most_k = std::max(most_k, told.k);
+        for (const LevelTrials& level : design)
+          if (level.trials > 0) {
+            const LevelTrials one{level.level, 1};
+            most_k = std::max(most_k, expected_information(model_, std::span(&one, 1), place.mu[c] + s,
+                                                           place.kappa[c] + k * unit, shared_.lapse)
+                                          .k);
+          }
       }
   }
   narrowest_ = 1 / std::sqrt(most_s);
@@ -329,23 +328,21 @@ void HierarchicalLikelihood::integrate(Person& person, Evaluation& at) {
   for (std::size_t c = 0; c < conditions_; ++c) {
     const LatticeKernel &over_s = at.over_s[c], &over_k = at.over_k[c];
     CellLikelihood& cell = person.cells[c];
-    const LatticeRange needed = {over_s.start(at.box.u0), over_s.start(at.box.u1) + static_cast<int>(over_s.taps()) - 1,
-                                 over_k.start(at.box.w0),
-                                 over_k.start(at.box.w1) + static_cast<int>(over_k.taps()) - 1};
+    const LatticeRange needed = at.read_by(c, at.box);
     cell.cover(needed, responses_);
     at.first_s[c] = needed.s0;
     const std::size_t nodes = needed.wide(), stride = cell.range().wide();
     at.read[c].resize(nodes * at.high);
-    at.inner[c].resize(at.wide * at.high);
+    at.by_criterion[c].resize(nodes * at.high);
     for (std::size_t j = 0; j < at.high; ++j) {
       const int w = at.box.w0 + static_cast<int>(j);
-      double* read = &at.read[c][j * nodes];
-      combine(cell.at(needed.s0, over_k.start(w)), stride, over_k.weights(w), read, nodes);
-      for (std::size_t i = 0; i < at.wide; ++i) {
-        const int u = at.box.u0 + static_cast<int>(i);
-        at.inner[c][j * at.wide + i] = dot(over_s.weights(u), read + (over_s.start(u) - needed.s0), over_s.taps());
-      }
+      interpolate_rows(cell.at(needed.s0, over_k.start(w)), stride, over_k.weights(w), over_k.by_centre(w), nodes,
+                       &at.read[c][j * nodes], &at.by_criterion[c][j * nodes]);
     }
+    exponentiate(at.read[c], cell.largest());
+    at.inner[c].resize(at.wide * at.high);
+    const LatticeRow row{over_s.starts(at.box.u0), over_s.weights(at.box.u0), over_s.taps(), at.wide, needed.s0};
+    for (std::size_t j = 0; j < at.high; ++j) weighted_sums(row, &at.read[c][j * nodes], &at.inner[c][j * at.wide]);
   }
   at.lay_out_prior();
   at.multiply();
@@ -393,41 +390,30 @@ void HierarchicalLikelihood::remember(Person& person, const Evaluation& at) cons
   person.correlation = var_u > 0 && var_w > 0 ? (mean.uw - mean.u * mean.w) / std::sqrt(var_u * var_w) : 0;
 }
 
-// Backwards: from the integral to the derivatives of its logarithm by the weights of the kernels.
-void HierarchicalLikelihood::go_back(const Person& person, Evaluation& at) const {
+// Backwards: from the integral to the derivatives of its logarithm by the weights over ln s, and by the criteria.
+void HierarchicalLikelihood::go_back(Evaluation& at) const {
   for (std::size_t c = 0; c < conditions_; ++c) {
     at.adjoint = at.prior;
     for (std::size_t other = 0; other < conditions_; ++other)
       if (other != c)
         for (std::size_t i = 0; i < at.adjoint.size(); ++i) at.adjoint[i] *= at.inner[other][i];
     for (double& one : at.adjoint) one /= at.total;
-    const LatticeKernel &over_s = at.over_s[c], &over_k = at.over_k[c];
-    const CellLikelihood& cell = person.cells[c];
-    const std::size_t nodes = at.read[c].size() / at.high, stride = cell.range().wide(), taps = over_s.taps();
+    const LatticeKernel& over_s = at.over_s[c];
+    const std::size_t nodes = at.read[c].size() / at.high, taps = over_s.taps();
+    const LatticeRow row{over_s.starts(at.box.u0), over_s.weights(at.box.u0), taps, at.wide, at.first_s[c]};
     at.by_s[c].assign(at.wide * taps, 0);
-    at.by_k[c].assign(at.high * over_k.taps(), 0);
+    at.by_kappa[c] = 0;
     for (std::size_t j = 0; j < at.high; ++j) {
       at.by_read.assign(nodes, 0);
-      for (std::size_t i = 0; i < at.wide; ++i) {
-        const int u = at.box.u0 + static_cast<int>(i);
-        const auto from = static_cast<std::size_t>(over_s.start(u) - at.first_s[c]);
-        const double *weights = over_s.weights(u), *read = &at.read[c][j * nodes + from];
-        const double by_inner = at.adjoint[j * at.wide + i];
-        double *by_weight = &at.by_s[c][i * taps], *by_read = &at.by_read[from];
-        for (std::size_t tap = 0; tap < taps; ++tap) by_weight[tap] += by_inner * read[tap];
-        for (std::size_t tap = 0; tap < taps; ++tap) by_read[tap] += by_inner * weights[tap];
-      }
-      const int w = at.box.w0 + static_cast<int>(j);
-      const double* row = cell.at(at.first_s[c], over_k.start(w));
-      double* by_weight = &at.by_k[c][j * over_k.taps()];
-      for (std::size_t tap = 0; tap < over_k.taps(); ++tap)
-        by_weight[tap] += dot(at.by_read.data(), row + tap * stride, nodes);
+      const double* read = &at.read[c][j * nodes];
+      add_slopes(row, read, &at.adjoint[j * at.wide], at.by_s[c].data(), at.by_read.data());
+      at.by_kappa[c] += dot3(at.by_read.data(), read, &at.by_criterion[c][j * nodes], nodes);
     }
   }
 }
 
 // The kernels for everybody's nodes, and some beside them.
-HierarchicalLikelihood::Evaluation HierarchicalLikelihood::prepared(const HierarchicalPlace& place) const {
+HierarchicalLikelihood::Evaluation HierarchicalLikelihood::prepared(const HierarchicalPlace& place) {
   Evaluation at(place);
   double sd_u = place.tu, sd_w = place.tw, correlation = std::abs(place.rho);
   for (const Person& person : people_) {
@@ -444,6 +430,7 @@ HierarchicalLikelihood::Evaluation HierarchicalLikelihood::prepared(const Hierar
     at.all = {std::min(at.all.u0, box.u0), std::max(at.all.u1, box.u1), std::min(at.all.w0, box.w0),
               std::max(at.all.w1, box.w1)};
   }
+  const Rectangle asked = at.all;
   const int more_u = at.has_u ? (at.all.u1 - at.all.u0) / 4 + 2 : 0,
             more_w = at.has_w ? (at.all.w1 - at.all.w0) / 4 + 2 : 0;
   at.all = {at.all.u0 - more_u, at.all.u1 + more_u, at.all.w0 - more_w, at.all.w1 + more_w};
@@ -452,10 +439,14 @@ HierarchicalLikelihood::Evaluation HierarchicalLikelihood::prepared(const Hierar
                            kFollowed * std::min(fineness_, 1.0));
     at.over_k.emplace_back(place.kappa[c], at.spacing_w, at.all.w0, at.all.w1, 0, responses_.steps().criterion, 0);
   }
+  LatticeRange needed;
+  for (std::size_t c = 0; c < conditions_; ++c) needed = needed.united(at.read_by(c, asked));
+  responses_.cover(needed);
   at.by_s.resize(conditions_);
-  at.by_k.resize(conditions_);
+  at.by_kappa.resize(conditions_);
   at.first_s.resize(conditions_);
   at.read.resize(conditions_);
+  at.by_criterion.resize(conditions_);
   at.inner.resize(conditions_);
   return at;
 }
@@ -473,7 +464,7 @@ bool HierarchicalLikelihood::settled(Person& person, Evaluation& at) {
 double HierarchicalLikelihood::log_of(const Person& person, const Evaluation& at) const {
   if (!(at.total > 0)) return -kInf;  // a place so far from the answers that nothing is left of them
   double value = std::log(at.total);
-  for (const CellLikelihood& cell : person.cells) value += cell.log_scale();
+  for (const CellLikelihood& cell : person.cells) value += cell.largest();
   return value;
 }
 
@@ -483,7 +474,7 @@ HierarchicalPlace HierarchicalLikelihood::slope_of(const Evaluation& at) const {
     const LatticeKernel::Slopes slopes = at.over_s[c].slopes(at.box.u0, at.by_s[c]);
     slope.mu.push_back(slopes.by_centre);
     slope.tv += slopes.by_spread;
-    slope.kappa.push_back(at.over_k[c].slopes(at.box.w0, at.by_k[c]).by_centre);
+    slope.kappa.push_back(at.by_kappa[c]);
   }
   const HierarchicalPlace& place = at.place;
   const Evaluation::Moments mean = at.moments();
@@ -505,7 +496,7 @@ void HierarchicalLikelihood::through_everybody(const HierarchicalPlace& place, E
     Evaluation at = prepared(place);
     std::size_t done = 0;
     for (; done < people_.size() && settled(people_[done], at); ++done) {
-      go_back(people_[done], at);
+      go_back(at);
       each(done, at);
       remember(people_[done], at);
     }

@@ -93,14 +93,14 @@ class HierarchicalLikelihood {
   void choose_lattice(const HierarchicalPlace& place);
   void locate(Person& person, const HierarchicalPlace& place) const;
   void look_around(const HierarchicalPlace& place);
-  Evaluation prepared(const HierarchicalPlace& place) const;
+  Evaluation prepared(const HierarchicalPlace& place);
   template <typename Each>
   void through_everybody(const HierarchicalPlace& place, Each&& each);
   Rectangle rectangle_of(const Person& person, const Evaluation& evaluation) const;
   bool settled(Person& person, Evaluation& at);
   void integrate(Person& person, Evaluation& at);
   bool grown(Person& person, const Evaluation& at) const;
-  void go_back(const Person& person, Evaluation& at) const;
+  void go_back(Evaluation& at) const;
   double log_of(const Person& person, const Evaluation& at) const;
   HierarchicalPlace slope_of(const Evaluation& at) const;
   void remember(Person& person, const Evaluation& at) const;

@@ -85,28 +85,45 @@ class Variables {
 
   // Of a matrix over all parameters (hierarchical_information.h) what concerns the free ones.
   std::vector<double> curvature(const std::vector<double>& full) const {
-    const std::size_t all = 2 * conditions_ + 4, n = count();
-    std::vector<int> to(all, -1);
-    std::vector<double> scale(all, 1);
-    for (std::size_t c = 0; c < conditions_; ++c) {
-      to[c] = form_.of[c];
-      to[conditions_ + c] = static_cast<int>(means_ + c);
-      scale[conditions_ + c] = unit_;
-    }
-    int next = static_cast<int>(means_ + conditions_);
-    if (form_.tu) to[2 * conditions_] = next++;
-    if (form_.tv) to[2 * conditions_ + 1] = next++;
-    if (form_.tw) to[2 * conditions_ + 2] = next++;
-    if (form_.rho) to[2 * conditions_ + 3] = next++;
-    scale[2 * conditions_ + 2] = unit_ * unit_;
+    const std::vector<FreeParameter> free = free_parameters();
+    const std::size_t n = count();
     std::vector<double> out(n * n, 0);
-    for (std::size_t i = 0; i < all; ++i)
-      for (std::size_t j = 0; j < all; ++j)
-        if (to[i] >= 0 && to[j] >= 0)
-          out[static_cast<std::size_t>(to[i]) * n + static_cast<std::size_t>(to[j])] +=
-              scale[i] * scale[j] * full[i * all + j];
+    for (std::size_t i = 0; i < free.size(); ++i)
+      for (std::size_t j = 0; j < free.size(); ++j)
+        if (free[i].variable >= 0 && free[j].variable >= 0)
+          out[static_cast<std::size_t>(free[i].variable) * n + static_cast<std::size_t>(free[j].variable)] +=
+              free[i].unit * free[j].unit * full[i * free.size() + j];
     for (std::size_t i = 0; i < n; ++i) out[i * n + i] += kRidge;
     return out;
+  }
+
+  // Of a parabola with that curvature its slope where the means lie so far from the top.
+  std::vector<double> slope_of_parabola(const std::vector<double>& full, const std::vector<double>& from_top) const {
+    const std::vector<FreeParameter> free = free_parameters();
+    std::vector<double> out(count(), 0);
+    for (std::size_t i = 0; i < free.size(); ++i)
+      for (std::size_t c = 0; c < from_top.size() && free[i].variable >= 0; ++c)
+        out[static_cast<std::size_t>(free[i].variable)] += free[i].unit * full[i * free.size() + c] * from_top[c];
+    return out;
+  }
+
+  // Back: that matrix with what a search has found of the parameters that were free each for itself.
+  std::vector<double> information(std::vector<double> full, const std::vector<double>& curvature) const {
+    const std::vector<FreeParameter> free = free_parameters();
+    const std::size_t n = count();
+    const auto alone = [&](std::size_t i) {
+      return free[i].variable >= 0 && std::count_if(free.begin(), free.end(), [&](const FreeParameter& one) {
+                                        return one.variable == free[i].variable;
+                                      }) == 1;
+    };
+    for (std::size_t i = 0; i < free.size(); ++i)
+      for (std::size_t j = 0; j < free.size(); ++j)
+        if (alone(i) && alone(j))
+          full[i * free.size() + j] =
+              (curvature[static_cast<std::size_t>(free[i].variable) * n + static_cast<std::size_t>(free[j].variable)] -
+               (i == j ? kRidge : 0)) /
+              (free[i].unit * free[j].unit);
+    return full;
   }
 
   NewtonBox box(const std::vector<double>& x) const {
@@ -136,6 +153,22 @@ class Variables {
   }
 
  private:
+  struct FreeParameter {
+    int variable = -1;  // -1: held
+    double unit = 1;
+  };
+  // In the order of a matrix over all parameters.
+  std::vector<FreeParameter> free_parameters() const {
+    std::vector<FreeParameter> free;
+    for (const int one : form_.of) free.push_back({one});
+    int next = static_cast<int>(means_);
+    for (std::size_t c = 0; c < conditions_; ++c) free.push_back({next++, unit_});
+    for (const bool spread : {form_.tu, form_.tv}) free.push_back({spread ? next++ : -1});
+    free.push_back({form_.tw ? next++ : -1, unit_ * unit_});
+    free.push_back({form_.rho ? next++ : -1});
+    return free;
+  }
+
   const HierarchicalForm& form_;
   const HierarchicalPlace& start_;
   double unit_;
@@ -146,8 +179,8 @@ class Variables {
 // (Broyden, Fletcher, Goldfarb and Shanno; Nocedal and Wright 2006, equation 6.19).
 class SearchedLikelihood {
  public:
-  SearchedLikelihood(HierarchicalLikelihood& likelihood, const Variables& variables)
-      : likelihood_(likelihood), variables_(variables) {}
+  SearchedLikelihood(HierarchicalLikelihood& likelihood, const Variables& variables, std::vector<double> information)
+      : likelihood_(likelihood), variables_(variables), information_(std::move(information)) {}
 
   double value(const std::vector<double>& x) const { return likelihood_.at(variables_.to(x)).log_likelihood; }
 
@@ -157,14 +190,18 @@ class SearchedLikelihood {
     const HierarchicalLikelihood::Value& value = looked_at_.emplace_back(x, likelihood_.at(place)).second;
     at.value = value.log_likelihood;
     at.gradient = variables_.slope(value.slope, place);
-    if (curvature_.empty())
-      curvature_ = variables_.curvature(marginal_information(likelihood_.cell_information(place), place));
-    else
+    if (curvature_.empty()) {
+      if (information_.empty()) information_ = marginal_information(likelihood_.cell_information(place), place);
+      curvature_ = variables_.curvature(information_);
+    } else {
       correct(x, at.gradient);
+    }
     before_ = x;
     slope_before_ = at.gradient;
     at.curvature = at.expected = curvature_;
   }
+
+  std::vector<double> information() const { return variables_.information(information_, curvature_); }
 
   // Of a place where derivatives were found: the last one, or the one before, which a search comes back to.
   std::optional<HierarchicalLikelihood::Value> found_at(const std::vector<double>& x) const {
@@ -195,7 +232,7 @@ class SearchedLikelihood {
 
   HierarchicalLikelihood& likelihood_;
   const Variables& variables_;
-  mutable std::vector<double> curvature_, before_, slope_before_;
+  mutable std::vector<double> information_, curvature_, before_, slope_before_;
   mutable std::vector<std::pair<std::vector<double>, HierarchicalLikelihood::Value>> looked_at_;
 };
 
@@ -267,17 +304,27 @@ HierarchicalForm HierarchicalForm::with_difference(std::size_t a, std::size_t b,
   return form;
 }
 
-HierarchicalPlace moved(const HierarchicalForm& form, const HierarchicalPlace& place) {
-  const Variables variables(form, place, 1);
+HierarchicalPlace moved(const HierarchicalForm& form, const HierarchicalPlace& place,
+                        const std::vector<double>& information, double criterion_unit) {
+  const Variables variables(form, place, criterion_unit);
+  std::vector<double> x = variables.from(place);
   HierarchicalPlace out = place;
-  out.mu = variables.to(variables.from(place)).mu;
-  return out;
+  out.mu = variables.to(x).mu;
+  if (information.empty()) return out;
+  std::vector<double> off(place.mu.size()), towards, curvature = variables.curvature(information);
+  for (std::size_t c = 0; c < off.size(); ++c) off[c] = place.mu[c] - out.mu[c];
+  towards = variables.slope_of_parabola(information, off);
+  if (!solve_positive_definite(curvature, towards)) return out;
+  const NewtonBox box = variables.box(x);
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = std::clamp(x[i] + towards[i], box.lower[i], box.upper[i]);
+  return variables.settled(variables.to(x));
 }
 
 HierarchicalMaximum maximise(HierarchicalLikelihood& likelihood, const HierarchicalForm& form,
-                             const HierarchicalPlace& start, double criterion_unit, double negligible) {
+                             const HierarchicalPlace& start, double criterion_unit, double negligible,
+                             const std::vector<double>& information) {
   const Variables variables(form, start, criterion_unit);
-  const SearchedLikelihood function(likelihood, variables);
+  const SearchedLikelihood function(likelihood, variables, information);
   const std::vector<double> x = variables.from(start);
   const NewtonResult found = maximise_in_box(function, x, variables.box(x), -kInf, negligible);
   HierarchicalMaximum maximum;
@@ -290,7 +337,35 @@ HierarchicalMaximum maximise(HierarchicalLikelihood& likelihood, const Hierarchi
   maximum.slope = value.slope;
   maximum.log_likelihood = value.log_likelihood;
   maximum.converged = found.converged && std::isfinite(value.log_likelihood);
+  maximum.information = function.information();
   return maximum;
+}
+
+void observe_information(HierarchicalLikelihood& likelihood, const HierarchicalForm& form, HierarchicalMaximum& maximum,
+                         double criterion_unit) {
+  constexpr double kStep = 0.05;  // standard errors
+  const Variables variables(form, maximum.place, criterion_unit);
+  const std::vector<double> x = variables.from(maximum.place), expected = variables.curvature(maximum.information);
+  const auto slope_at = [&](const std::vector<double>& there) {
+    const HierarchicalPlace place = variables.to(there);
+    return variables.slope(likelihood.at(place).slope, place);
+  };
+  const std::size_t n = x.size();
+  const std::vector<double> here = slope_at(x);
+  std::vector<double> observed(n * n, 0);
+  for (std::size_t i = 0; i < n; ++i) {
+    std::vector<double> beside = x;
+    beside[i] += kStep / std::sqrt(expected[i * n + i]);
+    const std::vector<double> slope = slope_at(beside);
+    for (std::size_t j = 0; j < n; ++j) {
+      const double second = (here[j] - slope[j]) / (beside[i] - x[i]);
+      observed[i * n + j] += second / 2;
+      observed[j * n + i] += second / 2;
+    }
+  }
+  std::vector<double> factored = observed, unused(n, 0);
+  if (solve_positive_definite(factored, unused))
+    maximum.information = variables.information(maximum.information, observed);
 }
 
 PooledMaximum pooled_maximum(std::span<const HierarchicalCell> cells, ResponseModel model, double lapse,

@@ -28,16 +28,29 @@ struct HierarchicalMaximum {
   HierarchicalPlace slope;  // of ln L, by every parameter, those held included; by tu, tv, tw: 0 where they are 0
   double log_likelihood = 0;
   bool converged = false;
+  // About minus the second derivatives of ln L, as the search came to know them, in the order of marginal_information
+  // (hierarchical_information.h): what another search from here may begin with.
+  std::vector<double> information;
 };
 
-// The place with the means that the form makes of its own.
-HierarchicalPlace moved(const HierarchicalForm& form, const HierarchicalPlace& place);
+// The place with the means that the form makes of its own; and with information, everything else of the form moved to
+// where ln L would be largest then, were it a parabola with its top at the place.
+HierarchicalPlace moved(const HierarchicalForm& form, const HierarchicalPlace& place,
+                        const std::vector<double>& information = {}, double criterion_unit = 1);
+
+inline constexpr double kNegligible = 1e-8;  // of ln L: differences below it are not told apart
 
 // From the start, moved. Spreads that are estimated begin at no less than a small one, and
 // end at 0 where ln L rises towards 0. criterion_unit: that of kappa and tw, 1 or a spread. negligible: differences of
-// ln L below this are not told apart.
+// ln L below this are not told apart. information: of a maximum near the start; without, that of a linear mixed model.
 HierarchicalMaximum maximise(HierarchicalLikelihood& likelihood, const HierarchicalForm& form,
-                             const HierarchicalPlace& start, double criterion_unit = 1, double negligible = 1e-8);
+                             const HierarchicalPlace& start, double criterion_unit = 1, double negligible = kNegligible,
+                             const std::vector<double>& information = {});
+
+// Minus the second derivatives of ln L at a maximum, as differences of its slopes, in the place of its information. It
+// takes an evaluation per free parameter, and makes searches near by about twice as short.
+void observe_information(HierarchicalLikelihood& likelihood, const HierarchicalForm& form, HierarchicalMaximum& maximum,
+                         double criterion_unit = 1);
 
 // The ln s and criterion that fit answers best as if they were one person's in one condition (participant and condition
 // of the cells do not count). Within a factor of 50 of the start; where the answers tell no slope, or a step, at its end.

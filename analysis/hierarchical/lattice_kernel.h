@@ -24,7 +24,10 @@ class LatticeKernel {
   std::size_t taps() const noexcept { return taps_; }
   // The first node that place m reads, and its weights.
   int start(int m) const noexcept { return starts_[place(m)]; }
+  const int* starts(int m) const noexcept { return &starts_[place(m)]; }
   const double* weights(int m) const noexcept { return &weights_[place(m) * taps_]; }
+  // Their derivatives by the centre.
+  const double* by_centre(int m) const noexcept { return &by_centre_[place(m) * taps_]; }
 
   // sum over the weights of places m, m + 1, ... of by_weight * d weight / d centre, and / d spread.
   struct Slopes {

@@ -4,14 +4,14 @@
 #include <cmath>
 #include <utility>
 
-#include "analysis/hierarchical/fast_functions.h"
-#include "analysis/numerics/special_values.h"
+#include "analysis/hierarchical/lattice_sums.h"
 
 namespace jnd {
 
 namespace {
 
-// Nodes that a table gets beyond those asked for, so that a search does not build it anew at every step.
+// Nodes that a table gets beyond those asked for, so that a search does not build it anew at every step; one that others
+// are built from has as many again.
 constexpr int kSpareNodes = 3;
 
 }  // namespace
@@ -37,24 +37,30 @@ ResponseLattice::ResponseLattice(ResponseModel model, std::vector<LatticeQuestio
 
 void ResponseLattice::cover(const LatticeRange& range) {
   if (!range_.empty() && range_.holds(range)) return;
-  const LatticeRange wider = range_.covering(range);
+  const LatticeRange wider = range_.covering(range).widened(kSpareNodes);
   for (std::size_t i = 0; i < questions_.size(); ++i) {
     const LatticeQuestion& question = questions_[i];
     const double side = question.second_half ? 0.5 : -0.5;
     const double shift_s = side * shared_.drift_ln_s, shift_k = side * shared_.drift_criterion;
-    const std::vector<double> known_positive = std::move(positive_[i]), known_negative = std::move(negative_[i]);
-    positive_[i].assign(wider.wide() * wider.high(), 0);
-    negative_[i].assign(wider.wide() * wider.high(), 0);
-    for (int k = wider.k0; k <= wider.k1; ++k)
+    std::vector<double> slopes;
+    for (int s = wider.s0; s <= wider.s1; ++s) slopes.push_back(std::exp(-(s * steps_.ln_s + shift_s)));
+    const bool no_slope = model_ == ResponseModel::yes_no && question.level == 0;  // the same at every spread
+    std::vector<double> positive(wider.wide() * wider.high()), negative(positive.size());
+    for (int k = wider.k0; k <= wider.k1; ++k) {
+      LogRates rates{};
       for (int s = wider.s0; s <= wider.s1; ++s) {
-        const bool known = range_.holds({s, s, k, k});
-        const std::size_t from = known ? range_.place(s, k) : 0, to = wider.place(s, k);
-        const LogRates rates = known ? LogRates{known_positive[from], known_negative[from]}
-                                     : log_rates(model_, question.level, s * steps_.ln_s + shift_s,
-                                                 k * steps_.criterion + shift_k, shared_.lapse);
-        positive_[i][to] = rates.positive;
-        negative_[i][to] = rates.negative;
+        const std::size_t to = wider.place(s, k);
+        if (range_.holds({s, s, k, k}))
+          rates = {positive_[i][range_.place(s, k)], negative_[i][range_.place(s, k)]};
+        else if (s == wider.s0 || !no_slope)
+          rates = log_rates_of_slope(model_, question.level, slopes[static_cast<std::size_t>(s - wider.s0)],
+                                     k * steps_.criterion + shift_k, shared_.lapse);
+        positive[to] = rates.positive;
+        negative[to] = rates.negative;
       }
+    }
+    positive_[i] = std::move(positive);
+    negative_[i] = std::move(negative);
   }
   range_ = wider;
 }
@@ -65,18 +71,16 @@ void CellLikelihood::cover(const LatticeRange& range, ResponseLattice& responses
   responses.cover(range_);
   const std::size_t wide = range_.wide();
   values_.assign(wide * range_.high(), 0);
-  log_scale_ = -kInf;
   for (int k = range_.k0; k <= range_.k1; ++k) {
     double* row = &values_[range_.place(range_.s0, k)];
     const std::size_t from = responses.range().place(range_.s0, k);
     for (const QuestionAnswers& answers : answers_) {
       const double *positive = &responses.positive(answers.question)[from],
                    *negative = &responses.negative(answers.question)[from];
-      for (std::size_t s = 0; s < wide; ++s) row[s] += answers.positive * positive[s] + answers.negative * negative[s];
+      add_answers(answers.positive, positive, answers.negative, negative, wide, row);
     }
-    log_scale_ = std::max(log_scale_, *std::max_element(row, row + wide));
   }
-  exponentiate(values_, log_scale_);
+  largest_ = *std::max_element(values_.begin(), values_.end());
 }
 
 }  // namespace jnd

@@ -1,5 +1,5 @@
 // What answers are likely, on a lattice of spreads and criteria: once for each question of a study, and from these the
-// likelihood of one participant's answers in one condition.
+// log-likelihood of one participant's answers in one condition.
 #pragma once
 
 #include <compare>
@@ -70,7 +70,7 @@ struct QuestionAnswers {
   double positive = 0, negative = 0;
 };
 
-// Their likelihood on the lattice, divided by its largest value there.
+// Their log-likelihood on the lattice, and the largest value there.
 class CellLikelihood {
  public:
   explicit CellLikelihood(std::vector<QuestionAnswers> answers) : answers_(std::move(answers)) {}
@@ -79,14 +79,14 @@ class CellLikelihood {
   void forget() noexcept { range_ = {}; }
   const LatticeRange& range() const noexcept { return range_; }
   const double* at(int s, int k) const noexcept { return &values_[range_.place(s, k)]; }
-  double log_scale() const noexcept { return log_scale_; }
+  double largest() const noexcept { return largest_; }
   const std::vector<QuestionAnswers>& answers() const noexcept { return answers_; }
 
  private:
   std::vector<QuestionAnswers> answers_;
   LatticeRange range_;
   std::vector<double> values_;
-  double log_scale_ = 0;
+  double largest_ = 0;
 };
 
 }  // namespace jnd

@@ -21,13 +21,16 @@ double mixed(double log_rate, double lapse) {
 }  // namespace
 
 LogRates log_rates(ResponseModel model, double level, double ln_s, double criterion, double lapse) {
-  const double scale = std::exp(-ln_s);
+  return log_rates_of_slope(model, level, std::exp(-ln_s), criterion, lapse);
+}
+
+LogRates log_rates_of_slope(ResponseModel model, double level, double slope, double criterion, double lapse) {
   if (model == ResponseModel::differencing) {
-    const double d = level * scale / std::numbers::sqrt2, t = std::exp(criterion) / std::numbers::sqrt2;
+    const double d = level * slope / std::numbers::sqrt2, t = std::exp(criterion) / std::numbers::sqrt2;
     const double different = normal_cdf(d - t) + normal_cdf(-d - t), same = normal_cdf(t - d) - normal_cdf(-d - t);
     return {mixed(std::log(different), lapse), mixed(std::log(same), lapse)};
   }
-  const double z = model == ResponseModel::yes_no ? level * scale - criterion : (level - criterion) * scale;
+  const double z = model == ResponseModel::yes_no ? level * slope - criterion : (level - criterion) * slope;
   return {mixed(tabled_log_normal_cdf(z), lapse), mixed(tabled_log_normal_cdf(-z), lapse)};
 }
 

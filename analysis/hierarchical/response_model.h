@@ -22,6 +22,8 @@ struct LogRates {
 };
 // lapse, 0 <= lapse < 1: on that share of trials the answer is a guess.
 LogRates log_rates(ResponseModel model, double level, double ln_s, double criterion, double lapse);
+// The same for slope = e^-ln_s, which many answers share.
+LogRates log_rates_of_slope(ResponseModel model, double level, double slope, double criterion, double lapse);
 
 struct LevelTrials {
   double level = 0, trials = 0;

@@ -21,9 +21,9 @@ struct ProfilePoint {
 //   inside   a value with less drop: the estimate; infinite where that is
 //   outside  a value with more drop; infinite: to be found, the drop grows all the way
 //   start    the first value to look at, finite and between the two
-// Relative error about 1e-12.
+// The last step is at most `close` (1 + |value|); what is left after it is about its square.
 template <typename Profile>
-double profile_bound(Profile&& profile, double inside, double outside, double start) {
+double profile_bound(Profile&& profile, double inside, double outside, double start, double close = 1e-9) {
   constexpr double kLongestStep = 4;  // towards an infinite end
   const double root = std::sqrt(2 * kProfileDrop);
   double at = start;
@@ -33,7 +33,7 @@ double profile_bound(Profile&& profile, double inside, double outside, double st
     const bool beyond = point.drop > kProfileDrop;
     (beyond ? outside : inside) = at;
     const double step = -(signed_root - root) * signed_root / point.slope;
-    if (std::abs(step) <= 1e-9 * (1 + std::abs(at))) return at + step;  // the step after it would be its square
+    if (std::abs(step) <= close * (1 + std::abs(at))) return at + step;
     const double low = std::fmin(inside, outside), high = std::fmax(inside, outside);
     if (high - low <= 1e-14 * (1 + std::abs(at))) return at;
     double next = at + step;
