@@ -82,9 +82,11 @@ HierarchicalPlace& HierarchicalPlace::operator+=(const HierarchicalPlace& other)
 }
 
 struct HierarchicalLikelihood::Evaluation {
-  explicit Evaluation(const HierarchicalPlace& at) : place(at), has_u(at.tu > 0), has_w(at.tw > 0) {}
+  Evaluation(const HierarchicalPlace& at, const NodeOffset& beginning)
+      : place(at), offset(beginning), has_u(at.tu > 0), has_w(at.tw > 0) {}
 
   const HierarchicalPlace& place;
+  NodeOffset offset;
   bool has_u, has_w;
   double spacing_u = 1, spacing_w = 1;
   Rectangle all;                              // of nodes that the kernels reach
@@ -107,8 +109,8 @@ struct HierarchicalLikelihood::Evaluation {
     double u = 0, uu = 0, w = 0, ww = 0, uw = 0;
   };
   Moments moments() const noexcept;
-  double u(int node) const noexcept { return node * spacing_u; }
-  double w(int node) const noexcept { return node * spacing_w; }
+  double u(int node) const noexcept { return has_u ? (node + offset.u) * spacing_u : 0; }
+  double w(int node) const noexcept { return has_w ? (node + offset.w) * spacing_w : 0; }
   LatticeRange read_by(std::size_t condition, const Rectangle& nodes) const noexcept;
   void lay_out_prior();
   void multiply();
@@ -413,8 +415,9 @@ void HierarchicalLikelihood::go_back(Evaluation& at) const {
 }
 
 // The kernels for everybody's nodes, and some beside them.
-HierarchicalLikelihood::Evaluation HierarchicalLikelihood::prepared(const HierarchicalPlace& place) {
-  Evaluation at(place);
+HierarchicalLikelihood::Evaluation HierarchicalLikelihood::prepared(const HierarchicalPlace& place,
+                                                                    const NodeOffset& offset) {
+  Evaluation at(place, offset);
   double sd_u = place.tu, sd_w = place.tw, correlation = std::abs(place.rho);
   for (const Person& person : people_) {
     sd_u = std::min(sd_u, 1 / std::sqrt(1 / (place.tu * place.tu) + person.information_u));
@@ -435,9 +438,10 @@ HierarchicalLikelihood::Evaluation HierarchicalLikelihood::prepared(const Hierar
             more_w = at.has_w ? (at.all.w1 - at.all.w0) / 4 + 2 : 0;
   at.all = {at.all.u0 - more_u, at.all.u1 + more_u, at.all.w0 - more_w, at.all.w1 + more_w};
   for (std::size_t c = 0; c < conditions_; ++c) {
-    at.over_s.emplace_back(place.mu[c], at.spacing_u, at.all.u0, at.all.u1, place.tv, responses_.steps().ln_s,
+    at.over_s.emplace_back(place.mu[c] + at.u(0), at.spacing_u, at.all.u0, at.all.u1, place.tv, responses_.steps().ln_s,
                            kFollowed * std::min(fineness_, 1.0));
-    at.over_k.emplace_back(place.kappa[c], at.spacing_w, at.all.w0, at.all.w1, 0, responses_.steps().criterion, 0);
+    at.over_k.emplace_back(place.kappa[c] + at.w(0), at.spacing_w, at.all.w0, at.all.w1, 0,
+                           responses_.steps().criterion, 0);
   }
   LatticeRange needed;
   for (std::size_t c = 0; c < conditions_; ++c) needed = needed.united(at.read_by(c, asked));
@@ -489,11 +493,11 @@ HierarchicalPlace HierarchicalLikelihood::slope_of(const Evaluation& at) const {
 
 // Everybody's integrals, each handed to `each` while it stands in the evaluation.
 template <typename Each>
-void HierarchicalLikelihood::through_everybody(const HierarchicalPlace& place, Each&& each) {
+void HierarchicalLikelihood::through_everybody(const HierarchicalPlace& place, Each&& each, const NodeOffset& offset) {
   choose_lattice(place);
   look_around(place);
   for (;;) {
-    Evaluation at = prepared(place);
+    Evaluation at = prepared(place, offset);
     std::size_t done = 0;
     for (; done < people_.size() && settled(people_[done], at); ++done) {
       go_back(at);
@@ -546,6 +550,27 @@ std::vector<PersonPosterior> HierarchicalLikelihood::posteriors(const Hierarchic
     posterior.w = at.moments().w;
   });
   return posteriors;
+}
+
+std::vector<std::vector<PersonDeviation>> HierarchicalLikelihood::deviations(
+    const HierarchicalPlace& given, const NodeOffset& offset, std::span<const std::vector<double>> numbers) {
+  const HierarchicalPlace place = rounded(given);
+  std::vector<std::vector<PersonDeviation>> deviations(people_.size());
+  std::vector<double> below;  // of every node the sum up to it
+  const auto choose = [&](std::size_t person, const Evaluation& at) {
+    below.clear();
+    double sum = 0;
+    for (const double one : at.joint) below.push_back(sum += std::max(one, 0.0));
+    deviations[person].clear();
+    for (const double number : numbers[person]) {
+      const auto node = static_cast<std::size_t>(
+          std::min(std::upper_bound(below.begin(), below.end(), number * sum), below.end() - 1) - below.begin());
+      deviations[person].push_back(
+          {at.u(at.box.u0 + static_cast<int>(node % at.wide)), at.w(at.box.w0 + static_cast<int>(node / at.wide))});
+    }
+  };
+  through_everybody(place, choose, offset);
+  return deviations;
 }
 
 }  // namespace jnd

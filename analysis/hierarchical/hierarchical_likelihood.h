@@ -51,6 +51,15 @@ struct PersonPosterior {
   double w = 0;                  // mean of what their criteria have beside those of the group
 };
 
+// What sets one participant apart in every condition.
+struct PersonDeviation {
+  double u = 0, w = 0;
+};
+// Where the nodes of an integral begin, in spacings.
+struct NodeOffset {
+  double u = 0, w = 0;
+};
+
 class HierarchicalLikelihood {
  public:
   // fineness > 1: more nodes everywhere, to check the integrals.
@@ -66,6 +75,11 @@ class HierarchicalLikelihood {
   };
   Value at(const HierarchicalPlace& given);
   std::vector<PersonPosterior> posteriors(const HierarchicalPlace& given);
+  // By participant, of every number of theirs (uniform in 0..1) one of the nodes of that offset, by its share of the
+  // integral. The integral does not depend on where its nodes begin: over offsets drawn uniformly from 0..1, from one
+  // call to the next with nothing else between, these are draws from the posterior itself.
+  std::vector<std::vector<PersonDeviation>> deviations(const HierarchicalPlace& given, const NodeOffset& offset,
+                                                       std::span<const std::vector<double>> numbers);
 
   // The expected information of every cell's answers there, by participant and condition.
   std::vector<CellInformation> cell_information(const HierarchicalPlace& place) const;
@@ -93,9 +107,9 @@ class HierarchicalLikelihood {
   void choose_lattice(const HierarchicalPlace& place);
   void locate(Person& person, const HierarchicalPlace& place) const;
   void look_around(const HierarchicalPlace& place);
-  Evaluation prepared(const HierarchicalPlace& place);
+  Evaluation prepared(const HierarchicalPlace& place, const NodeOffset& offset);
   template <typename Each>
-  void through_everybody(const HierarchicalPlace& place, Each&& each);
+  void through_everybody(const HierarchicalPlace& place, Each&& each, const NodeOffset& offset = {});
   Rectangle rectangle_of(const Person& person, const Evaluation& evaluation) const;
   bool settled(Person& person, Evaluation& at);
   void integrate(Person& person, Evaluation& at);

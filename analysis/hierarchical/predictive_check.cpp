@@ -1,0 +1,178 @@
+#include "analysis/hierarchical/predictive_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include <fmt/format.h>
+
+#include "analysis/hierarchical/posterior_draws.h"
+#include "analysis/numerics/binomial.h"
+#include "analysis/numerics/binomial_sampler.h"
+#include "analysis/numerics/experiment_stream.h"
+#include "analysis/numerics/sample_quantile.h"
+#include "analysis/numerics/stop_request.h"
+
+namespace jnd {
+
+namespace {
+
+constexpr std::uint64_t kAnswerPurpose = 0x70726564'69637469;
+constexpr double kOutsideBand = 0.05;
+
+// By condition, level and participant, with trials, those of the same three added up.
+std::vector<HierarchicalCell> sorted_cells(std::span<const HierarchicalCell> cells) {
+  std::vector<HierarchicalCell> sorted(cells.begin(), cells.end());
+  std::erase_if(sorted, [](const HierarchicalCell& cell) { return cell.positive + cell.negative == 0; });
+  const auto place = [](const HierarchicalCell& cell) {
+    return std::tuple(cell.condition, cell.level, cell.participant);
+  };
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [&place](const HierarchicalCell& a, const HierarchicalCell& b) { return place(a) < place(b); });
+  std::vector<HierarchicalCell> merged;
+  for (const HierarchicalCell& cell : sorted) {
+    if (merged.empty() || place(merged.back()) != place(cell)) {
+      merged.push_back(cell);
+      continue;
+    }
+    merged.back().positive += cell.positive;
+    merged.back().negative += cell.negative;
+  }
+  return merged;
+}
+
+// The answers at one level: what is compared of them.
+struct SharesOfPeople {
+  double positive = 0, trials = 0, sum = 0, squares = 0;
+  int people = 0;
+
+  void add(double of_person, double trials_of_person) noexcept {
+    const double share = of_person / trials_of_person;
+    positive += of_person;
+    trials += trials_of_person;
+    sum += share;
+    squares += share * share;
+    ++people;
+  }
+  double share() const noexcept { return positive / trials; }
+  double sd() const noexcept {
+    return people < 2 ? kNaN : std::sqrt(std::max(0.0, squares - sum * sum / people) / (people - 1));
+  }
+};
+
+double discrepancy_of(double positive, double trials, const LogRates& rates) {
+  const double p = std::exp(rates.positive), q = std::exp(rates.negative);
+  const double off = positive - trials * p;
+  return off * off / (trials * p * q);
+}
+
+PredictiveBand band_of(double observed, std::vector<double> drawn) {
+  constexpr double kRounding = 1e-12;  // equal counts may differ by so much in their moments
+  const SampleQuantiles quantiles(std::move(drawn));
+  PredictiveBand band{observed, quantiles.at(kOutsideBand / 2), quantiles.at(1 - kOutsideBand / 2), BandStatus::inside};
+  if (observed < band.low - kRounding) band.status = BandStatus::below;
+  if (observed > band.high + kRounding) band.status = BandStatus::above;
+  return band;
+}
+
+}  // namespace
+
+int PredictiveCheck::bands() const noexcept {
+  int count = 0;
+  for (const PredictiveRow& row : rows)
+    for (const PredictiveBand* band : {&row.share, &row.between}) count += band->status != BandStatus::one_person;
+  return count;
+}
+
+int PredictiveCheck::outside() const noexcept {
+  int count = 0;
+  for (const PredictiveRow& row : rows)
+    for (const PredictiveBand* band : {&row.share, &row.between})
+      count += band->status == BandStatus::below || band->status == BandStatus::above;
+  return count;
+}
+
+int PredictiveCheck::outside_by_chance() const {
+  const BinomialTable table = binomial_table(bands(), kOutsideBand);
+  double above = 1;
+  for (std::size_t i = 0; i < table.probability.size(); ++i) {
+    above -= table.probability[i];
+    if (above <= 0.05) return table.first + static_cast<int>(i);
+  }
+  return bands();
+}
+
+PredictiveCheck predictive_check(std::span<const HierarchicalCell> cells, const HierarchicalModel& model,
+                                 const HierarchicalPlace& place, int draws, std::uint64_t seed) {
+  const std::vector<HierarchicalCell> given = sorted_cells(cells);
+  PredictiveCheck check;
+  check.draws = draws;
+  std::vector<std::size_t> row_of;  // by cell
+  std::vector<SharesOfPeople> observed;
+  for (const HierarchicalCell& cell : given) {
+    const auto condition = static_cast<std::size_t>(cell.condition);
+    if (check.rows.empty() || check.rows.back().condition != condition || check.rows.back().level != cell.level) {
+      check.rows.push_back({condition, cell.level, 0, 0, {}, {}});
+      observed.emplace_back();
+    }
+    row_of.push_back(check.rows.size() - 1);
+    observed.back().add(cell.positive, cell.positive + cell.negative);
+  }
+  const PosteriorDraws people(cells, model, place, static_cast<std::size_t>(draws), seed);
+  std::vector<std::vector<double>> shares(check.rows.size()), between(check.rows.size());
+  std::vector<double> discrepancies, drawn_discrepancies;
+  int as_large = 0;
+  for (int draw = 0; draw < draws; ++draw) {
+    stop_if_requested();
+    std::vector<SharesOfPeople> drawn(check.rows.size());
+    double of_observed = 0, of_drawn = 0;
+    for (std::size_t i = 0; i < given.size(); ++i) {
+      const HierarchicalCell& cell = given[i];
+      const auto p = static_cast<std::size_t>(cell.participant), c = static_cast<std::size_t>(cell.condition);
+      const auto number = static_cast<std::size_t>(draw);
+      const LogRates rates =
+          log_rates(model.response, cell.level, people.ln_s(p, c, number), people.criterion(p, c, number), model.lapse);
+      const double trials = cell.positive + cell.negative;
+      ExperimentStream stream(seed, kAnswerPurpose, static_cast<std::uint64_t>(draw), i);
+      const int positive = BinomialSampler(static_cast<int>(trials), std::min(std::exp(rates.positive), 1.0))
+                               .at(open_uniform(stream.next()));
+      drawn[row_of[i]].add(positive, trials);
+      of_observed += discrepancy_of(cell.positive, trials, rates);
+      of_drawn += discrepancy_of(positive, trials, rates);
+    }
+    for (std::size_t row = 0; row < drawn.size(); ++row) {
+      shares[row].push_back(drawn[row].share());
+      between[row].push_back(drawn[row].sd());
+    }
+    discrepancies.push_back(of_observed);
+    drawn_discrepancies.push_back(of_drawn);
+    as_large += of_drawn >= of_observed ? 1 : 0;
+  }
+  for (std::size_t row = 0; row < check.rows.size(); ++row) {
+    PredictiveRow& one = check.rows[row];
+    one.participants = observed[row].people;
+    one.trials = observed[row].trials;
+    one.share = band_of(observed[row].share(), std::move(shares[row]));
+    if (one.participants > 1) one.between = band_of(observed[row].sd(), std::move(between[row]));
+  }
+  check.observed = SampleQuantiles(std::move(discrepancies)).at(0.5);
+  check.drawn = SampleQuantiles(std::move(drawn_discrepancies)).at(0.5);
+  check.p = (1.0 + as_large) / (1.0 + draws);
+  return check;
+}
+
+std::string verdict_of(const PredictiveCheck& check) {
+  const char* const scatter = check.scatter_fits() ? "the answers scatter about each person's rates as drawn ones do"
+                              : check.p < 0.5 ? "the answers scatter more about each person's rates than drawn ones"
+                                              : "the answers are more regular than drawn ones";
+  const std::string bands =
+      fmt::format("{} of {} shares and spreads lie outside their 95 % bands", check.outside(), check.bands());
+  const std::string beyond =
+      check.bands_fit() ? "" : fmt::format(", more than the {} that chance explains", check.outside_by_chance());
+  return fmt::format("{}: {}{}, and {} (p {:.{}f}).",
+                     check.bands_fit() && check.scatter_fits() ? "The model draws answers like these"
+                                                               : "The model does not draw answers like these",
+                     bands, beyond, scatter, check.p, check.p < 0.01 || check.p > 0.99 ? 4 : 2);
+}
+
+}  // namespace jnd

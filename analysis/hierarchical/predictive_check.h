@@ -1,0 +1,84 @@
+// Does the hierarchical model draw answers like those that were given? A posterior predictive check.
+//
+// Every draw takes for each person ln s and criterion from their posterior at the estimates of the group
+// (posterior_draws.h), and from these answers to the same questions. Compared with the answers given, by condition and
+// level: the share of positive answers, and the standard deviation between people of their shares. Of all answers
+// together a discrepancy, the sum of (y - n p)^2/(n p (1 - p)) over people, conditions and levels, at the rates p of
+// each draw: of the given answers against the drawn ones.
+//
+// What it finds: levels at which the curve is too steep, too flat or out of place (lapses that were left out, another
+// observer), people who differ more or less than the model says, answers of one person that depend on each other or
+// drift (they scatter more), or are too regular. What it cannot find: what the estimates take up, such as a JND or a
+// criterion that is off for another reason; effects of order or time that even out within a level. The
+// answers are used twice, for the estimates and for the comparison, so that bands are wide and p stays near 0.5 more
+// often than a p value should: a small p speaks against the model, a large one hardly for it. With a handful of answers
+// at a level bands are so wide that a seventh of guesses may go unnoticed.
+//
+// Sources: Gelman, Meng and Stern 1996, Statistica Sinica 6:733 (realised discrepancies); Gelman et al. 2013, Bayesian
+// Data Analysis, 3rd ed., chapter 6. Tests: answers drawn from the model, and from others.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "analysis/hierarchical/hierarchical_fit.h"
+#include "analysis/numerics/special_values.h"
+#include "analysis/numerics/words.h"
+
+namespace jnd {
+
+inline constexpr int kPredictiveDraws = 400;
+
+enum class BandStatus {
+  inside,
+  below,      // the answers given lie below 95 % of the drawn ones
+  above,      // above
+  one_person  // nobody to differ from
+};
+inline constexpr auto kBandStatusWords = words<BandStatus>({{"inside", BandStatus::inside},
+                                                            {"below", BandStatus::below},
+                                                            {"above", BandStatus::above},
+                                                            {"one_person", BandStatus::one_person}});
+
+// The answers given, and what 95 % of the drawn ones have. NaN where there is one person.
+struct PredictiveBand {
+  double observed = kNaN, low = kNaN, high = kNaN;
+  BandStatus status = BandStatus::one_person;
+};
+
+// In one condition at one level.
+struct PredictiveRow {
+  std::size_t condition = 0;
+  double level = 0;
+  int participants = 0;  // who answered there
+  double trials = 0;
+  PredictiveBand share;    // of positive answers, 0..1
+  PredictiveBand between;  // standard deviation of people's shares
+};
+
+struct PredictiveCheck {
+  int draws = 0;
+  std::vector<PredictiveRow> rows;  // by condition, then level; those with trials
+  double observed = kNaN;           // the discrepancy of the answers given, median over the draws
+  double drawn = kNaN;              // of the drawn ones
+  double p = kNaN;                  // (1 + draws in which the drawn one is as large)/(1 + draws)
+
+  int bands() const noexcept;    // that compare something
+  int outside() const noexcept;  // the answers given lie outside
+  // So many of as many independent bands may lie outside: more do in at most 5 % of studies.
+  int outside_by_chance() const;
+  bool bands_fit() const { return outside() <= outside_by_chance(); }
+  bool scatter_fits() const noexcept { return p >= 0.025 && p <= 0.975; }
+};
+
+// cells: as of HierarchicalAnalysis, with whole counts and at least one trial; place: the estimates of the same model;
+// draws >= 1. The same seed gives the same check on every machine. Throws Stopped (numerics/stop_request.h).
+PredictiveCheck predictive_check(std::span<const HierarchicalCell> cells, const HierarchicalModel& model,
+                                 const HierarchicalPlace& place, int draws, std::uint64_t seed);
+
+// What it says, in a sentence or two.
+std::string verdict_of(const PredictiveCheck& check);
+
+}  // namespace jnd
