@@ -161,7 +161,7 @@ PredictiveCheck predictive_check(std::span<const HierarchicalCell> cells, const 
   return check;
 }
 
-std::string verdict_of(const PredictiveCheck& check) {
+std::string predictive_verdict(const PredictiveCheck& check) {
   const char* const scatter = check.scatter_fits() ? "the answers scatter about each person's rates as drawn ones do"
                               : check.p < 0.5 ? "the answers scatter more about each person's rates than drawn ones"
                                               : "the answers are more regular than drawn ones";

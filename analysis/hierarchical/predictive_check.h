@@ -21,6 +21,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "analysis/hierarchical/hierarchical_fit.h"
@@ -78,7 +79,12 @@ struct PredictiveCheck {
 PredictiveCheck predictive_check(std::span<const HierarchicalCell> cells, const HierarchicalModel& model,
                                  const HierarchicalPlace& place, int draws, std::uint64_t seed);
 
-// What it says, in a sentence or two.
-std::string verdict_of(const PredictiveCheck& check);
+// What it says, in a sentence.
+std::string predictive_verdict(const PredictiveCheck& check);
+
+// What everyone who reads a check is told.
+inline constexpr std::string_view kPredictiveMeaning =
+    "The answers are used for the estimates too, so that a small p speaks against the model, and a large one hardly for "
+    "it.";
 
 }  // namespace jnd

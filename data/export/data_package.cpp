@@ -57,6 +57,7 @@ const std::vector<Keys>& keys() {
       {"sensitivity.csv", {"model", "correction", "method", "condition"}},
       {"hierarchical.csv", {"condition"}},
       {"hierarchical_ratios.csv", {"condition_a", "condition_b"}},
+      {"hierarchical_check.csv", {"condition", "difference_n_per_m"}},
       {"hierarchical_people.csv", {"participant", "condition"}, true},
       {"proportion.csv", {"condition"}},
       {"ratings.csv", {"item", "condition_a", "condition_b"}},

@@ -1,5 +1,7 @@
 #include "data/export/hierarchical_fields.h"
 
+#include <cmath>
+#include <cstdint>
 #include <string>
 
 #include "data/export/between_fields.h"
@@ -104,6 +106,54 @@ Fields<HierarchicalRatio> hierarchical_ratio_fields(const Protocol& protocol, Se
           F("p", "its p, without correction for several ratios", &R::p, {.shown = Shown::p_value}),
           F("status", "ok, or no_jnd where a condition has none; the test is there all the same",
             [](const R& r) { return r.defined ? "ok" : "no_jnd"; }, {.levels = "ok no_jnd"})};
+}
+
+std::vector<HierarchicalCheckRow> hierarchical_check_rows(const StudyHierarchical& model) {
+  std::vector<HierarchicalCheckRow> rows;
+  if (model.check)
+    for (const PredictiveRow& one : model.check->rows) rows.push_back({&*model.check, &one});
+  return rows;
+}
+
+Fields<HierarchicalCheckRow> hierarchical_check_fields(const Protocol& protocol, SessionKind kind) {
+  using R = HierarchicalCheckRow;
+  using F = Field<R>;
+  const std::string unit(to_string(protocol.stimulus.unit));
+  constexpr const char* kBandStatuses = "inside below above one_person";
+  return {
+      F("condition", "condition",
+        [&protocol](const R& r) { return condition_of(protocol, static_cast<int>(r.one->condition)); }),
+      F("kind", "kind of the sessions", [kind](const R&) { return kind; }, {.levels = kKindsCounted}),
+      F("difference", "difference of the two stimuli; 0: they were equal", [](const R& r) { return r.one->level; },
+        {.column = in_unit("difference_", protocol), .unit = unit, .digits = stiffness_decimals(protocol)}),
+      F("participants", "participants with counted trials there", [](const R& r) { return r.one->participants; },
+        {.title = "n"}),
+      F("trials", "counted trials there",
+        [](const R& r) { return static_cast<std::int64_t>(std::llround(r.one->trials)); }),
+      F("share", "share of answers \"different\"", [](const R& r) { return r.one->share.observed; },
+        {.title = "\"different\"", .shown = Shown::percent}),
+      F("share_low", "lower end of what 95 % of the answers have that the model draws for the same people",
+        [](const R& r) { return r.one->share.low; }, {.column = "share_drawn_low", .shown = Shown::percent}),
+      F("share_high", "upper end", [](const R& r) { return r.one->share.high; },
+        {.column = "share_drawn_high", .shown = Shown::percent}),
+      F("share_status", "whether the share lies there, below or above",
+        [](const R& r) { return word_of(kBandStatusWords, r.one->share.status); }, {.levels = kBandStatuses}),
+      F("sd", "standard deviation between people of their shares; empty of one person",
+        [](const R& r) { return r.one->between.observed; }, {.column = "sd_between", .title = "sd of people"}),
+      F("sd_low", "lower end of what 95 % of the drawn answers have", [](const R& r) { return r.one->between.low; },
+        {.column = "sd_between_drawn_low"}),
+      F("sd_high", "upper end", [](const R& r) { return r.one->between.high; }, {.column = "sd_between_drawn_high"}),
+      F("sd_status", "whether the standard deviation lies there, below or above; one_person: there is none",
+        [](const R& r) { return word_of(kBandStatusWords, r.one->between.status); },
+        {.column = "sd_between_status", .levels = kBandStatuses}),
+      F("draws", "draws of the check", [](const R& r) { return r.of->draws; }),
+      F("discrepancy",
+        "of all answers: sum of (k - n p)^2/(n p (1 - p)) over participants, conditions and differences, at drawn rates "
+        "p; median over the draws",
+        [](const R& r) { return r.of->observed; }, {.digits = 1}),
+      F("discrepancy_drawn", "the same of the drawn answers", [](const R& r) { return r.of->drawn; }, {.digits = 1}),
+      F("p", "share of draws whose own answers have as large a discrepancy (Gelman, Meng and Stern 1996)",
+        [](const R& r) { return r.of->p; }, {.column = "discrepancy_p", .shown = Shown::p_value})};
 }
 
 Fields<HierarchicalPerson> hierarchical_person_fields(const Protocol& protocol, SessionKind kind) {

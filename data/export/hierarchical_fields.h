@@ -20,6 +20,14 @@ Fields<HierarchicalConditionRow> hierarchical_fields(const Protocol& protocol, S
 // A pair of conditions.
 Fields<HierarchicalRatio> hierarchical_ratio_fields(const Protocol& protocol, SessionKind kind);
 
+// A condition and level of the posterior predictive check; what is of the whole check stands in every row.
+struct HierarchicalCheckRow {
+  const PredictiveCheck* of;
+  const PredictiveRow* one;
+};
+std::vector<HierarchicalCheckRow> hierarchical_check_rows(const StudyHierarchical& model);
+Fields<HierarchicalCheckRow> hierarchical_check_fields(const Protocol& protocol, SessionKind kind);
+
 // A participant and condition.
 Fields<HierarchicalPerson> hierarchical_person_fields(const Protocol& protocol, SessionKind kind);
 

@@ -168,6 +168,17 @@ void add_people(StudyHierarchical& model, const std::vector<PersonEstimate>& peo
   }
 }
 
+// The same for every study of the same answers.
+constexpr std::uint64_t kCheckSeed = 1;
+
+void add_check(StudyHierarchical& model, const ModelAnswers& answers, const HierarchicalPlace& place,
+               DifferenceSource by) {
+  if (by != DifferenceSource::nominal || static_cast<std::size_t>(model.participants) > kMostInDetail) return;
+  model.check = predictive_check(answers.cells, {.response = *model.response}, place, kPredictiveDraws, kCheckSeed);
+  for (PredictiveRow& row : model.check->rows)
+    row.condition = static_cast<std::size_t>(answers.places.conditions[row.condition]);
+}
+
 StudyHierarchical& refuse(StudyHierarchical& model, HierarchicalStatus status, std::string reason) {
   model.status = status;
   model.reason = std::move(reason);
@@ -214,6 +225,7 @@ StudyHierarchical study_hierarchical(const StudyAnalysis& analysis, const Protoc
   model.equal_lr = fit.lr;
   model.equal_p = fit.p;
   model.equal_df = fit.df;
+  add_check(model, answers, fit.maximum.place, analysis.by);
   return model;
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "analysis/hierarchical/hierarchical_fit.h"
+#include "analysis/hierarchical/predictive_check.h"
 #include "analysis/numerics/special_values.h"
 #include "analysis/numerics/words.h"
 #include "data/results/study_analysis.h"
@@ -98,6 +99,9 @@ struct StudyHierarchical {
   // One JND for all conditions, by likelihood ratio; df 0: there is no such test.
   double equal_lr = kNaN, equal_p = kNaN;
   int equal_df = 0;
+  // Whether the model draws answers like these; the conditions of its rows are places in the protocol. None over
+  // delivered differences, which hardly two people share, nor above kMostInDetail participants.
+  std::optional<PredictiveCheck> check;
 };
 
 // What a model whose people are alike() says of them.

@@ -18,6 +18,7 @@
 #include "protocols/input/csv_table.h"
 #include "protocols/input/input_error.h"
 #include "runner/calc/calc.h"
+#include "runner/calc/calc_hierarchical_check.h"
 #include "runner/calc/trials_input.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
@@ -37,7 +38,7 @@ struct HierarchicalCommand {
   TrialOptions trials;
   std::string task, observer = "yes-no", random = "tu,tv,tw", lapse = "0";
   bool one_jnd = false, people = false;
-  int bootstrap = 0, threads = 0;
+  int bootstrap = 0, check = 0, threads = 0;
   std::uint64_t seed = 1;
 };
 
@@ -165,8 +166,10 @@ struct HierarchicalResult {
   std::vector<ConditionDifference> differences;
   std::vector<PersonEstimate> people;
   std::optional<EqualityBootstrap> bootstrap;
+  std::optional<PredictiveCheck> check;
 
   bool choice() const noexcept { return model.response == ResponseModel::choice; }
+  double origin() const noexcept { return choice() ? answers.standard.value_or(0) : 0; }  // of the levels
 };
 
 // Of the model, and where there is a test of the one with one JND.
@@ -258,6 +261,7 @@ ordered_json hierarchical_json(const HierarchicalResult& result) {
                            {"p", json_number(one.p)}});
   out["mu_diff"] = std::move(differences);
   out["people"] = people_json(result);
+  if (result.check) out["check"] = predictive_json(*result.check, result.answers.conditions, result.origin());
   return out;
 }
 
@@ -387,6 +391,7 @@ std::string hierarchical_text(const HierarchicalResult& result) {
           "\n";
   text += differences_text(result) + spreads_text(result);
   if (!result.people.empty()) text += people_text(result);
+  if (result.check) text += predictive_text(*result.check, result.answers.conditions, result.origin());
   constexpr std::size_t kColumns = 104;
   for (const std::string& line : wrapped_words(std::string(kHierarchicalAssumptions), kColumns))
     text += dim(line) + "\n";
@@ -400,11 +405,15 @@ int hierarchical(const HierarchicalCommand& options) {
   refuse_empty(options, result.answers);
   if (options.bootstrap > 0 && (options.one_jnd || result.answers.conditions.size() < 2))
     throw UsageError("--bootstrap tests one JND for all conditions: it takes several conditions, without --one-jnd");
+  if (options.check < 0 || options.check > 100'000) throw UsageError("--check=N: from 1 to 100000 draws");
   HierarchicalAnalysis analysis(result.answers.cells, result.model);
   analysis.add_intervals();
   result.fit = analysis.fit();
   result.differences = analysis.differences();
   if (options.people || options.input.json) result.people = analysis.people();
+  if (options.check > 0)
+    result.check =
+        predictive_check(result.answers.cells, result.model, result.fit.maximum.place, options.check, options.seed);
   if (options.bootstrap > 0) {
     const int processors = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
     ProgressBar bar("drawing studies", options.bootstrap);
@@ -449,7 +458,11 @@ void add_calc_hierarchical(CommandTree& calc) {
                   "draw so many studies without a difference between conditions, for the test of one JND")
       ->check(CLI::Range(0, 100'000))
       ->capture_default_str();
-  command.add_option("--seed", options.seed, "of the drawn studies")->capture_default_str();
+  command.add_flag(fmt::format("--check{{{}}}", kPredictiveDraws), options.check,
+                   fmt::format("whether the model draws answers like these: a posterior predictive check by {} draws, "
+                               "or --check=N",
+                               kPredictiveDraws));
+  command.add_option("--seed", options.seed, "of the drawn studies and of the check")->capture_default_str();
   command.add_option("--threads", options.threads, "drawn studies at a time (default: one a processor)")
       ->check(CLI::Range(1, 1024));
   add_trial_options(command, options.trials, kHierarchicalUse);

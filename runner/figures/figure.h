@@ -62,6 +62,8 @@ std::vector<Figure> contrast_figures(const StudyResults& results, const Protocol
 // one, beside the group's; and every ratio of two conditions.
 std::vector<Figure> hierarchical_figures(const StudyResults& results, const Protocol& protocol);
 std::vector<Figure> ratio_figures(const StudyResults& results, const Protocol& protocol);
+// The same model's posterior predictive check: the share of "different" over the differences, beside what it draws.
+std::vector<Figure> predictive_figures(const StudyResults& results, const Protocol& protocol);
 // Where the answers set the levels: the levels of every track, a panel for every participant.
 std::vector<Figure> track_figures(const StudyResults& results, const Protocol& protocol);
 

@@ -83,6 +83,31 @@ ResultTable hierarchical_ratios_table(const ConstantResults& results, const Prot
             results.hierarchical->ratios);
 }
 
+ResultTable hierarchical_check_table(const ConstantResults& results, const Protocol& protocol) {
+  ResultTable table{"hierarchical-check", "Posterior predictive check of the hierarchical model", "", {}, {}, {}};
+  if (!results.hierarchical || !results.hierarchical->check) return table;
+  const PredictiveCheck& check = *results.hierarchical->check;
+  table.note = "answers beside those that the model draws for the same people; sd of people: of their shares";
+  const TableMaker of(hierarchical_check_fields(protocol, results.analysis.attendance.kind));
+  using Row = HierarchicalCheckRow;
+  const auto outside = [](const Row& row) {
+    std::string text;
+    for (const auto& [name, band] : {std::pair{"share", &row.one->share}, {"sd", &row.one->between}})
+      if (band->status == BandStatus::below || band->status == BandStatus::above)
+        text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name, word_of(kBandStatusWords, band->status));
+    return text;
+  };
+  std::vector<TableColumn<Row>> columns = {of("condition"), of("difference"), of("trials"), of("share"),
+                                           of.range("share_low", "share_high", "95 % of drawn")};
+  if (results.hierarchical->participants > 1)
+    columns.insert(columns.end(), {of("sd"), of.range("sd_low", "sd_high", "95 % of drawn")});
+  if (check.outside() > 0) columns.push_back(of.words("outside", outside));
+  table = of(std::move(table), columns, hierarchical_check_rows(*results.hierarchical));
+  table.footnotes.push_back(predictive_verdict(check));
+  table.footnotes.emplace_back(kPredictiveMeaning);
+  return table;
+}
+
 ResultTable hierarchical_people_table(const ConstantResults& results, const Protocol& protocol) {
   ResultTable table{"hierarchical-people", "Participants by the hierarchical model", "", {}, {}, {}};
   if (!results.hierarchical || results.hierarchical->status != HierarchicalStatus::ok) return table;
@@ -133,6 +158,22 @@ Json hierarchical_json(const StudyHierarchical& model, const Protocol& protocol,
                                   {"participant", "condition", "separate", "separate_status", "alone", "alone_status",
                                    "jnd", "ln_sd", "criterion", "status"})
                       : Json::array();
+  out["check"] = nullptr;
+  if (model.check) {
+    const PredictiveCheck& check = *model.check;
+    out["check"] = {{"draws", check.draws},
+                    {"fits", check.bands_fit() && check.scatter_fits()},
+                    {"verdict", predictive_verdict(check)},
+                    {"bands", check.bands()},
+                    {"outside", check.outside()},
+                    {"outside_by_chance", check.outside_by_chance()},
+                    {"discrepancy", json_value(check.observed)},
+                    {"discrepancy_drawn", json_value(check.drawn)},
+                    {"p", json_value(check.p)}};
+    out["check"]["rows"] = rows_json(hierarchical_check_fields(protocol, kind), hierarchical_check_rows(model),
+                                     {"condition", "difference", "participants", "trials", "share", "share_low",
+                                      "share_high", "share_status", "sd", "sd_low", "sd_high", "sd_status"});
+  }
   out["sd"] = nullptr;
   if (model.status == HierarchicalStatus::ok)
     out["sd"] = {{"persons", spread_json(model.persons)},

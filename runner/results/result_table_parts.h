@@ -39,6 +39,7 @@ ResultTable task_counts_table(const TaskResults& results, const Protocol& protoc
 // hierarchical_tables.cpp: the hierarchical model, where it was added to the results.
 ResultTable hierarchical_table(const ConstantResults& results, const Protocol& protocol);
 ResultTable hierarchical_ratios_table(const ConstantResults& results, const Protocol& protocol);
+ResultTable hierarchical_check_table(const ConstantResults& results, const Protocol& protocol);
 ResultTable hierarchical_people_table(const ConstantResults& results, const Protocol& protocol);
 nlohmann::ordered_json hierarchical_json(const StudyHierarchical& model, const Protocol& protocol, SessionKind kind);
 

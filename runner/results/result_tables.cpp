@@ -177,6 +177,7 @@ struct TablesOf {
             series_table(measured, protocol),
             hierarchical_table(measured, protocol),
             hierarchical_ratios_table(measured, protocol),
+            hierarchical_check_table(measured, protocol),
             sensitivity_table(measured, protocol),
             sureness_table(measured, protocol),
             behaviour_table(measured, protocol),
@@ -217,7 +218,7 @@ struct TablesOf {
 }  // namespace
 
 Section section_of(const ResultTable& table) {
-  constexpr std::array<std::pair<std::string_view, Section>, 17> kSections = {
+  constexpr std::array<std::pair<std::string_view, Section>, 18> kSections = {
       {{"participants", Section::participants},
        {"group", Section::participants},
        {"contrasts", Section::tests},
@@ -229,6 +230,7 @@ Section section_of(const ResultTable& table) {
        {"hierarchical-people", Section::participants},
        {"hierarchical", Section::tests},
        {"hierarchical-ratios", Section::tests},
+       {"hierarchical-check", Section::tests},
        {"proportion", Section::tests},
        {"sensitivity", Section::models},
        {"models", Section::models},

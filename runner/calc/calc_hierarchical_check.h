@@ -1,0 +1,18 @@
+// The posterior predictive check of `jnd calc hierarchical --check`, for people and for machines.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "analysis/hierarchical/predictive_check.h"
+
+namespace jnd {
+
+// conditions: names by their place; origin: what is added to a level to print it (of choices the standard).
+std::string predictive_text(const PredictiveCheck& check, const std::vector<std::string>& conditions, double origin);
+nlohmann::ordered_json predictive_json(const PredictiveCheck& check, const std::vector<std::string>& conditions,
+                                       double origin);
+
+}  // namespace jnd
