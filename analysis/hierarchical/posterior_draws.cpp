@@ -61,7 +61,7 @@ class WithinPerson {
 PosteriorDraws::PosteriorDraws(std::span<const HierarchicalCell> cells, const HierarchicalModel& model,
                                const HierarchicalPlace& place, std::size_t draws, std::uint64_t seed)
     : draws_(draws), conditions_(place.mu.size()) {
-  HierarchicalLikelihood likelihood(cells, model.response, model.lapse);
+  HierarchicalLikelihood likelihood(cells, model.response, model.shared);
   const std::size_t participants = likelihood.participants();
   std::vector<std::vector<HierarchicalCell>> answers(participants * conditions_);
   for (const HierarchicalCell& cell : cells)
@@ -73,7 +73,7 @@ PosteriorDraws::PosteriorDraws(std::span<const HierarchicalCell> cells, const Hi
   for (std::size_t p = 0; p < participants; ++p) streams.emplace_back(seed, kDrawPurpose, 0, p);
   ExperimentStream beginnings(seed, kDrawPurpose, 1);
   NodeOffset offset{open_uniform(beginnings.next()), open_uniform(beginnings.next())};
-  WithinPerson within(model.response, model.lapse, place.tv);
+  WithinPerson within(model.response, model.shared.lapse, place.tv);
   likelihood.at(place);  // so that spacings stay the same from now on
   std::vector<std::vector<double>> numbers(participants);
   for (std::size_t begun = 0; begun < draws; begun += kDrawsOfARow) {

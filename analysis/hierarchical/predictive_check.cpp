@@ -131,7 +131,7 @@ PredictiveCheck predictive_check(std::span<const HierarchicalCell> cells, const 
       const auto p = static_cast<std::size_t>(cell.participant), c = static_cast<std::size_t>(cell.condition);
       const auto number = static_cast<std::size_t>(draw);
       const LogRates rates =
-          log_rates(model.response, cell.level, people.ln_s(p, c, number), people.criterion(p, c, number), model.lapse);
+          log_rates(model.response, cell.level, people.ln_s(p, c, number), people.criterion(p, c, number), model.shared.lapse);
       const double trials = cell.positive + cell.negative;
       ExperimentStream stream(seed, kAnswerPurpose, static_cast<std::uint64_t>(draw), i);
       const int positive = BinomialSampler(static_cast<int>(trials), std::min(std::exp(rates.positive), 1.0))

@@ -175,7 +175,7 @@ struct HierarchicalCalibration {
       return;
     }
     error_of_s.add(fit.conditions[1].mu - truth.mu[1]);
-    HierarchicalLikelihood likelihood(known.cells, ResponseModel::yes_no, 0);
+    HierarchicalLikelihood likelihood(known.cells, ResponseModel::yes_no, {});
     const auto statistic_of = [&](const HierarchicalForm& form) {
       const double held = maximise(likelihood, form, fit.maximum.place).log_likelihood;
       return std::max(0.0, 2 * (fit.maximum.log_likelihood - held));
@@ -204,7 +204,7 @@ struct HierarchicalCalibration {
     const HierarchicalFit& fit = analysis.fit();
     rejected.add(fit.p < kAlpha);
     lr_equal.add(fit.lr);
-    HierarchicalLikelihood likelihood(known.cells, ResponseModel::yes_no, 0);
+    HierarchicalLikelihood likelihood(known.cells, ResponseModel::yes_no, {});
     const HierarchicalForm form = free_form(fit);
     std::size_t pair = 0;
     for (std::size_t a = 0; a < 3; ++a)
@@ -273,7 +273,7 @@ struct HierarchicalCalibration {
                   std::uint64_t study) {
     add_ranks(known, truth, study, people_at_truth, false);
     add_ranks(known, fit.maximum.place, study, people_at_estimates, true);
-    HierarchicalLikelihood likelihood(known.cells, ResponseModel::yes_no, 0);
+    HierarchicalLikelihood likelihood(known.cells, ResponseModel::yes_no, {});
     const std::vector<PersonPosterior> posteriors = likelihood.posteriors(fit.maximum.place);
     for (std::size_t p = 0; p < posteriors.size(); ++p)
       for (std::size_t c = 0; c < 3; ++c)

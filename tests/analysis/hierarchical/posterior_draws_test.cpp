@@ -15,7 +15,7 @@ using namespace jnd::testing;
 double distance_from_posterior(const std::vector<HierarchicalCell>& cells, const HierarchicalModel& model,
                                const HierarchicalPlace& place, std::size_t count) {
   const PosteriorDraws draws(cells, model, place, count, 7);
-  HierarchicalLikelihood likelihood(cells, model.response, model.lapse);
+  HierarchicalLikelihood likelihood(cells, model.response, model.shared);
   const std::vector<PersonPosterior> posteriors = likelihood.posteriors(place);
   const auto n = static_cast<double>(count);
   double distance = 0;
@@ -61,7 +61,9 @@ TEST_CASE("draws of people have the moments of their posteriors", "[hierarchical
     HierarchicalPlace place = truth;
     place.kappa.assign(3, 0.5);
     CHECK(distance_from_posterior(published_study(3, 3), differencing, place, kDraws) < kFar);
-    HierarchicalModel choice{.response = ResponseModel::choice, .lapse = 0.02};
+    HierarchicalModel choice;
+    choice.response = ResponseModel::choice;
+    choice.shared.lapse = 0.02;
     place.kappa.assign(3, 30);
     place.tw = 60;
     CHECK(distance_from_posterior(published_study(3, 4), choice, place, kDraws) < kFar);
