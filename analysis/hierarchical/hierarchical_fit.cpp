@@ -75,7 +75,7 @@ HierarchicalAnalysis::HierarchicalAnalysis(std::vector<HierarchicalCell> cells, 
       return model.one_mean ? -kInf : from_here(form_.with_mean(c, ln_s), fit_.maximum).log_likelihood;
     };
     const SlopeStatus status = status_of(found.mu[c], fit_.maximum.log_likelihood, at_end);
-    fit_.conditions.push_back({status == SlopeStatus::ok ? found.mu[c] : kNaN, found.kappa[c], status, {}});
+    fit_.conditions.push_back({status == SlopeStatus::ok ? found.mu[c] : kNaN, found.kappa[c], status, {}, {}});
   }
   if (conditions < 2 || model.one_mean) return;
   HierarchicalForm common = form_;
@@ -137,23 +137,60 @@ void HierarchicalAnalysis::look_closely() {
   looked_closely_ = true;
 }
 
-// held(value): the form with the parameter at that value; slope(maximum): of ln L there, by the parameter.
+// held(value, from): the maximum with the parameter at that value, from another one; slope(maximum): of ln L there, by the
+// parameter. An end is looked for up to so far from the estimate.
 template <typename Held, typename Slope>
-ProfileEnds HierarchicalAnalysis::ends(double estimate, double error, const Held& held, const Slope& slope) {
-  constexpr double kOpen = 3;  // so far from the estimate, a factor of 20, an end is looked for
-  constexpr double kCloseEnough = 1e-4, kNegligibleHere = 1e-6;  // of the parameter, of ln L
+ProfileEnds HierarchicalAnalysis::ends(double estimate, double error, double furthest, const Held& held,
+                                       const Slope& slope) {
+  constexpr double kCloseEnough = 1e-4;
+  look_closely();
   const double best = fit_.maximum.log_likelihood;
   const auto end = [&](double side) {
     HierarchicalMaximum there = fit_.maximum;
     const auto profile = [&](double value) {
-      there = from_here(held(value), there, kNegligibleHere);
+      there = held(value, there);
       return ProfilePoint{best - there.log_likelihood, -slope(there)};
     };
-    const double outside = estimate + side * kOpen, first = estimate + side * std::min(2 * error, kOpen / 2);
-    if (error > kOpen / 6 && profile(outside).drop < kProfileDrop) return side * kInf;
+    const double outside = estimate + side * furthest, first = estimate + side * std::min(2 * error, furthest / 2);
+    if (error > furthest / 6 && profile(outside).drop < kProfileDrop) return side * kInf;
     return profile_bound(profile, estimate, outside, first, kCloseEnough);
   };
   return {end(-1), end(1)};
+}
+
+namespace {
+
+constexpr double kNegligibleHere = 1e-6;  // of ln L at a point of a profile
+constexpr double kFurthestFactor = 3;     // in ln s: a factor of 20
+constexpr double kFurthestBias = 6;       // in units of the criterion, a quarter of the range of levels: 1.5 of them
+
+}  // namespace
+
+ProfileEnds HierarchicalAnalysis::mean_ends(std::size_t condition, double error) {
+  const auto by = [&](const HierarchicalMaximum& there) {
+    return model_.one_mean ? std::accumulate(there.slope.mu.begin(), there.slope.mu.end(), 0.0)
+                           : there.slope.mu[condition];
+  };
+  const auto held = [&](double value, const HierarchicalMaximum& from) {
+    HierarchicalForm form = form_;
+    if (!model_.one_mean) return from_here(form.with_mean(condition, value), from, kNegligibleHere);
+    std::fill(form.of.begin(), form.of.end(), -1);
+    std::fill(form.offset.begin(), form.offset.end(), value);
+    return from_here(form, from, kNegligibleHere);
+  };
+  return ends(fit_.maximum.place.mu[condition], error, kFurthestFactor, held, by);
+}
+
+ProfileEnds HierarchicalAnalysis::criterion_ends(std::size_t condition, double error) {
+  HierarchicalForm form = form_;
+  form.held_criterion = static_cast<int>(condition);
+  const auto held = [&](double value, const HierarchicalMaximum& from) {
+    HierarchicalPlace place = from.place;
+    place.kappa[condition] = value;
+    return maximise(likelihood_, form, place, range_.criterion_unit, kNegligibleHere, from.information);
+  };
+  return ends(fit_.maximum.place.kappa[condition], error, kFurthestBias * range_.criterion_unit, held,
+              [condition](const HierarchicalMaximum& there) { return there.slope.kappa[condition]; });
 }
 
 const HierarchicalFit& HierarchicalAnalysis::add_intervals() {
@@ -161,43 +198,39 @@ const HierarchicalFit& HierarchicalAnalysis::add_intervals() {
   const std::size_t conditions = fit_.conditions.size(), stride = 2 * conditions;
   const std::vector<double> covariance =
       covariance_of_estimates(likelihood_.cell_information(fit_.maximum.place), fit_.maximum.place);
+  const auto error = [&](std::size_t i) { return std::sqrt(covariance[i * stride + i]); };
   for (std::size_t c = 0; c < conditions; ++c) {
     ConditionMean& one = fit_.conditions[c];
-    const auto by = [&](const HierarchicalMaximum& there) {
-      return model_.one_mean ? std::accumulate(there.slope.mu.begin(), there.slope.mu.end(), 0.0) : there.slope.mu[c];
-    };
-    const auto held = [&](double value) {
-      HierarchicalForm form = form_;
-      if (!model_.one_mean) return form.with_mean(c, value);
-      std::fill(form.of.begin(), form.of.end(), -1);
-      std::fill(form.offset.begin(), form.offset.end(), value);
-      return form;
-    };
-    one.ends = ends(fit_.maximum.place.mu[c], std::sqrt(covariance[c * stride + c]), held, by);
+    one.ends = mean_ends(c, error(c));
+    if (model_.response == ResponseModel::choice && one.status == SlopeStatus::ok)
+      one.criterion_ends = criterion_ends(c, error(conditions + c));
   }
   return fit_;
 }
 
-std::vector<ConditionDifference> HierarchicalAnalysis::differences() {
-  std::vector<ConditionDifference> differences;
-  const std::size_t conditions = fit_.conditions.size(), stride = 2 * conditions;
-  if (model_.one_mean) return differences;
-  look_closely();
+ConditionDifference HierarchicalAnalysis::difference(std::size_t a, std::size_t b) {
+  const std::size_t stride = 2 * fit_.conditions.size();
   const std::vector<double> covariance =
       covariance_of_estimates(likelihood_.cell_information(fit_.maximum.place), fit_.maximum.place);
-  for (std::size_t a = 0; a < conditions; ++a)
-    for (std::size_t b = a + 1; b < conditions; ++b) {
-      ConditionDifference one{a, b, fit_.conditions[a].mu - fit_.conditions[b].mu, {}};
-      const double variance = covariance[a * stride + a] + covariance[b * stride + b] - 2 * covariance[a * stride + b];
-      const auto held = [&](double value) { return form_.with_difference(a, b, value); };
-      if (!std::isnan(one.difference))
-        one.ends = ends(one.difference, std::sqrt(std::max(variance, 0.0)), held,
-                        [a](const HierarchicalMaximum& there) { return there.slope.mu[a]; });
-      const double without = from_here(held(0), fit_.maximum).log_likelihood;
-      one.lr = std::max(0.0, 2 * (fit_.maximum.log_likelihood - without));
-      one.p = chi2_upper(one.lr, 1);
-      differences.push_back(one);
-    }
+  ConditionDifference one{a, b, fit_.conditions[a].mu - fit_.conditions[b].mu, {}};
+  const double variance = covariance[a * stride + a] + covariance[b * stride + b] - 2 * covariance[a * stride + b];
+  const auto held = [&](double value, const HierarchicalMaximum& from) {
+    return from_here(form_.with_difference(a, b, value), from, kNegligibleHere);
+  };
+  if (!std::isnan(one.difference))
+    one.ends = ends(one.difference, std::sqrt(std::max(variance, 0.0)), kFurthestFactor, held,
+                    [a](const HierarchicalMaximum& there) { return there.slope.mu[a]; });
+  const double without = from_here(form_.with_difference(a, b, 0), fit_.maximum).log_likelihood;
+  one.lr = std::max(0.0, 2 * (fit_.maximum.log_likelihood - without));
+  one.p = chi2_upper(one.lr, 1);
+  return one;
+}
+
+std::vector<ConditionDifference> HierarchicalAnalysis::differences() {
+  std::vector<ConditionDifference> differences;
+  if (model_.one_mean) return differences;
+  for (std::size_t a = 0; a < fit_.conditions.size(); ++a)
+    for (std::size_t b = a + 1; b < fit_.conditions.size(); ++b) differences.push_back(difference(a, b));
   return differences;
 }
 

@@ -64,7 +64,8 @@ struct ConditionMean {
   double mu = 0;  // NaN without a JND; its interval still has one end
   double criterion = 0;
   SlopeStatus status = SlopeStatus::ok;
-  ProfileEnds ends;  // of mu; NaN before add_intervals()
+  ProfileEnds ends;            // of mu; NaN before add_intervals()
+  ProfileEnds criterion_ends;  // of choices: of the criterion, likewise; NaN of other models
 };
 
 // mu of condition a less that of b: the logarithm of the ratio of the JNDs. NaN, with its ends, where one has no JND;
@@ -105,6 +106,7 @@ class HierarchicalAnalysis {
 
   // What takes longer, and changes nothing of the fit but adds to it: intervals of the means; all pairs.
   const HierarchicalFit& add_intervals();
+  ConditionDifference difference(std::size_t a, std::size_t b);  // not of a model with one_mean
   std::vector<ConditionDifference> differences();
   // By participant, then condition.
   std::vector<PersonEstimate> people();
@@ -115,7 +117,9 @@ class HierarchicalAnalysis {
                                 double negligible = kNegligible);
   void look_closely();
   template <typename Held, typename Slope>
-  ProfileEnds ends(double estimate, double error, const Held& held, const Slope& slope);
+  ProfileEnds ends(double estimate, double error, double furthest, const Held& held, const Slope& slope);
+  ProfileEnds mean_ends(std::size_t condition, double error);
+  ProfileEnds criterion_ends(std::size_t condition, double error);
   template <typename AtEnd>
   SlopeStatus status_of(double ln_s, double log_likelihood, const AtEnd& at_end) const;
 

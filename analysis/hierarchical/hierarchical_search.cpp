@@ -35,7 +35,7 @@ class Variables {
   }
 
   std::size_t count() const noexcept {
-    return means_ + conditions_ + static_cast<std::size_t>(form_.tu + form_.tv + form_.tw + form_.rho);
+    return means_ + criteria() + static_cast<std::size_t>(form_.tu + form_.tv + form_.tw + form_.rho);
   }
 
   std::vector<double> from(const HierarchicalPlace& place) const {
@@ -47,7 +47,8 @@ class Variables {
         ++bound[static_cast<std::size_t>(form_.of[c])];
       }
     for (std::size_t i = 0; i < means_; ++i) x[i] /= bound[i];
-    for (const double kappa : place.kappa) x.push_back(kappa / unit_);
+    for (std::size_t c = 0; c < conditions_; ++c)
+      if (!holds_criterion(c)) x.push_back(place.kappa[c] / unit_);
     const auto spread = [&x](double one) {
       x.push_back(std::max(one, kSmallestSpread) * std::max(one, kSmallestSpread));
     };
@@ -63,7 +64,8 @@ class Variables {
     for (std::size_t c = 0; c < conditions_; ++c)
       place.mu[c] = form_.offset[c] + (form_.of[c] < 0 ? 0 : x[static_cast<std::size_t>(form_.of[c])]);
     std::size_t i = means_;
-    for (double& kappa : place.kappa) kappa = x[i++] * unit_;
+    for (std::size_t c = 0; c < conditions_; ++c)
+      if (!holds_criterion(c)) place.kappa[c] = x[i++] * unit_;
     if (form_.tu) place.tu = std::sqrt(x[i++]);
     if (form_.tv) place.tv = std::sqrt(x[i++]);
     if (form_.tw) place.tw = std::sqrt(x[i++]) * unit_;
@@ -75,7 +77,8 @@ class Variables {
     std::vector<double> slope(means_, 0);
     for (std::size_t c = 0; c < conditions_; ++c)
       if (form_.of[c] >= 0) slope[static_cast<std::size_t>(form_.of[c])] += by.mu[c];
-    for (const double kappa : by.kappa) slope.push_back(kappa * unit_);
+    for (std::size_t c = 0; c < conditions_; ++c)
+      if (!holds_criterion(c)) slope.push_back(by.kappa[c] * unit_);
     if (form_.tu) slope.push_back(by.tu / (2 * at.tu));
     if (form_.tv) slope.push_back(by.tv / (2 * at.tv));
     if (form_.tw) slope.push_back(by.tw * unit_ * unit_ / (2 * at.tw));
@@ -136,7 +139,7 @@ class Variables {
     const auto about = [&](double reach) { add(x[box.lower.size()] - reach, x[box.lower.size()] + reach); };
     for (std::size_t i = 0; i < means_; ++i)
       add(std::max(form_.lowest, x[i] - kFurthestMean), std::min(form_.highest, x[i] + kFurthestMean));
-    for (std::size_t c = 0; c < conditions_; ++c) about(kFurthestCriterion);
+    for (std::size_t c = 0; c < criteria(); ++c) about(kFurthestCriterion);
     for (int i = 0; i < form_.tu + form_.tv + form_.tw; ++i)
       add(kSmallestSpread * kSmallestSpread, kLargestSpread * kLargestSpread);
     if (form_.rho) add(-kLargestCorrelation, kLargestCorrelation);
@@ -162,12 +165,16 @@ class Variables {
     std::vector<FreeParameter> free;
     for (const int one : form_.of) free.push_back({one});
     int next = static_cast<int>(means_);
-    for (std::size_t c = 0; c < conditions_; ++c) free.push_back({next++, unit_});
+    for (std::size_t c = 0; c < conditions_; ++c) free.push_back({holds_criterion(c) ? -1 : next++, unit_});
     for (const bool spread : {form_.tu, form_.tv}) free.push_back({spread ? next++ : -1});
     free.push_back({form_.tw ? next++ : -1, unit_ * unit_});
     free.push_back({form_.rho ? next++ : -1});
     return free;
   }
+  bool holds_criterion(std::size_t condition) const noexcept {
+    return form_.held_criterion == static_cast<int>(condition);
+  }
+  std::size_t criteria() const noexcept { return conditions_ - (form_.held_criterion >= 0 ? 1 : 0); }
 
   const HierarchicalForm& form_;
   const HierarchicalPlace& start_;

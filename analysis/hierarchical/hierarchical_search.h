@@ -15,6 +15,7 @@ struct HierarchicalForm {
   std::vector<int> of;
   std::vector<double> offset;
   double lowest = -kInf, highest = kInf;  // where the free numbers are searched
+  int held_criterion = -1;                // the condition whose criterion keeps the value of the start; none: -1
 
   // Every condition its own mean; one mean for all; one mean held; the difference of two held (of a, less b).
   static HierarchicalForm separate(std::size_t conditions);

@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <tuple>
-
-#include <fmt/format.h>
 
 #include "analysis/hierarchical/posterior_draws.h"
 #include "analysis/numerics/binomial.h"
@@ -130,8 +129,8 @@ PredictiveCheck predictive_check(std::span<const HierarchicalCell> cells, const 
       const HierarchicalCell& cell = given[i];
       const auto p = static_cast<std::size_t>(cell.participant), c = static_cast<std::size_t>(cell.condition);
       const auto number = static_cast<std::size_t>(draw);
-      const LogRates rates =
-          log_rates(model.response, cell.level, people.ln_s(p, c, number), people.criterion(p, c, number), model.shared.lapse);
+      const LogRates rates = log_rates(model.response, cell.level, people.ln_s(p, c, number),
+                                       people.criterion(p, c, number), model.shared.lapse);
       const double trials = cell.positive + cell.negative;
       ExperimentStream stream(seed, kAnswerPurpose, static_cast<std::uint64_t>(draw), i);
       const int positive = BinomialSampler(static_cast<int>(trials), std::min(std::exp(rates.positive), 1.0))
@@ -165,14 +164,15 @@ std::string predictive_verdict(const PredictiveCheck& check) {
   const char* const scatter = check.scatter_fits() ? "the answers scatter about each person's rates as drawn ones do"
                               : check.p < 0.5 ? "the answers scatter more about each person's rates than drawn ones"
                                               : "the answers are more regular than drawn ones";
-  const std::string bands =
-      fmt::format("{} of {} shares and spreads lie outside their 95 % bands", check.outside(), check.bands());
   const std::string beyond =
-      check.bands_fit() ? "" : fmt::format(", more than the {} that chance explains", check.outside_by_chance());
-  return fmt::format("{}: {}{}, and {} (p {:.{}f}).",
-                     check.bands_fit() && check.scatter_fits() ? "The model draws answers like these"
-                                                               : "The model does not draw answers like these",
-                     bands, beyond, scatter, check.p, check.p < 0.01 || check.p > 0.99 ? 4 : 2);
+      check.bands_fit() ? "" : ", more than the " + std::to_string(check.outside_by_chance()) + " that chance explains";
+  char p[16];
+  std::snprintf(p, sizeof p, "%.*f", check.p < 0.01 || check.p > 0.99 ? 4 : 2, check.p);
+  std::string text = check.bands_fit() && check.scatter_fits() ? "The model draws answers like these"
+                                                               : "The model does not draw answers like these";
+  text += ": " + std::to_string(check.outside()) + " of " + std::to_string(check.bands()) +
+          " shares and spreads lie outside their 95 % bands" + beyond + ", and ";
+  return text + scatter + " (p " + p + ").";
 }
 
 }  // namespace jnd

@@ -2,10 +2,15 @@
 
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <utility>
+
+#include <fmt/format.h>
 
 #include "data/export/between_fields.h"
 #include "data/export/result_fields.h"
+#include "protocols/tasks/task.h"
 
 namespace jnd {
 
@@ -14,6 +19,44 @@ namespace {
 constexpr const char* kKindsCounted = "real pilot simulated";
 constexpr const char* kSlopeStatuses = "ok no_sensitivity ceiling missing";
 
+// "which": the criterion is where two stimuli feel alike.
+bool has_choices(const Protocol& protocol) {
+  const std::optional<AnswerModel> answers = task_of(protocol.task.kind).answer_model(protocol);
+  return answers && answers->response == ResponseModel::choice;
+}
+
+// Rows have a standard of their own.
+bool has_standards(const Protocol& protocol) {
+  return !task_of(protocol.task.kind).has_own_results();
+}
+
+template <typename Row, typename Series>
+void add_standard(Fields<Row>& fields, const Protocol& protocol, const Series& series) {
+  if (has_standards(protocol))
+    fields.push_back({"standard", "name of the standard", [&protocol, series](const Row& row) {
+                        return protocol.series[static_cast<std::size_t>(series(row))].name;
+                      }});
+}
+
+// Of quantities of any size, or of stiffnesses.
+FieldTraits in_study_unit(const Protocol& protocol, const std::string& prefix, std::optional<std::string> title = {}) {
+  FieldTraits traits{.column = in_unit(prefix, protocol),
+                     .unit = std::string(to_string(protocol.stimulus.unit)),
+                     .title = std::move(title),
+                     .digits = stiffness_decimals(protocol)};
+  if (has_standards(protocol)) traits.shown = Shown::compact;
+  return traits;
+}
+
+// What it means, of a study whose JND is not the usual one.
+std::string jnd_meaning(const Protocol& protocol) {
+  const std::optional<AnswerModel> answers = task_of(protocol.task.kind).answer_model(protocol);
+  if (has_standards(protocol) && answers)
+    for (const TaskOutcome& outcome : task_of(protocol.task.kind).outcomes(protocol))
+      if (outcome.key == answers->jnd) return " (" + outcome.meaning + ")";
+  return "";
+}
+
 void add_spread(Fields<HierarchicalConditionRow>& fields, const std::string& key, const std::string& of,
                 HierarchicalSpread StudyHierarchical::*spread) {
   using R = HierarchicalConditionRow;
@@ -21,13 +64,14 @@ void add_spread(Fields<HierarchicalConditionRow>& fields, const std::string& key
                             [spread](const R& r) { return (r.of->*spread).sd; }));
   fields.push_back(Field<R>(key + "_status",
                             "what that is; zero: the likelihood is largest at 0; not_identified: it takes several "
-                            "participants, or several conditions of one; empty without a model",
+                            "participants, or several conditions of one; not_asked: left out of the model, as where "
+                            "the PSE is taken as the standard; empty without a model",
                             [spread](const R& r) {
                               return r.of->status == HierarchicalStatus::ok
                                          ? std::optional(word_of(kSpreadStatusWords, (r.of->*spread).status))
                                          : std::nullopt;
                             },
-                            {.levels = "ok zero not_identified"}));
+                            {.levels = "ok zero not_identified not_asked"}));
 }
 
 }  // namespace
@@ -42,43 +86,81 @@ Fields<HierarchicalConditionRow> hierarchical_fields(const Protocol& protocol, S
   using R = HierarchicalConditionRow;
   using F = Field<R>;
   const std::string unit(to_string(protocol.stimulus.unit));
-  const int digits = stiffness_decimals(protocol);
   Fields<R> fields = {
-      F("condition", "condition", [&protocol](const R& r) { return condition_of(protocol, r.one->condition); }),
-      F("kind", "kind of the sessions", [kind](const R&) { return kind; }, {.levels = kKindsCounted}),
-      F("observer",
-        "how \"different\" is decided: on the difference (yes_no), or on its size (differencing); empty where the "
-        "model is not offered",
-        [](const R& r) {
-          return r.of->response ? std::optional(word_of(kResponseModelWords, *r.of->response)) : std::nullopt;
-        },
-        {.levels = "yes_no differencing"}),
-      F("participants", "participants with counted trials in any condition",
-        [](const R& r) { return r.of->participants; }),
-      F("n", "those with counted trials in this one", [](const R& r) { return r.one->participants; },
-        {.column = "n_used"}),
-      F("jnd", "JND of the median person, the geometric mean over people; empty where status says why",
-        [](const R& r) { return r.one->jnd; },
-        {.column = in_unit("jnd_", protocol), .unit = unit, .title = "JND " + unit, .digits = digits}),
-      F("ci_low", "lower end of its 95 % interval (profile likelihood); 0 where the answers leave it open",
-        [](const R& r) { return r.one->ci_low; },
-        {.column = in_unit("jnd_ci95_low_", protocol), .unit = unit, .digits = digits}),
-      F("ci_high", "upper end; Inf where the answers leave it open", [](const R& r) { return r.one->ci_high; },
-        {.column = in_unit("jnd_ci95_high_", protocol), .unit = unit, .digits = digits}),
-      F("weber", "that JND / reference", [](const R& r) { return r.one->weber; },
-        {.title = "Weber", .shown = Shown::percent}),
-      F("criterion",
-        "criterion of the group: z of the rate of \"same\" to equal stimuli (yes_no), ln of the size from which "
-        "\"different\" is said, in JNDs (differencing)",
-        [](const R& r) { return r.one->criterion; }),
+      F("condition", "condition", [&protocol](const R& r) { return condition_of(protocol, r.one->condition); })};
+  add_standard(fields, protocol, [](const R& r) { return r.one->series; });
+  fields.insert(
+      fields.end(),
+      {F("kind", "kind of the sessions", [kind](const R&) { return kind; }, {.levels = kKindsCounted}),
+       F("observer",
+         has_standards(protocol)
+             ? "response model: yes by the distance of the signal (yes_no), or the comparison chosen (choice); empty "
+               "where the task has none"
+             : "how \"different\" is decided: on the difference (yes_no), or on its size (differencing); empty where the "
+               "model is not offered",
+         [](const R& r) {
+           return r.of->response ? std::optional(word_of(kResponseModelWords, *r.of->response)) : std::nullopt;
+         },
+         {.levels = has_standards(protocol) ? "yes_no choice" : "yes_no differencing"}),
+       F("participants", "participants with counted trials in any condition",
+         [](const R& r) { return r.of->participants; }),
+       F("n", "those with counted trials in this one", [](const R& r) { return r.one->participants; },
+         {.column = "n_used"}),
+       F(
+           "jnd",
+           "JND of the median person, the geometric mean over people; empty where status says why" +
+               jnd_meaning(protocol),
+           [](const R& r) { return r.one->jnd; }, in_study_unit(protocol, "jnd_", jnd_title(protocol) + " " + unit)),
+       F(
+           "ci_low", "lower end of its 95 % interval (profile likelihood); 0 where the answers leave it open",
+           [](const R& r) { return r.one->ci_low; }, in_study_unit(protocol, "jnd_ci95_low_")),
+       F(
+           "ci_high", "upper end; Inf where the answers leave it open", [](const R& r) { return r.one->ci_high; },
+           in_study_unit(protocol, "jnd_ci95_high_")),
+       F("weber", has_standards(protocol) ? "that JND / standard" : "that JND / reference",
+         [](const R& r) { return r.one->weber; }, {.title = "Weber", .shown = Shown::percent})});
+  if (has_choices(protocol))
+    fields.insert(
+        fields.end(),
+        {F(
+             "pse",
+             "point of subjective equality of the group: the standard plus the mean bias; empty without a JND, and where it "
+             "is taken as the standard",
+             [](const R& r) { return r.one->pse; }, in_study_unit(protocol, "pse_", "PSE " + unit)),
+         F(
+             "pse_low", "lower end of its 95 % interval (profile likelihood); -Inf where the answers leave it open",
+             [](const R& r) { return r.one->pse_low; }, in_study_unit(protocol, "pse_ci95_low_")),
+         F(
+             "pse_high", "upper end; Inf where the answers leave it open", [](const R& r) { return r.one->pse_high; },
+             in_study_unit(protocol, "pse_ci95_high_")),
+         F(
+             "bias", "PSE less the standard", [](const R& r) { return r.one->criterion; },
+             in_study_unit(protocol, "bias_", "bias " + unit))});
+  else
+    fields.push_back(F(
+        "criterion",
+        has_standards(protocol)
+            ? "criterion of the group: z of the rate of \"no\" to the noise"
+            : "criterion of the group: z of the rate of \"same\" to equal stimuli (yes_no), ln of the size from which "
+              "\"different\" is said, in JNDs (differencing)",
+        [](const R& r) { return r.one->criterion; }));
+  fields.push_back(
       F("status", "what the JND is; of all conditions why the model was not fitted",
         [](const R& r) { return status_word(*r.of, *r.one); },
-        {.levels = "ok no_sensitivity ceiling missing no_answers not_offered too_many_people not_converged"})};
+        {.levels = "ok no_sensitivity ceiling missing no_answers not_offered too_many_people not_converged"}));
   add_spread(fields, "sd_persons", "ln JND over persons", &StudyHierarchical::persons);
   add_spread(fields, "sd_persons_by_condition", "ln JND over conditions of a person", &StudyHierarchical::by_condition);
-  add_spread(fields, "sd_criterion", "the criterion over persons", &StudyHierarchical::criteria);
-  fields.push_back(F("equal_lr", "likelihood-ratio chi-square of one JND for all conditions; empty of one condition",
-                     [](const R& r) { return r.of->equal_lr; }, {.digits = 2}));
+  if (has_choices(protocol))
+    add_spread(fields, "sd_pse",
+               protocol.series.size() > 1 ? std::string("the PSE over persons, as a share of the standard")
+                                          : fmt::format("the PSE over persons, in {}", unit),
+               &StudyHierarchical::criteria);
+  else
+    add_spread(fields, "sd_criterion", "the criterion over persons", &StudyHierarchical::criteria);
+  fields.push_back(
+      F("equal_lr",
+        "likelihood-ratio chi-square of one JND for all conditions; empty of one condition, and of several standards",
+        [](const R& r) { return r.of->equal_lr; }, {.digits = 2}));
   fields.push_back(F("equal_df", "its degrees of freedom",
                      [](const R& r) { return r.of->equal_df > 0 ? std::optional(r.of->equal_df) : std::nullopt; }));
   fields.push_back(F("equal_p", "its p", [](const R& r) { return r.of->equal_p; }, {.shown = Shown::p_value}));
@@ -90,22 +172,25 @@ Fields<HierarchicalConditionRow> hierarchical_fields(const Protocol& protocol, S
 Fields<HierarchicalRatio> hierarchical_ratio_fields(const Protocol& protocol, SessionKind kind) {
   using R = HierarchicalRatio;
   using F = Field<R>;
-  return {F("a", "first condition", [&protocol](const R& r) { return condition_of(protocol, r.a); },
-            {.column = "condition_a"}),
-          F("b", "second condition", [&protocol](const R& r) { return condition_of(protocol, r.b); },
-            {.column = "condition_b"}),
-          F("kind", "kind of the sessions", [kind](const R&) { return kind; }, {.levels = kKindsCounted}),
-          F("participants", "participants with counted trials in both", &R::participants, {.title = "n"}),
-          F("ratio", "JND of a / JND of b, of the median person; empty where status says why", &R::ratio,
-            {.title = "ratio of JNDs"}),
-          F("ci_low", "lower end of its 95 % interval (profile likelihood); 0 where the answers leave it open",
-            &R::ci_low, {.column = "ci95_low"}),
-          F("ci_high", "upper end; Inf where the answers leave it open", &R::ci_high, {.column = "ci95_high"}),
-          F("lr", "likelihood-ratio chi-square of a ratio of 1, 1 degree of freedom", &R::lr,
-            {.title = "chi-square", .digits = 2}),
-          F("p", "its p, without correction for several ratios", &R::p, {.shown = Shown::p_value}),
-          F("status", "ok, or no_jnd where a condition has none; the test is there all the same",
-            [](const R& r) { return r.defined ? "ok" : "no_jnd"; }, {.levels = "ok no_jnd"})};
+  Fields<R> fields = {F("a", "first condition", [&protocol](const R& r) { return condition_of(protocol, r.a); },
+                        {.column = "condition_a"}),
+                      F("b", "second condition", [&protocol](const R& r) { return condition_of(protocol, r.b); },
+                        {.column = "condition_b"})};
+  add_standard(fields, protocol, [](const R& r) { return r.series; });
+  fields.insert(fields.end(),
+                {F("kind", "kind of the sessions", [kind](const R&) { return kind; }, {.levels = kKindsCounted}),
+                 F("participants", "participants with counted trials in both", &R::participants, {.title = "n"}),
+                 F("ratio", "JND of a / JND of b, of the median person; empty where status says why", &R::ratio,
+                   {.title = "ratio of JNDs"}),
+                 F("ci_low", "lower end of its 95 % interval (profile likelihood); 0 where the answers leave it open",
+                   &R::ci_low, {.column = "ci95_low"}),
+                 F("ci_high", "upper end; Inf where the answers leave it open", &R::ci_high, {.column = "ci95_high"}),
+                 F("lr", "likelihood-ratio chi-square of a ratio of 1, 1 degree of freedom", &R::lr,
+                   {.title = "chi-square", .digits = 2}),
+                 F("p", "its p, without correction for several ratios", &R::p, {.shown = Shown::p_value}),
+                 F("status", "ok, or no_jnd where a condition has none; the test is there all the same",
+                   [](const R& r) { return r.defined ? "ok" : "no_jnd"; }, {.levels = "ok no_jnd"})});
+  return fields;
 }
 
 std::vector<HierarchicalCheckRow> hierarchical_check_rows(const StudyHierarchical& model) {
@@ -159,33 +244,43 @@ Fields<HierarchicalCheckRow> hierarchical_check_fields(const Protocol& protocol,
 Fields<HierarchicalPerson> hierarchical_person_fields(const Protocol& protocol, SessionKind kind) {
   using R = HierarchicalPerson;
   using F = Field<R>;
-  const std::string unit(to_string(protocol.stimulus.unit));
-  const int digits = stiffness_decimals(protocol);
   Fields<R> fields = {
       F("participant", "code of the participant", &R::participant),
       F("kind", "kind of the sessions", [kind](const R&) { return kind; }, {.levels = kKindsCounted}),
-      F("condition", "condition", [&protocol](const R& r) { return condition_of(protocol, r.condition); }),
-      F("separate", "the registered JND of the participant, from these answers alone; empty where its status says why",
-        &R::separate,
-        {.column = in_unit("jnd_separate_", protocol), .unit = unit, .title = "separate JND", .digits = digits}),
-      F("separate_status", "what that is", &R::separate_status, {.levels = "ok no_sensitivity ceiling no_information"}),
-      F("alone",
-        "the JND from these answers alone by the observer of the hierarchical model; empty where its status "
-        "says why",
-        &R::alone,
-        {.column = in_unit("jnd_alone_", protocol), .unit = unit, .title = "by its observer", .digits = digits}),
-      F("alone_status", "what that is", [](const R& r) { return word_of(kSlopeStatusWords, r.alone_status); },
-        {.levels = kSlopeStatuses}),
-      F("jnd",
-        "the JND given everybody's answers, drawn towards the group's: exp of the mean of ln JND; empty where status "
-        "says why",
-        &R::jnd,
-        {.column = in_unit("jnd_shrunken_", protocol), .unit = unit, .title = "shrunken JND", .digits = digits}),
-      F("ln_sd", "standard deviation of ln JND given the same, at the group's estimates", &R::ln_sd,
-        {.column = "ln_jnd_sd", .title = "sd of its ln"}),
-      F("criterion", "criterion given the same, as in hierarchical.csv", &R::criterion),
-      F("status", "ok, missing (no counted trial), or no_group_jnd (nothing to be drawn towards)",
-        [](const R& r) { return word_of(kShrunkenStatusWords, r.status); }, {.levels = "ok missing no_group_jnd"})};
+      F("condition", "condition", [&protocol](const R& r) { return condition_of(protocol, r.condition); })};
+  add_standard(fields, protocol, [](const R& r) { return r.series; });
+  const std::string jnd = jnd_title(protocol);
+  fields.insert(
+      fields.end(),
+      {F("separate",
+         protocol.design.procedure && !has_standards(protocol)
+             ? "the JND of the participant, from these answers alone: that of the procedure's posterior, or by the observer "
+               "of the hierarchical model where the registered threshold is no JND; empty where its status says why"
+             : "the registered JND of the participant, from these answers alone; empty where its status says why" +
+                   jnd_meaning(protocol),
+         &R::separate, in_study_unit(protocol, "jnd_separate_", "separate " + jnd)),
+       F("separate_status", "what that is", &R::separate_status,
+         {.levels = "ok no_sensitivity ceiling no_information"}),
+       F("alone",
+         "the JND from these answers alone by the observer of the hierarchical model; empty where its status "
+         "says why",
+         &R::alone, in_study_unit(protocol, "jnd_alone_", "by its observer")),
+       F("alone_status", "what that is", [](const R& r) { return word_of(kSlopeStatusWords, r.alone_status); },
+         {.levels = kSlopeStatuses}),
+       F("jnd",
+         "the JND given everybody's answers, drawn towards the group's: exp of the mean of ln JND; empty where status "
+         "says why",
+         &R::jnd, in_study_unit(protocol, "jnd_shrunken_", "shrunken " + jnd)),
+       F("ln_sd", "standard deviation of ln JND given the same, at the group's estimates", &R::ln_sd,
+         {.column = "ln_jnd_sd", .title = "sd of its ln"})});
+  if (has_choices(protocol))
+    fields.push_back(F("bias", "PSE less the standard, given the same; empty where that of the group is", &R::criterion,
+                       in_study_unit(protocol, "bias_", "bias")));
+  else
+    fields.push_back(F("criterion", "criterion given the same, as in hierarchical.csv", &R::criterion));
+  fields.push_back(F("status", "ok, missing (no counted trial), or no_group_jnd (nothing to be drawn towards)",
+                     [](const R& r) { return word_of(kShrunkenStatusWords, r.status); },
+                     {.levels = "ok missing no_group_jnd"}));
   add_group_field(fields, protocol);
   return fields;
 }

@@ -95,9 +95,7 @@ std::vector<ResultFile> result_files(const StudyResults& results, const Protocol
   add_file(files, "pairs.csv", pair_fields(protocol), pairs);
   add_file(files, "sensitivity.csv", sensitivity_fields(protocol), sensitivity);
   add_file(files, "behaviour.csv", behaviour_fields(protocol), behaviour);
-  if (const auto* constant = std::get_if<ConstantResults>(&results.measured);
-      constant != nullptr && constant->hierarchical)
-    add_hierarchical_files(files, *constant->hierarchical, protocol, kind);
+  if (results.hierarchical) add_hierarchical_files(files, *results.hierarchical, protocol, kind);
   add_file(files, "sureness.csv", sureness_fields(protocol), sureness);
   add_file(files, "items.csv", score_fields(protocol), scores);
   add_file(files, "ratings.csv", rating_fields(protocol), rating_rows(results.questionnaire.tests));

@@ -176,26 +176,46 @@ std::string registered_tests(const Protocol& protocol) {
                             post_hoc_words(protocol.analysis.tests.post_hoc, contrasts));
 }
 
+// The response model of the hierarchical one, with its letters.
+std::string observer_formula(const StudyHierarchical& model, const Protocol& protocol) {
+  if (model.response == ResponseModel::choice) {
+    const double jnd = task_of(protocol.task.kind).answer_model(protocol).value().jnd_of_s;
+    return fmt::format("P(comparison chosen) = {}Phi((x - k)/s){}, where x is the comparison less the standard, {}, {}",
+                       model.lapse > 0 ? fmt::format("{:g} + {:g} ", model.lapse / 2, 1 - model.lapse) : "",
+                       model.pse_at_standard ? " with k = 0" : " with the PSE less the standard k",
+                       jnd == 1 ? "s a participant's JND in a condition (84 %)"
+                                : fmt::format("{:.4f} s a participant's {} in a condition", jnd, jnd_title(protocol)),
+                       model.pse_at_standard ? "as all comparisons lie on one side of it"
+                                             : "k the sum of a value of the condition and one of the participant");
+  }
+  if (!task_of(protocol.task.kind).has_own_results())
+    return "P(\"yes\") = Phi(x/s - k) with the criterion k, where x is the distance of the signal from the noise, s a "
+           "participant's threshold in a condition";
+  return fmt::format("{}, where x is the stiffness difference, s a participant's JND in a condition",
+                     model.response == ResponseModel::differencing
+                         ? "P(\"different\") = Phi((x/s - t)/sqrt(2)) + Phi((-x/s - t)/sqrt(2)) with the criterion t"
+                         : "P(\"different\") = Phi(x/s - k) with the criterion k");
+}
+
 // The contrasts by one model of everybody's answers, where that is registered.
-std::string hierarchical_paragraph(const Protocol& protocol, const ConstantResults& measured) {
+std::string hierarchical_paragraph(const Protocol& protocol, const StudyResults& results) {
   const std::size_t contrasts = protocol.analysis.contrasts.size();
-  if (!protocol.analysis.hierarchical || !measured.hierarchical || contrasts == 0) return "";
-  const StudyHierarchical& model = *measured.hierarchical;
+  if (!protocol.analysis.hierarchical || !results.hierarchical || contrasts == 0) return "";
+  const StudyHierarchical& model = *results.hierarchical;
   if (model.status != HierarchicalStatus::ok)
     return fmt::format("\nThe registered contrasts of the hierarchical model were refused: {}.\n", model.reason);
   return fmt::format(
       "\nThe {}registered contrast{} {} of JNDs by one model of the answers of all {} participants, fitted by maximum "
-      "likelihood: {}, where x is the stiffness difference, s a participant's JND in a condition, and ln s the sum of a "
-      "value of the condition, one of the participant and one of both (Pinheiro and Bates 2000; Moscatelli et al. 2012). "
-      "A ratio was tested by its likelihood ratio{}, and its interval is of profile likelihood (Venzon and Moolgavkar "
-      "1988; alpha = {:g}). {}\n",
+      "likelihood: {}, and ln s the sum of a value of the condition, one of the participant and one of both (Pinheiro and "
+      "Bates 2000; Moscatelli et al. 2012). {}A ratio was tested by its likelihood ratio{}, and its interval is of profile "
+      "likelihood (Venzon and Moolgavkar 1988; alpha = {:g}). {}\n",
       contrasts == 1 ? "" : fmt::format("{} ", contrasts), plural(contrasts),
-      contrasts == 1 ? "is a ratio" : "are ratios", model.participants,
-      model.response == ResponseModel::differencing
-          ? "P(\"different\") = Phi((x/s - t)/sqrt(2)) + Phi((-x/s - t)/sqrt(2)) with the criterion t"
-          : "P(\"different\") = Phi(x/s - k) with the criterion k",
+      contrasts == 1 ? "is a ratio" : "are ratios", model.participants, observer_formula(model, protocol),
+      protocol.design.procedure
+          ? "The levels that the procedure chose count like given ones, as they depend on nothing but earlier answers. "
+          : "",
       contrasts == 1 ? "" : " with Holm's correction over the contrasts (Holm 1979)", protocol.analysis.tests.alpha,
-      kHierarchicalAssumptions);
+      hierarchical_assumptions(model));
 }
 
 // What was tested beside the registered outcome.
@@ -359,8 +379,7 @@ struct Sections {
 
   std::string operator()(const ConstantResults& measured) const {
     return with_estimates(estimate_paragraph(protocol, measured.analysis),
-                          exclusion_paragraph(protocol, measured.analysis.exclusions),
-                          hierarchical_paragraph(protocol, measured));
+                          exclusion_paragraph(protocol, measured.analysis.exclusions));
   }
   std::string operator()(const AdaptiveResults&) const {
     return with_estimates(
@@ -378,12 +397,10 @@ struct Sections {
   }
 
  private:
-  // contrasts: of a model of their own.
-  std::string with_estimates(const std::string& estimates, const std::string& exclusions,
-                             const std::string& contrasts = "") const {
+  std::string with_estimates(const std::string& estimates, const std::string& exclusions) const {
     return fmt::format("## Design\n\n{}\n## Estimates\n\n{}\n{}\n## Tests\n\n{}{}{}",
                        design_paragraph(protocol, results), estimates, exclusions, test_paragraph(protocol, results),
-                       contrasts, group_tests(protocol, results));
+                       hierarchical_paragraph(protocol, results), group_tests(protocol, results));
   }
 };
 

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <span>
+#include <utility>
 
 #include "analysis/numerics/special_values.h"
 #include "data/results/study_analysis.h"
 #include "data/task_results/participant_tracks.h"
+#include "data/task_results/task_results.h"
 #include "protocols/planning/adaptive_run.h"
 #include "protocols/planning/allotment.h"
 #include "protocols/planning/track_threshold.h"
@@ -129,6 +132,16 @@ AdaptiveResults adaptive_results(const Study& study, const Protocol& protocol, S
   }
   results.group = adaptive_group(results.rows, protocol);
   return results;
+}
+
+void add_answers(AdaptiveResults& results, const Protocol& protocol, const std::vector<SessionInfo>& sessions,
+                 const std::vector<CountedTrial>& trials) {
+  std::map<std::pair<std::string, int>, std::vector<AnsweredTrial>> by_cell;  // participant and condition
+  for (const CountedTrial& trial : trials)
+    by_cell[{sessions[static_cast<std::size_t>(trial.session)].participant, trial.condition}].push_back(
+        answered(trial));
+  for (AdaptiveRow& row : results.rows)
+    if (row.track == 0) row.answers = level_counts(by_cell[{row.participant, row.condition}], protocol);
 }
 
 }  // namespace jnd

@@ -10,6 +10,7 @@
 #include "data/study/study.h"
 #include "protocols/planning/adaptive_run.h"
 #include "protocols/protocol.h"
+#include "protocols/tasks/task.h"
 
 namespace jnd {
 
@@ -30,6 +31,7 @@ struct AdaptiveRow {
   std::vector<double> reversals;         // of a staircase's track: their levels
   std::vector<TrackPosterior> course{};  // of a track of the Bayesian procedure: after each of `levels`
   std::optional<int> group{};            // of the participant, place in Protocol::groups
+  std::vector<LevelCount> answers{};     // of all tracks: for one model of everybody's
 };
 
 // Over the participants whose threshold in the condition is ok.
@@ -50,6 +52,9 @@ struct AdaptiveResults {
 // Practice is left out. Registered exclusions are not applied: an excluded answer has moved the levels all the same.
 // Throws StorageError where an event contradicts the protocol.
 AdaptiveResults adaptive_results(const Study& study, const Protocol& protocol, SessionKind kind);
+// AdaptiveRow::answers. trials: of the same sessions.
+void add_answers(AdaptiveResults& results, const Protocol& protocol, const std::vector<SessionInfo>& sessions,
+                 const std::vector<CountedTrial>& trials);
 
 // The rows of one session from its events.
 std::vector<AdaptiveRow> adaptive_rows(const std::vector<Event>& events, const Protocol& protocol,

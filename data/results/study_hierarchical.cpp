@@ -6,23 +6,270 @@
 
 #include <fmt/format.h>
 
+#include "protocols/planning/track_threshold.h"
+#include "protocols/tasks/posterior_model.h"
+
 namespace jnd {
 
 namespace {
 
-// Where participants and conditions with trials stand among those that the model counts; -1 without trials.
-struct ModelPlaces {
-  std::vector<int> of_threshold;  // the participant of each row of StudyAnalysis::thresholds
-  std::vector<int> of_condition;
-  std::vector<int> conditions;  // by the model's place: the protocol's
-  int participants = 0;
+// What one participant answered in one condition and at one standard, with what is known before anything is fitted.
+struct AnsweredCell {
+  HierarchicalPerson person;
+  std::vector<LevelCount> counts;
 };
 
-// The answers at each difference; those to equal stimuli stand at a difference of 0, a row for each series.
-struct ModelAnswers {
-  ModelPlaces places;
-  std::vector<HierarchicalCell> cells;
+int trials_of(const std::vector<LevelCount>& counts) noexcept {
+  int trials = 0;
+  for (const LevelCount& one : counts) trials += one.positive + one.negative;
+  return trials;
+}
+
+// Rows of a participant stand together.
+std::vector<int> numbers_of(const std::vector<AnsweredCell>& cells) {
+  std::vector<int> numbers(cells.size(), -1);  // among those with trials
+  int number = -1;
+  std::string_view last;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (trials_of(cells[i].counts) == 0) continue;
+    if (number < 0 || cells[i].person.participant != last) ++number;
+    last = cells[i].person.participant;
+    numbers[i] = number;
+  }
+  return numbers;
+}
+
+// The fit of a study, laid out from its cells and read back into them.
+class StudyFit {
+ public:
+  StudyFit(std::vector<AnsweredCell> cells, const Protocol& protocol) : cells_(std::move(cells)), protocol_(protocol) {
+    const Task& task = task_of(protocol.task.kind);
+    offered_ = task.answer_model(protocol);
+    if (offered_) answer_model_ = *offered_;
+    if (!task.has_own_results()) series_ = static_cast<int>(protocol.series.size());
+    lay_out();
+  }
+
+  StudyHierarchical fitted(std::string separate, bool rounded);
+
+ private:
+  bool choices() const noexcept { return answer_model_.response == ResponseModel::choice; }
+  double standard_of(int series) const {
+    return protocol_.series.empty() || task_of(protocol_.task.kind).has_own_results()
+               ? protocol_.stimulus.reference
+               : protocol_.series[static_cast<std::size_t>(series)].standard;
+  }
+  // What a level is divided by: of several standards, which may lie far apart, the standard.
+  double unit_of(int series) const { return model_.several_standards ? standard_of(series) : 1; }
+  std::size_t place(const HierarchicalPerson& person) const noexcept {
+    return row_of(model_, protocol_, person.condition, person.series);
+  }
+
+  void lay_out();
+  std::string refusal();
+  std::vector<HierarchicalCell> cells_of_fit() const;
+  void add_spreads(const HierarchicalFit& fit);
+  void add_conditions(const HierarchicalFit& fit);
+  void add_ratios(HierarchicalAnalysis& fitted);
+  void add_people(const std::vector<PersonEstimate>& people);
+  void add_check(const std::vector<HierarchicalCell>& cells, const HierarchicalModel& of,
+                 const HierarchicalPlace& place);
+  int in_both(std::size_t a, std::size_t b) const;
+
+  std::vector<AnsweredCell> cells_;
+  const Protocol& protocol_;
+  std::optional<AnswerModel> offered_;
+  AnswerModel answer_model_;
+  int series_ = 1;  // rows of a condition
+  StudyHierarchical model_;
+  std::vector<int> number_;               // of the participant of each cell, in the fit; -1 without trials
+  std::vector<int> to_fit_;               // by row of a condition: its place in the fit; -1 without trials
+  std::vector<std::size_t> fitted_rows_;  // by place in the fit
 };
+
+void StudyFit::lay_out() {
+  for (std::size_t condition = 0; condition < protocol_.conditions.size(); ++condition)
+    for (int series = 0; series < series_; ++series)
+      model_.conditions.push_back({.condition = static_cast<int>(condition), .series = series});
+  number_ = numbers_of(cells_);
+  for (std::size_t i = 0; i < cells_.size(); ++i) {
+    model_.trials += trials_of(cells_[i].counts);
+    model_.participants = std::max(model_.participants, number_[i] + 1);
+    if (number_[i] >= 0) ++model_.conditions[place(cells_[i].person)].participants;
+  }
+  for (std::size_t row = 0; row < model_.conditions.size(); ++row) {
+    const bool any = model_.conditions[row].participants > 0;
+    to_fit_.push_back(any ? static_cast<int>(fitted_rows_.size()) : -1);
+    if (any) fitted_rows_.push_back(row);
+  }
+  if (offered_) model_.response = answer_model_.response;
+  model_.lapse = answer_model_.lapse;
+  model_.pse_at_standard = answer_model_.pse_at_standard;
+  model_.several_standards = series_ > 1;
+  for (int series = 0; series < series_; ++series)
+    model_.several_standards = model_.several_standards && standard_of(series) > 0;
+}
+
+// Why there is no fit; empty where there is one.
+std::string StudyFit::refusal() {
+  model_.status = HierarchicalStatus::not_offered;
+  if (!offered_) return fmt::format("there is none of the registered model of d', {}", protocol_.analysis.model);
+  model_.status = HierarchicalStatus::too_many_people;
+  if (static_cast<std::size_t>(model_.participants) > kMostInDetail && !protocol_.analysis.hierarchical)
+    return fmt::format("it is left out above {} participants; jnd calc hierarchical takes the trials of jnd export",
+                       kMostInDetail);
+  model_.status = HierarchicalStatus::no_answers;
+  double low = kInf, high = -kInf;
+  for (const AnsweredCell& cell : cells_)
+    for (const LevelCount& one : cell.counts) {
+      low = std::min(low, one.level);
+      high = std::max(high, one.level);
+    }
+  if (choices() && !model_.pse_at_standard) {
+    if (!(low < high)) return "the comparisons of all trials that count have one level";
+  } else if (!(std::max(-low, high) > 0)) {
+    return task_of(protocol_.task.kind).has_own_results() ? "no trial with different stimuli counts"
+                                                          : "no trial counts whose level is not the standard";
+  }
+  model_.status = HierarchicalStatus::ok;
+  return "";
+}
+
+std::vector<HierarchicalCell> StudyFit::cells_of_fit() const {
+  std::vector<HierarchicalCell> cells;
+  for (std::size_t i = 0; i < cells_.size(); ++i) {
+    const HierarchicalPerson& person = cells_[i].person;
+    for (const LevelCount& one : cells_[i].counts) {
+      HierarchicalCell cell{number_[i], to_fit_[place(person)], one.level / unit_of(person.series),
+                            static_cast<double>(one.positive), static_cast<double>(one.negative)};
+      if (model_.pse_at_standard)
+        add_without_bias(cells, cell);
+      else
+        cells.push_back(cell);
+    }
+  }
+  return cells;
+}
+
+HierarchicalSpread spread_of(SpreadStatus status, double sd) {
+  const bool known = status == SpreadStatus::ok || status == SpreadStatus::zero;
+  return {status, known ? sd : kNaN};
+}
+
+void StudyFit::add_spreads(const HierarchicalFit& fit) {
+  model_.persons = spread_of(fit.tu, fit.maximum.place.tu);
+  model_.by_condition = spread_of(fit.tv, fit.maximum.place.tv);
+  model_.criteria = spread_of(fit.tw, fit.maximum.place.tw);
+}
+
+void StudyFit::add_conditions(const HierarchicalFit& fit) {
+  for (std::size_t i = 0; i < fitted_rows_.size(); ++i) {
+    const ConditionMean& found = fit.conditions[i];
+    HierarchicalCondition& one = model_.conditions[fitted_rows_[i]];
+    const double unit = unit_of(one.series), jnd = answer_model_.jnd_of_s * unit, standard = standard_of(one.series);
+    one.status = found.status;
+    one.jnd = jnd * std::exp(found.mu);
+    one.ci_low = jnd * std::exp(found.ends.low);
+    one.ci_high = jnd * std::exp(found.ends.high);
+    if (standard > 0) one.weber = one.jnd / standard;
+    if (!choices()) one.criterion = found.criterion;
+    if (!choices() || model_.pse_at_standard || found.status != SlopeStatus::ok) continue;
+    one.criterion = unit * found.criterion;
+    one.pse = standard + one.criterion;
+    one.pse_low = standard + unit * found.criterion_ends.low;
+    one.pse_high = standard + unit * found.criterion_ends.high;
+  }
+}
+
+int StudyFit::in_both(std::size_t a, std::size_t b) const {
+  std::vector<int> rows(static_cast<std::size_t>(model_.participants), 0);
+  for (std::size_t i = 0; i < cells_.size(); ++i)
+    if (number_[i] >= 0 && (place(cells_[i].person) == a || place(cells_[i].person) == b))
+      ++rows[static_cast<std::size_t>(number_[i])];
+  return static_cast<int>(std::count(rows.begin(), rows.end(), 2));
+}
+
+void StudyFit::add_ratios(HierarchicalAnalysis& fitted) {
+  for (std::size_t a = 0; a < fitted_rows_.size(); ++a)
+    for (std::size_t b = a + 1; b < fitted_rows_.size(); ++b) {
+      const HierarchicalCondition &of_a = model_.conditions[fitted_rows_[a]],
+                                  &of_b = model_.conditions[fitted_rows_[b]];
+      if (of_a.series != of_b.series) continue;
+      const ConditionDifference found = fitted.difference(a, b);
+      HierarchicalRatio& one = model_.ratios.emplace_back();
+      one.a = of_a.condition;
+      one.b = of_b.condition;
+      one.series = of_a.series;
+      one.participants = in_both(fitted_rows_[a], fitted_rows_[b]);
+      one.defined = !std::isnan(found.difference);
+      one.ratio = std::exp(found.difference);
+      one.ci_low = std::exp(found.ends.low);
+      one.ci_high = std::exp(found.ends.high);
+      one.lr = found.lr;
+      one.p = found.p;
+    }
+}
+
+void StudyFit::add_people(const std::vector<PersonEstimate>& people) {
+  const bool alike = model_.alike();  // what integrals round is no difference between people
+  for (std::size_t i = 0; i < cells_.size(); ++i) {
+    HierarchicalPerson& one = model_.people[i];
+    if (number_[i] < 0) continue;
+    const std::size_t row = place(one);
+    const HierarchicalCondition& group = model_.conditions[row];
+    const PersonEstimate& found =
+        people[static_cast<std::size_t>(number_[i]) * fitted_rows_.size() + static_cast<std::size_t>(to_fit_[row])];
+    const double unit = unit_of(one.series), jnd = answer_model_.jnd_of_s * unit;
+    one.alone_status = found.status;
+    one.alone = jnd * std::exp(found.alone);
+    if (!std::isnan(group.criterion)) one.criterion = choices() ? unit * found.criterion : found.criterion;
+    one.status = ShrunkenStatus::no_group_jnd;
+    if (group.status != SlopeStatus::ok) continue;
+    one.status = ShrunkenStatus::ok;
+    one.jnd = alike ? group.jnd : jnd * std::exp(found.mean);
+    one.ln_sd = alike ? 0 : found.sd;
+  }
+}
+
+StudyHierarchical StudyFit::fitted(std::string separate, bool rounded) {
+  model_.separate = std::move(separate);
+  model_.rounded = rounded;
+  for (const AnsweredCell& cell : cells_) model_.people.push_back(cell.person);
+  model_.reason = refusal();
+  if (model_.status != HierarchicalStatus::ok) return model_;
+  HierarchicalModel of;
+  of.response = answer_model_.response;
+  of.shared.lapse = answer_model_.lapse;
+  of.tw = !model_.pse_at_standard;
+  const std::vector<HierarchicalCell> cells = cells_of_fit();
+  HierarchicalAnalysis fitted(cells, of);
+  const HierarchicalFit& fit = fitted.fit();
+  if (!fit.maximum.converged || (fit.df > 0 && !fit.common.converged)) {
+    model_.status = HierarchicalStatus::not_converged;
+    model_.reason = "the search for the largest likelihood did not settle";
+    return model_;
+  }
+  add_spreads(fit);
+  fitted.add_intervals();
+  add_conditions(fit);
+  add_people(fitted.people());
+  add_ratios(fitted);
+  if (series_ > 1) return model_;
+  model_.equal_lr = fit.lr;
+  model_.equal_p = fit.p;
+  model_.equal_df = fit.df;
+  const bool given_levels = task_of(protocol_.task.kind).has_own_results() && !rounded && !protocol_.design.procedure;
+  if (given_levels && static_cast<std::size_t>(model_.participants) <= kMostInDetail)
+    add_check(cells, of, fit.maximum.place);
+  return model_;
+}
+
+void StudyFit::add_check(const std::vector<HierarchicalCell>& cells, const HierarchicalModel& of,
+                         const HierarchicalPlace& place) {
+  constexpr std::uint64_t kCheckSeed = 1;  // the same for every study of the same answers
+  model_.check = predictive_check(cells, of, place, kPredictiveDraws, kCheckSeed);
+  for (PredictiveRow& row : model_.check->rows) row.condition = fitted_rows_[row.condition];
+}
 
 // Delivered differences are hardly twice the same, and the fit takes as long as there are different ones.
 double level_of(const CellResult& cell, double step) {
@@ -36,202 +283,129 @@ double step_of(const StudyAnalysis& analysis) {
   return largest / kDeliveredSteps;
 }
 
-std::int64_t trials_of(const Counts& counts) noexcept {
-  return counts.n_diff + counts.n_same;
-}
-
-ModelAnswers answers_of(const StudyAnalysis& analysis, const Protocol& protocol) {
-  ModelAnswers answers;
-  ModelPlaces& places = answers.places;
-  const std::size_t series = protocol.series.size();
-  const double step = step_of(analysis);
-  places.of_condition.assign(protocol.conditions.size(), -1);
-  for (const CellResult& cell : analysis.cells)
-    if (trials_of(cell.counts) > 0) places.of_condition[static_cast<std::size_t>(cell.condition)] = 0;
-  for (std::size_t condition = 0; condition < places.of_condition.size(); ++condition) {
-    if (places.of_condition[condition] < 0) continue;
-    places.of_condition[condition] = static_cast<int>(places.conditions.size());
-    places.conditions.push_back(static_cast<int>(condition));
-  }
-  // Rows of a participant stand together.
-  const std::vector<ThresholdResult>& rows = analysis.thresholds;
-  for (std::size_t first = 0; first < rows.size();) {
-    std::size_t end = first;
-    while (end < rows.size() && rows[end].participant == rows[first].participant) ++end;
-    bool any = false;
-    for (std::size_t i = first * series; i < end * series; ++i) {
-      const CellResult& cell = analysis.cells[i];
-      const Counts& counts = cell.counts;
-      if (trials_of(counts) == 0) continue;
-      any = true;
-      const int condition = places.of_condition[static_cast<std::size_t>(cell.condition)];
-      const auto add = [&](double level, int positive, int trials) {
-        if (trials > 0)
-          answers.cells.push_back({places.participants, condition, level, static_cast<double>(positive),
-                                   static_cast<double>(trials - positive)});
-      };
-      add(level_of(cell, step), counts.hits, counts.n_diff);
-      add(0, counts.false_alarms, counts.n_same);
-    }
-    places.of_threshold.insert(places.of_threshold.end(), end - first, any ? places.participants : -1);
-    places.participants += any ? 1 : 0;
-    first = end;
-  }
-  return answers;
-}
-
-bool has_trials(const StudyAnalysis& analysis, std::size_t threshold, std::size_t series) {
-  return std::any_of(analysis.cells.begin() + static_cast<std::ptrdiff_t>(threshold * series),
-                     analysis.cells.begin() + static_cast<std::ptrdiff_t>((threshold + 1) * series),
-                     [](const CellResult& cell) { return trials_of(cell.counts) > 0; });
-}
-
-// What is known before anything is fitted: who answered, and the separate estimates.
-void lay_out(StudyHierarchical& model, const StudyAnalysis& analysis, const Protocol& protocol) {
-  const std::size_t conditions = protocol.conditions.size(), series = protocol.series.size();
-  for (std::size_t condition = 0; condition < conditions; ++condition)
-    model.conditions.push_back({.condition = static_cast<int>(condition)});
-  for (std::size_t row = 0; row < analysis.thresholds.size(); ++row) {
-    const ThresholdResult& threshold = analysis.thresholds[row];
-    HierarchicalPerson person;
-    person.participant = threshold.participant;
-    person.group = threshold.group;
-    person.condition = threshold.condition;
-    person.separate_status = threshold.jnd.status;
-    if (threshold.jnd.status == JndStatus::ok) person.separate = threshold.jnd.jnd;
-    if (has_trials(analysis, row, series))
-      ++model.conditions[static_cast<std::size_t>(threshold.condition)].participants;
-    model.people.push_back(std::move(person));
-  }
-  for (const CellResult& cell : analysis.cells) model.trials += trials_of(cell.counts);
-}
-
-HierarchicalSpread spread_of(SpreadStatus status, double sd) {
-  const bool known = status == SpreadStatus::ok || status == SpreadStatus::zero;
-  return {status, known ? sd : kNaN};
-}
-
-void add_conditions(StudyHierarchical& model, const HierarchicalFit& fit, const ModelPlaces& places,
-                    const Protocol& protocol) {
-  for (std::size_t i = 0; i < places.conditions.size(); ++i) {
-    const ConditionMean& found = fit.conditions[i];
-    HierarchicalCondition& one = model.conditions[static_cast<std::size_t>(places.conditions[i])];
-    one.status = found.status;
-    one.jnd = std::exp(found.mu);
-    one.ci_low = std::exp(found.ends.low);
-    one.ci_high = std::exp(found.ends.high);
-    one.weber = one.jnd / protocol.stimulus.reference;
-    one.criterion = found.criterion;
+// Where what is registered is no JND, the one by the model's own observer is each participant's.
+void take_alone(StudyHierarchical& model) {
+  for (HierarchicalPerson& one : model.people) {
+    if (one.alone_status == SlopeStatus::missing) continue;
+    one.separate = one.alone;
+    one.separate_status = one.alone_status == SlopeStatus::ok               ? JndStatus::ok
+                          : one.alone_status == SlopeStatus::no_sensitivity ? JndStatus::no_sensitivity
+                                                                            : JndStatus::ceiling;
   }
 }
 
-void add_ratios(StudyHierarchical& model, const std::vector<ConditionDifference>& differences,
-                const ModelPlaces& places) {
-  const auto rows = by_participant(model.people, model.conditions.size());
-  for (const ConditionDifference& found : differences) {
-    HierarchicalRatio& one = model.ratios.emplace_back();
-    one.a = places.conditions[found.a];
-    one.b = places.conditions[found.b];
-    for (const ParticipantRows<HierarchicalPerson>& row : rows) {
-      const auto counts = [&row](int condition) {
-        const HierarchicalPerson* person = row.of[static_cast<std::size_t>(condition)];
-        return person != nullptr && person->status != ShrunkenStatus::missing;
-      };
-      if (counts(one.a) && counts(one.b)) ++one.participants;
-    }
-    one.defined = !std::isnan(found.difference);
-    one.ratio = std::exp(found.difference);
-    one.ci_low = std::exp(found.ends.low);
-    one.ci_high = std::exp(found.ends.high);
-    one.lr = found.lr;
-    one.p = found.p;
-  }
-}
-
-void add_people(StudyHierarchical& model, const std::vector<PersonEstimate>& people, const StudyAnalysis& analysis,
-                const Protocol& protocol, const ModelPlaces& places) {
-  const bool alike = model.alike();  // what integrals round is no difference between people
-  for (std::size_t row = 0; row < model.people.size(); ++row) {
-    if (!has_trials(analysis, row, protocol.series.size())) continue;
-    HierarchicalPerson& one = model.people[row];
-    const auto condition = static_cast<std::size_t>(places.of_condition[static_cast<std::size_t>(one.condition)]);
-    const PersonEstimate& found =
-        people[static_cast<std::size_t>(places.of_threshold[row]) * places.conditions.size() + condition];
-    one.alone_status = found.status;
-    one.alone = std::exp(found.alone);
-    one.criterion = found.criterion;
-    one.status = ShrunkenStatus::no_group_jnd;
-    if (model.conditions[static_cast<std::size_t>(one.condition)].status != SlopeStatus::ok) continue;
-    one.status = ShrunkenStatus::ok;
-    one.jnd = alike ? model.conditions[static_cast<std::size_t>(one.condition)].jnd : std::exp(found.mean);
-    one.ln_sd = alike ? 0 : found.sd;
-  }
-}
-
-// The same for every study of the same answers.
-constexpr std::uint64_t kCheckSeed = 1;
-
-void add_check(StudyHierarchical& model, const ModelAnswers& answers, const HierarchicalPlace& place,
-               DifferenceSource by) {
-  if (by != DifferenceSource::nominal || static_cast<std::size_t>(model.participants) > kMostInDetail) return;
-  model.check = predictive_check(answers.cells, {.response = *model.response}, place, kPredictiveDraws, kCheckSeed);
-  for (PredictiveRow& row : model.check->rows)
-    row.condition = static_cast<std::size_t>(answers.places.conditions[row.condition]);
-}
-
-StudyHierarchical& refuse(StudyHierarchical& model, HierarchicalStatus status, std::string reason) {
-  model.status = status;
-  model.reason = std::move(reason);
-  return model;
+// A task's own statuses, in the words that all studies share.
+JndStatus status_of(const TaskEstimate& estimate, const std::string& status) {
+  if (estimate.value && std::isfinite(*estimate.value)) return JndStatus::ok;
+  return status == "separated" ? JndStatus::ceiling
+         : status == "flat"    ? JndStatus::no_sensitivity
+                               : JndStatus::no_information;
 }
 
 }  // namespace
 
-std::optional<ResponseModel> registered_observer(const AnalysisPlan& plan) {
-  if (plan.model == "yes-no") return ResponseModel::yes_no;
-  if (plan.model == "differencing") return ResponseModel::differencing;
-  return std::nullopt;
+StudyHierarchical study_hierarchical(const StudyAnalysis& analysis, const Protocol& protocol) {
+  const std::size_t series = protocol.series.size();
+  const double step = step_of(analysis);
+  std::vector<AnsweredCell> cells;
+  for (std::size_t row = 0; row < analysis.thresholds.size(); ++row) {
+    const ThresholdResult& threshold = analysis.thresholds[row];
+    AnsweredCell& cell = cells.emplace_back();
+    cell.person.participant = threshold.participant;
+    cell.person.group = threshold.group;
+    cell.person.condition = threshold.condition;
+    cell.person.separate_status = threshold.jnd.status;
+    if (threshold.jnd.status == JndStatus::ok) cell.person.separate = threshold.jnd.jnd;
+    for (std::size_t i = row * series; i < (row + 1) * series; ++i) {
+      const Counts& counts = analysis.cells[i].counts;
+      if (counts.n_diff > 0)
+        cell.counts.push_back({level_of(analysis.cells[i], step), counts.hits, counts.n_diff - counts.hits});
+      if (counts.n_same > 0) cell.counts.push_back({0, counts.false_alarms, counts.n_same - counts.false_alarms});
+    }
+  }
+  return StudyFit(std::move(cells), protocol)
+      .fitted(describe(analysis.method), analysis.by != DifferenceSource::nominal);
 }
 
-StudyHierarchical study_hierarchical(const StudyAnalysis& analysis, const Protocol& protocol) {
-  StudyHierarchical model;
-  lay_out(model, analysis, protocol);
-  const ModelAnswers answers = answers_of(analysis, protocol);
-  model.participants = answers.places.participants;
-  model.response = registered_observer(protocol.analysis);
-  if (!model.response)
-    return refuse(model, HierarchicalStatus::not_offered,
-                  fmt::format("there is none of the registered model of d', {}", protocol.analysis.model));
-  if (static_cast<std::size_t>(model.participants) > kMostInDetail && !protocol.analysis.hierarchical)
-    return refuse(model, HierarchicalStatus::too_many_people,
-                  fmt::format("it is left out above {} participants; jnd calc hierarchical takes the trials of jnd "
-                              "export",
-                              kMostInDetail));
-  if (std::none_of(answers.cells.begin(), answers.cells.end(), [](const auto& cell) { return cell.level > 0; }))
-    return refuse(model, HierarchicalStatus::no_answers, "no trial with different stimuli counts");
-
-  HierarchicalAnalysis fitted(answers.cells, {.response = *model.response});
-  const HierarchicalFit& fit = fitted.fit();
-  if (!fit.maximum.converged || (fit.df > 0 && !fit.common.converged))
-    return refuse(model, HierarchicalStatus::not_converged, "the search for the largest likelihood did not settle");
-  model.status = HierarchicalStatus::ok;
-  model.persons = spread_of(fit.tu, fit.maximum.place.tu);
-  model.by_condition = spread_of(fit.tv, fit.maximum.place.tv);
-  model.criteria = spread_of(fit.tw, fit.maximum.place.tw);
-  fitted.add_intervals();
-  add_conditions(model, fit, answers.places, protocol);
-  add_people(model, fitted.people(), analysis, protocol, answers.places);
-  add_ratios(model, fitted.differences(), answers.places);
-  model.equal_lr = fit.lr;
-  model.equal_p = fit.p;
-  model.equal_df = fit.df;
-  add_check(model, answers, fit.maximum.place, analysis.by);
+StudyHierarchical study_hierarchical(const AdaptiveResults& results, const Protocol& protocol) {
+  const bool jnds = threshold_source(protocol) == ThresholdSource::answers;
+  std::vector<AnsweredCell> cells;
+  for (const AdaptiveRow& row : results.rows) {
+    if (row.track != 0) continue;
+    AnsweredCell& cell = cells.emplace_back();
+    cell.person.participant = row.participant;
+    cell.person.group = row.group;
+    cell.person.condition = row.condition;
+    cell.counts = row.answers;
+    if (!jnds || row.threshold.status != AdaptiveStatus::ok) continue;
+    cell.person.separate = row.threshold.threshold;
+    cell.person.separate_status = JndStatus::ok;
+  }
+  StudyHierarchical model =
+      StudyFit(std::move(cells), protocol)
+          .fitted(jnds ? "the posterior of the procedure's own response model" : "maximum likelihood", false);
+  if (!jnds) take_alone(model);
   return model;
+}
+
+StudyHierarchical study_hierarchical(const TaskResults& results, const Protocol& protocol) {
+  const std::optional<AnswerModel> answers = task_of(protocol.task.kind).answer_model(protocol);
+  std::size_t jnd = results.outcomes.size();
+  for (std::size_t i = 0; answers && i < results.outcomes.size(); ++i)
+    if (results.outcomes[i].key == answers->jnd) jnd = i;
+  std::vector<AnsweredCell> cells;
+  for (const TaskEstimateRow& row : results.estimates) {
+    AnsweredCell& cell = cells.emplace_back();
+    cell.person.participant = row.participant;
+    cell.person.group = row.group;
+    cell.person.condition = row.condition;
+    cell.person.series = row.series;
+    cell.counts = row.answers;
+    if (jnd == results.outcomes.size()) continue;
+    const TaskEstimate& estimate = row.estimates.values[jnd];
+    cell.person.separate_status = status_of(estimate, row.estimates.status);
+    if (cell.person.separate_status == JndStatus::ok) cell.person.separate = *estimate.value;
+  }
+  return StudyFit(std::move(cells), protocol)
+      .fitted(has_posterior_threshold(protocol) ? "the posterior of the procedure's own response model"
+                                                : "maximum likelihood",
+              false);
+}
+
+void add_without_bias(std::vector<HierarchicalCell>& cells, HierarchicalCell cell) {
+  cell.positive /= 2;
+  cell.negative /= 2;
+  cells.push_back(cell);
+  cell.level = -cell.level;
+  std::swap(cell.positive, cell.negative);
+  cells.push_back(cell);
+}
+
+std::string hierarchical_assumptions(const StudyHierarchical& model) {
+  if (model.response != ResponseModel::choice) return std::string(kHierarchicalAssumptions);
+  return model.pse_at_standard
+             ? "Assumed: ln JND differs between people as normal distributions do, by the same spreads in every condition, "
+               "nobody favours an interval or a side, and nobody's answers change during the study."
+             : "Assumed: ln JND differs between people, and their PSEs do, as normal distributions do, by the same spreads "
+               "in every condition, nobody favours an interval or a side, and nobody's answers change during the study.";
 }
 
 std::string_view status_word(const StudyHierarchical& model, const HierarchicalCondition& row) noexcept {
   return model.status == HierarchicalStatus::ok ? word_of(kSlopeStatusWords, row.status)
                                                 : word_of(kHierarchicalStatusWords, model.status);
+}
+
+std::size_t row_of(const StudyHierarchical& model, const Protocol& protocol, int condition, int series) noexcept {
+  const std::size_t of_condition = model.conditions.size() / protocol.conditions.size();
+  return static_cast<std::size_t>(condition) * of_condition + static_cast<std::size_t>(series);
+}
+
+std::string jnd_title(const Protocol& protocol) {
+  if (task_of(protocol.task.kind).has_own_results()) return "JND";
+  const std::optional<AnswerModel> answers = task_of(protocol.task.kind).answer_model(protocol);
+  for (const TaskOutcome& outcome : measured_outcomes(protocol))
+    if (answers && outcome.key == answers->jnd) return std::string(outcome.title);
+  return "JND";
 }
 
 }  // namespace jnd

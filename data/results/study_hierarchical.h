@@ -13,7 +13,9 @@
 #include "analysis/hierarchical/predictive_check.h"
 #include "analysis/numerics/special_values.h"
 #include "analysis/numerics/words.h"
+#include "data/results/adaptive_results.h"
 #include "data/results/study_analysis.h"
+#include "data/task_results/task_results.h"
 #include "protocols/protocol.h"
 
 namespace jnd {
@@ -21,8 +23,8 @@ namespace jnd {
 // Of the model as a whole; where it is not ok nothing else is estimated.
 enum class HierarchicalStatus {
   ok,
-  no_answers,       // no counted trial with different stimuli
-  not_offered,      // of the registered model of d' there is none
+  no_answers,       // no counted trial with different stimuli; of choices, none with another level
+  not_offered,      // of the registered model of d', there is none
   too_many_people,  // above kMostInDetail, where it is not registered
   not_converged     // the search for the largest likelihood did not settle
 };
@@ -33,20 +35,24 @@ inline constexpr auto kHierarchicalStatusWords =
                                {"too_many_people", HierarchicalStatus::too_many_people},
                                {"not_converged", HierarchicalStatus::not_converged}});
 
-// Of everyone, in one condition. JNDs in the study's unit.
+// Of everyone, in one condition, and of other tasks at one standard. JNDs in the study's unit, as the study means them.
 struct HierarchicalCondition {
-  int condition = 0;     // place in the protocol
-  int participants = 0;  // with counted trials there
+  int condition = 0, series = 0;  // places in the protocol; of same-different all series
+  int participants = 0;           // with counted trials there
   SlopeStatus status = SlopeStatus::missing;
-  double jnd = kNaN;                     // of the median person, exp(mu); NaN unless ok
+  double jnd = kNaN;                     // of the median person, exp(mu) times what makes a JND of s; NaN unless ok
   double ci_low = kNaN, ci_high = kNaN;  // 95 % by profile likelihood; 0 or inf where the answers leave it open
-  double weber = kNaN;                   // jnd / reference
-  double criterion = kNaN;               // NaN where missing
+  double weber = kNaN;                   // jnd / standard; NaN of a standard of 0
+  // NaN where missing. Of choices it is the bias, PSE less the standard, in the study's unit; NaN unless the JND is ok, and
+  // where it is taken as 0.
+  double criterion = kNaN;
+  double pse = kNaN, pse_low = kNaN, pse_high = kNaN;  // of choices, with its 95 % profile interval, which may be open
 };
 
-// JND of a / JND of b, of all pairs of conditions that have trials.
+// JND of a / JND of b, of all pairs of conditions that have trials, at one standard.
 struct HierarchicalRatio {
   int a = 0, b = 0;                                    // places in the protocol
+  int series = 0;                                      // likewise
   int participants = 0;                                // with counted trials in both
   bool defined = false;                                // both have a JND; otherwise ratio and interval are NaN
   double ratio = kNaN, ci_low = kNaN, ci_high = kNaN;  // 95 % by profile likelihood, as above
@@ -67,16 +73,17 @@ enum class ShrunkenStatus {
 inline constexpr auto kShrunkenStatusWords = words<ShrunkenStatus>(
     {{"ok", ShrunkenStatus::ok}, {"missing", ShrunkenStatus::missing}, {"no_group_jnd", ShrunkenStatus::no_group_jnd}});
 
-// One participant and condition, as in StudyAnalysis::thresholds.
+// One participant, condition and standard.
 struct HierarchicalPerson {
   std::string participant;
-  std::optional<int> group;  // place in Protocol::groups
-  int condition = 0;         // place in the protocol
+  std::optional<int> group;       // place in Protocol::groups
+  int condition = 0, series = 0;  // as in HierarchicalCondition
   ShrunkenStatus status = ShrunkenStatus::missing;
   double jnd = kNaN;        // exp of the mean of ln JND given everybody's answers, at the group's estimates
   double ln_sd = kNaN;      // the standard deviation of ln JND, given the same
-  double criterion = kNaN;  // mean, given the same; NaN where missing
-  // From the answers of this cell alone: by the same model, and the registered estimate.
+  double criterion = kNaN;  // mean, given the same; NaN where that of the group is
+  // From the answers of this cell alone: by the same model, and the registered estimate, or the former where what is
+  // registered is no JND.
   SlopeStatus alone_status = SlopeStatus::missing;
   double alone = kNaN;
   JndStatus separate_status = JndStatus::no_information;
@@ -87,16 +94,21 @@ struct StudyHierarchical {
   HierarchicalStatus status = HierarchicalStatus::no_answers;
   std::string reason;                     // in words, where it is not ok
   std::optional<ResponseModel> response;  // none where it is not offered
-  int participants = 0;                   // with counted trials
+  double lapse = 0;
+  bool pse_at_standard = false;    // of choices: taken as the standard (AnswerModel::pse_at_standard)
+  bool several_standards = false;  // levels, and criteria of choices, count as shares of the standard
+  bool rounded = false;            // over delivered differences, in steps (kDeliveredSteps)
+  std::string separate;            // how separate JNDs come about, for notes
+  int participants = 0;            // with counted trials
   std::int64_t trials = 0;
-  std::vector<HierarchicalCondition> conditions;  // every one of the protocol
+  std::vector<HierarchicalCondition> conditions;  // every one of the protocol, and standard of it
   std::vector<HierarchicalRatio> ratios;
-  std::vector<HierarchicalPerson> people;    // by participant, condition that they get
+  std::vector<HierarchicalPerson> people;    // by participant, condition that they get, standard
   HierarchicalSpread persons, by_condition;  // of ln JND: of persons, of persons by condition
-  HierarchicalSpread criteria;               // of the criterion
+  HierarchicalSpread criteria;               // of the criterion; of the PSE in the study's unit, or as shares
   // The JNDs of all people in a condition are one: nothing else was found, or could be.
   bool alike() const noexcept { return persons.status != SpreadStatus::ok && by_condition.status != SpreadStatus::ok; }
-  // One JND for all conditions, by likelihood ratio; df 0: there is no such test.
+  // One JND for all conditions, by likelihood ratio; df 0: there is no such test, nor of several standards.
   double equal_lr = kNaN, equal_p = kNaN;
   int equal_df = 0;
   // Whether the model draws answers like these; the conditions of its rows are places in the protocol. None over
@@ -108,16 +120,31 @@ struct StudyHierarchical {
 inline constexpr std::string_view kPeopleAlike =
     "The answers show no difference between people's JNDs: everybody's is the group's.";
 
+// What everyone who reads a number of it is told.
+std::string hierarchical_assumptions(const StudyHierarchical& model);
+
 // Delivered differences count to so many steps of the largest one.
 inline constexpr int kDeliveredSteps = 200;
 
-// The observer of the registered model of d' of same-different; none where there is no hierarchical model of it.
-std::optional<ResponseModel> registered_observer(const AnalysisPlan& plan);
-
 // Of the trials that count, by maximum likelihood. A fraction of a second for twenty people, some seconds for the most.
 StudyHierarchical study_hierarchical(const StudyAnalysis& analysis, const Protocol& protocol);
+// Of same-different with a procedure: the answers tell the JND whatever chose their levels (likelihood principle).
+StudyHierarchical study_hierarchical(const AdaptiveResults& results, const Protocol& protocol);
+// Of another task with an answer_model().
+StudyHierarchical study_hierarchical(const TaskResults& results, const Protocol& protocol);
+
+// A cell of choices for a model whose PSE is the standard: half of every trial as it was, half mirrored, as what was lost
+// at -x was won at x. The likelihood is largest at a bias of 0 then, and there that of the trials themselves. Such a model
+// has no spread of criteria.
+void add_without_bias(std::vector<HierarchicalCell>& cells, HierarchicalCell cell);
 
 // Of a row: why nothing is estimated at all, else what its own JND is.
 std::string_view status_word(const StudyHierarchical& model, const HierarchicalCondition& row) noexcept;
+
+// The row of a condition and standard, its place in StudyHierarchical::conditions.
+std::size_t row_of(const StudyHierarchical& model, const Protocol& protocol, int condition, int series) noexcept;
+
+// What tables call the JND: "JND", "JND (75 %)", "threshold".
+std::string jnd_title(const Protocol& protocol);
 
 }  // namespace jnd

@@ -49,7 +49,6 @@ ConstantResults constant_results(StudyAnalysis analysis, const Protocol& protoco
   results.by_series = compare_series(results.analysis.cells, protocol);
   results.detailed = static_cast<std::size_t>(results.analysis.attendance.participants) <= kMostInDetail;
   if (results.detailed) results.sensitivity = study_sensitivity(results.analysis, protocol);
-  if (protocol.analysis.hierarchical) results.hierarchical = study_hierarchical(results.analysis, protocol);
   return results;
 }
 
@@ -76,7 +75,9 @@ StudyResults adaptive_results_of(const Study& study, const Protocol& protocol, S
   add_registered(results, compare_adaptive(measured.rows, protocol), protocol);
   const std::vector<SessionInfo> sessions = sessions_of(study, kind);
   add_ratings(results, study, protocol, sessions);
-  add_answers(results, protocol, sessions, read_counted_trials(study, protocol, sessions));
+  const std::vector<CountedTrial> trials = read_counted_trials(study, protocol, sessions);
+  add_answers(results, protocol, sessions, trials);
+  add_answers(measured, protocol, sessions, trials);
   results.measured = std::move(measured);
   return results;
 }
@@ -118,8 +119,6 @@ struct ForgetGroups {
   void operator()(ConstantResults& measured) const {
     for (CellResult& row : measured.analysis.cells) row.group.reset();
     for (ThresholdResult& row : measured.analysis.thresholds) row.group.reset();
-    if (measured.hierarchical)
-      for (HierarchicalPerson& row : measured.hierarchical->people) row.group.reset();
   }
   void operator()(AdaptiveResults& measured) const {
     for (AdaptiveRow& row : measured.rows) row.group.reset();
@@ -151,9 +150,13 @@ StudyResults results_of(const Study& study, const Protocol& protocol, SessionKin
     results.off_prescription = static_cast<int>(
         std::count_if(trials.begin(), trials.end(), [](const CountedTrial& trial) { return trial.off_prescription; }));
   }
+  if (protocol.analysis.hierarchical) add_hierarchical(results, protocol);
   add_cautions(results, protocol);
-  if (results.groups && protocol.allotment == Allotment::balanced && plan_sealed(study, protocol))
+  if (results.groups && protocol.allotment == Allotment::balanced && plan_sealed(study, protocol)) {
     std::visit(ForgetGroups{}, results.measured);
+    if (results.hierarchical)
+      for (HierarchicalPerson& row : results.hierarchical->people) row.group.reset();
+  }
   results.chains = std::move(chains);
   return results;
 }
@@ -163,8 +166,21 @@ StudyResults results_of(const Study& study, const Protocol& protocol, SessionKin
 }
 
 void add_hierarchical(StudyResults& results, const Protocol& protocol) {
-  if (auto* constant = std::get_if<ConstantResults>(&results.measured); constant != nullptr && !constant->hierarchical)
-    constant->hierarchical = study_hierarchical(constant->analysis, protocol);
+  struct Fitted {
+    const Protocol& protocol;
+    std::optional<StudyHierarchical> operator()(const ConstantResults& measured) const {
+      return study_hierarchical(measured.analysis, protocol);
+    }
+    std::optional<StudyHierarchical> operator()(const AdaptiveResults& measured) const {
+      return study_hierarchical(measured, protocol);
+    }
+    std::optional<StudyHierarchical> operator()(const MeasuredTask& measured) const {
+      if (!task_of(protocol.task.kind).answer_model(protocol)) return std::nullopt;
+      return study_hierarchical(measured.task, protocol);
+    }
+    std::optional<StudyHierarchical> operator()(const ExplorationResults&) const { return std::nullopt; }
+  };
+  if (!results.hierarchical) results.hierarchical = std::visit(Fitted{protocol}, results.measured);
 }
 
 std::vector<ContrastRow> contrasts_of(const StudyResults& results, const Protocol& protocol) {
@@ -173,14 +189,15 @@ std::vector<ContrastRow> contrasts_of(const StudyResults& results, const Protoco
   std::vector<ContrastRow> rows =
       contrast_rows(constant == nullptr ? std::vector<ContrastResult>() : constant->analysis.contrasts,
                     results.comparisons.front(), protocol);
-  if (!protocol.analysis.hierarchical || constant == nullptr || !constant->hierarchical) return rows;
-  return hierarchical_contrasts(rows, *constant->hierarchical, protocol);
+  if (!protocol.analysis.hierarchical || !results.hierarchical) return rows;
+  return hierarchical_contrasts(rows, *results.hierarchical, protocol);
 }
 
 StudyResults results_of(StudyAnalysis analysis, const Protocol& protocol) {
   StudyResults results;
   add_registered(results, compare_thresholds(analysis.thresholds, protocol, protocol.analysis.tests.outcome), protocol);
   results.measured = constant_results(std::move(analysis), protocol);
+  if (protocol.analysis.hierarchical) add_hierarchical(results, protocol);
   add_cautions(results, protocol);
   return results;
 }

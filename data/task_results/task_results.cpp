@@ -34,10 +34,6 @@ struct ParticipantCells {
   std::vector<AdaptiveTrack> tracks{};  // by condition and series
 };
 
-AnsweredTrial answered(const CountedTrial& trial) {
-  return {trial.asked, trial.standard, trial.target, trial.said, trial.sureness, trial.number, trial.standard_place};
-}
-
 auto key_of(const AnsweredTrial& trial) {
   std::array<double, kMostIntervals> stimuli{};
   std::copy(trial.stimuli.begin(), trial.stimuli.end(), stimuli.begin());
@@ -86,6 +82,7 @@ void add_estimates(TaskResults& results, const Protocol& protocol, const Partici
         row.estimates = measured_estimates(protocol, protocol.series[place(series)], cell.trials,
                                            tracks_in(data.tracks, condition, series));
         row.mean_trial_s = cell.sum_s / row.trials;
+        row.answers = level_counts(cell.trials, protocol);
       }
       if (!cell.response_times_s.empty()) row.median_response_time_s = median_of(cell.response_times_s);
       add_counts(results, row, cell.trials);
@@ -176,6 +173,10 @@ void add_curves(TaskResults& results, const Protocol& protocol, const std::vecto
 }
 
 }  // namespace
+
+AnsweredTrial answered(const CountedTrial& trial) {
+  return {trial.asked, trial.standard, trial.target, trial.said, trial.sureness, trial.number, trial.standard_place};
+}
 
 TaskResults task_results(const Study& study, const Protocol& protocol, const std::vector<SessionInfo>& sessions,
                          const std::vector<CountedTrial>& trials) {

@@ -39,7 +39,8 @@ struct TaskEstimateRow {
   TaskEstimates estimates;
   std::optional<double> median_response_time_s{};  // participant's own entries
   std::optional<double> mean_trial_s{};
-  std::optional<int> group{};  // of the participant, place in Protocol::groups
+  std::optional<int> group{};         // of the participant, place in Protocol::groups
+  std::vector<LevelCount> answers{};  // for one model of everybody's; empty where the task has none
 };
 
 // One outcome in one condition and series, over the participants who have it.
@@ -75,6 +76,9 @@ struct TaskResults {
   std::vector<TaskCurveRow> curves;
   std::map<std::string, int> exclusions;  // reason -> trials
 };
+
+// As tasks read it.
+AnsweredTrial answered(const CountedTrial& trial);
 
 // sessions: of one kind, by participant; trials: of these. Throws StorageError where an event contradicts the protocol.
 TaskResults task_results(const Study& study, const Protocol& protocol, const std::vector<SessionInfo>& sessions,

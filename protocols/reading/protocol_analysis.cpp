@@ -103,14 +103,32 @@ void check_model_and_method(const JsonNode& node, JsonReader& reader, ProtocolRe
 }
 
 // The contrasts by one model of everybody's answers, which has tests of its own.
-void check_hierarchical(const JsonNode& node, JsonReader& reader, const ProtocolReading& reading) {
-  const AnalysisPlan& analysis = reading.protocol.analysis;
+void read_group(const JsonNode& node, JsonReader& reader, ProtocolReading& reading) {
+  AnalysisPlan& analysis = reading.protocol.analysis;
+  analysis.hierarchical = reader.one_of_or<bool>("group", {{"separate", false}, {"hierarchical", true}}, false);
   if (!analysis.hierarchical) return;
-  if (analysis.model == "independent-observation")
+  const TaskKind kind = reading.protocol.task.kind;
+  const std::optional<AnswerModel> answers = task_of(kind).answer_model(reading.protocol);
+  if (!answers && reading.has_pairs())
     reader.error("group", "there is no hierarchical model of independent observation",
                  "write \"model\": \"yes-no\" or \"differencing\", or remove it");
-  if (reading.protocol.design.procedure)
-    reader.error("group", "the hierarchical model is of given levels, and a procedure sets them here", "remove it");
+  else if (!answers)
+    reader.error("group", fmt::format("there is no hierarchical model of the task {}", in_quotes(to_string(kind))),
+                 "remove it");
+  if (answers && !reading.has_pairs()) {
+    const bool weber = analysis.outcome == "weber";
+    if (analysis.outcome != answers->jnd && !weber)
+      reader.error("group",
+                   fmt::format("the hierarchical model compares conditions by the {}, not by the {}", answers->jnd,
+                               analysis.outcome),
+                   fmt::format("write \"outcome\": {}, or remove it", in_quotes(answers->jnd)));
+    if (reading.protocol.series.size() > 1)
+      reader.error("group", "the hierarchical model compares conditions at one standard, and there are several",
+                   "remove it");
+    if (analysis.lapse_free)
+      reader.error("group", "the hierarchical model has a fixed lapse rate",
+                   "write \"lapse\" as a number, or remove it");
+  }
   if (const JsonNode* tests = node.find("tests"); tests != nullptr && tests->find("post_hoc") != nullptr)
     reader.error("group", "the hierarchical model tests the contrasts by likelihood ratio: there is no other post_hoc",
                  "remove \"post_hoc\", or this");
@@ -150,10 +168,10 @@ void read_analysis_of_ratings(JsonReader& reader, ProtocolReading& reading) {
 }
 
 // Of the tasks whose estimates are the task's own.
-void read_analysis_of_task(JsonReader& reader, ProtocolReading& reading) {
+void read_analysis_of_task(const JsonNode& node, JsonReader& reader, ProtocolReading& reading) {
   AnalysisPlan& analysis = reading.protocol.analysis;
   const std::string task(to_string(reading.protocol.task.kind));
-  for (const std::string_view key : {"model", "correction", "jnd", "criterion", "stiffness", "group"})
+  for (const std::string_view key : {"model", "correction", "jnd", "criterion", "stiffness"})
     if (reader.member(key) != nullptr)
       reader.error(key, fmt::format("belongs to the task \"same-different\", not to {}", in_quotes(task)),
                    "remove it: \"outcome\" says what is compared");
@@ -168,6 +186,7 @@ void read_analysis_of_task(JsonReader& reader, ProtocolReading& reading) {
     if (!analysis.lapse_free)
       analysis.lapse = number_of(*lapse, {.min = 0, .max = 0.1}, reading.errors, reading.file).value_or(0);
   }
+  read_group(node, reader, reading);
   if (const JsonNode* exclude = reader.object_or_null("exclude")) read_exclusions(*exclude, reading);
   if (const JsonNode* contrasts = reader.array_or_null("contrasts", 0, 190)) read_contrasts(*contrasts, reading);
   analysis.tests.outcome = Outcome::jnd;
@@ -255,7 +274,7 @@ void read_analysis(const JsonNode& node, ProtocolReading& reading) {
   AnalysisPlan& analysis = reading.protocol.analysis;
   JsonReader reader(node, reading.errors, reading.file);
   if (reading.explores()) return read_analysis_of_ratings(reader, reading);
-  if (!reading.has_pairs()) return read_analysis_of_task(reader, reading);
+  if (!reading.has_pairs()) return read_analysis_of_task(node, reader, reading);
   for (const std::string_view key : {"outcome", "jnd_convention", "lapse"})
     if (reader.member(key) != nullptr)
       reader.error(key, "has no meaning with the task \"same-different\"", "remove it: \"model\" and \"jnd\" say it");
@@ -272,8 +291,7 @@ void read_analysis(const JsonNode& node, ProtocolReading& reading) {
   analysis.common_criterion = reader.one_of_or<bool>("criterion", {{"per-series", false}, {"common", true}}, false);
   check_model_and_method(node, reader, reading);
   analysis.by_delivered = reader.one_of_or<bool>("stiffness", {{"nominal", false}, {"delivered", true}}, false);
-  analysis.hierarchical = reader.one_of_or<bool>("group", {{"separate", false}, {"hierarchical", true}}, false);
-  check_hierarchical(node, reader, reading);
+  read_group(node, reader, reading);
   if (const JsonNode* exclude = reader.object_or_null("exclude")) read_exclusions(*exclude, reading);
   if (const JsonNode* contrasts = reader.array_or_null("contrasts", 0, 190)) read_contrasts(*contrasts, reading);
   if (const JsonNode* tests = reader.object_or_null("tests")) read_tests(*tests, reading);

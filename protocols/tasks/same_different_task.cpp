@@ -52,6 +52,16 @@ std::vector<DrawnTrial> SameDifferentTask::draw_track(const CellDraw& track, Ran
   return trials;
 }
 
+std::optional<AnswerModel> SameDifferentTask::answer_model(const Protocol& protocol) const {
+  if (protocol.analysis.model == "yes-no") return AnswerModel{.response = ResponseModel::yes_no};
+  if (protocol.analysis.model == "differencing") return AnswerModel{.response = ResponseModel::differencing};
+  return std::nullopt;
+}
+
+LevelAnswer SameDifferentTask::level_answer(const AnsweredTrial& trial, const TaskSpec&) const {
+  return {std::abs(trial.stimuli[0] - trial.stimuli[1]), trial.said == kClassDifferent};
+}
+
 std::vector<TaskOutcome> SameDifferentTask::outcomes(const Protocol& protocol) const {
   if (!protocol.design.procedure) return {};
   return {{"threshold", "threshold", to_string(protocol.stimulus.unit),

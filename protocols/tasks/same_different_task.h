@@ -19,6 +19,8 @@ class SameDifferentTask final : public Task {
   std::vector<TaskProblem> problems(const Protocol& protocol) const override;
   bool has_procedures() const noexcept override { return true; }
   std::optional<PosteriorTask> posterior_task() const noexcept override { return PosteriorTask::same_different; }
+  std::optional<AnswerModel> answer_model(const Protocol& protocol) const override;
+  LevelAnswer level_answer(const AnsweredTrial& trial, const TaskSpec& spec) const override;
   bool has_catch_trials() const noexcept override { return true; }
   bool has_own_results() const noexcept override { return true; }
   int balance_of(const TaskSpec&) const noexcept override { return 4; }

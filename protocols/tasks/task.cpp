@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <stdexcept>
 
 #include "protocols/tasks/abx_task.h"
@@ -65,6 +66,21 @@ int felt_intervals(const TaskSpec& spec) {
 std::string_view said_word(const TaskSpec& spec, int said) noexcept {
   const bool known = said >= 0 && static_cast<std::size_t>(said) < spec.classes.size();
   return known ? std::string_view(spec.classes[static_cast<std::size_t>(said)]) : std::string_view();
+}
+
+std::vector<LevelCount> level_counts(std::span<const AnsweredTrial> trials, const Protocol& protocol) {
+  const Task& task = task_of(protocol.task.kind);
+  if (!task.answer_model(protocol)) return {};
+  std::map<double, LevelCount> by_level;
+  for (const AnsweredTrial& trial : trials) {
+    const auto [level, positive] = task.level_answer(trial, protocol.task);
+    LevelCount& one = by_level[level];
+    one.level = level;
+    ++(positive ? one.positive : one.negative);
+  }
+  std::vector<LevelCount> counts;
+  for (const auto& [level, one] : by_level) counts.push_back(one);
+  return counts;
 }
 
 std::optional<bool> is_correct(const Trial& trial, const Answer& answer) noexcept {

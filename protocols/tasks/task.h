@@ -14,6 +14,7 @@
 #include <string_view>
 #include <vector>
 
+#include "analysis/hierarchical/response_model.h"
 #include "protocols/protocol.h"
 #include "protocols/random_stream.h"
 
@@ -80,6 +81,28 @@ struct TaskEstimates {
   std::vector<TaskEstimate> values;  // in the order of Task::outcomes
 };
 
+// How an answer depends on the level, in one model of everybody's answers (analysis/hierarchical).
+struct AnswerModel {
+  ResponseModel response = ResponseModel::yes_no;
+  std::string_view jnd = "jnd";  // key of the outcome that is the JND
+  double jnd_of_s = 1;           // that JND, as registered, of a spread s of 1
+  double lapse = 0;              // fixed, as registered; 0 where it is free
+  // Of choices: no comparison, of any standard, lies on the other side, and the PSE is taken as the standard.
+  bool pse_at_standard = false;
+};
+
+// An answer as that model reads it.
+struct LevelAnswer {
+  double level = 0;       // the comparison less the standard; where that has no sign, their distance
+  bool positive = false;  // "different", "yes", or the comparison
+};
+
+// How often it was given.
+struct LevelCount {
+  double level = 0;
+  int positive = 0, negative = 0;
+};
+
 // The share of trials in which a class was said, and what the fit says of it, over the levels: for figures and tables.
 struct TaskCurve {
   struct Point {
@@ -107,6 +130,10 @@ class Task {
   // The response model by which the Bayesian procedure chooses such levels, and by which all answers together have a
   // posterior; a yes-no signal is judged like a difference. None where it has none.
   virtual std::optional<PosteriorTask> posterior_task() const noexcept { return std::nullopt; }
+  // None where the answers of the task have no such model, or not with what the protocol registers.
+  virtual std::optional<AnswerModel> answer_model(const Protocol&) const { return std::nullopt; }
+  // Of a task with an answer_model().
+  virtual LevelAnswer level_answer(const AnsweredTrial&, const TaskSpec&) const { return {}; }
   // Whether trials without a difference, or without a signal, are part of the task.
   virtual bool has_catch_trials() const noexcept { return false; }
   // Whether what its answers measure has an analysis of its own, instead of estimate() and its neighbours.
@@ -190,6 +217,9 @@ bool is_catch(const Trial& trial);
 
 // How sure a simulated participant says it is, whose evidence lies so far from the criterion: a degree for every sigma.
 int sureness_of(double distance, double sigma, const TaskSpec& spec) noexcept;
+
+// By level, from the least; empty where the task has no answer_model().
+std::vector<LevelCount> level_counts(std::span<const AnsweredTrial> trials, const Protocol& protocol);
 
 // Whether it is the correct answer; none where there is none.
 std::optional<bool> is_correct(const Trial& trial, const Answer& answer) noexcept;

@@ -85,21 +85,28 @@ Answer WhichTask::answer(std::span<const Felt> felt, const Trial&, const Protoco
 
 namespace {
 
+// Where the comparison was.
+int comparison_place(const AnsweredTrial& trial) noexcept {
+  const bool standard_first = trial.standard_place < 0 ? trial.stimuli[0] == trial.standard : trial.standard_place == 0;
+  return standard_first ? kSecond : kFirst;
+}
+
+// Asked for the lesser, who does not choose the comparison says that it has more.
+bool comparison_has_more(const AnsweredTrial& trial, const TaskSpec& spec) noexcept {
+  return (trial.said == comparison_place(trial)) == spec.greater;
+}
+
 // By level and order: 1 where the comparison came second, -1 where it came first.
 std::vector<ChoiceRow> choice_rows(std::span<const AnsweredTrial> trials, const TaskSpec& spec) {
   std::map<std::pair<double, int>, ChoiceRow> rows;
   for (const AnsweredTrial& trial : trials) {
-    const bool standard_first =
-        trial.standard_place < 0 ? trial.stimuli[0] == trial.standard : trial.standard_place == 0;
-    const int order = standard_first ? 1 : -1;
-    const double level = trial.stimuli[order > 0 ? 1 : 0];
+    const int place = comparison_place(trial), order = place == kSecond ? 1 : -1;
+    const double level = trial.stimuli[static_cast<std::size_t>(place)];
     ChoiceRow& row = rows[{level, order}];
     row.level = level;
     row.order = order;
     ++row.n;
-    // Asked for the lesser, who does not choose the comparison says that it has more.
-    const bool comparison = trial.said == (order > 0 ? kSecond : kFirst);
-    row.chosen += comparison == spec.greater ? 1 : 0;
+    row.chosen += comparison_has_more(trial, spec) ? 1 : 0;
   }
   std::vector<ChoiceRow> all;
   for (const auto& [key, row] : rows) all.push_back(row);
@@ -107,11 +114,15 @@ std::vector<ChoiceRow> choice_rows(std::span<const AnsweredTrial> trials, const 
 }
 
 // Whether comparisons lie on both sides of the standard, or at it: on one side alone they do not tell the PSE from s.
-bool measures_pse(const Protocol& protocol, const Series& series) {
+bool on_both_sides(const Protocol& protocol, const Series& series) {
   if (const auto& procedure = protocol.design.procedure)
-    return procedure->sides.size() > 1 || procedure->sides.front() == 0 || has_posterior_threshold(protocol);
+    return procedure->sides.size() > 1 || procedure->sides.front() == 0;
   const auto [least, greatest] = std::minmax_element(series.levels.begin(), series.levels.end());
   return series.levels.empty() || (*least <= series.standard && *greatest >= series.standard);
+}
+
+bool measures_pse(const Protocol& protocol, const Series& series) {
+  return on_both_sides(protocol, series) || has_posterior_threshold(protocol);  // whose prior does
 }
 
 bool measures_any_pse(const Protocol& protocol) {
@@ -151,6 +162,19 @@ void set_by_posterior(TaskEstimates& estimates, const Protocol& protocol, const 
 }
 
 }  // namespace
+
+std::optional<AnswerModel> WhichTask::answer_model(const Protocol& protocol) const {
+  AnswerModel model{.response = ResponseModel::choice, .jnd_of_s = jnd_of_noise(protocol).value()};
+  if (!protocol.analysis.lapse_free) model.lapse = protocol.analysis.lapse;
+  model.pse_at_standard = std::none_of(protocol.series.begin(), protocol.series.end(),
+                                       [&](const Series& series) { return on_both_sides(protocol, series); });
+  return model;
+}
+
+LevelAnswer WhichTask::level_answer(const AnsweredTrial& trial, const TaskSpec& spec) const {
+  return {trial.stimuli[static_cast<std::size_t>(comparison_place(trial))] - trial.standard,
+          comparison_has_more(trial, spec)};
+}
 
 std::vector<TaskOutcome> WhichTask::outcomes(const Protocol& protocol) const {
   const std::string_view unit = to_string(protocol.stimulus.unit);

@@ -17,6 +17,8 @@ class WhichTask final : public Task {
   bool level_may_be_standard() const noexcept override { return true; }
   bool has_procedures() const noexcept override { return true; }
   std::optional<PosteriorTask> posterior_task() const noexcept override { return PosteriorTask::which; }
+  std::optional<AnswerModel> answer_model(const Protocol& protocol) const override;
+  LevelAnswer level_answer(const AnsweredTrial& trial, const TaskSpec& spec) const override;
   int balance_of(const TaskSpec& spec) const noexcept override { return spec.standard_first ? 1 : 2; }
   int intervals(const TaskSpec&) const noexcept override { return 2; }
   std::vector<DrawnTrial> draw(const CellDraw& cell, RandomStream& stream) const override;

@@ -98,15 +98,19 @@ Answer YesNoTask::answer(std::span<const Felt> felt, const Trial& trial, const P
 
 namespace {
 
+LevelAnswer read_yes(const AnsweredTrial& trial) noexcept {
+  return {std::abs(trial.stimuli[0] - trial.standard), trial.said == kYes};
+}
+
 // "Yes" by the distance from the noise; 0 is the noise itself.
 std::vector<ChoiceRow> yes_rows(std::span<const AnsweredTrial> trials) {
   std::map<double, ChoiceRow> rows;
   for (const AnsweredTrial& trial : trials) {
-    const double distance = std::abs(trial.stimuli[0] - trial.standard);
+    const auto [distance, yes] = read_yes(trial);
     ChoiceRow& row = rows[distance];
     row.level = distance;
     ++row.n;
-    row.chosen += trial.said == kYes ? 1 : 0;
+    row.chosen += yes ? 1 : 0;
   }
   std::vector<ChoiceRow> all;
   for (const auto& [distance, row] : rows) all.push_back(row);
@@ -145,6 +149,10 @@ bool has_weber_fraction(const Protocol& protocol) {
 }
 
 }  // namespace
+
+LevelAnswer YesNoTask::level_answer(const AnsweredTrial& trial, const TaskSpec&) const {
+  return read_yes(trial);
+}
 
 std::vector<TaskOutcome> YesNoTask::outcomes(const Protocol& protocol) const {
   const std::string_view unit = to_string(protocol.stimulus.unit);

@@ -16,6 +16,8 @@ class YesNoTask final : public Task {
   void read(JsonReader& section, TaskSpec& spec) const override;
   bool has_procedures() const noexcept override { return true; }
   std::optional<PosteriorTask> posterior_task() const noexcept override { return PosteriorTask::same_different; }
+  std::optional<AnswerModel> answer_model(const Protocol&) const override { return AnswerModel{.jnd = "threshold"}; }
+  LevelAnswer level_answer(const AnsweredTrial& trial, const TaskSpec& spec) const override;
   bool has_catch_trials() const noexcept override { return true; }
   std::vector<TaskProblem> problems(const Protocol& protocol) const override;
   int balance_of(const TaskSpec&) const noexcept override { return 1; }

@@ -84,7 +84,8 @@ std::vector<PowerAnalysis> analyses_of(const PowerOptions& options, const Protoc
 void refuse_protocol(const Protocol& protocol, const std::string& name) {
   if (!response_model_of(protocol))
     throw UsageError(fmt::format(
-        "{}: power is offered for \"same-different\" with yes-no or differencing d', and for \"which\"; this study has {}",
+        "{}: power is offered for \"same-different\" with yes-no or differencing d', for \"which\" and for \"yes-no\"; this "
+        "study has {}",
         printable(name),
         protocol.task.kind == TaskKind::same_different
             ? fmt::format("the model \"{}\"", protocol.analysis.model)

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "data/methods/markdown_text.h"
+#include "protocols/tasks/task.h"
 #include "runner/drawing/figure_axis.h"
 #include "runner/drawing/figure_forest.h"
 #include "runner/drawing/figure_style.h"
@@ -21,10 +23,8 @@ constexpr double kEdgeRoom = 12;  // of an arrow from the frame
 constexpr double kSeparateAt = -0.28, kShrunkenAt = 0.06, kGroupAt = 0.32;
 
 const StudyHierarchical* model_of(const StudyResults& results) {
-  const auto* constant = std::get_if<ConstantResults>(&results.measured);
-  if (constant == nullptr || !constant->hierarchical) return nullptr;
-  const StudyHierarchical& model = *constant->hierarchical;
-  return model.status == HierarchicalStatus::ok ? &model : nullptr;
+  return results.hierarchical && results.hierarchical->status == HierarchicalStatus::ok ? &*results.hierarchical
+                                                                                        : nullptr;
 }
 
 bool is_drawn(const HierarchicalPerson& person) {
@@ -35,11 +35,10 @@ bool is_drawn(const HierarchicalPerson& person) {
 std::vector<const HierarchicalPerson*> people_drawn(const StudyHierarchical& model) {
   std::vector<const HierarchicalPerson*> drawn;
   std::size_t people = 0;
-  for (const ParticipantRows<HierarchicalPerson>& row : by_participant(model.people, model.conditions.size())) {
-    const auto counts = [](const HierarchicalPerson* one) { return one != nullptr && is_drawn(*one); };
-    if (std::none_of(row.of.begin(), row.of.end(), counts)) continue;
-    if (++people > kMostPeopleDrawn) break;
-    std::copy_if(row.of.begin(), row.of.end(), std::back_inserter(drawn), counts);
+  for (const HierarchicalPerson& one : model.people) {
+    if (!is_drawn(one)) continue;
+    if ((drawn.empty() || drawn.back()->participant != one.participant) && ++people > kMostPeopleDrawn) break;
+    drawn.push_back(&one);
   }
   return drawn;
 }
@@ -67,24 +66,39 @@ Range jnd_range(const StudyHierarchical& model, const std::vector<const Hierarch
   return range;
 }
 
+// "S", or of several standards "S, 500".
+template <typename Row>
+std::string row_name(const Row& row, const Protocol& protocol) {
+  const std::string& name = condition_text(protocol, row.condition);
+  if (task_of(protocol.task.kind).has_own_results() || protocol.series.size() < 2) return name;
+  return fmt::format("{}, {}", name, protocol.series[static_cast<std::size_t>(row.series)].name);
+}
+
+// Of any size, outside same-different.
+std::string jnd_text(double jnd, const Protocol& protocol) {
+  return task_of(protocol.task.kind).has_own_results() ? stiffness_text(jnd, protocol)
+         : std::isfinite(jnd)                          ? fmt::format("{:.4g}", jnd)
+                                                       : number_text(jnd, 0);
+}
+
 std::string separate_text(const HierarchicalPerson& person, const Protocol& protocol) {
-  return person.separate_status == JndStatus::ok ? stiffness_text(person.separate, protocol)
+  return person.separate_status == JndStatus::ok ? jnd_text(person.separate, protocol)
                                                  : std::string(to_string(person.separate_status));
 }
 
 std::string person_words(const HierarchicalPerson& person, const Protocol& protocol) {
-  std::string text = fmt::format("{}, {}: separate {}", person.participant, condition_text(protocol, person.condition),
+  std::string text = fmt::format("{}, {}: separate {}", person.participant, row_name(person, protocol),
                                  separate_text(person, protocol));
   if (person.status == ShrunkenStatus::ok)
-    text += fmt::format(", shrunken {} {}", stiffness_text(person.jnd, protocol), unit_of(protocol));
+    text += fmt::format(", shrunken {} {}", jnd_text(person.jnd, protocol), unit_of(protocol));
   return text;
 }
 
 std::string group_words(const HierarchicalCondition& row, const Protocol& protocol) {
-  const std::string& name = condition_text(protocol, row.condition);
+  const std::string name = row_name(row, protocol);
   if (row.status != SlopeStatus::ok) return fmt::format("{}: {}", name, word_of(kSlopeStatusWords, row.status));
-  return fmt::format("{}: group {} {}, 95 % interval {}", name, stiffness_text(row.jnd, protocol), unit_of(protocol),
-                     range_text(row.ci_low, row.ci_high, stiffness_decimals(protocol)));
+  return fmt::format("{}: group {} {}, 95 % interval {}", name, jnd_text(row.jnd, protocol), unit_of(protocol),
+                     range_text(jnd_text(row.ci_low, protocol), jnd_text(row.ci_high, protocol)));
 }
 
 class ShrinkageDrawing {
@@ -112,7 +126,12 @@ class ShrinkageDrawing {
   bool has_place(const HierarchicalPerson& person) const {
     return person.separate_status == JndStatus::ok && scale_.inside(person.separate);
   }
-  double middle(int condition) const { return panel_.left + slot_ * (condition + 0.5); }
+  // Of the row's column.
+  template <typename Row>
+  double middle(const Row& row) const {
+    const auto column = static_cast<double>(row_of(model_, protocol_, row.condition, row.series));
+    return panel_.left + slot_ * (column + 0.5);
+  }
   void draw_person(Svg& svg, const HierarchicalPerson& person) const;
   void draw_group(Svg& svg, const HierarchicalCondition& row) const;
 
@@ -127,8 +146,9 @@ class ShrinkageDrawing {
 
 std::vector<LegendEntry> ShrinkageDrawing::legend() const {
   using Kind = LegendEntry::Kind;
-  std::vector<LegendEntry> entries = {{Kind::hollow, 0, "separate JND"},
-                                      {Kind::condition, 0, "shrunken JND"},
+  const std::string jnd = jnd_title(protocol_);
+  std::vector<LegendEntry> entries = {{Kind::hollow, 0, "separate " + jnd},
+                                      {Kind::condition, 0, "shrunken " + jnd},
                                       {Kind::interval, 0, "group, 95 % interval"}};
   const auto any = [this](auto is) { return std::any_of(people_.begin(), people_.end(), is); };
   if (any([this](const HierarchicalPerson* one) {
@@ -141,8 +161,7 @@ std::vector<LegendEntry> ShrinkageDrawing::legend() const {
 }
 
 void ShrinkageDrawing::draw_person(Svg& svg, const HierarchicalPerson& person) const {
-  const double from_x = middle(person.condition) + kSeparateAt * slot_,
-               to_x = middle(person.condition) + kShrunkenAt * slot_;
+  const double from_x = middle(person) + kSeparateAt * slot_, to_x = middle(person) + kShrunkenAt * slot_;
   const bool shrunken = person.status == ShrunkenStatus::ok;
   const double to_y = shrunken ? scale_.clipped(person.jnd) : panel_.bottom - kEdgeRoom;
   const bool inside = has_place(person);
@@ -163,7 +182,7 @@ void ShrinkageDrawing::draw_person(Svg& svg, const HierarchicalPerson& person) c
 }
 
 void ShrinkageDrawing::draw_group(Svg& svg, const HierarchicalCondition& row) const {
-  const double x = middle(row.condition) + kGroupAt * slot_;
+  const double x = middle(row) + kGroupAt * slot_;
   svg.begin("mean", group_words(row, protocol_));
   if (row.status == SlopeStatus::ok) {
     svg.line(x, scale_.clipped(row.ci_low), x, scale_.clipped(row.ci_high), kInk);
@@ -174,12 +193,10 @@ void ShrinkageDrawing::draw_group(Svg& svg, const HierarchicalCondition& row) co
   svg.end();
   TextStyle name = strong(anchored(kLabel, "middle"));
   name.size = 13;
-  svg.text(middle(row.condition), panel_.bottom + 20,
-           fitted(condition_text(protocol_, row.condition), name.size, slot_ - 8), name);
+  svg.text(middle(row), panel_.bottom + 20, fitted(row_name(row, protocol_), name.size, slot_ - 8), name);
   const std::string below = row.status == SlopeStatus::ok ? fmt::format("n = {}", row.participants)
                                                           : std::string(word_of(kSlopeStatusWords, row.status));
-  svg.text(middle(row.condition), panel_.bottom + 36, fitted(below, kMuted.size, slot_ - 4),
-           anchored(kMuted, "middle"));
+  svg.text(middle(row), panel_.bottom + 36, fitted(below, kMuted.size, slot_ - 4), anchored(kMuted, "middle"));
 }
 
 Svg ShrinkageDrawing::drawn(const std::string& id, const std::string& title, const std::string& description) {
@@ -187,9 +204,11 @@ Svg ShrinkageDrawing::drawn(const std::string& id, const std::string& title, con
           description);
   draw_legend(&svg, legend(), panel_.left, kGroupTop, width_ - kGroupLeft - 10);
   draw_grid_rows(svg, panel_, scale_, 6);
-  draw_y_axis(svg, panel_, scale_, fmt::format("JND ({})", unit_of(protocol_)), 6);
-  if (!narrow_ && protocol_.stimulus.reference > 0)
-    draw_right_axis(svg, panel_, scale_, 100 / protocol_.stimulus.reference, " %", "Weber fraction", 6);
+  draw_y_axis(svg, panel_, scale_, fmt::format("{} ({})", jnd_title(protocol_), unit_of(protocol_)), 6);
+  const double standard = task_of(protocol_.task.kind).has_own_results() ? protocol_.stimulus.reference
+                          : protocol_.series.size() == 1                 ? protocol_.series.front().standard
+                                                                         : 0;
+  if (!narrow_ && standard > 0) draw_right_axis(svg, panel_, scale_, 100 / standard, " %", "Weber fraction", 6);
   svg.rectangle(panel_.left, panel_.top, panel_.width(), panel_.height(), kFrame);
   for (const HierarchicalPerson* one : people_) draw_person(svg, *one);
   for (const HierarchicalCondition& row : model_.conditions) draw_group(svg, row);
@@ -218,12 +237,12 @@ std::vector<Figure> hierarchical_figures(const StudyResults& results, const Prot
                      std::any_of(people.begin(), people.end(),
                                  [](const HierarchicalPerson* one) { return one->status == ShrunkenStatus::ok; });
   const std::string caption = fmt::format(
-      "Each participant's separate JND ({}), joined to the one given everybody's answers, which is drawn towards the "
-      "group as far as the participant's answers are few; beside them the JND of the median person with its 95 % "
+      "Each participant's separate {} ({}), joined to the one given everybody's answers, which is drawn towards the "
+      "group as far as the participant's answers are few; beside them that of the median person with its 95 % "
       "profile interval, by the hierarchical model of {} participants. The axis is logarithmic. An arrow at the edge "
       "is a separate estimate without a JND, or beyond the scale; a cross one without information. {}{}{}",
-      describe(std::get<ConstantResults>(results.measured).analysis.method), model->participants,
-      alike ? std::string(kPeopleAlike) + " " : "", kHierarchicalAssumptions,
+      jnd_title(protocol), model->separate, model->participants, alike ? std::string(kPeopleAlike) + " " : "",
+      hierarchical_assumptions(*model),
       first_of(std::min(kMostPeopleDrawn, static_cast<std::size_t>(model->participants)),
                static_cast<std::size_t>(model->participants)));
   return {{id, title, caption, ShrinkageDrawing(*model, people, protocol, range, false).drawn(id, title, description),
@@ -238,9 +257,13 @@ std::vector<Figure> ratio_figures(const StudyResults& results, const Protocol& p
   forest.title = "Ratios of conditions";
   forest.ratios = true;
   ForestColumn& column = forest.columns.emplace_back();
-  column.x_title = "ratio of JNDs";
+  const std::string jnd = jnd_title(protocol);
+  column.x_title = jnd == "JND" ? "ratio of JNDs" : "ratio, " + jnd;
   for (const HierarchicalRatio& row : model->ratios) {
-    const std::string name = fmt::format("{} : {}", condition_text(protocol, row.a), condition_text(protocol, row.b));
+    const bool several = !task_of(protocol.task.kind).has_own_results() && protocol.series.size() > 1;
+    const std::string name =
+        fmt::format("{} : {}{}", condition_text(protocol, row.a), condition_text(protocol, row.b),
+                    several ? ", " + protocol.series[static_cast<std::size_t>(row.series)].name : "");
     const std::string numbers = ratio_numbers(row), words = fmt::format("{}: {}", name, numbers);
     forest.description += words + ". ";
     column.rows.push_back(
@@ -250,12 +273,14 @@ std::vector<Figure> ratio_figures(const StudyResults& results, const Protocol& p
   narrow.names = 90;
   narrow.plot = 200;
   narrow.numbers = 184;
-  return {
-      {"ratios", forest.title,
-       "JND of the first condition over that of the second, of the median person, with its 95 % profile interval, "
-       "by the hierarchical model; p: likelihood ratio, each alone. The axis is logarithmic, and the dotted line is "
-       "no difference. An interval without an end goes on to the edge; a cross: one of the two has no JND.",
-       draw_forest(forest), draw_forest(narrow, false)}};
+  return {{"ratios", forest.title,
+           fmt::format(
+               "{} of the first condition over that of the second, of the median person, with its 95 % profile "
+               "interval, by the hierarchical model; p: likelihood ratio, each alone. The axis is logarithmic, and the "
+               "dotted line is no difference. An interval without an end goes on to the edge; a cross: one of the two "
+               "has none.",
+               capitalised(jnd)),
+           draw_forest(forest), draw_forest(narrow, false)}};
 }
 
 }  // namespace jnd

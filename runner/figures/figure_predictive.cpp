@@ -96,10 +96,8 @@ Svg PredictiveDrawing::drawn(const std::string& id, const std::string& title, co
 }  // namespace
 
 std::vector<Figure> predictive_figures(const StudyResults& results, const Protocol& protocol) {
-  const auto* constant = std::get_if<ConstantResults>(&results.measured);
-  if (constant == nullptr || !constant->hierarchical || !constant->hierarchical->check) return {};
-  if (constant->hierarchical->status != HierarchicalStatus::ok) return {};
-  const PredictiveCheck& check = *constant->hierarchical->check;
+  if (!results.hierarchical || !results.hierarchical->check) return {};
+  const PredictiveCheck& check = *results.hierarchical->check;
   if (check.rows.empty()) return {};
   const std::string id = "predictive", title = "Answers beside those that the hierarchical model draws";
   std::string description;

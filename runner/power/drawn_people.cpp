@@ -199,21 +199,25 @@ class AnsweringPeople final : public ModelledPeople {
       }
       for (AdaptiveTrack& track : run.tracks()) tracks.push_back(std::move(track));
     }
-    if (choice())
-      add_estimates(drawn, participant, answered, tracks);
-    else
+    if (task_of(protocol_.task.kind).has_own_results())
       add_tracks(drawn, participant, tracks);
+    else
+      add_estimates(drawn, participant, answered, tracks);
   }
 
   // The answer that u stands for, which is also counted.
   Answer answer_to(const Trial& trial, const Person& person, std::size_t condition, double u,
                    std::vector<HierarchicalCell>& counted) const {
-    const int standard = trial.standard_place >= 0 ? trial.standard_place : trial.stimuli[0] == trial.standard ? 0 : 1;
-    const double level = choice() ? trial.stimuli[static_cast<std::size_t>(1 - standard)] - trial.standard
-                                  : std::abs(trial.stimuli[0] - trial.stimuli[1]);
+    const Task& task = task_of(protocol_.task.kind);
+    const AnsweredTrial felt{.stimuli = trial.stimuli,
+                             .standard = trial.standard,
+                             .target = trial.target,
+                             .standard_place = trial.standard_place};
+    const double level = task.level_answer(felt, protocol_.task).level;
     const bool positive = u < rate(person, level, condition);
     add_answers(counted, condition, level, positive ? 1 : 0, positive ? 0 : 1);
-    if (!choice()) return {.said = positive ? kClassDifferent : kClassSame};
+    if (!choice()) return {.said = positive ? 1 : 0};  // "different" and "same", "yes" and "no"
+    const int standard = trial.standard_place >= 0 ? trial.standard_place : trial.stimuli[0] == trial.standard ? 0 : 1;
     const int greater = positive ? 1 - standard : standard;
     return {.said = protocol_.task.greater ? greater : 1 - greater};
   }

@@ -13,6 +13,7 @@
 #include "analysis/numerics/tail_probabilities.h"
 #include "data/results/study_comparisons.h"
 #include "data/results/study_contrasts.h"
+#include "data/results/study_hierarchical.h"
 #include "protocols/planning/track_threshold.h"
 #include "protocols/tasks/task.h"
 
@@ -73,8 +74,12 @@ StudyAnalyst::StudyAnalyst(const Protocol& protocol, const PowerQuestion& questi
       known_(!question.profile) {
   model_.response = response_model_of(protocol).value();
   model_.shared.lapse = question.people.lapse;
-  if (model_.response != ResponseModel::choice) return;
-  of_noise_ = task_of(protocol.task.kind).jnd_of_noise(protocol).value_or(1);
+  task_ = !task_of(protocol.task.kind).has_own_results();
+  if (!task_) return;
+  const AnswerModel answers = task_of(protocol.task.kind).answer_model(protocol).value();
+  of_noise_ = answers.jnd_of_s;
+  model_.tw = !answers.pse_at_standard;
+  compares_jnds_ = protocol.analysis.outcome == answers.jnd || protocol.analysis.outcome == "weber";
   const std::vector<TaskOutcome> outcomes = measured_outcomes(protocol);
   for (std::size_t i = 0; i < outcomes.size(); ++i)
     if (outcomes[i].key == protocol.analysis.outcome) task_outcome_ = i;
@@ -99,7 +104,8 @@ double StudyAnalyst::true_jnd(PowerAnalysis analysis, std::size_t condition) con
   // A staircase's threshold is a level, which depends on the criterion too.
   const bool level = protocol_.design.procedure && threshold_source(protocol_) != ThresholdSource::answers &&
                      (analysis == PowerAnalysis::registered || analysis == PowerAnalysis::median);
-  if (!known_ || level) return kNaN;
+  const bool other = analysis == PowerAnalysis::registered && !compares_jnds_ && !protocol_.analysis.hierarchical;
+  if (!known_ || level || other) return kNaN;
   const double half_variance = 0.5 * (truth_.tu * truth_.tu + truth_.tv * truth_.tv);
   return of_noise_ * std::exp(truth_.mu[condition] + (analysis == PowerAnalysis::registered ? half_variance : 0));
 }
@@ -110,10 +116,11 @@ double StudyAnalyst::true_difference(PowerAnalysis analysis, std::size_t contras
              b = static_cast<std::size_t>(question_.contrasts[contrast][1]);
   const double half_variance = 0.5 * (truth_.tu * truth_.tu + truth_.tv * truth_.tv);
   const Outcome outcome = protocol_.analysis.tests.outcome;
+  if (analysis == PowerAnalysis::registered && !compares_jnds_ && !protocol_.analysis.hierarchical) return kNaN;
   if (analysis != PowerAnalysis::registered || outcome == Outcome::log_jnd || protocol_.analysis.hierarchical)
     return truth_.mu[a] - truth_.mu[b];
   if (std::isnan(true_jnd(analysis, a))) return kNaN;
-  if (outcome == Outcome::slope && model_.response != ResponseModel::choice && !protocol_.design.procedure)
+  if (outcome == Outcome::slope && !task_ && !protocol_.design.procedure)
     return std::exp(half_variance - truth_.mu[a]) - std::exp(half_variance - truth_.mu[b]);
   const double scale = protocol_.analysis.outcome == "weber" ? 1 / protocol_.series.front().standard : 1;
   return scale * (true_jnd(analysis, a) - true_jnd(analysis, b));
@@ -128,7 +135,7 @@ StudyOutcome StudyAnalyst::registered(std::span<const DrawnPerson> people) const
     return outcome;
   }
   OutcomeComparison values;
-  if (model_.response == ResponseModel::choice) {
+  if (task_) {
     TaskResults results;
     results.outcomes = measured_outcomes(protocol_);
     results.registered = task_outcome_;
@@ -149,7 +156,9 @@ StudyOutcome StudyAnalyst::registered(std::span<const DrawnPerson> people) const
 void StudyAnalyst::add_registered_group(StudyOutcome& outcome, std::span<const DrawnPerson> people) const {
   std::vector<std::vector<double>> jnds(truth_.mu.size());
   const auto add = [&](int condition, double jnd) {
-    if (std::isfinite(jnd) && jnd > 0)
+    if (!compares_jnds_)
+      outcome.undefined = outcome.undefined || !std::isfinite(jnd);
+    else if (std::isfinite(jnd) && jnd > 0)
       jnds[static_cast<std::size_t>(condition)].push_back(jnd);
     else
       outcome.undefined = true;
@@ -205,6 +214,13 @@ StudyOutcome StudyAnalyst::median(std::span<const DrawnPerson> people) const {
   return outcome;
 }
 
+void StudyAnalyst::add_cell(std::vector<HierarchicalCell>& cells, const HierarchicalCell& cell) const {
+  if (model_.tw)
+    cells.push_back(cell);
+  else  // as the study's own analysis takes it
+    add_without_bias(cells, cell);
+}
+
 StudyOutcome StudyAnalyst::log_ml(std::span<const DrawnPerson> people) const {
   StudyOutcome outcome;
   const std::size_t conditions = truth_.mu.size();
@@ -215,12 +231,9 @@ StudyOutcome StudyAnalyst::log_ml(std::span<const DrawnPerson> people) const {
     for (std::size_t c = 0; c < conditions; ++c) {
       std::vector<HierarchicalCell> cells;
       for (const HierarchicalCell& cell : person.answers)
-        if (cell.condition == static_cast<int>(c)) cells.push_back(cell);
+        if (cell.condition == static_cast<int>(c)) add_cell(cells, cell);
       double value = kNaN;
-      // A procedure may have kept to one level.
-      const bool levels_differ = std::any_of(
-          cells.begin(), cells.end(), [&](const HierarchicalCell& cell) { return cell.level != cells.front().level; });
-      if (levels_differ) {
+      if (levels_differ(cells)) {
         if (!range || protocol_.design.procedure) range = search_range(cells, model_.response);
         const double ln_s = pooled_maximum(cells, model_.response, model_.shared.lapse, range->start).ln_s;
         if (ln_s > range->least && ln_s < range->greatest) value = ln_s;
@@ -262,7 +275,7 @@ StudyOutcome StudyAnalyst::hierarchical(std::span<const DrawnPerson> people) con
     if (person.dropped) continue;
     for (HierarchicalCell cell : person.answers) {
       cell.participant = number;
-      cells.push_back(cell);
+      add_cell(cells, cell);
     }
     ++number;
   }
@@ -290,11 +303,10 @@ StudyOutcome StudyAnalyst::hierarchical(std::span<const DrawnPerson> people) con
 
 std::string contrast_scale(PowerAnalysis analysis, const Protocol& protocol) {
   if (analysis != PowerAnalysis::registered || protocol.analysis.hierarchical) return "ln JND";
-  if (protocol.task.kind == TaskKind::which || protocol.design.procedure) {
-    const std::string name =
-        protocol.design.procedure && protocol.task.kind != TaskKind::which ? "threshold" : protocol.analysis.outcome;
-    return protocol.analysis.tests.outcome == Outcome::log_jnd && protocol.task.kind == TaskKind::which ? "ln " + name
-                                                                                                        : name;
+  const bool task = !task_of(protocol.task.kind).has_own_results();
+  if (task || protocol.design.procedure) {
+    const std::string name = task ? protocol.analysis.outcome : "threshold";
+    return protocol.analysis.tests.outcome == Outcome::log_jnd && task ? "ln " + name : name;
   }
   const std::string unit(to_string(protocol.stimulus.unit));
   switch (protocol.analysis.tests.outcome) {
@@ -309,13 +321,15 @@ std::string contrast_scale(PowerAnalysis analysis, const Protocol& protocol) {
 }
 
 std::string power_refusal(PowerAnalysis analysis, const Protocol& protocol) {
-  const bool which = protocol.task.kind == TaskKind::which;
-  if (analysis == PowerAnalysis::registered && which && protocol.analysis.outcome != "jnd" &&
-      protocol.analysis.outcome != "weber")
-    return "the protocol compares the " + protocol.analysis.outcome + ", and what differs here is the JND";
-  if (analysis != PowerAnalysis::registered && which && protocol.series.size() > 1)
+  const bool task = !task_of(protocol.task.kind).has_own_results();
+  const std::string& compared = protocol.analysis.outcome;
+  // These move with the JND, and are told from answers without degrees of sureness.
+  if (analysis == PowerAnalysis::registered && task && compared != "jnd" && compared != "threshold" &&
+      compared != "weber" && compared != "dprime" && compared != "correct")
+    return "the protocol compares the " + compared + ", and what differs here is the JND";
+  if (analysis != PowerAnalysis::registered && task && protocol.series.size() > 1)
     return "the protocol has several standards, and this analysis one JND of each condition";
-  if (analysis == PowerAnalysis::median && (which || protocol.design.procedure))
+  if (analysis == PowerAnalysis::median && (task || protocol.design.procedure))
     return "the median is of least-squares JNDs: of same-different with given levels";
   return "";
 }

@@ -42,6 +42,7 @@ class StudyAnalyst {
   StudyOutcome median(std::span<const DrawnPerson> people) const;
   StudyOutcome log_ml(std::span<const DrawnPerson> people) const;
   StudyOutcome hierarchical(std::span<const DrawnPerson> people) const;
+  void add_cell(std::vector<HierarchicalCell>& cells, const HierarchicalCell& cell) const;
   void add_registered_group(StudyOutcome& outcome, std::span<const DrawnPerson> people) const;
 
   const Protocol& protocol_;
@@ -50,7 +51,9 @@ class StudyAnalyst {
   HierarchicalModel model_;
   double of_noise_ = 1;           // JND, as the protocol means it, of a noise s of 1
   bool known_ = true;             // the truth is: of participants simulated through the rig it is not
-  std::size_t task_outcome_ = 0;  // of tasks: the place of the registered outcome
+  bool task_ = false;             // the protocol's task has estimates of its own; then
+  bool compares_jnds_ = true;     // the registered outcome is the JND, or the Weber fraction
+  std::size_t task_outcome_ = 0;  // its place
 };
 
 // The scale of an analysis's contrasts: "d' per 100 N/m" is the registered slope, "ln JND" that of log-ml and hierarchical.

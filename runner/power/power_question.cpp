@@ -3,7 +3,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "data/results/study_hierarchical.h"
 #include "protocols/tasks/task.h"
 
 namespace jnd {
@@ -18,9 +17,8 @@ std::vector<PowerDesign> PowerQuestion::designs() const {
 }
 
 std::optional<ResponseModel> response_model_of(const Protocol& protocol) {
-  if (protocol.task.kind == TaskKind::which) return ResponseModel::choice;
-  if (protocol.task.kind != TaskKind::same_different) return std::nullopt;
-  return registered_observer(protocol.analysis);
+  const std::optional<AnswerModel> answers = task_of(protocol.task.kind).answer_model(protocol);
+  return answers ? std::optional(answers->response) : std::nullopt;
 }
 
 double usual_criterion(ResponseModel model) noexcept {
@@ -36,9 +34,10 @@ double usual_criterion(ResponseModel model) noexcept {
 }
 
 HierarchicalPlace truth_of(const PowerQuestion& question, double effect, const Protocol& protocol) {
-  const bool choice = protocol.task.kind == TaskKind::which;
   // The JND of choices is meant as registered, at 75 % or 84 % or d' = 1; s is the noise of the felt difference.
-  const double of_noise = choice ? task_of(protocol.task.kind).jnd_of_noise(protocol).value_or(1) : 1;
+  const AnswerModel answers = task_of(protocol.task.kind).answer_model(protocol).value();
+  const bool choice = answers.response == ResponseModel::choice;
+  const double of_noise = answers.jnd_of_s;
   double mean = 0;
   for (const double jnd : question.jnds) mean += std::log(jnd / of_noise) / static_cast<double>(question.jnds.size());
   const double unit = choice ? std::exp(mean) : 1;

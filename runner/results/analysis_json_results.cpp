@@ -204,8 +204,8 @@ struct ResultsJson {
     for (const OutcomeComparison& outcome : results.comparisons)
       out["comparisons"].push_back(outcome_json(outcome, protocol));
     out["condition_by_series"] = series_json(measured.by_series);
-    out["hierarchical"] = measured.hierarchical
-                              ? hierarchical_json(*measured.hierarchical, protocol, measured.analysis.attendance.kind)
+    out["hierarchical"] = results.hierarchical
+                              ? hierarchical_json(*results.hierarchical, protocol, attendance_of(results).kind)
                               : Json(nullptr);
     out["sensitivity"] = Json::array();
     for (const SensitivityRow& row : measured.sensitivity)

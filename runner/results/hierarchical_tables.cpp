@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "data/export/hierarchical_fields.h"
+#include "protocols/tasks/task.h"
 #include "runner/results/field_output.h"
 #include "runner/results/result_format.h"
 #include "runner/results/result_table_parts.h"
@@ -19,6 +20,39 @@ std::string spread_text(const HierarchicalSpread& spread, const char* of) {
   return spread.status == SpreadStatus::ok || spread.status == SpreadStatus::zero
              ? fmt::format("{} {}", number_text(spread.sd, 2), of)
              : fmt::format("not identified {}", of);
+}
+
+bool is_choice(const StudyHierarchical& model) {
+  return model.response == ResponseModel::choice;
+}
+
+// Whether a row needs to say of which standard it is.
+bool shows_standards(const Protocol& protocol) {
+  return !task_of(protocol.task.kind).has_own_results() && protocol.series.size() > 1;
+}
+
+// What an answer is taken to go by.
+std::string observer_words(const StudyHierarchical& model) {
+  if (!model.response) return "";
+  switch (*model.response) {
+    case ResponseModel::yes_no:
+      return ", decided on the difference";
+    case ResponseModel::differencing:
+      return ", decided on the size of the difference";
+    case ResponseModel::choice:
+      break;
+  }
+  return fmt::format(", without an effect of the order{}",
+                     model.lapse > 0 ? fmt::format(", with a lapse rate of {:g}", model.lapse) : "");
+}
+
+std::string criteria_text(const StudyHierarchical& model, const Protocol& protocol) {
+  if (model.pse_at_standard) return "; the PSE is taken as the standard, as all comparisons lie on one side of it";
+  if (!is_choice(model)) return "; " + spread_text(model.criteria, "of the criterion");
+  const std::string of =
+      fmt::format("of the PSE, {}", model.several_standards ? "as a share of the standard"
+                                                            : "in " + std::string(to_string(protocol.stimulus.unit)));
+  return "; " + spread_text(model.criteria, of.c_str());
 }
 
 std::string equality_text(const StudyHierarchical& model) {
@@ -39,56 +73,62 @@ Json rows_json(const Fields<Row>& fields, const std::vector<Row>& rows, const st
 
 }  // namespace
 
-ResultTable hierarchical_table(const ConstantResults& results, const Protocol& protocol) {
+ResultTable hierarchical_table(const StudyResults& results, const Protocol& protocol) {
   ResultTable table{"hierarchical", "The group by the hierarchical model", "", {}, {}, {}};
   if (!results.hierarchical || results.hierarchical->people.empty()) return table;
   const StudyHierarchical& model = *results.hierarchical;
-  const bool differencing = model.response == ResponseModel::differencing;
   table.note = fmt::format(
-      "one model of everybody's answers, decided on the {}difference; JND: of the median person, with 95 % profile "
-      "likelihood; {}{}",
-      differencing ? "size of the " : "",
+      "one model of everybody's answers{}; {}: of the median person, with 95 % profile likelihood; {}{}",
+      observer_words(model), jnd_title(protocol),
       protocol.analysis.hierarchical ? "registered for the contrasts" : "not registered",
-      results.analysis.by == DifferenceSource::nominal
-          ? ""
-          : fmt::format("; over the delivered differences, to {:g} % of the largest", 100.0 / kDeliveredSteps));
-  const TableMaker of(hierarchical_fields(protocol, results.analysis.attendance.kind));
-  table = of(std::move(table),
-             {of("condition"), of("n"), of("jnd"), of.range("ci_low", "ci_high"), of("weber"),
-              of("criterion", differencing ? "ln tau" : "criterion"), of("status")},
-             hierarchical_rows(model));
+      model.rounded ? fmt::format("; over the delivered differences, to {:g} % of the largest", 100.0 / kDeliveredSteps)
+                    : "");
+  const TableMaker of(hierarchical_fields(protocol, attendance_of(results).kind));
+  using Row = HierarchicalConditionRow;
+  std::vector<TableColumn<Row>> columns = {of("condition")};
+  if (shows_standards(protocol)) columns.push_back(of("standard"));
+  columns.insert(columns.end(), {of("n"), of("jnd"), of.range("ci_low", "ci_high"), of("weber")});
+  if (!is_choice(model))
+    columns.push_back(of("criterion", model.response == ResponseModel::differencing ? "ln tau" : "criterion"));
+  else if (!model.pse_at_standard)
+    columns.insert(columns.end(), {of("pse"), of.range("pse_low", "pse_high")});
+  columns.push_back(of("status"));
+  table = of(std::move(table), columns, hierarchical_rows(model));
   if (model.status != HierarchicalStatus::ok) {
     table.footnotes.push_back("no model: " + model.reason);
     return table;
   }
   if (model.equal_df > 0) table.footnotes.push_back(equality_text(model));
-  table.footnotes.push_back(fmt::format(
-      "standard deviation between people: {}; {}; {}", spread_text(model.persons, "of ln JND"),
-      spread_text(model.by_condition, "of ln JND by condition"), spread_text(model.criteria, "of the criterion")));
+  table.footnotes.push_back(
+      fmt::format("standard deviation between people: {}; {}{}", spread_text(model.persons, "of ln JND"),
+                  spread_text(model.by_condition, "of ln JND by condition"), criteria_text(model, protocol)));
   if (model.participants == 1)
     table.footnotes.emplace_back("one participant: intervals and tests say nothing of anybody else");
-  table.footnotes.emplace_back(kHierarchicalAssumptions);
+  table.footnotes.push_back(hierarchical_assumptions(model));
   return table;
 }
 
-ResultTable hierarchical_ratios_table(const ConstantResults& results, const Protocol& protocol) {
+ResultTable hierarchical_ratios_table(const StudyResults& results, const Protocol& protocol) {
   ResultTable table{"hierarchical-ratios", "Ratios of conditions by the hierarchical model", "", {}, {}, {}};
   if (!results.hierarchical) return table;
-  table.note = "JND of the first / JND of the second; p: likelihood ratio, each alone";
-  const TableMaker of(hierarchical_ratio_fields(protocol, results.analysis.attendance.kind));
-  return of(std::move(table),
-            {of.words("conditions",
-                      [&](const HierarchicalRatio& row) { return of.text("a", row) + " : " + of.text("b", row); }),
-             of("participants"), of("ratio"), of.range("ci_low", "ci_high"), of("lr"), of("p"), of("status")},
-            results.hierarchical->ratios);
+  table.note =
+      fmt::format("{0} of the first / {0} of the second; p: likelihood ratio, each alone", jnd_title(protocol));
+  const TableMaker of(hierarchical_ratio_fields(protocol, attendance_of(results).kind));
+  using Row = HierarchicalRatio;
+  std::vector<TableColumn<Row>> columns = {
+      of.words("conditions", [&](const Row& row) { return of.text("a", row) + " : " + of.text("b", row); })};
+  if (shows_standards(protocol)) columns.push_back(of("standard"));
+  columns.insert(columns.end(),
+                 {of("participants"), of("ratio"), of.range("ci_low", "ci_high"), of("lr"), of("p"), of("status")});
+  return of(std::move(table), columns, results.hierarchical->ratios);
 }
 
-ResultTable hierarchical_check_table(const ConstantResults& results, const Protocol& protocol) {
+ResultTable hierarchical_check_table(const StudyResults& results, const Protocol& protocol) {
   ResultTable table{"hierarchical-check", "Posterior predictive check of the hierarchical model", "", {}, {}, {}};
   if (!results.hierarchical || !results.hierarchical->check) return table;
   const PredictiveCheck& check = *results.hierarchical->check;
   table.note = "answers beside those that the model draws for the same people; sd of people: of their shares";
-  const TableMaker of(hierarchical_check_fields(protocol, results.analysis.attendance.kind));
+  const TableMaker of(hierarchical_check_fields(protocol, attendance_of(results).kind));
   using Row = HierarchicalCheckRow;
   const auto outside = [](const Row& row) {
     std::string text;
@@ -108,16 +148,18 @@ ResultTable hierarchical_check_table(const ConstantResults& results, const Proto
   return table;
 }
 
-ResultTable hierarchical_people_table(const ConstantResults& results, const Protocol& protocol) {
+ResultTable hierarchical_people_table(const StudyResults& results, const Protocol& protocol) {
   ResultTable table{"hierarchical-people", "Participants by the hierarchical model", "", {}, {}, {}};
   if (!results.hierarchical || results.hierarchical->status != HierarchicalStatus::ok) return table;
+  const StudyHierarchical& model = *results.hierarchical;
+  const std::string jnd = jnd_title(protocol);
   table.note = fmt::format(
-      "separate: {}, of these answers alone; shrunken: given everybody's answers, drawn towards the group's JND as far "
+      "separate: {}, of these answers alone; shrunken: given everybody's answers, drawn towards the group's {} as far "
       "as a participant's answers are few",
-      describe(results.analysis.method));
-  const TableMaker of(hierarchical_person_fields(protocol, results.analysis.attendance.kind));
+      model.separate, jnd);
+  const TableMaker of(hierarchical_person_fields(protocol, attendance_of(results).kind));
   using Row = HierarchicalPerson;
-  const std::vector<Row>& people = results.hierarchical->people;
+  const std::vector<Row>& people = model.people;
   // What is ok is said of nobody, and there is no column where all are.
   const auto said = [&of](const char* key) {
     return [&of, key](const Row& row) {
@@ -127,19 +169,22 @@ ResultTable hierarchical_people_table(const ConstantResults& results, const Prot
   };
   std::vector<TableColumn<Row>> columns = {of("participant")};
   if (!protocol.groups.empty()) columns.push_back(of("group"));
-  columns.insert(columns.end(), {of("condition"), of("separate")});
+  columns.push_back(of("condition"));
+  if (shows_standards(protocol)) columns.push_back(of("standard"));
+  columns.push_back(of("separate"));
   if (std::any_of(people.begin(), people.end(), [](const Row& row) { return row.separate_status != JndStatus::ok; }))
     columns.push_back(of.words("without", said("separate_status")));
-  columns.insert(columns.end(), {of("jnd"), of("ln_sd"), of("criterion")});
+  columns.insert(columns.end(), {of("jnd"), of("ln_sd")});
+  if (!model.pse_at_standard) columns.push_back(of(is_choice(model) ? "bias" : "criterion"));
   if (std::any_of(people.begin(), people.end(), [](const Row& row) { return row.status != ShrunkenStatus::ok; }))
     columns.push_back(of.words("status", said("status")));
   table = of(std::move(table), columns, people);
   for (std::size_t i = table.rows.size(); i-- > 1;)  // a participant is named once
     if (table.rows[i].front() == table.rows[i - 1].front()) table.rows[i].front().clear();
-  if (results.hierarchical->alike() && results.hierarchical->participants > 1 &&
+  if (model.alike() && model.participants > 1 &&
       std::any_of(people.begin(), people.end(), [](const Row& row) { return row.status == ShrunkenStatus::ok; }))
     table.footnotes.emplace_back(kPeopleAlike);
-  table.footnotes.emplace_back(kHierarchicalAssumptions);
+  table.footnotes.push_back(hierarchical_assumptions(model));
   return table;
 }
 
@@ -149,14 +194,23 @@ Json hierarchical_json(const StudyHierarchical& model, const Protocol& protocol,
               {"observer", model.response ? Json(word_of(kResponseModelWords, *model.response)) : Json(nullptr)},
               {"participants", model.participants},
               {"trials", model.trials}};
+  const bool standards = !task_of(protocol.task.kind).has_own_results(), choice = is_choice(model);
+  const auto with = [standards](std::vector<std::string> keys, std::size_t after, std::vector<std::string> more) {
+    keys.insert(keys.end() - 1, more.begin(), more.end());
+    if (standards) keys.insert(keys.begin() + static_cast<std::ptrdiff_t>(after), "standard");
+    return keys;
+  };
+  using Keys = std::vector<std::string>;
   out["conditions"] = rows_json(hierarchical_fields(protocol, kind), hierarchical_rows(model),
-                                {"condition", "n", "jnd", "ci_low", "ci_high", "weber", "criterion", "status"});
+                                with({"condition", "n", "jnd", "ci_low", "ci_high", "weber", "status"}, 1,
+                                     choice ? Keys{"pse", "pse_low", "pse_high", "bias"} : Keys{"criterion"}));
   out["ratios"] = rows_json(hierarchical_ratio_fields(protocol, kind), model.ratios,
-                            {"a", "b", "participants", "ratio", "ci_low", "ci_high", "lr", "p", "status"});
+                            with({"a", "b", "participants", "ratio", "ci_low", "ci_high", "lr", "p", "status"}, 2, {}));
   out["people"] = model.status == HierarchicalStatus::ok
                       ? rows_json(hierarchical_person_fields(protocol, kind), model.people,
-                                  {"participant", "condition", "separate", "separate_status", "alone", "alone_status",
-                                   "jnd", "ln_sd", "criterion", "status"})
+                                  with({"participant", "condition", "separate", "separate_status", "alone",
+                                        "alone_status", "jnd", "ln_sd", "status"},
+                                       2, choice ? Keys{"bias"} : Keys{"criterion"}))
                       : Json::array();
   out["check"] = nullptr;
   if (model.check) {
@@ -178,7 +232,7 @@ Json hierarchical_json(const StudyHierarchical& model, const Protocol& protocol,
   if (model.status == HierarchicalStatus::ok)
     out["sd"] = {{"persons", spread_json(model.persons)},
                  {"persons_by_condition", spread_json(model.by_condition)},
-                 {"criterion", spread_json(model.criteria)}};
+                 {choice ? "pse" : "criterion", spread_json(model.criteria)}};
   out["equal"] =
       model.equal_df > 0
           ? Json{{"lr", json_value(model.equal_lr)}, {"df", model.equal_df}, {"p", json_value(model.equal_p)}}

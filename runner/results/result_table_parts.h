@@ -37,10 +37,10 @@ ResultTable proportion_table(const TaskResults& results, const Protocol& protoco
 ResultTable task_counts_table(const TaskResults& results, const Protocol& protocol);
 
 // hierarchical_tables.cpp: the hierarchical model, where it was added to the results.
-ResultTable hierarchical_table(const ConstantResults& results, const Protocol& protocol);
-ResultTable hierarchical_ratios_table(const ConstantResults& results, const Protocol& protocol);
-ResultTable hierarchical_check_table(const ConstantResults& results, const Protocol& protocol);
-ResultTable hierarchical_people_table(const ConstantResults& results, const Protocol& protocol);
+ResultTable hierarchical_table(const StudyResults& results, const Protocol& protocol);
+ResultTable hierarchical_ratios_table(const StudyResults& results, const Protocol& protocol);
+ResultTable hierarchical_check_table(const StudyResults& results, const Protocol& protocol);
+ResultTable hierarchical_people_table(const StudyResults& results, const Protocol& protocol);
 nlohmann::ordered_json hierarchical_json(const StudyHierarchical& model, const Protocol& protocol, SessionKind kind);
 
 // between_tables.cpp: groups of participants. The JSON is of results that have groups.

@@ -167,7 +167,7 @@ struct TablesOf {
   std::vector<ResultTable> operator()(const ConstantResults& measured) const {
     const StudyAnalysis& analysis = measured.analysis;
     return {participants_table(analysis, protocol),
-            hierarchical_people_table(measured, protocol),
+            hierarchical_people_table(results, protocol),
             group_table(analysis, protocol),
             contrasts_table(results, protocol),
             groups_table(results, protocol),
@@ -175,9 +175,9 @@ struct TablesOf {
             omnibus_table(results, protocol),
             pairs_table(results, protocol),
             series_table(measured, protocol),
-            hierarchical_table(measured, protocol),
-            hierarchical_ratios_table(measured, protocol),
-            hierarchical_check_table(measured, protocol),
+            hierarchical_table(results, protocol),
+            hierarchical_ratios_table(results, protocol),
+            hierarchical_check_table(results, protocol),
             sensitivity_table(measured, protocol),
             sureness_table(measured, protocol),
             behaviour_table(measured, protocol),
@@ -188,23 +188,31 @@ struct TablesOf {
   }
   std::vector<ResultTable> operator()(const AdaptiveResults& measured) const {
     return {adaptive_rows_table(measured, protocol, true),
+            hierarchical_people_table(results, protocol),
             adaptive_group_table(measured, protocol),
             contrasts_table(results, protocol),
             groups_table(results, protocol),
             between_table(results, protocol),
             omnibus_table(results, protocol),
             pairs_table(results, protocol),
+            hierarchical_table(results, protocol),
+            hierarchical_ratios_table(results, protocol),
+            hierarchical_check_table(results, protocol),
             items_table(results, protocol),
             ratings_table(results, protocol)};
   }
   std::vector<ResultTable> operator()(const MeasuredTask& measured) const {
     return {task_estimates_table(measured.task, protocol),
+            hierarchical_people_table(results, protocol),
             task_group_table(results, measured.task, protocol),
             contrasts_table(results, protocol),
             groups_table(results, protocol),
             between_table(results, protocol),
             omnibus_table(results, protocol),
             pairs_table(results, protocol),
+            hierarchical_table(results, protocol),
+            hierarchical_ratios_table(results, protocol),
+            hierarchical_check_table(results, protocol),
             proportion_table(measured.task, protocol),
             items_table(results, protocol),
             ratings_table(results, protocol),

@@ -47,6 +47,49 @@ TEST_CASE("a profile falls by half of 3.84 at the ends of its interval, and the 
   }
 }
 
+// 500 N/m against seven others, the published 2IFC case's design: six people, two conditions, eight trials a level.
+std::vector<HierarchicalCell> drawn_choices(std::uint64_t study) {
+  std::vector<HierarchicalCell> questions;
+  for (int p = 0; p < 6; ++p)
+    for (int c = 0; c < 2; ++c)
+      for (const double level : {-200.0, -100.0, -50.0, 0.0, 50.0, 100.0, 200.0})
+        questions.push_back({p, c, level, 0, 8});
+  HierarchicalPlace truth;
+  truth.mu = {std::log(90.0), std::log(120.0)};
+  truth.kappa = {10, -15};
+  truth.tu = 0.3;
+  truth.tw = 30;
+  return drawn_answers(questions, {.response = ResponseModel::choice}, truth, 7, study);
+}
+
+TEST_CASE("the bias of choices has a profile interval", "[hierarchical]") {
+  const std::vector<HierarchicalCell> cells = drawn_choices(3);
+  HierarchicalAnalysis analysis(cells, {.response = ResponseModel::choice});
+  const HierarchicalFit& fit = analysis.add_intervals();
+  REQUIRE(fit.maximum.converged);
+  HierarchicalLikelihood likelihood(cells, ResponseModel::choice, 0, 1.3);
+  const auto at = [&](int condition, double bias) {
+    HierarchicalForm form = HierarchicalForm::separate(2);
+    form.tv = fit.tv == SpreadStatus::ok;
+    form.held_criterion = condition;
+    HierarchicalPlace start = fit.maximum.place;
+    if (condition >= 0) start.kappa[static_cast<std::size_t>(condition)] = bias;
+    return maximise(likelihood, form, start, 50);
+  };
+  const double best = at(-1, 0).log_likelihood;
+  for (std::size_t c = 0; c < 2; ++c) {
+    const ConditionMean& one = fit.conditions[c];
+    CHECK(one.criterion_ends.low < one.criterion);
+    CHECK(one.criterion_ends.high > one.criterion);
+    for (const double end : {one.criterion_ends.low, one.criterion_ends.high}) {
+      const HierarchicalMaximum there = at(static_cast<int>(c), end);
+      CHECK(there.place.kappa[c] == end);
+      CHECK(std::abs(2 * (best - there.log_likelihood) - 3.841458820694124) < 1e-4);
+    }
+  }
+  CHECK(std::isnan(HierarchicalAnalysis(published_study(4, 2), {}).add_intervals().conditions[0].criterion_ends.low));
+}
+
 TEST_CASE("what the answers cannot tell has a status", "[hierarchical]") {
   SECTION("one participant: no spread between people") {
     const HierarchicalFit fit = HierarchicalAnalysis(published_study(1, 4), {}).fit();

@@ -93,7 +93,7 @@ TEST_CASE("the hierarchical model has its figures where it was added: who is dra
   const Protocol protocol = published_protocol();
   StudyResults results = invented_study(protocol, 18);
   add_hierarchical(results, protocol);
-  StudyHierarchical& model = *constant(results).hierarchical;
+  StudyHierarchical& model = *results.hierarchical;
   const std::vector<Figure> figures = study_figures(results, protocol);
   check_figures(figures);
   CHECK(figures.size() == 9 + 2);

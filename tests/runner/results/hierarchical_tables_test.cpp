@@ -46,10 +46,10 @@ TEST_CASE("the hierarchical model has its tables where it was added") {
   CHECK(people.rows[1].front().empty());  // named once
   CHECK(people.columns.back().name == "criterion");
 
-  StudyHierarchical& model = *constant(results).hierarchical;
+  StudyHierarchical& model = *results.hierarchical;
   model.people[3].status = ShrunkenStatus::missing;
   model.people[4].separate_status = JndStatus::no_sensitivity;
-  const ResultTable odd = hierarchical_people_table(constant(results), protocol);
+  const ResultTable odd = hierarchical_people_table(results, protocol);
   CHECK(odd.columns.back().name == "status");
   CHECK(odd.rows[3].back() == "missing");
   CHECK(odd.rows[0].back().empty());
@@ -67,8 +67,7 @@ TEST_CASE("where there is no hierarchical model, its table and JSON say why") {
   CHECK(group.rows.front().back() == "not_offered");
   CHECK(says(group, "no model: there is none of the registered model of d'"));
   CHECK_THROWS(table_named(tables, "hierarchical-people"));
-  const nlohmann::ordered_json json =
-      hierarchical_json(*constant(results).hierarchical, protocol, SessionKind::simulated);
+  const nlohmann::ordered_json json = hierarchical_json(*results.hierarchical, protocol, SessionKind::simulated);
   CHECK(json.at("status") == "not_offered");
   CHECK(json.at("observer").is_null());
   CHECK(json.at("sd").is_null());
