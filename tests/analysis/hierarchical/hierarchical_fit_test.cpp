@@ -67,7 +67,7 @@ TEST_CASE("the bias of choices has a profile interval", "[hierarchical]") {
   HierarchicalAnalysis analysis(cells, {.response = ResponseModel::choice});
   const HierarchicalFit& fit = analysis.add_intervals();
   REQUIRE(fit.maximum.converged);
-  HierarchicalLikelihood likelihood(cells, ResponseModel::choice, 0, 1.3);
+  HierarchicalLikelihood likelihood(cells, ResponseModel::choice, {}, 1.3);
   const auto at = [&](int condition, double bias) {
     HierarchicalForm form = HierarchicalForm::separate(2);
     form.tv = fit.tv == SpreadStatus::ok;
