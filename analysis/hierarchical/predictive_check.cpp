@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <iomanip>
+#include <sstream>
 #include <tuple>
 
 #include "analysis/hierarchical/posterior_draws.h"
@@ -161,18 +162,18 @@ PredictiveCheck predictive_check(std::span<const HierarchicalCell> cells, const 
 }
 
 std::string predictive_verdict(const PredictiveCheck& check) {
-  const char* const scatter = check.scatter_fits() ? "the answers scatter about each person's rates as drawn ones do"
-                              : check.p < 0.5 ? "the answers scatter more about each person's rates than drawn ones"
-                                              : "the answers are more regular than drawn ones";
-  const std::string beyond =
-      check.bands_fit() ? "" : ", more than the " + std::to_string(check.outside_by_chance()) + " that chance explains";
-  char p[16];
-  std::snprintf(p, sizeof p, "%.*f", check.p < 0.01 || check.p > 0.99 ? 4 : 2, check.p);
-  std::string text = check.bands_fit() && check.scatter_fits() ? "The model draws answers like these"
-                                                               : "The model does not draw answers like these";
-  text += ": " + std::to_string(check.outside()) + " of " + std::to_string(check.bands()) +
-          " shares and spreads lie outside their 95 % bands" + beyond + ", and ";
-  return text + scatter + " (p " + p + ").";
+  const bool fits = check.bands_fit() && check.scatter_fits();
+  std::ostringstream text;
+  text << (fits ? "The model draws answers like these: " : "The model does not draw answers like these: ")
+       << check.outside() << " of " << check.bands() << " shares and spreads lie outside their 95 % bands";
+  if (!check.bands_fit()) text << ", more than the " << check.outside_by_chance() << " that chance explains";
+  text << ", and "
+       << (check.scatter_fits() ? "the answers scatter about each person's rates as drawn ones do"
+           : check.p < 0.5      ? "the answers scatter more about each person's rates than drawn ones"
+                                : "the answers are more regular than drawn ones");
+  const int digits = check.p < 0.01 || check.p > 0.99 ? 4 : 2;
+  text << " (p " << std::fixed << std::setprecision(digits) << check.p << ").";
+  return text.str();
 }
 
 }  // namespace jnd

@@ -36,7 +36,9 @@ void add_hierarchical_files(std::vector<ResultFile>& files, const StudyHierarchi
   if (model.people.empty()) return;
   add_file(files, "hierarchical.csv", hierarchical_fields(protocol, kind), hierarchical_rows(model));
   add_file(files, "hierarchical_ratios.csv", hierarchical_ratio_fields(protocol, kind), model.ratios);
-  add_file(files, "hierarchical_check.csv", hierarchical_check_fields(protocol, kind), hierarchical_check_rows(model));
+  if (model.check)
+    add_file(files, "hierarchical_check.csv", hierarchical_check_fields(protocol, kind),
+             hierarchical_check_rows(model));
   if (model.status == HierarchicalStatus::ok)
     add_file(files, "hierarchical_people.csv", hierarchical_person_fields(protocol, kind), model.people);
 }

@@ -323,8 +323,10 @@ StudyHierarchical study_hierarchical(const StudyAnalysis& analysis, const Protoc
       if (counts.n_same > 0) cell.counts.push_back({0, counts.false_alarms, counts.n_same - counts.false_alarms});
     }
   }
-  return StudyFit(std::move(cells), protocol)
-      .fitted(describe(analysis.method), analysis.by != DifferenceSource::nominal);
+  const bool delivered = std::any_of(analysis.cells.begin(), analysis.cells.end(), [](const CellResult& cell) {
+    return cell.difference_source != DifferenceSource::nominal;
+  });
+  return StudyFit(std::move(cells), protocol).fitted(describe(analysis.method), delivered);
 }
 
 StudyHierarchical study_hierarchical(const AdaptiveResults& results, const Protocol& protocol) {

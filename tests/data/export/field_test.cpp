@@ -41,6 +41,7 @@ TEST_CASE("no two fields of a block have one name", "[data]") {
     check_names(pair_fields(protocol));
     check_names(hierarchical_fields(protocol, SessionKind::real));
     check_names(hierarchical_ratio_fields(protocol, SessionKind::real));
+    check_names(hierarchical_check_fields(protocol, SessionKind::real));
     check_names(hierarchical_person_fields(protocol, SessionKind::real));
     check_names(sensitivity_fields(protocol));
     check_names(model_fields(protocol));

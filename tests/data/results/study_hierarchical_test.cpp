@@ -98,6 +98,17 @@ TEST_CASE("the model of a study is that of its counts", "[data]") {
     CHECK(one.ci_low == Approx(std::exp(differences[i].ends.low)).epsilon(1e-9));
     CHECK(one.p == Approx(differences[i].p).epsilon(1e-9));
   }
+  REQUIRE(model.check);
+  const PredictiveCheck check =
+      predictive_check(cells, {}, fit.maximum.place, kPredictiveDraws, 1);  // in other cells, of the same answers
+  REQUIRE(model.check->rows.size() == 3 * 4);
+  for (std::size_t i = 0; i < check.rows.size(); ++i) {
+    CHECK(model.check->rows[i].condition == i / 4);
+    CHECK(model.check->rows[i].level == check.rows[i].level);
+    CHECK(model.check->rows[i].share.observed == Approx(check.rows[i].share.observed));
+    CHECK(model.check->rows[i].participants == 6);
+  }
+  CHECK(model.check->p == Approx(check.p).margin(0.02));
   CHECK(model.equal_df == 2);
   CHECK(model.equal_p == Approx(fit.p).epsilon(1e-9));
 }
@@ -230,6 +241,7 @@ TEST_CASE("delivered differences are those of the cells, near enough", "[data]")
   }
   const StudyHierarchical delivered = study_hierarchical(analysis, chinello());
   REQUIRE(delivered.status == HierarchicalStatus::ok);
+  CHECK_FALSE(delivered.check);
   for (std::size_t c = 0; c < 3; ++c)
     CHECK(delivered.conditions[c].jnd == Approx(0.8 * nominal.conditions[c].jnd).epsilon(5e-3));
 }
@@ -493,9 +505,10 @@ TEST_CASE("files of the model are written where it was asked for, and say why th
   CHECK(files_of(chinello()).empty());
   add_hierarchical(results, chinello());
   const auto files = files_of(chinello());
-  REQUIRE(files.size() == 3);
+  REQUIRE(files.size() == 4);
   CHECK(lines_of(files.at("hierarchical.csv")) == 1 + 3);
   CHECK(lines_of(files.at("hierarchical_ratios.csv")) == 1 + 3);
+  CHECK(lines_of(files.at("hierarchical_check.csv")) == 1 + 12);
   CHECK(lines_of(files.at("hierarchical_people.csv")) == 1 + 9);
   for (const auto& [name, text] : files) CHECK(text.find("nan") == std::string::npos);
 

@@ -106,6 +106,47 @@ class CalcHierarchical(unittest.TestCase):
             self.assertIn(part, text)
         self.assertNotIn("nan", text)
 
+    def test_a_check_says_whether_the_model_draws_such_answers(self):
+        rows = [row for row in REFERENCE["same_different"][0]["input"]["rows"] if row[0] <= 6]
+        lines = same_different_lines(rows)
+        text = self.calc(lines, "--task", "same-different", "--check").stdout
+        for part in ("posterior predictive check, 400 draws", "The model draws answers like these: ", "95 % of drawn",
+                     "a large one hardly for"):
+            self.assertIn(part, text)
+        self.assertNotIn("nan", text)
+        check, again = [self.json_of(lines, "--task", "same-different", "--check=60")["check"] for _ in range(2)]
+        self.assertEqual(check, again)
+        self.assertEqual((check["draws"], check["fits"]), (60, True))
+        self.assertEqual(check["bands"], 2 * len(check["rows"]))
+        counts = {}
+        for _, c, level, n, k in rows:
+            total = counts.setdefault((f"C{c}", level), [0, 0])
+            total[0] += n
+            total[1] += k
+        self.assertEqual([(row["condition"], row["level"]) for row in check["rows"]], sorted(counts))
+        for row in check["rows"]:
+            n, k = counts[row["condition"], row["level"]]
+            self.assertEqual(row["trials"], n)
+            self.assertAlmostEqual(row["share"]["observed"], k / n)
+            self.assertLessEqual(row["share"]["drawn_low"], row["share"]["drawn_high"])
+        self.assertNotIn("check", self.json_of(lines, "--task", "same-different"))
+        # Every answer given twice hangs together with its like.
+        twice = same_different_lines([(p, c, level, 4 * n, 4 * k) for p, c, level, n, k in rows])
+        bad = self.json_of(twice, "--task", "same-different", "--check=100")["check"]
+        self.assertFalse(bad["fits"])
+        self.assertLess(bad["p"], 0.025)
+        self.assertIn("scatter more", bad["verdict"])
+
+    def test_a_check_of_choices_and_of_one_person(self):
+        case = REFERENCE["which"][0]["input"]
+        rows = [row for row in case["rows"] if row[0] == case["rows"][0][0]]
+        found = self.json_of(which_lines(rows, case["ref"]), "--task", "which", "--standard", str(case["ref"]),
+                             "--check=20")["check"]
+        self.assertEqual({row["level"] for row in found["rows"]}, {case["ref"] + row[2] for row in rows})
+        for row in found["rows"]:
+            self.assertEqual(row["sd_between"], {"observed": None, "drawn_low": None, "drawn_high": None,
+                                                 "status": "one_person"})
+
     def test_what_is_undefined_is_null_with_a_status(self):
         lines = ["participant,condition,delta,n,k"]
         for p in range(4):
@@ -145,6 +186,7 @@ class CalcHierarchical(unittest.TestCase):
                               (("--task", "which"), "--standard is needed"),
                               (("--task", "which", "--observer", "differencing"), "--observer goes with"),
                               (("--task", "same-different", "--bootstrap", "9"), "--bootstrap tests one JND"),
+                              (("--task", "same-different", "--check=-3"), "--check=N"),
                               ((), "--task")):
             done = self.calc(good, *options, code=2)
             self.assertIn(part, done.stderr)

@@ -96,7 +96,7 @@ TEST_CASE("the hierarchical model has its figures where it was added: who is dra
   StudyHierarchical& model = *results.hierarchical;
   const std::vector<Figure> figures = study_figures(results, protocol);
   check_figures(figures);
-  CHECK(figures.size() == 9 + 2);
+  CHECK(figures.size() == 9 + 3);
   const Figure& people = figure_named(figures, "people");
   REQUIRE(people.narrow);
   for (const Svg* svg : {&people.svg, &*people.narrow}) {
@@ -104,6 +104,11 @@ TEST_CASE("the hierarchical model has its figures where it was added: who is dra
     CHECK(count_of(svg->file(), "class=\"mean\"") == 3);
   }
   CHECK(people.caption.find(std::string(kHierarchicalAssumptions)) != std::string::npos);
+  const Figure& predictive = figure_named(figures, "predictive");
+  REQUIRE(predictive.narrow);
+  for (const Svg* svg : {&predictive.svg, &*predictive.narrow})
+    CHECK(count_of(svg->file(), "class=\"point\"") == 3 * 4);
+  CHECK(predictive.caption.find(predictive_verdict(*model.check)) != std::string::npos);
   const Figure& ratios = figure_named(figures, "ratios");
   CHECK(count_of(ratios.svg.file(), "class=\"mean\"") == 3);
   CHECK(ratios.svg.file().find(number_text(model.ratios.front().ratio, 2)) != std::string::npos);

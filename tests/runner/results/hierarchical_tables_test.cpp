@@ -40,6 +40,18 @@ TEST_CASE("the hierarchical model has its tables where it was added") {
   CHECK(ratios.rows.size() == 3);
   CHECK(ratios.rows.front().front() == "S : V");
   CHECK(section_of(ratios) == Section::tests);
+  const ResultTable& check = table_named(tables, "hierarchical-check");
+  REQUIRE(check.rows.size() == 3 * 4);
+  CHECK(check.rows.front().front() == "S");
+  CHECK(section_of(check) == Section::tests);
+  CHECK(says(check, "The model d"));
+  CHECK(check.footnotes.back() == kPredictiveMeaning);
+  const nlohmann::ordered_json json =
+      hierarchical_json(*results.hierarchical, protocol, SessionKind::simulated).at("check");
+  CHECK(json.at("draws") == kPredictiveDraws);
+  CHECK(json.at("rows").size() == 12);
+  CHECK(json.at("rows").at(1).at("share_status") == "inside");
+  CHECK(json.at("p") > 0);
   const ResultTable& people = table_named(tables, "hierarchical-people");
   CHECK(people.rows.size() == 27);
   CHECK(section_of(people) == Section::participants);
@@ -47,6 +59,13 @@ TEST_CASE("the hierarchical model has its tables where it was added") {
   CHECK(people.columns.back().name == "criterion");
 
   StudyHierarchical& model = *results.hierarchical;
+  model.check->rows[2].share.status = BandStatus::below;
+  model.check->rows[2].between.status = BandStatus::above;
+  const ResultTable outside = hierarchical_check_table(results, protocol);
+  CHECK(outside.columns.back().name == "outside");
+  CHECK(outside.rows[2].back() == "share below, sd above");
+  model.check.reset();
+  CHECK(hierarchical_check_table(results, protocol).rows.empty());
   model.people[3].status = ShrunkenStatus::missing;
   model.people[4].separate_status = JndStatus::no_sensitivity;
   const ResultTable odd = hierarchical_people_table(results, protocol);
@@ -72,6 +91,7 @@ TEST_CASE("where there is no hierarchical model, its table and JSON say why") {
   CHECK(json.at("observer").is_null());
   CHECK(json.at("sd").is_null());
   CHECK(json.at("equal").is_null());
+  CHECK(json.at("check").is_null());
   CHECK(json.at("people").empty());
   CHECK(json.at("conditions").at(0).at("jnd").is_null());
   CHECK(json.at("conditions").at(0).at("status") == "not_offered");
