@@ -58,9 +58,10 @@ int simulate_answers(const Simulation& simulation, bool json) {
   const std::unique_ptr<Study> study = open_or_create_study(folder.path() / "study.sqlite", simulation.protocol,
                                                             simulation.seed, {simulated_epoch_ns(1), 0});
   if (simulate_study(simulation, *study).interrupted) return interrupted();
-  print_group(results_of(*study, simulation.protocol, SessionKind::simulated,
-                         source_to_analyse(simulation.protocol, std::nullopt)),
-              simulation.protocol, json);
+  StudyResults results = results_of(*study, simulation.protocol, SessionKind::simulated,
+                                    source_to_analyse(simulation.protocol, std::nullopt));
+  if (json) add_hierarchical(results, simulation.protocol);
+  print_group(results, simulation.protocol, json);
   return exit_code::kDone;
 }
 

@@ -68,6 +68,54 @@ class Tasks(unittest.TestCase):
                 self.assertIn("the task", (self.folder / name / "methods.md").read_text())
                 self.jnd("report", study, "--to", self.folder / f"{name}.html")
 
+    def test_the_hierarchical_model_of_a_study_is_that_of_its_exported_trials(self):
+        # maereg2017: which, 75 %; lee2007-delay: yes-no. The study's spreads are those that calc takes by itself.
+        for name, factor, task in (("maereg2017", 0.6744897501960817, "which"), ("lee2007-delay", 1, "yes-no")):
+            with self.subTest(name):
+                study = f"{name}.sqlite"
+                self.jnd("simulate", name, "--participants", 4, "--study", study, "--seed", 5)
+                model = json.loads(self.jnd("analyze", study, "--json"))["hierarchical"]
+                self.assertEqual(model["status"], "ok")
+                self.assertEqual(model["observer"], "choice" if task == "which" else "yes_no")
+                self.jnd("export", study, "--to", name)
+                said = json.loads(self.jnd("calc", "hierarchical", *self.counts(name, task), "--json"))
+                for one, other in zip(model["conditions"], said["conditions"], strict=True):
+                    self.assertAlmostEqual(one["jnd"] / other["jnd"], factor, delta=1e-4)
+                    self.assertAlmostEqual(one["ci_high"] / other["ci_high"], factor, delta=1e-3)
+                self.assertAlmostEqual(model["equal"]["p"], said["equal"]["p"], delta=1e-4)
+                with open(self.folder / name / "hierarchical.csv", newline="") as file:
+                    rows = list(csv.DictReader(file))
+                self.assertEqual([row["condition"] for row in rows], [one["condition"] for one in model["conditions"]])
+                self.assertEqual("pse_" in "".join(rows[0]), task == "which")
+                text = self.jnd("analyze", study, "--tests", "--participants")
+                self.assertIn("The group by the hierarchical model", text)
+                self.assertIn("JND (75 %)" if task == "which" else "threshold", text)
+
+    # What was answered at each level, as jnd calc hierarchical takes it: its file and the options that go with it.
+    def counts(self, name, task):
+        told = {}
+        for row in self.trials(name):
+            if row["practice"] != "0":
+                continue
+            stimuli = [float(value) for column, value in row.items() if column.startswith("stimulus_") and value
+                       and column[9].isdigit() and column[10] == "_"]
+            standard = float(next(value for column, value in row.items() if column.startswith("standard_")
+                                  and not column.startswith("standard_interval")))
+            if task == "which":
+                place = 0 if stimuli[0] == standard else 1  # of the standard
+                level, positive = stimuli[1 - place], (row["answer"] == ("first", "second")[1 - place])
+            else:
+                level, positive = abs(stimuli[0] - standard), row["answer"] == "yes"
+            n, k = told.get((row["participant"], row["condition"], level), (0, 0))
+            told[row["participant"], row["condition"], level] = (n + 1, k + positive)
+        file = self.folder / f"{name}.csv"
+        with open(file, "w", newline="") as out:
+            out.write(f"participant,condition,{'x' if task == 'which' else 'delta'},n,k\n")
+            for (participant, condition, level), (n, k) in told.items():
+                out.write(f"{participant},{condition},{level:g},{n},{k}\n")
+        return (file, "--task", "which", "--standard", f"{standard:g}") if task == "which" else (
+            file, "--task", "same-different")
+
     def test_the_same_seed_gives_the_same_answers_and_one_changed_answer_is_found(self):
         for study in ("a", "b"):
             self.jnd("simulate", "maereg2017", "--participants", 2, "--study", f"{study}.sqlite", "--seed", 8)

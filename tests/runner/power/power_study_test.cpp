@@ -295,6 +295,52 @@ TEST_CASE("a study through the rig that is interrupted does not count", "[power]
   stop_requested() = false;
 }
 
+TEST_CASE("tasks with estimates of their own have the power of their response model", "[power]") {
+  for (const std::string name : {"lee2007-delay", "zoeller2020"}) {
+    Protocol protocol = shipped(name);
+    CAPTURE(name, to_string(protocol.task.kind));
+    protocol.conditions.resize(2);
+    protocol.series.resize(1);
+    protocol.analysis.contrasts = {{0, 1}};
+    protocol.design.trials_per_cell = 20;
+    const double scale = std::abs(protocol.series.front().levels.back() - protocol.series.front().standard) / 3;
+    PowerQuestion question;
+    question.participants = {8};
+    question.trials = {20};
+    question.effects = {0, 1};
+    question.jnds = {scale, 1.8 * scale};
+    question.contrasts = {{0, 1}};
+    question.people.criterion = usual_criterion(response_model_of(protocol).value());
+    question.analyses = {PowerAnalysis::registered, PowerAnalysis::log_ml, PowerAnalysis::hierarchical};
+    question.studies = 24;
+    const PowerResult result = result_of(protocol, question, 2);
+    for (const GroupSummary& row : group_summaries(result)) {
+      if (row.analysis != PowerAnalysis::hierarchical) continue;
+      CHECK(row.estimate.undefined.value < 0.1);
+      CHECK(std::abs(row.estimate.bias.value) < 5 * row.estimate.bias.error + 0.03);
+      CHECK(row.estimate.coverage.value > 0.75);
+    }
+    const std::vector<ContrastSummary> rows = contrast_summaries(result);
+    REQUIRE(rows.size() == 6);
+    for (std::size_t a = 0; a < 3; ++a) {
+      CHECK(rows[a].design.effect == 0);
+      CHECK(rows[3 + a].power.value > rows[a].power.value + 0.2);
+    }
+    CHECK(everything(result).find("nan") == std::string::npos);
+
+    // What is compared need not be a JND: then its truth is not known, and its test is there all the same.
+    if (protocol.task.kind != TaskKind::yes_no) continue;
+    protocol.analysis.outcome = "dprime";
+    question.analyses = {PowerAnalysis::registered};
+    const ContrastSummary of_dprime = contrast_summaries(result_of(protocol, question, 2)).back();
+    CHECK(std::isnan(of_dprime.estimate.truth));
+    CHECK(of_dprime.untested.value == 0);
+    CHECK(of_dprime.power.value > 0.3);
+    protocol.analysis.outcome = "criterion";
+    CHECK_FALSE(power_refusal(PowerAnalysis::registered, protocol).empty());
+  }
+}
+
 TEST_CASE("the analyses of a drawn study", "[power]") {
   const Protocol protocol = shipped("chinello2017");
   PowerQuestion question = question_of(protocol);
