@@ -23,7 +23,7 @@ constexpr double kFurthestMean = 4, kFurthestCriterion = 6, kLargestSpread = 2, 
 // The smallest spread of a search. ln L is smooth in the square of a spread, which is what is searched, and differs
 // between 0 and here by next to nothing, but only beyond 0 does it have a slope in that square.
 constexpr double kSmallestSpread = 1e-3;
-constexpr double kGoodStart = 1e-6;  // ln L of the pooled answers
+constexpr double kPooledNegligible = 1e-10;  // ln L of the pooled answers
 constexpr double kRidge = 1e-3;      // least curvature of every variable
 
 // Places as vectors of what is free, and back. Spreads enter squared.
@@ -391,7 +391,7 @@ PooledMaximum pooled_maximum(std::span<const HierarchicalCell> cells, ResponseMo
   const std::vector<double> x = {start.ln_s, start.criterion / unit};
   const double reach = hold_ln_s ? 0 : kFurthestMean;
   const NewtonBox box = {{x[0] - reach, x[1] - kFurthestCriterion}, {x[0] + reach, x[1] + kFurthestCriterion}};
-  const NewtonResult found = maximise_in_box(function, x, box, -kInf, kGoodStart);
+  const NewtonResult found = maximise_in_box(function, x, box, -kInf, kPooledNegligible);
   return {found.place[0], found.place[1] * unit, found.value};
 }
 

@@ -364,7 +364,10 @@ std::vector<HierarchicalCell> cells_of(const TaskResults& results) {
 TEST_CASE("the model of choices is that of their counts, its JND as registered, its criterion the bias", "[data]") {
   Protocol protocol = task_protocol("which", 500, {300, 400, 450, 500, 550, 600, 700});
   TaskResults results = patterned_task(protocol, {{-200, -100, -50, 0, 50, 100, 200}});
-  HierarchicalAnalysis fitted(cells_of(results), {.response = ResponseModel::choice, .lapse = 0.02});
+  HierarchicalModel of;
+  of.response = ResponseModel::choice;
+  of.shared.lapse = 0.02;
+  HierarchicalAnalysis fitted(cells_of(results), of);
   const HierarchicalFit& fit = fitted.add_intervals();
   const std::vector<PersonEstimate> people = fitted.people();
   protocol.analysis.lapse = 0.02;
