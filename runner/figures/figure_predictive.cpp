@@ -14,7 +14,8 @@ namespace jnd {
 namespace {
 
 constexpr double kCheckLeft = 64, kCheckTop = 8, kCheckHeight = 180, kCheckBetween = 18, kCheckName = 22,
-                 kCheckFoot = 44, kCheckRight = 14, kCheckWide = 200, kCheckCap = 4, kCheckBeside = 5;
+                 kCheckFoot = 44, kCheckRight = 14, kCheckWide = 200, kCheckNarrow = 184, kCheckCap = 4,
+                 kCheckBeside = 5;
 constexpr std::size_t kCheckColumns = 4, kNarrowCheckColumns = 2;
 
 std::string row_words(const PredictiveRow& row, const Protocol& protocol) {
@@ -26,14 +27,14 @@ std::string row_words(const PredictiveRow& row, const Protocol& protocol) {
 class PredictiveDrawing {
  public:
   PredictiveDrawing(const PredictiveCheck& check, const Protocol& protocol, bool narrow)
-      : check_(check), protocol_(protocol), narrow_(narrow) {
+      : check_(check), protocol_(protocol), narrow_(narrow), side_(narrow ? kCheckNarrow : kCheckWide) {
     for (const PredictiveRow& row : check.rows) {
       if (conditions_.empty() || conditions_.back() != row.condition) conditions_.push_back(row.condition);
       furthest_ = std::max(furthest_, row.level);
     }
     columns_ = std::min(conditions_.size(), narrow ? kNarrowCheckColumns : kCheckColumns);
     width_ = std::max(narrow ? 360.0 : 420.0,
-                      kCheckLeft + static_cast<double>(columns_) * (kCheckWide + kCheckBetween) + kCheckRight);
+                      kCheckLeft + static_cast<double>(columns_) * (side_ + kCheckBetween) + kCheckRight);
     top_ = kCheckTop + draw_legend(nullptr, legend(), 0, 0, width_ - kCheckLeft);
   }
   Svg drawn(const std::string& id, const std::string& title, const std::string& description) const;
@@ -48,6 +49,7 @@ class PredictiveDrawing {
   const PredictiveCheck& check_;
   const Protocol& protocol_;
   bool narrow_;
+  double side_;                          // width of a panel
   std::vector<std::size_t> conditions_;  // with trials
   std::size_t columns_ = 1;
   double furthest_ = 0, width_ = 0, top_ = 0;
@@ -55,14 +57,14 @@ class PredictiveDrawing {
 
 void PredictiveDrawing::draw_panel(Svg& svg, std::size_t place) const {
   const std::size_t condition = conditions_[place], column = place % columns_;
-  const double left = kCheckLeft + static_cast<double>(column) * (kCheckWide + kCheckBetween),
+  const double left = kCheckLeft + static_cast<double>(column) * (side_ + kCheckBetween),
                top =
                    top_ + kCheckName + static_cast<double>(place / columns_) * (kCheckName + kCheckHeight + kCheckFoot);
-  const Panel panel{left, top, left + kCheckWide, top + kCheckHeight};
+  const Panel panel{left, top, left + side_, top + kCheckHeight};
   const Scale y{0, 1, panel.bottom, panel.top};
   const double spare = 0.08 * (furthest_ > 0 ? furthest_ : 1);
   const Scale x{-spare, (furthest_ > 0 ? furthest_ : 1) + spare, panel.left, panel.right};
-  svg.text(panel.left, panel.top - 7, fitted(condition_text(protocol_, static_cast<int>(condition)), 12, kCheckWide),
+  svg.text(panel.left, panel.top - 7, fitted(condition_text(protocol_, static_cast<int>(condition)), 12, side_),
            strong(kLabel));
   draw_grid_rows(svg, panel, y, 5);
   if (column == 0) {
