@@ -47,9 +47,17 @@ std::vector<HierarchicalCell> drawn_answers(std::span<const HierarchicalCell> ce
     Person& person = people[number];
     const double ln_s = truth.mu[c] + person.u + person.v[c], k = truth.kappa[c] + person.w;
     const double trials = cell.positive + cell.negative;
-    const double p = std::exp(log_rates(model.response, cell.level, ln_s, k, model.shared.lapse).positive);
-    cell.positive = BinomialSampler(static_cast<int>(trials), std::min(p, 1.0)).at(open_uniform(person.stream.next()));
+    const auto draw = [&person](double n, double p) {
+      return BinomialSampler(static_cast<int>(n), std::min(p, 1.0)).at(open_uniform(person.stream.next()));
+    };
+    const LogRates of = log_rates(model.response, cell.level, ln_s, k, model.shared.lapse);
+    cell.positive = draw(trials, std::exp(of.positive));
     cell.negative = trials - cell.positive;
+    const LogRates sure = graded_log_rates(model.response, cell.level, ln_s, k, model.shared).sure;
+    cell.sure_positive =
+        std::isfinite(model.shared.sure_above) ? draw(cell.positive, std::exp(sure.positive - of.positive)) : 0;
+    cell.sure_negative =
+        std::isfinite(model.shared.sure_below) ? draw(cell.negative, std::exp(sure.negative - of.negative)) : 0;
   }
   return drawn;
 }

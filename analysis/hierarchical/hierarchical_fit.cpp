@@ -19,7 +19,7 @@ constexpr double kFirstSpread = 0.3, kFirstSpreadWithin = 0.15;  // where a sear
 
 double trials_of(std::span<const HierarchicalCell> cells) {
   return std::accumulate(cells.begin(), cells.end(), 0.0,
-                         [](double sum, const HierarchicalCell& cell) { return sum + cell.positive + cell.negative; });
+                         [](double sum, const HierarchicalCell& cell) { return sum + cell.counts().trials(); });
 }
 
 std::vector<HierarchicalCell> of_condition(std::span<const HierarchicalCell> cells, std::size_t condition) {
@@ -51,8 +51,7 @@ HierarchicalAnalysis::HierarchicalAnalysis(std::vector<HierarchicalCell> cells, 
 
   HierarchicalPlace place;
   for (std::size_t c = 0; c < conditions; ++c) {
-    const PooledMaximum pooled =
-        pooled_maximum(of_condition(cells_, c), model.response, model.shared.lapse, range_.start);
+    const PooledMaximum pooled = pooled_maximum(of_condition(cells_, c), model.response, model.shared, range_.start);
     place.mu.push_back(std::clamp(pooled.ln_s, form_.lowest, form_.highest));
     place.kappa.push_back(pooled.criterion);
   }
@@ -89,7 +88,7 @@ HierarchicalAnalysis::HierarchicalAnalysis(std::vector<HierarchicalCell> cells, 
 void HierarchicalAnalysis::find_spreads() {
   std::set<std::pair<int, int>> seen;
   for (const HierarchicalCell& cell : cells_)
-    if (cell.positive + cell.negative > 0) seen.emplace(cell.participant, cell.condition);
+    if (cell.counts().trials() > 0) seen.emplace(cell.participant, cell.condition);
   bool several = false;
   for (auto cell = seen.begin(); cell != seen.end(); ++cell)
     several = several || (std::next(cell) != seen.end() && std::next(cell)->first == cell->first);
@@ -112,7 +111,7 @@ HierarchicalMaximum HierarchicalAnalysis::from_here(const HierarchicalForm& form
   for (std::size_t c = 0; c < start.mu.size(); ++c)
     if (std::abs(start.mu[c] - place.mu[c]) > kFar) {
       far = true;
-      start.kappa[c] = pooled_maximum(of_condition(cells_, c), model_.response, model_.shared.lapse,
+      start.kappa[c] = pooled_maximum(of_condition(cells_, c), model_.response, model_.shared,
                                       {start.mu[c], range_.start.criterion, 0}, true)
                            .criterion;
     }
@@ -249,9 +248,9 @@ std::vector<PersonEstimate> HierarchicalAnalysis::people() {
     one.criterion = fit_.maximum.place.kappa[i % conditions] + posteriors[i / conditions].w;
     one.status = SlopeStatus::missing;
     if (trials_of(cells[i]) == 0) continue;
-    const PooledMaximum alone = pooled_maximum(cells[i], model_.response, model_.shared.lapse, range_.start);
+    const PooledMaximum alone = pooled_maximum(cells[i], model_.response, model_.shared, range_.start);
     const auto at_end = [&](double ln_s) {
-      return pooled_maximum(cells[i], model_.response, model_.shared.lapse, {ln_s, range_.start.criterion, 0}, true)
+      return pooled_maximum(cells[i], model_.response, model_.shared, {ln_s, range_.start.criterion, 0}, true)
           .log_likelihood;
     };
     one.status = status_of(alone.ln_s, alone.log_likelihood, at_end);

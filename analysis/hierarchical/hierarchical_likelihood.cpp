@@ -37,6 +37,8 @@ double fineness_of(ResponseModel model) {
       return 1;
     case ResponseModel::differencing:
       return 1.15;
+    case ResponseModel::independent:
+      return 1.35;
     case ResponseModel::choice:
       return 1.35;
   }
@@ -63,7 +65,7 @@ std::vector<LatticeQuestion> questions_of(std::span<const HierarchicalCell> cell
 
 // Independent answers that would tell as much as these, which are alike (Kish's design effect).
 double independent_trials(const QuestionAnswers& answers, double overdispersion) {
-  const double n = answers.positive + answers.negative;
+  const double n = answers.counts.trials();
   return n / (1 + std::max(0.0, n - 1) * overdispersion);
 }
 
@@ -143,9 +145,8 @@ HierarchicalLikelihood::HierarchicalLikelihood(std::span<const HierarchicalCell>
         answers[static_cast<std::size_t>(cell.participant) * conditions_ + static_cast<std::size_t>(cell.condition)];
     auto known =
         std::find_if(of.begin(), of.end(), [question](const QuestionAnswers& one) { return one.question == question; });
-    if (known == of.end()) known = of.insert(of.end(), {question, 0, 0});
-    known->positive += cell.positive;
-    known->negative += cell.negative;
+    if (known == of.end()) known = of.insert(of.end(), {question, {}});
+    known->counts += cell.counts();
   }
   people_.resize(participants);
   for (std::size_t i = 0; i < answers.size(); ++i) people_[i / conditions_].cells.emplace_back(std::move(answers[i]));
@@ -169,18 +170,18 @@ void HierarchicalLikelihood::look_how_narrow(const HierarchicalPlace& place) {
     for (const LatticeQuestion& question : questions_) design.push_back({question.level, 0});
     for (const Person& person : people_)
       for (const QuestionAnswers& one : person.cells[c].answers())
-        design[one.question].trials = std::max(design[one.question].trials, one.positive + one.negative);
+        design[one.question].trials = std::max(design[one.question].trials, one.counts.trials());
     const double unit = model_ == ResponseModel::choice ? std::exp(place.mu[c]) : 1;
     for (const double s : {-1.0, -0.5, 0.0, 0.5, 1.0})
       for (const double k : {-0.8, 0.0, 0.8}) {
         const CellInformation told =
-            expected_information(model_, design, place.mu[c] + s, place.kappa[c] + k * unit, shared_.lapse);
+            expected_information(model_, design, place.mu[c] + s, place.kappa[c] + k * unit, shared_);
         most_s = std::max(most_s, told.s);
         for (const LevelTrials& level : design)
           if (level.trials > 0) {
             const LevelTrials one{level.level, 1};
             most_k = std::max(most_k, expected_information(model_, std::span(&one, 1), place.mu[c] + s,
-                                                           place.kappa[c] + k * unit, shared_.lapse)
+                                                           place.kappa[c] + k * unit, shared_)
                                           .k);
           }
       }
@@ -212,9 +213,9 @@ void HierarchicalLikelihood::locate(Person& person, const HierarchicalPlace& pla
     cell.mu = place.mu[c];
     cell.kappa = place.kappa[c];
     for (const QuestionAnswers& one : person.cells[c].answers())
-      cell.answers.push_back({questions_[one.question].level, one.positive, one.negative});
+      cell.answers.push_back({questions_[one.question].level, one.counts});
   }
-  const PersonMode mode = person_mode(cells, model_, shared_.lapse, {place.tu, place.tv, place.tw, place.rho});
+  const PersonMode mode = person_mode(cells, model_, shared_, {place.tu, place.tv, place.tw, place.rho});
   person.information_u = mode.information_u;
   person.information_w = mode.information_w;
   person.correlation = mode.correlation;
@@ -255,7 +256,7 @@ std::vector<CellInformation> HierarchicalLikelihood::cell_information(const Hier
       design.clear();
       for (const QuestionAnswers& one : person.cells[c].answers())
         design.push_back({questions_[one.question].level, independent_trials(one, shared_.overdispersion)});
-      information.push_back(expected_information(model_, design, place.mu[c], place.kappa[c], shared_.lapse));
+      information.push_back(expected_information(model_, design, place.mu[c], place.kappa[c], shared_));
     }
   return information;
 }

@@ -34,6 +34,9 @@ struct HierarchicalCell {
   double level = 0;
   double positive = 0, negative = 0;  // whole numbers, where answers are over-dispersed
   bool second_half = false;           // of the participant's trials in the condition; without drift all are of one
+  double sure_positive = 0, sure_negative = 0;  // how many of the answers were sure, where that was asked
+
+  AnswerCounts counts() const noexcept { return {positive, negative, sure_positive, sure_negative}; }
 };
 
 // One value of every parameter.

@@ -24,7 +24,7 @@ constexpr double kFurthestMean = 4, kFurthestCriterion = 6, kLargestSpread = 2, 
 // between 0 and here by next to nothing, but only beyond 0 does it have a slope in that square.
 constexpr double kSmallestSpread = 1e-3;
 constexpr double kPooledNegligible = 1e-10;  // ln L of the pooled answers
-constexpr double kRidge = 1e-3;      // least curvature of every variable
+constexpr double kRidge = 1e-3;              // least curvature of every variable
 
 // Places as vectors of what is free, and back. Spreads enter squared.
 class Variables {
@@ -246,17 +246,16 @@ class SearchedLikelihood {
 // The likelihood of answers with one ln s and one criterion, this in `unit`.
 class PooledAnswers {
  public:
-  PooledAnswers(std::span<const HierarchicalCell> cells, ResponseModel model, double lapse, double unit)
-      : cells_(cells), model_(model), lapse_(lapse), unit_(unit) {
-    for (const HierarchicalCell& cell : cells) design_.push_back({cell.level, cell.positive + cell.negative});
+  PooledAnswers(std::span<const HierarchicalCell> cells, ResponseModel model, const SharedParameters& shared,
+                double unit)
+      : cells_(cells), model_(model), shared_(shared), unit_(unit) {
+    for (const HierarchicalCell& cell : cells) design_.push_back({cell.level, cell.counts().trials()});
   }
 
   double value(const std::vector<double>& x) const {
     double value = 0;
-    for (const HierarchicalCell& cell : cells_) {
-      const LogRates rates = log_rates(model_, cell.level, x[0], x[1] * unit_, lapse_);
-      value += cell.positive * rates.positive + cell.negative * rates.negative;
-    }
+    for (const HierarchicalCell& cell : cells_)
+      value += log_likelihood_of(cell.counts(), model_, cell.level, x[0], x[1] * unit_, shared_);
     return value;
   }
 
@@ -265,7 +264,7 @@ class PooledAnswers {
     at.value = value(x);
     at.gradient = {(value({x[0] + kNudge, x[1]}) - value({x[0] - kNudge, x[1]})) / (2 * kNudge),
                    (value({x[0], x[1] + kNudge}) - value({x[0], x[1] - kNudge})) / (2 * kNudge)};
-    const CellInformation told = expected_information(model_, design_, x[0], x[1] * unit_, lapse_);
+    const CellInformation told = expected_information(model_, design_, x[0], x[1] * unit_, shared_);
     at.curvature =
         at.expected = {told.s + kRidge, told.both * unit_, told.both * unit_, told.k * unit_ * unit_ + kRidge};
   }
@@ -273,7 +272,8 @@ class PooledAnswers {
  private:
   std::span<const HierarchicalCell> cells_;
   ResponseModel model_;
-  double lapse_, unit_;
+  const SharedParameters& shared_;
+  double unit_;
   std::vector<LevelTrials> design_;
 };
 
@@ -375,19 +375,21 @@ void observe_information(HierarchicalLikelihood& likelihood, const HierarchicalF
     maximum.information = variables.information(maximum.information, observed);
 }
 
-PooledMaximum pooled_maximum(std::span<const HierarchicalCell> cells, ResponseModel model, double lapse,
-                             const PooledMaximum& start, bool hold_ln_s) {
+PooledMaximum pooled_maximum(std::span<const HierarchicalCell> cells, ResponseModel model,
+                             const SharedParameters& shared, const PooledMaximum& start, bool hold_ln_s) {
   std::map<double, HierarchicalCell> together;  // by level
   for (const HierarchicalCell& cell : cells) {
     HierarchicalCell& one = together[cell.level];
     one.level = cell.level;
     one.positive += cell.positive;
     one.negative += cell.negative;
+    one.sure_positive += cell.sure_positive;
+    one.sure_negative += cell.sure_negative;
   }
   const double unit = model == ResponseModel::choice ? std::exp(start.ln_s) : 1;
   std::vector<HierarchicalCell> levels;
   for (const auto& [level, cell] : together) levels.push_back(cell);
-  const PooledAnswers function(levels, model, lapse, unit);
+  const PooledAnswers function(levels, model, shared, unit);
   const std::vector<double> x = {start.ln_s, start.criterion / unit};
   const double reach = hold_ln_s ? 0 : kFurthestMean;
   const NewtonBox box = {{x[0] - reach, x[1] - kFurthestCriterion}, {x[0] + reach, x[1] + kFurthestCriterion}};

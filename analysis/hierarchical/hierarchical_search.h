@@ -60,8 +60,8 @@ struct PooledMaximum {
   double ln_s = 0, criterion = 0;
   double log_likelihood = 0;
 };
-PooledMaximum pooled_maximum(std::span<const HierarchicalCell> cells, ResponseModel model, double lapse,
-                             const PooledMaximum& start, bool hold_ln_s = false);
+PooledMaximum pooled_maximum(std::span<const HierarchicalCell> cells, ResponseModel model,
+                             const SharedParameters& shared, const PooledMaximum& start, bool hold_ln_s = false);
 
 // What the levels of a study can tell, and where a search of it begins.
 struct SearchRange {

@@ -26,23 +26,21 @@ CellInformation less_by(const CellInformation& told, double tv) {
 // ln posterior of (u/tu, w/tw).
 class PersonPosteriorDensity {
  public:
-  PersonPosteriorDensity(std::span<const PersonCell> cells, ResponseModel model, double lapse,
+  PersonPosteriorDensity(std::span<const PersonCell> cells, ResponseModel model, const SharedParameters& shared,
                          const GroupSpread& spread)
-      : cells_(cells), model_(model), lapse_(lapse), spread_(spread) {
+      : cells_(cells), model_(model), shared_(shared), spread_(spread) {
     for (const PersonCell& cell : cells) {
       std::vector<LevelTrials>& design = designs_.emplace_back();
-      for (const PersonCell::Counted& one : cell.answers) design.push_back({one.level, one.positive + one.negative});
+      for (const PersonCell::Counted& one : cell.answers) design.push_back({one.level, one.counts.trials()});
     }
   }
 
   double value(const std::vector<double>& x) const {
     double value = -prior(x[0], x[1]);
     for (const PersonCell& cell : cells_)
-      for (const PersonCell::Counted& one : cell.answers) {
-        const LogRates rates =
-            log_rates(model_, one.level, cell.mu + spread_.tu * x[0], cell.kappa + spread_.tw * x[1], lapse_);
-        value += one.positive * rates.positive + one.negative * rates.negative;
-      }
+      for (const PersonCell::Counted& one : cell.answers)
+        value += log_likelihood_of(one.counts, model_, one.level, cell.mu + spread_.tu * x[0],
+                                   cell.kappa + spread_.tw * x[1], shared_);
     return value;
   }
 
@@ -67,7 +65,7 @@ class PersonPosteriorDensity {
     CellInformation sum;
     for (std::size_t c = 0; c < cells_.size(); ++c) {
       CellInformation told = expected_information(model_, designs_[c], cells_[c].mu + spread_.tu * x[0],
-                                                  cells_[c].kappa + spread_.tw * x[1], lapse_);
+                                                  cells_[c].kappa + spread_.tw * x[1], shared_);
       if (through_v) told = less_by(told, spread_.tv);
       sum.s += told.s;
       sum.k += told.k;
@@ -83,17 +81,17 @@ class PersonPosteriorDensity {
 
   std::span<const PersonCell> cells_;
   ResponseModel model_;
-  double lapse_;
+  const SharedParameters& shared_;
   const GroupSpread& spread_;
   std::vector<std::vector<LevelTrials>> designs_;
 };
 
 }  // namespace
 
-PersonMode person_mode(std::span<const PersonCell> cells, ResponseModel model, double lapse,
+PersonMode person_mode(std::span<const PersonCell> cells, ResponseModel model, const SharedParameters& shared,
                        const GroupSpread& spread) {
   constexpr double kNearEnough = 1e-4;  // of ln posterior
-  const PersonPosteriorDensity density(cells, model, lapse, spread);
+  const PersonPosteriorDensity density(cells, model, shared, spread);
   const double u = spread.tu > 0 ? kFurthestDeviation : 0, w = spread.tw > 0 ? kFurthestDeviation : 0;
   const std::vector<double> place = maximise_in_box(density, {0, 0}, {{-u, -w}, {u, w}}, -kInf, kNearEnough).place;
   const CellInformation told = density.information(place, true);

@@ -12,7 +12,8 @@ namespace jnd {
 // The answers of the person in one condition, and what the group has there.
 struct PersonCell {
   struct Counted {
-    double level = 0, positive = 0, negative = 0;
+    double level = 0;
+    AnswerCounts counts;
   };
   std::vector<Counted> answers;
   double mu = 0, kappa = 0;
@@ -29,6 +30,7 @@ struct PersonMode {
   double correlation = 0;  // of u and w in the posterior
 };
 // Without answers the mode of the prior: 0. Of a spread of 0 the deviation is 0.
-PersonMode person_mode(std::span<const PersonCell> cells, ResponseModel model, double lapse, const GroupSpread& spread);
+PersonMode person_mode(std::span<const PersonCell> cells, ResponseModel model, const SharedParameters& shared,
+                       const GroupSpread& spread);
 
 }  // namespace jnd

@@ -21,7 +21,8 @@ double fraction(double value) {
 // v of one person in one condition, given u and w.
 class WithinPerson {
  public:
-  WithinPerson(ResponseModel model, double lapse, double tv) : model_(model), lapse_(lapse), tv_(tv) {}
+  WithinPerson(ResponseModel model, const SharedParameters& shared, double tv)
+      : model_(model), shared_(shared), tv_(tv) {}
 
   // answers: of the person in the condition; ln_s: without v; offset, number: uniform in (0, 1).
   double drawn(std::span<const HierarchicalCell> answers, double ln_s, double criterion, double offset, double number) {
@@ -29,17 +30,15 @@ class WithinPerson {
     if (tv_ == 0) return 0;
     design_.clear();
     for (const HierarchicalCell& cell : answers) design_.push_back({cell.level, cell.positive + cell.negative});
-    const double information = expected_information(model_, design_, ln_s, criterion, lapse_).s;
+    const double information = expected_information(model_, design_, ln_s, criterion, shared_).s;
     const double spacing = 1 / std::sqrt(1 / (tv_ * tv_) + information) / kNodesOfSd;
     const int last = static_cast<int>(std::ceil(kReach * tv_ / spacing));
     logs_.clear();
     for (int node = -last; node < last; ++node) {
       const double v = (node + offset) * spacing;
       double log_value = -v * v / (2 * tv_ * tv_);
-      for (const HierarchicalCell& cell : answers) {
-        const LogRates rates = log_rates(model_, cell.level, ln_s + v, criterion, lapse_);
-        log_value += cell.positive * rates.positive + cell.negative * rates.negative;
-      }
+      for (const HierarchicalCell& cell : answers)
+        log_value += log_likelihood_of(cell.counts(), model_, cell.level, ln_s + v, criterion, shared_);
       logs_.push_back(log_value);
     }
     const double largest = *std::max_element(logs_.begin(), logs_.end());
@@ -51,7 +50,8 @@ class WithinPerson {
 
  private:
   ResponseModel model_;
-  double lapse_, tv_;
+  SharedParameters shared_;
+  double tv_;
   std::vector<LevelTrials> design_;
   std::vector<double> logs_;
 };
@@ -73,7 +73,7 @@ PosteriorDraws::PosteriorDraws(std::span<const HierarchicalCell> cells, const Hi
   for (std::size_t p = 0; p < participants; ++p) streams.emplace_back(seed, kDrawPurpose, 0, p);
   ExperimentStream beginnings(seed, kDrawPurpose, 1);
   NodeOffset offset{open_uniform(beginnings.next()), open_uniform(beginnings.next())};
-  WithinPerson within(model.response, model.shared.lapse, place.tv);
+  WithinPerson within(model.response, model.shared, place.tv);
   likelihood.at(place);  // so that spacings stay the same from now on
   std::vector<std::vector<double>> numbers(participants);
   for (std::size_t begun = 0; begun < draws; begun += kDrawsOfARow) {

@@ -42,7 +42,7 @@ struct LatticeQuestion {
   friend auto operator<=>(const LatticeQuestion&, const LatticeQuestion&) = default;
 };
 
-// ln P of both answers to every question.
+// ln P of both answers to every question; of the unsure ones, and of the sure, where there are such.
 class ResponseLattice {
  public:
   ResponseLattice(ResponseModel model, std::vector<LatticeQuestion> questions, const SharedParameters& shared,
@@ -54,20 +54,25 @@ class ResponseLattice {
   const SharedParameters& shared() const noexcept { return shared_; }
   const std::vector<double>& positive(std::size_t question) const noexcept { return positive_[question]; }
   const std::vector<double>& negative(std::size_t question) const noexcept { return negative_[question]; }
+  const std::vector<double>& sure_positive(std::size_t question) const noexcept { return sure_positive_[question]; }
+  const std::vector<double>& sure_negative(std::size_t question) const noexcept { return sure_negative_[question]; }
 
  private:
+  void lay_out(std::size_t question);
+
   ResponseModel model_;
   std::vector<LatticeQuestion> questions_;
   SharedParameters shared_;
   LatticeSteps steps_;
   LatticeRange range_;
-  std::vector<std::vector<double>> positive_, negative_;  // by question
+  std::vector<std::vector<double>> positive_, negative_;            // by question
+  std::vector<std::vector<double>> sure_positive_, sure_negative_;  // empty where none is sure
 };
 
 // The answers of one participant in one condition to one question.
 struct QuestionAnswers {
   std::size_t question = 0;  // place in the questions
-  double positive = 0, negative = 0;
+  AnswerCounts counts;
 };
 
 // Their log-likelihood on the lattice, and the largest value there.

@@ -3,18 +3,28 @@
 
 #include <span>
 
+#include "analysis/hierarchical/shared_parameters.h"
 #include "analysis/numerics/words.h"
 
 namespace jnd {
 
 // Of the level x, the spread s = e^ln_s (the JND) and the criterion k, the probability of a positive answer.
+//
+// independent: the observer of independent observations knows of a block how far apart its stimuli are when they differ,
+// and judges each interval by itself. Equal stimuli are said to differ the less, the further apart the others of the
+// block are: x is the difference, and of equal stimuli minus that of the others of their block. g(d') = 2 z(p(c)),
+// p(c) = Phi(d'/2)^2 + Phi(-d'/2)^2: the z difference of the unbiased observer, as in detection/independent_observation.h
+// (unit slope). The likelihood-ratio observer itself has the same rates at k = 0; its rates have no second derivative
+// there by any criterion, which a lattice needs.
 enum class ResponseModel {
   yes_no,        // Phi(x/s - k): "different" of same-different, judged by the difference x (0: equal stimuli); "yes"
   differencing,  // Phi((x/s - t)/sqrt 2) + Phi((-x/s - t)/sqrt 2), t = e^k: "different" by the size of the difference
+  independent,   // Phi(sign(x) g(|x|/s)/2 - k): "different" by both intervals, each judged by itself
   choice         // Phi((x - k)/s): "the comparison"; x and k less the standard, s, x and k in one unit
 };
 inline constexpr auto kResponseModelWords = words<ResponseModel>({{"yes_no", ResponseModel::yes_no},
                                                                   {"differencing", ResponseModel::differencing},
+                                                                  {"independent", ResponseModel::independent},
                                                                   {"choice", ResponseModel::choice}});
 
 struct LogRates {
@@ -25,6 +35,36 @@ LogRates log_rates(ResponseModel model, double level, double ln_s, double criter
 // The same for slope = e^-ln_s, which many answers share.
 LogRates log_rates_of_slope(ResponseModel model, double level, double slope, double criterion, double lapse);
 
+// The same where answers are sure or unsure. A positive one is sure beyond a criterion that lies sure_above over k, a
+// negative one beyond one sure_below under it:
+//   P(sure positive) = F(k + sure_above),  P(unsure positive) = F(k) - F(k + sure_above),  F falling with k,
+// and so on the other side. An infinite distance: no such answer is sure. A guess is any of the answers there are, half
+// of them positive.
+struct GradedLogRates {
+  LogRates unsure, sure;
+};
+GradedLogRates graded_log_rates(ResponseModel model, double level, double ln_s, double criterion,
+                                const SharedParameters& shared);
+
+// Answers to one question.
+struct AnswerCounts {
+  double positive = 0, negative = 0;
+  double sure_positive = 0, sure_negative = 0;  // of these; where no criterion tells sure ones they count as unsure
+
+  double trials() const noexcept { return positive + negative; }
+  AnswerCounts& operator+=(const AnswerCounts& other) noexcept;
+};
+struct GradedCounts {
+  struct {
+    double positive, negative;
+  } unsure, sure;
+};
+GradedCounts graded_counts(const AnswerCounts& counts, const SharedParameters& shared) noexcept;
+
+// ln of the likelihood of the answers, without binomial coefficients.
+double log_likelihood_of(const AnswerCounts& counts, ResponseModel model, double level, double ln_s, double criterion,
+                         const SharedParameters& shared);
+
 struct LevelTrials {
   double level = 0, trials = 0;
 };
@@ -33,6 +73,6 @@ struct CellInformation {
   double s = 0, k = 0, both = 0;
 };
 CellInformation expected_information(ResponseModel model, std::span<const LevelTrials> design, double ln_s,
-                                     double criterion, double lapse);
+                                     double criterion, const SharedParameters& shared);
 
 }  // namespace jnd

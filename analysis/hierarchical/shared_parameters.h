@@ -1,6 +1,10 @@
 // What answers depend on besides a person's spread and criterion, the same for everybody.
 #pragma once
 
+#include <cmath>
+
+#include "analysis/numerics/special_values.h"
+
 namespace jnd {
 
 struct SharedParameters {
@@ -14,6 +18,11 @@ struct SharedParameters {
   // Each half lies half of it beside the person's ln s and criterion.
   double drift_ln_s = 0, drift_criterion = 0;
 
+  // Where answers are sure or unsure: how far above and below the criterion, in its unit, the criteria of the sure ones
+  // lie; > 0. Infinite: no such answer is sure (nobody was asked, or nobody used both).
+  double sure_below = kInf, sure_above = kInf;
+
+  bool graded() const noexcept { return std::isfinite(sure_below) || std::isfinite(sure_above); }
   friend bool operator==(const SharedParameters&, const SharedParameters&) = default;
 };
 

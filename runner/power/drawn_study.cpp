@@ -235,7 +235,7 @@ StudyOutcome StudyAnalyst::log_ml(std::span<const DrawnPerson> people) const {
       double value = kNaN;
       if (levels_differ(cells)) {
         if (!range || protocol_.design.procedure) range = search_range(cells, model_.response);
-        const double ln_s = pooled_maximum(cells, model_.response, model_.shared.lapse, range->start).ln_s;
+        const double ln_s = pooled_maximum(cells, model_.response, model_.shared, range->start).ln_s;
         if (ln_s > range->least && ln_s < range->greatest) value = ln_s;
       }
       outcome.undefined = outcome.undefined || std::isnan(value);

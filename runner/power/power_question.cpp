@@ -27,6 +27,7 @@ double usual_criterion(ResponseModel model) noexcept {
       return 0.75;
     case ResponseModel::differencing:
       return 0.5;
+    case ResponseModel::independent:
     case ResponseModel::choice:
       break;
   }
