@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
 #include <utility>
@@ -43,13 +44,14 @@ struct HierarchicalCommand {
 };
 
 // The option's own words: of either task.
-const TrialUse kHierarchicalUse = {"the stimuli were different, or the comparison was chosen", {}, false, false};
+const TrialUse kHierarchicalUse = {"the stimuli were different, or the comparison was chosen", {}, false, false, true};
 
 // What the analysis was made of, and by which names.
 struct NamedAnswers {
   std::vector<std::string> participants, conditions;
   std::vector<HierarchicalCell> cells;
   std::optional<double> standard;
+  bool graded = false;  // it was told which answers were sure
 
   int participant(const std::string& name) { return place(participants, name); }
   int condition(const std::string& name) { return place(conditions, name); }
@@ -67,6 +69,7 @@ HierarchicalModel model_of(const HierarchicalCommand& options) {
   HierarchicalModel model;
   model.response = options.task == "which"              ? ResponseModel::choice
                    : options.observer == "differencing" ? ResponseModel::differencing
+                   : options.observer == "independent"  ? ResponseModel::independent
                                                         : ResponseModel::yes_no;
   if (options.task == "which" && options.observer != "yes-no")
     throw UsageError("--observer goes with --task same-different: how \"different\" is decided");
@@ -91,6 +94,64 @@ HierarchicalModel model_of(const HierarchicalCommand& options) {
   return model;
 }
 
+// The trials of somebody that were mixed: the observer of independent observations needs to know of equal stimuli which
+// difference the others of their block had.
+struct BlockPlace {
+  int participant = 0, condition = 0;
+  std::string block;  // its name, empty where blocks have none
+  auto operator<=>(const BlockPlace&) const = default;
+};
+
+class BlockDifferences {
+ public:
+  // Levels >= 0.
+  void add(const BlockPlace& place, double level) {
+    if (level > 0) differences_[place].insert(level);
+  }
+  // Throws InputError where the block has no difference, or several.
+  double of(const BlockPlace& place, const NamedAnswers& answers, const std::string& file) const {
+    const auto found = differences_.find(place);
+    if (found != differences_.end() && found->second.size() == 1) return *found->second.begin();
+    std::string where = fmt::format("{}: participant {}, condition {}", file,
+                                    printable(answers.participants[static_cast<std::size_t>(place.participant)]),
+                                    printable(answers.conditions[static_cast<std::size_t>(place.condition)]));
+    if (!place.block.empty()) where += fmt::format(", block {}", printable(place.block));
+    throw InputError(
+        fmt::format("{} has equal stimuli mixed with {} difference, and the independent observer needs one ({})", where,
+                    found == differences_.end() ? "no" : "more than one",
+                    found == differences_.end() ? "leave these rows out"
+                                                : "name the blocks: a column block, or --block with --trials"));
+  }
+
+ private:
+  std::map<BlockPlace, std::set<double>> differences_;
+};
+
+std::string file_name(const HierarchicalCommand& options) {
+  return options.input.file == "-" ? "standard input" : options.input.file;
+}
+
+// Sureness and blocks are those of same-different.
+void refuse_grades(const HierarchicalCommand& options) {
+  if (options.task == "which" && !(options.trials.sureness.empty() && options.trials.block.empty()))
+    throw UsageError("--sureness and --block go with --task same-different");
+  if (options.observer != "independent" && !options.trials.block.empty())
+    throw UsageError("--block goes with --observer independent");
+}
+
+// The answers of a row are counted by k, or its category is given.
+void check_columns(const CsvTable& table, const HierarchicalCommand& options) {
+  const std::string file = file_name(options);
+  if (table.has("category") == table.has("k"))
+    throw InputError(
+        fmt::format("{}: columns k and category: one of them says what was answered (k: how often "
+                    "\"different\", or the comparison; category, from 1: same sure, same unsure, different "
+                    "unsure, different sure)",
+                    file));
+  if (options.task == "which" && (table.has("category") || table.has("block")))
+    throw InputError(fmt::format("{}: columns category and block go with --task same-different", file));
+}
+
 NamedAnswers counted_answers(const HierarchicalCommand& options) {
   refuse_trial_options(options.trials, kHierarchicalUse);
   const bool which = options.task == "which";
@@ -104,35 +165,87 @@ NamedAnswers counted_answers(const HierarchicalCommand& options) {
     if (!answers.standard) throw UsageError("--standard: a number (a column goes with --trials)");
   }
   const std::string level = which ? "x" : "delta";
-  const CsvTable table = CsvTable::read(options.input.file, {"participant", level, "n", "k"}, {"condition"});
+  const CsvTable table =
+      CsvTable::read(options.input.file, {"participant", level, "n"}, {"condition", "k", "category", "block"});
+  const bool graded = table.has("category");
+  check_columns(table, options);
+  BlockDifferences blocks;
+  std::vector<BlockPlace> places;
   for (std::size_t row = 0; row < table.rows(); ++row) {
     HierarchicalCell cell;
     cell.participant = answers.participant(std::string(table.text(row, "participant")));
     cell.condition = answers.condition(table.has("condition") ? std::string(table.text(row, "condition")) : "all");
     cell.level = which ? table.number(row, level) - *answers.standard : table.number(row, level, {0, 1e300});
-    const int n = table.integer(row, "n", 0), k = table.integer(row, "k", 0);
-    if (k > n) table.fail(row, "k", fmt::format("{} answers in {} trials", k, n), "k is at most n");
-    cell.positive = k;
-    cell.negative = n - k;
+    const int n = table.integer(row, "n", 0);
+    if (graded) {
+      const int category = table.integer(row, "category", 1, 4);
+      (category > 2 ? cell.positive : cell.negative) = n;
+      if (category == 1) cell.sure_negative = n;
+      if (category == 4) cell.sure_positive = n;
+    } else {
+      const int k = table.integer(row, "k", 0);
+      if (k > n) table.fail(row, "k", fmt::format("{} answers in {} trials", k, n), "k is at most n");
+      cell.positive = k;
+      cell.negative = n - k;
+    }
     answers.cells.push_back(cell);
+    places.push_back(
+        {cell.participant, cell.condition, table.has("block") ? std::string(table.text(row, "block")) : ""});
+    if (n > 0) blocks.add(places.back(), cell.level);
   }
+  if (options.observer == "independent")
+    for (std::size_t i = 0; i < places.size(); ++i)
+      if (HierarchicalCell& cell = answers.cells[i]; cell.level == 0 && cell.counts().trials() > 0)
+        cell.level = -blocks.of(places[i], answers, file_name(options));
+  answers.graded = graded;
   return answers;
+}
+
+// Levels of trials are differences, and of equal stimuli of the independent observer minus that of their block.
+void pair_with_blocks(TrialTable& table, const HierarchicalCommand& options) {
+  NamedAnswers names;
+  std::vector<BlockPlace> units;
+  for (const TrialUnit& unit : table.units)
+    units.push_back(
+        {names.participant(unit.participant.value_or("all")), names.condition(unit.condition.value_or("all")), ""});
+  const auto place_of = [&units](const CsvTrial& trial) {
+    BlockPlace place = units[trial.unit];
+    place.block = trial.block;
+    return place;
+  };
+  BlockDifferences blocks;
+  for (CsvTrial& trial : table.trials) {
+    trial.level = std::abs(trial.level);
+    blocks.add(place_of(trial), trial.level);
+  }
+  if (options.observer != "independent") return;
+  for (CsvTrial& trial : table.trials)
+    if (trial.level == 0) trial.level = -blocks.of(place_of(trial), names, table.file);
 }
 
 NamedAnswers trial_answers(const HierarchicalCommand& options) {
   const bool which = options.task == "which";
-  const TrialTable table = read_trials(options.input.file, options.trials, which ? kWhichUse : kSameDifferentUse);
+  refuse_grades(options);
+  TrialTable table = read_trials(options.input.file, options.trials, which ? kWhichUse : kSameDifferentUse);
+  if (!which) pair_with_blocks(table, options);
   const std::vector<std::vector<TrialCount>> counts = count_trials(table);
   NamedAnswers answers;
+  answers.graded = !options.trials.sureness.empty();
   for (std::size_t unit = 0; unit < counts.size(); ++unit) {
     const TrialUnit& of = table.units[unit];
     if (!of.participant) throw UsageError("--participant is needed: the column that tells people apart");
     if (which && !of.standard)
       throw UsageError("--standard is needed: what the levels were judged against, a number or a column");
     for (const TrialCount& count : counts[unit]) {
-      const double level = which ? count.level - *of.standard : std::abs(count.level);
-      answers.cells.push_back({answers.participant(*of.participant), answers.condition(of.condition.value_or("all")),
-                               level, static_cast<double>(count.k), static_cast<double>(count.n - count.k)});
+      HierarchicalCell cell;
+      cell.participant = answers.participant(*of.participant);
+      cell.condition = answers.condition(of.condition.value_or("all"));
+      cell.level = which ? count.level - *of.standard : count.level;
+      cell.positive = count.k;
+      cell.negative = count.n - count.k;
+      cell.sure_positive = count.sure_k;
+      cell.sure_negative = count.sure_others;
+      answers.cells.push_back(cell);
     }
     if (answers.standard && of.standard && *answers.standard != *of.standard)
       throw InputError(
@@ -144,7 +257,7 @@ NamedAnswers trial_answers(const HierarchicalCommand& options) {
 }
 
 void refuse_empty(const HierarchicalCommand& options, const NamedAnswers& answers) {
-  const std::string file = options.input.file == "-" ? "standard input" : options.input.file;
+  const std::string file = file_name(options);
   for (std::size_t c = 0; c < answers.conditions.size(); ++c)
     if (std::none_of(answers.cells.begin(), answers.cells.end(), [c](const HierarchicalCell& cell) {
           return cell.condition == static_cast<int>(c) && cell.positive + cell.negative > 0;
@@ -287,9 +400,9 @@ std::string conditions_text(const HierarchicalResult& result) {
     header.emplace_back("Weber");
     align.push_back(Align::right);
   }
-  header.emplace_back(result.choice()                                  ? "PSE"
-                      : result.model.response == ResponseModel::yes_no ? "criterion"
-                                                                       : "ln tau");
+  header.emplace_back(result.choice()                                        ? "PSE"
+                      : result.model.response == ResponseModel::differencing ? "ln tau"
+                                                                             : "criterion");
   header.emplace_back("status");
   align.push_back(Align::right);
   align.push_back(Align::left);
@@ -376,10 +489,11 @@ std::string meanings_text(const HierarchicalResult& result) {
 
 std::string hierarchical_text(const HierarchicalResult& result) {
   const HierarchicalFit& fit = result.fit;
-  const char* const what = result.choice() ? "choices between two intervals"
-                           : result.model.response == ResponseModel::yes_no
-                               ? "same-different, decided on the difference"
-                               : "same-different, decided on the size of the difference";
+  const char* const what =
+      result.choice()                                       ? "choices between two intervals"
+      : result.model.response == ResponseModel::yes_no      ? "same-different, decided on the difference"
+      : result.model.response == ResponseModel::independent ? "same-different, decided by each interval itself"
+                                                            : "same-different, decided on the size of the difference";
   std::string text =
       bold(fmt::format("hierarchical model: {}, lapse {:g}; {}, {:.0f} trials", what, result.model.shared.lapse,
                        counted(static_cast<std::int64_t>(fit.participants), "participant"), fit.trials)) +
@@ -434,16 +548,21 @@ void add_calc_hierarchical(CommandTree& calc) {
   const auto [command, options] =
       calc.add("hierarchical", "One model of everybody's answers: the group's JND, ratios of conditions, each person's",
                "jnd calc hierarchical answers.csv --task same-different", hierarchical);
-  add_input(command, options.input,
-            "participant, condition, n, k, and delta (the difference, 0 on same trials; k: answers \"different\") or x "
-            "(the comparison's level; k: times it was chosen)");
+  add_input(
+      command, options.input,
+      "participant, condition, n, k, and delta (the difference, 0 on same trials; k: answers \"different\") or x "
+      "(the comparison's level; k: times it was chosen); for k may stand category (1: same sure, 2: same unsure, 3: "
+      "different unsure, 4: different sure); with --observer independent also block, where there are several "
+      "differences");
   command.add_option("--task", options.task, "what was asked")
       ->check(CLI::IsMember({"same-different", "which"}))
       ->required();
   command
-      .add_option("--observer", options.observer,
-                  "of same-different: decided on the difference (yes-no), or on its size (differencing)")
-      ->check(CLI::IsMember({"yes-no", "differencing"}))
+      .add_option(
+          "--observer", options.observer,
+          "of same-different: decided on the difference (yes-no), on its size (differencing), or by each interval "
+          "itself (independent)")
+      ->check(CLI::IsMember({"yes-no", "differencing", "independent"}))
       ->capture_default_str();
   command.add_option("--lapse", options.lapse, "share of trials answered by chance")->capture_default_str();
   command

@@ -95,7 +95,8 @@ std::vector<std::string> wanted_columns(const TrialOptions& options) {
   if (options.level.empty() || options.answer.empty())
     throw UsageError("--trials needs --level and --answer, the columns of the level and of the answer");
   std::vector<std::string> columns = {options.level, options.answer};
-  for (const std::string& more : {options.participant, options.condition, options.order})
+  for (const std::string& more :
+       {options.participant, options.condition, options.order, options.sureness, options.block})
     if (!more.empty()) columns.push_back(more);
   if (!options.standard.empty() && !number_in(options.standard)) columns.push_back(options.standard);
   for (std::size_t i = 0; i < columns.size(); ++i)
@@ -103,6 +104,14 @@ std::vector<std::string> wanted_columns(const TrialOptions& options) {
         columns.begin() + static_cast<std::ptrdiff_t>(i))
       throw UsageError(fmt::format("column {} is named for two things: each option takes one of its own", columns[i]));
   return columns;
+}
+
+// What --sureness and --block say of a trial.
+void read_sureness(CsvTrial& trial, const CsvTable& table, std::size_t row, const TrialOptions& options) {
+  constexpr int kMostDegrees = 100;
+  if (!options.sureness.empty())
+    trial.sure = table.integer(row, options.sureness, 0, kMostDegrees) >= options.sure_from;
+  if (!options.block.empty()) trial.block = table.text(row, options.block);
 }
 
 // file: its name in messages.
@@ -129,6 +138,7 @@ TrialTable trials_of(const CsvTable& table, const std::string& file, const Trial
     if (!options.order.empty()) trial.order = order_at(table, row, options.order);
     const std::string_view answer = table.text(row, options.answer);
     trial.positive = counted ? answer == *counted : (answer == "second") == (trial.order == 1);
+    read_sureness(trial, table, row, options);
     out.trials.push_back(trial);
   }
   for (TrialUnit& unit : out.units) unit.one_of_several = !one_standard && !options.standard.empty();
@@ -194,8 +204,12 @@ void learn_words(OwnExport& own, const CsvTable& table) {
   }
 }
 
-TrialTable trials_of_export(const CsvTable& table, const std::string& file, const TrialUse& use) {
+TrialTable trials_of_export(const CsvTable& table, const std::string& file, const TrialOptions& options,
+                            const TrialUse& use) {
   OwnExport own = own_export(table, file, use);
+  for (const auto& [option, column] : {std::pair("--sureness", options.sureness), {"--block", options.block}})
+    if (!column.empty() && !table.has(column))
+      throw UsageError(fmt::format("{}: {} has no column {}", option, file, in_quotes(column)));
   if (!own.same_different) learn_words(own, table);
   TrialTable out;
   out.file = file;
@@ -217,6 +231,7 @@ TrialTable trials_of_export(const CsvTable& table, const std::string& file, cons
     if (own.same_different) {
       trial.level = std::abs(second - first);
       trial.positive = answer == "different";
+      read_sureness(trial, table, row, options);
     } else {
       // Where a level may equal the standard the values do not tell which is which.
       const bool comparison_second =
@@ -236,8 +251,9 @@ TrialTable trials_of_export(const CsvTable& table, const std::string& file, cons
   return out;
 }
 
-TrialTable trials_without_names(const CsvTable& table, const std::string& file, const TrialUse& use) {
-  if (is_own_export(table)) return trials_of_export(table, file, use);
+TrialTable trials_without_names(const CsvTable& table, const std::string& file, const TrialOptions& options,
+                                const TrialUse& use) {
+  if (is_own_export(table)) return trials_of_export(table, file, options, use);
   throw UsageError(
       fmt::format("--trials needs --level and --answer, the columns of the level and of the answer (only trials.csv of "
                   "jnd export needs no names); {} has the columns {}",
@@ -263,6 +279,16 @@ void add_trial_options(CLI::App& command, TrialOptions& options, const TrialUse&
   if (use.with_order)
     command.add_option("--order", options.order,
                        "with --trials: column that says 1 or second where the comparison came second, -1 or first");
+  if (use.with_sureness) {
+    command.add_option("--sureness", options.sureness,
+                       "with --trials, of same-different: column of how sure the answer was, a whole number");
+    command.add_option("--sure-from", options.sure_from, "the least --sureness that counts as sure")
+        ->check(CLI::Range(1, 100))
+        ->capture_default_str();
+    command.add_option("--block", options.block,
+                       "with --trials and --observer independent: column that names the trials that were mixed, of one "
+                       "difference");
+  }
   command.add_option("--positive", options.positive,
                      fmt::format("with --trials: the answer that says that {}", use.positive));
 }
@@ -270,7 +296,8 @@ void add_trial_options(CLI::App& command, TrialOptions& options, const TrialUse&
 void refuse_trial_options(const TrialOptions& options, const TrialUse& use) {
   const std::pair<const char*, const std::string*> given[] = {
       {"--level", &options.level},         {"--answer", &options.answer}, {"--participant", &options.participant},
-      {"--condition", &options.condition}, {"--order", &options.order},   {"--positive", &options.positive}};
+      {"--condition", &options.condition}, {"--order", &options.order},   {"--positive", &options.positive},
+      {"--sureness", &options.sureness},   {"--block", &options.block}};
   for (const auto& [option, value] : given)
     if (!value->empty()) throw UsageError(fmt::format("{} goes with --trials, where rows are trials", option));
   if (use.differences && !options.standard.empty())
@@ -299,13 +326,14 @@ bool names_nothing(const TrialOptions& options) noexcept {
 
 TrialTable read_trials(const std::string& file, const TrialOptions& options, const TrialUse& use) {
   const std::string name = file == "-" ? "standard input" : file;
-  if (names_nothing(options)) return trials_without_names(CsvTable::read_among(file, {}), name, use);
+  if (names_nothing(options)) return trials_without_names(CsvTable::read_among(file, {}), name, options, use);
   const std::vector<std::string> wanted = wanted_columns(options);
   return trials_of(CsvTable::read_among(file, wanted), name, options, use);
 }
 
 TrialTable parse_trials(std::string text, const std::string& file, const TrialOptions& options, const TrialUse& use) {
-  if (names_nothing(options)) return trials_without_names(CsvTable::parse_among(std::move(text), file, {}), file, use);
+  if (names_nothing(options))
+    return trials_without_names(CsvTable::parse_among(std::move(text), file, {}), file, options, use);
   return trials_of(CsvTable::parse_among(std::move(text), file, wanted_columns(options)), file, options, use);
 }
 
@@ -316,6 +344,7 @@ std::vector<std::vector<TrialCount>> count_trials(const TrialTable& table) {
     count.level = trial.level;
     ++count.n;
     if (trial.positive) ++count.k;
+    if (trial.sure) ++(trial.positive ? count.sure_k : count.sure_others);
   }
   std::vector<std::vector<TrialCount>> out(counts.size());
   for (std::size_t unit = 0; unit < counts.size(); ++unit)

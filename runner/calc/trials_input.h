@@ -21,6 +21,8 @@ struct TrialOptions {
   std::string standard;  // a column, or a number
   std::string order;
   std::string positive;  // the answer that is counted, where the words do not say so themselves
+  std::string sureness, block;
+  int sure_from = 2;  // degrees of sureness from here on count as sure
 };
 
 // What a command makes of trials.
@@ -28,8 +30,9 @@ struct TrialUse {
   const char* positive;  // what the counted answer says, such as "the comparison was chosen"
   // Pairs of words that need no --positive: the counted one first. 1 and 0, yes and no, true and false always do.
   std::vector<std::pair<std::string_view, std::string_view>> words;
-  bool with_order = false;   // --order, and the answers first and second by it
-  bool differences = false;  // levels are differences: from --standard, where it is given
+  bool with_order = false;     // --order, and the answers first and second by it
+  bool differences = false;    // levels are differences: from --standard, where it is given
+  bool with_sureness = false;  // --sureness and --block
 };
 
 // Of same-different trials: the answer "different", and differences, 0 on same trials. Of choices between two intervals.
@@ -42,6 +45,8 @@ struct CsvTrial {
   double level = 0;      // with `differences` less the standard
   int order = 0;         // 1: the comparison came second, -1: first, 0: not asked for, or the same in all trials
   bool positive = false;
+  bool sure = false;  // false where --sureness does not say so
+  std::string block;  // which trials it was mixed with; empty without --block
 };
 
 // The trials of one participant in one condition (and with one standard), in order of first appearance.
@@ -81,6 +86,7 @@ void refuse_trial_options(const TrialOptions& options, const TrialUse& use);
 struct TrialCount {
   double level = 0;
   int n = 0, k = 0;
+  int sure_k = 0, sure_others = 0;  // of the counted answers, and of the others
 };
 std::vector<std::vector<TrialCount>> count_trials(const TrialTable& table);  // of each unit
 
