@@ -39,6 +39,8 @@ std::string observer_words(const StudyHierarchical& model) {
       return ", decided on the difference";
     case ResponseModel::differencing:
       return ", decided on the size of the difference";
+    case ResponseModel::independent:
+      return ", decided on each interval by itself";
     case ResponseModel::choice:
       break;
   }
