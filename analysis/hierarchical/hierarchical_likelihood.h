@@ -36,7 +36,7 @@ struct HierarchicalCell {
   bool second_half = false;           // of the participant's trials in the condition; without drift all are of one
   double sure_positive = 0, sure_negative = 0;  // how many of the answers were sure, where that was asked
 
-  ResponseCounts counts() const noexcept { return {positive, negative, sure_positive, sure_negative}; }
+  AnswerTally counts() const noexcept { return {positive, negative, sure_positive, sure_negative}; }
 };
 
 // One value of every parameter.

@@ -13,7 +13,7 @@ namespace jnd {
 struct PersonCell {
   struct Counted {
     double level = 0;
-    ResponseCounts counts;
+    AnswerTally counts;
   };
   std::vector<Counted> answers;
   double mu = 0, kappa = 0;

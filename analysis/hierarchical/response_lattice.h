@@ -72,7 +72,7 @@ class ResponseLattice {
 // The answers of one participant in one condition to one question.
 struct QuestionAnswers {
   std::size_t question = 0;  // place in the questions
-  ResponseCounts counts;
+  AnswerTally counts;
 };
 
 // Their log-likelihood on the lattice, and the largest value there.

@@ -79,7 +79,7 @@ GradedLogRates graded_log_rates(ResponseModel model, double level, double ln_s, 
   return rates;
 }
 
-ResponseCounts& ResponseCounts::operator+=(const ResponseCounts& other) noexcept {
+AnswerTally& AnswerTally::operator+=(const AnswerTally& other) noexcept {
   positive += other.positive;
   negative += other.negative;
   sure_positive += other.sure_positive;
@@ -87,13 +87,13 @@ ResponseCounts& ResponseCounts::operator+=(const ResponseCounts& other) noexcept
   return *this;
 }
 
-GradedCounts graded_counts(const ResponseCounts& counts, const SharedParameters& shared) noexcept {
+GradedCounts graded_counts(const AnswerTally& counts, const SharedParameters& shared) noexcept {
   const double positive = std::isfinite(shared.sure_above) ? counts.sure_positive : 0,
                negative = std::isfinite(shared.sure_below) ? counts.sure_negative : 0;
   return {{counts.positive - positive, counts.negative - negative}, {positive, negative}};
 }
 
-double log_likelihood_of(const ResponseCounts& counts, ResponseModel model, double level, double ln_s, double criterion,
+double log_likelihood_of(const AnswerTally& counts, ResponseModel model, double level, double ln_s, double criterion,
                          const SharedParameters& shared) {
   if (!shared.graded()) {
     const LogRates rates = log_rates(model, level, ln_s, criterion, shared.lapse);

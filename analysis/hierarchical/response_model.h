@@ -47,22 +47,22 @@ GradedLogRates graded_log_rates(ResponseModel model, double level, double ln_s, 
                                 const SharedParameters& shared);
 
 // Answers to one question.
-struct ResponseCounts {
+struct AnswerTally {
   double positive = 0, negative = 0;
   double sure_positive = 0, sure_negative = 0;  // of these; where no criterion tells sure ones they count as unsure
 
   double trials() const noexcept { return positive + negative; }
-  ResponseCounts& operator+=(const ResponseCounts& other) noexcept;
+  AnswerTally& operator+=(const AnswerTally& other) noexcept;
 };
 struct GradedCounts {
   struct {
     double positive, negative;
   } unsure, sure;
 };
-GradedCounts graded_counts(const ResponseCounts& counts, const SharedParameters& shared) noexcept;
+GradedCounts graded_counts(const AnswerTally& counts, const SharedParameters& shared) noexcept;
 
 // ln of the likelihood of the answers, without binomial coefficients.
-double log_likelihood_of(const ResponseCounts& counts, ResponseModel model, double level, double ln_s, double criterion,
+double log_likelihood_of(const AnswerTally& counts, ResponseModel model, double level, double ln_s, double criterion,
                          const SharedParameters& shared);
 
 struct LevelTrials {
