@@ -492,6 +492,37 @@ TEST_CASE("the model of yes and no is of the distance from the noise, and its JN
   CHECK(nobody.reason == "no trial counts whose level is not the standard");
 }
 
+TEST_CASE("levels that answers set count like given ones; a threshold that is no JND stands for none", "[data]") {
+  const Protocol protocol = load_protocol(std::string(JND_SOURCE_DIR) + "/protocols/adaptive-staircase.json");
+  AdaptiveResults results;
+  std::vector<HierarchicalCell> cells;
+  for (int person = 0; person < 4; ++person)
+    for (int condition = 0; condition < static_cast<int>(protocol.conditions.size()); ++condition) {
+      AdaptiveRow track, all;
+      track.participant = all.participant = "P" + std::to_string(10 + person);
+      track.condition = all.condition = condition;
+      track.track = 1;
+      all.threshold.status = AdaptiveStatus::ok;
+      all.threshold.threshold = 500;  // of the staircase: another point
+      all.answers = {{0, 2, 10}, {100, 3 + person % 2, 5}, {217.5, 6, 4 - condition % 2}, {400, 9, 1}};
+      for (const LevelCount& one : all.answers)
+        cells.push_back(
+            {person, condition, one.level, static_cast<double>(one.positive), static_cast<double>(one.negative)});
+      results.rows.insert(results.rows.end(), {track, all});
+    }
+  const StudyHierarchical model = study_hierarchical(results, protocol);
+  REQUIRE(model.status == HierarchicalStatus::ok);
+  HierarchicalAnalysis fitted(cells, {.response = *model.response});
+  for (std::size_t c = 0; c < protocol.conditions.size(); ++c)
+    CHECK(model.conditions[c].jnd == Approx(std::exp(fitted.fit().conditions[c].mu)).epsilon(1e-9));
+  REQUIRE(model.people.size() == 4 * protocol.conditions.size());
+  for (const HierarchicalPerson& one : model.people) {
+    CHECK(one.separate_status == JndStatus::ok);
+    CHECK(one.separate == one.alone);
+    CHECK(one.separate != 500);
+  }
+}
+
 std::size_t lines_of(const std::string& text) {
   return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
 }
