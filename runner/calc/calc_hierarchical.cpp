@@ -519,7 +519,7 @@ int hierarchical(const HierarchicalCommand& options) {
   refuse_empty(options, result.answers);
   if (options.bootstrap > 0 && (options.one_jnd || result.answers.conditions.size() < 2))
     throw UsageError("--bootstrap tests one JND for all conditions: it takes several conditions, without --one-jnd");
-  if (options.check < 0 || options.check > 100'000) throw UsageError("--check=N: from 1 to 100000 draws");
+  if (options.check < 0 || options.check > 10'000) throw UsageError("--check=N: from 1 to 10000 draws");
   HierarchicalAnalysis analysis(result.answers.cells, result.model);
   analysis.add_intervals();
   result.fit = analysis.fit();
