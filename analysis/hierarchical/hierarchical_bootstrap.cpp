@@ -23,6 +23,15 @@ double standard_normal(ExperimentStream& stream) {
   return normal_quantile(open_uniform(stream.next()));
 }
 
+// Beta-binomial: each answer is the likelier the more before it were the same (Polya's urn).
+double alike_answers(ExperimentStream& stream, double trials, double p, double overdispersion) {
+  const double per_answer = overdispersion / (1 - overdispersion);
+  double positive = 0;
+  for (int before = 0; before < trials; ++before)
+    if (open_uniform(stream.next()) * (1 + before * per_answer) < p + positive * per_answer) ++positive;
+  return positive;
+}
+
 }  // namespace
 
 std::vector<HierarchicalCell> drawn_answers(std::span<const HierarchicalCell> cells, const HierarchicalModel& model,
@@ -46,14 +55,18 @@ std::vector<HierarchicalCell> drawn_answers(std::span<const HierarchicalCell> ce
     }
     Person& person = people[number];
     const double ln_s = truth.mu[c] + person.u + person.v[c], k = truth.kappa[c] + person.w;
-    const double trials = cell.positive + cell.negative;
+    const double trials = cell.positive + cell.negative, side = cell.second_half ? 0.5 : -0.5;
+    const double half_ln_s = ln_s + side * model.shared.drift_ln_s, half_k = k + side * model.shared.drift_criterion;
     const auto draw = [&person](double n, double p) {
       return BinomialSampler(static_cast<int>(n), std::min(p, 1.0)).at(open_uniform(person.stream.next()));
     };
-    const LogRates of = log_rates(model.response, cell.level, ln_s, k, model.shared.lapse);
-    cell.positive = draw(trials, std::exp(of.positive));
+    const LogRates of = log_rates(model.response, cell.level, half_ln_s, half_k, model.shared.lapse);
+    const double p = std::min(1.0, std::exp(of.positive));
+    cell.positive = model.shared.overdispersion > 0
+                        ? alike_answers(person.stream, trials, p, model.shared.overdispersion)
+                        : draw(trials, p);
     cell.negative = trials - cell.positive;
-    const LogRates sure = graded_log_rates(model.response, cell.level, ln_s, k, model.shared).sure;
+    const LogRates sure = graded_log_rates(model.response, cell.level, half_ln_s, half_k, model.shared).sure;
     cell.sure_positive =
         std::isfinite(model.shared.sure_above) ? draw(cell.positive, std::exp(sure.positive - of.positive)) : 0;
     cell.sure_negative =
@@ -67,6 +80,8 @@ EqualityBootstrap equality_bootstrap(std::span<const HierarchicalCell> cells, co
                                      const std::function<void(int)>& progress) {
   const std::size_t conditions = fit.conditions.size();
   const SearchRange range = search_range(cells, model.response);
+  HierarchicalModel drawn_model = model;
+  drawn_model.shared = fit.common.shared;
   HierarchicalForm free = HierarchicalForm::separate(conditions), common = HierarchicalForm::common(conditions);
   const auto in_model = [](SpreadStatus status) { return status == SpreadStatus::ok || status == SpreadStatus::zero; };
   free.tu = common.tu = in_model(fit.tu);
@@ -84,8 +99,8 @@ EqualityBootstrap equality_bootstrap(std::span<const HierarchicalCell> cells, co
       for (int i = next++; i < replicates; i = next++) {
         stop_if_requested();
         const std::vector<HierarchicalCell> drawn =
-            drawn_answers(cells, model, fit.common.place, seed, static_cast<std::uint64_t>(i));
-        HierarchicalLikelihood likelihood(drawn, model.response, model.shared, kRoughFineness);
+            drawn_answers(cells, drawn_model, fit.common.place, seed, static_cast<std::uint64_t>(i));
+        HierarchicalLikelihood likelihood(drawn, drawn_model.response, drawn_model.shared, kRoughFineness);
         const HierarchicalMaximum one =
             maximise(likelihood, common, fit.common.place, range.criterion_unit, kRoughlyNegligible);
         const HierarchicalMaximum each =

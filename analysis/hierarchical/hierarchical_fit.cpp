@@ -15,6 +15,8 @@ namespace jnd {
 
 namespace {
 
+// Of ln L at a point of a profile, and of one over shared parameters; and of its end, 1 + its value.
+constexpr double kNegligibleInProfile = 1e-6, kNegligibleInSharedProfile = 1e-5, kCloseEnough = 1e-4;
 constexpr double kFirstSpread = 0.3, kFirstSpreadWithin = 0.15;  // where a search begins
 
 double trials_of(std::span<const HierarchicalCell> cells) {
@@ -59,7 +61,12 @@ HierarchicalAnalysis::HierarchicalAnalysis(std::vector<HierarchicalCell> cells, 
   place.tv = form_.tv ? kFirstSpreadWithin : 0;
   place.tw = form_.tw ? kFirstSpread * range_.criterion_unit : 0;
   HierarchicalLikelihood rough(cells_, model.response, model.shared, kRoughFineness);
-  fit_.maximum = maximise(rough, form_, place, range_.criterion_unit, kRoughlyNegligible);
+  fit_.shared = model.estimated.identified(cells_);
+  HierarchicalMaximum start;
+  start.place = place;
+  start.shared = first_shared(fit_.shared, model.shared);
+  fit_.maximum =
+      maximise(rough, form_, fit_.shared, start, range_.criterion_unit, kRoughlyNegligible, kRoughlyNegligible);
   fit_.maximum = from_here(form_, fit_.maximum);
 
   const HierarchicalPlace& found = fit_.maximum.place;
@@ -105,18 +112,25 @@ void HierarchicalAnalysis::find_spreads() {
 HierarchicalMaximum HierarchicalAnalysis::from_here(const HierarchicalForm& form, const HierarchicalMaximum& from,
                                                     double negligible) {
   constexpr double kFar = 0.5;
-  const HierarchicalPlace& place = from.place;
-  HierarchicalPlace start = moved(form, place);
+  HierarchicalMaximum start = from;
+  start.place = moved(form, from.place);
   bool far = false;
-  for (std::size_t c = 0; c < start.mu.size(); ++c)
-    if (std::abs(start.mu[c] - place.mu[c]) > kFar) {
+  for (std::size_t c = 0; c < start.place.mu.size(); ++c)
+    if (std::abs(start.place.mu[c] - from.place.mu[c]) > kFar) {
       far = true;
-      start.kappa[c] = pooled_maximum(of_condition(cells_, c), model_.response, model_.shared,
-                                      {start.mu[c], range_.start.criterion, 0}, true)
-                           .criterion;
+      start.place.kappa[c] = pooled_maximum(of_condition(cells_, c), model_.response, from.shared,
+                                            {start.place.mu[c], range_.start.criterion, 0}, true)
+                                 .criterion;
     }
-  if (!far) start = moved(form, place, from.information, range_.criterion_unit);
-  return maximise(likelihood_, form, start, range_.criterion_unit, negligible, from.information);
+  if (!far) start.place = moved(form, from.place, from.information, range_.criterion_unit);
+  return searched(form, start, negligible);
+}
+
+// Slopes by shared parameters are differences of ln L, which must be known better than the search that follows them.
+HierarchicalMaximum HierarchicalAnalysis::searched(const HierarchicalForm& form, const HierarchicalMaximum& from,
+                                                   double negligible) {
+  const double inner = fit_.shared.any() ? kNegligible : negligible;
+  return maximise(likelihood_, form, fit_.shared, from, range_.criterion_unit, inner, negligible);
 }
 
 // at_end(ln s): the largest ln L with that mean. Answers that are as likely at an end of what is searched tell no JND.
@@ -130,8 +144,13 @@ SlopeStatus HierarchicalAnalysis::status_of(double ln_s, double log_likelihood, 
   return SlopeStatus::ok;
 }
 
+double HierarchicalAnalysis::negligible_in_profile() const noexcept {
+  return fit_.shared.any() ? kNegligibleInSharedProfile : kNegligibleInProfile;
+}
+
 // Before many searches near the maximum.
 void HierarchicalAnalysis::look_closely() {
+  likelihood_.set_shared(fit_.maximum.shared);
   if (!looked_closely_) observe_information(likelihood_, form_, fit_.maximum, range_.criterion_unit);
   looked_closely_ = true;
 }
@@ -141,8 +160,6 @@ void HierarchicalAnalysis::look_closely() {
 template <typename Held, typename Slope>
 ProfileEnds HierarchicalAnalysis::ends(double estimate, double error, double furthest, const Held& held,
                                        const Slope& slope) {
-  constexpr double kCloseEnough = 1e-4;
-  look_closely();
   const double best = fit_.maximum.log_likelihood;
   const auto end = [&](double side) {
     HierarchicalMaximum there = fit_.maximum;
@@ -159,9 +176,8 @@ ProfileEnds HierarchicalAnalysis::ends(double estimate, double error, double fur
 
 namespace {
 
-constexpr double kNegligibleHere = 1e-6;  // of ln L at a point of a profile
-constexpr double kFurthestFactor = 3;     // in ln s: a factor of 20
-constexpr double kFurthestBias = 6;       // in units of the criterion, a quarter of the range of levels: 1.5 of them
+constexpr double kFurthestFactor = 3;  // in ln s: a factor of 20
+constexpr double kFurthestBias = 6;    // in units of the criterion, a quarter of the range of levels: 1.5 of them
 
 }  // namespace
 
@@ -172,10 +188,10 @@ ProfileEnds HierarchicalAnalysis::mean_ends(std::size_t condition, double error)
   };
   const auto held = [&](double value, const HierarchicalMaximum& from) {
     HierarchicalForm form = form_;
-    if (!model_.one_mean) return from_here(form.with_mean(condition, value), from, kNegligibleHere);
+    if (!model_.one_mean) return from_here(form.with_mean(condition, value), from, negligible_in_profile());
     std::fill(form.of.begin(), form.of.end(), -1);
     std::fill(form.offset.begin(), form.offset.end(), value);
-    return from_here(form, from, kNegligibleHere);
+    return from_here(form, from, negligible_in_profile());
   };
   return ends(fit_.maximum.place.mu[condition], error, kFurthestFactor, held, by);
 }
@@ -184,9 +200,9 @@ ProfileEnds HierarchicalAnalysis::criterion_ends(std::size_t condition, double e
   HierarchicalForm form = form_;
   form.held_criterion = static_cast<int>(condition);
   const auto held = [&](double value, const HierarchicalMaximum& from) {
-    HierarchicalPlace place = from.place;
-    place.kappa[condition] = value;
-    return maximise(likelihood_, form, place, range_.criterion_unit, kNegligibleHere, from.information);
+    HierarchicalMaximum start = from;
+    start.place.kappa[condition] = value;
+    return searched(form, start, negligible_in_profile());
   };
   return ends(fit_.maximum.place.kappa[condition], error, kFurthestBias * range_.criterion_unit, held,
               [condition](const HierarchicalMaximum& there) { return there.slope.kappa[condition]; });
@@ -208,13 +224,14 @@ const HierarchicalFit& HierarchicalAnalysis::add_intervals() {
 }
 
 ConditionDifference HierarchicalAnalysis::difference(std::size_t a, std::size_t b) {
+  look_closely();
   const std::size_t stride = 2 * fit_.conditions.size();
   const std::vector<double> covariance =
       covariance_of_estimates(likelihood_.cell_information(fit_.maximum.place), fit_.maximum.place);
   ConditionDifference one{a, b, fit_.conditions[a].mu - fit_.conditions[b].mu, {}};
   const double variance = covariance[a * stride + a] + covariance[b * stride + b] - 2 * covariance[a * stride + b];
   const auto held = [&](double value, const HierarchicalMaximum& from) {
-    return from_here(form_.with_difference(a, b, value), from, kNegligibleHere);
+    return from_here(form_.with_difference(a, b, value), from, negligible_in_profile());
   };
   if (!std::isnan(one.difference))
     one.ends = ends(one.difference, std::sqrt(std::max(variance, 0.0)), kFurthestFactor, held,
@@ -233,6 +250,58 @@ std::vector<ConditionDifference> HierarchicalAnalysis::differences() {
   return differences;
 }
 
+HierarchicalMaximum HierarchicalAnalysis::with_shared(const SharedForm& shared, SharedParameter held, double value) {
+  HierarchicalMaximum from = fit_.maximum;
+  value_of(from.shared, held) = value;
+  return maximise(likelihood_, form_, shared, from, range_.criterion_unit, kNegligible, kNegligibleInSharedProfile);
+}
+
+// One end of the interval, where ln L falls all the way from the estimate to the limit, or does not fall enough.
+double HierarchicalAnalysis::shared_end(const SharedEstimate& estimate, double side) {
+  const SharedLimits limits = limits_of(estimate.parameter, range_.criterion_unit);
+  const double limit = side < 0 ? limits.low : limits.high;
+  const bool least = side < 0 && limits.low >= 0;
+  const double open = least ? 0 : side * kInf;
+  if (estimate.value == limit) return open;
+  const SharedForm others = fit_.shared.with(estimate.parameter, false);
+  const auto profile = [&](double value) {
+    const HierarchicalMaximum there = with_shared(others, estimate.parameter, value);
+    const double slope = slope_of(likelihood_, there, estimate.parameter, range_.criterion_unit).slope;
+    return ProfilePoint{fit_.maximum.log_likelihood - there.log_likelihood, -slope};
+  };
+  if (profile(limit).drop < kProfileDrop) return open;
+  // Where it would be if ln L were a parabola.
+  const SharedSlope here = slope_of(likelihood_, fit_.maximum, estimate.parameter, range_.criterion_unit);
+  const double rise = estimate.status == SharedStatus::zero ? std::min(here.slope, 0.0) : 0;
+  const double reach =
+      here.curvature > 0 ? (rise + std::sqrt(rise * rise + 2 * here.curvature * kProfileDrop)) / here.curvature : kInf;
+  const double room = std::abs(limit - estimate.value);
+  return profile_bound(profile, estimate.value, limit, estimate.value + side * std::min(reach, room / 2), kCloseEnough);
+}
+
+std::vector<SharedEstimate> HierarchicalAnalysis::shared_estimates() {
+  std::vector<SharedEstimate> estimates;
+  for (const SharedParameter which : kSharedParameters) {
+    if (!model_.estimated.has(which)) continue;
+    SharedEstimate& one = estimates.emplace_back();
+    one.parameter = which;
+    one.status = SharedStatus::not_identified;
+    if (!fit_.shared.has(which)) continue;
+    const SharedLimits limits = limits_of(which, range_.criterion_unit);
+    one.value = value_of(fit_.maximum.shared, which);
+    one.status = one.value == limits.high || (one.value == limits.low && limits.low != 0) ? SharedStatus::at_limit
+                 : one.value == limits.low                                                ? SharedStatus::zero
+                                                                                          : SharedStatus::ok;
+    one.ends = {shared_end(one, -1), shared_end(one, 1)};
+    if (limits.low > 0) continue;  // there is no test of 0
+    const double without = with_shared(fit_.shared.with(which, false), which, 0).log_likelihood;
+    one.lr = std::max(0.0, 2 * (fit_.maximum.log_likelihood - without));
+    one.p = chi2_upper(one.lr, 1);
+    if (limits.low == 0) one.p = one.status == SharedStatus::zero ? 1 : one.p / 2;
+  }
+  return estimates;
+}
+
 std::vector<PersonEstimate> HierarchicalAnalysis::people() {
   const std::size_t conditions = fit_.conditions.size();
   std::vector<std::vector<HierarchicalCell>> cells(fit_.participants * conditions);
@@ -240,6 +309,7 @@ std::vector<PersonEstimate> HierarchicalAnalysis::people() {
     cells[static_cast<std::size_t>(cell.participant) * conditions + static_cast<std::size_t>(cell.condition)].push_back(
         cell);
   std::vector<PersonEstimate> people;
+  likelihood_.set_shared(fit_.maximum.shared);
   const std::vector<PersonPosterior> posteriors = likelihood_.posteriors(fit_.maximum.place);
   for (std::size_t i = 0; i < cells.size(); ++i) {
     PersonEstimate& one = people.emplace_back();
@@ -248,9 +318,9 @@ std::vector<PersonEstimate> HierarchicalAnalysis::people() {
     one.criterion = fit_.maximum.place.kappa[i % conditions] + posteriors[i / conditions].w;
     one.status = SlopeStatus::missing;
     if (trials_of(cells[i]) == 0) continue;
-    const PooledMaximum alone = pooled_maximum(cells[i], model_.response, model_.shared, range_.start);
+    const PooledMaximum alone = pooled_maximum(cells[i], model_.response, fit_.maximum.shared, range_.start);
     const auto at_end = [&](double ln_s) {
-      return pooled_maximum(cells[i], model_.response, model_.shared, {ln_s, range_.start.criterion, 0}, true)
+      return pooled_maximum(cells[i], model_.response, fit_.maximum.shared, {ln_s, range_.start.criterion, 0}, true)
           .log_likelihood;
     };
     one.status = status_of(alone.ln_s, alone.log_likelihood, at_end);

@@ -1,18 +1,19 @@
 // One model of everybody's answers: the group's JND in each condition, what conditions differ by, how much people
 // differ, and each person's own JND, drawn towards the group's as far as their answers are few.
 //
-// The model and its likelihood: hierarchical_likelihood.h. exp(mu_c) is the JND of the median person (the geometric
+// The model and its likelihood: hierarchical_likelihood.h. Everything is a profile over all that is estimated, lapses,
+// over-dispersion and drift included. exp(mu_c) is the JND of the median person (the geometric
 // mean), not the mean of the JNDs, which is exp(mu_c + (tu^2 + tv^2)/2).
 //
 // Sources: Pinheiro and Bates 2000, Mixed-Effects Models in S and S-PLUS; Moscatelli, Mezzetti and Lacquaniti 2012, J Vis
 // 12(11):26 (the same for yes-no and 2IFC, by glmer); Venzon and Moolgavkar 1988, Appl Statist 37:87 (profile
-// intervals). Tests: glmer of lme4 with 25 nodes, two independent implementations, analysis/selftest.
+// intervals); Self and Liang 1987, J Am Stat Assoc 82:605, case 5 (tests of a parameter at the end of its range). Tests: glmer of lme4 with 25 nodes, two independent implementations, analysis/selftest.
 #pragma once
 
 #include <string_view>
 #include <vector>
 
-#include "analysis/hierarchical/hierarchical_search.h"
+#include "analysis/hierarchical/shared_search.h"
 #include "analysis/numerics/special_values.h"
 #include "analysis/numerics/words.h"
 
@@ -26,11 +27,23 @@ inline constexpr std::string_view kHierarchicalAssumptions =
 // What is estimated besides the means and criteria of the conditions.
 struct HierarchicalModel {
   ResponseModel response = ResponseModel::yes_no;
-  SharedParameters shared{};
+  SharedParameters shared{};             // those that are held
+  SharedForm estimated{};                // the others
   bool tu = true, tv = true, tw = true;  // spreads of persons, of persons by condition, of criteria
   bool rho = false;                      // the correlation of u and w, with tu and tw
   bool one_mean = false;                 // one mu for all conditions
 };
+
+enum class SharedStatus {
+  ok,
+  zero,            // lapses, over-dispersion: the likelihood is largest at 0, the least that they can be
+  at_limit,        // as large as is searched (shared_search.h): the answers set no bound
+  not_identified,  // these answers cannot tell it, whatever they are: 0
+};
+inline constexpr auto kSharedStatusWords = words<SharedStatus>({{"ok", SharedStatus::ok},
+                                                                {"zero", SharedStatus::zero},
+                                                                {"at_limit", SharedStatus::at_limit},
+                                                                {"not_identified", SharedStatus::not_identified}});
 
 enum class SpreadStatus {
   ok,
@@ -84,10 +97,22 @@ struct PersonEstimate {
   SlopeStatus status = SlopeStatus::ok;  // of that one
 };
 
+// What is the same for everybody, estimated.
+struct SharedEstimate {
+  SharedParameter parameter = SharedParameter::lapse;
+  SharedStatus status = SharedStatus::ok;
+  double value = kNaN;  // NaN where not identified; at a limit that limit
+  ProfileEnds ends;     // an end beyond what is searched is infinite; of lapses and over-dispersion no less than 0
+  // Likelihood-ratio test of 0, everything else at its best. Of lapses and over-dispersion, which lie at the end of what
+  // they can be, p is half of that of chi-square with 1 degree of freedom, and 1 where the estimate is 0.
+  double lr = kNaN, p = kNaN;
+};
+
 struct HierarchicalFit {
   std::size_t participants = 0;
   double trials = 0;
   HierarchicalMaximum maximum;
+  SharedForm shared;  // of those to be estimated the ones that these answers can tell
   SpreadStatus tu = SpreadStatus::ok, tv = SpreadStatus::ok, tw = SpreadStatus::ok;
   std::vector<ConditionMean> conditions;
   // One mu for all conditions, and the likelihood-ratio test of it; empty with one condition or with one_mean.
@@ -108,6 +133,8 @@ class HierarchicalAnalysis {
   const HierarchicalFit& add_intervals();
   ConditionDifference difference(std::size_t a, std::size_t b);  // not of a model with one_mean
   std::vector<ConditionDifference> differences();
+  // Of each that is to be estimated.
+  std::vector<SharedEstimate> shared_estimates();
   // By participant, then condition.
   std::vector<PersonEstimate> people();
 
@@ -115,7 +142,11 @@ class HierarchicalAnalysis {
   void find_spreads();
   HierarchicalMaximum from_here(const HierarchicalForm& form, const HierarchicalMaximum& from,
                                 double negligible = kNegligible);
+  HierarchicalMaximum searched(const HierarchicalForm& form, const HierarchicalMaximum& from, double negligible);
+  double negligible_in_profile() const noexcept;
   void look_closely();
+  HierarchicalMaximum with_shared(const SharedForm& shared, SharedParameter held, double value);
+  double shared_end(const SharedEstimate& estimate, double side);
   template <typename Held, typename Slope>
   ProfileEnds ends(double estimate, double error, double furthest, const Held& held, const Slope& slope);
   ProfileEnds mean_ends(std::size_t condition, double error);

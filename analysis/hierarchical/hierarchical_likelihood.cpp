@@ -159,6 +159,7 @@ void HierarchicalLikelihood::set_shared(const SharedParameters& shared) {
   responses_ = ResponseLattice(model_, questions_, shared_, responses_.steps());
   for (Person& person : people_)
     for (CellLikelihood& cell : person.cells) cell.forget();
+  before_ = {};  // posteriors may be narrower with these: nodes are put anew
 }
 
 // The least standard errors that the answers of a cell, and one answer, could have about the place: how fine a lattice

@@ -32,6 +32,10 @@ struct HierarchicalMaximum {
   // About minus the second derivatives of ln L, as the search came to know them, in the order of marginal_information
   // (hierarchical_information.h): what another search from here may begin with.
   std::vector<double> information;
+  // Of a search for shared parameters too (shared_search.h): those of the maximum, and minus the second derivatives of
+  // the profile by those that were free, where the next search begins.
+  SharedParameters shared;
+  std::vector<double> shared_curvature;
 };
 
 // The place with the means that the form makes of its own; and with information, everything else of the form moved to

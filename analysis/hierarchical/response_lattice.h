@@ -56,6 +56,9 @@ class ResponseLattice {
   const std::vector<double>& negative(std::size_t question) const noexcept { return negative_[question]; }
   const std::vector<double>& sure_positive(std::size_t question) const noexcept { return sure_positive_[question]; }
   const std::vector<double>& sure_negative(std::size_t question) const noexcept { return sure_negative_[question]; }
+  // P of them; where answers are over-dispersed, else nothing.
+  const std::vector<double>& positive_rates(std::size_t question) const noexcept { return positive_rates_[question]; }
+  const std::vector<double>& negative_rates(std::size_t question) const noexcept { return negative_rates_[question]; }
 
  private:
   void lay_out(std::size_t question);
@@ -65,8 +68,8 @@ class ResponseLattice {
   SharedParameters shared_;
   LatticeSteps steps_;
   LatticeRange range_;
-  std::vector<std::vector<double>> positive_, negative_;            // by question
-  std::vector<std::vector<double>> sure_positive_, sure_negative_;  // empty where none is sure
+  std::vector<std::vector<double>> positive_, negative_, positive_rates_, negative_rates_;  // by question
+  std::vector<std::vector<double>> sure_positive_, sure_negative_;                          // empty where none is sure
 };
 
 // The answers of one participant in one condition to one question.

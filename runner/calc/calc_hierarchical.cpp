@@ -38,7 +38,7 @@ struct HierarchicalCommand {
   CalcInput input;
   TrialOptions trials;
   std::string task, observer = "yes-no", random = "tu,tv,tw", lapse = "0";
-  bool one_jnd = false, people = false;
+  bool one_jnd = false, people = false, overdispersion = false, drift = false;
   int bootstrap = 0, check = 0, threads = 0;
   std::uint64_t seed = 1;
 };
@@ -73,10 +73,19 @@ HierarchicalModel model_of(const HierarchicalCommand& options) {
                                                         : ResponseModel::yes_no;
   if (options.task == "which" && options.observer != "yes-no")
     throw UsageError("--observer goes with --task same-different: how \"different\" is decided");
-  const std::optional<double> lapse = number_in_option(options.lapse);
-  if (!lapse || !(*lapse >= 0 && *lapse < 1))
-    throw UsageError(fmt::format("--lapse: {} is not a rate from 0 to below 1", options.lapse));
-  model.shared.lapse = *lapse;
+  if (options.lapse == "shared") {
+    model.estimated = model.estimated.with(SharedParameter::lapse);
+  } else {
+    const std::optional<double> lapse = number_in_option(options.lapse);
+    if (!lapse || !(*lapse >= 0 && *lapse < 1))
+      throw UsageError(fmt::format("--lapse: {} is neither a rate from 0 to below 1 nor shared", options.lapse));
+    model.shared.lapse = *lapse;
+  }
+  if (options.overdispersion) model.estimated = model.estimated.with(SharedParameter::overdispersion);
+  if (options.drift)
+    model.estimated = model.estimated.with(SharedParameter::drift_ln_s).with(SharedParameter::drift_criterion);
+  if (model.estimated.any() && options.bootstrap > 0)
+    throw UsageError("--bootstrap goes with a fixed --lapse, without --overdispersion and --drift");
   model.tu = model.tv = model.tw = false;
   model.one_mean = options.one_jnd;
   const std::map<std::string, bool*, std::less<>> parts = {
@@ -165,8 +174,9 @@ NamedAnswers counted_answers(const HierarchicalCommand& options) {
     if (!answers.standard) throw UsageError("--standard: a number (a column goes with --trials)");
   }
   const std::string level = which ? "x" : "delta";
-  const CsvTable table =
-      CsvTable::read(options.input.file, {"participant", level, "n"}, {"condition", "k", "category", "block"});
+  std::vector<std::string> needed = {"participant", level, "n"}, further = {"condition", "k", "category", "block"};
+  (options.drift ? needed : further).emplace_back("half");
+  const CsvTable table = CsvTable::read(options.input.file, needed, further);
   const bool graded = table.has("category");
   check_columns(table, options);
   BlockDifferences blocks;
@@ -188,6 +198,7 @@ NamedAnswers counted_answers(const HierarchicalCommand& options) {
       cell.positive = k;
       cell.negative = n - k;
     }
+    if (options.drift) cell.second_half = table.integer(row, "half", 1, 2) == 2;
     answers.cells.push_back(cell);
     places.push_back(
         {cell.participant, cell.condition, table.has("block") ? std::string(table.text(row, "block")) : ""});
@@ -228,25 +239,35 @@ NamedAnswers trial_answers(const HierarchicalCommand& options) {
   refuse_grades(options);
   TrialTable table = read_trials(options.input.file, options.trials, which ? kWhichUse : kSameDifferentUse);
   if (!which) pair_with_blocks(table, options);
-  const std::vector<std::vector<TrialCount>> counts = count_trials(table);
+  std::vector<std::size_t> trials(table.units.size(), 0), seen = trials;
+  for (const CsvTrial& trial : table.trials) ++trials[trial.unit];
+  // Of the first half of each participant's trials in each condition, and of the second; of all, without drift.
+  TrialTable halves[2] = {{table.file, table.units, {}}, {table.file, table.units, {}}};
+  for (const CsvTrial& trial : table.trials) {
+    const bool second = options.drift && 2 * seen[trial.unit]++ >= trials[trial.unit];
+    halves[second ? 1 : 0].trials.push_back(trial);
+  }
+  const std::vector<std::vector<TrialCount>> counts[2] = {count_trials(halves[0]), count_trials(halves[1])};
   NamedAnswers answers;
   answers.graded = !options.trials.sureness.empty();
-  for (std::size_t unit = 0; unit < counts.size(); ++unit) {
+  for (std::size_t unit = 0; unit < table.units.size(); ++unit) {
     const TrialUnit& of = table.units[unit];
     if (!of.participant) throw UsageError("--participant is needed: the column that tells people apart");
     if (which && !of.standard)
       throw UsageError("--standard is needed: what the levels were judged against, a number or a column");
-    for (const TrialCount& count : counts[unit]) {
-      HierarchicalCell cell;
-      cell.participant = answers.participant(*of.participant);
-      cell.condition = answers.condition(of.condition.value_or("all"));
-      cell.level = which ? count.level - *of.standard : count.level;
-      cell.positive = count.k;
-      cell.negative = count.n - count.k;
-      cell.sure_positive = count.sure_k;
-      cell.sure_negative = count.sure_others;
-      answers.cells.push_back(cell);
-    }
+    for (const bool second : {false, true})
+      for (const TrialCount& count : counts[second ? 1 : 0][unit]) {
+        HierarchicalCell cell;
+        cell.participant = answers.participant(*of.participant);
+        cell.condition = answers.condition(of.condition.value_or("all"));
+        cell.level = which ? count.level - *of.standard : count.level;
+        cell.positive = count.k;
+        cell.negative = count.n - count.k;
+        cell.second_half = second;
+        cell.sure_positive = count.sure_k;
+        cell.sure_negative = count.sure_others;
+        answers.cells.push_back(cell);
+      }
     if (answers.standard && of.standard && *answers.standard != *of.standard)
       throw InputError(
           fmt::format("{}: the levels were judged against several standards, {:g} and {:g} (give the rows of one)",
@@ -276,10 +297,14 @@ struct HierarchicalResult {
   NamedAnswers answers;
   HierarchicalModel model;
   HierarchicalFit fit;
+  std::vector<SharedEstimate> shared;      // but criteria of sureness
+  std::optional<HierarchicalFit> without;  // with nothing shared estimated, where something is
   std::vector<ConditionDifference> differences;
   std::vector<PersonEstimate> people;
   std::optional<EqualityBootstrap> bootstrap;
   std::optional<PredictiveCheck> check;
+  std::vector<SharedEstimate> sureness;  // its criteria, below and above; empty where it was not told
+  std::vector<double> narrower;          // by condition: see narrower_by()
 
   bool choice() const noexcept { return model.response == ResponseModel::choice; }
   double origin() const noexcept { return choice() ? answers.standard.value_or(0) : 0; }  // of the levels
@@ -288,6 +313,24 @@ struct HierarchicalResult {
 // Of the model, and where there is a test of the one with one JND.
 bool settled(const HierarchicalFit& fit) {
   return fit.maximum.converged && (fit.df == 0 || fit.common.converged);
+}
+
+// By which share the interval of ln JND is narrower than that of the same answers without their sureness; NaN where
+// one of the two has an open end.
+std::vector<double> narrower_by(const HierarchicalResult& result) {
+  std::vector<HierarchicalCell> cells = result.answers.cells;
+  for (HierarchicalCell& cell : cells) cell.sure_positive = cell.sure_negative = 0;
+  HierarchicalModel model = result.model;
+  model.estimated = model.estimated.with(SharedParameter::sure_below, false).with(SharedParameter::sure_above, false);
+  HierarchicalAnalysis analysis(std::move(cells), model);
+  const std::vector<ConditionMean>& without = analysis.add_intervals().conditions;
+  std::vector<double> shares;
+  const auto width = [](const ConditionMean& one) { return one.ends.high - one.ends.low; };
+  for (std::size_t c = 0; c < without.size(); ++c) {
+    const double share = 1 - width(result.fit.conditions[c]) / width(without[c]);
+    shares.push_back(std::isfinite(width(without[c])) && std::isfinite(share) ? share : kNaN);
+  }
+  return shares;
 }
 
 // ---- JSON
@@ -315,6 +358,48 @@ ordered_json people_json(const HierarchicalResult& result) {
   return people;
 }
 
+ordered_json sureness_json(const HierarchicalResult& result) {
+  if (!result.answers.graded) return nullptr;
+  ordered_json out;
+  for (const auto& [name, one] : {std::pair("below", result.sureness.at(0)), {"above", result.sureness.at(1)}}) {
+    out[name] = json_number(one.value);
+    out[fmt::format("{}_ci", name)] = ends_json(one.ends);
+    out[fmt::format("{}_status", name)] = word_of(kSharedStatusWords, one.status);
+  }
+  ordered_json narrower = ordered_json::array();
+  for (const double share : result.narrower) narrower.push_back(json_number(share));
+  out["narrower"] = std::move(narrower);
+  return out;
+}
+
+ordered_json shared_json(const HierarchicalResult& result) {
+  ordered_json shared = ordered_json::array();
+  for (const SharedEstimate& one : result.shared)
+    shared.push_back({{"parameter", word_of(kSharedParameterWords, one.parameter)},
+                      {"status", word_of(kSharedStatusWords, one.status)},
+                      {"value", json_number(one.value)},
+                      {"ci", ends_json(one.ends)},
+                      {"lr", json_number(one.lr)},
+                      {"p", json_number(one.p)}});
+  return shared;
+}
+
+ordered_json without_json(const HierarchicalResult& result) {
+  const HierarchicalFit& fit = *result.without;
+  ordered_json mu = ordered_json::array(), jnd = mu, mu_ci = mu, jnd_ci = mu;
+  const std::size_t means = result.model.one_mean ? 1 : fit.conditions.size();
+  for (std::size_t c = 0; c < means; ++c) {
+    const ConditionMean& one = fit.conditions[c];
+    mu.push_back(json_number(one.mu));
+    jnd.push_back(json_number(std::exp(one.mu)));
+    mu_ci.push_back(ends_json(one.ends));
+    jnd_ci.push_back(ends_json(one.ends, true));
+  }
+  return {{"converged", settled(fit)}, {"loglik", json_number(fit.maximum.log_likelihood)},
+          {"mu", std::move(mu)},       {"group_jnd", std::move(jnd)},
+          {"mu_ci", std::move(mu_ci)}, {"jnd_ci", std::move(jnd_ci)}};
+}
+
 ordered_json hierarchical_json(const HierarchicalResult& result) {
   const HierarchicalFit& fit = result.fit;
   const HierarchicalPlace& place = fit.maximum.place;
@@ -323,9 +408,13 @@ ordered_json hierarchical_json(const HierarchicalResult& result) {
   out["participants"] = fit.participants;
   out["trials"] = std::llround(fit.trials);
   out["observer"] = word_of(kResponseModelWords, result.model.response);
-  out["lapse"] = result.model.shared.lapse;
+  out["lapse"] = fit.maximum.shared.lapse;
   out["converged"] = settled(fit);
   out["loglik"] = json_number(fit.maximum.log_likelihood);
+  if (result.without) {
+    out["shared"] = shared_json(result);
+    out["without"] = without_json(result);
+  }
   const std::size_t means = result.model.one_mean ? 1 : fit.conditions.size();
   ordered_json status = ordered_json::array(), mu = status, jnd = status, criteria = status, mu_ci = status,
                jnd_ci = status;
@@ -349,6 +438,7 @@ ordered_json hierarchical_json(const HierarchicalResult& result) {
   out["rho"] = result.model.rho ? json_number(place.rho) : ordered_json(nullptr);
   for (const auto& [name, one] : {std::pair{"tu_status", fit.tu}, {"tv_status", fit.tv}, {"tw_status", fit.tw}})
     out[name] = word_of(kSpreadStatusWords, one);
+  out["sureness"] = sureness_json(result);
   if (fit.df > 0) {
     out["loglik_equal_mu"] = json_number(fit.common.log_likelihood);
     out["lr_equal_mu"] = json_number(fit.lr);
@@ -453,6 +543,73 @@ std::string spreads_text(const HierarchicalResult& result) {
   return text;
 }
 
+const char* shared_name(SharedParameter parameter, bool choice) {
+  switch (parameter) {
+    case SharedParameter::lapse:
+      return "share of trials answered by chance";
+    case SharedParameter::overdispersion:
+      return "correlation of answers at one level";
+    case SharedParameter::drift_ln_s:
+      return "ln JND, second half less first";
+    case SharedParameter::sure_below:
+      return "same, sure: below";
+    case SharedParameter::sure_above:
+      return "different, sure: above";
+    case SharedParameter::drift_criterion:
+      break;
+  }
+  return choice ? "PSE, second half less first" : "criterion, second half less first";
+}
+
+// What is the same for everybody, and what its estimation does to the means.
+std::string shared_text(const HierarchicalResult& result) {
+  if (!result.without) return "";
+  TextTable table({"the same for everybody", "", "95 % profile", "chi-square", "p", "status"},
+                  {Align::left, Align::right, Align::right, Align::right, Align::right, Align::left});
+  for (const SharedEstimate& one : result.shared)
+    table.add({shared_name(one.parameter, result.choice()), four_digits(one.value),
+               std::isnan(one.ends.low) ? "-" : range_text(four_digits(one.ends.low), four_digits(one.ends.high)),
+               number_text(one.lr, 2), p_value_text(one.p), std::string(word_of(kSharedStatusWords, one.status))});
+  TextTable means({"condition", "JND", "95 % profile", "without these", "95 % profile"},
+                  {Align::left, Align::right, Align::right, Align::right, Align::right});
+  for (std::size_t c = 0; c < result.fit.conditions.size(); ++c) {
+    const ConditionMean &with = result.fit.conditions[c], &without = result.without->conditions[c];
+    means.add({printable(result.answers.conditions[c]), four_digits(std::exp(with.mu)), jnd_range(with.ends),
+               four_digits(std::exp(without.mu)), jnd_range(without.ends)});
+  }
+  std::string text = "\n" + table.text() +
+                     dim("chi-square, p: of none. A share and a correlation cannot be below 0: p is half of that of "
+                         "chi-square.") +
+                     "\n\n" + means.text();
+  if (!settled(*result.without)) text += warn("Without these the search did not settle.") + "\n";
+  return text;
+}
+
+std::string sureness_text(const HierarchicalResult& result) {
+  if (!result.answers.graded) return "";
+  TextTable table({"criteria of sureness", "from the criterion", "95 % profile", "status"},
+                  {Align::left, Align::right, Align::right, Align::left});
+  for (const SharedEstimate& one : result.sureness)
+    table.add({shared_name(one.parameter, false), number_text(one.value, 3),
+               std::isnan(one.ends.low) ? "-" : range_text(four_digits(one.ends.low), four_digits(one.ends.high)),
+               std::string(word_of(kSharedStatusWords, one.status))});
+  std::string text = "\n" + table.text();
+  for (std::size_t c = 0; c < result.narrower.size(); ++c)
+    text += fmt::format("{}{} {}", c == 0 ? "Intervals of ln JND narrower than without the sureness: " : ", ",
+                        printable(result.answers.conditions[c]),
+                        std::isnan(result.narrower[c]) ? "-" : percent_text(result.narrower[c]));
+  return text + ".\n";
+}
+
+// What the model takes for granted, as far as it still does.
+std::string assumptions_of(const HierarchicalResult& result) {
+  if (result.fit.shared.has(SharedParameter::drift_ln_s))
+    return "Assumed: ln JND differs between people, and their criteria do, as normal distributions do, by the same "
+           "spreads in every condition, and both change from the first half of the trials to the second by as much for "
+           "everybody.";
+  return std::string(kHierarchicalAssumptions);
+}
+
 std::string people_text(const HierarchicalResult& result) {
   TextTable table({"participant", "condition", "JND", "68 % of it", "from these answers alone", "status"},
                   {Align::left, Align::left, Align::right, Align::right, Align::right, Align::left});
@@ -482,6 +639,12 @@ std::string meanings_text(const HierarchicalResult& result) {
         "\n";
   if (any(SlopeStatus::ceiling))
     text += warn("ceiling: a step fits; the JND is below a twelfth of what the levels differ by.") + "\n";
+  if (std::any_of(result.sureness.begin(), result.sureness.end(),
+                  [](const SharedEstimate& one) { return one.status == SharedStatus::not_identified; }))
+    text +=
+        warn(
+            "not_identified, of sureness: nobody gave both answers, sure and unsure, on that side; they count as one.") +
+        "\n";
   if (!settled(result.fit))
     text += warn("The search for the largest likelihood did not settle: take no number from here.") + "\n";
   return text;
@@ -495,7 +658,7 @@ std::string hierarchical_text(const HierarchicalResult& result) {
       : result.model.response == ResponseModel::independent ? "same-different, decided by each interval itself"
                                                             : "same-different, decided on the size of the difference";
   std::string text =
-      bold(fmt::format("hierarchical model: {}, lapse {:g}; {}, {:.0f} trials", what, result.model.shared.lapse,
+      bold(fmt::format("hierarchical model: {}, lapse {:g}; {}, {:.0f} trials", what, fit.maximum.shared.lapse,
                        counted(static_cast<std::int64_t>(fit.participants), "participant"), fit.trials)) +
       "\n";
   text += conditions_text(result);
@@ -503,12 +666,11 @@ std::string hierarchical_text(const HierarchicalResult& result) {
                                 "median person."
                               : "JND: the difference of which d' is 1, of the median person.") +
           "\n";
-  text += differences_text(result) + spreads_text(result);
+  text += differences_text(result) + spreads_text(result) + sureness_text(result) + shared_text(result);
   if (!result.people.empty()) text += people_text(result);
   if (result.check) text += predictive_text(*result.check, result.answers.conditions, result.origin());
   constexpr std::size_t kColumns = 104;
-  for (const std::string& line : wrapped_words(std::string(kHierarchicalAssumptions), kColumns))
-    text += dim(line) + "\n";
+  for (const std::string& line : wrapped_words(assumptions_of(result), kColumns)) text += dim(line) + "\n";
   return text + meanings_text(result);
 }
 
@@ -520,14 +682,34 @@ int hierarchical(const HierarchicalCommand& options) {
   if (options.bootstrap > 0 && (options.one_jnd || result.answers.conditions.size() < 2))
     throw UsageError("--bootstrap tests one JND for all conditions: it takes several conditions, without --one-jnd");
   if (options.check < 0 || options.check > 10'000) throw UsageError("--check=N: from 1 to 10000 draws");
+  if (options.check > 0 && (options.overdispersion || options.drift))
+    throw UsageError("--check draws independent answers that do not drift: leave --overdispersion and --drift out");
+  if (result.answers.graded && options.overdispersion && options.bootstrap > 0)
+    throw UsageError("--bootstrap draws no over-dispersed answers with sureness: leave one of the three out");
+  const SharedForm others = result.model.estimated;
+  SharedForm of_sureness;
+  if (result.answers.graded)
+    of_sureness = of_sureness.with(SharedParameter::sure_below).with(SharedParameter::sure_above);
+  for (const SharedParameter which : kSharedParameters)
+    if (of_sureness.has(which)) result.model.estimated = result.model.estimated.with(which);
   HierarchicalAnalysis analysis(result.answers.cells, result.model);
   analysis.add_intervals();
   result.fit = analysis.fit();
   result.differences = analysis.differences();
+  for (const SharedEstimate& one : analysis.shared_estimates())
+    (of_sureness.has(one.parameter) ? result.sureness : result.shared).push_back(one);
+  if (result.answers.graded) result.narrower = narrower_by(result);
+  if (others.any()) {
+    HierarchicalModel plain = result.model;
+    plain.estimated = of_sureness;
+    result.without = HierarchicalAnalysis(result.answers.cells, plain).add_intervals();
+  }
   if (options.people || options.input.json) result.people = analysis.people();
-  if (options.check > 0)
-    result.check =
-        predictive_check(result.answers.cells, result.model, result.fit.maximum.place, options.check, options.seed);
+  if (options.check > 0) {
+    HierarchicalModel found = result.model;
+    found.shared = result.fit.maximum.shared;
+    result.check = predictive_check(result.answers.cells, found, result.fit.maximum.place, options.check, options.seed);
+  }
   if (options.bootstrap > 0) {
     const int processors = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
     ProgressBar bar("drawing studies", options.bootstrap);
@@ -564,7 +746,16 @@ void add_calc_hierarchical(CommandTree& calc) {
           "itself (independent)")
       ->check(CLI::IsMember({"yes-no", "differencing", "independent"}))
       ->capture_default_str();
-  command.add_option("--lapse", options.lapse, "share of trials answered by chance")->capture_default_str();
+  command
+      .add_option("--lapse", options.lapse,
+                  "share of trials answered by chance: a number, or shared (estimated, the same for everybody)")
+      ->capture_default_str();
+  command.add_flag("--overdispersion", options.overdispersion,
+                   "estimate how much more alike the answers of one person, condition and level are than independent "
+                   "ones");
+  command.add_flag("--drift", options.drift,
+                   "estimate the change from the first half of each person's trials in a condition to the second: "
+                   "counts have a column half (1 or 2), rows of --trials stand in the order of the trials");
   command
       .add_option("--random", options.random,
                   "what differs between people, with commas: tu (JND), tv (JND by condition), tw (criterion, PSE), rho "

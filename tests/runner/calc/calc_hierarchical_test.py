@@ -146,6 +146,52 @@ class CalcHierarchical(unittest.TestCase):
         for row in found["rows"]:
             self.assertEqual(row["sd_between"], {"observed": None, "drawn_low": None, "drawn_high": None,
                                                  "status": "one_person"})
+    def test_what_is_the_same_for_everybody_is_estimated(self):
+        rows = [row for row in REFERENCE["same_different"][0]["input"]["rows"] if row[0] <= 8]
+        lines = same_different_lines(rows)
+        plain = self.json_of(lines, "--task", "same-different", "--random", "tu,tw")
+        found = self.json_of(lines, "--task", "same-different", "--random", "tu,tw", "--overdispersion", "--lapse",
+                             "shared")
+        self.assertEqual([one["parameter"] for one in found["shared"]], ["lapse", "overdispersion"])
+        self.assertEqual(found["lapse"], found["shared"][0]["value"])
+        for key in ("loglik", "mu", "mu_ci", "group_jnd", "jnd_ci"):
+            self.assertEqual(found["without"][key], plain[key], key)
+        self.assertGreaterEqual(found["loglik"], plain["loglik"] - 1e-6)
+        self.assertNotIn("shared", plain)
+        halves = ["participant,condition,delta,n,k,half"]
+        for p, c, level, n, k in rows:
+            halves += [f"P{p},C{c},{level},{n - n // 2},{k - k // 2},1", f"P{p},C{c},{level},{n // 2},{k // 2},2"]
+        drift = self.json_of(halves, "--task", "same-different", "--random", "tu,tw", "--drift")
+        self.assertEqual([one["parameter"] for one in drift["shared"]], ["drift_ln_jnd", "drift_criterion"])
+        for one in drift["shared"]:
+            self.assertEqual(one["status"], "ok")
+            self.assertTrue(one["ci"][0] < one["value"] < one["ci"][1], one)
+        first = [halves[0]] + [line for line in halves if line.endswith(",1")]
+        for one in self.json_of(first, "--task", "same-different", "--random", "tu,tw", "--drift")["shared"]:
+            self.assertEqual((one["status"], one["value"], one["p"]), ("not_identified", None, None))
+        text = self.calc(lines, "--task", "same-different", "--random", "tu,tw", "--overdispersion").stdout
+        self.assertIn("correlation of answers at one level", text)
+        self.assertIn("without these", text)
+
+    def test_halves_are_of_each_persons_own_trials_in_a_condition(self):
+        rows = [f"{p},{c},{level},{answer}" for p in "AB" for c in "XY"
+                for level, answer in [(0, "same"), (200, "different"), (0, "different"), (400, "same"), (0, "same"),
+                                      (200, "same"), (400, "different"), (200, "different"), (0, "same")]]
+        trials = ["p,c,x,said"] + rows
+        counted = {}
+        for i, row in enumerate(rows):
+            p, c, level, answer = row.split(",")
+            key = p, c, level, 1 if i % 9 < 5 else 2  # the middle one of nine is of the first half
+            n, k = counted.get(key, (0, 0))
+            counted[key] = n + 1, k + (answer == "different")
+        counts = ["participant,condition,delta,half,n,k"] + [
+            f"{p},{c},{level},{half},{n},{k}" for (p, c, level, half), (n, k) in counted.items()]
+        more = ("--task", "same-different", "--random", "none", "--drift")
+        one = self.json_of(trials, "--trials", "--participant", "p", "--condition", "c", "--level", "x", "--answer",
+                           "said", *more)
+        other = self.json_of(counts, *more)
+        self.assertAlmostEqual(one["loglik"], other["loglik"], delta=1e-6)
+        self.agree(one["shared"][0]["value"], other["shared"][0]["value"], "drift", 1e-3)
 
     def test_what_is_undefined_is_null_with_a_status(self):
         lines = ["participant,condition,delta,n,k"]
@@ -170,21 +216,94 @@ class CalcHierarchical(unittest.TestCase):
                               threads)["bootstrap"] for threads in ("1", "2")]
         self.assertEqual(drawn[0], drawn[1])
 
+    def rated(self, people=4):
+        """Rows of categories and the same as trials: people differ a little, nobody answers at random."""
+        counts = {0: (5, 4, 2, 1), 200: (2, 3, 4, 3), 400: (1, 1, 3, 7)}
+        lines, trials = ["participant,condition,delta,category,n"], ["who,where,x,said,degree"]
+        for p in range(people):
+            for condition, shift in (("S", 0), ("V", 1)):
+                for level, by_category in counts.items():
+                    n = list(by_category)
+                    n[(p + shift) % 4] += 2
+                    for category, count in enumerate(n, 1):
+                        lines.append(f"P{p},{condition},{level},{category},{count}")
+                        said, degree = ("same", "same", "different", "different")[category - 1], (3, 1, 1, 2)[category - 1]
+                        trials += [f"P{p},{condition},{level},{said},{degree}"] * count
+        return lines, trials
+
+    def test_sureness_counts(self):
+        lines, trials = self.rated()
+        found = self.json_of(lines, "--task", "same-different")
+        self.assertTrue(found["converged"])
+        sureness = found["sureness"]
+        for side in ("below", "above"):
+            self.assertEqual(sureness[side + "_status"], "ok")
+            self.assertLess(sureness[side + "_ci"][0], sureness[side])
+            self.assertGreater(sureness[side + "_ci"][1], sureness[side])
+        self.assertEqual(len(sureness["narrower"]), 2)
+        refused = self.calc(lines, "--task", "same-different", "--overdispersion", "--bootstrap", "5", code=2)
+        self.assertIn("no over-dispersed answers with sureness", refused.stderr)
+        self.assertTrue(all(0 < share < 1 for share in sureness["narrower"]))
+        told = self.json_of(trials, "--task", "same-different", "--trials", "--participant", "who", "--condition", "where",
+                            "--level", "x", "--answer", "said", "--sureness", "degree")
+        self.assertAlmostEqual(found["loglik"], told["loglik"], delta=1e-6)
+        text = self.calc(lines, "--task", "same-different").stdout
+        for part in ("criteria of sureness", "different, sure: above", "Intervals of ln JND narrower"):
+            self.assertIn(part, text)
+        self.assertNotIn("nan", text)
+
+    def test_without_its_sureness_it_is_the_model_of_two_answers(self):
+        lines, trials = self.rated()
+        two = self.json_of(trials, "--task", "same-different", "--trials", "--participant", "who", "--condition", "where",
+                           "--level", "x", "--answer", "said")
+        self.assertIsNone(two["sureness"])
+        sure = [line.replace(",2,", ",1,").replace(",3,", ",4,") for line in lines]
+        merged = self.json_of(sure, "--task", "same-different")
+        self.assertAlmostEqual(merged["loglik"], two["loglik"], delta=1e-6)
+        self.assertEqual(merged["sureness"]["below_status"], "not_identified")
+        self.assertIsNone(merged["sureness"]["above"])
+        self.assertIn("nobody gave both answers", self.calc(sure, "--task", "same-different").stdout)
+
+    def test_the_independent_observer_asks_for_blocks(self):
+        rows = [(p, block, delta, n, k) for p in range(4) for block, level, same, different in
+                (("a", 200, 4, 7), ("b", 400, 2 + p % 2, 11)) for delta, n, k in ((0, 12, same), (level, 12, different))]
+        lines = ["participant,block,delta,n,k"] + [f"P{p},{block},{delta},{n},{k}" for p, block, delta, n, k in rows]
+        options = ("--task", "same-different", "--observer", "independent")
+        found = self.json_of(lines, *options)
+        self.assertEqual((found["observer"], found["status"]), ("independent", ["ok"]))
+        trials = ["who,mixed,x,said"] + [f"P{p},{block},{delta},{'different' if i < k else 'same'}"
+                                         for p, block, delta, n, k in rows for i in range(n)]
+        told = self.json_of(trials, *options, "--trials", "--participant", "who", "--level", "x", "--answer", "said",
+                            "--block", "mixed")
+        self.assertAlmostEqual(found["loglik"], told["loglik"], delta=1e-7)
+        nameless = ["participant,delta,n,k"] + [f"P{p},{delta},{n},{k}" for p, _, delta, n, k in rows]
+        self.assertIn("mixed with more than one difference", self.calc(nameless, *options, code=3).stderr)
+        self.assertIn("mixed with no difference", self.calc(lines + ["P0,c,0,12,3"], *options, code=3).stderr)
+        text = self.calc(lines, *options).stdout
+        self.assertIn("decided by each interval itself", text)
+
     def test_what_cannot_be_used(self):
         head = "participant,condition,delta,n,k"
         for lines, part in (([head, "P1,S,0,4,5"], "5 answers in 4 trials"), ([head, "P1,S,-3,4,2"], "delta"),
                             ([head, "P1,S,0,4,2"], "one level only"),
                             ([head, "P1,S,0,4,2", "P1,S,9,4,2", "P1,V,9,0,0"], "condition V has no trials"),
+                            (["participant,delta,n", "P1,4,4"], "columns k and category"),
+                            (["participant,delta,n,category", "P1,4,4,5"], "category"),
                             (["participant,x,n,k", "P1,4,4,2"], "unknown column")):
             done = self.calc(lines, "--task", "same-different", code=3)
             self.assertEqual((done.stdout, len(done.stderr.splitlines())), ("", 1))
             self.assertIn(part, done.stderr)
+        done = self.calc([head, "P1,S,0,4,2"], "--task", "same-different", "--drift", code=3)
+        self.assertIn("half", done.stderr)
         good = [head, "P1,S,0,4,1", "P1,S,9,4,3"]
         for options, part in ((("--task", "same-different", "--random", "tu,zz"), "zz is none of"),
                               (("--task", "same-different", "--random", "tw,rho"), "goes with tu and tw"),
                               (("--task", "same-different", "--lapse", "1"), "--lapse"),
+                              (("--task", "same-different", "--drift", "--bootstrap", "9"), "a fixed --lapse"),
                               (("--task", "which"), "--standard is needed"),
                               (("--task", "which", "--observer", "differencing"), "--observer goes with"),
+                              (("--task", "same-different", "--sureness", "c"), "--sureness goes with --trials"),
+                              (("--task", "same-different", "--trials", "--block", "c"), "--block goes with"),
                               (("--task", "same-different", "--bootstrap", "9"), "--bootstrap tests one JND"),
                               (("--task", "same-different", "--check=-3"), "--check=N"),
                               ((), "--task")):
