@@ -6,8 +6,8 @@
 #include <tuple>
 #include <utility>
 
-#include "analysis/hierarchical/fast_functions.h"
-#include "analysis/hierarchical/lattice_sums.h"
+#include "analysis/lattice/fast_functions.h"
+#include "analysis/lattice/lattice_sums.h"
 #include "analysis/hierarchical/person_mode.h"
 #include "analysis/numerics/normal.h"
 #include "analysis/numerics/special_values.h"

@@ -23,7 +23,7 @@
 #include <span>
 #include <vector>
 
-#include "analysis/hierarchical/lattice_kernel.h"
+#include "analysis/lattice/lattice_kernel.h"
 #include "analysis/hierarchical/response_lattice.h"
 
 namespace jnd {

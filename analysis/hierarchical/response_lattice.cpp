@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "analysis/hierarchical/fast_functions.h"
-#include "analysis/hierarchical/lattice_sums.h"
+#include "analysis/lattice/fast_functions.h"
+#include "analysis/lattice/lattice_sums.h"
 
 namespace jnd {
 

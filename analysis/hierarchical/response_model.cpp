@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <numbers>
 
-#include "analysis/hierarchical/fast_functions.h"
+#include "analysis/lattice/fast_functions.h"
 #include "analysis/numerics/normal.h"
 
 namespace jnd {

@@ -1,7 +1,7 @@
-#include "analysis/hierarchical/lattice_sums.h"
+#include "analysis/lattice/lattice_sums.h"
 
-#include "analysis/hierarchical/lattice_kernel.h"
-#include "analysis/hierarchical/wide_registers.h"
+#include "analysis/lattice/lattice_kernel.h"
+#include "analysis/lattice/wide_registers.h"
 
 namespace jnd {
 

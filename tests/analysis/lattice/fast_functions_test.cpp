@@ -1,5 +1,5 @@
 // The functions for long tables against the exact ones.
-#include "analysis/hierarchical/fast_functions.h"
+#include "analysis/lattice/fast_functions.h"
 
 #include <cmath>
 #include <vector>

@@ -1,4 +1,4 @@
-#include "analysis/hierarchical/lattice_kernel.h"
+#include "analysis/lattice/lattice_kernel.h"
 
 #include <array>
 #include <cmath>

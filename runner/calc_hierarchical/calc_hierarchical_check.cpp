@@ -1,4 +1,4 @@
-#include "runner/calc/calc_hierarchical_check.h"
+#include "runner/calc_hierarchical/calc_hierarchical_check.h"
 
 #include <cmath>
 

@@ -1,10 +1,10 @@
 // The long sums against loops that say what they are, to the last bit where their order is told.
-#include "analysis/hierarchical/lattice_sums.h"
+#include "analysis/lattice/lattice_sums.h"
 
 #include <cmath>
 #include <vector>
 
-#include "analysis/hierarchical/lattice_kernel.h"
+#include "analysis/lattice/lattice_kernel.h"
 #include "tests/catch.h"
 
 namespace jnd {

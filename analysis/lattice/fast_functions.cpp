@@ -1,4 +1,4 @@
-#include "analysis/hierarchical/fast_functions.h"
+#include "analysis/lattice/fast_functions.h"
 
 #include <array>
 #include <bit>
@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "analysis/hierarchical/wide_registers.h"
+#include "analysis/lattice/wide_registers.h"
 #include "analysis/numerics/normal.h"
 
 namespace jnd {

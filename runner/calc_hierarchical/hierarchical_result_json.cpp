@@ -1,0 +1,152 @@
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "runner/calc_hierarchical/calc_hierarchical_check.h"
+#include "runner/calc_hierarchical/hierarchical_result.h"
+#include "runner/terminal/json_output.h"
+
+namespace jnd {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json ends_json(const ProfileEnds& ends, bool as_ratio = false) {
+  const auto number = [as_ratio](double end) { return json_number(as_ratio ? std::exp(end) : end); };
+  return ordered_json::array({number(ends.low), number(ends.high)});
+}
+
+ordered_json people_json(const HierarchicalResult& result) {
+  ordered_json people = ordered_json::array();
+  const std::size_t conditions = result.answers.conditions.size();
+  for (std::size_t i = 0; i < result.people.size(); ++i) {
+    const PersonEstimate& one = result.people[i];
+    ordered_json person;
+    person["participant"] = result.answers.participants[i / conditions];
+    person["condition"] = result.answers.conditions[i % conditions];
+    person["jnd"] = json_number(std::exp(one.mean));
+    person["mu"] = json_number(one.mean);
+    person["mu_sd"] = json_number(one.sd);
+    person["jnd_alone"] = json_number(std::exp(one.alone));
+    person["status_alone"] = word_of(kSlopeStatusWords, one.status);
+    people.push_back(std::move(person));
+  }
+  return people;
+}
+
+ordered_json sureness_json(const HierarchicalResult& result) {
+  if (!result.answers.graded) return nullptr;
+  ordered_json out;
+  for (const auto& [name, one] : {std::pair("below", result.sureness.at(0)), {"above", result.sureness.at(1)}}) {
+    out[name] = json_number(one.value);
+    out[fmt::format("{}_ci", name)] = ends_json(one.ends);
+    out[fmt::format("{}_status", name)] = word_of(kSharedStatusWords, one.status);
+  }
+  ordered_json narrower = ordered_json::array();
+  for (const double share : result.narrower) narrower.push_back(json_number(share));
+  out["narrower"] = std::move(narrower);
+  return out;
+}
+
+ordered_json shared_json(const HierarchicalResult& result) {
+  ordered_json shared = ordered_json::array();
+  for (const SharedEstimate& one : result.shared)
+    shared.push_back({{"parameter", word_of(kSharedParameterWords, one.parameter)},
+                      {"status", word_of(kSharedStatusWords, one.status)},
+                      {"value", json_number(one.value)},
+                      {"ci", ends_json(one.ends)},
+                      {"lr", json_number(one.lr)},
+                      {"p", json_number(one.p)}});
+  return shared;
+}
+
+ordered_json without_json(const HierarchicalResult& result) {
+  const HierarchicalFit& fit = *result.without;
+  ordered_json mu = ordered_json::array(), jnd = mu, mu_ci = mu, jnd_ci = mu;
+  const std::size_t means = result.model.one_mean ? 1 : fit.conditions.size();
+  for (std::size_t c = 0; c < means; ++c) {
+    const ConditionMean& one = fit.conditions[c];
+    mu.push_back(json_number(one.mu));
+    jnd.push_back(json_number(std::exp(one.mu)));
+    mu_ci.push_back(ends_json(one.ends));
+    jnd_ci.push_back(ends_json(one.ends, true));
+  }
+  return {{"converged", settled(fit)}, {"loglik", json_number(fit.maximum.log_likelihood)},
+          {"mu", std::move(mu)},       {"group_jnd", std::move(jnd)},
+          {"mu_ci", std::move(mu_ci)}, {"jnd_ci", std::move(jnd_ci)}};
+}
+
+}  // namespace
+
+ordered_json hierarchical_json(const HierarchicalResult& result) {
+  const HierarchicalFit& fit = result.fit;
+  const HierarchicalPlace& place = fit.maximum.place;
+  ordered_json out;
+  out["conditions"] = result.answers.conditions;
+  out["participants"] = fit.participants;
+  out["trials"] = std::llround(fit.trials);
+  out["observer"] = word_of(kResponseModelWords, result.model.response);
+  out["lapse"] = fit.maximum.shared.lapse;
+  out["converged"] = settled(fit);
+  out["loglik"] = json_number(fit.maximum.log_likelihood);
+  if (result.without) {
+    out["shared"] = shared_json(result);
+    out["without"] = without_json(result);
+  }
+  const std::size_t means = result.model.one_mean ? 1 : fit.conditions.size();
+  ordered_json status = ordered_json::array(), mu = status, jnd = status, criteria = status, mu_ci = status,
+               jnd_ci = status;
+  for (std::size_t c = 0; c < fit.conditions.size(); ++c) {
+    const ConditionMean& one = fit.conditions[c];
+    criteria.push_back(json_number(one.criterion));
+    if (c >= means) continue;
+    status.push_back(word_of(kSlopeStatusWords, one.status));
+    mu.push_back(json_number(one.mu));
+    jnd.push_back(json_number(std::exp(one.mu)));
+    mu_ci.push_back(ends_json(one.ends));
+    jnd_ci.push_back(ends_json(one.ends, true));
+  }
+  out["status"] = std::move(status);
+  out["mu"] = std::move(mu);
+  out["group_jnd"] = std::move(jnd);
+  out[result.choice() ? "alpha" : "kappa"] = std::move(criteria);
+  out["tu"] = place.tu;
+  out["tv"] = place.tv;
+  out["tw"] = place.tw;
+  out["rho"] = result.model.rho ? json_number(place.rho) : ordered_json(nullptr);
+  for (const auto& [name, one] : {std::pair{"tu_status", fit.tu}, {"tv_status", fit.tv}, {"tw_status", fit.tw}})
+    out[name] = word_of(kSpreadStatusWords, one);
+  out["sureness"] = sureness_json(result);
+  if (fit.df > 0) {
+    out["loglik_equal_mu"] = json_number(fit.common.log_likelihood);
+    out["lr_equal_mu"] = json_number(fit.lr);
+    out["df"] = fit.df;
+    out["p_equal_mu"] = json_number(fit.p);
+    out["mu_equal"] = json_number(fit.common.place.mu.front());
+  }
+  if (result.bootstrap)
+    out["bootstrap"] = {{"replicates", result.bootstrap->replicates},
+                        {"as_large", result.bootstrap->as_large},
+                        {"p_equal_mu", result.bootstrap->p}};
+  out["mu_ci"] = std::move(mu_ci);
+  out["jnd_ci"] = std::move(jnd_ci);
+  ordered_json differences = ordered_json::array();
+  for (const ConditionDifference& one : result.differences)
+    differences.push_back({{"a", one.a + 1},
+                           {"b", one.b + 1},
+                           {"diff", json_number(one.difference)},
+                           {"ci", ends_json(one.ends)},
+                           {"ratio", json_number(std::exp(one.difference))},
+                           {"ratio_ci", ends_json(one.ends, true)},
+                           {"lr", json_number(one.lr)},
+                           {"p", json_number(one.p)}});
+  out["mu_diff"] = std::move(differences);
+  out["people"] = people_json(result);
+  if (result.check) out["check"] = predictive_json(*result.check, result.answers.conditions, result.origin());
+  return out;
+}
+
+}  // namespace jnd

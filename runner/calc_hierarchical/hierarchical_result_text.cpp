@@ -1,0 +1,224 @@
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "runner/calc_hierarchical/calc_hierarchical_check.h"
+#include "runner/calc_hierarchical/hierarchical_result.h"
+#include "runner/terminal/number_text.h"
+#include "runner/terminal/terminal.h"
+#include "runner/terminal/text_table.h"
+
+namespace jnd {
+
+namespace {
+
+using Align = TextTable::Align;
+
+std::string four_digits(double value) {
+  if (std::isnan(value)) return "-";
+  return std::isinf(value) ? "inf" : fmt::format("{:.4g}", value);
+}
+
+std::string jnd_range(const ProfileEnds& ends) {
+  if (std::isnan(ends.low)) return "-";
+  return range_text(four_digits(std::exp(ends.low)), four_digits(std::exp(ends.high)));
+}
+
+std::string conditions_text(const HierarchicalResult& result) {
+  const double standard = result.answers.standard.value_or(kNaN);
+  std::vector<std::string> header = {"condition", "JND", "95 % profile"};
+  std::vector<Align> align = {Align::left, Align::right, Align::right};
+  if (standard > 0) {
+    header.emplace_back("Weber");
+    align.push_back(Align::right);
+  }
+  header.emplace_back(result.choice()                                        ? "PSE"
+                      : result.model.response == ResponseModel::differencing ? "ln tau"
+                                                                             : "criterion");
+  header.emplace_back("status");
+  align.push_back(Align::right);
+  align.push_back(Align::left);
+  TextTable table(header, align);
+  for (std::size_t c = 0; c < result.fit.conditions.size(); ++c) {
+    const ConditionMean& one = result.fit.conditions[c];
+    std::vector<std::string> row = {printable(result.answers.conditions[c]), four_digits(std::exp(one.mu)),
+                                    jnd_range(one.ends)};
+    if (standard > 0) row.push_back(percent_text(std::exp(one.mu) / standard));
+    row.push_back(result.choice() ? four_digits(standard + one.criterion) : number_text(one.criterion, 3));
+    row.emplace_back(word_of(kSlopeStatusWords, one.status));
+    table.add(row);
+  }
+  return table.text();
+}
+
+std::string differences_text(const HierarchicalResult& result) {
+  if (result.differences.empty()) return "";
+  TextTable table({"conditions", "ratio of JNDs", "95 % profile", "chi-square", "p"},
+                  {Align::left, Align::right, Align::right, Align::right, Align::right});
+  for (const ConditionDifference& one : result.differences)
+    table.add({printable(result.answers.conditions[one.a] + " : " + result.answers.conditions[one.b]),
+               number_text(std::exp(one.difference), 3), range_text(std::exp(one.ends.low), std::exp(one.ends.high), 3),
+               number_text(one.lr, 2), p_value_text(one.p)});
+  std::string text = "\n" + table.text();
+  text += fmt::format("One JND for all conditions: chi-square {} with {} df, p {}.\n", number_text(result.fit.lr, 2),
+                      result.fit.df, p_value_text(result.fit.p));
+  if (result.bootstrap)
+    text += fmt::format("In {} of {} studies drawn without a difference it is as large: p {}.\n",
+                        result.bootstrap->as_large, result.bootstrap->replicates, p_value_text(result.bootstrap->p));
+  return text;
+}
+
+std::string spreads_text(const HierarchicalResult& result) {
+  const HierarchicalFit& fit = result.fit;
+  const HierarchicalPlace& place = fit.maximum.place;
+  TextTable table({"standard deviation between people", "", "of", "status"},
+                  {Align::left, Align::right, Align::left, Align::left});
+  const auto add = [&table](const char* name, double value, const char* of, SpreadStatus status) {
+    if (status == SpreadStatus::not_asked) return;
+    table.add({name, four_digits(value), of, std::string(word_of(kSpreadStatusWords, status))});
+  };
+  add("persons (tu)", place.tu, "ln JND", fit.tu);
+  add("persons by condition (tv)", place.tv, "ln JND", fit.tv);
+  add(result.choice() ? "PSE (tw)" : "criterion (tw)", place.tw, result.choice() ? "the level's unit" : "z", fit.tw);
+  std::string text = "\n" + table.text();
+  if (result.model.rho) text += fmt::format("Correlation of the first and the last: {}.\n", number_text(place.rho, 3));
+  return text;
+}
+
+const char* shared_name(SharedParameter parameter, bool choice) {
+  switch (parameter) {
+    case SharedParameter::lapse:
+      return "share of trials answered by chance";
+    case SharedParameter::overdispersion:
+      return "correlation of answers at one level";
+    case SharedParameter::drift_ln_s:
+      return "ln JND, second half less first";
+    case SharedParameter::sure_below:
+      return "same, sure: below";
+    case SharedParameter::sure_above:
+      return "different, sure: above";
+    case SharedParameter::drift_criterion:
+      break;
+  }
+  return choice ? "PSE, second half less first" : "criterion, second half less first";
+}
+
+// What is the same for everybody, and what its estimation does to the means.
+std::string shared_text(const HierarchicalResult& result) {
+  if (!result.without) return "";
+  TextTable table({"the same for everybody", "", "95 % profile", "chi-square", "p", "status"},
+                  {Align::left, Align::right, Align::right, Align::right, Align::right, Align::left});
+  for (const SharedEstimate& one : result.shared)
+    table.add({shared_name(one.parameter, result.choice()), four_digits(one.value),
+               std::isnan(one.ends.low) ? "-" : range_text(four_digits(one.ends.low), four_digits(one.ends.high)),
+               number_text(one.lr, 2), p_value_text(one.p), std::string(word_of(kSharedStatusWords, one.status))});
+  TextTable means({"condition", "JND", "95 % profile", "without these", "95 % profile"},
+                  {Align::left, Align::right, Align::right, Align::right, Align::right});
+  for (std::size_t c = 0; c < result.fit.conditions.size(); ++c) {
+    const ConditionMean &with = result.fit.conditions[c], &without = result.without->conditions[c];
+    means.add({printable(result.answers.conditions[c]), four_digits(std::exp(with.mu)), jnd_range(with.ends),
+               four_digits(std::exp(without.mu)), jnd_range(without.ends)});
+  }
+  std::string text = "\n" + table.text() +
+                     dim("chi-square, p: of none. A share and a correlation cannot be below 0: p is half of that of "
+                         "chi-square.") +
+                     "\n\n" + means.text();
+  if (!settled(*result.without)) text += warn("Without these the search did not settle.") + "\n";
+  return text;
+}
+
+std::string sureness_text(const HierarchicalResult& result) {
+  if (!result.answers.graded) return "";
+  TextTable table({"criteria of sureness", "from the criterion", "95 % profile", "status"},
+                  {Align::left, Align::right, Align::right, Align::left});
+  for (const SharedEstimate& one : result.sureness)
+    table.add({shared_name(one.parameter, false), number_text(one.value, 3),
+               std::isnan(one.ends.low) ? "-" : range_text(four_digits(one.ends.low), four_digits(one.ends.high)),
+               std::string(word_of(kSharedStatusWords, one.status))});
+  std::string text = "\n" + table.text();
+  for (std::size_t c = 0; c < result.narrower.size(); ++c)
+    text += fmt::format("{}{} {}", c == 0 ? "Intervals of ln JND narrower than without the sureness: " : ", ",
+                        printable(result.answers.conditions[c]),
+                        std::isnan(result.narrower[c]) ? "-" : percent_text(result.narrower[c]));
+  return text + ".\n";
+}
+
+// What the model takes for granted, as far as it still does.
+std::string assumptions_of(const HierarchicalResult& result) {
+  if (result.fit.shared.has(SharedParameter::drift_ln_s))
+    return "Assumed: ln JND differs between people, and their criteria do, as normal distributions do, by the same "
+           "spreads in every condition, and both change from the first half of the trials to the second by as much for "
+           "everybody.";
+  return std::string(kHierarchicalAssumptions);
+}
+
+std::string people_text(const HierarchicalResult& result) {
+  TextTable table({"participant", "condition", "JND", "68 % of it", "from these answers alone", "status"},
+                  {Align::left, Align::left, Align::right, Align::right, Align::right, Align::left});
+  const std::size_t conditions = result.answers.conditions.size();
+  for (std::size_t i = 0; i < result.people.size(); ++i) {
+    const PersonEstimate& one = result.people[i];
+    table.add({printable(result.answers.participants[i / conditions]),
+               printable(result.answers.conditions[i % conditions]), four_digits(std::exp(one.mean)),
+               range_text(four_digits(std::exp(one.mean - one.sd)), four_digits(std::exp(one.mean + one.sd))),
+               four_digits(std::exp(one.alone)), std::string(word_of(kSlopeStatusWords, one.status))});
+  }
+  return "\n" + table.text() +
+         dim("JND: given everybody's answers, at the group's estimates, which draws those with few answers towards the\n"
+             "group; its range does not say how uncertain the group's estimates are.") +
+         "\n";
+}
+
+std::string meanings_text(const HierarchicalResult& result) {
+  const auto any = [&result](SlopeStatus status) {
+    return std::any_of(result.fit.conditions.begin(), result.fit.conditions.end(),
+                       [status](const ConditionMean& one) { return one.status == status; });
+  };
+  std::string text;
+  if (any(SlopeStatus::no_sensitivity))
+    text +=
+        warn("no_sensitivity: the answers do not change with the level; there is no JND within 12 times the levels.") +
+        "\n";
+  if (any(SlopeStatus::ceiling))
+    text += warn("ceiling: a step fits; the JND is below a twelfth of what the levels differ by.") + "\n";
+  if (std::any_of(result.sureness.begin(), result.sureness.end(),
+                  [](const SharedEstimate& one) { return one.status == SharedStatus::not_identified; }))
+    text +=
+        warn(
+            "not_identified, of sureness: nobody gave both answers, sure and unsure, on that side; they count as one.") +
+        "\n";
+  if (!settled(result.fit))
+    text += warn("The search for the largest likelihood did not settle: take no number from here.") + "\n";
+  return text;
+}
+
+}  // namespace
+
+std::string hierarchical_text(const HierarchicalResult& result) {
+  const HierarchicalFit& fit = result.fit;
+  const char* const what =
+      result.choice()                                       ? "choices between two intervals"
+      : result.model.response == ResponseModel::yes_no      ? "same-different, decided on the difference"
+      : result.model.response == ResponseModel::independent ? "same-different, decided by each interval itself"
+                                                            : "same-different, decided on the size of the difference";
+  std::string text =
+      bold(fmt::format("hierarchical model: {}, lapse {:g}; {}, {:.0f} trials", what, fit.maximum.shared.lapse,
+                       counted(static_cast<std::int64_t>(fit.participants), "participant"), fit.trials)) +
+      "\n";
+  text += conditions_text(result);
+  text += dim(result.choice() ? "JND: s, from the PSE to where the comparison is chosen in 84 % of the trials, of the "
+                                "median person."
+                              : "JND: the difference of which d' is 1, of the median person.") +
+          "\n";
+  text += differences_text(result) + spreads_text(result) + sureness_text(result) + shared_text(result);
+  if (!result.people.empty()) text += people_text(result);
+  if (result.check) text += predictive_text(*result.check, result.answers.conditions, result.origin());
+  constexpr std::size_t kColumns = 104;
+  for (const std::string& line : wrapped_words(assumptions_of(result), kColumns)) text += dim(line) + "\n";
+  return text + meanings_text(result);
+}
+
+}  // namespace jnd
