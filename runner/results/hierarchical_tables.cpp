@@ -32,11 +32,12 @@ bool shows_standards(const Protocol& protocol) {
 }
 
 // What an answer is taken to go by.
-std::string observer_words(const StudyHierarchical& model) {
+std::string observer_words(const StudyHierarchical& model, const Protocol& protocol) {
   if (!model.response) return "";
   switch (*model.response) {
     case ResponseModel::yes_no:
-      return ", decided on the difference";
+      return task_of(protocol.task.kind).has_own_results() ? ", decided on the difference"
+                                                           : ", decided on the distance of the signal from the noise";
     case ResponseModel::differencing:
       return ", decided on the size of the difference";
     case ResponseModel::independent:
@@ -81,7 +82,7 @@ ResultTable hierarchical_table(const StudyResults& results, const Protocol& prot
   const StudyHierarchical& model = *results.hierarchical;
   table.note = fmt::format(
       "one model of everybody's answers{}; {}: of the median person, with 95 % profile likelihood; {}{}",
-      observer_words(model), jnd_title(protocol),
+      observer_words(model, protocol), jnd_title(protocol),
       protocol.analysis.hierarchical ? "registered for the contrasts" : "not registered",
       model.rounded ? fmt::format("; over the delivered differences, to {:g} % of the largest", 100.0 / kDeliveredSteps)
                     : "");

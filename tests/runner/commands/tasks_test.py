@@ -79,10 +79,15 @@ class Tasks(unittest.TestCase):
                 self.assertEqual(model["observer"], "choice" if task == "which" else "yes_no")
                 self.jnd("export", study, "--to", name)
                 said = json.loads(self.jnd("calc", "hierarchical", *self.counts(name, task), "--json"))
-                for one, other in zip(model["conditions"], said["conditions"], strict=True):
-                    self.assertAlmostEqual(one["jnd"] / other["jnd"], factor, delta=1e-4)
-                    self.assertAlmostEqual(one["ci_high"] / other["ci_high"], factor, delta=1e-3)
-                self.assertAlmostEqual(model["equal"]["p"], said["equal"]["p"], delta=1e-4)
+                places = {condition: place for place, condition in enumerate(said["conditions"])}
+                for one in model["conditions"]:
+                    place = places[one["condition"]]
+                    self.assertAlmostEqual(one["jnd"] / said["group_jnd"][place], factor, delta=1e-4)
+                    self.assertAlmostEqual(one["ci_high"] / said["jnd_ci"][place][1], factor, delta=1e-3)
+                    if task == "which":
+                        self.assertAlmostEqual(one["bias"], said["alpha"][place], delta=0.05)
+                        self.assertTrue(one["pse_low"] < one["pse"] < one["pse_high"])
+                self.assertAlmostEqual(model["equal"]["p"], said["p_equal_mu"], delta=1e-4)
                 with open(self.folder / name / "hierarchical.csv", newline="") as file:
                     rows = list(csv.DictReader(file))
                 self.assertEqual([row["condition"] for row in rows], [one["condition"] for one in model["conditions"]])
