@@ -49,8 +49,6 @@ int hierarchical(const HierarchicalCommand& options) {
   if (options.check < 0 || options.check > 10'000) throw UsageError("--check=N: from 1 to 10000 draws");
   if (options.check > 0 && (options.overdispersion || options.drift))
     throw UsageError("--check draws independent answers that do not drift: leave --overdispersion and --drift out");
-  if (result.answers.graded && options.overdispersion && options.bootstrap > 0)
-    throw UsageError("--bootstrap draws no over-dispersed answers with sureness: leave one of the three out");
   const SharedForm others = result.model.estimated;
   SharedForm of_sureness;
   if (result.answers.graded)
