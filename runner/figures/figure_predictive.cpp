@@ -98,7 +98,8 @@ Svg PredictiveDrawing::drawn(const std::string& id, const std::string& title, co
 }  // namespace
 
 std::vector<Figure> predictive_figures(const StudyResults& results, const Protocol& protocol) {
-  if (!results.hierarchical || !results.hierarchical->check) return {};
+  if (!results.hierarchical || results.hierarchical->status != HierarchicalStatus::ok) return {};
+  if (!results.hierarchical->check) return {};
   const PredictiveCheck& check = *results.hierarchical->check;
   if (check.rows.empty()) return {};
   const std::string id = "predictive", title = "Answers beside those that the hierarchical model draws";

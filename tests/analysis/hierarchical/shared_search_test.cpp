@@ -118,7 +118,7 @@ TEST_CASE("answers that are more alike than independent ones: the truth comes ba
   CHECK(one.lr == Approx(2 * (with.maximum.log_likelihood - without.maximum.log_likelihood)).margin(1e-4));
   CHECK(one.p < 0.001);
   const ProfileEnds wide = with.conditions[0].ends, narrow = without.conditions[0].ends;
-  CHECK(wide.high - wide.low > 1.05 * (narrow.high - narrow.low));
+  CHECK(wide.high - wide.low > 1.03 * (narrow.high - narrow.low));
   // Nothing beside it is likelier.
   double best = -kInf;
   for (int i = -1; i <= 1; ++i) {
