@@ -6,9 +6,9 @@
 #include <tuple>
 #include <utility>
 
+#include "analysis/hierarchical/person_mode.h"
 #include "analysis/lattice/fast_functions.h"
 #include "analysis/lattice/lattice_sums.h"
-#include "analysis/hierarchical/person_mode.h"
 #include "analysis/numerics/normal.h"
 #include "analysis/numerics/special_values.h"
 
@@ -26,9 +26,9 @@ constexpr double kFirstReach = 7,
 constexpr double kFollowed = 5.9;  // standard deviations of v
 constexpr double kGrowth = 0.4;    // of its width, by which a range grows at an end
 constexpr double kClosest = 0.95;  // the greatest correlation that nodes are placed for
-// Of the least standard error that a cell's answers can have of ln s, and one answer of the criterion: Lagrange's
-// polynomial through a likelihood, and through the logarithm of one, errs by 2e-8.
-constexpr double kLatticeStepS = 0.2, kLatticeStepK = 0.12;
+// Of the least standard error that a cell's answers can have of ln s, and of the criterion: Lagrange's polynomial through
+// a likelihood errs by 2e-8, and through the logarithm of one where steps are this share of one answer's standard error.
+constexpr double kLatticeStepS = 0.2, kLatticeStepK = 0.17, kLogarithmStepK = 0.12;
 
 // Posteriors that are less like a normal distribution take more nodes for the same error.
 double fineness_of(ResponseModel model) {
@@ -98,7 +98,7 @@ struct HierarchicalLikelihood::Evaluation {
   Rectangle box;
   std::size_t wide = 0, high = 0;
   std::vector<int> first_s;  // by condition: the first lattice node that is read
-  // By condition: the likelihood at the criteria of the nodes, over ln s; the derivative of its logarithm by the criterion.
+  // By condition: the likelihood at the criteria of the nodes, over ln s, and its derivative by the criterion.
   std::vector<std::vector<double>> read, by_criterion;
   std::vector<std::vector<double>> inner;  // by condition: the integral over v
   std::vector<double> prior, joint, adjoint, by_read;
@@ -162,8 +162,8 @@ void HierarchicalLikelihood::set_shared(const SharedParameters& shared) {
   before_ = {};  // posteriors may be narrower with these: nodes are put anew
 }
 
-// The least standard errors that the answers of a cell, and one answer, could have about the place: how fine a lattice
-// must be.
+// The least standard errors that the answers of a cell could have about the place, or where logarithms are read those of
+// one answer for the criterion: how fine a lattice must be.
 void HierarchicalLikelihood::look_how_narrow(const HierarchicalPlace& place) {
   double most_s = 0, most_k = 0;
   for (std::size_t c = 0; c < conditions_; ++c) {
@@ -178,8 +178,9 @@ void HierarchicalLikelihood::look_how_narrow(const HierarchicalPlace& place) {
         const CellInformation told =
             expected_information(model_, design, place.mu[c] + s, place.kappa[c] + k * unit, shared_);
         most_s = std::max(most_s, told.s);
+        if (!responses_.smooth()) most_k = std::max(most_k, told.k);
         for (const LevelTrials& level : design)
-          if (level.trials > 0) {
+          if (level.trials > 0 && responses_.smooth()) {
             const LevelTrials one{level.level, 1};
             most_k = std::max(most_k, expected_information(model_, std::span(&one, 1), place.mu[c] + s,
                                                            place.kappa[c] + k * unit, shared_)
@@ -190,7 +191,7 @@ void HierarchicalLikelihood::look_how_narrow(const HierarchicalPlace& place) {
   narrowest_ = 1 / std::sqrt(most_s);
   narrowest_lapse_ = shared_.lapse;
   finest_.ln_s = kLatticeStepS * narrowest_ / fineness_;
-  finest_.criterion = kLatticeStepK / std::sqrt(most_k) / fineness_;
+  finest_.criterion = (responses_.smooth() ? kLogarithmStepK : kLatticeStepK) / std::sqrt(most_k) / fineness_;
 }
 
 // Where the normal density of v is wide, the lattice of ln s may be coarser.
@@ -343,7 +344,10 @@ void HierarchicalLikelihood::integrate(Person& person, Evaluation& at) {
       interpolate_rows(cell.at(needed.s0, over_k.start(w)), stride, over_k.weights(w), over_k.by_centre(w), nodes,
                        &at.read[c][j * nodes], &at.by_criterion[c][j * nodes]);
     }
-    exponentiate(at.read[c], cell.largest());
+    if (responses_.smooth()) {
+      exponentiate(at.read[c], cell.largest());
+      for (std::size_t i = 0; i < at.read[c].size(); ++i) at.by_criterion[c][i] *= at.read[c][i];
+    }
     at.inner[c].resize(at.wide * at.high);
     const LatticeRow row{over_s.starts(at.box.u0), over_s.weights(at.box.u0), over_s.taps(), at.wide, needed.s0};
     for (std::size_t j = 0; j < at.high; ++j) weighted_sums(row, &at.read[c][j * nodes], &at.inner[c][j * at.wide]);
@@ -411,7 +415,7 @@ void HierarchicalLikelihood::go_back(Evaluation& at) const {
       at.by_read.assign(nodes, 0);
       const double* read = &at.read[c][j * nodes];
       add_slopes(row, read, &at.adjoint[j * at.wide], at.by_s[c].data(), at.by_read.data());
-      at.by_kappa[c] += dot3(at.by_read.data(), read, &at.by_criterion[c][j * nodes], nodes);
+      at.by_kappa[c] += dot(at.by_read.data(), &at.by_criterion[c][j * nodes], nodes);
     }
   }
 }

@@ -23,8 +23,8 @@
 #include <span>
 #include <vector>
 
-#include "analysis/lattice/lattice_kernel.h"
 #include "analysis/hierarchical/response_lattice.h"
+#include "analysis/lattice/lattice_kernel.h"
 
 namespace jnd {
 

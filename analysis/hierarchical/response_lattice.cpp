@@ -157,6 +157,7 @@ void CellLikelihood::cover(const LatticeRange& range, ResponseLattice& responses
     for (double& value : values_) value -= of_all;
   }
   largest_ = *std::max_element(values_.begin(), values_.end());
+  if (!responses.smooth()) exponentiate(values_, largest_);
 }
 
 }  // namespace jnd

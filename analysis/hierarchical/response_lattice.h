@@ -49,6 +49,10 @@ class ResponseLattice {
                   const LatticeSteps& steps);
 
   const LatticeSteps& steps() const noexcept { return steps_; }
+  // Whether the logarithm of a likelihood is smooth on the scale of one answer, whatever the spread: then a few criteria
+  // tell all of it. That of choices has a corner where a spread is small, between which and the next node a polynomial
+  // would swing; a likelihood is bounded.
+  bool smooth() const noexcept { return model_ != ResponseModel::choice; }
   const LatticeRange& range() const noexcept { return range_; }
   void cover(const LatticeRange& range);
   const SharedParameters& shared() const noexcept { return shared_; }
@@ -78,7 +82,8 @@ struct QuestionAnswers {
   AnswerTally counts;
 };
 
-// Their log-likelihood on the lattice, and the largest value there.
+// Their log-likelihood on the lattice, and its largest value there; where it is not smooth (ResponseLattice), the
+// likelihood divided by its largest value.
 class CellLikelihood {
  public:
   explicit CellLikelihood(std::vector<QuestionAnswers> answers) : answers_(std::move(answers)) {}

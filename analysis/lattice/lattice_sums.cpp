@@ -44,12 +44,12 @@ JND_WIDE_REGISTERS void add_slopes(const LatticeRow& along, const double* row, c
   }
 }
 
-JND_WIDE_REGISTERS double dot3(const double* a, const double* b, const double* c, std::size_t n) noexcept {
+JND_WIDE_REGISTERS double dot(const double* a, const double* b, std::size_t n) noexcept {
   double sum[4] = {0, 0, 0, 0};
   std::size_t i = 0;
   for (; i + 4 <= n; i += 4)
-    for (std::size_t j = 0; j < 4; ++j) sum[j] += a[i + j] * b[i + j] * c[i + j];
-  for (; i < n; ++i) sum[0] += a[i] * b[i] * c[i];
+    for (std::size_t j = 0; j < 4; ++j) sum[j] += a[i + j] * b[i + j];
+  for (; i < n; ++i) sum[0] += a[i] * b[i];
   return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 

@@ -25,8 +25,8 @@ void weighted_sums(const LatticeRow& along, const double* row, double* out) noex
 void add_slopes(const LatticeRow& along, const double* row, const double* by_sum, double* by_weights,
                 double* by_row) noexcept;
 
-// sum of a[i] b[i] c[i].
-double dot3(const double* a, const double* b, const double* c, std::size_t n) noexcept;
+// sum of a[i] b[i].
+double dot(const double* a, const double* b, std::size_t n) noexcept;
 
 // row[i] += positive * log_positive[i] + negative * log_negative[i].
 void add_answers(double positive, const double* log_positive, double negative, const double* log_negative,
