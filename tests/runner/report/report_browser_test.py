@@ -111,7 +111,7 @@ class Report:
 
     def check_files(self):
         names = sorted(os.listdir(self.path("s-report-figures")))
-        assert names == ["behaviour.svg", "combination.svg", "contrasts.svg", "jnd.svg", "people.svg", "presses.svg", "raster.svg", "rating-1.svg",
+        assert names == ["behaviour.svg", "combination.svg", "contrasts.svg", "jnd.svg", "people.svg", "predictive.svg", "presses.svg", "raster.svg", "rating-1.svg",
                          "ratings.svg", "ratios.svg", "roc.svg", "sensitivity.svg", "slopes.svg", "time.svg"], names
         for name in names:
             root = xml.etree.ElementTree.parse(os.path.join(self.path("s-report-figures"), name)).getroot()
@@ -152,7 +152,7 @@ class Report:
                      '<figure id="fig-sensitivity">', 'id="table-participants"', 'id="table-group"', 'id="methods"',
                      'id="provenance"', "Cautions"):
             assert part in document, f"{part} is not in the page as the browser understood it"
-        assert document.count("<svg") == 20 and document.count("</svg>") == 20  # 14, six of them for phones too
+        assert document.count("<svg") == 22 and document.count("</svg>") == 22  # 15, seven of them for phones too
         assert "<script" not in document
         # Of 18 participants there are 162 cells, more than a page should show at once; the 54 rows of participants stay open.
         folded = re.findall(r'id="table-([a-z-]+)">\s*<details>\s*<summary>[^<]*<span class="note">(\d+) rows', document)
@@ -178,7 +178,7 @@ class Report:
             document = self.browse("--dump-dom", page="measured.html", size=(wide, 900))
             inner, scroll, shown = map(int, re.search(r"<title>WIDTHS (\d+) (\d+) (\d+)</title>", document).groups())
             assert inner == wide and scroll <= inner, f"at {wide} px the page is {scroll} px wide"
-            assert shown == 14, f"at {wide} px {shown} figures are shown"
+            assert shown == 15, f"at {wide} px {shown} figures are shown"
 
     def check_paper(self):
         # Paper is white whatever the person prefers on the screen.
@@ -220,7 +220,7 @@ def main():
         report.check_screens()
         report.check_widths()
         pages = report.check_paper()
-    print(f"the report has 14 figures, {pages} printed pages, a light and a dark screen, and a silent console")
+    print(f"the report has 15 figures, {pages} printed pages, a light and a dark screen, and a silent console")
     return 0
 
 
