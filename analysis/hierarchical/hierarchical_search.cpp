@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "analysis/hierarchical/corrected_curvature.h"
 #include "analysis/hierarchical/hierarchical_information.h"
 #include "analysis/numerics/box_newton.h"
 
@@ -182,8 +183,8 @@ class Variables {
   std::size_t conditions_, means_ = 0;
 };
 
-// What maximise_in_box asks for. The curvature begins as that of a linear mixed model and is corrected by every step
-// (Broyden, Fletcher, Goldfarb and Shanno; Nocedal and Wright 2006, equation 6.19).
+// What maximise_in_box asks for. The curvature begins as what is known, or as that of a linear mixed model, and is
+// corrected by every step.
 class SearchedLikelihood {
  public:
   SearchedLikelihood(HierarchicalLikelihood& likelihood, const Variables& variables, std::vector<double> information)
@@ -199,16 +200,14 @@ class SearchedLikelihood {
     at.gradient = variables_.slope(value.slope, place);
     if (curvature_.empty()) {
       if (information_.empty()) information_ = marginal_information(likelihood_.cell_information(place), place);
-      curvature_ = variables_.curvature(information_);
+      curvature_.begin(variables_.curvature(information_), x, at.gradient);
     } else {
-      correct(x, at.gradient);
+      curvature_.correct(x, at.gradient);
     }
-    before_ = x;
-    slope_before_ = at.gradient;
-    at.curvature = at.expected = curvature_;
+    at.curvature = at.expected = curvature_.matrix();
   }
 
-  std::vector<double> information() const { return variables_.information(information_, curvature_); }
+  std::vector<double> information() const { return variables_.information(information_, curvature_.matrix()); }
 
   // Of a place where derivatives were found: the last one, or the one before, which a search comes back to.
   std::optional<HierarchicalLikelihood::Value> found_at(const std::vector<double>& x) const {
@@ -218,28 +217,10 @@ class SearchedLikelihood {
   }
 
  private:
-  void correct(const std::vector<double>& x, const std::vector<double>& gradient) const {
-    const std::size_t n = x.size();
-    std::vector<double> step(n), fall(n), predicted(n, 0);
-    double along = 0, expected = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      step[i] = x[i] - before_[i];
-      fall[i] = slope_before_[i] - gradient[i];
-      along += step[i] * fall[i];
-    }
-    for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t j = 0; j < n; ++j) predicted[i] += curvature_[i * n + j] * step[j];
-    for (std::size_t i = 0; i < n; ++i) expected += step[i] * predicted[i];
-    constexpr double kLeastFall = 1e-3;  // of what was expected: else the curvature would not stay positive
-    if (!(expected > 0) || along < kLeastFall * expected) return;
-    for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t j = 0; j < n; ++j)
-        curvature_[i * n + j] += fall[i] * fall[j] / along - predicted[i] * predicted[j] / expected;
-  }
-
   HierarchicalLikelihood& likelihood_;
   const Variables& variables_;
-  mutable std::vector<double> information_, curvature_, before_, slope_before_;
+  mutable std::vector<double> information_;
+  mutable CorrectedCurvature curvature_;
   mutable std::vector<std::pair<std::vector<double>, HierarchicalLikelihood::Value>> looked_at_;
 };
 

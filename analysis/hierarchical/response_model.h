@@ -15,8 +15,8 @@ namespace jnd {
 // block are: x is the difference, and of equal stimuli minus that of the others of their block. g(d') = 2 z(p(c)),
 // p(c) = Phi(d'/2)^2 + Phi(-d'/2)^2: the z difference of the unbiased observer, as in detection/independent_observation.h
 // (unit slope). The likelihood-ratio observer itself has the same rates at k = 0; its rates have no second derivative
-// there by any criterion, which a lattice needs. Beside k = 0 its ROC is not of unit slope, and s comes out smaller: by
-// about a sixth where it answers at ln c = 0.5.
+// there by any criterion, which a lattice needs. Beside k = 0 its ROC is not of unit slope, and s comes out too
+// small (analysis/README.md).
 enum class ResponseModel {
   yes_no,        // Phi(x/s - k): "different" of same-different, judged by the difference x (0: equal stimuli); "yes"
   differencing,  // Phi((x/s - t)/sqrt 2) + Phi((-x/s - t)/sqrt 2), t = e^k: "different" by the size of the difference
