@@ -128,9 +128,9 @@ HierarchicalMaximum HierarchicalAnalysis::from_here(const HierarchicalForm& form
 
 // Slopes by shared parameters are differences of ln L, which must be known better than the search that follows them.
 HierarchicalMaximum HierarchicalAnalysis::searched(const HierarchicalForm& form, const HierarchicalMaximum& from,
-                                                   double negligible) {
-  const double inner = fit_.shared.any() ? kNegligible : negligible;
-  return maximise(likelihood_, form, fit_.shared, from, range_.criterion_unit, inner, negligible);
+                                                   double shared_negligible) {
+  const double negligible = fit_.shared.any() ? kNegligible : shared_negligible;
+  return maximise(likelihood_, form, fit_.shared, from, range_.criterion_unit, negligible, shared_negligible);
 }
 
 // at_end(ln s): the largest ln L with that mean. Answers that are as likely at an end of what is searched tell no JND.

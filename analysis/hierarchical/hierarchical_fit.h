@@ -142,7 +142,7 @@ class HierarchicalAnalysis {
   void find_spreads();
   HierarchicalMaximum from_here(const HierarchicalForm& form, const HierarchicalMaximum& from,
                                 double negligible = kNegligible);
-  HierarchicalMaximum searched(const HierarchicalForm& form, const HierarchicalMaximum& from, double negligible);
+  HierarchicalMaximum searched(const HierarchicalForm& form, const HierarchicalMaximum& from, double shared_negligible);
   double negligible_in_profile() const noexcept;
   void look_closely();
   HierarchicalMaximum with_shared(const SharedForm& shared, SharedParameter held, double value);

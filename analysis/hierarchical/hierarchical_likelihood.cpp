@@ -38,7 +38,6 @@ double fineness_of(ResponseModel model) {
     case ResponseModel::differencing:
       return 1.15;
     case ResponseModel::independent:
-      return 1.35;
     case ResponseModel::choice:
       return 1.35;
   }

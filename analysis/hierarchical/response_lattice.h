@@ -39,7 +39,10 @@ struct LatticeSteps {
 struct LatticeQuestion {
   double level = 0;
   bool second_half = false;  // of a person's trials in a condition
-  friend auto operator<=>(const LatticeQuestion&, const LatticeQuestion&) = default;
+  friend bool operator==(const LatticeQuestion&, const LatticeQuestion&) = default;
+  bool operator<(const LatticeQuestion& other) const noexcept {
+    return level < other.level || (level == other.level && second_half < other.second_half);
+  }
 };
 
 // ln P of both answers to every question; of the unsure ones, and of the sure, where there are such.
@@ -65,7 +68,7 @@ class ResponseLattice {
   const std::vector<double>& negative_rates(std::size_t question) const noexcept { return negative_rates_[question]; }
 
  private:
-  void lay_out(std::size_t question);
+  void lay_out(std::size_t i);
 
   ResponseModel model_;
   std::vector<LatticeQuestion> questions_;

@@ -63,7 +63,7 @@ GradedLogRates graded_log_rates(ResponseModel model, double level, double ln_s, 
                                 const SharedParameters& shared) {
   const LogRates middle = log_rates(model, level, ln_s, criterion, 0);
   GradedLogRates rates = {middle, {kLeastLog, kLeastLog}};
-  const auto guess = [&shared](double distance) { return std::isfinite(distance) ? 0.25 : 0.5; };
+  const auto guess = [](double distance) { return std::isfinite(distance) ? 0.25 : 0.5; };
   if (std::isfinite(shared.sure_above)) {
     const LogRates above = log_rates(model, level, ln_s, criterion + shared.sure_above, 0);
     rates.sure.positive = mixed(above.positive, shared.lapse, 0.25);
