@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include <CLI/CLI.hpp>
@@ -60,7 +61,9 @@ namespace {
 struct BlockPlace {
   int participant = 0, condition = 0;
   std::string block;  // its name, empty where blocks have none
-  auto operator<=>(const BlockPlace&) const = default;
+  bool operator<(const BlockPlace& other) const {
+    return std::tie(participant, condition, block) < std::tie(other.participant, other.condition, other.block);
+  }
 };
 
 class BlockDifferences {

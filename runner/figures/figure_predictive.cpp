@@ -56,10 +56,9 @@ class PredictiveDrawing {
 };
 
 void PredictiveDrawing::draw_panel(Svg& svg, std::size_t place) const {
-  const std::size_t condition = conditions_[place], column = place % columns_;
+  const std::size_t condition = conditions_[place], column = place % columns_, row = place / columns_;
   const double left = kCheckLeft + static_cast<double>(column) * (side_ + kCheckBetween),
-               top =
-                   top_ + kCheckName + static_cast<double>(place / columns_) * (kCheckName + kCheckHeight + kCheckFoot);
+               top = top_ + kCheckName + static_cast<double>(row) * (kCheckName + kCheckHeight + kCheckFoot);
   const Panel panel{left, top, left + side_, top + kCheckHeight};
   const Scale y{0, 1, panel.bottom, panel.top};
   const double spare = 0.08 * (furthest_ > 0 ? furthest_ : 1);
