@@ -12,7 +12,8 @@
 
 #include "protocols/input/csv_table.h"
 #include "protocols/input/input_error.h"
-#include "runner/calc/calc.h"
+#include "runner/terminal/exit_code.h"
+#include "runner/terminal/terminal.h"
 
 namespace jnd {
 

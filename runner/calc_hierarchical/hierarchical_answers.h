@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "analysis/hierarchical/hierarchical_fit.h"
+#include "runner/calc/calc.h"
 #include "runner/calc/trials_input.h"
 
 namespace jnd {
