@@ -51,7 +51,8 @@ WINGS = {
         "raw_trials": "log study",
         "results": "log raw_trials study task_results verify",
         "methods": "log results study task_results verify",
-        "export": "files log methods results study task_results",
+        "fields": "log results study task_results",
+        "export": "fields files log methods results study task_results",
     },
     "devices": {
         ".": "",
@@ -84,7 +85,7 @@ WINGS = {
         "cluster": "keys terminal",
         "keys": "terminal",
         "help": "keys terminal",
-        "results": "calc terminal",
+        "results": "calc calc_hierarchical terminal",
         "precision": "terminal",
         "power": "drawing keys opening session terminal",
         "session": "keys terminal",

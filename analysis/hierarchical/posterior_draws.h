@@ -25,7 +25,8 @@ inline constexpr std::size_t kDrawsOfARow = 25;
 
 class PosteriorDraws {
  public:
-  // cells: as of HierarchicalAnalysis; place: of the same model; draws >= 1. The same seed gives the same draws of a
+  // cells: as of HierarchicalAnalysis; place: of the same model, whose answers are independent and do not drift; draws
+  // >= 1. The same seed gives the same draws of a
   // participant on every machine. A spread of 0 has deviations of 0, and who has no answers is drawn from the group.
   PosteriorDraws(std::span<const HierarchicalCell> cells, const HierarchicalModel& model,
                  const HierarchicalPlace& place, std::size_t draws, std::uint64_t seed);

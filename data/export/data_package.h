@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "data/export/csv_writer.h"
 #include "data/export/export_folder.h"
+#include "data/fields/csv_writer.h"
 #include "protocols/protocol.h"
 
 namespace jnd {

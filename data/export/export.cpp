@@ -15,7 +15,7 @@
 #include "data/export/export_telemetry.h"
 #include "data/export/recompute_scripts.h"
 #include "data/export/result_columns.h"
-#include "data/export/result_fields.h"
+#include "data/fields/result_fields.h"
 #include "data/log/body_numbers.h"
 #include "data/log/event_body.h"
 #include "data/log/utc_time.h"

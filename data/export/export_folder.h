@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "data/export/csv_writer.h"
+#include "data/fields/csv_writer.h"
 #include "data/files/draft.h"
 #include "protocols/input/sha256.h"
 

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "data/export/field.h"
+#include "data/fields/field.h"
 #include "data/log/body_numbers.h"
 #include "data/log/event_body.h"
 #include "data/log/utc_time.h"

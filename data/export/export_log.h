@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "data/export/csv_writer.h"
+#include "data/fields/csv_writer.h"
 #include "data/study/study.h"
 
 namespace jnd {

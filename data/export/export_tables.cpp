@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "analysis/numerics/special_values.h"
-#include "data/export/between_fields.h"
-#include "data/export/field.h"
+#include "data/fields/between_fields.h"
+#include "data/fields/field.h"
 #include "protocols/course/prescription.h"
 #include "protocols/tasks/same_different_task.h"
 #include "protocols/tasks/task.h"

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "data/export/csv_writer.h"
 #include "data/export/device_places.h"
+#include "data/fields/csv_writer.h"
 #include "data/study/study.h"
 #include "data/study/study_admin.h"
 #include "data/study/trial_rows.h"

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "analysis/numerics/special_values.h"
-#include "data/export/field.h"
+#include "data/fields/field.h"
 
 namespace jnd {
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "data/export/csv_writer.h"
+#include "data/fields/csv_writer.h"
 #include "data/log/telemetry.h"
 #include "data/log/trace_blob.h"
 #include "protocols/protocol.h"

@@ -4,12 +4,12 @@
 
 #include <fmt/format.h>
 
-#include "data/export/answer_fields.h"
-#include "data/export/between_fields.h"
 #include "data/export/data_package.h"
-#include "data/export/hierarchical_fields.h"
-#include "data/export/result_fields.h"
-#include "data/export/task_fields.h"
+#include "data/fields/answer_fields.h"
+#include "data/fields/between_fields.h"
+#include "data/fields/hierarchical_fields.h"
+#include "data/fields/result_fields.h"
+#include "data/fields/task_fields.h"
 
 namespace jnd {
 

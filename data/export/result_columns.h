@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "data/export/csv_writer.h"
 #include "data/export/export_folder.h"
+#include "data/fields/csv_writer.h"
 #include "data/results/study_models.h"
 #include "data/results/study_results.h"
 #include "protocols/protocol.h"

@@ -75,6 +75,12 @@ nlohmann::ordered_json predictive_json(const PredictiveCheck& check, const std::
                     {"trials", std::llround(row.trials)},
                     {"share", band_json(row.share)},
                     {"sd_between", band_json(row.between)}});
+  nlohmann::ordered_json out = predictive_summary_json(check);
+  out["rows"] = std::move(rows);
+  return out;
+}
+
+nlohmann::ordered_json predictive_summary_json(const PredictiveCheck& check) {
   return {{"draws", check.draws},
           {"fits", check.bands_fit() && check.scatter_fits()},
           {"verdict", predictive_verdict(check)},
@@ -83,8 +89,7 @@ nlohmann::ordered_json predictive_json(const PredictiveCheck& check, const std::
           {"outside_by_chance", check.outside_by_chance()},
           {"discrepancy", json_number(check.observed)},
           {"discrepancy_drawn", json_number(check.drawn)},
-          {"p", json_number(check.p)},
-          {"rows", std::move(rows)}};
+          {"p", json_number(check.p)}};
 }
 
 }  // namespace jnd

@@ -14,5 +14,7 @@ namespace jnd {
 std::string predictive_text(const PredictiveCheck& check, const std::vector<std::string>& conditions, double origin);
 nlohmann::ordered_json predictive_json(const PredictiveCheck& check, const std::vector<std::string>& conditions,
                                        double origin);
+// The same without its rows by condition and level.
+nlohmann::ordered_json predictive_summary_json(const PredictiveCheck& check);
 
 }  // namespace jnd

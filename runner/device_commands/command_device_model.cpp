@@ -5,7 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "data/export/csv_writer.h"
+#include "data/fields/csv_writer.h"
 #include "devices/mckibben/mckibben_model.h"
 #include "devices/rrs3/rrs3_model.h"
 #include "devices/rrs3/rrs3_workspace.h"

@@ -4,7 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "data/export/csv_writer.h"
+#include "data/fields/csv_writer.h"
 #include "devices/mckibben/mckibben_response.h"
 #include "devices/rrs3/rrs3_rendering.h"
 #include "runner/device_commands/device_commands.h"

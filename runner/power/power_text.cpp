@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "data/export/csv_writer.h"
+#include "data/fields/csv_writer.h"
 #include "protocols/version.h"
 #include "runner/terminal/json_output.h"
 #include "runner/terminal/number_text.h"

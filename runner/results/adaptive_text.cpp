@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "analysis/numerics/special_values.h"
-#include "data/export/result_fields.h"
+#include "data/fields/result_fields.h"
 #include "protocols/planning/adaptive_run.h"
 #include "protocols/planning/track_threshold.h"
 #include "runner/results/analysis_text.h"

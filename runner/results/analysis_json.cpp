@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "data/export/result_fields.h"
+#include "data/fields/result_fields.h"
 #include "runner/results/analysis_text.h"
 #include "runner/results/field_output.h"
 #include "runner/terminal/json_output.h"

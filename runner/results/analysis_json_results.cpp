@@ -1,8 +1,8 @@
 // The rest of a study's results as JSON: comparisons, sensitivity, behaviour, ratings, models.
 #include <fmt/format.h>
 
-#include "data/export/answer_fields.h"
-#include "data/export/result_fields.h"
+#include "data/fields/answer_fields.h"
+#include "data/fields/result_fields.h"
 #include "runner/calc/calc_detection.h"
 #include "runner/calc/calc_group.h"
 #include "runner/results/adaptive_text.h"

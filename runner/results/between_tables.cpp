@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "data/export/between_fields.h"
+#include "data/fields/between_fields.h"
 #include "runner/calc/calc_group.h"
 #include "runner/results/analysis_text.h"
 #include "runner/results/field_output.h"

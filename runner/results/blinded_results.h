@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "data/export/field.h"
+#include "data/fields/field.h"
 #include "data/results/study_analysis.h"
 #include "data/study/blinding.h"
 #include "data/verify/chain_check.h"

@@ -1,4 +1,4 @@
-// Fields of results (data/export/field.h) as JSON and as tables for people.
+// Fields of results (data/fields/field.h) as JSON and as tables for people.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "data/export/field.h"
+#include "data/fields/field.h"
 #include "runner/results/result_tables.h"
 #include "runner/terminal/number_text.h"
 

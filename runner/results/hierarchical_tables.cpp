@@ -3,8 +3,9 @@
 
 #include <fmt/format.h>
 
-#include "data/export/hierarchical_fields.h"
+#include "data/fields/hierarchical_fields.h"
 #include "protocols/tasks/task.h"
+#include "runner/calc_hierarchical/calc_hierarchical_check.h"
 #include "runner/results/field_output.h"
 #include "runner/results/result_format.h"
 #include "runner/results/result_table_parts.h"
@@ -217,16 +218,7 @@ Json hierarchical_json(const StudyHierarchical& model, const Protocol& protocol,
                       : Json::array();
   out["check"] = nullptr;
   if (model.check) {
-    const PredictiveCheck& check = *model.check;
-    out["check"] = {{"draws", check.draws},
-                    {"fits", check.bands_fit() && check.scatter_fits()},
-                    {"verdict", predictive_verdict(check)},
-                    {"bands", check.bands()},
-                    {"outside", check.outside()},
-                    {"outside_by_chance", check.outside_by_chance()},
-                    {"discrepancy", json_value(check.observed)},
-                    {"discrepancy_drawn", json_value(check.drawn)},
-                    {"p", json_value(check.p)}};
+    out["check"] = predictive_summary_json(*model.check);
     out["check"]["rows"] = rows_json(hierarchical_check_fields(protocol, kind), hierarchical_check_rows(model),
                                      {"condition", "difference", "participants", "trials", "share", "share_low",
                                       "share_high", "share_status", "sd", "sd_low", "sd_high", "sd_status"});

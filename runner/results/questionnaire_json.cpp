@@ -1,5 +1,5 @@
 // The results of a study of free interaction as JSON.
-#include "data/export/answer_fields.h"
+#include "data/fields/answer_fields.h"
 #include "runner/results/field_output.h"
 #include "runner/results/result_tables_questionnaire.h"
 

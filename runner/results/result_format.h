@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "data/export/result_fields.h"
+#include "data/fields/result_fields.h"
 #include "data/results/study_analysis.h"
 #include "data/results/study_contrasts.h"
 #include "protocols/protocol.h"

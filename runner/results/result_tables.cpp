@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "data/export/result_fields.h"
+#include "data/fields/result_fields.h"
 #include "data/results/threshold_method.h"
 #include "runner/results/field_output.h"
 #include "runner/results/result_format.h"

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "analysis/numerics/special_values.h"
-#include "data/export/result_fields.h"
+#include "data/fields/result_fields.h"
 #include "protocols/planning/track_threshold.h"
 #include "runner/results/field_output.h"
 #include "runner/results/result_table_parts.h"

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "data/export/answer_fields.h"
+#include "data/fields/answer_fields.h"
 #include "runner/results/field_output.h"
 #include "runner/results/result_format.h"
 #include "runner/results/result_table_parts.h"

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "analysis/numerics/words.h"
-#include "data/export/result_fields.h"
+#include "data/fields/result_fields.h"
 #include "runner/results/field_output.h"
 #include "runner/results/result_format.h"
 #include "runner/results/result_table_parts.h"

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "data/export/task_fields.h"
+#include "data/fields/task_fields.h"
 #include "runner/results/analysis_text.h"
 #include "runner/results/field_output.h"
 #include "runner/results/result_format.h"

@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "data/export/csv_writer.h"
+#include "data/fields/csv_writer.h"
 #include "protocols/input/csv_table.h"
 #include "protocols/input/input_error.h"
 #include "runner/terminal/terminal.h"

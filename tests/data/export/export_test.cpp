@@ -10,9 +10,9 @@
 #include <thread>
 
 #include "analysis/numerics/special_values.h"
-#include "data/export/csv_writer.h"
 #include "data/export/export_folder.h"
 #include "data/export/export_log.h"
+#include "data/fields/csv_writer.h"
 #include "tests/catch.h"
 #include "tests/data/constant_results.h"
 #include "tests/data/export/export_fixture.h"

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "data/export/field.h"
+#include "data/fields/field.h"
 #include "data/results/study_hierarchical.h"
 #include "protocols/protocol.h"
 

@@ -1,14 +1,14 @@
 // Fields of results: every name is said once, and a CSV cell is what the field holds.
-#include "data/export/field.h"
+#include "data/fields/field.h"
 
 #include <limits>
 #include <set>
 #include <string>
 
 #include "analysis/numerics/special_values.h"
-#include "data/export/answer_fields.h"
-#include "data/export/hierarchical_fields.h"
-#include "data/export/result_fields.h"
+#include "data/fields/answer_fields.h"
+#include "data/fields/hierarchical_fields.h"
+#include "data/fields/result_fields.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
 

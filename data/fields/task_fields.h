@@ -1,7 +1,7 @@
 // The blocks of what a task measures, each with its fields. A list refers to the protocol, which must outlive it.
 #pragma once
 
-#include "data/export/field.h"
+#include "data/fields/field.h"
 #include "data/task_results/task_results.h"
 #include "protocols/protocol.h"
 

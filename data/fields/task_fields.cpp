@@ -1,10 +1,10 @@
-#include "data/export/task_fields.h"
+#include "data/fields/task_fields.h"
 
 #include <fmt/format.h>
 
 #include "analysis/numerics/special_values.h"
-#include "data/export/between_fields.h"
-#include "data/export/result_fields.h"
+#include "data/fields/between_fields.h"
+#include "data/fields/result_fields.h"
 #include "protocols/planning/track_threshold.h"
 
 namespace jnd {

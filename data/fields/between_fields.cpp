@@ -1,4 +1,4 @@
-#include "data/export/between_fields.h"
+#include "data/fields/between_fields.h"
 
 namespace jnd {
 

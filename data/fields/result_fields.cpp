@@ -1,11 +1,11 @@
-#include "data/export/result_fields.h"
+#include "data/fields/result_fields.h"
 
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "analysis/numerics/special_values.h"
-#include "data/export/between_fields.h"
+#include "data/fields/between_fields.h"
 #include "protocols/planning/track_threshold.h"
 
 namespace jnd {

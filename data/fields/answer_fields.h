@@ -3,7 +3,7 @@
 #pragma once
 
 #include "analysis/group/questionnaire.h"
-#include "data/export/field.h"
+#include "data/fields/field.h"
 #include "data/results/questionnaire_results.h"
 #include "data/results/study_behaviour.h"
 #include "data/task_results/study_sureness.h"

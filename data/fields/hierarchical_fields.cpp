@@ -1,4 +1,4 @@
-#include "data/export/hierarchical_fields.h"
+#include "data/fields/hierarchical_fields.h"
 
 #include <cmath>
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "data/export/between_fields.h"
-#include "data/export/result_fields.h"
+#include "data/fields/between_fields.h"
+#include "data/fields/result_fields.h"
 #include "protocols/tasks/task.h"
 
 namespace jnd {

@@ -18,7 +18,7 @@
 #include <variant>
 #include <vector>
 
-#include "data/export/csv_writer.h"
+#include "data/fields/csv_writer.h"
 #include "protocols/protocol.h"
 
 namespace jnd {

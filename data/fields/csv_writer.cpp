@@ -1,4 +1,4 @@
-#include "data/export/csv_writer.h"
+#include "data/fields/csv_writer.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "data/export/answer_fields.h"
+#include "data/fields/answer_fields.h"
 
 #include <string>
 

@@ -1,4 +1,4 @@
-#include "data/export/field.h"
+#include "data/fields/field.h"
 
 namespace jnd {
 

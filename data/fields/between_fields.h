@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "data/export/field.h"
+#include "data/fields/field.h"
 #include "data/results/study_comparisons.h"
 #include "protocols/planning/allotment.h"
 #include "protocols/protocol.h"

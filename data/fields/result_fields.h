@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "data/export/field.h"
+#include "data/fields/field.h"
 #include "data/results/adaptive_results.h"
 #include "data/results/study_analysis.h"
 #include "data/results/study_comparisons.h"
