@@ -11,6 +11,14 @@ struct Counts {
   int hits = 0;          // of them answered "different"; 0..n_diff
   int n_same = 0;        // trials with equal stimuli
   int false_alarms = 0;  // of them answered "different"; 0..n_same
+  int trials() const noexcept { return n_diff + n_same; }
+  Counts& operator+=(const Counts& other) noexcept {
+    n_diff += other.n_diff;
+    hits += other.hits;
+    n_same += other.n_same;
+    false_alarms += other.false_alarms;
+    return *this;
+  }
   bool operator==(const Counts&) const = default;
 };
 

@@ -39,11 +39,13 @@ enum class SharedStatus {
   zero,            // lapses, over-dispersion: the likelihood is largest at 0, the least that they can be
   at_limit,        // as large as is searched (shared_search.h): the answers set no bound
   not_identified,  // these answers cannot tell it, whatever they are: 0
+  not_converged    // the search with it did not settle
 };
 inline constexpr auto kSharedStatusWords = words<SharedStatus>({{"ok", SharedStatus::ok},
                                                                 {"zero", SharedStatus::zero},
                                                                 {"at_limit", SharedStatus::at_limit},
-                                                                {"not_identified", SharedStatus::not_identified}});
+                                                                {"not_identified", SharedStatus::not_identified},
+                                                                {"not_converged", SharedStatus::not_converged}});
 
 enum class SpreadStatus {
   ok,

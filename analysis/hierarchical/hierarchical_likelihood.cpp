@@ -105,6 +105,8 @@ struct HierarchicalLikelihood::Evaluation {
   std::vector<double> by_kappa;           // by condition: derivative of ln L
   std::vector<double> in_u, in_w;         // joint, summed over the other direction
   double total = 0;
+  // The place is not so far from the answers that their product underflows, at most nodes if not at all.
+  bool anything_left() const noexcept { return total > 1e-250; }
 
   struct Moments {
     double u = 0, uu = 0, w = 0, ww = 0, uw = 0;
@@ -372,7 +374,9 @@ bool HierarchicalLikelihood::grown(Person& person, const Evaluation& at) const {
   return grew;
 }
 
-void HierarchicalLikelihood::remember(Person& person, const Evaluation& at) const {
+// False: the integrand is so much narrower than was thought that its nodes lie too far apart.
+bool HierarchicalLikelihood::remember(Person& person, const Evaluation& at) const {
+  if (!at.anything_left()) return true;
   const double share = std::exp(kLogCut * fineness_ * fineness_);
   const auto cut = [share](const std::vector<double>& margin, int first, double spacing, Range& range) {
     const double edge = share * *std::max_element(margin.begin(), margin.end());
@@ -386,15 +390,19 @@ void HierarchicalLikelihood::remember(Person& person, const Evaluation& at) cons
   if (at.has_u) cut(at.in_u, at.box.u0, at.spacing_u, person.u);
   if (at.has_w) cut(at.in_w, at.box.w0, at.spacing_w, person.w);
   // What the answers tell, which stays the same under another prior. Of a prior so narrow that they tell nothing beside
-  // it, what was known before is better.
-  constexpr double kTelling = 0.9;
+  // it, what was known before is better. Where all lies on one node its variance is what was rounded, and half a
+  // spacing is what is known of its width.
+  constexpr double kTelling = 0.9, kNarrow = 0.5, kNarrowest = 1e-4;  // the last: standard deviations of the prior
   const double var_u = mean.uu - mean.u * mean.u, var_w = mean.ww - mean.w * mean.w;
-  const auto learn = [](double variance, double prior, double& information) {
-    if (variance > 0 && variance < kTelling * prior * prior) information = 1 / variance - 1 / (prior * prior);
+  const auto learn = [](double variance, double prior, double spacing, double& information) {
+    const double least = kNarrow * spacing * kNarrow * spacing, known = std::max(variance, least);
+    if (known < kTelling * prior * prior) information = 1 / known - 1 / (prior * prior);
+    return variance >= least || spacing < kNarrowest * prior;
   };
-  learn(var_u, at.place.tu, person.information_u);
-  learn(var_w, at.place.tw, person.information_w);
+  const bool u_fits = !at.has_u || learn(var_u, at.place.tu, at.spacing_u, person.information_u),
+             w_fits = !at.has_w || learn(var_w, at.place.tw, at.spacing_w, person.information_w);
   person.correlation = var_u > 0 && var_w > 0 ? (mean.uw - mean.u * mean.w) / std::sqrt(var_u * var_w) : 0;
+  return u_fits && w_fits;
 }
 
 // Backwards: from the integral to the derivatives of its logarithm by the weights over ln s, and by the criteria.
@@ -471,7 +479,7 @@ bool HierarchicalLikelihood::settled(Person& person, Evaluation& at) {
 }
 
 double HierarchicalLikelihood::log_of(const Person& person, const Evaluation& at) const {
-  if (!(at.total > 0)) return -kInf;  // a place so far from the answers that nothing is left of them
+  if (!at.anything_left()) return -kInf;
   double value = std::log(at.total);
   for (const CellLikelihood& cell : person.cells) value += cell.largest();
   return value;
@@ -507,7 +515,7 @@ void HierarchicalLikelihood::through_everybody(const HierarchicalPlace& place, E
     for (; done < people_.size() && settled(people_[done], at); ++done) {
       go_back(at);
       each(done, at);
-      remember(people_[done], at);
+      if (!remember(people_[done], at)) break;
     }
     if (done == people_.size()) return;
   }

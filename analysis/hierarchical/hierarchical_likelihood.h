@@ -120,7 +120,7 @@ class HierarchicalLikelihood {
   void go_back(Evaluation& at) const;
   double log_of(const Person& person, const Evaluation& at) const;
   HierarchicalPlace slope_of(const Evaluation& at) const;
-  void remember(Person& person, const Evaluation& at) const;
+  bool remember(Person& person, const Evaluation& at) const;
 
   ResponseModel model_;
   SharedParameters shared_;

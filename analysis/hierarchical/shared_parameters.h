@@ -2,10 +2,16 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 
 #include "analysis/numerics/special_values.h"
 
 namespace jnd {
+
+// place: from 0, among `trials` of somebody in a condition; the one in the middle is of the first half.
+constexpr bool in_second_half(std::size_t place, std::size_t trials) noexcept {
+  return 2 * place >= trials;
+}
 
 struct SharedParameters {
   double lapse = 0;  // 0 <= lapse < 1: on that share of trials the answer is a guess

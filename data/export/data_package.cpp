@@ -58,6 +58,7 @@ const std::vector<Keys>& keys() {
       {"hierarchical.csv", {"condition", "standard"}},
       {"hierarchical_ratios.csv", {"condition_a", "condition_b", "standard"}},
       {"hierarchical_check.csv", {"condition", "difference_n_per_m"}},
+      {"hierarchical_variants.csv", {"parameter", "condition", "standard"}},
       {"hierarchical_people.csv", {"participant", "condition", "standard"}, true},
       {"proportion.csv", {"condition"}},
       {"ratings.csv", {"item", "condition_a", "condition_b"}},

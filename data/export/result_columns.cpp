@@ -39,6 +39,9 @@ void add_hierarchical_files(std::vector<ResultFile>& files, const StudyHierarchi
   if (model.check)
     add_file(files, "hierarchical_check.csv", hierarchical_check_fields(protocol, kind),
              hierarchical_check_rows(model));
+  if (!model.variants.empty())
+    add_file(files, "hierarchical_variants.csv", hierarchical_variant_fields(protocol, kind),
+             hierarchical_variant_rows(model));
   if (model.status == HierarchicalStatus::ok)
     add_file(files, "hierarchical_people.csv", hierarchical_person_fields(protocol, kind), model.people);
 }

@@ -22,7 +22,7 @@ struct ResultFile {
 // cells.csv, thresholds.csv (every participant) and group.csv of same-different over given levels; contrasts.csv;
 // tracks.csv where the answers set the levels; estimates.csv, counts.csv, group.csv and proportion.csv of the other
 // tasks; groups.csv and between.csv where there are groups of participants; tests.csv, pairs.csv, sensitivity.csv,
-// hierarchical.csv, hierarchical_ratios.csv, hierarchical_check.csv and hierarchical_people.csv (after add_hierarchical), behaviour.csv,
+// hierarchical.csv, hierarchical_ratios.csv, hierarchical_check.csv, hierarchical_variants.csv and hierarchical_people.csv (after add_hierarchical), behaviour.csv,
 // sureness.csv, items.csv, ratings.csv, and models.csv where models are given; of free interaction choices.csv and
 // exposure.csv. Files without rows are left out.
 std::vector<ResultFile> result_files(const StudyResults& results, const Protocol& protocol, const StudyModels* models);

@@ -96,12 +96,12 @@ Fields<HierarchicalConditionRow> hierarchical_fields(const Protocol& protocol, S
          has_standards(protocol)
              ? "response model: yes by the distance of the signal (yes_no), or the comparison chosen (choice); empty "
                "where the task has none"
-             : "how \"different\" is decided: on the difference (yes_no), or on its size (differencing); empty where the "
-               "model is not offered",
+             : "how \"different\" is decided: on the difference (yes_no), on its size (differencing), or on each interval "
+               "by itself (independent); empty where the model is not offered",
          [](const R& r) {
            return r.of->response ? std::optional(word_of(kResponseModelWords, *r.of->response)) : std::nullopt;
          },
-         {.levels = has_standards(protocol) ? "yes_no choice" : "yes_no differencing"}),
+         {.levels = has_standards(protocol) ? "yes_no choice" : "yes_no differencing independent"}),
        F("participants", "participants with counted trials in any condition",
          [](const R& r) { return r.of->participants; }),
        F("n", "those with counted trials in this one", [](const R& r) { return r.one->participants; },
@@ -142,7 +142,8 @@ Fields<HierarchicalConditionRow> hierarchical_fields(const Protocol& protocol, S
         has_standards(protocol)
             ? "criterion of the group: z of the rate of \"no\" to the noise"
             : "criterion of the group: z of the rate of \"same\" to equal stimuli (yes_no), ln of the size from which "
-              "\"different\" is said, in JNDs (differencing)",
+              "\"different\" is said, in JNDs (differencing), z of the rate of \"same\" halfway between equal and different "
+              "stimuli (independent)",
         [](const R& r) { return r.one->criterion; }));
   fields.push_back(
       F("status", "what the JND is; of all conditions why the model was not fitted",
@@ -209,7 +210,11 @@ Fields<HierarchicalCheckRow> hierarchical_check_fields(const Protocol& protocol,
       F("condition", "condition",
         [&protocol](const R& r) { return condition_of(protocol, static_cast<int>(r.one->condition)); }),
       F("kind", "kind of the sessions", [kind](const R&) { return kind; }, {.levels = kKindsCounted}),
-      F("difference", "difference of the two stimuli; 0: they were equal", [](const R& r) { return r.one->level; },
+      F("difference",
+        protocol.analysis.model == "independent-observation"
+            ? "difference of the two stimuli; below 0: they were equal, and the others of their series differ by as much"
+            : "difference of the two stimuli; 0: they were equal",
+        [](const R& r) { return r.one->level; },
         {.column = in_unit("difference_", protocol), .unit = unit, .shown = Shown::compact}),
       F("participants", "participants with counted trials there", [](const R& r) { return r.one->participants; },
         {.title = "n"}),
@@ -239,6 +244,71 @@ Fields<HierarchicalCheckRow> hierarchical_check_fields(const Protocol& protocol,
       F("discrepancy_drawn", "the same of the drawn answers", [](const R& r) { return r.of->drawn; }, {.digits = 1}),
       F("p", "share of draws whose own answers have as large a discrepancy (Gelman, Meng and Stern 1996)",
         [](const R& r) { return r.of->p; }, {.column = "discrepancy_p", .shown = Shown::p_value})};
+}
+
+double HierarchicalVariantRow::width_ratio() const {
+  const double ratio = std::log(with->ci_high / with->ci_low) / std::log(without->ci_high / without->ci_low);
+  return std::isfinite(ratio) && ratio > 0 ? ratio : kNaN;
+}
+
+std::vector<HierarchicalVariantRow> hierarchical_variant_rows(const StudyHierarchical& model) {
+  std::vector<HierarchicalVariantRow> rows;
+  for (const HierarchicalVariant& one : model.variants)
+    for (const SharedEstimate& shared : one.shared)
+      for (std::size_t i = 0; i < one.conditions.size(); ++i)
+        rows.push_back({&one, &shared, &one.conditions[i], &model.conditions[i]});
+  return rows;
+}
+
+Fields<HierarchicalVariantRow> hierarchical_variant_fields(const Protocol& protocol, SessionKind kind) {
+  using R = HierarchicalVariantRow;
+  using F = Field<R>;
+  Fields<R> fields = {
+      F("variant", "what is estimated besides, the same for everybody",
+        [](const R& r) { return word_of(kVariantKindWords, r.of->kind); },
+        {.levels = "overdispersion drift sureness", .title = "with"}),
+      F("parameter",
+        "overdispersion: intra-class correlation of the answers of one participant, condition and level; drift_ln_jnd, "
+        "drift_criterion: second half of a cell's trials less the first" +
+            std::string(has_choices(protocol) ? " (of the criterion: of the PSE)" : "") +
+            "; sure_below, sure_above: how far beyond the criterion sure "
+            "answers begin",
+        [](const R& r) { return word_of(kSharedParameterWords, r.shared->parameter); },
+        {.levels = "overdispersion drift_ln_jnd drift_criterion sure_below sure_above"}),
+      F("condition", "condition", [&protocol](const R& r) { return condition_of(protocol, r.with->condition); })};
+  add_standard(fields, protocol, [](const R& r) { return r.with->series; });
+  fields.insert(
+      fields.end(),
+      {F("kind", "kind of the sessions", [kind](const R&) { return kind; }, {.levels = kKindsCounted}),
+       F("estimate", "estimate of the parameter; empty where its status says why",
+         [](const R& r) { return r.shared->value; }),
+       F("estimate_low", "lower end of its 95 % interval (profile likelihood); -Inf: beyond what is searched",
+         [](const R& r) { return r.shared->ends.low; }, {.column = "estimate_ci95_low"}),
+       F("estimate_high", "upper end; Inf: beyond what is searched", [](const R& r) { return r.shared->ends.high; },
+         {.column = "estimate_ci95_high"}),
+       F("lr", "likelihood-ratio chi-square of 0, 1 degree of freedom; empty of sureness",
+         [](const R& r) { return r.shared->lr; }, {.title = "chi-square", .digits = 2}),
+       F("p", "its p; of overdispersion, which cannot be below 0, half of that of chi-square",
+         [](const R& r) { return r.shared->p; }, {.shown = Shown::p_value}),
+       F("status",
+         "ok; zero: the likelihood is largest at 0; at_limit: as large as is searched; not_identified: these answers "
+         "cannot tell it; not_converged: the search did not settle",
+         [](const R& r) { return word_of(kSharedStatusWords, r.shared->status); },
+         {.levels = "ok zero at_limit not_identified not_converged"}),
+       F(
+           "jnd", "JND of the group with this in the model; empty where status or jnd_status says why",
+           [](const R& r) { return r.with->jnd; }, in_study_unit(protocol, "jnd_", jnd_title(protocol))),
+       F(
+           "ci_low", "lower end of its 95 % interval (profile likelihood); 0 where the answers leave it open",
+           [](const R& r) { return r.with->ci_low; }, in_study_unit(protocol, "jnd_ci95_low_")),
+       F(
+           "ci_high", "upper end; Inf where the answers leave it open", [](const R& r) { return r.with->ci_high; },
+           in_study_unit(protocol, "jnd_ci95_high_")),
+       F("width_ratio", "how many times as wide the interval of ln JND is as without this; empty where one is open",
+         [](const R& r) { return r.width_ratio(); }, {.title = "times as wide", .digits = 2}),
+       F("jnd_status", "what that JND is", [](const R& r) { return word_of(kSlopeStatusWords, r.with->status); },
+         {.levels = kSlopeStatuses})});
+  return fields;
 }
 
 Fields<HierarchicalPerson> hierarchical_person_fields(const Protocol& protocol, SessionKind kind) {

@@ -28,6 +28,18 @@ struct HierarchicalCheckRow {
 std::vector<HierarchicalCheckRow> hierarchical_check_rows(const StudyHierarchical& model);
 Fields<HierarchicalCheckRow> hierarchical_check_fields(const Protocol& protocol, SessionKind kind);
 
+// A variant's parameter and a condition; what is of the parameter, and of the condition, stands in every row of it.
+struct HierarchicalVariantRow {
+  const HierarchicalVariant* of;
+  const SharedEstimate* shared;
+  const HierarchicalCondition *with, *without;  // that parameter in the model
+
+  // How many times as wide the interval of ln JND is. NaN: one of the two has an open end, or there is none.
+  double width_ratio() const;
+};
+std::vector<HierarchicalVariantRow> hierarchical_variant_rows(const StudyHierarchical& model);
+Fields<HierarchicalVariantRow> hierarchical_variant_fields(const Protocol& protocol, SessionKind kind);
+
 // A participant and condition.
 Fields<HierarchicalPerson> hierarchical_person_fields(const Protocol& protocol, SessionKind kind);
 

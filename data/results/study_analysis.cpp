@@ -12,6 +12,7 @@
 #include "data/results/threshold_method.h"
 #include "data/study/trial_rows.h"
 #include "protocols/planning/allotment.h"
+#include "protocols/tasks/task.h"
 
 namespace jnd {
 
@@ -47,6 +48,11 @@ struct Delivered {
   }
 };
 
+void add(Counts& counts, const CountedTrial& trial) noexcept {
+  (trial.same() ? counts.n_same : counts.n_diff) += 1;
+  if (trial.said_different()) (trial.same() ? counts.false_alarms : counts.hits) += 1;
+}
+
 DeliveredMean mean_of(double sum, int n) noexcept {
   return n > 0 ? DeliveredMean{sum / n, n} : DeliveredMean{};
 }
@@ -55,6 +61,7 @@ DeliveredMean mean_of(double sum, int n) noexcept {
 struct ParticipantData {
   struct Cell {
     Counts counts;
+    std::array<HalfCounts, 2> halves{};
     int excluded = 0;
     int missing = 0;
     Delivered delivered;
@@ -129,6 +136,20 @@ JndEstimate estimate_threshold(const std::vector<SeriesCounts>& series, const Pr
   return estimate;
 }
 
+// participant_of: by session. After all trials were counted.
+void add_halves(std::vector<ParticipantData>& participants, const std::vector<std::size_t>& participant_of,
+                const Protocol& protocol, const std::vector<CountedTrial>& trials) {
+  for (const CountedTrial& trial : trials) {
+    if (!exclusion_reason(protocol.analysis.exclude, trial).empty()) continue;
+    ParticipantData::Cell& cell = participants[participant_of[place(trial.session)]]
+                                      .cells[place(trial.condition) * protocol.series.size() + place(trial.series)];
+    const int before = cell.halves[0].counts.trials() + cell.halves[1].counts.trials();
+    HalfCounts& half = cell.halves[in_second_half(place(before), place(cell.counts.trials())) ? 1 : 0];
+    add(half.counts, trial);
+    if (is_sure(trial.sureness, protocol.task)) add(half.sure, trial);
+  }
+}
+
 // participants: in the order of the report. seed: of the bootstrap.
 void estimate(StudyAnalysis& analysis, std::vector<ParticipantData> participants, const Protocol& protocol,
               std::uint64_t seed) {
@@ -145,10 +166,16 @@ void estimate(StudyAnalysis& analysis, std::vector<ParticipantData> participants
       std::vector<DifferenceSource> sources;  // of the series in the fit
       for (int one = 0; one < series; ++one) {
         const ParticipantData::Cell& cell = data.cells[place(condition * series + one)];
-        CellResult result{data.participant, analysis.attendance.kind,
-                          condition,        one,
-                          cell.counts,      cell.excluded,
-                          cell.missing,     yes_no(cell.counts, rate_correction)};
+        CellResult result;
+        result.participant = data.participant;
+        result.kind = analysis.attendance.kind;
+        result.condition = condition;
+        result.series = one;
+        result.counts = cell.counts;
+        result.halves = cell.halves;
+        result.excluded = cell.excluded;
+        result.missing = cell.missing;
+        result.yes_no = yes_no(cell.counts, rate_correction);
         result.group = data.group;
         set_difference(result, cell.delivered, protocol, analysis.by);
         of_series.push_back({result.difference, cell.counts});
@@ -244,14 +271,14 @@ StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind 
       ++analysis.exclusions[std::string(reason)];
       continue;
     }
-    (trial.same() ? cell.counts.n_same : cell.counts.n_diff) += 1;
-    if (trial.said_different()) (trial.same() ? cell.counts.false_alarms : cell.counts.hits) += 1;
+    add(cell.counts, trial);
     cell.delivered.add(trial, protocol.series[place(trial.series)].pair);
     ParticipantData::Times& times = data.times[place(trial.condition)];
     times.sum_s += trial.duration_s;
     ++times.trials;
     if (trial.by_participant) times.response_times_s.push_back(trial.response_time_s);
   }
+  add_halves(participants, participant_of, protocol, trials);
   for (ParticipantData& data : participants)
     for (ParticipantData::Cell& cell : data.cells)
       cell.missing = std::max(0, protocol.design.sessions * protocol.design.trials_per_cell - cell.counts.n_diff -
@@ -279,12 +306,10 @@ StudyAnalysis analyze_counts(const std::vector<CellCounts>& cells, const Protoco
                                      cell.participant, cell.condition, cell.series, protocol.name));
     const auto [found, is_new] = places.try_emplace(cell.participant, participants.size());
     if (is_new) participants.push_back(empty_data(cell.participant, cell.group, protocol));
-    Counts& counts =
-        participants[found->second].cells[place(cell.condition) * protocol.series.size() + place(cell.series)].counts;
-    counts.n_diff += cell.counts.n_diff;
-    counts.hits += cell.counts.hits;
-    counts.n_same += cell.counts.n_same;
-    counts.false_alarms += cell.counts.false_alarms;
+    ParticipantData::Cell& of =
+        participants[found->second].cells[place(cell.condition) * protocol.series.size() + place(cell.series)];
+    of.counts += cell.counts;
+    of.halves[0].counts = of.counts;
   }
   estimate(analysis, std::move(participants), protocol, 1);
   return analysis;

@@ -39,13 +39,19 @@ struct DeliveredMean {
   int n = 0;
 };
 
+// Of some trials, and of these the sure answers (is_sure() of protocols/tasks/task.h).
+struct HalfCounts {
+  Counts counts, sure;
+};
+
 // One participant, condition and series.
 struct CellResult {
   std::string participant;
   SessionKind kind = SessionKind::simulated;
   int condition = 0, series = 0;  // places in the protocol
   Counts counts;
-  int excluded = 0;  // trials left out by the registered rules
+  std::array<HalfCounts, 2> halves{};  // of these, the first and the second half as they were answered
+  int excluded = 0;                    // trials left out by the registered rules
   int missing = 0;   // planned trials without an answer
   YesNo yes_no;      // under the registered correction
   // The x of the fit. By delivered stiffness it is delivered_difference where n > 0, else the nominal one.

@@ -69,7 +69,8 @@ class StudyFit {
   std::string refusal();
   std::vector<HierarchicalCell> cells_of_fit() const;
   void add_spreads(const HierarchicalFit& fit);
-  void add_conditions(const HierarchicalFit& fit);
+  void set_conditions(std::vector<HierarchicalCondition>& rows, const std::vector<ConditionMean>& found) const;
+  void add_variants(const std::vector<HierarchicalCell>& cells, const HierarchicalModel& of);
   void add_ratios(HierarchicalAnalysis& fitted);
   void add_people(const std::vector<PersonEstimate>& people);
   void add_check(const std::vector<HierarchicalCell>& cells, const HierarchicalModel& of,
@@ -127,7 +128,7 @@ std::string StudyFit::refusal() {
     }
   if (choices() && !model_.pse_at_standard) {
     if (!(low < high)) return "the comparisons of all trials that count have one level";
-  } else if (!(std::max(-low, high) > 0)) {
+  } else if (!(choices() && low < 0) && !(high > 0)) {
     return task_of(protocol_.task.kind).has_own_results() ? "no trial with different stimuli counts"
                                                           : "no trial counts whose level is not the standard";
   }
@@ -140,8 +141,14 @@ std::vector<HierarchicalCell> StudyFit::cells_of_fit() const {
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     const HierarchicalPerson& person = cells_[i].person;
     for (const LevelCount& one : cells_[i].counts) {
-      HierarchicalCell cell{number_[i], to_fit_[place(person)], one.level / unit_of(person.series),
-                            static_cast<double>(one.positive), static_cast<double>(one.negative)};
+      HierarchicalCell cell{number_[i],
+                            to_fit_[place(person)],
+                            one.level / unit_of(person.series),
+                            static_cast<double>(one.positive),
+                            static_cast<double>(one.negative),
+                            one.second_half,
+                            static_cast<double>(one.sure_positive),
+                            static_cast<double>(one.sure_negative)};
       if (model_.pse_at_standard)
         add_without_bias(cells, cell);
       else
@@ -162,22 +169,34 @@ void StudyFit::add_spreads(const HierarchicalFit& fit) {
   model_.criteria = spread_of(fit.tw, fit.maximum.place.tw);
 }
 
-void StudyFit::add_conditions(const HierarchicalFit& fit) {
-  for (std::size_t i = 0; i < fitted_rows_.size(); ++i) {
-    const ConditionMean& found = fit.conditions[i];
-    HierarchicalCondition& one = model_.conditions[fitted_rows_[i]];
+// rows: of model_.conditions.
+void StudyFit::set_conditions(std::vector<HierarchicalCondition>& rows, const std::vector<ConditionMean>& found) const {
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const ConditionMean& mean = found[i];
+    HierarchicalCondition& one = rows[fitted_rows_[i]];
     const double unit = unit_of(one.series), jnd = answer_model_.jnd_of_s * unit, standard = standard_of(one.series);
-    one.status = found.status;
-    one.jnd = jnd * std::exp(found.mu);
-    one.ci_low = jnd * std::exp(found.ends.low);
-    one.ci_high = jnd * std::exp(found.ends.high);
+    one.status = mean.status;
+    one.jnd = jnd * std::exp(mean.mu);
+    one.ci_low = jnd * std::exp(mean.ends.low);
+    one.ci_high = jnd * std::exp(mean.ends.high);
     if (standard > 0) one.weber = one.jnd / standard;
-    if (!choices()) one.criterion = found.criterion;
-    if (!choices() || model_.pse_at_standard || found.status != SlopeStatus::ok) continue;
-    one.criterion = unit * found.criterion;
+    if (!choices()) one.criterion = mean.criterion;
+    if (!choices() || model_.pse_at_standard || mean.status != SlopeStatus::ok) continue;
+    one.criterion = unit * mean.criterion;
     one.pse = standard + one.criterion;
-    one.pse_low = standard + unit * found.criterion_ends.low;
-    one.pse_high = standard + unit * found.criterion_ends.high;
+    one.pse_low = standard + unit * mean.criterion_ends.low;
+    one.pse_high = standard + unit * mean.criterion_ends.high;
+  }
+}
+
+void StudyFit::add_variants(const std::vector<HierarchicalCell>& cells, const HierarchicalModel& of) {
+  for (ModelVariant& found : model_variants(cells, of)) {
+    HierarchicalVariant& one = model_.variants.emplace_back();
+    one.kind = found.kind;
+    one.shared = std::move(found.shared);
+    for (const HierarchicalCondition& row : model_.conditions)
+      one.conditions.push_back({.condition = row.condition, .series = row.series, .participants = row.participants});
+    set_conditions(one.conditions, found.conditions);
   }
 }
 
@@ -241,7 +260,7 @@ StudyHierarchical StudyFit::fitted(std::string separate, bool rounded) {
   of.response = answer_model_.response;
   of.shared.lapse = answer_model_.lapse;
   of.tw = !model_.pse_at_standard;
-  const std::vector<HierarchicalCell> cells = cells_of_fit();
+  const std::vector<HierarchicalCell> answered = cells_of_fit(), cells = without_halves_and_sureness(answered);
   HierarchicalAnalysis fitted(cells, of);
   const HierarchicalFit& fit = fitted.fit();
   if (!fit.maximum.converged || (fit.df > 0 && !fit.common.converged)) {
@@ -251,9 +270,10 @@ StudyHierarchical StudyFit::fitted(std::string separate, bool rounded) {
   }
   add_spreads(fit);
   fitted.add_intervals();
-  add_conditions(fit);
+  set_conditions(model_.conditions, fit.conditions);
   add_people(fitted.people());
   add_ratios(fitted);
+  if (static_cast<std::size_t>(model_.participants) <= kMostInDetail) add_variants(answered, of);
   if (series_ > 1) return model_;
   model_.equal_lr = fit.lr;
   model_.equal_p = fit.p;
@@ -283,6 +303,19 @@ double step_of(const StudyAnalysis& analysis) {
   return largest / kDeliveredSteps;
 }
 
+// level: of trials with different stimuli; same_level: of the others.
+void add_level_counts(std::vector<LevelCount>& answers, const CellResult& cell, double level, double same_level) {
+  for (const bool second_half : {false, true}) {
+    const auto& [counts, sure] = cell.halves[second_half ? 1 : 0];
+    if (counts.n_diff > 0)
+      answers.push_back(
+          {level, counts.hits, counts.n_diff - counts.hits, second_half, sure.hits, sure.n_diff - sure.hits});
+    if (counts.n_same > 0)
+      answers.push_back({same_level, counts.false_alarms, counts.n_same - counts.false_alarms, second_half,
+                         sure.false_alarms, sure.n_same - sure.false_alarms});
+  }
+}
+
 // Where what is registered is no JND, the one by the model's own observer is each participant's.
 void take_alone(StudyHierarchical& model) {
   for (HierarchicalPerson& one : model.people) {
@@ -307,6 +340,9 @@ JndStatus status_of(const TaskEstimate& estimate, const std::string& status) {
 StudyHierarchical study_hierarchical(const StudyAnalysis& analysis, const Protocol& protocol) {
   const std::size_t series = protocol.series.size();
   const double step = step_of(analysis);
+  const std::optional<AnswerModel> answers = task_of(protocol.task.kind).answer_model(protocol);
+  // Somebody who judges each interval by itself says "same" the more, the further apart the others of the series are.
+  const double same = answers && answers->response == ResponseModel::independent ? -1 : 0;
   std::vector<AnsweredCell> cells;
   for (std::size_t row = 0; row < analysis.thresholds.size(); ++row) {
     const ThresholdResult& threshold = analysis.thresholds[row];
@@ -317,10 +353,8 @@ StudyHierarchical study_hierarchical(const StudyAnalysis& analysis, const Protoc
     cell.person.separate_status = threshold.jnd.status;
     if (threshold.jnd.status == JndStatus::ok) cell.person.separate = threshold.jnd.jnd;
     for (std::size_t i = row * series; i < (row + 1) * series; ++i) {
-      const Counts& counts = analysis.cells[i].counts;
-      if (counts.n_diff > 0)
-        cell.counts.push_back({level_of(analysis.cells[i], step), counts.hits, counts.n_diff - counts.hits});
-      if (counts.n_same > 0) cell.counts.push_back({0, counts.false_alarms, counts.n_same - counts.false_alarms});
+      const double level = level_of(analysis.cells[i], step);
+      add_level_counts(cell.counts, analysis.cells[i], level, same * level);
     }
   }
   const bool delivered = std::any_of(analysis.cells.begin(), analysis.cells.end(), [](const CellResult& cell) {

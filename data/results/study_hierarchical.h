@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "analysis/hierarchical/hierarchical_fit.h"
+#include "analysis/hierarchical/model_variants.h"
 #include "analysis/hierarchical/predictive_check.h"
 #include "analysis/numerics/special_values.h"
 #include "analysis/numerics/words.h"
@@ -90,6 +91,14 @@ struct HierarchicalPerson {
   double separate = kNaN;  // NaN unless ok
 };
 
+// The model with one thing more estimated, the same for everybody.
+struct HierarchicalVariant {
+  VariantKind kind = VariantKind::overdispersion;
+  // Drift of the criterion is of choices that of the PSE, in the study's unit, or of several standards a share of them.
+  std::vector<SharedEstimate> shared;
+  std::vector<HierarchicalCondition> conditions;  // as of StudyHierarchical; without a JND where nothing can be told
+};
+
 struct StudyHierarchical {
   HierarchicalStatus status = HierarchicalStatus::no_answers;
   std::string reason;                     // in words, where it is not ok
@@ -111,6 +120,8 @@ struct StudyHierarchical {
   // One JND for all conditions, by likelihood ratio; df 0: there is no such test, nor of several standards.
   double equal_lr = kNaN, equal_p = kNaN;
   int equal_df = 0;
+  // By kind, what is offered of them; none above kMostInDetail participants.
+  std::vector<HierarchicalVariant> variants;
   // Whether the model draws answers like these; the conditions of its rows are places in the protocol. None over
   // delivered differences, which hardly two people share, nor above kMostInDetail participants.
   std::optional<PredictiveCheck> check;

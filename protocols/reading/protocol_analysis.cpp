@@ -109,8 +109,8 @@ void read_group(const JsonNode& node, JsonReader& reader, ProtocolReading& readi
   if (!analysis.hierarchical) return;
   const TaskKind kind = reading.protocol.task.kind;
   const std::optional<AnswerModel> answers = task_of(kind).answer_model(reading.protocol);
-  if (!answers && reading.has_pairs())
-    reader.error("group", "the hierarchical model of a study is not of independent observation",
+  if (!answers && kind == TaskKind::same_different)
+    reader.error("group", "the hierarchical model of a procedure is not of independent observation",
                  "write \"model\": \"yes-no\" or \"differencing\", or remove it");
   else if (!answers)
     reader.error("group", fmt::format("there is no hierarchical model of the task {}", in_quotes(to_string(kind))),

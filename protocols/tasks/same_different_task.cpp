@@ -55,6 +55,9 @@ std::vector<DrawnTrial> SameDifferentTask::draw_track(const CellDraw& track, Ran
 std::optional<AnswerModel> SameDifferentTask::answer_model(const Protocol& protocol) const {
   if (protocol.analysis.model == "yes-no") return AnswerModel{.response = ResponseModel::yes_no};
   if (protocol.analysis.model == "differencing") return AnswerModel{.response = ResponseModel::differencing};
+  // Of equal stimuli this observer needs to know how far apart the others of their series are.
+  if (protocol.analysis.model == "independent-observation" && !protocol.design.procedure)
+    return AnswerModel{.response = ResponseModel::independent};
   return std::nullopt;
 }
 

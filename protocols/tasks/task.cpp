@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <stdexcept>
+#include <utility>
 
 #include "protocols/tasks/abx_task.h"
 #include "protocols/tasks/adjust_task.h"
@@ -68,18 +69,25 @@ std::string_view said_word(const TaskSpec& spec, int said) noexcept {
   return known ? std::string_view(spec.classes[static_cast<std::size_t>(said)]) : std::string_view();
 }
 
+bool is_sure(int sureness, const TaskSpec& spec) noexcept {
+  return spec.sureness_levels > 1 && 2 * sureness > spec.sureness_levels + 1;
+}
+
 std::vector<LevelCount> level_counts(std::span<const AnsweredTrial> trials, const Protocol& protocol) {
   const Task& task = task_of(protocol.task.kind);
   if (!task.answer_model(protocol)) return {};
-  std::map<double, LevelCount> by_level;
-  for (const AnsweredTrial& trial : trials) {
-    const auto [level, positive] = task.level_answer(trial, protocol.task);
-    LevelCount& one = by_level[level];
+  std::map<std::pair<double, bool>, LevelCount> by_level;
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    const auto [level, positive] = task.level_answer(trials[i], protocol.task);
+    const bool second_half = in_second_half(i, trials.size());
+    LevelCount& one = by_level[{level, second_half}];
     one.level = level;
+    one.second_half = second_half;
     ++(positive ? one.positive : one.negative);
+    if (is_sure(trials[i].sureness, protocol.task)) ++(positive ? one.sure_positive : one.sure_negative);
   }
   std::vector<LevelCount> counts;
-  for (const auto& [level, one] : by_level) counts.push_back(one);
+  for (const auto& [where, one] : by_level) counts.push_back(one);
   return counts;
 }
 

@@ -97,10 +97,12 @@ struct LevelAnswer {
   bool positive = false;  // "different", "yes", or the comparison
 };
 
-// How often it was given.
+// How often it was given, in one half of a participant's trials.
 struct LevelCount {
   double level = 0;
   int positive = 0, negative = 0;
+  bool second_half = false;
+  int sure_positive = 0, sure_negative = 0;  // of these, where sureness is asked
 };
 
 // The share of trials in which a class was said, and what the fit says of it, over the levels: for figures and tables.
@@ -218,7 +220,11 @@ bool is_catch(const Trial& trial);
 // How sure a simulated participant says it is, whose evidence lies so far from the criterion: a degree for every sigma.
 int sureness_of(double distance, double sigma, const TaskSpec& spec) noexcept;
 
-// By level, from the least; empty where the task has no answer_model().
+// Whether an answer is a sure one, of two kinds: above the middle of the scale of sureness.
+bool is_sure(int sureness, const TaskSpec& spec) noexcept;
+
+// trials: of one participant in one condition, in the order in which they were answered. By level, from the least, and
+// half; empty where the task has no answer_model().
 std::vector<LevelCount> level_counts(std::span<const AnsweredTrial> trials, const Protocol& protocol);
 
 // Whether it is the correct answer; none where there is none.

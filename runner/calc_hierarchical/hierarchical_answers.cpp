@@ -200,7 +200,7 @@ NamedAnswers trial_answers(const HierarchicalCommand& options) {
   // Of the first half of each participant's trials in each condition, and of the second; of all, without drift.
   TrialTable halves[2] = {{table.file, table.units, {}}, {table.file, table.units, {}}};
   for (const CsvTrial& trial : table.trials) {
-    const bool second = options.drift && 2 * seen[trial.unit]++ >= trials[trial.unit];
+    const bool second = options.drift && in_second_half(seen[trial.unit]++, trials[trial.unit]);
     halves[second ? 1 : 0].trials.push_back(trial);
   }
   const std::vector<std::vector<TrialCount>> counts[2] = {count_trials(halves[0]), count_trials(halves[1])};

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/hierarchical/model_variants.h"
 #include "runner/calc_hierarchical/calc_hierarchical_check.h"
 #include "runner/calc_hierarchical/hierarchical_result.h"
 #include "runner/terminal/number_text.h"
@@ -88,31 +89,13 @@ std::string spreads_text(const HierarchicalResult& result) {
   return text;
 }
 
-const char* shared_name(SharedParameter parameter, bool choice) {
-  switch (parameter) {
-    case SharedParameter::lapse:
-      return "share of trials answered by chance";
-    case SharedParameter::overdispersion:
-      return "correlation of answers at one level";
-    case SharedParameter::drift_ln_s:
-      return "ln JND, second half less first";
-    case SharedParameter::sure_below:
-      return "same, sure: below";
-    case SharedParameter::sure_above:
-      return "different, sure: above";
-    case SharedParameter::drift_criterion:
-      break;
-  }
-  return choice ? "PSE, second half less first" : "criterion, second half less first";
-}
-
 // What is the same for everybody, and what its estimation does to the means.
 std::string shared_text(const HierarchicalResult& result) {
   if (!result.without) return "";
   TextTable table({"the same for everybody", "", "95 % profile", "chi-square", "p", "status"},
                   {Align::left, Align::right, Align::right, Align::right, Align::right, Align::left});
   for (const SharedEstimate& one : result.shared)
-    table.add({shared_name(one.parameter, result.choice()), four_digits(one.value),
+    table.add({std::string(title_of(one.parameter, result.choice())), four_digits(one.value),
                std::isnan(one.ends.low) ? "-" : range_text(four_digits(one.ends.low), four_digits(one.ends.high)),
                number_text(one.lr, 2), p_value_text(one.p), std::string(word_of(kSharedStatusWords, one.status))});
   TextTable means({"condition", "JND", "95 % profile", "without these", "95 % profile"},
@@ -135,7 +118,7 @@ std::string sureness_text(const HierarchicalResult& result) {
   TextTable table({"criteria of sureness", "from the criterion", "95 % profile", "status"},
                   {Align::left, Align::right, Align::right, Align::left});
   for (const SharedEstimate& one : result.sureness)
-    table.add({shared_name(one.parameter, false), number_text(one.value, 3),
+    table.add({std::string(title_of(one.parameter, false)), number_text(one.value, 3),
                std::isnan(one.ends.low) ? "-" : range_text(four_digits(one.ends.low), four_digits(one.ends.high)),
                std::string(word_of(kSharedStatusWords, one.status))});
   std::string text = "\n" + table.text();

@@ -152,6 +152,40 @@ ResultTable hierarchical_check_table(const StudyResults& results, const Protocol
   return table;
 }
 
+ResultTable hierarchical_variants_table(const StudyResults& results, const Protocol& protocol) {
+  ResultTable table{"hierarchical-variants", "What the hierarchical model leaves out", "", {}, {}, {}};
+  if (!results.hierarchical) return table;
+  table.note = "each estimated in a model of its own, the same for everybody; p: likelihood ratio of none";
+  const TableMaker of(hierarchical_variant_fields(protocol, attendance_of(results).kind));
+  using Row = HierarchicalVariantRow;
+  std::vector<Row> rows = hierarchical_variant_rows(*results.hierarchical);
+  std::erase_if(rows, [](const Row& row) { return row.with != row.of->conditions.data(); });
+  const auto title = [&](const Row& row) {
+    return std::string(title_of(row.shared->parameter, is_choice(*results.hierarchical)));
+  };
+  return of(std::move(table),
+            {of.words("left out", title), of("estimate"), of.range("estimate_low", "estimate_high"), of("lr"), of("p"),
+             of("status")},
+            rows);
+}
+
+ResultTable hierarchical_variant_jnds_table(const StudyResults& results, const Protocol& protocol) {
+  ResultTable table{"hierarchical-variant-jnds", "The group with that in the model", "", {}, {}, {}};
+  if (!results.hierarchical) return table;
+  table.note = "times as wide: the interval of ln JND, compared with the one above";
+  const TableMaker of(hierarchical_variant_fields(protocol, attendance_of(results).kind));
+  using Row = HierarchicalVariantRow;
+  std::vector<Row> rows = hierarchical_variant_rows(*results.hierarchical);
+  std::erase_if(rows, [](const Row& row) {
+    return row.shared != row.of->shared.data() || row.with->status == SlopeStatus::missing;
+  });
+  std::vector<TableColumn<Row>> columns = {of("variant"), of("condition")};
+  if (shows_standards(protocol)) columns.push_back(of("standard"));
+  columns.insert(columns.end(),
+                 {of("jnd"), of.range("ci_low", "ci_high"), of("width_ratio"), of("jnd_status", "status")});
+  return of(std::move(table), columns, rows);
+}
+
 ResultTable hierarchical_people_table(const StudyResults& results, const Protocol& protocol) {
   ResultTable table{"hierarchical-people", "Participants by the hierarchical model", "", {}, {}, {}};
   if (!results.hierarchical || results.hierarchical->status != HierarchicalStatus::ok) return table;
@@ -223,6 +257,10 @@ Json hierarchical_json(const StudyHierarchical& model, const Protocol& protocol,
                                      {"condition", "difference", "participants", "trials", "share", "share_low",
                                       "share_high", "share_status", "sd", "sd_low", "sd_high", "sd_status"});
   }
+  out["variants"] = rows_json(hierarchical_variant_fields(protocol, kind), hierarchical_variant_rows(model),
+                              with({"variant", "parameter", "condition", "estimate", "estimate_low", "estimate_high",
+                                    "lr", "p", "status", "jnd", "ci_low", "ci_high", "width_ratio", "jnd_status"},
+                                   3, {}));
   out["sd"] = nullptr;
   if (model.status == HierarchicalStatus::ok)
     out["sd"] = {{"persons", spread_json(model.persons)},

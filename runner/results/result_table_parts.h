@@ -40,6 +40,8 @@ ResultTable task_counts_table(const TaskResults& results, const Protocol& protoc
 ResultTable hierarchical_table(const StudyResults& results, const Protocol& protocol);
 ResultTable hierarchical_ratios_table(const StudyResults& results, const Protocol& protocol);
 ResultTable hierarchical_check_table(const StudyResults& results, const Protocol& protocol);
+ResultTable hierarchical_variants_table(const StudyResults& results, const Protocol& protocol);
+ResultTable hierarchical_variant_jnds_table(const StudyResults& results, const Protocol& protocol);
 ResultTable hierarchical_people_table(const StudyResults& results, const Protocol& protocol);
 nlohmann::ordered_json hierarchical_json(const StudyHierarchical& model, const Protocol& protocol, SessionKind kind);
 

@@ -178,6 +178,8 @@ struct TablesOf {
             hierarchical_table(results, protocol),
             hierarchical_ratios_table(results, protocol),
             hierarchical_check_table(results, protocol),
+            hierarchical_variants_table(results, protocol),
+            hierarchical_variant_jnds_table(results, protocol),
             sensitivity_table(measured, protocol),
             sureness_table(measured, protocol),
             behaviour_table(measured, protocol),
@@ -198,6 +200,8 @@ struct TablesOf {
             hierarchical_table(results, protocol),
             hierarchical_ratios_table(results, protocol),
             hierarchical_check_table(results, protocol),
+            hierarchical_variants_table(results, protocol),
+            hierarchical_variant_jnds_table(results, protocol),
             items_table(results, protocol),
             ratings_table(results, protocol)};
   }
@@ -213,6 +217,8 @@ struct TablesOf {
             hierarchical_table(results, protocol),
             hierarchical_ratios_table(results, protocol),
             hierarchical_check_table(results, protocol),
+            hierarchical_variants_table(results, protocol),
+            hierarchical_variant_jnds_table(results, protocol),
             proportion_table(measured.task, protocol),
             items_table(results, protocol),
             ratings_table(results, protocol),
@@ -226,7 +232,7 @@ struct TablesOf {
 }  // namespace
 
 Section section_of(const ResultTable& table) {
-  constexpr std::array<std::pair<std::string_view, Section>, 18> kSections = {
+  constexpr std::array<std::pair<std::string_view, Section>, 20> kSections = {
       {{"participants", Section::participants},
        {"group", Section::participants},
        {"contrasts", Section::tests},
@@ -239,6 +245,8 @@ Section section_of(const ResultTable& table) {
        {"hierarchical", Section::tests},
        {"hierarchical-ratios", Section::tests},
        {"hierarchical-check", Section::tests},
+       {"hierarchical-variants", Section::tests},
+       {"hierarchical-variant-jnds", Section::tests},
        {"proportion", Section::tests},
        {"sensitivity", Section::models},
        {"models", Section::models},

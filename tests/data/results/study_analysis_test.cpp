@@ -42,6 +42,11 @@ TEST_CASE("counts are those of the answered main trials, in a cell for everythin
     for (const auto& [cell, counts] : expected) {
       const CellResult& found = cell_of(analysis, "P0" + std::to_string(number), cell.first, cell.second);
       CHECK(found.counts == counts);
+      Counts halves = found.halves[0].counts;
+      CHECK((halves.trials() == (counts.trials() + 1) / 2));
+      halves += found.halves[1].counts;
+      CHECK(halves == counts);
+      CHECK(found.halves[0].sure == Counts());
       CHECK(found.missing == 0);
       CHECK(found.excluded == 0);
       CHECK(found.yes_no.dprime == yes_no(counts, Correction::loglinear).dprime);

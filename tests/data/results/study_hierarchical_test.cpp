@@ -194,9 +194,11 @@ TEST_CASE("who and what has no trials is missing, and moves nobody else", "[data
 }
 
 TEST_CASE("where there is no model the reason is said, and nothing is estimated", "[data]") {
-  Protocol independent = chinello();
-  independent.analysis.model = "independent-observation";
-  const StudyHierarchical not_offered = model_of(patterned_counts(2), independent);
+  Protocol independent = load_protocol(std::string(JND_SOURCE_DIR) + "/protocols/adaptive-staircase.json");
+  independent.analysis.model = "independent-observation";  // of a procedure
+  AdaptiveResults thresholds;
+  thresholds.rows.emplace_back().participant = "P01";
+  const StudyHierarchical not_offered = study_hierarchical(thresholds, independent);
   CHECK(not_offered.status == HierarchicalStatus::not_offered);
   CHECK_FALSE(not_offered.response);
   CHECK(not_offered.reason == "there is none of the registered model of d', independent-observation");
@@ -212,6 +214,7 @@ TEST_CASE("where there is no model the reason is said, and nothing is estimated"
 
   for (const StudyHierarchical* model : {&not_offered, &many, &no_answers}) {
     CHECK(model->ratios.empty());
+    CHECK(model->variants.empty());
     CHECK(model->equal_df == 0);
     for (const HierarchicalCondition& one : model->conditions) {
       CHECK(status_word(*model, one) == word_of(kHierarchicalStatusWords, model->status));
@@ -229,6 +232,101 @@ TEST_CASE("the differencing observer is that of a protocol which registers it", 
   REQUIRE(model.status == HierarchicalStatus::ok);
   CHECK(model.response == ResponseModel::differencing);
   CHECK(model.conditions.front().jnd != model_of(patterned_counts(4)).conditions.front().jnd);
+}
+
+TEST_CASE("somebody who judges each interval by itself takes equal stimuli by their series", "[data]") {
+  Protocol independent = chinello();
+  independent.analysis.model = "independent-observation";
+  const std::vector<CellCounts> counts = patterned_counts(6);
+  const StudyHierarchical model = model_of(counts, independent);
+  REQUIRE(model.status == HierarchicalStatus::ok);
+  CHECK(model.response == ResponseModel::independent);
+  std::vector<HierarchicalCell> cells;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    const auto& [n_diff, hits, n_same, false_alarms] = counts[i].counts;
+    const int person = static_cast<int>(i / 9);
+    const std::array<double, 2>& pair = independent.series[static_cast<std::size_t>(counts[i].series)].pair;
+    const double difference = std::abs(pair[1] - pair[0]);
+    cells.push_back(
+        {person, counts[i].condition, difference, static_cast<double>(hits), static_cast<double>(n_diff - hits)});
+    cells.push_back({person, counts[i].condition, -difference, static_cast<double>(false_alarms),
+                     static_cast<double>(n_same - false_alarms)});
+  }
+  HierarchicalModel of;
+  of.response = ResponseModel::independent;
+  const HierarchicalFit fit = HierarchicalAnalysis(cells, of).fit();
+  for (std::size_t c = 0; c < 3; ++c)
+    CHECK(model.conditions[c].jnd == Approx(std::exp(fit.conditions[c].mu)).epsilon(1e-9));
+}
+
+// The cells of counts, as if a share of the answers of each had come in the second half.
+StudyAnalysis with_halves(const std::vector<CellCounts>& counts, const Protocol& protocol) {
+  StudyAnalysis analysis = analyze_counts(counts, protocol, SessionKind::simulated);
+  for (CellResult& cell : analysis.cells) {
+    Counts late = cell.counts;
+    late.n_diff /= 2;
+    late.hits /= 3;  // fewer of them
+    late.n_same /= 2;
+    late.false_alarms /= 2;
+    cell.halves[1].counts = late;
+    cell.halves[0].counts = cell.counts;
+    cell.halves[0].counts.n_diff -= late.n_diff;
+    cell.halves[0].counts.hits -= late.hits;
+    cell.halves[0].counts.n_same -= late.n_same;
+    cell.halves[0].counts.false_alarms -= late.false_alarms;
+  }
+  return analysis;
+}
+
+const HierarchicalVariant& variant_of(const StudyHierarchical& model, VariantKind kind) {
+  const auto found = std::find_if(model.variants.begin(), model.variants.end(),
+                                  [kind](const HierarchicalVariant& one) { return one.kind == kind; });
+  if (found == model.variants.end()) throw std::runtime_error("no such variant");
+  return *found;
+}
+
+TEST_CASE("what the model leaves out stands beside it, and changes nothing of it", "[data]") {
+  const StudyHierarchical alone = model_of(patterned_counts(6));
+  StudyAnalysis analysis = with_halves(patterned_counts(6), chinello());
+  const StudyHierarchical model = study_hierarchical(analysis, chinello());
+  REQUIRE(model.variants.size() == 2);  // nobody was asked how sure they were
+  for (std::size_t c = 0; c < 3; ++c) CHECK(model.conditions[c].jnd == Approx(alone.conditions[c].jnd).epsilon(1e-9));
+  const HierarchicalVariant& drift = variant_of(model, VariantKind::drift);
+  REQUIRE(drift.shared.size() == 2);
+  CHECK(drift.shared[0].parameter == SharedParameter::drift_ln_s);
+  CHECK(drift.shared[0].status == SharedStatus::ok);
+  CHECK(drift.shared[0].value > 0);  // fewer hits in the second half: a larger JND
+  CHECK(drift.shared[0].p < 0.05);
+  CHECK(drift.conditions[0].status == SlopeStatus::ok);
+  CHECK(drift.conditions[0].ci_low < drift.conditions[0].jnd);
+  CHECK(drift.conditions[0].jnd != model.conditions[0].jnd);
+  // Of counts alone nobody knows when they were answered.
+  const HierarchicalVariant& unknown = variant_of(alone, VariantKind::drift);
+  CHECK(unknown.shared[0].status == SharedStatus::not_identified);
+  CHECK(std::isnan(unknown.shared[0].value));
+  REQUIRE(unknown.conditions.size() == 3);
+  CHECK(unknown.conditions[0].status == SlopeStatus::missing);
+  // The other variants do not see the halves.
+  for (const VariantKind kind : {VariantKind::overdispersion}) {
+    const HierarchicalVariant &with = variant_of(model, kind), &without = variant_of(alone, kind);
+    CHECK(with.shared[0].status == without.shared[0].status);
+    CHECK(with.shared[0].ends.high == Approx(without.shared[0].ends.high).margin(1e-6));
+    CHECK(with.conditions[2].ci_high == Approx(without.conditions[2].ci_high).epsilon(1e-6));
+  }
+  for (CellResult& cell : analysis.cells)
+    for (HalfCounts& half : cell.halves)
+      half.sure = {half.counts.n_diff * 2 / 3, half.counts.hits / 2, half.counts.n_same / 2,
+                   half.counts.false_alarms / 3};
+  const StudyHierarchical graded = study_hierarchical(analysis, chinello());
+  REQUIRE(graded.variants.size() == 3);
+  CHECK(graded.conditions[0].jnd == model.conditions[0].jnd);
+  const HierarchicalVariant& sureness = variant_of(graded, VariantKind::sureness);
+  REQUIRE(sureness.shared.size() == 2);
+  for (const SharedEstimate& one : sureness.shared) {
+    CHECK(one.status == SharedStatus::ok);
+    CHECK(one.value > 0);
+    CHECK(std::isnan(one.p));
+  }
 }
 
 TEST_CASE("delivered differences are those of the cells, near enough", "[data]") {
@@ -539,20 +637,20 @@ TEST_CASE("files of the model are written where it was asked for, and say why th
   CHECK(files_of(chinello()).empty());
   add_hierarchical(results, chinello());
   const auto files = files_of(chinello());
-  REQUIRE(files.size() == 4);
+  REQUIRE(files.size() == 5);
   CHECK(lines_of(files.at("hierarchical.csv")) == 1 + 3);
   CHECK(lines_of(files.at("hierarchical_ratios.csv")) == 1 + 3);
   CHECK(lines_of(files.at("hierarchical_check.csv")) == 1 + 12);
   CHECK(lines_of(files.at("hierarchical_people.csv")) == 1 + 9);
+  CHECK(lines_of(files.at("hierarchical_variants.csv")) == 1 + 3 * 3);
   for (const auto& [name, text] : files) CHECK(text.find("nan") == std::string::npos);
 
-  Protocol independent = chinello();
-  independent.analysis.model = "independent-observation";
-  results = results_of(analyze_counts(patterned_counts(3), independent, SessionKind::simulated), independent);
-  add_hierarchical(results, independent);
-  const auto refused = files_of(independent);
+  results = results_of(analyze_counts(patterned_counts(201), chinello(), SessionKind::simulated), chinello());
+  add_hierarchical(results, chinello());
+  const auto refused = files_of(chinello());
   REQUIRE(refused.size() == 1);
-  CHECK(refused.at("hierarchical.csv").find("S,simulated,,3,3,,,,,,not_offered,,,,,,") != std::string::npos);
+  CHECK(refused.at("hierarchical.csv").find("S,simulated,yes_no,201,201,,,,,,too_many_people,,,,,,") !=
+        std::string::npos);
 }
 
 }  // namespace

@@ -52,6 +52,21 @@ TEST_CASE("the hierarchical model has its tables where it was added") {
   CHECK(json.at("rows").size() == 12);
   CHECK(json.at("rows").at(1).at("share_status") == "inside");
   CHECK(json.at("p") > 0);
+  const ResultTable& left_out = table_named(tables, "hierarchical-variants");
+  REQUIRE(left_out.rows.size() == 3);  // drift has two parameters
+  CHECK(left_out.rows[1].front() == "ln JND, second half less first");
+  CHECK(left_out.rows[1].back() == "not_identified");  // of counts alone
+  CHECK(section_of(left_out) == Section::tests);
+  const ResultTable& with_that = table_named(tables, "hierarchical-variant-jnds");
+  REQUIRE(with_that.rows.size() == 3);
+  CHECK(with_that.rows[2].front() == "overdispersion");
+  CHECK(section_of(with_that) == Section::tests);
+  const nlohmann::ordered_json variants =
+      hierarchical_json(*results.hierarchical, protocol, SessionKind::simulated).at("variants");
+  REQUIRE(variants.size() == 3 * 3);
+  CHECK(variants.at(3).at("status") == "not_identified");
+  CHECK(variants.at(3).at("jnd").is_null());
+  CHECK(variants.at(0).at("width_ratio") >= 0.999);
   const ResultTable& people = table_named(tables, "hierarchical-people");
   CHECK(people.rows.size() == 27);
   CHECK(section_of(people) == Section::participants);
@@ -76,25 +91,25 @@ TEST_CASE("the hierarchical model has its tables where it was added") {
 }
 
 TEST_CASE("where there is no hierarchical model, its table and JSON say why") {
-  Protocol protocol = published_protocol();
-  protocol.analysis.model = "independent-observation";
+  const Protocol protocol = published_protocol();
   StudyResults results =
-      results_of(analyze_counts(invented_counts(protocol, 3, 5), protocol, SessionKind::simulated), protocol);
+      results_of(analyze_counts(invented_counts(protocol, 201, 5), protocol, SessionKind::simulated), protocol);
   add_hierarchical(results, protocol);
   const std::vector<ResultTable> tables = result_tables(results, protocol);
   const ResultTable& group = table_named(tables, "hierarchical");
-  CHECK(group.rows.front().back() == "not_offered");
-  CHECK(says(group, "no model: there is none of the registered model of d'"));
+  CHECK(group.rows.front().back() == "too_many_people");
+  CHECK(says(group, "no model: it is left out above 200 participants"));
   CHECK_THROWS(table_named(tables, "hierarchical-people"));
   const nlohmann::ordered_json json = hierarchical_json(*results.hierarchical, protocol, SessionKind::simulated);
-  CHECK(json.at("status") == "not_offered");
-  CHECK(json.at("observer").is_null());
+  CHECK(json.at("status") == "too_many_people");
+  CHECK(json.at("observer") == "yes_no");
   CHECK(json.at("sd").is_null());
   CHECK(json.at("equal").is_null());
   CHECK(json.at("check").is_null());
   CHECK(json.at("people").empty());
+  CHECK(json.at("variants").empty());
   CHECK(json.at("conditions").at(0).at("jnd").is_null());
-  CHECK(json.at("conditions").at(0).at("status") == "not_offered");
+  CHECK(json.at("conditions").at(0).at("status") == "too_many_people");
 }
 
 }  // namespace

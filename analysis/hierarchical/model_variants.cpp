@@ -1,0 +1,90 @@
+#include "analysis/hierarchical/model_variants.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace jnd {
+
+namespace {
+
+ModelVariant variant_of(VariantKind kind, std::vector<HierarchicalCell> cells, HierarchicalModel model,
+                        const SharedForm& estimated) {
+  ModelVariant variant;
+  variant.kind = kind;
+  model.estimated = estimated;
+  const auto without_estimates = [&](SharedStatus status) {
+    for (const SharedParameter which : kSharedParameters) {
+      if (!estimated.has(which)) continue;
+      SharedEstimate& one = variant.shared.emplace_back();
+      one.parameter = which;
+      one.status = status;
+    }
+    return variant;
+  };
+  if (!estimated.identified(cells).any()) return without_estimates(SharedStatus::not_identified);
+  HierarchicalAnalysis analysis(std::move(cells), model);
+  if (!analysis.fit().maximum.converged) return without_estimates(SharedStatus::not_converged);
+  variant.shared = analysis.shared_estimates();
+  variant.conditions = analysis.add_intervals().conditions;
+  return variant;
+}
+
+bool whole(double count) {
+  return count == std::floor(count);
+}
+
+}  // namespace
+
+std::string_view title_of(SharedParameter parameter, bool choice) noexcept {
+  switch (parameter) {
+    case SharedParameter::lapse:
+      return "share of trials answered by chance";
+    case SharedParameter::overdispersion:
+      return "correlation of answers at one level";
+    case SharedParameter::drift_ln_s:
+      return "ln JND, second half less first";
+    case SharedParameter::sure_below:
+      return "same, sure: below";
+    case SharedParameter::sure_above:
+      return "different, sure: above";
+    case SharedParameter::drift_criterion:
+      break;
+  }
+  return choice ? "PSE, second half less first" : "criterion, second half less first";
+}
+
+std::vector<HierarchicalCell> without_halves_and_sureness(std::span<const HierarchicalCell> cells) {
+  std::vector<HierarchicalCell> plain(cells.begin(), cells.end());
+  for (HierarchicalCell& cell : plain) {
+    cell.second_half = false;
+    cell.sure_positive = cell.sure_negative = 0;
+  }
+  return plain;
+}
+
+std::vector<ModelVariant> model_variants(std::span<const HierarchicalCell> cells, const HierarchicalModel& model) {
+  const std::vector<HierarchicalCell> plain = without_halves_and_sureness(cells);
+  std::vector<HierarchicalCell> halves(cells.begin(), cells.end()), graded = plain;
+  bool sure = false;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    halves[i].sure_positive = halves[i].sure_negative = 0;
+    graded[i].sure_positive = cells[i].sure_positive;
+    graded[i].sure_negative = cells[i].sure_negative;
+    sure = sure || cells[i].sure_positive > 0 || cells[i].sure_negative > 0;
+  }
+  std::vector<ModelVariant> variants;
+  if (std::all_of(plain.begin(), plain.end(),
+                  [](const HierarchicalCell& cell) { return whole(cell.positive) && whole(cell.negative); }))
+    variants.push_back(
+        variant_of(VariantKind::overdispersion, plain, model, SharedForm().with(SharedParameter::overdispersion)));
+  variants.push_back(
+      variant_of(VariantKind::drift, std::move(halves), model,
+                 SharedForm().with(SharedParameter::drift_ln_s).with(SharedParameter::drift_criterion, model.tw)));
+  if (sure)
+    variants.push_back(variant_of(VariantKind::sureness, std::move(graded), model,
+                                  SharedForm().with(SharedParameter::sure_below).with(SharedParameter::sure_above)));
+  return variants;
+}
+
+}  // namespace jnd

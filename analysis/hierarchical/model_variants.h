@@ -1,0 +1,42 @@
+// What if the answers are not quite as the hierarchical model assumes? The model once more, each time with one thing
+// estimated besides, the same for everybody, and what that does to the group's JNDs.
+//
+// Sources: of shared_parameters.h. Tests: answers drawn with and without what a variant looks for.
+#pragma once
+
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "analysis/hierarchical/hierarchical_fit.h"
+#include "analysis/numerics/words.h"
+
+namespace jnd {
+
+enum class VariantKind {
+  overdispersion,  // the answers of one person, condition and level are more alike than independent ones
+  drift,           // JND and criterion change from the first half of the trials to the second
+  sureness         // which answers were sure counts too
+};
+inline constexpr auto kVariantKindWords = words<VariantKind>({{"overdispersion", VariantKind::overdispersion},
+                                                              {"drift", VariantKind::drift},
+                                                              {"sureness", VariantKind::sureness}});
+
+struct ModelVariant {
+  VariantKind kind = VariantKind::overdispersion;
+  std::vector<SharedEstimate> shared;     // of sureness its criteria, below and above, without a test
+  std::vector<ConditionMean> conditions;  // with their intervals; empty where nothing shared has an estimate
+};
+
+// What it is called in tables. choice: the criterion is the PSE.
+std::string_view title_of(SharedParameter parameter, bool choice) noexcept;
+
+// The answers as the model itself takes them: neither their half nor their sureness counts.
+std::vector<HierarchicalCell> without_halves_and_sureness(std::span<const HierarchicalCell> cells);
+
+// cells: as of HierarchicalAnalysis, with halves, and sureness where it was asked. model: without anything that is
+// estimated for everybody. Over-dispersion is left out where counts are not whole numbers, drift of the criterion where
+// criteria do not differ between people (a PSE that is taken as known), and sureness where no answer was a sure one.
+std::vector<ModelVariant> model_variants(std::span<const HierarchicalCell> cells, const HierarchicalModel& model);
+
+}  // namespace jnd
