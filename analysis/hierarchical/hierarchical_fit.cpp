@@ -15,8 +15,8 @@ namespace jnd {
 
 namespace {
 
-// Of ln L at a point of a profile, and of one over shared parameters; and of its end, 1 + its value.
-constexpr double kNegligibleInProfile = 1e-6, kNegligibleInSharedProfile = 1e-5, kCloseEnough = 1e-4;
+// Of ln L at a point of a profile; and of its end, 1 + its value.
+constexpr double kNegligibleInProfile = 1e-6, kCloseEnough = 1e-4;
 constexpr double kFirstSpread = 0.3, kFirstSpreadWithin = 0.15;  // where a search begins
 
 double trials_of(std::span<const HierarchicalCell> cells) {
@@ -61,13 +61,12 @@ HierarchicalAnalysis::HierarchicalAnalysis(std::vector<HierarchicalCell> cells, 
   place.tv = form_.tv ? kFirstSpreadWithin : 0;
   place.tw = form_.tw ? kFirstSpread * range_.criterion_unit : 0;
   HierarchicalLikelihood rough(cells_, model.response, model.shared, kRoughFineness);
-  fit_.shared = model.estimated.identified(cells_);
+  form_.shared = fit_.shared = model.estimated.identified(cells_);
   HierarchicalMaximum start;
   start.place = place;
   start.shared = first_shared(fit_.shared, model.shared);
-  fit_.maximum =
-      maximise(rough, form_, fit_.shared, start, range_.criterion_unit, kRoughlyNegligible, kRoughlyNegligible);
-  fit_.maximum = from_here(form_, fit_.maximum);
+  fit_.maximum = maximise(rough, form_, start, range_.criterion_unit, kRoughlyNegligible);
+  fit_.maximum = maximise(likelihood_, form_, fit_.maximum, range_.criterion_unit);
 
   const HierarchicalPlace& found = fit_.maximum.place;
   const auto settle = [](SpreadStatus& status, double spread) {
@@ -122,15 +121,8 @@ HierarchicalMaximum HierarchicalAnalysis::from_here(const HierarchicalForm& form
                                             {start.place.mu[c], range_.start.criterion, 0}, true)
                                  .criterion;
     }
-  if (!far) start.place = moved(form, from.place, from.information, range_.criterion_unit);
-  return searched(form, start, negligible);
-}
-
-// Slopes by shared parameters are differences of ln L, which must be known better than the search that follows them.
-HierarchicalMaximum HierarchicalAnalysis::searched(const HierarchicalForm& form, const HierarchicalMaximum& from,
-                                                   double shared_negligible) {
-  const double negligible = fit_.shared.any() ? kNegligible : shared_negligible;
-  return maximise(likelihood_, form, fit_.shared, from, range_.criterion_unit, negligible, shared_negligible);
+  if (!far) start = moved(form, from, from.shared, range_.criterion_unit);
+  return maximise(likelihood_, form, start, range_.criterion_unit, negligible);
 }
 
 // at_end(ln s): the largest ln L with that mean. Answers that are as likely at an end of what is searched tell no JND.
@@ -142,10 +134,6 @@ SlopeStatus HierarchicalAnalysis::status_of(double ln_s, double log_likelihood, 
   if (ln_s < range_.least + kNear && (ln_s < range_.least || at_end(form_.lowest) > log_likelihood - kAsLikely))
     return SlopeStatus::ceiling;
   return SlopeStatus::ok;
-}
-
-double HierarchicalAnalysis::negligible_in_profile() const noexcept {
-  return fit_.shared.any() ? kNegligibleInSharedProfile : kNegligibleInProfile;
 }
 
 // Before many searches near the maximum.
@@ -188,10 +176,10 @@ ProfileEnds HierarchicalAnalysis::mean_ends(std::size_t condition, double error)
   };
   const auto held = [&](double value, const HierarchicalMaximum& from) {
     HierarchicalForm form = form_;
-    if (!model_.one_mean) return from_here(form.with_mean(condition, value), from, negligible_in_profile());
+    if (!model_.one_mean) return from_here(form.with_mean(condition, value), from, kNegligibleInProfile);
     std::fill(form.of.begin(), form.of.end(), -1);
     std::fill(form.offset.begin(), form.offset.end(), value);
-    return from_here(form, from, negligible_in_profile());
+    return from_here(form, from, kNegligibleInProfile);
   };
   return ends(fit_.maximum.place.mu[condition], error, kFurthestFactor, held, by);
 }
@@ -202,7 +190,7 @@ ProfileEnds HierarchicalAnalysis::criterion_ends(std::size_t condition, double e
   const auto held = [&](double value, const HierarchicalMaximum& from) {
     HierarchicalMaximum start = from;
     start.place.kappa[condition] = value;
-    return searched(form, start, negligible_in_profile());
+    return maximise(likelihood_, form, start, range_.criterion_unit, kNegligibleInProfile);
   };
   return ends(fit_.maximum.place.kappa[condition], error, kFurthestBias * range_.criterion_unit, held,
               [condition](const HierarchicalMaximum& there) { return there.slope.kappa[condition]; });
@@ -231,7 +219,7 @@ ConditionDifference HierarchicalAnalysis::difference(std::size_t a, std::size_t 
   ConditionDifference one{a, b, fit_.conditions[a].mu - fit_.conditions[b].mu, {}};
   const double variance = covariance[a * stride + a] + covariance[b * stride + b] - 2 * covariance[a * stride + b];
   const auto held = [&](double value, const HierarchicalMaximum& from) {
-    return from_here(form_.with_difference(a, b, value), from, negligible_in_profile());
+    return from_here(form_.with_difference(a, b, value), from, kNegligibleInProfile);
   };
   if (!std::isnan(one.difference))
     one.ends = ends(one.difference, std::sqrt(std::max(variance, 0.0)), kFurthestFactor, held,
@@ -250,10 +238,15 @@ std::vector<ConditionDifference> HierarchicalAnalysis::differences() {
   return differences;
 }
 
-HierarchicalMaximum HierarchicalAnalysis::with_shared(const SharedForm& shared, SharedParameter held, double value) {
-  HierarchicalMaximum from = fit_.maximum;
-  value_of(from.shared, held) = value;
-  return maximise(likelihood_, form_, shared, from, range_.criterion_unit, kNegligible, kNegligibleInSharedProfile);
+// With one of the shared parameters at a value.
+HierarchicalMaximum HierarchicalAnalysis::with_shared(SharedParameter held, double value,
+                                                      const HierarchicalMaximum& from) {
+  HierarchicalForm form = form_;
+  form.shared = form.shared.with(held, false);
+  SharedParameters shared = from.shared;
+  value_of(shared, held) = value;
+  return maximise(likelihood_, form, moved(form, from, shared, range_.criterion_unit), range_.criterion_unit,
+                  kNegligibleInProfile);
 }
 
 // One end of the interval, where ln L falls all the way from the estimate to the limit, or does not fall enough.
@@ -263,24 +256,30 @@ double HierarchicalAnalysis::shared_end(const SharedEstimate& estimate, double s
   const bool least = side < 0 && limits.low >= 0;
   const double open = least ? 0 : side * kInf;
   if (estimate.value == limit) return open;
-  const SharedForm others = fit_.shared.with(estimate.parameter, false);
+  const auto i = static_cast<std::size_t>(estimate.parameter);
+  HierarchicalMaximum there = fit_.maximum;
   const auto profile = [&](double value) {
-    const HierarchicalMaximum there = with_shared(others, estimate.parameter, value);
-    const double slope = slope_of(likelihood_, there, estimate.parameter, range_.criterion_unit).slope;
+    there = with_shared(estimate.parameter, value, there);
+    const double slope = likelihood_.at(there.place, SharedForm{}.with(estimate.parameter)).by_shared[i];
     return ProfilePoint{fit_.maximum.log_likelihood - there.log_likelihood, -slope};
   };
-  if (profile(limit).drop < kProfileDrop) return open;
-  // Where it would be if ln L were a parabola.
-  const SharedSlope here = slope_of(likelihood_, fit_.maximum, estimate.parameter, range_.criterion_unit);
-  const double rise = estimate.status == SharedStatus::zero ? std::min(here.slope, 0.0) : 0;
+  // Where it would be if ln L were a parabola and everything else stayed.
+  const std::size_t all = 2 * fit_.conditions.size() + 4 + kSharedParameters.size();
+  const double curvature = fit_.maximum.information[(all - kSharedParameters.size() + i) * (all + 1)];
+  const double rise = estimate.status == SharedStatus::zero ? std::min(fit_.maximum.slope_by_shared[i], 0.0) : 0;
   const double reach =
-      here.curvature > 0 ? (rise + std::sqrt(rise * rise + 2 * here.curvature * kProfileDrop)) / here.curvature : kInf;
+      curvature > 0 ? (rise + std::sqrt(rise * rise + 2 * curvature * kProfileDrop)) / curvature : kInf;
   const double room = std::abs(limit - estimate.value);
-  return profile_bound(profile, estimate.value, limit, estimate.value + side * std::min(reach, room / 2), kCloseEnough);
+  if (reach > room / 6 && profile(limit).drop < kProfileDrop) return open;
+  there = fit_.maximum;
+  const double end =
+      profile_bound(profile, estimate.value, limit, estimate.value + side * std::min(reach, room / 2), kCloseEnough);
+  return std::abs(end - limit) < kCloseEnough ? open : end;
 }
 
 std::vector<SharedEstimate> HierarchicalAnalysis::shared_estimates() {
   std::vector<SharedEstimate> estimates;
+  look_closely();
   for (const SharedParameter which : kSharedParameters) {
     if (!model_.estimated.has(which)) continue;
     SharedEstimate& one = estimates.emplace_back();
@@ -294,7 +293,7 @@ std::vector<SharedEstimate> HierarchicalAnalysis::shared_estimates() {
                                                                                           : SharedStatus::ok;
     one.ends = {shared_end(one, -1), shared_end(one, 1)};
     if (limits.low > 0) continue;  // there is no test of 0
-    const double without = with_shared(fit_.shared.with(which, false), which, 0).log_likelihood;
+    const double without = with_shared(which, 0, fit_.maximum).log_likelihood;
     one.lr = std::max(0.0, 2 * (fit_.maximum.log_likelihood - without));
     one.p = chi2_upper(one.lr, 1);
     if (limits.low == 0) one.p = one.status == SharedStatus::zero ? 1 : one.p / 2;

@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-#include "analysis/hierarchical/shared_search.h"
+#include "analysis/hierarchical/hierarchical_search.h"
 #include "analysis/numerics/special_values.h"
 #include "analysis/numerics/words.h"
 
@@ -37,7 +37,7 @@ struct HierarchicalModel {
 enum class SharedStatus {
   ok,
   zero,            // lapses, over-dispersion: the likelihood is largest at 0, the least that they can be
-  at_limit,        // as large as is searched (shared_search.h): the answers set no bound
+  at_limit,        // as large as is searched (shared_parameters.h): the answers set no bound
   not_identified,  // these answers cannot tell it, whatever they are: 0
   not_converged    // the search with it did not settle
 };
@@ -144,10 +144,8 @@ class HierarchicalAnalysis {
   void find_spreads();
   HierarchicalMaximum from_here(const HierarchicalForm& form, const HierarchicalMaximum& from,
                                 double negligible = kNegligible);
-  HierarchicalMaximum searched(const HierarchicalForm& form, const HierarchicalMaximum& from, double shared_negligible);
-  double negligible_in_profile() const noexcept;
   void look_closely();
-  HierarchicalMaximum with_shared(const SharedForm& shared, SharedParameter held, double value);
+  HierarchicalMaximum with_shared(SharedParameter held, double value, const HierarchicalMaximum& from);
   double shared_end(const SharedEstimate& estimate, double side);
   template <typename Held, typename Slope>
   ProfileEnds ends(double estimate, double error, double furthest, const Held& held, const Slope& slope);

@@ -103,7 +103,10 @@ struct HierarchicalLikelihood::Evaluation {
   std::vector<double> prior, joint, adjoint, by_read;
   std::vector<std::vector<double>> by_s;  // by condition: derivatives of ln L by the weights of the nodes
   std::vector<double> by_kappa;           // by condition: derivative of ln L
-  std::vector<double> in_u, in_w;         // joint, summed over the other direction
+  // By condition, where it is asked for: derivatives of ln L by the log-likelihoods of the lattice nodes that were read.
+  bool back_to_cells = false;
+  std::vector<std::vector<double>> by_cell;
+  std::vector<double> in_u, in_w;  // joint, summed over the other direction
   double total = 0;
   // The place is not so far from the answers that their product underflows, at most nodes if not at all.
   bool anything_left() const noexcept { return total > 1e-250; }
@@ -155,12 +158,48 @@ HierarchicalLikelihood::HierarchicalLikelihood(std::span<const HierarchicalCell>
 
 void HierarchicalLikelihood::set_shared(const SharedParameters& shared) {
   if (shared == shared_) return;
+  // Posteriors may be narrower with other ones: nodes are put anew, and with fewer lapses a cell tells more.
+  constexpr double kFar = 0.03;
+  for (const SharedParameter which : kSharedParameters) {
+    const double now = value_of(shared_, which), then = value_of(shared, which);
+    if (now != then && !(std::abs(then - now) < kFar)) before_ = {};
+  }
+  if (shared.lapse < narrowest_lapse_ - kFar) finest_ = {};
   shared_ = shared;
-  if (shared.lapse < narrowest_lapse_) finest_ = {};
-  responses_ = ResponseLattice(model_, questions_, shared_, responses_.steps());
+  responses_.set_shared(shared);
   for (Person& person : people_)
     for (CellLikelihood& cell : person.cells) cell.forget();
-  before_ = {};  // posteriors may be narrower with these: nodes are put anew
+}
+
+void HierarchicalLikelihood::look_beside(const HierarchicalPlace& place, const SharedForm& by) {
+  const double unit = model_ == ResponseModel::choice ? std::exp(place.mu.front()) : 1;
+  std::size_t i = 0;
+  for (const SharedParameter which : kSharedParameters) {
+    if (!by.has(which)) continue;
+    SharedParameters shared = shared_;
+    value_of(shared, which) += step_of(which, value_of(shared, which), unit);
+    if (i == beside_.size()) beside_.push_back({which, 0, responses_});
+    ResponsesBeside& one = beside_[i++];
+    one.parameter = which;
+    one.step = value_of(shared, which) - value_of(shared_, which);
+    one.responses = responses_;
+    one.responses.set_shared(shared);
+  }
+  beside_.erase(beside_.begin() + static_cast<std::ptrdiff_t>(i), beside_.end());
+}
+
+OfSharedParameters HierarchicalLikelihood::slope_by_shared(const Person& person, const Evaluation& at) {
+  OfSharedParameters slope{};
+  for (ResponsesBeside& beside : beside_) beside.responses.lay_out(responses_.range());
+  for (std::size_t c = 0; c < conditions_; ++c) {
+    const CellLikelihood& cell = person.cells[c];
+    const LatticeRange nodes = at.read_by(c, at.box);
+    const double here = cell.weighted_sum(nodes, at.by_cell[c], responses_);
+    for (const ResponsesBeside& beside : beside_)
+      slope[static_cast<std::size_t>(beside.parameter)] +=
+          (cell.weighted_sum(nodes, at.by_cell[c], beside.responses) - here) / beside.step;
+  }
+  return slope;
 }
 
 // The least standard errors that the answers of a cell could have about the place, or where logarithms are read those of
@@ -406,7 +445,7 @@ bool HierarchicalLikelihood::remember(Person& person, const Evaluation& at) cons
 }
 
 // Backwards: from the integral to the derivatives of its logarithm by the weights over ln s, and by the criteria.
-void HierarchicalLikelihood::go_back(Evaluation& at) const {
+void HierarchicalLikelihood::go_back(const Person& person, Evaluation& at) const {
   for (std::size_t c = 0; c < conditions_; ++c) {
     at.adjoint = at.prior;
     for (std::size_t other = 0; other < conditions_; ++other)
@@ -418,11 +457,26 @@ void HierarchicalLikelihood::go_back(Evaluation& at) const {
     const LatticeRow row{over_s.starts(at.box.u0), over_s.weights(at.box.u0), taps, at.wide, at.first_s[c]};
     at.by_s[c].assign(at.wide * taps, 0);
     at.by_kappa[c] = 0;
+    const LatticeRange cell_nodes = at.read_by(c, at.box);
+    if (at.back_to_cells) at.by_cell[c].assign(cell_nodes.wide() * cell_nodes.high(), 0);
     for (std::size_t j = 0; j < at.high; ++j) {
       at.by_read.assign(nodes, 0);
       const double* read = &at.read[c][j * nodes];
       add_slopes(row, read, &at.adjoint[j * at.wide], at.by_s[c].data(), at.by_read.data());
       at.by_kappa[c] += dot(at.by_read.data(), &at.by_criterion[c][j * nodes], nodes);
+      if (!at.back_to_cells) continue;
+      if (responses_.smooth())
+        for (std::size_t i = 0; i < nodes; ++i) at.by_read[i] *= read[i];
+      const int w = at.box.w0 + static_cast<int>(j);
+      const LatticeKernel& over_k = at.over_k[c];
+      add_to_rows(at.by_read.data(), nodes, over_k.weights(w), nodes,
+                  &at.by_cell[c][cell_nodes.place(cell_nodes.s0, over_k.start(w))]);
+    }
+    if (!at.back_to_cells || responses_.smooth()) continue;
+    for (int k = cell_nodes.k0; k <= cell_nodes.k1; ++k) {
+      const double* values = person.cells[c].at(cell_nodes.s0, k);
+      double* by = &at.by_cell[c][cell_nodes.place(cell_nodes.s0, k)];
+      for (std::size_t i = 0; i < nodes; ++i) by[i] *= values[i];
     }
   }
 }
@@ -461,6 +515,7 @@ HierarchicalLikelihood::Evaluation HierarchicalLikelihood::prepared(const Hierar
   responses_.cover(needed);
   at.by_s.resize(conditions_);
   at.by_kappa.resize(conditions_);
+  at.by_cell.resize(conditions_);
   at.first_s.resize(conditions_);
   at.read.resize(conditions_);
   at.by_criterion.resize(conditions_);
@@ -506,14 +561,17 @@ HierarchicalPlace HierarchicalLikelihood::slope_of(const Evaluation& at) const {
 
 // Everybody's integrals, each handed to `each` while it stands in the evaluation.
 template <typename Each>
-void HierarchicalLikelihood::through_everybody(const HierarchicalPlace& place, Each&& each, const NodeOffset& offset) {
+void HierarchicalLikelihood::through_everybody(const HierarchicalPlace& place, Each&& each, const NodeOffset& offset,
+                                               const SharedForm& by) {
   choose_lattice(place);
   look_around(place);
   for (;;) {
     Evaluation at = prepared(place, offset);
+    at.back_to_cells = by.any();
+    if (by.any()) look_beside(place, by);
     std::size_t done = 0;
     for (; done < people_.size() && settled(people_[done], at); ++done) {
-      go_back(at);
+      go_back(people_[done], at);
       each(done, at);
       if (!remember(people_[done], at)) break;
     }
@@ -521,20 +579,28 @@ void HierarchicalLikelihood::through_everybody(const HierarchicalPlace& place, E
   }
 }
 
-HierarchicalLikelihood::Value HierarchicalLikelihood::at(const HierarchicalPlace& given) {
+HierarchicalLikelihood::Value HierarchicalLikelihood::at(const HierarchicalPlace& given, const SharedForm& by) {
   const HierarchicalPlace place = rounded(given);
   std::vector<double> values(people_.size());
   std::vector<HierarchicalPlace> slopes(people_.size());
-  through_everybody(place, [&](std::size_t i, const Evaluation& at) {
+  std::vector<OfSharedParameters> by_shared(people_.size());
+  const auto each = [&](std::size_t i, const Evaluation& at) {
     values[i] = log_of(people_[i], at);
     slopes[i] = slope_of(at);
-  });
+    if (by.any()) by_shared[i] = slope_by_shared(people_[i], at);
+  };
+  through_everybody(place, each, {}, by);
   Value value;
   value.slope.mu.assign(conditions_, 0);
   value.slope.kappa.assign(conditions_, 0);
   for (std::size_t i = 0; i < people_.size(); ++i) {
     value.log_likelihood += values[i];
-    if (std::isfinite(values[i])) value.slope += slopes[i];
+    if (!std::isfinite(values[i])) continue;
+    value.slope += slopes[i];
+    for (std::size_t k = 0; k < by_shared[i].size(); ++k) {
+      value.by_shared[k] += by_shared[i][k];
+      value.squares_by_shared[k] += by_shared[i][k] * by_shared[i][k];
+    }
   }
   return value;
 }

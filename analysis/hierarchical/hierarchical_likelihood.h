@@ -71,12 +71,16 @@ class HierarchicalLikelihood {
 
   // From here on with these.
   void set_shared(const SharedParameters& shared);
+  const SharedParameters& shared() const noexcept { return shared_; }
 
   struct Value {
     double log_likelihood = 0;  // -inf, with the slopes of the others, where somebody's underflows
     HierarchicalPlace slope;    // its derivatives; by tu, tv, tw: 0 at 0, where ln L is even
+    // By the shared parameters asked for; and the sums over participants of the squares of theirs, which tell about how
+    // much is known of each.
+    OfSharedParameters by_shared{}, squares_by_shared{};
   };
-  Value at(const HierarchicalPlace& given);
+  Value at(const HierarchicalPlace& given, const SharedForm& by = {});
   std::vector<PersonPosterior> posteriors(const HierarchicalPlace& given);
   // By participant, of every number of theirs (uniform in 0..1) one of the nodes of that offset, by its share of the
   // integral. The integral does not depend on where its nodes begin: over offsets drawn uniformly from 0..1, from one
@@ -106,18 +110,28 @@ class HierarchicalLikelihood {
   };
   struct Evaluation;
 
+  // Responses a step of one shared parameter beside: what log-likelihoods differ by tells the derivative.
+  struct ResponsesBeside {
+    SharedParameter parameter{};
+    double step = 0;
+    ResponseLattice responses;
+  };
+
+  void look_beside(const HierarchicalPlace& place, const SharedForm& by);
+  OfSharedParameters slope_by_shared(const Person& person, const Evaluation& at);
   void look_how_narrow(const HierarchicalPlace& place);
   void choose_lattice(const HierarchicalPlace& place);
   void locate(Person& person, const HierarchicalPlace& place) const;
   void look_around(const HierarchicalPlace& place);
   Evaluation prepared(const HierarchicalPlace& place, const NodeOffset& offset);
   template <typename Each>
-  void through_everybody(const HierarchicalPlace& place, Each&& each, const NodeOffset& offset = {});
+  void through_everybody(const HierarchicalPlace& place, Each&& each, const NodeOffset& offset = {},
+                         const SharedForm& by = {});
   Rectangle rectangle_of(const Person& person, const Evaluation& evaluation) const;
   bool settled(Person& person, Evaluation& at);
   void integrate(Person& person, Evaluation& at);
   bool grown(Person& person, const Evaluation& at) const;
-  void go_back(Evaluation& at) const;
+  void go_back(const Person& person, Evaluation& at) const;
   double log_of(const Person& person, const Evaluation& at) const;
   HierarchicalPlace slope_of(const Evaluation& at) const;
   bool remember(Person& person, const Evaluation& at) const;
@@ -131,6 +145,7 @@ class HierarchicalLikelihood {
   double narrowest_lapse_ = 0;  // with which that was looked for: with more lapses a cell tells less
   LatticeSteps finest_;
   ResponseLattice responses_;
+  std::vector<ResponsesBeside> beside_;
   std::vector<Person> people_;
   HierarchicalPlace before_;  // of the last evaluation
 };

@@ -27,19 +27,31 @@ constexpr double kSmallestSpread = 1e-3;
 constexpr double kPooledNegligible = 1e-10;  // ln L of the pooled answers
 constexpr double kRidge = 1e-3;              // least curvature of every variable
 
+// Where a search stands.
+struct SearchedPlace {
+  HierarchicalPlace place;
+  SharedParameters shared;
+};
+
+// Of shared parameters: how far a step may go that knows only a slope, and the least curvature.
+constexpr double kLongestOfRates = 0.1, kLongestOfOthers = 1, kLeastOfShared = 1e-3;
+
 // Places as vectors of what is free, and back. Spreads enter squared.
 class Variables {
  public:
-  Variables(const HierarchicalForm& form, const HierarchicalPlace& start, double unit)
-      : form_(form), start_(start), unit_(unit), conditions_(form.of.size()) {
+  Variables(const HierarchicalForm& form, SearchedPlace start, double unit)
+      : form_(form), start_(std::move(start)), unit_(unit), conditions_(form.of.size()) {
     for (const int one : form.of) means_ = std::max(means_, static_cast<std::size_t>(one + 1));
+    for (const SharedParameter which : kSharedParameters)
+      if (form.shared.has(which)) shared_.push_back(which);
   }
 
   std::size_t count() const noexcept {
-    return means_ + criteria() + static_cast<std::size_t>(form_.tu + form_.tv + form_.tw + form_.rho);
+    return means_ + criteria() + static_cast<std::size_t>(form_.tu + form_.tv + form_.tw + form_.rho) + shared_.size();
   }
 
-  std::vector<double> from(const HierarchicalPlace& place) const {
+  std::vector<double> start() const {
+    const HierarchicalPlace& place = start_.place;
     std::vector<double> x(means_, 0);
     std::vector<int> bound(means_, 0);
     for (std::size_t c = 0; c < conditions_; ++c)
@@ -57,11 +69,13 @@ class Variables {
     if (form_.tv) spread(place.tv);
     if (form_.tw) spread(place.tw / unit_);
     if (form_.rho) x.push_back(place.rho);
+    for (const SharedParameter which : shared_) x.push_back(value_of(start_.shared, which) / unit_of(which));
     return x;
   }
 
-  HierarchicalPlace to(const std::vector<double>& x) const {
-    HierarchicalPlace place = start_;
+  SearchedPlace to(const std::vector<double>& x) const {
+    SearchedPlace searched = start_;
+    HierarchicalPlace& place = searched.place;
     for (std::size_t c = 0; c < conditions_; ++c)
       place.mu[c] = form_.offset[c] + (form_.of[c] < 0 ? 0 : x[static_cast<std::size_t>(form_.of[c])]);
     std::size_t i = means_;
@@ -71,10 +85,12 @@ class Variables {
     if (form_.tv) place.tv = std::sqrt(x[i++]);
     if (form_.tw) place.tw = std::sqrt(x[i++]) * unit_;
     if (form_.rho) place.rho = x[i++];
-    return place;
+    for (const SharedParameter which : shared_) value_of(searched.shared, which) = x[i++] * unit_of(which);
+    return searched;
   }
 
-  std::vector<double> slope(const HierarchicalPlace& by, const HierarchicalPlace& at) const {
+  std::vector<double> slope(const HierarchicalPlace& by, const OfSharedParameters& by_shared,
+                            const HierarchicalPlace& at) const {
     std::vector<double> slope(means_, 0);
     for (std::size_t c = 0; c < conditions_; ++c)
       if (form_.of[c] >= 0) slope[static_cast<std::size_t>(form_.of[c])] += by.mu[c];
@@ -84,6 +100,7 @@ class Variables {
     if (form_.tv) slope.push_back(by.tv / (2 * at.tv));
     if (form_.tw) slope.push_back(by.tw * unit_ * unit_ / (2 * at.tw));
     if (form_.rho) slope.push_back(by.rho);
+    for (const SharedParameter which : shared_) slope.push_back(of(by_shared, which) * unit_of(which));
     return slope;
   }
 
@@ -101,14 +118,36 @@ class Variables {
     return out;
   }
 
-  // Of a parabola with that curvature its slope where the means lie so far from the top.
-  std::vector<double> slope_of_parabola(const std::vector<double>& full, const std::vector<double>& from_top) const {
+  // What the slope becomes, by that matrix, where the means and shared parameters are no longer those of another place.
+  void move_slope(const std::vector<double>& full, const SearchedPlace& from, std::vector<double>& slope) const {
     const std::vector<FreeParameter> free = free_parameters();
-    std::vector<double> out(count(), 0);
+    std::vector<double> less(free.size(), 0);
+    for (std::size_t c = 0; c < conditions_; ++c) less[c] = from.place.mu[c] - start_.place.mu[c];
+    for (std::size_t i = 0; i < kSharedParameters.size(); ++i) {
+      const double before = value_of(from.shared, kSharedParameters[i]),
+                   now = value_of(start_.shared, kSharedParameters[i]);
+      if (before != now) less[first_shared() + i] = before - now;
+    }
     for (std::size_t i = 0; i < free.size(); ++i)
-      for (std::size_t c = 0; c < from_top.size() && free[i].variable >= 0; ++c)
-        out[static_cast<std::size_t>(free[i].variable)] += free[i].unit * full[i * free.size() + c] * from_top[c];
-    return out;
+      for (std::size_t j = 0; j < free.size() && free[i].variable >= 0; ++j)
+        slope[static_cast<std::size_t>(free[i].variable)] += free[i].unit * full[i * free.size() + j] * less[j];
+  }
+
+  // That matrix where nothing is known yet: of a linear mixed model, and of the scores of participants.
+  std::vector<double> first_information(const std::vector<double>& mixed_model,
+                                        const HierarchicalLikelihood::Value& at) const {
+    const std::size_t known = first_shared(), all = known + kSharedParameters.size();
+    std::vector<double> full(all * all, 0);
+    for (std::size_t i = 0; i < known; ++i)
+      for (std::size_t j = 0; j < known; ++j) full[i * all + j] = mixed_model[i * known + j];
+    for (const SharedParameter which : shared_) {
+      const double unit = unit_of(which);
+      const double longest = at_least_zero(which) ? kLongestOfRates : kLongestOfOthers;
+      full[(known + static_cast<std::size_t>(which)) * (all + 1)] =
+          std::max({of(at.squares_by_shared, which), std::abs(of(at.by_shared, which)) / (longest * unit),
+                    kLeastOfShared / (unit * unit)});
+    }
+    return full;
   }
 
   // Back: that matrix with what a search has found of the parameters that were free each for itself.
@@ -144,6 +183,10 @@ class Variables {
     for (int i = 0; i < form_.tu + form_.tv + form_.tw; ++i)
       add(kSmallestSpread * kSmallestSpread, kLargestSpread * kLargestSpread);
     if (form_.rho) add(-kLargestCorrelation, kLargestCorrelation);
+    for (const SharedParameter which : shared_) {
+      const SharedLimits limits = limits_of(which, unit_);
+      add(limits.low / unit_of(which), limits.high / unit_of(which));
+    }
     return box;
   }
 
@@ -170,36 +213,51 @@ class Variables {
     for (const bool spread : {form_.tu, form_.tv}) free.push_back({spread ? next++ : -1});
     free.push_back({form_.tw ? next++ : -1, unit_ * unit_});
     free.push_back({form_.rho ? next++ : -1});
+    for (const SharedParameter which : kSharedParameters)
+      free.push_back({form_.shared.has(which) ? next++ : -1, unit_of(which)});
     return free;
   }
   bool holds_criterion(std::size_t condition) const noexcept {
     return form_.held_criterion == static_cast<int>(condition);
   }
+  std::size_t first_shared() const noexcept { return 2 * conditions_ + 4; }
+  double unit_of(SharedParameter which) const noexcept { return of_criterion(which) ? unit_ : 1; }
+  static double of(const OfSharedParameters& numbers, SharedParameter which) noexcept {
+    return numbers[static_cast<std::size_t>(which)];
+  }
   std::size_t criteria() const noexcept { return conditions_ - (form_.held_criterion >= 0 ? 1 : 0); }
 
   const HierarchicalForm& form_;
-  const HierarchicalPlace& start_;
+  SearchedPlace start_;
   double unit_;
   std::size_t conditions_, means_ = 0;
+  std::vector<SharedParameter> shared_;
 };
 
 // What maximise_in_box asks for. The curvature begins as what is known, or as that of a linear mixed model, and is
 // corrected by every step.
 class SearchedLikelihood {
  public:
-  SearchedLikelihood(HierarchicalLikelihood& likelihood, const Variables& variables, std::vector<double> information)
-      : likelihood_(likelihood), variables_(variables), information_(std::move(information)) {}
+  SearchedLikelihood(HierarchicalLikelihood& likelihood, const HierarchicalForm& form, const Variables& variables,
+                     std::vector<double> information)
+      : likelihood_(likelihood), form_(form), variables_(variables), information_(std::move(information)) {}
 
-  double value(const std::vector<double>& x) const { return likelihood_.at(variables_.to(x)).log_likelihood; }
+  double value(const std::vector<double>& x) const { return look_at(x).log_likelihood; }
+
+  HierarchicalLikelihood::Value look(const SearchedPlace& at) const {
+    likelihood_.set_shared(at.shared);
+    return likelihood_.at(at.place, form_.shared);
+  }
 
   void derivatives(const std::vector<double>& x, NewtonDerivatives& at) const {
-    const HierarchicalPlace place = variables_.to(x);
-    if (looked_at_.size() > 1) looked_at_.erase(looked_at_.begin());
-    const HierarchicalLikelihood::Value& value = looked_at_.emplace_back(x, likelihood_.at(place)).second;
+    const HierarchicalLikelihood::Value& value = look_at(x);
+    const HierarchicalPlace place = variables_.to(x).place;
     at.value = value.log_likelihood;
-    at.gradient = variables_.slope(value.slope, place);
+    at.gradient = variables_.slope(value.slope, value.by_shared, place);
     if (curvature_.empty()) {
-      if (information_.empty()) information_ = marginal_information(likelihood_.cell_information(place), place);
+      if (information_.empty())
+        information_ =
+            variables_.first_information(marginal_information(likelihood_.cell_information(place), place), value);
       curvature_.begin(variables_.curvature(information_), x, at.gradient);
     } else {
       curvature_.correct(x, at.gradient);
@@ -209,7 +267,7 @@ class SearchedLikelihood {
 
   std::vector<double> information() const { return variables_.information(information_, curvature_.matrix()); }
 
-  // Of a place where derivatives were found: the last one, or the one before, which a search comes back to.
+  // Of a place that was looked at: the last one, or the one before, which a search comes back to.
   std::optional<HierarchicalLikelihood::Value> found_at(const std::vector<double>& x) const {
     for (const auto& [place, value] : looked_at_)
       if (place == x) return value;
@@ -217,7 +275,15 @@ class SearchedLikelihood {
   }
 
  private:
+  const HierarchicalLikelihood::Value& look_at(const std::vector<double>& x) const {
+    for (const auto& [place, value] : looked_at_)
+      if (place == x) return value;
+    if (looked_at_.size() > 1) looked_at_.erase(looked_at_.begin());
+    return looked_at_.emplace_back(x, look(variables_.to(x))).second;
+  }
+
   HierarchicalLikelihood& likelihood_;
+  const HierarchicalForm& form_;
   const Variables& variables_;
   mutable std::vector<double> information_;
   mutable CorrectedCurvature curvature_;
@@ -292,58 +358,85 @@ HierarchicalForm HierarchicalForm::with_difference(std::size_t a, std::size_t b,
   return form;
 }
 
-HierarchicalPlace moved(const HierarchicalForm& form, const HierarchicalPlace& place,
-                        const std::vector<double>& information, double criterion_unit) {
-  const Variables variables(form, place, criterion_unit);
-  std::vector<double> x = variables.from(place);
+HierarchicalPlace moved(const HierarchicalForm& form, const HierarchicalPlace& place) {
+  const Variables variables(form, {place, {}}, 1);
   HierarchicalPlace out = place;
-  out.mu = variables.to(x).mu;
-  if (information.empty()) return out;
-  std::vector<double> off(place.mu.size()), towards, curvature = variables.curvature(information);
-  for (std::size_t c = 0; c < off.size(); ++c) off[c] = place.mu[c] - out.mu[c];
-  towards = variables.slope_of_parabola(information, off);
-  if (!solve_positive_definite(curvature, towards)) return out;
+  out.mu = variables.to(variables.start()).place.mu;
+  return out;
+}
+
+HierarchicalMaximum moved(const HierarchicalForm& form, const HierarchicalMaximum& from, const SharedParameters& held,
+                          double criterion_unit) {
+  HierarchicalMaximum out = from;
+  out.place = moved(form, from.place);
+  out.shared = held;
+  const Variables variables(form, {out.place, out.shared}, criterion_unit);
+  std::vector<double> x = variables.start(), step;
+  NewtonDerivatives at;
+  at.gradient = variables.slope(from.slope, from.slope_by_shared, variables.to(x).place);
+  variables.move_slope(from.information, {from.place, from.shared}, at.gradient);
+  at.curvature = at.expected = variables.curvature(from.information);
   const NewtonBox box = variables.box(x);
-  for (std::size_t i = 0; i < x.size(); ++i) x[i] = std::clamp(x[i] + towards[i], box.lower[i], box.upper[i]);
-  return variables.settled(variables.to(x));
+  if (!newton_direction(at, box, x, step)) return out;
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = std::clamp(x[i] + step[i], box.lower[i], box.upper[i]);
+  const SearchedPlace there = variables.to(x);
+  out.place = variables.settled(there.place);
+  out.shared = there.shared;
+  return out;
 }
 
 HierarchicalMaximum maximise(HierarchicalLikelihood& likelihood, const HierarchicalForm& form,
-                             const HierarchicalPlace& start, double criterion_unit, double negligible,
-                             const std::vector<double>& information) {
-  const Variables variables(form, start, criterion_unit);
-  const SearchedLikelihood function(likelihood, variables, information);
-  const std::vector<double> x = variables.from(start);
+                             const HierarchicalMaximum& from, double criterion_unit, double negligible) {
+  const Variables variables(form, {from.place, from.shared}, criterion_unit);
+  const SearchedLikelihood function(likelihood, form, variables, from.information);
+  const std::vector<double> x = variables.start();
   const NewtonResult found = maximise_in_box(function, x, variables.box(x), -kInf, negligible);
   HierarchicalMaximum maximum;
-  const HierarchicalPlace place = variables.to(found.place);
+  const auto [place, shared] = variables.to(found.place);
   maximum.place = variables.settled(place);
+  maximum.shared = shared;
   const bool moved = maximum.place.tu != place.tu || maximum.place.tv != place.tv || maximum.place.tw != place.tw;
   std::optional<HierarchicalLikelihood::Value> known;
   if (!moved) known = function.found_at(found.place);
-  const HierarchicalLikelihood::Value value = known ? *known : likelihood.at(maximum.place);
+  likelihood.set_shared(shared);
+  const HierarchicalLikelihood::Value value = known ? *known : function.look({maximum.place, shared});
   maximum.slope = value.slope;
+  maximum.slope_by_shared = value.by_shared;
   maximum.log_likelihood = value.log_likelihood;
   maximum.converged = found.converged && std::isfinite(value.log_likelihood);
   maximum.information = function.information();
   return maximum;
 }
 
+HierarchicalMaximum maximise(HierarchicalLikelihood& likelihood, const HierarchicalForm& form,
+                             const HierarchicalPlace& start, double criterion_unit, double negligible,
+                             const std::vector<double>& information) {
+  HierarchicalMaximum from;
+  from.place = start;
+  from.shared = likelihood.shared();
+  from.information = information;
+  return maximise(likelihood, form, from, criterion_unit, negligible);
+}
+
 void observe_information(HierarchicalLikelihood& likelihood, const HierarchicalForm& form, HierarchicalMaximum& maximum,
                          double criterion_unit) {
   constexpr double kStep = 0.05;  // standard errors
-  const Variables variables(form, maximum.place, criterion_unit);
-  const std::vector<double> x = variables.from(maximum.place), expected = variables.curvature(maximum.information);
+  const Variables variables(form, {maximum.place, maximum.shared}, criterion_unit);
+  const SearchedLikelihood function(likelihood, form, variables, {});
+  const std::vector<double> x = variables.start(), expected = variables.curvature(maximum.information);
+  const NewtonBox box = variables.box(x);
   const auto slope_at = [&](const std::vector<double>& there) {
-    const HierarchicalPlace place = variables.to(there);
-    return variables.slope(likelihood.at(place).slope, place);
+    const SearchedPlace place = variables.to(there);
+    const HierarchicalLikelihood::Value value = function.look(place);
+    return variables.slope(value.slope, value.by_shared, place.place);
   };
   const std::size_t n = x.size();
   const std::vector<double> here = slope_at(x);
   std::vector<double> observed(n * n, 0);
   for (std::size_t i = 0; i < n; ++i) {
     std::vector<double> beside = x;
-    beside[i] += kStep / std::sqrt(expected[i * n + i]);
+    const double step = kStep / std::sqrt(expected[i * n + i]);
+    beside[i] += x[i] + step > box.upper[i] ? -step : step;
     const std::vector<double> slope = slope_at(beside);
     for (std::size_t j = 0; j < n; ++j) {
       const double second = (here[j] - slope[j]) / (beside[i] - x[i]);
@@ -351,6 +444,7 @@ void observe_information(HierarchicalLikelihood& likelihood, const HierarchicalF
       observed[j * n + i] += second / 2;
     }
   }
+  likelihood.set_shared(maximum.shared);
   std::vector<double> factored = observed, unused(n, 0);
   if (solve_positive_definite(factored, unused))
     maximum.information = variables.information(maximum.information, observed);

@@ -1,4 +1,5 @@
-// The largest marginal likelihood, where some parameters are held or bound together.
+// The largest marginal likelihood, where some parameters are held or bound together; what is the same for everybody
+// (shared_parameters.h) is searched with the others.
 #pragma once
 
 #include <vector>
@@ -16,6 +17,7 @@ struct HierarchicalForm {
   std::vector<double> offset;
   double lowest = -kInf, highest = kInf;  // where the free numbers are searched
   int held_criterion = -1;                // the condition whose criterion keeps the value of the start; none: -1
+  SharedForm shared;
 
   // Every condition its own mean; one mean for all; one mean held; the difference of two held (of a, less b).
   static HierarchicalForm separate(std::size_t conditions);
@@ -26,28 +28,34 @@ struct HierarchicalForm {
 
 struct HierarchicalMaximum {
   HierarchicalPlace place;
+  SharedParameters shared;
   HierarchicalPlace slope;  // of ln L, by every parameter, those held included; by tu, tv, tw: 0 where they are 0
+  OfSharedParameters slope_by_shared{};  // by those that were free
   double log_likelihood = 0;
   bool converged = false;
   // About minus the second derivatives of ln L, as the search came to know them, in the order of marginal_information
-  // (hierarchical_information.h): what another search from here may begin with.
+  // (hierarchical_information.h), then of kSharedParameters, 0 of those that were held: what another search from here
+  // may begin with.
   std::vector<double> information;
-  // Of a search for shared parameters too (shared_search.h): those of the maximum, and minus the second derivatives of
-  // the profile by those that were free, where the next search begins.
-  SharedParameters shared;
-  std::vector<double> shared_curvature;
 };
 
-// The place with the means that the form makes of its own; and with information, everything else of the form moved to
-// where ln L would be largest then, were it a parabola with its top at the place.
-HierarchicalPlace moved(const HierarchicalForm& form, const HierarchicalPlace& place,
-                        const std::vector<double>& information = {}, double criterion_unit = 1);
+// The place with the means that the form makes of its own.
+HierarchicalPlace moved(const HierarchicalForm& form, const HierarchicalPlace& place);
+// The place with those means and these values of the shared parameters that are held, everything else of the form moved
+// to where ln L would be largest then, were it a parabola with the slope and information of the maximum.
+HierarchicalMaximum moved(const HierarchicalForm& form, const HierarchicalMaximum& from, const SharedParameters& held,
+                          double criterion_unit = 1);
 
 inline constexpr double kNegligible = 1e-8;  // of ln L: differences below it are not told apart
 
-// From the start, moved. Spreads that are estimated begin at no less than a small one, and
+// From a place, moved, with its shared parameters, and its information where it has one: else with that of a linear
+// mixed model. Spreads that are estimated begin at no less than a small one, and
 // end at 0 where ln L rises towards 0. criterion_unit: that of kappa and tw, 1 or a spread. negligible: differences of
-// ln L below this are not told apart. information: of a maximum near the start; without, that of a linear mixed model.
+// ln L below this are not told apart. Leaves the likelihood with the shared parameters of the maximum.
+HierarchicalMaximum maximise(HierarchicalLikelihood& likelihood, const HierarchicalForm& form,
+                             const HierarchicalMaximum& from, double criterion_unit = 1,
+                             double negligible = kNegligible);
+// With the likelihood's own shared parameters.
 HierarchicalMaximum maximise(HierarchicalLikelihood& likelihood, const HierarchicalForm& form,
                              const HierarchicalPlace& start, double criterion_unit = 1, double negligible = kNegligible,
                              const std::vector<double>& information = {});

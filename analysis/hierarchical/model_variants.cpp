@@ -81,6 +81,7 @@ std::vector<ModelVariant> model_variants(std::span<const HierarchicalCell> cells
   variants.push_back(
       variant_of(VariantKind::drift, std::move(halves), model,
                  SharedForm().with(SharedParameter::drift_ln_s).with(SharedParameter::drift_criterion, model.tw)));
+  variants.push_back(variant_of(VariantKind::lapse, plain, model, SharedForm().with(SharedParameter::lapse)));
   if (sure)
     variants.push_back(variant_of(VariantKind::sureness, std::move(graded), model,
                                   SharedForm().with(SharedParameter::sure_below).with(SharedParameter::sure_above)));

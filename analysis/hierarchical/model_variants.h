@@ -16,10 +16,12 @@ namespace jnd {
 enum class VariantKind {
   overdispersion,  // the answers of one person, condition and level are more alike than independent ones
   drift,           // JND and criterion change from the first half of the trials to the second
+  lapse,           // some answers are guesses, or more of them than the model holds
   sureness         // which answers were sure counts too
 };
 inline constexpr auto kVariantKindWords = words<VariantKind>({{"overdispersion", VariantKind::overdispersion},
                                                               {"drift", VariantKind::drift},
+                                                              {"lapse", VariantKind::lapse},
                                                               {"sureness", VariantKind::sureness}});
 
 struct ModelVariant {

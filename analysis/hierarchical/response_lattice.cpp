@@ -1,6 +1,7 @@
 #include "analysis/hierarchical/response_lattice.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -69,26 +70,66 @@ LatticeRange LatticeRange::covering(const LatticeRange& needed) const noexcept {
   return (near ? both : needed).widened(kSpareNodes);
 }
 
+void AnswerTable::add_lapses(const SharedParameters& shared) {
+  with_lapses.clear();
+  rates.clear();
+  if (shared.lapse > 0) {
+    with_lapses = without_lapses;
+    exponentiate(with_lapses, 0);
+    for (double& rate : with_lapses) rate = shared.lapse * share + (1 - shared.lapse) * rate;
+    if (shared.overdispersion > 0) rates = with_lapses;
+    take_logarithms(with_lapses);
+  } else if (shared.overdispersion > 0) {
+    rates = without_lapses;
+    exponentiate(rates, 0);
+  }
+}
+
 ResponseLattice::ResponseLattice(ResponseModel model, std::vector<LatticeQuestion> questions,
                                  const SharedParameters& shared, const LatticeSteps& steps)
-    : model_(model), questions_(std::move(questions)), shared_(shared), steps_(steps) {
-  for (auto* rates : {&positive_, &negative_, &sure_positive_, &sure_negative_, &positive_rates_, &negative_rates_})
-    rates->resize(questions_.size());
+    : model_(model), questions_(std::move(questions)), shared_(shared), steps_(steps), tables_(questions_.size()) {}
+
+void ResponseLattice::set_shared(const SharedParameters& shared) {
+  SharedParameters less = shared;
+  less.lapse = shared_.lapse;
+  less.overdispersion = shared_.overdispersion;
+  const bool elsewhere = less != shared_;
+  shared_ = shared;
+  if (elsewhere) {
+    range_ = {};
+    return;
+  }
+  for (QuestionTables& tables : tables_)
+    for (AnswerTable* table : {&tables.positive, &tables.negative, &tables.sure_positive, &tables.sure_negative})
+      table->add_lapses(shared_);
 }
 
 void ResponseLattice::cover(const LatticeRange& range) {
   if (!range_.empty() && range_.holds(range)) return;
-  range_ = range_.covering(range).widened(kSpareNodes);
-  for (std::size_t i = 0; i < questions_.size(); ++i) lay_out(i);
+  lay_out(range_.covering(range).widened(kSpareNodes));
 }
 
-void ResponseLattice::lay_out(std::size_t i) {
+void ResponseLattice::lay_out(const LatticeRange& range) {
+  if (!range_.empty() && range_.holds(range)) return;
+  range_ = range;
+  for (std::size_t i = 0; i < questions_.size(); ++i) lay_out_question(i);
+}
+
+void ResponseLattice::lay_out_question(std::size_t i) {
   const LatticeQuestion& question = questions_[i];
+  QuestionTables& tables = tables_[i];
   const double side = question.second_half ? 0.5 : -0.5;
   const double shift_s = side * shared_.drift_ln_s, shift_k = side * shared_.drift_criterion;
-  const std::size_t nodes = range_.wide() * range_.high(), sure_nodes = shared_.graded() ? nodes : 0;
-  for (std::vector<double>* of_unsure : {&positive_[i], &negative_[i]}) of_unsure->resize(nodes);
-  for (std::vector<double>* of_sure : {&sure_positive_[i], &sure_negative_[i]}) of_sure->resize(sure_nodes);
+  const bool above = std::isfinite(shared_.sure_above), below = std::isfinite(shared_.sure_below);
+  tables.positive.share = above ? 0.25 : 0.5;
+  tables.negative.share = below ? 0.25 : 0.5;
+  tables.sure_positive.share = above ? 0.25 : 0;
+  tables.sure_negative.share = below ? 0.25 : 0;
+  SharedParameters without_lapses = shared_;
+  without_lapses.lapse = 0;
+  const std::array<AnswerTable*, 4> all = {&tables.positive, &tables.negative, &tables.sure_positive,
+                                           &tables.sure_negative};
+  for (AnswerTable* table : all) table->without_lapses.resize(table->share > 0 ? range_.wide() * range_.high() : 0);
   std::vector<double> slopes;
   for (int s = range_.s0; s <= range_.s1; ++s) slopes.push_back(std::exp(-(s * steps_.ln_s + shift_s)));
   const bool no_slope = model_ == ResponseModel::yes_no && question.level == 0;  // the same at every spread
@@ -98,66 +139,95 @@ void ResponseLattice::lay_out(std::size_t i) {
     for (std::size_t s = 0, to = range_.place(range_.s0, k); s < slopes.size(); ++s, ++to) {
       if (s == 0 || !no_slope) {
         if (shared_.graded())
-          rates = graded_log_rates(model_, question.level, -std::log(slopes[s]), criterion, shared_);
+          rates = graded_log_rates(model_, question.level, -std::log(slopes[s]), criterion, without_lapses);
         else
-          rates.unsure = log_rates_of_slope(model_, question.level, slopes[s], criterion, shared_.lapse);
+          rates.unsure = log_rates_of_slope(model_, question.level, slopes[s], criterion, 0);
       }
-      positive_[i][to] = rates.unsure.positive;
-      negative_[i][to] = rates.unsure.negative;
-      if (!shared_.graded()) continue;
-      sure_positive_[i][to] = rates.sure.positive;
-      sure_negative_[i][to] = rates.sure.negative;
+      tables.positive.without_lapses[to] = rates.unsure.positive;
+      tables.negative.without_lapses[to] = rates.unsure.negative;
+      if (above) tables.sure_positive.without_lapses[to] = rates.sure.positive;
+      if (below) tables.sure_negative.without_lapses[to] = rates.sure.negative;
     }
   }
-  if (shared_.overdispersion == 0) return;
-  positive_rates_[i] = positive_[i];
-  negative_rates_[i] = negative_[i];
-  exponentiate(positive_rates_[i], 0);
-  exponentiate(negative_rates_[i], 0);
+  for (AnswerTable* table : all) table->add_lapses(shared_);
 }
+
+namespace {
+
+// The log-likelihood of a cell's answers, row by row.
+class AnswerRows {
+ public:
+  AnswerRows(std::span<const QuestionAnswers> answers, const ResponseLattice& responses, const LatticeRange& nodes)
+      : answers_(answers),
+        responses_(responses),
+        nodes_(nodes),
+        alike_(responses.shared().overdispersion, responses.shared().overdispersion > 0 ? nodes.wide() : 0) {
+    if (responses.shared().overdispersion > 0)
+      for (const QuestionAnswers& one : answers) of_all_ += alike_.log_of_all(one.counts.trials());
+  }
+
+  void write(int k, double* row) {
+    const std::size_t from = responses_.range().place(nodes_.s0, k), wide = nodes_.wide();
+    std::fill(row, row + wide, 0.0);
+    for (const QuestionAnswers& one : answers_) {
+      const auto [unsure, sure] = graded_counts(one.counts, responses_.shared());
+      const auto& [positive, negative, sure_positive, sure_negative] = responses_.tables(one.question);
+      add(unsure.positive, positive, unsure.negative, negative, from, row);
+      if (sure.positive > 0) add(sure.positive, sure_positive, 0, sure_positive, from, row);
+      if (sure.negative > 0) add(sure.negative, sure_negative, 0, sure_negative, from, row);
+    }
+    if (responses_.shared().overdispersion == 0) return;
+    alike_.finish(row);
+    for (std::size_t s = 0; s < wide; ++s) row[s] -= of_all_;
+  }
+
+ private:
+  void add(double count, const AnswerTable& answer, double other_count, const AnswerTable& other, std::size_t from,
+           double* row) {
+    if (responses_.shared().overdispersion == 0) {
+      add_answers(count, &answer.log_rates()[from], other_count, &other.log_rates()[from], nodes_.wide(), row);
+      return;
+    }
+    alike_.add(&answer.rates[from], &answer.log_rates()[from], count, row);
+    alike_.add(&other.rates[from], &other.log_rates()[from], other_count, row);
+  }
+
+  std::span<const QuestionAnswers> answers_;
+  const ResponseLattice& responses_;
+  LatticeRange nodes_;
+  AlikeAnswers alike_;
+  double of_all_ = 0;
+};
+
+}  // namespace
 
 void CellLikelihood::cover(const LatticeRange& range, ResponseLattice& responses) {
   if (!range_.empty() && range_.holds(range)) return;
   range_ = range_.covering(range);
   responses.cover(range_);
-  const std::size_t wide = range_.wide();
-  const double overdispersion = responses.shared().overdispersion;
-  AlikeAnswers alike(overdispersion, overdispersion > 0 ? wide : 0);
-  values_.assign(wide * range_.high(), 0);
-  for (int k = range_.k0; k <= range_.k1; ++k) {
-    double* row = &values_[range_.place(range_.s0, k)];
-    const std::size_t from = responses.range().place(range_.s0, k);
-    for (const QuestionAnswers& answers : answers_) {
-      const double *positive = &responses.positive(answers.question)[from],
-                   *negative = &responses.negative(answers.question)[from];
-      const auto [unsure, sure] = graded_counts(answers.counts, responses.shared());
-      const double *sure_positive = sure.positive > 0 ? &responses.sure_positive(answers.question)[from] : nullptr,
-                   *sure_negative = sure.negative > 0 ? &responses.sure_negative(answers.question)[from] : nullptr;
-      if (overdispersion > 0) {
-        alike.add(&responses.positive_rates(answers.question)[from], positive, unsure.positive, row);
-        alike.add(&responses.negative_rates(answers.question)[from], negative, unsure.negative, row);
-        const auto add_sure = [&](const double* log_rates, double count) {
-          std::vector<double> rates(log_rates, log_rates + wide);
-          exponentiate(rates, 0);
-          alike.add(rates.data(), log_rates, count, row);
-        };
-        if (sure_positive) add_sure(sure_positive, sure.positive);
-        if (sure_negative) add_sure(sure_negative, sure.negative);
-        continue;
-      }
-      add_answers(unsure.positive, positive, unsure.negative, negative, wide, row);
-      if (sure_positive) add_answers(sure.positive, sure_positive, 0, sure_positive, wide, row);
-      if (sure_negative) add_answers(sure.negative, sure_negative, 0, sure_negative, wide, row);
-    }
-    if (overdispersion > 0) alike.finish(row);
-  }
-  if (overdispersion > 0) {
-    double of_all = 0;
-    for (const QuestionAnswers& answers : answers_) of_all += alike.log_of_all(answers.counts.trials());
-    for (double& value : values_) value -= of_all;
-  }
+  shared_ = responses.shared();
+  values_.resize(range_.wide() * range_.high());
+  AnswerRows rows(answers_, responses, range_);
+  for (int k = range_.k0; k <= range_.k1; ++k) rows.write(k, &values_[range_.place(range_.s0, k)]);
   largest_ = *std::max_element(values_.begin(), values_.end());
   if (!responses.smooth()) exponentiate(values_, largest_);
+}
+
+double CellLikelihood::weighted_sum(const LatticeRange& nodes, const std::vector<double>& weights,
+                                    const ResponseLattice& responses) const {
+  double sum = 0;
+  if (responses.smooth() && responses.shared() == shared_) {  // they lie here
+    for (int k = nodes.k0; k <= nodes.k1; ++k)
+      sum += dot(at(nodes.s0, k), &weights[nodes.place(nodes.s0, k)], nodes.wide());
+    return sum;
+  }
+  AnswerRows rows(answers_, responses, nodes);
+  std::vector<double> row(nodes.wide());
+  for (int k = nodes.k0; k <= nodes.k1; ++k) {
+    rows.write(k, row.data());
+    sum += dot(row.data(), &weights[nodes.place(nodes.s0, k)], row.size());
+  }
+  return sum;
 }
 
 }  // namespace jnd

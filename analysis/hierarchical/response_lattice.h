@@ -45,7 +45,23 @@ struct LatticeQuestion {
   }
 };
 
-// ln P of both answers to every question; of the unsure ones, and of the sure, where there are such.
+// Of one answer to one question, on the lattice.
+struct AnswerTable {
+  // How many of the guesses give this answer. 0: it is never given, and the rest is empty.
+  double share = 0;
+  std::vector<double> without_lapses, with_lapses;  // ln P; the second empty where there are none
+  std::vector<double> rates;                        // P; empty where answers are not over-dispersed
+
+  const std::vector<double>& log_rates() const noexcept { return with_lapses.empty() ? without_lapses : with_lapses; }
+  // From what is without lapses to the others.
+  void add_lapses(const SharedParameters& shared);
+};
+// Both answers; of the unsure ones, and of the sure, where there are such.
+struct QuestionTables {
+  AnswerTable positive, negative, sure_positive, sure_negative;
+};
+
+// What answers to every question are likely.
 class ResponseLattice {
  public:
   ResponseLattice(ResponseModel model, std::vector<LatticeQuestion> questions, const SharedParameters& shared,
@@ -58,25 +74,22 @@ class ResponseLattice {
   bool smooth() const noexcept { return model_ != ResponseModel::choice; }
   const LatticeRange& range() const noexcept { return range_; }
   void cover(const LatticeRange& range);
+  // The same, with nothing to spare.
+  void lay_out(const LatticeRange& range);
   const SharedParameters& shared() const noexcept { return shared_; }
-  const std::vector<double>& positive(std::size_t question) const noexcept { return positive_[question]; }
-  const std::vector<double>& negative(std::size_t question) const noexcept { return negative_[question]; }
-  const std::vector<double>& sure_positive(std::size_t question) const noexcept { return sure_positive_[question]; }
-  const std::vector<double>& sure_negative(std::size_t question) const noexcept { return sure_negative_[question]; }
-  // P of them; where answers are over-dispersed, else nothing.
-  const std::vector<double>& positive_rates(std::size_t question) const noexcept { return positive_rates_[question]; }
-  const std::vector<double>& negative_rates(std::size_t question) const noexcept { return negative_rates_[question]; }
+  // From here on with these. Other lapses and over-dispersion cost little.
+  void set_shared(const SharedParameters& shared);
+  const QuestionTables& tables(std::size_t question) const noexcept { return tables_[question]; }
 
  private:
-  void lay_out(std::size_t i);
+  void lay_out_question(std::size_t i);
 
   ResponseModel model_;
   std::vector<LatticeQuestion> questions_;
   SharedParameters shared_;
   LatticeSteps steps_;
   LatticeRange range_;
-  std::vector<std::vector<double>> positive_, negative_, positive_rates_, negative_rates_;  // by question
-  std::vector<std::vector<double>> sure_positive_, sure_negative_;                          // empty where none is sure
+  std::vector<QuestionTables> tables_;  // by question
 };
 
 // The answers of one participant in one condition to one question.
@@ -97,10 +110,15 @@ class CellLikelihood {
   const double* at(int s, int k) const noexcept { return &values_[range_.place(s, k)]; }
   double largest() const noexcept { return largest_; }
   const std::vector<QuestionAnswers>& answers() const noexcept { return answers_; }
+  // The sum over these nodes, in the order of LatticeRange::place, of the weights times the log-likelihood by these
+  // responses, or others beside them, which cover the nodes.
+  double weighted_sum(const LatticeRange& nodes, const std::vector<double>& weights,
+                      const ResponseLattice& responses) const;
 
  private:
   std::vector<QuestionAnswers> answers_;
   LatticeRange range_;
+  SharedParameters shared_;  // of its values
   std::vector<double> values_;
   double largest_ = 0;
 };

@@ -1,10 +1,14 @@
 // What answers depend on besides a person's spread and criterion, the same for everybody.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <span>
 
 #include "analysis/numerics/special_values.h"
+#include "analysis/numerics/words.h"
 
 namespace jnd {
 
@@ -12,6 +16,7 @@ namespace jnd {
 constexpr bool in_second_half(std::size_t place, std::size_t trials) noexcept {
   return 2 * place >= trials;
 }
+struct HierarchicalCell;  // hierarchical_likelihood.h
 
 struct SharedParameters {
   double lapse = 0;  // 0 <= lapse < 1: on that share of trials the answer is a guess
@@ -31,5 +36,55 @@ struct SharedParameters {
   bool graded() const noexcept { return std::isfinite(sure_below) || std::isfinite(sure_above); }
   friend bool operator==(const SharedParameters&, const SharedParameters&) = default;
 };
+
+enum class SharedParameter { lapse, overdispersion, drift_ln_s, drift_criterion, sure_below, sure_above };
+inline constexpr std::array kSharedParameters = {SharedParameter::lapse,      SharedParameter::overdispersion,
+                                                 SharedParameter::drift_ln_s, SharedParameter::drift_criterion,
+                                                 SharedParameter::sure_below, SharedParameter::sure_above};
+inline constexpr auto kSharedParameterWords =
+    words<SharedParameter>({{"lapse", SharedParameter::lapse},
+                            {"overdispersion", SharedParameter::overdispersion},
+                            {"drift_ln_jnd", SharedParameter::drift_ln_s},
+                            {"drift_criterion", SharedParameter::drift_criterion},
+                            {"sure_below", SharedParameter::sure_below},
+                            {"sure_above", SharedParameter::sure_above}});
+// A number of each, in that order.
+using OfSharedParameters = std::array<double, kSharedParameters.size()>;
+
+double& value_of(SharedParameters& shared, SharedParameter which) noexcept;
+double value_of(const SharedParameters& shared, SharedParameter which) noexcept;
+
+// Which are estimated.
+struct SharedForm {
+  std::array<bool, kSharedParameters.size()> free{};
+
+  bool any() const noexcept { return std::find(free.begin(), free.end(), true) != free.end(); }
+  bool has(SharedParameter which) const noexcept { return free[static_cast<std::size_t>(which)]; }
+  SharedForm with(SharedParameter which, bool estimated = true) const noexcept;
+  // Those that such answers can tell: of the lapse rate three levels, of over-dispersion several answers of somebody in
+  // one condition at one level (and in one half), of drift both halves of somebody in one condition,
+  // of a criterion of sureness sure and unsure answers on its side.
+  SharedForm identified(std::span<const HierarchicalCell> cells) const;
+  friend bool operator==(const SharedForm&, const SharedForm&) = default;
+};
+
+// Whether it is in the unit of the criterion.
+bool of_criterion(SharedParameter which) noexcept;
+// Whether it is a rate, which is 0 at least.
+bool at_least_zero(SharedParameter which) noexcept;
+
+// What is searched: from 0 (drift: from minus that) to a lapse rate of 0.5, a correlation of 0.9, a drift of 3 in ln s
+// and of 3 units of the criterion; criteria of sureness from
+// 0.02 to 8 units away from it.
+struct SharedLimits {
+  double low = 0, high = 0;
+};
+SharedLimits limits_of(SharedParameter which, double criterion_unit) noexcept;
+
+// Where a search begins that knows nothing: a little above 0, where lapses and over-dispersion have a slope to follow.
+SharedParameters first_shared(const SharedForm& form, const SharedParameters& held) noexcept;
+
+// So far beside a value another one is taken for the derivative by the parameter.
+double step_of(SharedParameter which, double value, double criterion_unit) noexcept;
 
 }  // namespace jnd

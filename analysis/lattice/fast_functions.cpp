@@ -78,4 +78,21 @@ JND_WIDE_REGISTERS void exponentiate(std::span<double> values, double less) noex
   }
 }
 
+// x = 2^n m with m between sqrt(1/2) and sqrt(2): n ln 2 + 2 artanh t, t = (m - 1)/(m + 1), by its series.
+JND_WIDE_REGISTERS void take_logarithms(std::span<double> values) noexcept {
+  constexpr double kLn2High = 0.693147180369123816490, kLn2Low = 1.90821492927058770002e-10;
+  constexpr double kTwoTo52 = 4503599627370496.0;
+  constexpr std::uint64_t kMantissa = (std::uint64_t{1} << 52) - 1, kRootOfHalf = 0x3fe6a09e667f3bcd;
+  for (double& one : values) {
+    // Measured from sqrt(1/2), the exponent's bits are n + 1023 and the others those of m beyond it.
+    const std::uint64_t beyond = std::bit_cast<std::uint64_t>(one) - kRootOfHalf + (std::uint64_t{1023} << 52);
+    const double n = std::bit_cast<double>((beyond >> 52) | std::bit_cast<std::uint64_t>(kTwoTo52)) - (kTwoTo52 + 1023);
+    const double m = std::bit_cast<double>((beyond & kMantissa) + kRootOfHalf);
+    const double t = (m - 1) / (m + 1), square = t * t;
+    double series = 1.0 / 21;
+    for (int power = 19; power > 1; power -= 2) series = series * square + 1.0 / power;
+    one = n * kLn2High + (2 * t + (2 * t * square * series + n * kLn2Low));
+  }
+}
+
 }  // namespace jnd

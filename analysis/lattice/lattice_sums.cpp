@@ -21,6 +21,14 @@ JND_WIDE_REGISTERS void interpolate_rows(const double* rows, std::size_t stride,
   }
 }
 
+JND_WIDE_REGISTERS void add_to_rows(const double* by_out, std::size_t stride, const double* weights, std::size_t n,
+                                    double* __restrict by_rows) noexcept {
+  for (std::size_t row = 0; row < kInterpolationNodes; ++row) {
+    double* to = by_rows + row * stride;
+    for (std::size_t i = 0; i < n; ++i) to[i] += weights[row] * by_out[i];
+  }
+}
+
 JND_WIDE_REGISTERS void weighted_sums(const LatticeRow& along, const double* row, double* out) noexcept {
   for (std::size_t place = 0; place < along.places; ++place) {
     const double *a = along.weights + place * along.taps, *b = row + (along.starts[place] - along.first);

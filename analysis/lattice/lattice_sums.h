@@ -11,6 +11,10 @@ namespace jnd {
 void interpolate_rows(const double* rows, std::size_t stride, const double* weights, const double* by_centre,
                       std::size_t n, double* out, double* slope) noexcept;
 
+// Backwards, of out alone: of a number that changes by by_out[i] with out[i], what is added to its derivatives by the rows.
+void add_to_rows(const double* by_out, std::size_t stride, const double* weights, std::size_t n,
+                 double* by_rows) noexcept;
+
 // Places along one row of nodes, each with `taps` weights for the nodes from starts[place] - first on.
 struct LatticeRow {
   const int* starts;

@@ -266,15 +266,15 @@ Fields<HierarchicalVariantRow> hierarchical_variant_fields(const Protocol& proto
   Fields<R> fields = {
       F("variant", "what is estimated besides, the same for everybody",
         [](const R& r) { return word_of(kVariantKindWords, r.of->kind); },
-        {.levels = "overdispersion drift sureness", .title = "with"}),
+        {.levels = "overdispersion drift lapse sureness", .title = "with"}),
       F("parameter",
         "overdispersion: intra-class correlation of the answers of one participant, condition and level; drift_ln_jnd, "
         "drift_criterion: second half of a cell's trials less the first" +
             std::string(has_choices(protocol) ? " (of the criterion: of the PSE)" : "") +
-            "; sure_below, sure_above: how far beyond the criterion sure "
+            "; lapse: share of trials answered by chance; sure_below, sure_above: how far beyond the criterion sure "
             "answers begin",
         [](const R& r) { return word_of(kSharedParameterWords, r.shared->parameter); },
-        {.levels = "overdispersion drift_ln_jnd drift_criterion sure_below sure_above"}),
+        {.levels = "overdispersion drift_ln_jnd drift_criterion lapse sure_below sure_above"}),
       F("condition", "condition", [&protocol](const R& r) { return condition_of(protocol, r.with->condition); })};
   add_standard(fields, protocol, [](const R& r) { return r.with->series; });
   fields.insert(
@@ -288,7 +288,7 @@ Fields<HierarchicalVariantRow> hierarchical_variant_fields(const Protocol& proto
          {.column = "estimate_ci95_high"}),
        F("lr", "likelihood-ratio chi-square of 0, 1 degree of freedom; empty of sureness",
          [](const R& r) { return r.shared->lr; }, {.title = "chi-square", .digits = 2}),
-       F("p", "its p; of overdispersion, which cannot be below 0, half of that of chi-square",
+       F("p", "its p; of overdispersion and lapse, which cannot be below 0, half of it",
          [](const R& r) { return r.shared->p; }, {.shown = Shown::p_value}),
        F("status",
          "ok; zero: the likelihood is largest at 0; at_limit: as large as is searched; not_identified: these answers "

@@ -58,12 +58,13 @@ TEST_CASE("every variant is a model of its own", "[analysis][hierarchical]") {
   const std::vector<HierarchicalCell> plain = without_halves_and_sureness(halves);
   CHECK(std::none_of(plain.begin(), plain.end(), [](const HierarchicalCell& cell) { return cell.second_half; }));
   const std::vector<ModelVariant> variants = model_variants(halves, {});
-  REQUIRE(variants.size() == 2);
+  REQUIRE(variants.size() == 3);
   const SharedForm none;
   check_equal(variant_of(variants, VariantKind::overdispersion), plain, none.with(SharedParameter::overdispersion));
   check_equal(variant_of(variants, VariantKind::drift), halves,
               none.with(SharedParameter::drift_ln_s).with(SharedParameter::drift_criterion));
   CHECK(variant_of(variants, VariantKind::drift).shared[1].p < 0.001);
+  CHECK(variant_of(variants, VariantKind::lapse).shared[0].parameter == SharedParameter::lapse);
 }
 
 TEST_CASE("what these answers cannot tell, or the model has no place for, is left out or says so",
@@ -78,19 +79,20 @@ TEST_CASE("what these answers cannot tell, or the model has no place for, is lef
   model.tw = false;
   cells.front().positive += 0.5;
   const std::vector<ModelVariant> variants = model_variants(cells, model);
-  REQUIRE(variants.size() == 1);  // no over-dispersion
+  REQUIRE(variants.size() == 2);  // no over-dispersion
   for (const ModelVariant& one : variants) {
     REQUIRE(one.shared.size() == 1);
     CHECK(one.shared[0].status == SharedStatus::not_identified);
     CHECK(one.conditions.empty());
   }
   CHECK(variants[0].shared[0].parameter == SharedParameter::drift_ln_s);
+  CHECK(variants[1].shared[0].parameter == SharedParameter::lapse);
   for (HierarchicalCell& cell : cells) cell.sure_positive = cell.positive / 2;
   const std::vector<ModelVariant> graded = model_variants(cells, model);
-  REQUIRE(graded.size() == 2);
-  CHECK(graded[1].kind == VariantKind::sureness);
-  CHECK(graded[1].shared[0].status == SharedStatus::not_identified);  // nobody was sure of "same"
-  CHECK(graded[1].shared[1].status == SharedStatus::ok);
+  REQUIRE(graded.size() == 3);
+  CHECK(graded[2].kind == VariantKind::sureness);
+  CHECK(graded[2].shared[0].status == SharedStatus::not_identified);  // nobody was sure of "same"
+  CHECK(graded[2].shared[1].status == SharedStatus::ok);
 }
 
 }  // namespace

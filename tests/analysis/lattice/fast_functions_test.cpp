@@ -35,5 +35,18 @@ TEST_CASE("exponentials of a row are those of its members, and nothing below e^-
   CHECK(tiny == std::vector<double>{0, 0, 1});
 }
 
+TEST_CASE("logarithms of a row are those of its members", "[hierarchical]") {
+  std::vector<double> values = {1, 0.5, 2, 1e-300, 1e300};
+  for (double x = -700; x < 5; x += 0.0137) values.push_back(std::exp(x));
+  for (double x = 0.7; x < 1.42; x += 1e-4) values.push_back(x);
+  const std::vector<double> numbers = values;
+  take_logarithms(values);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    CAPTURE(numbers[i]);
+    const double exact = std::log(numbers[i]);
+    REQUIRE(std::abs(values[i] - exact) <= 1e-15 * std::abs(exact));
+  }
+}
+
 }  // namespace
 }  // namespace jnd

@@ -289,7 +289,7 @@ TEST_CASE("what the model leaves out stands beside it, and changes nothing of it
   const StudyHierarchical alone = model_of(patterned_counts(6));
   StudyAnalysis analysis = with_halves(patterned_counts(6), chinello());
   const StudyHierarchical model = study_hierarchical(analysis, chinello());
-  REQUIRE(model.variants.size() == 2);  // nobody was asked how sure they were
+  REQUIRE(model.variants.size() == 3);  // nobody was asked how sure they were
   for (std::size_t c = 0; c < 3; ++c) CHECK(model.conditions[c].jnd == Approx(alone.conditions[c].jnd).epsilon(1e-9));
   const HierarchicalVariant& drift = variant_of(model, VariantKind::drift);
   REQUIRE(drift.shared.size() == 2);
@@ -307,7 +307,7 @@ TEST_CASE("what the model leaves out stands beside it, and changes nothing of it
   REQUIRE(unknown.conditions.size() == 3);
   CHECK(unknown.conditions[0].status == SlopeStatus::missing);
   // The other variants do not see the halves.
-  for (const VariantKind kind : {VariantKind::overdispersion}) {
+  for (const VariantKind kind : {VariantKind::overdispersion, VariantKind::lapse}) {
     const HierarchicalVariant &with = variant_of(model, kind), &without = variant_of(alone, kind);
     CHECK(with.shared[0].status == without.shared[0].status);
     CHECK(with.shared[0].ends.high == Approx(without.shared[0].ends.high).margin(1e-6));
@@ -318,7 +318,7 @@ TEST_CASE("what the model leaves out stands beside it, and changes nothing of it
       half.sure = {half.counts.n_diff * 2 / 3, half.counts.hits / 2, half.counts.n_same / 2,
                    half.counts.false_alarms / 3};
   const StudyHierarchical graded = study_hierarchical(analysis, chinello());
-  REQUIRE(graded.variants.size() == 3);
+  REQUIRE(graded.variants.size() == 4);
   CHECK(graded.conditions[0].jnd == model.conditions[0].jnd);
   const HierarchicalVariant& sureness = variant_of(graded, VariantKind::sureness);
   REQUIRE(sureness.shared.size() == 2);
@@ -642,7 +642,7 @@ TEST_CASE("files of the model are written where it was asked for, and say why th
   CHECK(lines_of(files.at("hierarchical_ratios.csv")) == 1 + 3);
   CHECK(lines_of(files.at("hierarchical_check.csv")) == 1 + 12);
   CHECK(lines_of(files.at("hierarchical_people.csv")) == 1 + 9);
-  CHECK(lines_of(files.at("hierarchical_variants.csv")) == 1 + 3 * 3);
+  CHECK(lines_of(files.at("hierarchical_variants.csv")) == 1 + 4 * 3);
   for (const auto& [name, text] : files) CHECK(text.find("nan") == std::string::npos);
 
   results = results_of(analyze_counts(patterned_counts(201), chinello(), SessionKind::simulated), chinello());

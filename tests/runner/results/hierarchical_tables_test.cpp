@@ -53,17 +53,17 @@ TEST_CASE("the hierarchical model has its tables where it was added") {
   CHECK(json.at("rows").at(1).at("share_status") == "inside");
   CHECK(json.at("p") > 0);
   const ResultTable& left_out = table_named(tables, "hierarchical-variants");
-  REQUIRE(left_out.rows.size() == 3);  // drift has two parameters
+  REQUIRE(left_out.rows.size() == 4);  // drift has two parameters
   CHECK(left_out.rows[1].front() == "ln JND, second half less first");
   CHECK(left_out.rows[1].back() == "not_identified");  // of counts alone
   CHECK(section_of(left_out) == Section::tests);
   const ResultTable& with_that = table_named(tables, "hierarchical-variant-jnds");
-  REQUIRE(with_that.rows.size() == 3);
-  CHECK(with_that.rows[2].front() == "overdispersion");
+  REQUIRE(with_that.rows.size() == 2 * 3);
+  CHECK(with_that.rows[3].front() == "lapse");
   CHECK(section_of(with_that) == Section::tests);
   const nlohmann::ordered_json variants =
       hierarchical_json(*results.hierarchical, protocol, SessionKind::simulated).at("variants");
-  REQUIRE(variants.size() == 3 * 3);
+  REQUIRE(variants.size() == 4 * 3);
   CHECK(variants.at(3).at("status") == "not_identified");
   CHECK(variants.at(3).at("jnd").is_null());
   CHECK(variants.at(0).at("width_ratio") >= 0.999);

@@ -1,6 +1,6 @@
 // Lapses, over-dispersion and drift, the same for everybody: the likelihood by brute force, known truths that come back,
 // and what cannot be told.
-#include "analysis/hierarchical/shared_search.h"
+#include "analysis/hierarchical/shared_parameters.h"
 
 #include <algorithm>
 #include <cmath>
