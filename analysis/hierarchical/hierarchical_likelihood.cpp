@@ -190,6 +190,7 @@ void HierarchicalLikelihood::look_beside(const HierarchicalPlace& place, const S
 
 OfSharedParameters HierarchicalLikelihood::slope_by_shared(const Person& person, const Evaluation& at) {
   OfSharedParameters slope{};
+  for (std::size_t c = 0; c < conditions_; ++c) responses_.extend(at.read_by(c, at.box));
   for (ResponsesBeside& beside : beside_) beside.responses.lay_out(responses_.range());
   for (std::size_t c = 0; c < conditions_; ++c) {
     const CellLikelihood& cell = person.cells[c];

@@ -109,6 +109,11 @@ void ResponseLattice::cover(const LatticeRange& range) {
   lay_out(range_.covering(range).widened(kSpareNodes));
 }
 
+void ResponseLattice::extend(const LatticeRange& range) {
+  if (!range_.empty() && range_.holds(range)) return;
+  lay_out(range_.united(range).widened(kSpareNodes));
+}
+
 void ResponseLattice::lay_out(const LatticeRange& range) {
   if (!range_.empty() && range_.holds(range)) return;
   range_ = range;
@@ -204,7 +209,7 @@ class AnswerRows {
 void CellLikelihood::cover(const LatticeRange& range, ResponseLattice& responses) {
   if (!range_.empty() && range_.holds(range)) return;
   range_ = range_.covering(range);
-  responses.cover(range_);
+  responses.extend(range_);
   shared_ = responses.shared();
   values_.resize(range_.wide() * range_.high());
   AnswerRows rows(answers_, responses, range_);

@@ -73,8 +73,11 @@ class ResponseLattice {
   // would swing; a likelihood is bounded.
   bool smooth() const noexcept { return model_ != ResponseModel::choice; }
   const LatticeRange& range() const noexcept { return range_; }
+  // Holds that range, and what it held before as far as that lies near it.
   void cover(const LatticeRange& range);
-  // The same, with nothing to spare.
+  // Holds that range beside what it held before.
+  void extend(const LatticeRange& range);
+  // Holds that range, with nothing to spare.
   void lay_out(const LatticeRange& range);
   const SharedParameters& shared() const noexcept { return shared_; }
   // From here on with these. Other lapses and over-dispersion cost little.

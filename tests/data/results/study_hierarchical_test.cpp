@@ -404,9 +404,9 @@ TEST_CASE("registered contrasts of the model are its ratios, corrected by Holm, 
     }
   }
 
-  protocol.analysis.model = "independent-observation";  // which the reader of protocols refuses
-  const StudyResults refused =
-      results_of(analyze_counts(patterned_counts(2), protocol, SessionKind::simulated), protocol);
+  std::vector<CellCounts> nobody = patterned_counts(2);
+  for (CellCounts& cell : nobody) cell.counts = {0, 0, 12, 3};
+  const StudyResults refused = results_of(analyze_counts(nobody, protocol, SessionKind::simulated), protocol);
   for (const ContrastRow& row : contrasts_of(refused, protocol)) {
     CHECK(std::isnan(row.p));
     CHECK(row.refused.empty() == !row.registered);
