@@ -139,6 +139,8 @@ void estimate(StudyAnalysis& analysis, std::vector<ParticipantData> participants
   const int conditions = static_cast<int>(protocol.conditions.size()),
             series = static_cast<int>(protocol.series.size());
   analysis.attendance.participants = static_cast<int>(participants.size());
+  analysis.thresholds.reserve(participants.size() * place(conditions));
+  analysis.cells.reserve(participants.size() * place(conditions * series));
   for (ParticipantData& data : participants) {
     for (const int condition : conditions_of(protocol, data.group)) {
       std::vector<SeriesCounts> of_series;
@@ -161,6 +163,7 @@ void estimate(StudyAnalysis& analysis, std::vector<ParticipantData> participants
            estimate_threshold(of_series, protocol, method, analysis.intervals, seed), median_of(times.response_times_s),
            times.trials > 0 ? times.sum_s / times.trials : std::nan(""), combined(sources), data.group});
     }
+    data = {};  // of many people: what estimates are made of goes as they come
   }
   for (int condition = 0; condition < conditions; ++condition) {
     std::vector<JndEstimate> estimates;
@@ -218,11 +221,11 @@ Attendance attendance_of(const Study& study, SessionKind kind, const std::vector
 
 StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by) {
   const std::vector<SessionInfo> sessions = sessions_of(study, kind);
-  return analyze(study, protocol, kind, by, sessions, read_counted_trials(study, protocol, sessions));
+  return analyze(study, protocol, kind, by, sessions, CountedTrials(study, protocol, sessions, false));
 }
 
 StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by,
-                      const std::vector<SessionInfo>& sessions, const std::vector<CountedTrial>& trials) {
+                      const std::vector<SessionInfo>& sessions, const CountedTrials& trials) {
   StudyAnalysis analysis;
   analysis.attendance = attendance_of(study, kind, sessions);
   analysis.by = by;
@@ -235,14 +238,14 @@ StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind 
   }
 
   const std::size_t series = protocol.series.size();
-  for (const CountedTrial& trial : trials) {
+  trials.for_each([&](const CountedTrial& trial) {
     ParticipantData& data = participants[participant_of[place(trial.session)]];
     ParticipantData::Cell& cell = data.cells[place(trial.condition) * series + place(trial.series)];
     const std::string_view reason = exclusion_reason(protocol.analysis.exclude, trial);
     if (!reason.empty()) {
       ++cell.excluded;
       ++analysis.exclusions[std::string(reason)];
-      continue;
+      return;
     }
     (trial.same() ? cell.counts.n_same : cell.counts.n_diff) += 1;
     if (trial.said_different()) (trial.same() ? cell.counts.false_alarms : cell.counts.hits) += 1;
@@ -251,7 +254,7 @@ StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind 
     times.sum_s += trial.duration_s;
     ++times.trials;
     if (trial.by_participant) times.response_times_s.push_back(trial.response_time_s);
-  }
+  });
   for (ParticipantData& data : participants)
     for (ParticipantData::Cell& cell : data.cells)
       cell.missing = std::max(0, protocol.design.sessions * protocol.design.trials_per_cell - cell.counts.n_diff -

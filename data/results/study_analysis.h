@@ -143,9 +143,9 @@ struct StudyAnalysis {
 // one.
 StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind kind);
 StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by);
-// The same of trials that were read before, for callers who want them for more than this.
+// The same of trials that callers want for more than this.
 StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by,
-                      const std::vector<SessionInfo>& sessions, const std::vector<CountedTrial>& trials);
+                      const std::vector<SessionInfo>& sessions, const CountedTrials& trials);
 // What counts: without the sessions of excluded participants. By participant number, then the participant's session.
 std::vector<SessionInfo> sessions_of(const Study& study, SessionKind kind);
 // sessions: those of sessions_of.
