@@ -135,11 +135,12 @@ AdaptiveResults adaptive_results(const Study& study, const Protocol& protocol, S
 }
 
 void add_answers(AdaptiveResults& results, const Protocol& protocol, const std::vector<SessionInfo>& sessions,
-                 const std::vector<CountedTrial>& trials) {
+                 const CountedTrials& trials) {
   std::map<std::pair<std::string, int>, std::vector<AnsweredTrial>> by_cell;  // participant and condition
-  for (const CountedTrial& trial : trials)
+  trials.for_each([&](const CountedTrial& trial) {
     by_cell[{sessions[static_cast<std::size_t>(trial.session)].participant, trial.condition}].push_back(
         answered(trial));
+  });
   for (AdaptiveRow& row : results.rows)
     if (row.track == 0) row.answers = level_counts(by_cell[{row.participant, row.condition}], protocol);
 }

@@ -54,7 +54,7 @@ struct AdaptiveResults {
 AdaptiveResults adaptive_results(const Study& study, const Protocol& protocol, SessionKind kind);
 // AdaptiveRow::answers. trials: of the same sessions.
 void add_answers(AdaptiveResults& results, const Protocol& protocol, const std::vector<SessionInfo>& sessions,
-                 const std::vector<CountedTrial>& trials);
+                 const CountedTrials& trials);
 
 // The rows of one session from its events.
 std::vector<AdaptiveRow> adaptive_rows(const std::vector<Event>& events, const Protocol& protocol,

@@ -138,16 +138,16 @@ JndEstimate estimate_threshold(const std::vector<SeriesCounts>& series, const Pr
 
 // participant_of: by session. After all trials were counted.
 void add_halves(std::vector<ParticipantData>& participants, const std::vector<std::size_t>& participant_of,
-                const Protocol& protocol, const std::vector<CountedTrial>& trials) {
-  for (const CountedTrial& trial : trials) {
-    if (!exclusion_reason(protocol.analysis.exclude, trial).empty()) continue;
+                const Protocol& protocol, const CountedTrials& trials) {
+  trials.for_each([&](const CountedTrial& trial) {
+    if (!exclusion_reason(protocol.analysis.exclude, trial).empty()) return;
     ParticipantData::Cell& cell = participants[participant_of[place(trial.session)]]
                                       .cells[place(trial.condition) * protocol.series.size() + place(trial.series)];
     const int before = cell.halves[0].counts.trials() + cell.halves[1].counts.trials();
     HalfCounts& half = cell.halves[in_second_half(place(before), place(cell.counts.trials())) ? 1 : 0];
     add(half.counts, trial);
     if (is_sure(trial.sureness, protocol.task)) add(half.sure, trial);
-  }
+  });
 }
 
 // participants: in the order of the report. seed: of the bootstrap.
@@ -160,6 +160,8 @@ void estimate(StudyAnalysis& analysis, std::vector<ParticipantData> participants
   const int conditions = static_cast<int>(protocol.conditions.size()),
             series = static_cast<int>(protocol.series.size());
   analysis.attendance.participants = static_cast<int>(participants.size());
+  analysis.thresholds.reserve(participants.size() * place(conditions));
+  analysis.cells.reserve(participants.size() * place(conditions * series));
   for (ParticipantData& data : participants) {
     for (const int condition : conditions_of(protocol, data.group)) {
       std::vector<SeriesCounts> of_series;
@@ -188,6 +190,7 @@ void estimate(StudyAnalysis& analysis, std::vector<ParticipantData> participants
            estimate_threshold(of_series, protocol, method, analysis.intervals, seed), median_of(times.response_times_s),
            times.trials > 0 ? times.sum_s / times.trials : std::nan(""), combined(sources), data.group});
     }
+    data = {};  // of many people: what estimates are made of goes as they come
   }
   for (int condition = 0; condition < conditions; ++condition) {
     std::vector<JndEstimate> estimates;
@@ -245,11 +248,11 @@ Attendance attendance_of(const Study& study, SessionKind kind, const std::vector
 
 StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by) {
   const std::vector<SessionInfo> sessions = sessions_of(study, kind);
-  return analyze(study, protocol, kind, by, sessions, read_counted_trials(study, protocol, sessions));
+  return analyze(study, protocol, kind, by, sessions, CountedTrials(study, protocol, sessions, false));
 }
 
 StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by,
-                      const std::vector<SessionInfo>& sessions, const std::vector<CountedTrial>& trials) {
+                      const std::vector<SessionInfo>& sessions, const CountedTrials& trials) {
   StudyAnalysis analysis;
   analysis.attendance = attendance_of(study, kind, sessions);
   analysis.by = by;
@@ -262,14 +265,14 @@ StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind 
   }
 
   const std::size_t series = protocol.series.size();
-  for (const CountedTrial& trial : trials) {
+  trials.for_each([&](const CountedTrial& trial) {
     ParticipantData& data = participants[participant_of[place(trial.session)]];
     ParticipantData::Cell& cell = data.cells[place(trial.condition) * series + place(trial.series)];
     const std::string_view reason = exclusion_reason(protocol.analysis.exclude, trial);
     if (!reason.empty()) {
       ++cell.excluded;
       ++analysis.exclusions[std::string(reason)];
-      continue;
+      return;
     }
     add(cell.counts, trial);
     cell.delivered.add(trial, protocol.series[place(trial.series)].pair);
@@ -277,12 +280,15 @@ StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind 
     times.sum_s += trial.duration_s;
     ++times.trials;
     if (trial.by_participant) times.response_times_s.push_back(trial.response_time_s);
-  }
-  add_halves(participants, participant_of, protocol, trials);
+  });
+  const bool told_apart = participants.size() <= kMostInDetail;
+  if (told_apart) add_halves(participants, participant_of, protocol, trials);
   for (ParticipantData& data : participants)
-    for (ParticipantData::Cell& cell : data.cells)
+    for (ParticipantData::Cell& cell : data.cells) {
+      if (!told_apart) cell.halves[0].counts = cell.counts;
       cell.missing = std::max(0, protocol.design.sessions * protocol.design.trials_per_cell - cell.counts.n_diff -
                                      cell.counts.n_same - cell.excluded);
+    }
   estimate(analysis, std::move(participants), protocol, study.info().seed);
   return analysis;
 }

@@ -50,8 +50,9 @@ struct CellResult {
   SessionKind kind = SessionKind::simulated;
   int condition = 0, series = 0;  // places in the protocol
   Counts counts;
-  std::array<HalfCounts, 2> halves{};  // of these, the first and the second half as they were answered
-  int excluded = 0;                    // trials left out by the registered rules
+  // Of these, the first and the second half as they were answered; all in the first of more than kMostInDetail people.
+  std::array<HalfCounts, 2> halves{};
+  int excluded = 0;  // trials left out by the registered rules
   int missing = 0;   // planned trials without an answer
   YesNo yes_no;      // under the registered correction
   // The x of the fit. By delivered stiffness it is delivered_difference where n > 0, else the nominal one.
@@ -149,9 +150,9 @@ struct StudyAnalysis {
 // one.
 StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind kind);
 StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by);
-// The same of trials that were read before, for callers who want them for more than this.
+// The same of trials that callers want for more than this.
 StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by,
-                      const std::vector<SessionInfo>& sessions, const std::vector<CountedTrial>& trials);
+                      const std::vector<SessionInfo>& sessions, const CountedTrials& trials);
 // What counts: without the sessions of excluded participants. By participant number, then the participant's session.
 std::vector<SessionInfo> sessions_of(const Study& study, SessionKind kind);
 // sessions: those of sessions_of.

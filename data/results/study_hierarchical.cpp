@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -23,6 +24,10 @@ int trials_of(const std::vector<LevelCount>& counts) noexcept {
   int trials = 0;
   for (const LevelCount& one : counts) trials += one.positive + one.negative;
   return trials;
+}
+
+double in_steps(double level, double step) noexcept {
+  return step * std::round(level / step);
 }
 
 // Rows of a participant stand together.
@@ -50,7 +55,8 @@ class StudyFit {
     lay_out();
   }
 
-  StudyHierarchical fitted(std::string separate, bool rounded);
+  // rounded: the levels already count in steps.
+  StudyHierarchical fitted(std::string separate, bool rounded = false);
 
  private:
   bool choices() const noexcept { return answer_model_.response == ResponseModel::choice; }
@@ -66,6 +72,7 @@ class StudyFit {
   }
 
   void lay_out();
+  void round_levels();
   std::string refusal();
   std::vector<HierarchicalCell> cells_of_fit() const;
   void add_spreads(const HierarchicalFit& fit);
@@ -83,6 +90,7 @@ class StudyFit {
   AnswerModel answer_model_;
   int series_ = 1;  // rows of a condition
   StudyHierarchical model_;
+  double step_ = 0;                       // of the levels in the fit; 0: as they are
   std::vector<int> number_;               // of the participant of each cell, in the fit; -1 without trials
   std::vector<int> to_fit_;               // by row of a condition: its place in the fit; -1 without trials
   std::vector<std::size_t> fitted_rows_;  // by place in the fit
@@ -109,6 +117,14 @@ void StudyFit::lay_out() {
   model_.several_standards = series_ > 1;
   for (int series = 0; series < series_; ++series)
     model_.several_standards = model_.several_standards && standard_of(series) > 0;
+}
+
+void StudyFit::round_levels() {
+  std::set<double> levels;
+  for (const AnsweredCell& cell : cells_)
+    for (const LevelCount& one : cell.counts) levels.insert(one.level / unit_of(cell.person.series));
+  model_.rounded = levels.size() > static_cast<std::size_t>(kLevelSteps);
+  if (model_.rounded) step_ = std::max(-*levels.begin(), *levels.rbegin()) / kLevelSteps;
 }
 
 // Why there is no fit; empty where there is one.
@@ -140,15 +156,20 @@ std::vector<HierarchicalCell> StudyFit::cells_of_fit() const {
   std::vector<HierarchicalCell> cells;
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     const HierarchicalPerson& person = cells_[i].person;
+    std::vector<HierarchicalCell> own;
     for (const LevelCount& one : cells_[i].counts) {
-      HierarchicalCell cell{number_[i],
-                            to_fit_[place(person)],
-                            one.level / unit_of(person.series),
-                            static_cast<double>(one.positive),
-                            static_cast<double>(one.negative),
-                            one.second_half,
-                            static_cast<double>(one.sure_positive),
-                            static_cast<double>(one.sure_negative)};
+      const double exact = one.level / unit_of(person.series), level = step_ > 0 ? in_steps(exact, step_) : exact;
+      auto known = std::find_if(own.begin(), own.end(), [&](const HierarchicalCell& cell) {
+        return cell.level == level && cell.second_half == one.second_half;
+      });
+      if (known == own.end())
+        known = own.insert(own.end(), {number_[i], to_fit_[place(person)], level, 0, 0, one.second_half});
+      known->positive += one.positive;
+      known->negative += one.negative;
+      known->sure_positive += one.sure_positive;
+      known->sure_negative += one.sure_negative;
+    }
+    for (const HierarchicalCell& cell : own) {
       if (model_.pse_at_standard)
         add_without_bias(cells, cell);
       else
@@ -256,6 +277,7 @@ StudyHierarchical StudyFit::fitted(std::string separate, bool rounded) {
   for (const AnsweredCell& cell : cells_) model_.people.push_back(cell.person);
   model_.reason = refusal();
   if (model_.status != HierarchicalStatus::ok) return model_;
+  if (protocol_.design.procedure) round_levels();
   HierarchicalModel of;
   of.response = answer_model_.response;
   of.shared.lapse = answer_model_.lapse;
@@ -278,7 +300,8 @@ StudyHierarchical StudyFit::fitted(std::string separate, bool rounded) {
   model_.equal_lr = fit.lr;
   model_.equal_p = fit.p;
   model_.equal_df = fit.df;
-  const bool given_levels = task_of(protocol_.task.kind).has_own_results() && !rounded && !protocol_.design.procedure;
+  const bool given_levels =
+      task_of(protocol_.task.kind).has_own_results() && !model_.rounded && !protocol_.design.procedure;
   if (given_levels && static_cast<std::size_t>(model_.participants) <= kMostInDetail)
     add_check(cells, of, fit.maximum.place);
   return model_;
@@ -291,16 +314,14 @@ void StudyFit::add_check(const std::vector<HierarchicalCell>& cells, const Hiera
   for (PredictiveRow& row : model_.check->rows) row.condition = fitted_rows_[row.condition];
 }
 
-// Delivered differences are hardly twice the same, and the fit takes as long as there are different ones.
 double level_of(const CellResult& cell, double step) {
-  return cell.difference_source == DifferenceSource::nominal ? cell.difference
-                                                             : step * std::round(cell.difference / step);
+  return cell.difference_source == DifferenceSource::nominal ? cell.difference : in_steps(cell.difference, step);
 }
 
 double step_of(const StudyAnalysis& analysis) {
   double largest = 0;
   for (const CellResult& cell : analysis.cells) largest = std::max(largest, cell.difference);
-  return largest / kDeliveredSteps;
+  return largest / kLevelSteps;
 }
 
 // level: of trials with different stimuli; same_level: of the others.
@@ -379,7 +400,7 @@ StudyHierarchical study_hierarchical(const AdaptiveResults& results, const Proto
   }
   StudyHierarchical model =
       StudyFit(std::move(cells), protocol)
-          .fitted(jnds ? "the posterior of the procedure's own response model" : "maximum likelihood", false);
+          .fitted(jnds ? "the posterior of the procedure's own response model" : "maximum likelihood");
   if (!jnds) take_alone(model);
   return model;
 }
@@ -404,8 +425,7 @@ StudyHierarchical study_hierarchical(const TaskResults& results, const Protocol&
   }
   return StudyFit(std::move(cells), protocol)
       .fitted(has_posterior_threshold(protocol) ? "the posterior of the procedure's own response model"
-                                                : "maximum likelihood",
-              false);
+                                                : "maximum likelihood");
 }
 
 void add_without_bias(std::vector<HierarchicalCell>& cells, HierarchicalCell cell) {

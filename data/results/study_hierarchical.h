@@ -106,7 +106,7 @@ struct StudyHierarchical {
   double lapse = 0;
   bool pse_at_standard = false;    // of choices: taken as the standard (AnswerModel::pse_at_standard)
   bool several_standards = false;  // levels, and criteria of choices, count as shares of the standard
-  bool rounded = false;            // over delivered differences, in steps (kDeliveredSteps)
+  bool rounded = false;            // levels that the protocol does not give count in steps (kLevelSteps)
   std::string separate;            // how separate JNDs come about, for notes
   int participants = 0;            // with counted trials
   std::int64_t trials = 0;
@@ -134,8 +134,9 @@ inline constexpr std::string_view kPeopleAlike =
 // What everyone who reads a number of it is told.
 std::string hierarchical_assumptions(const StudyHierarchical& model);
 
-// Delivered differences count to so many steps of the largest one.
-inline constexpr int kDeliveredSteps = 200;
+// Levels that are hardly twice the same count in so many steps of the largest one: delivered differences, and levels that
+// answers set where there are more of them than steps. The fit takes as long as there are different ones.
+inline constexpr int kLevelSteps = 200;
 
 // Of the trials that count, by maximum likelihood. A fraction of a second for twenty people, some seconds for the most.
 StudyHierarchical study_hierarchical(const StudyAnalysis& analysis, const Protocol& protocol);

@@ -26,9 +26,14 @@ void add_ratings(StudyResults& results, const Study& study, const Protocol& prot
   results.questionnaire = questionnaire_of(ratings, participants.size(), protocol);
 }
 
+// Held of as many people as are shown one by one.
+CountedTrials trials_of(const Study& study, const Protocol& protocol, const std::vector<SessionInfo>& sessions) {
+  return {study, protocol, sessions, participants_of(sessions).size() <= kMostInDetail};
+}
+
 void add_answers(StudyResults& results, const Protocol& protocol, const std::vector<SessionInfo>& sessions,
-                 const std::vector<CountedTrial>& trials) {
-  if (participants_of(sessions).size() <= kMostInDetail) results.answers = answer_raster(protocol, sessions, trials);
+                 const CountedTrials& trials) {
+  if (trials.are_held()) results.answers = answer_raster(protocol, sessions, trials.held());
 }
 
 void add_registered(StudyResults& results, OutcomeComparison comparison, const Protocol& protocol) {
@@ -55,15 +60,15 @@ ConstantResults constant_results(StudyAnalysis analysis, const Protocol& protoco
 StudyResults constant_results_of(const Study& study, const Protocol& protocol, SessionKind kind, DifferenceSource by) {
   StudyResults results;
   const std::vector<SessionInfo> sessions = sessions_of(study, kind);
-  const std::vector<CountedTrial> trials = read_counted_trials(study, protocol, sessions);
+  const CountedTrials trials = trials_of(study, protocol, sessions);
   ConstantResults measured = constant_results(analyze(study, protocol, kind, by, sessions, trials), protocol);
   const std::vector<ThresholdResult>& thresholds = measured.analysis.thresholds;
   add_registered(results, compare_thresholds(thresholds, protocol, protocol.analysis.tests.outcome), protocol);
   results.comparisons.push_back(compare_times(thresholds, protocol));
   add_ratings(results, study, protocol, sessions);
   add_answers(results, protocol, sessions, trials);
-  if (measured.detailed) measured.behaviour = study_behaviour(protocol, sessions, trials);
-  if (measured.detailed) measured.sureness = study_sureness(protocol, sessions, trials);
+  if (measured.detailed) measured.behaviour = study_behaviour(protocol, sessions, trials.held());
+  if (measured.detailed) measured.sureness = study_sureness(protocol, sessions, trials.held());
   results.measured = std::move(measured);
   return results;
 }
@@ -75,7 +80,7 @@ StudyResults adaptive_results_of(const Study& study, const Protocol& protocol, S
   add_registered(results, compare_adaptive(measured.rows, protocol), protocol);
   const std::vector<SessionInfo> sessions = sessions_of(study, kind);
   add_ratings(results, study, protocol, sessions);
-  const std::vector<CountedTrial> trials = read_counted_trials(study, protocol, sessions);
+  const CountedTrials trials = trials_of(study, protocol, sessions);
   add_answers(results, protocol, sessions, trials);
   add_answers(measured, protocol, sessions, trials);
   results.measured = std::move(measured);
@@ -94,7 +99,7 @@ StudyResults exploration_results_of(const Study& study, const Protocol& protocol
 StudyResults task_results_of(const Study& study, const Protocol& protocol, SessionKind kind) {
   StudyResults results;
   const std::vector<SessionInfo> sessions = sessions_of(study, kind);
-  const std::vector<CountedTrial> trials = read_counted_trials(study, protocol, sessions);
+  const CountedTrials trials = trials_of(study, protocol, sessions);
   MeasuredTask measured{attendance_of(study, kind, sessions), task_results(study, protocol, sessions, trials)};
   add_registered(results, compare_task(measured.task, protocol), protocol);
   add_ratings(results, study, protocol, sessions);
@@ -146,9 +151,8 @@ StudyResults results_of(const Study& study, const Protocol& protocol, SessionKin
   ChainReport chains = require_whole_chains(study);
   StudyResults results = computed_results_of(study, protocol, kind, by);
   if (judges_exploration(protocol)) {
-    const std::vector<CountedTrial> trials = read_counted_trials(study, protocol, sessions_of(study, kind));
-    results.off_prescription = static_cast<int>(
-        std::count_if(trials.begin(), trials.end(), [](const CountedTrial& trial) { return trial.off_prescription; }));
+    for_counted_trials(study, protocol, sessions_of(study, kind),
+                       [&](const CountedTrial& trial) { results.off_prescription += trial.off_prescription ? 1 : 0; });
   }
   if (protocol.analysis.hierarchical) add_hierarchical(results, protocol);
   add_cautions(results, protocol);

@@ -111,19 +111,17 @@ bool within(int place, std::size_t size) noexcept {
   return place >= 0 && place < static_cast<int>(size);
 }
 
-}  // namespace
-
-std::vector<CountedTrial> read_counted_trials(const Study& study, const Protocol& protocol,
-                                              const std::vector<SessionInfo>& sessions) {
+// Calls with(trial, the number of its event).
+template <typename With>
+void read_trials(const Study& study, const Protocol& protocol, const std::vector<SessionInfo>& sessions, With&& with) {
   const Study::Impl& impl = study.impl();
   const std::scoped_lock lock(impl.mutex);
-  return with_storage_errors(impl.path, [&] {
+  with_storage_errors(impl.path, [&] {
     SQLite::Transaction reading(impl.database());  // both queries of one instant
     SQLite::Statement query(impl.database(), kCompletedTrials);
     SessionPlaces places(sessions);
     const EventPlaces not_counted = taken_back_places(impl.database());
     TrialBodyReader reader(protocol.stimulus.unit);
-    TrialsInOrder trials;
     while (query.executeStep()) {
       const int place = places.of(query.getColumn(0).getText());
       if (place < 0) continue;
@@ -144,10 +142,35 @@ std::vector<CountedTrial> read_counted_trials(const Study& study, const Protocol
       trial.session = place;
       if (!within(trial.series, protocol.series.size()) || !within(trial.condition, protocol.conditions.size()))
         throw failed(fmt::format("series {} or condition {} is not in the protocol", trial.series, trial.condition));
-      trials.add(trial, seq);
+      with(trial, seq);
     }
-    return trials.take();
+    return 0;
   });
+}
+
+}  // namespace
+
+void for_counted_trials(const Study& study, const Protocol& protocol, const std::vector<SessionInfo>& sessions,
+                        const WithTrial& with) {
+  read_trials(study, protocol, sessions, [&](const CountedTrial& trial, std::int64_t) { with(trial); });
+}
+
+std::vector<CountedTrial> read_counted_trials(const Study& study, const Protocol& protocol,
+                                              const std::vector<SessionInfo>& sessions) {
+  TrialsInOrder trials;
+  read_trials(study, protocol, sessions, [&](const CountedTrial& trial, std::int64_t seq) { trials.add(trial, seq); });
+  return trials.take();
+}
+
+CountedTrials::CountedTrials(const Study& study, const Protocol& protocol, const std::vector<SessionInfo>& sessions,
+                             bool held)
+    : study_(study), protocol_(protocol), sessions_(sessions) {
+  if (held) held_ = read_counted_trials(study, protocol, sessions);
+}
+
+void CountedTrials::for_each(const WithTrial& with) const {
+  if (!held_) return for_counted_trials(study_, protocol_, sessions_, with);
+  for (const CountedTrial& trial : *held_) with(trial);
 }
 
 }  // namespace jnd

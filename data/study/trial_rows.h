@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -29,10 +31,36 @@ std::string_view exclusion_reason(const Exclusions& rules, const CountedTrial& t
 // By session: seq of the answers that were taken back.
 std::map<std::string, std::set<std::int64_t>> taken_back_of(const Study& study);
 
-// One pass over the file: the answered main trials of `sessions`, without answers that were taken back; those of one
-// session are in the order in which they were answered. Throws StorageError where a trial names a condition or series
-// that the protocol does not have.
+using WithTrial = std::function<void(const CountedTrial&)>;
+
+// One pass over the file, which holds one trial at a time: the answered main trials of `sessions`, without answers that
+// were taken back, in the order of the file; in a file whose chains are whole, those of one session are in the order in
+// which they were answered. `with` must not ask the study for anything. Throws StorageError where a trial names a
+// condition or series that the protocol does not have.
+void for_counted_trials(const Study& study, const Protocol& protocol, const std::vector<SessionInfo>& sessions,
+                        const WithTrial& with);
+
+// All of them at once, some 230 bytes each. Those of one session are in the order in which they were answered, whatever
+// the file's is.
 std::vector<CountedTrial> read_counted_trials(const Study& study, const Protocol& protocol,
                                               const std::vector<SessionInfo>& sessions);
+
+// The trials of some sessions for analyses that go through them more than once: held, where people are few enough to be
+// looked at one by one, else read again at every pass, so that memory does not grow with the trials. What it is made of
+// must outlive it.
+class CountedTrials {
+ public:
+  CountedTrials(const Study& study, const Protocol& protocol, const std::vector<SessionInfo>& sessions, bool held);
+  bool are_held() const noexcept { return held_.has_value(); }
+  const std::vector<CountedTrial>& held() const { return held_.value(); }
+  // As for_counted_trials().
+  void for_each(const WithTrial& with) const;
+
+ private:
+  const Study& study_;
+  const Protocol& protocol_;
+  const std::vector<SessionInfo>& sessions_;
+  std::optional<std::vector<CountedTrial>> held_;
+};
 
 }  // namespace jnd

@@ -179,7 +179,7 @@ AnsweredTrial answered(const CountedTrial& trial) {
 }
 
 TaskResults task_results(const Study& study, const Protocol& protocol, const std::vector<SessionInfo>& sessions,
-                         const std::vector<CountedTrial>& trials) {
+                         const CountedTrials& trials) {
   TaskResults results;
   results.outcomes = measured_outcomes(protocol);
   for (std::size_t i = 0; i < results.outcomes.size(); ++i)
@@ -193,7 +193,7 @@ TaskResults task_results(const Study& study, const Protocol& protocol, const std
                               std::vector<TaskCell>(protocol.conditions.size() * all_series)});
     participant_of.push_back(participants.size() - 1);
   }
-  for (const CountedTrial& trial : trials) {
+  trials.for_each([&](const CountedTrial& trial) {
     TaskCell& cell = participants[participant_of[place(trial.session)]]
                          .cells[place(trial.condition) * all_series + place(trial.series)];
     // An excluded answer of a procedure has moved the levels all the same.
@@ -202,12 +202,12 @@ TaskResults task_results(const Study& study, const Protocol& protocol, const std
     if (!reason.empty()) {
       ++cell.excluded;
       ++results.exclusions[std::string(reason)];
-      continue;
+      return;
     }
     cell.trials.push_back(answered(trial));
     cell.sum_s += trial.duration_s;
     if (trial.by_participant) cell.response_times_s.push_back(trial.response_time_s);
-  }
+  });
   const SessionKind kind = sessions.empty() ? SessionKind::simulated : sessions.front().kind;
   if (protocol.design.procedure) {
     std::span<const SessionInfo> rest = sessions;

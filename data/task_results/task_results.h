@@ -82,7 +82,7 @@ AnsweredTrial answered(const CountedTrial& trial);
 
 // sessions: of one kind, by participant; trials: of these. Throws StorageError where an event contradicts the protocol.
 TaskResults task_results(const Study& study, const Protocol& protocol, const std::vector<SessionInfo>& sessions,
-                         const std::vector<CountedTrial>& trials);
+                         const CountedTrials& trials);
 
 // All series of one participant and condition. first: the first of them, in results.estimates.
 std::span<const TaskEstimateRow> series_from(const TaskEstimateRow& first, const Protocol& protocol) noexcept;

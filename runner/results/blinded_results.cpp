@@ -101,8 +101,9 @@ BlindedResults blinded_results(const Study& study, const Protocol& protocol, Dif
     if (!tallies.contains(session.participant)) order.push_back(session.participant);
     add_session(tallies[session.participant], study, session);
   }
-  for (const CountedTrial& trial : read_counted_trials(study, protocol, sessions))
+  for_counted_trials(study, protocol, sessions, [&](const CountedTrial& trial) {
     add_trial(tallies[sessions[static_cast<std::size_t>(trial.session)].participant], trial);
+  });
   for (const std::string& participant : order)
     results.participants.push_back(summed(std::move(tallies[participant]), protocol));
   results.groups = groups_of(study, protocol, by);

@@ -81,12 +81,14 @@ ResultTable hierarchical_table(const StudyResults& results, const Protocol& prot
   ResultTable table{"hierarchical", "The group by the hierarchical model", "", {}, {}, {}};
   if (!results.hierarchical || results.hierarchical->people.empty()) return table;
   const StudyHierarchical& model = *results.hierarchical;
-  table.note = fmt::format(
-      "one model of everybody's answers{}; {}: of the median person, with 95 % profile likelihood; {}{}",
-      observer_words(model, protocol), jnd_title(protocol),
-      protocol.analysis.hierarchical ? "registered for the contrasts" : "not registered",
-      model.rounded ? fmt::format("; over the delivered differences, to {:g} % of the largest", 100.0 / kDeliveredSteps)
-                    : "");
+  table.note =
+      fmt::format("one model of everybody's answers{}; {}: of the median person, with 95 % profile likelihood; {}{}",
+                  observer_words(model, protocol), jnd_title(protocol),
+                  protocol.analysis.hierarchical ? "registered for the contrasts" : "not registered",
+                  model.rounded ? fmt::format("; over {}, to {:g} % of the largest",
+                                              protocol.design.procedure ? "the levels" : "the delivered differences",
+                                              100.0 / kLevelSteps)
+                                : "");
   const TableMaker of(hierarchical_fields(protocol, attendance_of(results).kind));
   using Row = HierarchicalConditionRow;
   std::vector<TableColumn<Row>> columns = {of("condition")};

@@ -1,18 +1,25 @@
-// How long the registered analysis of a large study takes, from the closed file to tables of numbers, and how it grows
-// with the trials; beside it, the least that any analysis must do: read every body from the file.
+// How long the registered analysis of a large study takes, from the closed file to tables of numbers, how much memory, and how
+// both grow with the trials; beside it, the least that any analysis must do: read every body from the file.
 //
 //   study_bench [TRIALS] [full]    default 1000000; full: with what every finger got (2.3 kB a trial instead of 0.4 kB)
 //
+// Every number is of a process of its own, whose peak is that of its resident memory. kB/participant: by how much the peak of
+// the analysis is above that of reading.
+//
 // The study is generated in bulk, in one transaction, with bodies and hashes as the program writes them: an analysis looks
 // first whether every hash holds. Its sessions stay open.
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <exception>
 #include <filesystem>
 #include <functional>
 #include <string>
 
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/format.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "data/log/chain.h"
@@ -27,10 +34,29 @@ namespace {
 using namespace jnd;
 namespace fs = std::filesystem;
 
-double seconds_of(const std::function<void()>& action) {
+struct Cost {
+  double seconds = 0;
+  double peak_mb = 0;
+};
+
+// In a process of its own.
+Cost cost_of(const std::function<void()>& action) {
   const auto begin = std::chrono::steady_clock::now();
-  action();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  const pid_t child = ::fork();
+  if (child == 0) {
+    try {
+      action();
+    } catch (const std::exception& error) {
+      fmt::print(stderr, "{}\n", error.what());
+      ::_exit(1);
+    }
+    ::_exit(0);
+  }
+  int status = 0;
+  rusage usage{};
+  if (child < 0 || ::wait4(child, &status, 0, &usage) != child || status != 0) std::exit(1);
+  return {std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(),
+          static_cast<double>(usage.ru_maxrss) / 1024};
 }
 
 std::string body_of(const Protocol& protocol, const Trial& trial, bool full) {
@@ -67,8 +93,7 @@ std::string body_of(const Protocol& protocol, const Trial& trial, bool full) {
 
 constexpr std::string_view kTime = "2026-01-01T00:00:00.000000000Z";
 
-// Returns how many trials the study holds: whole participants.
-int generate(const fs::path& path, const Protocol& protocol, int trials, bool full) {
+void generate(const fs::path& path, const Protocol& protocol, int participants, bool full) {
   Study::create(path, protocol.name, protocol.bytes, 1, {1, 1})->close();
   SQLite::Database database(path.string(), SQLite::OPEN_READWRITE);
   database.exec("PRAGMA synchronous = OFF");
@@ -95,8 +120,7 @@ int generate(const fs::path& path, const Protocol& protocol, int trials, bool fu
     insert.exec();
     insert.reset();
   };
-  int written = 0;
-  for (int participant = 1; written < trials; ++participant) {
+  for (int participant = 1; participant <= participants; ++participant) {
     const Plan plan = make_plan(protocol, participant, 1);
     const std::string session = fmt::format("s{:06}", participant);
     int seq = 0;
@@ -106,21 +130,23 @@ int generate(const fs::path& path, const Protocol& protocol, int trials, bool fu
                     participant, plan.trials.size()));
     for (const Trial& trial : plan.trials)
       add(session, ++seq, event_kind::kTrialCompleted, body_of(protocol, trial, full));
-    written += static_cast<int>(plan.trials.size());
   }
   transaction.commit();
-  return written;
 }
 
 // The reference: every body through the reader of the file, and nothing else.
-double read_bodies(const fs::path& path) {
-  return seconds_of([&] {
-    SQLite::Database database(path.string(), SQLite::OPEN_READONLY);
-    SQLite::Statement query(database, "SELECT body FROM event NOT INDEXED WHERE kind = 'trial.completed'");
-    std::size_t bytes = 0;
-    while (query.executeStep()) bytes += static_cast<std::size_t>(query.getColumn(0).getBytes());
-    if (bytes == 0) std::abort();
-  });
+void read_bodies(const fs::path& path) {
+  SQLite::Database database(path.string(), SQLite::OPEN_READONLY);
+  SQLite::Statement query(database, "SELECT body FROM event NOT INDEXED WHERE kind = 'trial.completed'");
+  std::size_t bytes = 0;
+  while (query.executeStep()) bytes += static_cast<std::size_t>(query.getColumn(0).getBytes());
+  if (bytes == 0) std::abort();
+}
+
+void analyse(const fs::path& path, const Protocol& protocol, int participants) {
+  const auto study = Study::open(path, Study::Access::read_only);
+  const StudyResults results = results_of(*study, protocol, SessionKind::simulated);
+  if (attendance_of(results).participants != participants) std::abort();
 }
 
 }  // namespace
@@ -131,19 +157,22 @@ int main(int argc, char** argv) {
   const Protocol protocol = load_protocol(std::string(JND_SOURCE_DIR) + "/protocols/chinello2017.json");
   const fs::path folder = fs::temp_directory_path() / fmt::format("jnd-study-bench-{}", ::getpid());
   fs::create_directories(folder);
-  fmt::print("   trials   participants   analysis s   us/trial   bodies alone s   ratio\n");
-  for (const int trials : {most / 10, most}) {
+  const int trials_each = static_cast<int>(make_plan(protocol, 1, 1).trials.size());
+  fmt::print(
+      "   trials   participants   analysis s   us/trial   bodies alone s   ratio   peak MB   bodies alone MB   "
+      "kB/participant\n");
+  for (const int trials : {most / 100, most / 10, most}) {
+    const int participants = std::max(1, trials / trials_each);
+    const double answered = participants * trials_each;
     const fs::path path = folder / fmt::format("{}.sqlite", trials);
-    const int written = generate(path, protocol, trials, full);
-    read_bodies(path);  // into the page cache
-    const double reading = read_bodies(path);
-    int participants = 0;
-    const double analysing = seconds_of([&] {
-      const auto study = Study::open(path, Study::Access::read_only);
-      participants = attendance_of(results_of(*study, protocol, SessionKind::simulated)).participants;
-    });
-    fmt::print("{:9} {:14} {:12.3f} {:10.2f} {:16.3f} {:7.2f}\n", written, participants, analysing,
-               1e6 * analysing / written, reading, analysing / reading);
+    cost_of([&] { generate(path, protocol, participants, full); });
+    cost_of([&] { read_bodies(path); });  // into the page cache
+    const Cost reading = cost_of([&] { read_bodies(path); });
+    const Cost analysing = cost_of([&] { analyse(path, protocol, participants); });
+    fmt::print("{:9} {:14} {:12.3f} {:10.2f} {:16.3f} {:7.2f} {:9.1f} {:17.1f} {:16.2f}\n", answered, participants,
+               analysing.seconds, 1e6 * analysing.seconds / answered, reading.seconds,
+               analysing.seconds / reading.seconds, analysing.peak_mb, reading.peak_mb,
+               1024 * (analysing.peak_mb - reading.peak_mb) / participants);
     fs::remove(path);
   }
   fs::remove_all(folder);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include "analysis/choice/two_interval.h"
@@ -12,6 +13,7 @@
 #include "data/results/study_results.h"
 #include "data/study/study_admin.h"
 #include "protocols/planning/track_threshold.h"
+#include "protocols/random_stream.h"
 #include "protocols/reading/protocol_json.h"
 #include "tests/catch.h"
 #include "tests/data/constant_results.h"
@@ -619,6 +621,57 @@ TEST_CASE("levels that answers set count like given ones; a threshold that is no
     CHECK(one.separate == one.alone);
     CHECK(one.separate != 500);
   }
+}
+
+// Levels about each person's own threshold, no two alike, and answers as a yes-no observer gives them.
+AdaptiveResults tracked_results(const Protocol& protocol, int people, int trials) {
+  AdaptiveResults results;
+  for (int person = 0; person < people; ++person) {
+    RandomStream random(7, static_cast<std::uint64_t>(person) + 1, "tracks");
+    const double of_person = 0.25 * random.normal();
+    for (int condition = 0; condition < static_cast<int>(protocol.conditions.size()); ++condition) {
+      AdaptiveRow& row = results.rows.emplace_back();
+      row.participant = "P" + std::to_string(10 + person);
+      row.condition = condition;
+      const double s = 200 * std::exp(of_person + 0.15 * condition);
+      std::map<double, LevelCount> by_level;
+      for (int trial = 0; trial < trials; ++trial) {
+        const double level = trial % 4 == 0 ? 0 : 1.5 * s * std::exp(0.35 * random.normal());
+        LevelCount& one = by_level[level];
+        one.level = level;
+        ++(random.normal() < level / s - 0.9 ? one.positive : one.negative);
+      }
+      for (const auto& [level, one] : by_level) row.answers.push_back(one);
+    }
+  }
+  return results;
+}
+
+TEST_CASE("levels that answers set, hardly two alike, count in steps, and estimates stay where they are", "[data]") {
+  const Protocol protocol = load_protocol(std::string(JND_SOURCE_DIR) + "/protocols/adaptive-quest.json");
+  const AdaptiveResults results = tracked_results(protocol, 6, 40);
+  const StudyHierarchical model = study_hierarchical(results, protocol);
+  REQUIRE(model.status == HierarchicalStatus::ok);
+  CHECK(model.rounded);
+  CHECK(model.trials == 6 * 40 * static_cast<std::int64_t>(protocol.conditions.size()));
+
+  std::vector<HierarchicalCell> cells;
+  for (std::size_t i = 0; i < results.rows.size(); ++i)
+    for (const LevelCount& one : results.rows[i].answers)
+      cells.push_back({static_cast<int>(i / protocol.conditions.size()), results.rows[i].condition, one.level,
+                       static_cast<double>(one.positive), static_cast<double>(one.negative)});
+  HierarchicalAnalysis exact(cells, {.response = *model.response});
+  for (const HierarchicalCondition& row : model.conditions) {
+    const ConditionMean& mean = exact.fit().conditions[static_cast<std::size_t>(row.condition)];
+    REQUIRE(row.status == SlopeStatus::ok);
+    const double error = (std::log(row.ci_high) - std::log(row.ci_low)) / (2 * 1.96);
+    CHECK(std::abs(std::log(row.jnd) - mean.mu) < 0.02 * error);
+    CHECK(row.criterion == Approx(mean.criterion).margin(0.005));
+  }
+  CHECK(model.persons.sd == Approx(exact.fit().maximum.place.tu).margin(0.005));
+
+  const StudyHierarchical few = study_hierarchical(tracked_results(protocol, 2, 12), protocol);
+  CHECK_FALSE(few.rounded);
 }
 
 std::size_t lines_of(const std::string& text) {
