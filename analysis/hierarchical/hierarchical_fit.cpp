@@ -15,8 +15,9 @@ namespace jnd {
 
 namespace {
 
-// Of ln L at a point of a profile; and of its end, 1 + its value.
-constexpr double kNegligibleInProfile = 1e-6, kCloseEnough = 1e-4;
+// Of ln L at a point of a profile, and at the first, from where the end is only seen; and of the end, 1 + its value.
+constexpr double kNegligibleInProfile = 2e-6, kNegligibleAtFirst = 1e-4, kCloseEnough = 1e-4;
+constexpr double kNegligibleShared = 1e-9;  // of ln L, which is flat along lapses and means together
 constexpr double kFirstSpread = 0.3, kFirstSpreadWithin = 0.15;  // where a search begins
 
 double trials_of(std::span<const HierarchicalCell> cells) {
@@ -66,7 +67,8 @@ HierarchicalAnalysis::HierarchicalAnalysis(std::vector<HierarchicalCell> cells, 
   start.place = place;
   start.shared = first_shared(fit_.shared, model.shared);
   fit_.maximum = maximise(rough, form_, start, range_.criterion_unit, kRoughlyNegligible);
-  fit_.maximum = maximise(likelihood_, form_, fit_.maximum, range_.criterion_unit);
+  fit_.maximum = maximise(likelihood_, form_, fit_.maximum, range_.criterion_unit,
+                          fit_.shared.any() ? kNegligibleShared : kNegligible);
 
   const HierarchicalPlace& found = fit_.maximum.place;
   const auto settle = [](SpreadStatus& status, double spread) {
@@ -143,16 +145,29 @@ void HierarchicalAnalysis::look_closely() {
   looked_closely_ = true;
 }
 
-// held(value, from): the maximum with the parameter at that value, from another one; slope(maximum): of ln L there, by the
-// parameter. An end is looked for up to so far from the estimate.
+std::size_t HierarchicalAnalysis::shared_place(SharedParameter which) const noexcept {
+  return 2 * fit_.conditions.size() + 4 + static_cast<std::size_t>(which);
+}
+
+// Of a sum of parameters, each by its place in the information, times a number.
+double HierarchicalAnalysis::error_of(std::initializer_list<std::pair<std::size_t, double>> parameters) const {
+  std::vector<double> times(2 * fit_.conditions.size() + 4 + kSharedParameters.size(), 0);
+  for (const auto& [place, number] : parameters) times[place] = number;
+  return standard_error(form_, fit_.maximum, times, range_.criterion_unit);
+}
+
+// held(value, from, negligible): the maximum with the parameter at that value, from another one; slope(maximum): of ln L
+// there, by the parameter. An end is looked for up to so far from the estimate.
 template <typename Held, typename Slope>
 ProfileEnds HierarchicalAnalysis::ends(double estimate, double error, double furthest, const Held& held,
                                        const Slope& slope) {
   const double best = fit_.maximum.log_likelihood;
   const auto end = [&](double side) {
     HierarchicalMaximum there = fit_.maximum;
+    double negligible = kNegligibleAtFirst;
     const auto profile = [&](double value) {
-      there = held(value, there);
+      there = held(value, there, negligible);
+      negligible = kNegligibleInProfile;
       return ProfilePoint{best - there.log_likelihood, -slope(there)};
     };
     const double outside = estimate + side * furthest, first = estimate + side * std::min(2 * error, furthest / 2);
@@ -174,12 +189,12 @@ ProfileEnds HierarchicalAnalysis::mean_ends(std::size_t condition, double error)
     return model_.one_mean ? std::accumulate(there.slope.mu.begin(), there.slope.mu.end(), 0.0)
                            : there.slope.mu[condition];
   };
-  const auto held = [&](double value, const HierarchicalMaximum& from) {
+  const auto held = [&](double value, const HierarchicalMaximum& from, double negligible) {
     HierarchicalForm form = form_;
-    if (!model_.one_mean) return from_here(form.with_mean(condition, value), from, kNegligibleInProfile);
+    if (!model_.one_mean) return from_here(form.with_mean(condition, value), from, negligible);
     std::fill(form.of.begin(), form.of.end(), -1);
     std::fill(form.offset.begin(), form.offset.end(), value);
-    return from_here(form, from, kNegligibleInProfile);
+    return from_here(form, from, negligible);
   };
   return ends(fit_.maximum.place.mu[condition], error, kFurthestFactor, held, by);
 }
@@ -187,10 +202,10 @@ ProfileEnds HierarchicalAnalysis::mean_ends(std::size_t condition, double error)
 ProfileEnds HierarchicalAnalysis::criterion_ends(std::size_t condition, double error) {
   HierarchicalForm form = form_;
   form.held_criterion = static_cast<int>(condition);
-  const auto held = [&](double value, const HierarchicalMaximum& from) {
+  const auto held = [&](double value, const HierarchicalMaximum& from, double negligible) {
     HierarchicalMaximum start = from;
     start.place.kappa[condition] = value;
-    return maximise(likelihood_, form, start, range_.criterion_unit, kNegligibleInProfile);
+    return maximise(likelihood_, form, start, range_.criterion_unit, negligible);
   };
   return ends(fit_.maximum.place.kappa[condition], error, kFurthestBias * range_.criterion_unit, held,
               [condition](const HierarchicalMaximum& there) { return there.slope.kappa[condition]; });
@@ -198,31 +213,24 @@ ProfileEnds HierarchicalAnalysis::criterion_ends(std::size_t condition, double e
 
 const HierarchicalFit& HierarchicalAnalysis::add_intervals() {
   look_closely();
-  const std::size_t conditions = fit_.conditions.size(), stride = 2 * conditions;
-  const std::vector<double> covariance =
-      covariance_of_estimates(likelihood_.cell_information(fit_.maximum.place), fit_.maximum.place);
-  const auto error = [&](std::size_t i) { return std::sqrt(covariance[i * stride + i]); };
+  const std::size_t conditions = fit_.conditions.size();
   for (std::size_t c = 0; c < conditions; ++c) {
     ConditionMean& one = fit_.conditions[c];
-    one.ends = mean_ends(c, error(c));
+    one.ends = mean_ends(c, error_of({{c, 1}}));
     if (model_.response == ResponseModel::choice && one.status == SlopeStatus::ok)
-      one.criterion_ends = criterion_ends(c, error(conditions + c));
+      one.criterion_ends = criterion_ends(c, error_of({{conditions + c, 1}}));
   }
   return fit_;
 }
 
 ConditionDifference HierarchicalAnalysis::difference(std::size_t a, std::size_t b) {
   look_closely();
-  const std::size_t stride = 2 * fit_.conditions.size();
-  const std::vector<double> covariance =
-      covariance_of_estimates(likelihood_.cell_information(fit_.maximum.place), fit_.maximum.place);
   ConditionDifference one{a, b, fit_.conditions[a].mu - fit_.conditions[b].mu, {}};
-  const double variance = covariance[a * stride + a] + covariance[b * stride + b] - 2 * covariance[a * stride + b];
-  const auto held = [&](double value, const HierarchicalMaximum& from) {
-    return from_here(form_.with_difference(a, b, value), from, kNegligibleInProfile);
+  const auto held = [&](double value, const HierarchicalMaximum& from, double negligible) {
+    return from_here(form_.with_difference(a, b, value), from, negligible);
   };
   if (!std::isnan(one.difference))
-    one.ends = ends(one.difference, std::sqrt(std::max(variance, 0.0)), kFurthestFactor, held,
+    one.ends = ends(one.difference, error_of({{a, 1}, {b, -1}}), kFurthestFactor, held,
                     [a](const HierarchicalMaximum& there) { return there.slope.mu[a]; });
   const double without = from_here(form_.with_difference(a, b, 0), fit_.maximum).log_likelihood;
   one.lr = std::max(0.0, 2 * (fit_.maximum.log_likelihood - without));
@@ -240,13 +248,14 @@ std::vector<ConditionDifference> HierarchicalAnalysis::differences() {
 
 // With one of the shared parameters at a value.
 HierarchicalMaximum HierarchicalAnalysis::with_shared(SharedParameter held, double value,
-                                                      const HierarchicalMaximum& from) {
+                                                      const HierarchicalMaximum& from, double negligible,
+                                                      double wanted) {
   HierarchicalForm form = form_;
   form.shared = form.shared.with(held, false);
   SharedParameters shared = from.shared;
   value_of(shared, held) = value;
   return maximise(likelihood_, form, moved(form, from, shared, range_.criterion_unit), range_.criterion_unit,
-                  kNegligibleInProfile);
+                  negligible, wanted);
 }
 
 // One end of the interval, where ln L falls all the way from the estimate to the limit, or does not fall enough.
@@ -256,22 +265,27 @@ double HierarchicalAnalysis::shared_end(const SharedEstimate& estimate, double s
   const bool least = side < 0 && limits.low >= 0;
   const double open = least ? 0 : side * kInf;
   if (estimate.value == limit) return open;
-  const auto i = static_cast<std::size_t>(estimate.parameter);
-  HierarchicalMaximum there = fit_.maximum;
-  const auto profile = [&](double value) {
-    there = with_shared(estimate.parameter, value, there);
-    const double slope = likelihood_.at(there.place, SharedForm{}.with(estimate.parameter)).by_shared[i];
-    return ProfilePoint{fit_.maximum.log_likelihood - there.log_likelihood, -slope};
+  const double best = fit_.maximum.log_likelihood;
+  const double room = std::abs(limit - estimate.value), error = error_of({{shared_place(estimate.parameter), 1}});
+  if (error > room / 6) {
+    const double wanted = best - kProfileDrop;
+    if (with_shared(estimate.parameter, limit, fit_.maximum, kNegligibleInProfile, wanted).log_likelihood > wanted)
+      return open;
+  }
+  const auto slope = [&estimate](const HierarchicalMaximum& there) {
+    return there.slope_by_shared[static_cast<std::size_t>(estimate.parameter)];
   };
-  // Where it would be if ln L were a parabola and everything else stayed.
-  const std::size_t all = 2 * fit_.conditions.size() + 4 + kSharedParameters.size();
-  const double curvature = fit_.maximum.information[(all - kSharedParameters.size() + i) * (all + 1)];
-  const double rise = estimate.status == SharedStatus::zero ? std::min(fit_.maximum.slope_by_shared[i], 0.0) : 0;
-  const double reach =
-      curvature > 0 ? (rise + std::sqrt(rise * rise + 2 * curvature * kProfileDrop)) / curvature : kInf;
-  const double room = std::abs(limit - estimate.value);
-  if (reach > room / 6 && profile(limit).drop < kProfileDrop) return open;
-  there = fit_.maximum;
+  HierarchicalMaximum there = fit_.maximum;
+  double negligible = kNegligibleAtFirst;
+  const auto profile = [&](double value) {
+    there = with_shared(estimate.parameter, value, there, negligible);
+    negligible = kNegligibleInProfile;
+    there.slope_by_shared = likelihood_.at(there.place, SharedForm{}.with(estimate.parameter)).by_shared;
+    return ProfilePoint{best - there.log_likelihood, -slope(there)};
+  };
+  // Where it would be if ln L were a parabola.
+  const double rise = estimate.status == SharedStatus::zero ? std::min(slope(fit_.maximum), 0.0) * error : 0;
+  const double reach = (rise + std::sqrt(rise * rise + 2 * kProfileDrop)) * error;
   const double end =
       profile_bound(profile, estimate.value, limit, estimate.value + side * std::min(reach, room / 2), kCloseEnough);
   return std::abs(end - limit) < kCloseEnough ? open : end;
@@ -293,7 +307,7 @@ std::vector<SharedEstimate> HierarchicalAnalysis::shared_estimates() {
                                                                                           : SharedStatus::ok;
     one.ends = {shared_end(one, -1), shared_end(one, 1)};
     if (limits.low > 0) continue;  // there is no test of 0
-    const double without = with_shared(which, 0, fit_.maximum).log_likelihood;
+    const double without = with_shared(which, 0, fit_.maximum, kNegligibleInProfile).log_likelihood;
     one.lr = std::max(0.0, 2 * (fit_.maximum.log_likelihood - without));
     one.p = chi2_upper(one.lr, 1);
     if (limits.low == 0) one.p = one.status == SharedStatus::zero ? 1 : one.p / 2;

@@ -10,7 +10,9 @@
 // intervals); Self and Liang 1987, J Am Stat Assoc 82:605, case 5 (tests of a parameter at the end of its range). Tests: glmer of lme4 with 25 nodes, two independent implementations, analysis/selftest.
 #pragma once
 
+#include <initializer_list>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "analysis/hierarchical/hierarchical_search.h"
@@ -145,7 +147,10 @@ class HierarchicalAnalysis {
   HierarchicalMaximum from_here(const HierarchicalForm& form, const HierarchicalMaximum& from,
                                 double negligible = kNegligible);
   void look_closely();
-  HierarchicalMaximum with_shared(SharedParameter held, double value, const HierarchicalMaximum& from);
+  std::size_t shared_place(SharedParameter which) const noexcept;
+  double error_of(std::initializer_list<std::pair<std::size_t, double>> parameters) const;
+  HierarchicalMaximum with_shared(SharedParameter held, double value, const HierarchicalMaximum& from,
+                                  double negligible, double wanted = -kInf);
   double shared_end(const SharedEstimate& estimate, double side);
   template <typename Held, typename Slope>
   ProfileEnds ends(double estimate, double error, double furthest, const Held& held, const Slope& slope);

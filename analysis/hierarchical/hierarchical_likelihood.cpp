@@ -158,13 +158,12 @@ HierarchicalLikelihood::HierarchicalLikelihood(std::span<const HierarchicalCell>
 
 void HierarchicalLikelihood::set_shared(const SharedParameters& shared) {
   if (shared == shared_) return;
-  // Posteriors may be narrower with other ones: nodes are put anew, and with fewer lapses a cell tells more.
+  // Posteriors may be narrower with others: nodes are put anew.
   constexpr double kFar = 0.03;
   for (const SharedParameter which : kSharedParameters) {
     const double now = value_of(shared_, which), then = value_of(shared, which);
     if (now != then && !(std::abs(then - now) < kFar)) before_ = {};
   }
-  if (shared.lapse < narrowest_lapse_ - kFar) finest_ = {};
   shared_ = shared;
   responses_.set_shared(shared);
   for (Person& person : people_)
@@ -206,6 +205,8 @@ OfSharedParameters HierarchicalLikelihood::slope_by_shared(const Person& person,
 // The least standard errors that the answers of a cell could have about the place, or where logarithms are read those of
 // one answer for the criterion: how fine a lattice must be.
 void HierarchicalLikelihood::look_how_narrow(const HierarchicalPlace& place) {
+  SharedParameters without_lapses = shared_;  // which a cell tells more without
+  without_lapses.lapse = 0;
   double most_s = 0, most_k = 0;
   for (std::size_t c = 0; c < conditions_; ++c) {
     std::vector<LevelTrials> design;  // the most that anybody has
@@ -217,20 +218,19 @@ void HierarchicalLikelihood::look_how_narrow(const HierarchicalPlace& place) {
     for (const double s : {-1.0, -0.5, 0.0, 0.5, 1.0})
       for (const double k : {-0.8, 0.0, 0.8}) {
         const CellInformation told =
-            expected_information(model_, design, place.mu[c] + s, place.kappa[c] + k * unit, shared_);
+            expected_information(model_, design, place.mu[c] + s, place.kappa[c] + k * unit, without_lapses);
         most_s = std::max(most_s, told.s);
         if (!responses_.smooth()) most_k = std::max(most_k, told.k);
         for (const LevelTrials& level : design)
           if (level.trials > 0 && responses_.smooth()) {
             const LevelTrials one{level.level, 1};
             most_k = std::max(most_k, expected_information(model_, std::span(&one, 1), place.mu[c] + s,
-                                                           place.kappa[c] + k * unit, shared_)
+                                                           place.kappa[c] + k * unit, without_lapses)
                                           .k);
           }
       }
   }
   narrowest_ = 1 / std::sqrt(most_s);
-  narrowest_lapse_ = shared_.lapse;
   finest_.ln_s = kLatticeStepS * narrowest_ / fineness_;
   finest_.criterion = (responses_.smooth() ? kLogarithmStepK : kLatticeStepK) / std::sqrt(most_k) / fineness_;
 }

@@ -141,8 +141,7 @@ class HierarchicalLikelihood {
   double fineness_;
   std::size_t conditions_ = 0;
   std::vector<LatticeQuestion> questions_;
-  double narrowest_ = 0;        // the least standard error that a cell's answers could have of ln s
-  double narrowest_lapse_ = 0;  // with which that was looked for: with more lapses a cell tells less
+  double narrowest_ = 0;  // the least standard error that a cell's answers could have of ln s, without lapses
   LatticeSteps finest_;
   ResponseLattice responses_;
   std::vector<ResponsesBeside> beside_;

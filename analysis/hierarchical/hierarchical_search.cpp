@@ -118,19 +118,29 @@ class Variables {
     return out;
   }
 
+  // Of numbers, one for each parameter, what each variable brings.
+  std::vector<double> sums(const std::vector<double>& full) const {
+    const std::vector<FreeParameter> free = free_parameters();
+    std::vector<double> out(count(), 0);
+    for (std::size_t i = 0; i < free.size(); ++i)
+      if (free[i].variable >= 0) out[static_cast<std::size_t>(free[i].variable)] += free[i].unit * full[i];
+    return out;
+  }
+
   // What the slope becomes, by that matrix, where the means and shared parameters are no longer those of another place.
   void move_slope(const std::vector<double>& full, const SearchedPlace& from, std::vector<double>& slope) const {
-    const std::vector<FreeParameter> free = free_parameters();
-    std::vector<double> less(free.size(), 0);
+    std::vector<double> less(first_shared() + kSharedParameters.size(), 0);
     for (std::size_t c = 0; c < conditions_; ++c) less[c] = from.place.mu[c] - start_.place.mu[c];
     for (std::size_t i = 0; i < kSharedParameters.size(); ++i) {
       const double before = value_of(from.shared, kSharedParameters[i]),
                    now = value_of(start_.shared, kSharedParameters[i]);
       if (before != now) less[first_shared() + i] = before - now;
     }
-    for (std::size_t i = 0; i < free.size(); ++i)
-      for (std::size_t j = 0; j < free.size() && free[i].variable >= 0; ++j)
-        slope[static_cast<std::size_t>(free[i].variable)] += free[i].unit * full[i * free.size() + j] * less[j];
+    std::vector<double> more(less.size(), 0);
+    for (std::size_t i = 0; i < less.size(); ++i)
+      for (std::size_t j = 0; j < less.size(); ++j) more[i] += full[i * less.size() + j] * less[j];
+    more = sums(more);
+    for (std::size_t i = 0; i < slope.size(); ++i) slope[i] += more[i];
   }
 
   // That matrix where nothing is known yet: of a linear mixed model, and of the scores of participants.
@@ -386,11 +396,11 @@ HierarchicalMaximum moved(const HierarchicalForm& form, const HierarchicalMaximu
 }
 
 HierarchicalMaximum maximise(HierarchicalLikelihood& likelihood, const HierarchicalForm& form,
-                             const HierarchicalMaximum& from, double criterion_unit, double negligible) {
+                             const HierarchicalMaximum& from, double criterion_unit, double negligible, double wanted) {
   const Variables variables(form, {from.place, from.shared}, criterion_unit);
   const SearchedLikelihood function(likelihood, form, variables, from.information);
   const std::vector<double> x = variables.start();
-  const NewtonResult found = maximise_in_box(function, x, variables.box(x), -kInf, negligible);
+  const NewtonResult found = maximise_in_box(function, x, variables.box(x), wanted, negligible);
   HierarchicalMaximum maximum;
   const auto [place, shared] = variables.to(found.place);
   maximum.place = variables.settled(place);
@@ -448,6 +458,21 @@ void observe_information(HierarchicalLikelihood& likelihood, const HierarchicalF
   std::vector<double> factored = observed, unused(n, 0);
   if (solve_positive_definite(factored, unused))
     maximum.information = variables.information(maximum.information, observed);
+}
+
+double standard_error(const HierarchicalForm& form, const HierarchicalMaximum& maximum,
+                      const std::vector<double>& times, double criterion_unit) {
+  constexpr double kHeld = 1e12;  // times its curvature: what else lies at the end of what it can be
+  const Variables variables(form, {maximum.place, maximum.shared}, criterion_unit);
+  const std::vector<double> x = variables.start(), wanted = variables.sums(times),
+                            slope = variables.slope(maximum.slope, maximum.slope_by_shared, variables.to(x).place);
+  const NewtonBox box = variables.box(x);
+  std::vector<double> curvature = variables.curvature(maximum.information), moves = wanted;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    if (wanted[i] == 0 && ((x[i] <= box.lower[i] && slope[i] <= 0) || (x[i] >= box.upper[i] && slope[i] >= 0)))
+      curvature[i * (x.size() + 1)] *= kHeld;
+  if (!solve_positive_definite(curvature, moves)) return kInf;
+  return std::sqrt(std::inner_product(wanted.begin(), wanted.end(), moves.begin(), 0.0));
 }
 
 PooledMaximum pooled_maximum(std::span<const HierarchicalCell> cells, ResponseModel model,

@@ -51,10 +51,11 @@ inline constexpr double kNegligible = 1e-8;  // of ln L: differences below it ar
 // From a place, moved, with its shared parameters, and its information where it has one: else with that of a linear
 // mixed model. Spreads that are estimated begin at no less than a small one, and
 // end at 0 where ln L rises towards 0. criterion_unit: that of kappa and tw, 1 or a spread. negligible: differences of
-// ln L below this are not told apart. Leaves the likelihood with the shared parameters of the maximum.
+// ln L below this are not told apart. A search that promises no ln L as large as wanted is given up. Leaves the likelihood
+// with the shared parameters of the maximum.
 HierarchicalMaximum maximise(HierarchicalLikelihood& likelihood, const HierarchicalForm& form,
                              const HierarchicalMaximum& from, double criterion_unit = 1,
-                             double negligible = kNegligible);
+                             double negligible = kNegligible, double wanted = -kInf);
 // With the likelihood's own shared parameters.
 HierarchicalMaximum maximise(HierarchicalLikelihood& likelihood, const HierarchicalForm& form,
                              const HierarchicalPlace& start, double criterion_unit = 1, double negligible = kNegligible,
@@ -64,6 +65,11 @@ HierarchicalMaximum maximise(HierarchicalLikelihood& likelihood, const Hierarchi
 // takes an evaluation per free parameter, and makes searches near by about twice as short.
 void observe_information(HierarchicalLikelihood& likelihood, const HierarchicalForm& form, HierarchicalMaximum& maximum,
                          double criterion_unit = 1);
+
+// The standard error by the information of a maximum, everything else of the form unknown, of the sum of the parameters
+// times these numbers, in the order of that information. Infinite where it has no inverse.
+double standard_error(const HierarchicalForm& form, const HierarchicalMaximum& maximum,
+                      const std::vector<double>& times, double criterion_unit = 1);
 
 // The ln s and criterion that fit answers best as if they were one person's in one condition (participant and condition
 // of the cells do not count). Within a factor of 50 of the start; where the answers tell no slope, or a step, at its end.
