@@ -49,7 +49,7 @@ int binomial(int n, double p, double u) {
   return k;
 }
 
-GivenAnswer given_answer(const Trial& trial, const Answer& answer) {
+PersonAnswer given_answer(const Trial& trial, const Answer& answer) {
   return {
       trial.condition,
       trial.series,

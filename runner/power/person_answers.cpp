@@ -21,13 +21,13 @@ std::string name_of(int participant) {
 }
 
 // Same-different with given levels.
-void add_thresholds(DrawnPerson& person, int participant, const std::vector<GivenAnswer>& given,
+void add_thresholds(DrawnPerson& person, int participant, const std::vector<PersonAnswer>& given,
                     const Protocol& protocol) {
   const ThresholdMethod method = registered_method(protocol);
   for (const int condition : conditions_of(protocol, person.group)) {
     std::vector<SeriesCounts> series;
     for (const Series& one : protocol.series) series.push_back({std::abs(one.pair[1] - one.pair[0]), {}});
-    for (const GivenAnswer& one : given) {
+    for (const PersonAnswer& one : given) {
       if (one.condition != condition) continue;
       Counts& counts = series[static_cast<std::size_t>(one.series)].counts;
       const int different = one.trial.said == kClassDifferent ? 1 : 0;
@@ -54,7 +54,7 @@ void add_tracks(DrawnPerson& person, int participant, const std::vector<Adaptive
 
 void add_estimates(DrawnPerson& person, int participant, const PersonAnswers& answers, const Protocol& protocol) {
   std::map<std::pair<int, int>, std::vector<AnsweredTrial>> by_cell;  // condition and series
-  for (const GivenAnswer& one : answers.given) by_cell[{one.condition, one.series}].push_back(one.trial);
+  for (const PersonAnswer& one : answers.given) by_cell[{one.condition, one.series}].push_back(one.trial);
   for (const auto& [place, trials] : by_cell) {
     std::vector<AdaptiveTrack> own;
     for (const AdaptiveTrack& track : answers.tracks)
@@ -94,7 +94,7 @@ void add_threshold(DrawnPerson& person, int participant, std::size_t condition, 
 
 void add_measured(DrawnPerson& person, int participant, const PersonAnswers& answers, const Protocol& protocol) {
   const Task& task = task_of(protocol.task.kind);
-  for (const GivenAnswer& one : answers.given) {
+  for (const PersonAnswer& one : answers.given) {
     const LevelAnswer answer = task.level_answer(one.trial, protocol.task);
     add_answers(person.answers, static_cast<std::size_t>(one.condition), answer.level, answer.positive ? 1 : 0,
                 answer.positive ? 0 : 1);

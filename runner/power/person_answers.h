@@ -26,14 +26,14 @@ struct DrawnPerson {
 };
 
 // An answer that counts.
-struct GivenAnswer {
+struct PersonAnswer {
   int condition = 0, series = 0;  // places in the protocol
   AnsweredTrial trial;
 };
 
 // Of all sessions of a participant.
 struct PersonAnswers {
-  std::vector<GivenAnswer> given;     // in their order
+  std::vector<PersonAnswer> given;    // in their order
   std::vector<AdaptiveTrack> tracks;  // of a procedure; all sessions
 };
 

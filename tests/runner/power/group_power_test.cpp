@@ -36,7 +36,7 @@ PowerQuestion asked_of(const Protocol& protocol, double factor) {
   question.group_factors = {std::vector<double>(3, factor), std::vector<double>(3, 1)};
   question.people.criterion = usual_criterion(response_model_of(protocol).value());
   question.analyses = {PowerAnalysis::registered, PowerAnalysis::median, PowerAnalysis::log_ml};
-  question.studies = 200;
+  question.studies = 100;
   return question;
 }
 

@@ -146,7 +146,7 @@ TEST_CASE("answers through the rig are as likely as the response model of the pr
     const double scale = one.protocol.stimulus.reference / 900;
     std::vector<double> said(2), expected(2), variance(2);
     const auto source = people_source(one.protocol, rigged(one.protocol, 4), 1);
-    for (std::uint64_t study = 0; study < 2; ++study)
+    for (std::uint64_t study = 0; study < 3; ++study)
       for (const DrawnPerson& person : source->people(study, 4))
         for (const HierarchicalCell& cell : person.answers) {
           const auto c = static_cast<std::size_t>(cell.condition);
