@@ -90,10 +90,7 @@ void refuse_protocol(const Protocol& protocol, const std::string& name) {
         protocol.task.kind == TaskKind::same_different
             ? fmt::format("the model \"{}\"", protocol.analysis.model)
             : fmt::format("the task \"{}\"", to_string(protocol.task.kind))));
-  if (!everyone_has_all(protocol))
-    throw UsageError(
-        fmt::format("{}: groups get different conditions; power is of contrasts within participants", printable(name)));
-  if (protocol.conditions.size() < 2)
+  if (protocol.conditions.size() < 2 && registered_group_tests(protocol).empty())
     throw UsageError(fmt::format("{}: one condition has nothing to be compared with", printable(name)));
 }
 
@@ -107,6 +104,50 @@ void refuse_trials(const std::vector<int>& trials, const Protocol& protocol) {
   for (const int one : trials)
     if (protocol.design.sampling == Sampling::balanced && one % balance != 0)
       throw UsageError(fmt::format("--trials {}: balanced cells need a multiple of {}", one, balance));
+}
+
+// Groups are of one size.
+void refuse_participants(const std::vector<int>& participants, const Protocol& protocol) {
+  const int groups = group_count(protocol);
+  for (const int one : participants)
+    if (one % groups != 0)
+      throw UsageError(
+          fmt::format("--participants {}: {} groups of one size need a multiple of {}", one, groups, groups));
+}
+
+// As the arguments of --group-factor have them: "patients=1.4", "patients/V=1.4". By group, then condition.
+std::vector<std::vector<double>> group_factors(const std::vector<std::string>& arguments, const Protocol& protocol) {
+  if (protocol.groups.empty() && !arguments.empty()) throw UsageError("--group-factor: the protocol has no groups");
+  std::vector<std::vector<double>> factors(protocol.groups.size(), std::vector<double>(protocol.conditions.size(), 1));
+  for (const std::string& argument : arguments) {
+    const auto fail = [&](const std::string& why) {
+      return UsageError(fmt::format("--group-factor {}: {}", printable(argument), why));
+    };
+    const std::size_t equals = std::min(argument.find('='), argument.size()), slash = argument.find('/');
+    const std::string group = argument.substr(0, std::min(slash, equals));
+    double factor = 0;
+    const char* const begin = argument.data() + std::min(equals + 1, argument.size());
+    const char* const end = argument.data() + argument.size();
+    const auto [rest, error] = std::from_chars(begin, end, factor);
+    if (error != std::errc() || rest != end || !(factor >= 0.01 && factor <= 100))
+      throw fail("GROUP=FACTOR, or GROUP/CONDITION=FACTOR, with a factor from 0.01 to 100");
+    const std::optional<int> place = group_named(protocol, group);
+    if (!place) throw fail(fmt::format("the protocol has the groups {}", fmt::join(group_names(protocol), ", ")));
+    std::vector<double>& of_group = factors[static_cast<std::size_t>(*place)];
+    if (slash >= equals) {
+      of_group.assign(of_group.size(), factor);
+      continue;
+    }
+    const std::string condition = argument.substr(slash + 1, equals - slash - 1);
+    bool found = false;
+    for (const int c : conditions_of(protocol, place)) {
+      if (condition_name(protocol, c) != condition) continue;
+      of_group[static_cast<std::size_t>(c)] = factor;
+      found = true;
+    }
+    if (!found) throw fail(fmt::format("the group {} has no such condition", group));
+  }
+  return factors;
 }
 
 template <typename Value>
@@ -127,6 +168,8 @@ PowerQuestion question_of(const Protocol& protocol, std::uint64_t seed, const Pr
   if (question.effects.empty()) question.effects = options.physics ? std::vector{1.0} : std::vector{0.0, 1.0};
   for (const PlannedJnd& jnd : asked_jnds(precision.jnds, protocol)) question.jnds.push_back(jnd.value);
   for (const Contrast& contrast : protocol.analysis.contrasts) question.contrasts.push_back({contrast.a, contrast.b});
+  question.group_tests = registered_group_tests(protocol);
+  question.group_factors = group_factors(options.group_factors, protocol);
   question.people.between_cv = precision.between_cv.value_or(question.people.between_cv);
   question.people.interaction_cv = options.interaction_cv.value_or(question.people.interaction_cv);
   question.people.criterion = options.criterion.value_or(usual_criterion(response_model_of(protocol).value()));
@@ -147,21 +190,24 @@ void refuse_question(const PowerQuestion& question, const PrecisionOptions& prec
     if (!options.profile.empty()) throw UsageError("--profile goes with --physics");
     const bool equal = std::all_of(question.jnds.begin(), question.jnds.end(),
                                    [&](double jnd) { return jnd == question.jnds.front(); });
-    if (equal &&
+    const bool groups_differ =
+        std::any_of(question.group_factors.begin(), question.group_factors.end(), [](const auto& of_group) {
+          return std::any_of(of_group.begin(), of_group.end(), [](double factor) { return factor != 1; });
+        });
+    if (equal && !groups_differ &&
         std::any_of(question.effects.begin(), question.effects.end(), [](double effect) { return effect != 0; }))
-      throw UsageError(
-          fmt::format("all conditions are planned with the JND {:g}, so that there is nothing to find: give --jnd "
-                      "{}=NUMBER, or --effect 0 for the rate of false findings",
-                      question.jnds.front(), protocol.conditions.front().name));
+      throw UsageError(fmt::format(
+          "all conditions are planned with the JND {:g}, so that there is nothing to find: give --jnd "
+          "{}=NUMBER{}, or --effect 0 for the rate of false findings",
+          question.jnds.front(), protocol.conditions.front().name,
+          protocol.groups.empty() ? "" : fmt::format(", --group-factor {}=NUMBER", protocol.groups.front().name)));
     return;
   }
-  if (protocol.task.kind != TaskKind::same_different || protocol.design.procedure)
-    throw UsageError("--physics is for same-different with given levels");
   if (!options.effects.empty() || !precision.jnds.empty() || precision.between_cv || options.interaction_cv ||
-      options.criterion || options.criterion_sd || options.lapses > 0)
+      options.criterion || options.criterion_sd || options.lapses > 0 || !options.group_factors.empty())
     throw UsageError(
         "--physics: what participants feel and answer follows from the rig and the profile; --effect, --jnd, "
-        "--between-cv, --interaction-cv, --criterion, --criterion-sd and --lapses do not go with it");
+        "--between-cv, --interaction-cv, --criterion, --criterion-sd, --lapses and --group-factor do not go with it");
 }
 
 // Every pair, where the protocol registers none: tested as contrasts are.
@@ -169,7 +215,8 @@ void add_contrasts(Protocol& protocol) {
   if (!protocol.analysis.contrasts.empty()) return;
   const int conditions = static_cast<int>(protocol.conditions.size());
   for (int a = 0; a < conditions; ++a)
-    for (int b = a + 1; b < conditions; ++b) protocol.analysis.contrasts.push_back({a, b});
+    for (int b = a + 1; b < conditions; ++b)
+      if (anyone_has_both(protocol, a, b)) protocol.analysis.contrasts.push_back({a, b});
 }
 
 }  // namespace
@@ -204,6 +251,10 @@ void add_power_options(CLI::App& plan, PowerOptions& options) {
   add(plan.add_option("--effect", options.effects,
                       "how far apart the true JNDs are: 0 not at all, 1 as planned (default: 0,1)"))
       ->check(CLI::Range(0.0, 10.0))
+      ->delimiter(',');
+  add(plan.add_option("--group-factor", options.group_factors,
+                      "how many times as large the true JNDs of a group of participants are: patients=1.4; in one "
+                      "condition: patients/V=1.4 (default: 1)"))
       ->delimiter(',');
   add(plan.add_option("--analysis", options.analyses, "how studies are analysed (default: registered,hierarchical)"))
       ->check(CLI::IsMember({"registered", "median", "log-ml", "hierarchical"}))
@@ -243,6 +294,7 @@ int plan_power(const std::string& name, std::uint64_t seed, bool json, const Pre
   Protocol protocol = load_checked_protocol(name);
   refuse_protocol(protocol, name);
   refuse_trials(precision.trials, protocol);
+  refuse_participants(precision.participants, protocol);
   add_contrasts(protocol);
   const PowerQuestion question = question_of(protocol, seed, precision, options);
   refuse_question(question, precision, options, protocol);

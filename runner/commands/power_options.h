@@ -22,9 +22,10 @@ void refuse_existing(const PowerFiles& files);
 void give_power_result(const PowerResult& result, const PowerFiles& files, bool json);
 
 struct PowerOptions {
-  bool asked = false;                 // --power
-  std::vector<double> effects;        // else 0 and 1
-  std::vector<std::string> analyses;  // else registered and hierarchical, as far as there are
+  bool asked = false;                      // --power
+  std::vector<double> effects;             // else 0 and 1
+  std::vector<std::string> group_factors;  // "patients=1.4", "patients/V=1.4"
+  std::vector<std::string> analyses;       // else registered and hierarchical, as far as there are
   std::optional<double> interaction_cv, criterion, criterion_sd;
   double lapses = 0, drop_out = 0;
   int studies = 1000;

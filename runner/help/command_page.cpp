@@ -74,6 +74,7 @@ constexpr auto kValues = std::to_array<std::pair<std::string_view, std::string_v
     {"jnd export --to", "FOLDER"},
     {"jnd plan --analysis", "NAME,..."},
     {"jnd plan --effect", "NUMBER,..."},
+    {"jnd plan --group-factor", "GROUP=NUMBER,..."},
     {"jnd plan --participants", "N,..."},
     {"jnd plan --shard", "K/N"},
     {"jnd plan --to", "FILE"},

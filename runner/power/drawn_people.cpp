@@ -1,22 +1,18 @@
 #include "runner/power/drawn_people.h"
 
 #include <cmath>
-#include <map>
 #include <utility>
-
-#include <fmt/format.h>
 
 #include "analysis/numerics/binomial_sampler.h"
 #include "analysis/numerics/experiment_stream.h"
 #include "analysis/numerics/normal.h"
 #include "analysis/numerics/stop_request.h"
+#include "data/task_results/participant_tracks.h"
 #include "protocols/input/resources.h"
 #include "protocols/planning/adaptive_run.h"
+#include "protocols/planning/allotment.h"
 #include "protocols/planning/plan.h"
-#include "protocols/planning/track_threshold.h"
-#include "protocols/tasks/same_different_task.h"
 #include "protocols/tasks/task.h"
-#include "runner/keys/interrupt.h"
 #include "runner/opening/rig_limits.h"
 #include "runner/opening/study_access.h"
 #include "runner/session/simulate.h"
@@ -53,6 +49,13 @@ int binomial(int n, double p, double u) {
   return k;
 }
 
+PersonAnswer given_answer(const Trial& trial, const Answer& answer) {
+  return {
+      trial.condition,
+      trial.series,
+      {trial.stimuli, trial.standard, trial.target, answer.said, answer.sureness, answer.number, trial.standard_place}};
+}
+
 // Somebody of the population.
 struct Person {
   bool dropped = false;
@@ -70,39 +73,13 @@ Person person_of(const HierarchicalPlace& truth, const Population& people, Exper
   return person;
 }
 
-// "1": its number; what results call a participant does not matter here.
-std::string name_of(int participant) {
-  return fmt::format("{}", participant);
-}
-
-// Cells of equal levels are added up.
-void add_answers(std::vector<HierarchicalCell>& cells, std::size_t condition, double level, int positive,
-                 int negative) {
-  for (HierarchicalCell& cell : cells)
-    if (cell.condition == static_cast<int>(condition) && cell.level == level) {
-      cell.positive += positive;
-      cell.negative += negative;
-      return;
-    }
-  cells.push_back(
-      {0, static_cast<int>(condition), level, static_cast<double>(positive), static_cast<double>(negative)});
-}
-
-ThresholdResult threshold_of(int participant, std::size_t condition, const std::vector<SeriesCounts>& series,
-                             const Protocol& protocol, const ThresholdMethod& method) {
-  ThresholdResult result;
-  result.participant = name_of(participant);
-  result.condition = static_cast<int>(condition);
-  result.jnd = estimate_jnd(series, protocol.stimulus.reference, method.method, method.correction);
-  return result;
-}
-
 // Everybody drawn from the population, one by one.
 class ModelledPeople : public PeopleSource {
  public:
   ModelledPeople(const Protocol& protocol, const PowerQuestion& question, double effect)
       : protocol_(protocol),
         question_(question),
+        effect_(effect),
         model_(response_model_of(protocol).value()),
         truth_(truth_of(question, effect, protocol)) {}
 
@@ -110,8 +87,11 @@ class ModelledPeople : public PeopleSource {
     std::vector<DrawnPerson> all;
     for (int p = 1; p <= count; ++p) {
       ExperimentStream stream(question_.seed, kPersonPurpose, study, static_cast<std::uint64_t>(p));
-      const Person person = person_of(truth_, question_.people, stream);
+      Person person = person_of(truth_, question_.people, stream);
+      const std::optional<int> group = group_of(protocol_, p, seed_of_plans(study));
+      for (std::size_t c = 0; c < person.ln_s.size(); ++c) person.ln_s[c] += group_shift(question_, effect_, group, c);
       DrawnPerson& drawn = all.emplace_back();
+      drawn.group = group;
       drawn.dropped = person.dropped;
       if (!drawn.dropped) answer(person, study, p, stream, drawn);
     }
@@ -123,6 +103,9 @@ class ModelledPeople : public PeopleSource {
   virtual void answer(const Person& person, std::uint64_t study, int participant, ExperimentStream& stream,
                       DrawnPerson& drawn) const = 0;
 
+  // Who gets which trials, and belongs to which group.
+  std::uint64_t seed_of_plans(std::uint64_t study) const noexcept { return question_.seed + study; }
+
   // Of a positive answer.
   double rate(const Person& person, double level, std::size_t condition) const {
     return std::exp(
@@ -131,6 +114,7 @@ class ModelledPeople : public PeopleSource {
 
   const Protocol& protocol_;
   const PowerQuestion& question_;
+  double effect_;
   ResponseModel model_;
   HierarchicalPlace truth_;
 };
@@ -146,7 +130,8 @@ class CountedPeople final : public ModelledPeople {
               DrawnPerson& drawn) const override {
     const int trials = protocol_.design.trials_per_cell * protocol_.design.sessions;
     std::vector<SeriesCounts> series(protocol_.series.size());
-    for (std::size_t c = 0; c < person.ln_s.size(); ++c) {
+    for (const int condition : conditions_of(protocol_, drawn.group)) {
+      const auto c = static_cast<std::size_t>(condition);
       for (std::size_t s = 0; s < series.size(); ++s) {
         const std::array<double, 2>& pair = protocol_.series[s].pair;
         const double difference = std::abs(pair[1] - pair[0]);
@@ -161,7 +146,7 @@ class CountedPeople final : public ModelledPeople {
         add_answers(drawn.answers, c, difference, counts.hits, counts.n_diff - counts.hits);
         add_answers(drawn.answers, c, 0, counts.false_alarms, counts.n_same - counts.false_alarms);
       }
-      drawn.thresholds.push_back(threshold_of(participant, c, series, protocol_, method_));
+      add_threshold(drawn, participant, c, series, protocol_, method_);
     }
   }
 
@@ -183,83 +168,43 @@ class AnsweringPeople final : public ModelledPeople {
     std::vector<ExperimentStream> streams;
     for (std::size_t c = 0; c < truth_.mu.size(); ++c)
       streams.emplace_back(question_.seed, kAnswerPurpose + c, study, number);
-    std::map<std::pair<int, int>, std::vector<AnsweredTrial>> answered;  // by condition and series
-    std::vector<AdaptiveTrack> tracks;
+    PersonAnswers answers;
     for (int session = 1; session <= protocol_.design.sessions; ++session) {
       AdaptiveRun run(protocol_);
-      const Plan plan = make_plan(protocol_, participant, question_.seed + study, session);
+      const Plan plan = make_plan(protocol_, participant, seed_of_plans(study), session);
       for (const Trial& planned : plan.trials) {
         if (planned.practice || run.over(planned)) continue;
         const Trial trial = run.resolved(planned);
         const auto condition = static_cast<std::size_t>(trial.condition);
-        const Answer answer = answer_to(trial, person, condition, uniform(streams[condition]), drawn.answers);
+        const Answer answer = answer_to(trial, person, condition, uniform(streams[condition]));
         run.answered(planned, answer);
-        answered[{trial.condition, trial.series}].push_back({trial.stimuli, trial.standard, trial.target, answer.said,
-                                                             answer.sureness, answer.number, trial.standard_place});
+        answers.given.push_back(given_answer(trial, answer));
       }
-      for (AdaptiveTrack& track : run.tracks()) tracks.push_back(std::move(track));
+      for (AdaptiveTrack& track : run.tracks()) answers.tracks.push_back(std::move(track));
     }
-    if (task_of(protocol_.task.kind).has_own_results())
-      add_tracks(drawn, participant, tracks);
-    else
-      add_estimates(drawn, participant, answered, tracks);
+    add_measured(drawn, participant, answers, protocol_);
   }
 
-  // The answer that u stands for, which is also counted.
-  Answer answer_to(const Trial& trial, const Person& person, std::size_t condition, double u,
-                   std::vector<HierarchicalCell>& counted) const {
-    const Task& task = task_of(protocol_.task.kind);
-    const AnsweredTrial felt{.stimuli = trial.stimuli,
-                             .standard = trial.standard,
-                             .target = trial.target,
-                             .standard_place = trial.standard_place};
-    const double level = task.level_answer(felt, protocol_.task).level;
+  // The answer that u stands for.
+  Answer answer_to(const Trial& trial, const Person& person, std::size_t condition, double u) const {
+    const AnsweredTrial felt = given_answer(trial, {}).trial;
+    const double level = task_of(protocol_.task.kind).level_answer(felt, protocol_.task).level;
     const bool positive = u < rate(person, level, condition);
-    add_answers(counted, condition, level, positive ? 1 : 0, positive ? 0 : 1);
     if (!choice()) return {.said = positive ? 1 : 0};  // "different" and "same", "yes" and "no"
     const int standard = trial.standard_place >= 0 ? trial.standard_place : trial.stimuli[0] == trial.standard ? 0 : 1;
     const int greater = positive ? 1 - standard : standard;
     return {.said = protocol_.task.greater ? greater : 1 - greater};
   }
-
-  void add_estimates(DrawnPerson& drawn, int participant,
-                     const std::map<std::pair<int, int>, std::vector<AnsweredTrial>>& answered,
-                     const std::vector<AdaptiveTrack>& tracks) const {
-    for (const auto& [place, trials] : answered) {
-      std::vector<AdaptiveTrack> own;
-      for (const AdaptiveTrack& track : tracks)
-        if (track.condition == place.first && track.series == place.second) own.push_back(track);
-      TaskEstimateRow& row = drawn.estimates.emplace_back();
-      row.participant = name_of(participant);
-      row.condition = place.first;
-      row.series = place.second;
-      row.trials = static_cast<int>(trials.size());
-      row.estimates =
-          measured_estimates(protocol_, protocol_.series[static_cast<std::size_t>(place.second)], trials, own);
-    }
-  }
-
-  void add_tracks(DrawnPerson& drawn, int participant, const std::vector<AdaptiveTrack>& tracks) const {
-    std::map<int, std::vector<AdaptiveTrack>> by_condition;
-    for (const AdaptiveTrack& track : tracks) by_condition[track.condition].push_back(track);
-    for (const auto& [condition, own] : by_condition) {
-      AdaptiveRow& row = drawn.tracks.emplace_back();
-      row.participant = name_of(participant);
-      row.condition = condition;
-      row.threshold = condition_threshold(own, protocol_);
-    }
-  }
 };
 
-// Through the model of the device, with the shipped participants, or those of a file.
+// Whole sessions on the simulated rig, as jnd simulate has them, of the shipped participants or those of a file.
 class RiggedPeople final : public PeopleSource {
  public:
   RiggedPeople(const Protocol& protocol, const PowerQuestion& question)
       : protocol_(protocol),
         question_(question),
         rig_(rig_of(protocol)),
-        profile_(load_profile(find_resource(Resource::profile, question.profile.value()))),
-        method_(registered_method(protocol)) {}
+        profile_(load_profile(find_resource(Resource::profile, question.profile.value()))) {}
 
   std::vector<DrawnPerson> people(std::uint64_t study, int count) const override {
     Simulation simulation{protocol_, rig_, profile_};
@@ -267,36 +212,34 @@ class RiggedPeople final : public PeopleSource {
     simulation.participants = count;
     simulation.seed = ExperimentStream(question_.seed, kPersonPurpose, study).next();
     std::vector<DrawnPerson> all(static_cast<std::size_t>(count));
-    std::vector<std::vector<std::vector<SeriesCounts>>> series(
-        all.size(), std::vector<std::vector<SeriesCounts>>(protocol_.conditions.size()));
-    const std::vector<CellCounts> cells = simulate_counts(simulation);
-    if (interrupt_requested()) throw Stopped();  // what came back then is no study
-    std::map<std::string, std::size_t> places;   // in the order of their numbers
-    for (const CellCounts& cell : cells) {
-      const std::size_t p = places.emplace(cell.participant, places.size()).first->second;
-      const std::array<double, 2>& pair = protocol_.series[static_cast<std::size_t>(cell.series)].pair;
-      const double difference = std::abs(pair[1] - pair[0]);
-      const auto c = static_cast<std::size_t>(cell.condition);
-      const Counts& counts = cell.counts;
-      series[p][c].push_back({difference, counts});
-      add_answers(all[p].answers, c, difference, counts.hits, counts.n_diff - counts.hits);
-      add_answers(all[p].answers, c, 0, counts.false_alarms, counts.n_same - counts.false_alarms);
-    }
+    const bool whole = simulate_people(simulation, [&](const SimulatedSessions& simulated) {
+      DrawnPerson& drawn = all[static_cast<std::size_t>(simulated.participant - 1)];
+      drawn.group = simulated.group;
+      add_measured(drawn, simulated.participant, answers_of(simulated), protocol_);
+    });
+    if (!whole) throw Stopped();  // what there is then is no study
     for (std::size_t p = 0; p < all.size(); ++p) {
       ExperimentStream stream(question_.seed, kPersonPurpose, study, p + 1);
       all[p].dropped = uniform(stream) < question_.people.drop_out;
-      for (std::size_t c = 0; c < protocol_.conditions.size(); ++c)
-        all[p].thresholds.push_back(threshold_of(static_cast<int>(p) + 1, c, series[p][c], protocol_, method_));
     }
     return all;
   }
 
  private:
+  PersonAnswers answers_of(const SimulatedSessions& simulated) const {
+    PersonAnswers answers;
+    for_counted(simulated, protocol_,
+                [&](const TrialRecord& record) { answers.given.push_back(given_answer(record.trial, record.answer)); });
+    if (protocol_.design.procedure)
+      answers.tracks =
+          participant_tracks(simulated.events, protocol_, participant_code(simulated.participant), simulated.group);
+    return answers;
+  }
+
   const Protocol& protocol_;
   const PowerQuestion& question_;
   RigDescription rig_;
   ParticipantProfile profile_;
-  ThresholdMethod method_;
 };
 
 }  // namespace

@@ -10,22 +10,10 @@
 #include <memory>
 #include <vector>
 
-#include "analysis/hierarchical/hierarchical_likelihood.h"
-#include "data/results/adaptive_results.h"
-#include "data/results/study_analysis.h"
-#include "data/task_results/task_results.h"
+#include "runner/power/person_answers.h"
 #include "runner/power/power_question.h"
 
 namespace jnd {
-
-// What one participant leaves, by condition. One of thresholds, tracks and estimates is filled, as the protocol measures.
-struct DrawnPerson {
-  std::vector<HierarchicalCell> answers;    // by condition and level; participant 0
-  std::vector<ThresholdResult> thresholds;  // of same-different with given levels
-  std::vector<AdaptiveRow> tracks;          // of same-different under a procedure: a condition's, all tracks
-  std::vector<TaskEstimateRow> estimates;   // of the other tasks: by condition and series
-  bool dropped = false;                     // out: nothing of it counts
-};
 
 class PeopleSource {
  public:
@@ -35,7 +23,7 @@ class PeopleSource {
 };
 
 // protocol: with the design's trials of a cell; it must outlive the source, as must the question. With a profile in the
-// question participants go through the simulated rig at its 1 kHz: same-different with given levels.
+// question participants go through whole sessions on the simulated rig at its 1 kHz.
 std::unique_ptr<PeopleSource> people_source(const Protocol& protocol, const PowerQuestion& question, double effect);
 
 }  // namespace jnd

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
+#include "analysis/group/between_groups.h"
+#include "analysis/group/compare_groups.h"
 #include "analysis/group/group.h"
 #include "analysis/group/p_adjust.h"
 #include "analysis/group/post_hoc.h"
@@ -14,6 +17,7 @@
 #include "data/results/study_comparisons.h"
 #include "data/results/study_contrasts.h"
 #include "data/results/study_hierarchical.h"
+#include "protocols/planning/allotment.h"
 #include "protocols/planning/track_threshold.h"
 #include "protocols/tasks/task.h"
 
@@ -58,6 +62,12 @@ bool levels_differ(const std::vector<HierarchicalCell>& cells) {
                      [&](const HierarchicalCell& cell) { return cell.level != cells.front().level; });
 }
 
+double mean_of(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double value : values) sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
 void correct(std::vector<GroupContrast>& contrasts) {
   std::vector<double> p;
   for (const GroupContrast& one : contrasts) p.push_back(one.p);
@@ -70,6 +80,7 @@ void correct(std::vector<GroupContrast>& contrasts) {
 StudyAnalyst::StudyAnalyst(const Protocol& protocol, const PowerQuestion& question, double effect)
     : protocol_(protocol),
       question_(question),
+      effect_(effect),
       truth_(truth_of(question, effect, protocol)),
       known_(!question.profile) {
   model_.response = response_model_of(protocol).value();
@@ -83,6 +94,21 @@ StudyAnalyst::StudyAnalyst(const Protocol& protocol, const PowerQuestion& questi
   const std::vector<TaskOutcome> outcomes = measured_outcomes(protocol);
   for (std::size_t i = 0; i < outcomes.size(); ++i)
     if (outcomes[i].key == protocol.analysis.outcome) task_outcome_ = i;
+}
+
+// of: of a group, or of everybody where there are none; NaN of those that do not count. Groups are of one size.
+template <typename Of>
+double StudyAnalyst::mean_over_groups(const Of& of) const {
+  if (protocol_.groups.empty()) return of(std::nullopt);
+  double sum = 0;
+  int n = 0;
+  for (int group = 0; group < group_count(protocol_); ++group) {
+    const double value = of(std::optional(group));
+    if (std::isnan(value)) continue;
+    sum += value;
+    ++n;
+  }
+  return n > 0 ? sum / n : kNaN;
 }
 
 StudyOutcome StudyAnalyst::analyse(PowerAnalysis analysis, std::span<const DrawnPerson> people) const {
@@ -99,58 +125,133 @@ StudyOutcome StudyAnalyst::analyse(PowerAnalysis analysis, std::span<const Drawn
   return hierarchical(people);
 }
 
-// Means of log-normal quantities: a person's JND is exp(mu + u + v).
-double StudyAnalyst::true_jnd(PowerAnalysis analysis, std::size_t condition) const {
-  // A staircase's threshold is a level, which depends on the criterion too.
-  const bool level = protocol_.design.procedure && threshold_source(protocol_) != ThresholdSource::answers &&
-                     (analysis == PowerAnalysis::registered || analysis == PowerAnalysis::median);
-  const bool other = analysis == PowerAnalysis::registered && !compares_jnds_ && !protocol_.analysis.hierarchical;
-  if (!known_ || level || other) return kNaN;
+// Means of log-normal quantities: a person's JND is exp(mu + u + v), in a group moved by its factor. On the scale of what
+// the analysis compares; of the registered analysis the mean over people, of the others that of the median person.
+double StudyAnalyst::truth(PowerAnalysis analysis, std::size_t condition, std::optional<int> group,
+                           bool of_groups) const {
+  const double mu = truth_.mu[condition] + group_shift(question_, effect_, group, condition);
+  // Groups are compared by separate values, also where one model of all answers is registered for the conditions.
+  const bool model = protocol_.analysis.hierarchical && !of_groups;
+  const Outcome outcome = protocol_.analysis.tests.outcome;
+  if (analysis != PowerAnalysis::registered || model || (outcome == Outcome::log_jnd && compares_jnds_)) return mu;
+  if (!compares_jnds_ || is_level(analysis)) return kNaN;
   const double half_variance = 0.5 * (truth_.tu * truth_.tu + truth_.tv * truth_.tv);
-  return of_noise_ * std::exp(truth_.mu[condition] + (analysis == PowerAnalysis::registered ? half_variance : 0));
+  if (outcome == Outcome::slope && !task_ && !protocol_.design.procedure) return std::exp(half_variance - mu);
+  const double scale = protocol_.analysis.outcome == "weber" ? 1 / protocol_.series.front().standard : 1;
+  return scale * of_noise_ * std::exp(mu + half_variance);
 }
 
-double StudyAnalyst::true_difference(PowerAnalysis analysis, std::size_t contrast) const {
-  if (!known_) return kNaN;
-  const auto a = static_cast<std::size_t>(question_.contrasts[contrast][0]),
-             b = static_cast<std::size_t>(question_.contrasts[contrast][1]);
+// A staircase's threshold is a level, which depends on the criterion too.
+bool StudyAnalyst::is_level(PowerAnalysis analysis) const {
+  return protocol_.design.procedure && threshold_source(protocol_) != ThresholdSource::answers &&
+         (analysis == PowerAnalysis::registered || analysis == PowerAnalysis::median);
+}
+
+double StudyAnalyst::true_jnd(PowerAnalysis analysis, std::size_t condition) const {
+  const bool registered = analysis == PowerAnalysis::registered;
+  const bool other = registered && !compares_jnds_ && !protocol_.analysis.hierarchical;
+  if (!known_ || is_level(analysis) || other) return kNaN;
   const double half_variance = 0.5 * (truth_.tu * truth_.tu + truth_.tv * truth_.tv);
-  const Outcome outcome = protocol_.analysis.tests.outcome;
-  if (analysis == PowerAnalysis::registered && !compares_jnds_ && !protocol_.analysis.hierarchical) return kNaN;
-  if (analysis != PowerAnalysis::registered || outcome == Outcome::log_jnd || protocol_.analysis.hierarchical)
-    return truth_.mu[a] - truth_.mu[b];
-  if (std::isnan(true_jnd(analysis, a))) return kNaN;
-  if (outcome == Outcome::slope && !task_ && !protocol_.design.procedure)
-    return std::exp(half_variance - truth_.mu[a]) - std::exp(half_variance - truth_.mu[b]);
-  const double scale = protocol_.analysis.outcome == "weber" ? 1 / protocol_.series.front().standard : 1;
-  return scale * (true_jnd(analysis, a) - true_jnd(analysis, b));
+  const double mu = truth_.mu[condition];
+  const double mean = mean_over_groups([&](std::optional<int> group) {
+    if (!has_condition(protocol_, group, static_cast<int>(condition))) return kNaN;
+    const double shift = group_shift(question_, effect_, group, condition);
+    return registered ? std::exp(mu + shift + half_variance) : mu + shift;
+  });
+  return of_noise_ * (registered ? mean : std::exp(mean));
+}
+
+double StudyAnalyst::true_difference(PowerAnalysis analysis, std::size_t test) const {
+  if (!known_) return kNaN;
+  const std::size_t contrasts = question_.contrasts.size();
+  if (test >= contrasts) {
+    const GroupTest& groups = question_.group_tests[test - contrasts];
+    if (groups.kind != GroupTest::Kind::pair) return kNaN;
+    const auto mean = [&](int group) {
+      const std::vector<int> own = conditions_of(protocol_, group);
+      double sum = 0;
+      for (const int c : own) sum += truth(analysis, static_cast<std::size_t>(c), group, true);
+      return sum / static_cast<double>(own.size());
+    };
+    return mean(groups.a) - mean(groups.b);
+  }
+  const int a = question_.contrasts[test][0], b = question_.contrasts[test][1];
+  return mean_over_groups([&](std::optional<int> group) {
+    if (!has_condition(protocol_, group, a) || !has_condition(protocol_, group, b)) return kNaN;
+    return truth(analysis, static_cast<std::size_t>(a), group, false) -
+           truth(analysis, static_cast<std::size_t>(b), group, false);
+  });
+}
+
+bool StudyAnalyst::has_test(PowerAnalysis analysis, std::size_t test) const {
+  if (test < question_.contrasts.size()) return true;
+  switch (analysis) {
+    case PowerAnalysis::registered:
+    case PowerAnalysis::log_ml:
+      return true;
+    case PowerAnalysis::median:
+      return group_kind(test) == GroupTest::Kind::pair;
+    case PowerAnalysis::hierarchical:
+      break;
+  }
+  return false;
+}
+
+bool StudyAnalyst::has_estimate(PowerAnalysis analysis, std::size_t test) const {
+  return has_test(analysis, test) && (test < question_.contrasts.size() || group_kind(test) == GroupTest::Kind::pair);
+}
+
+GroupTest::Kind StudyAnalyst::group_kind(std::size_t test) const {
+  return question_.group_tests[test - question_.contrasts.size()].kind;
 }
 
 // By the rules of jnd analyze: whoever has no value is left out, or a test is refused, as registered.
 StudyOutcome StudyAnalyst::registered(std::span<const DrawnPerson> people) const {
   StudyOutcome outcome;
-  if (protocol_.analysis.hierarchical) {
-    outcome.contrasts = hierarchical(people).contrasts;
-    add_registered_group(outcome, people);
-    return outcome;
-  }
+  const bool one_model = protocol_.analysis.hierarchical;
   OutcomeComparison values;
+  if (!one_model || !question_.group_tests.empty()) values = compared(people);
+  if (one_model) {
+    outcome.contrasts = hierarchical(people).contrasts;
+    outcome.contrasts.resize(question_.contrasts.size());
+  } else {
+    for (const ContrastRow& row : contrast_rows({}, values, protocol_))
+      outcome.contrasts.push_back({row.difference.mean, row.difference.ci_low, row.difference.ci_high, row.p});
+  }
+  if (!question_.group_tests.empty())
+    add_group_tests(outcome, compare_groups(values, protocol_).comparison, protocol_.analysis.tests.between);
+  add_registered_group(outcome, people);
+  return outcome;
+}
+
+OutcomeComparison StudyAnalyst::compared(std::span<const DrawnPerson> people) const {
   if (task_) {
     TaskResults results;
     results.outcomes = measured_outcomes(protocol_);
     results.registered = task_outcome_;
     results.estimates = rows_of<TaskEstimateRow>(people, &DrawnPerson::estimates);
-    values = compare_task(results, protocol_, Compared::contrasts);
-  } else if (protocol_.design.procedure) {
-    values = compare_adaptive(rows_of<AdaptiveRow>(people, &DrawnPerson::tracks), protocol_, Compared::contrasts);
-  } else {
-    values = compare_thresholds(rows_of<ThresholdResult>(people, &DrawnPerson::thresholds), protocol_,
-                                protocol_.analysis.tests.outcome, Compared::contrasts);
+    return compare_task(results, protocol_, Compared::contrasts);
   }
-  for (const ContrastRow& row : contrast_rows({}, values, protocol_))
-    outcome.contrasts.push_back({row.difference.mean, row.difference.ci_low, row.difference.ci_high, row.p});
-  add_registered_group(outcome, people);
-  return outcome;
+  if (protocol_.design.procedure)
+    return compare_adaptive(rows_of<AdaptiveRow>(people, &DrawnPerson::tracks), protocol_, Compared::contrasts);
+  return compare_thresholds(rows_of<ThresholdResult>(people, &DrawnPerson::thresholds), protocol_,
+                            protocol_.analysis.tests.outcome, Compared::contrasts);
+}
+
+// comparison: empty where there is none. test: what its pairs are tested by.
+void StudyAnalyst::add_group_tests(StudyOutcome& outcome, const GroupComparison& comparison, BetweenTest test) const {
+  for (const GroupTest& asked : question_.group_tests) {
+    GroupContrast& one = outcome.contrasts.emplace_back();
+    if (comparison.cells.empty()) continue;
+    if (asked.kind == GroupTest::Kind::groups) one.p = comparison.anova.group.p;
+    if (asked.kind == GroupTest::Kind::interaction) one.p = comparison.anova.interaction.p_gg;
+    if (asked.kind != GroupTest::Kind::pair) continue;
+    for (const GroupPair& pair : comparison.pairs) {
+      if (static_cast<int>(pair.a) != asked.a || static_cast<int>(pair.b) != asked.b) continue;
+      one = {pair.welch.mean_difference, pair.welch.ci_low, pair.welch.ci_high,
+             test == BetweenTest::mann_whitney ? pair.ranks_p_holm : pair.welch_p_holm};
+    }
+  }
 }
 
 void StudyAnalyst::add_registered_group(StudyOutcome& outcome, std::span<const DrawnPerson> people) const {
@@ -188,13 +289,14 @@ StudyOutcome StudyAnalyst::median(std::span<const DrawnPerson> people) const {
   std::vector<std::vector<double>> jnds(truth_.mu.size()), slopes(truth_.mu.size());
   for (const DrawnPerson& person : people) {
     if (person.dropped) continue;
+    for (std::vector<double>& of_condition : slopes) of_condition.push_back(kNaN);
     for (const ThresholdResult& row : person.thresholds) {
       const auto c = static_cast<std::size_t>(row.condition);
       // As in the median of jnd analyze: no sensitivity is the largest JND, a ceiling the smallest.
       if (row.jnd.status != JndStatus::no_information)
         jnds[c].push_back(row.jnd.status == JndStatus::no_sensitivity ? kInf : row.jnd.jnd);
       outcome.undefined = outcome.undefined || row.jnd.status != JndStatus::ok;
-      slopes[c].push_back(std::isfinite(row.jnd.slope) ? row.jnd.slope : kNaN);
+      slopes[c].back() = std::isfinite(row.jnd.slope) ? row.jnd.slope : kNaN;
     }
   }
   for (const std::vector<double>& of_condition : jnds) outcome.group.push_back(median_of_jnds(of_condition));
@@ -211,7 +313,40 @@ StudyOutcome StudyAnalyst::median(std::span<const DrawnPerson> people) const {
     one.p = signed_rank(x, y).p;
   }
   correct(outcome.contrasts);
+  if (!question_.group_tests.empty()) add_median_groups(outcome, people);
   return outcome;
+}
+
+// Mann and Whitney's test of the means of the slopes over a person's conditions; the medians of the JNDs beside it.
+void StudyAnalyst::add_median_groups(StudyOutcome& outcome, std::span<const DrawnPerson> people) const {
+  const std::size_t groups = protocol_.groups.size(), conditions = truth_.mu.size();
+  std::vector<std::vector<double>> slopes(groups), ln_medians(groups);
+  for (std::size_t g = 0; g < groups; ++g) {
+    std::vector<std::vector<double>> jnds(conditions);
+    for (const DrawnPerson& person : people) {
+      if (person.dropped || person.group != static_cast<int>(g)) continue;
+      double sum = 0;
+      for (const ThresholdResult& row : person.thresholds) {
+        sum += row.jnd.slope;
+        if (row.jnd.status != JndStatus::no_information)
+          jnds[static_cast<std::size_t>(row.condition)].push_back(
+              row.jnd.status == JndStatus::no_sensitivity ? kInf : row.jnd.jnd);
+      }
+      if (std::isfinite(sum)) slopes[g].push_back(sum / static_cast<double>(person.thresholds.size()));
+    }
+    for (const int c : conditions_of(protocol_, static_cast<int>(g)))
+      ln_medians[g].push_back(std::log(median_of_jnds(jnds[static_cast<std::size_t>(c)]).jnd));
+  }
+  std::vector<GroupContrast> found;
+  for (const GroupTest& asked : question_.group_tests) {
+    GroupContrast& one = found.emplace_back();
+    if (asked.kind != GroupTest::Kind::pair) continue;
+    const auto a = static_cast<std::size_t>(asked.a), b = static_cast<std::size_t>(asked.b);
+    one.difference = mean_of(ln_medians[a]) - mean_of(ln_medians[b]);
+    one.p = mann_whitney(slopes[a], slopes[b]).p;
+  }
+  correct(found);
+  outcome.contrasts.insert(outcome.contrasts.end(), found.begin(), found.end());
 }
 
 void StudyAnalyst::add_cell(std::vector<HierarchicalCell>& cells, const HierarchicalCell& cell) const {
@@ -233,12 +368,13 @@ StudyOutcome StudyAnalyst::log_ml(std::span<const DrawnPerson> people) const {
       for (const HierarchicalCell& cell : person.answers)
         if (cell.condition == static_cast<int>(c)) add_cell(cells, cell);
       double value = kNaN;
-      if (levels_differ(cells)) {
+      const bool gets_it = has_condition(protocol_, person.group, static_cast<int>(c));
+      if (gets_it && levels_differ(cells)) {
         if (!range || protocol_.design.procedure) range = search_range(cells, model_.response);
         const double ln_s = pooled_maximum(cells, model_.response, model_.shared, range->start).ln_s;
         if (ln_s > range->least && ln_s < range->greatest) value = ln_s;
       }
-      outcome.undefined = outcome.undefined || std::isnan(value);
+      outcome.undefined = outcome.undefined || (gets_it && std::isnan(value));
       ln_jnds[c].push_back(value);
     }
   }
@@ -264,9 +400,30 @@ StudyOutcome StudyAnalyst::log_ml(std::span<const DrawnPerson> people) const {
     one = {t.mean_difference, t.ci_low, t.ci_high, t.p};
   }
   correct(outcome.contrasts);
+  if (question_.group_tests.empty()) return outcome;
+  GroupedTable table;
+  table.groups = protocol_.groups.size();
+  const bool mixed = protocol_.analysis.tests.between == BetweenTest::mixed_anova;
+  table.values.k = mixed ? conditions_of(protocol_, 0).size() : 1;
+  std::size_t place = 0;  // of the person in ln_jnds
+  for (const DrawnPerson& person : people) {
+    if (person.dropped) continue;
+    std::vector<double> own;
+    for (const int c : conditions_of(protocol_, person.group))
+      own.push_back(ln_jnds[static_cast<std::size_t>(c)][place]);
+    ++place;
+    if (std::any_of(own.begin(), own.end(), [](double value) { return std::isnan(value); })) continue;
+    if (!mixed) own = {mean_of(own)};
+    table.values.values.insert(table.values.values.end(), own.begin(), own.end());
+    table.group.push_back(static_cast<std::size_t>(person.group.value()));
+    ++table.values.n;
+  }
+  const std::set<std::size_t> there(table.group.begin(), table.group.end());
+  add_group_tests(outcome, there.size() < 2 ? GroupComparison{} : compare_groups(table), BetweenTest::welch);
   return outcome;
 }
 
+// Groups are no part of the model.
 StudyOutcome StudyAnalyst::hierarchical(std::span<const DrawnPerson> people) const {
   StudyOutcome outcome;
   std::vector<HierarchicalCell> cells;
@@ -280,8 +437,10 @@ StudyOutcome StudyAnalyst::hierarchical(std::span<const DrawnPerson> people) con
     ++number;
   }
   outcome.group.resize(truth_.mu.size());
-  outcome.contrasts.resize(question_.contrasts.size());
-  outcome.undefined = number < 2 || !levels_differ(cells);
+  outcome.contrasts.resize(question_.tests());  // none of groups
+  std::set<int> there;                          // conditions: a group may have dropped out
+  for (const HierarchicalCell& cell : cells) there.insert(cell.condition);
+  outcome.undefined = number < 2 || there.size() < truth_.mu.size() || !levels_differ(cells);
   if (outcome.undefined) return outcome;
   const RoughFit fit = rough_fit(cells, model_, truth_, question_.contrasts);
   const double t = student_t_quantile_two_sided(0.05, number - 1);
@@ -301,8 +460,8 @@ StudyOutcome StudyAnalyst::hierarchical(std::span<const DrawnPerson> people) con
   return outcome;
 }
 
-std::string contrast_scale(PowerAnalysis analysis, const Protocol& protocol) {
-  if (analysis != PowerAnalysis::registered || protocol.analysis.hierarchical) return "ln JND";
+std::string contrast_scale(PowerAnalysis analysis, const Protocol& protocol, bool of_groups) {
+  if (analysis != PowerAnalysis::registered || (protocol.analysis.hierarchical && !of_groups)) return "ln JND";
   const bool task = !task_of(protocol.task.kind).has_own_results();
   if (task || protocol.design.procedure) {
     const std::string name = task ? protocol.analysis.outcome : "threshold";

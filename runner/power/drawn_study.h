@@ -1,11 +1,14 @@
 // What an analysis makes of one simulated study.
 #pragma once
 
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "analysis/hierarchical/hierarchical_fit.h"
 #include "analysis/numerics/special_values.h"
+#include "data/results/study_comparisons.h"
 #include "runner/power/drawn_people.h"
 #include "runner/power/power_question.h"
 
@@ -21,7 +24,7 @@ struct GroupContrast {
 };
 struct StudyOutcome {
   std::vector<GroupJnd> group;           // by condition
-  std::vector<GroupContrast> contrasts;  // as asked
+  std::vector<GroupContrast> contrasts;  // as PowerQuestion::tests() has them: of conditions, then of groups
   bool undefined = false;                // somebody, or of the hierarchical model a condition, has no JND
 };
 
@@ -33,9 +36,13 @@ class StudyAnalyst {
   // people: of one study, those who dropped out among them.
   StudyOutcome analyse(PowerAnalysis analysis, std::span<const DrawnPerson> people) const;
 
-  // What the estimates of an analysis are of; NaN where the population does not say it.
+  // What the estimates of an analysis are of; NaN where the population does not say it. test: place in
+  // PowerQuestion::tests().
   double true_jnd(PowerAnalysis analysis, std::size_t condition) const;
-  double true_difference(PowerAnalysis analysis, std::size_t contrast) const;
+  double true_difference(PowerAnalysis analysis, std::size_t test) const;
+  // Whether the analysis has such a test; and an estimate beside its p.
+  bool has_test(PowerAnalysis analysis, std::size_t test) const;
+  bool has_estimate(PowerAnalysis analysis, std::size_t test) const;
 
  private:
   StudyOutcome registered(std::span<const DrawnPerson> people) const;
@@ -44,9 +51,18 @@ class StudyAnalyst {
   StudyOutcome hierarchical(std::span<const DrawnPerson> people) const;
   void add_cell(std::vector<HierarchicalCell>& cells, const HierarchicalCell& cell) const;
   void add_registered_group(StudyOutcome& outcome, std::span<const DrawnPerson> people) const;
+  OutcomeComparison compared(std::span<const DrawnPerson> people) const;
+  void add_group_tests(StudyOutcome& outcome, const GroupComparison& comparison, BetweenTest test) const;
+  void add_median_groups(StudyOutcome& outcome, std::span<const DrawnPerson> people) const;
+  bool is_level(PowerAnalysis analysis) const;
+  template <typename Of>
+  double mean_over_groups(const Of& of) const;
+  GroupTest::Kind group_kind(std::size_t test) const;
+  double truth(PowerAnalysis analysis, std::size_t condition, std::optional<int> group, bool of_groups) const;
 
   const Protocol& protocol_;
   const PowerQuestion& question_;
+  double effect_;
   HierarchicalPlace truth_;
   HierarchicalModel model_;
   double of_noise_ = 1;           // JND, as the protocol means it, of a noise s of 1
@@ -56,8 +72,9 @@ class StudyAnalyst {
   std::size_t task_outcome_ = 0;  // its place
 };
 
-// The scale of an analysis's contrasts: "d' per 100 N/m" is the registered slope, "ln JND" that of log-ml and hierarchical.
-std::string contrast_scale(PowerAnalysis analysis, const Protocol& protocol);
+// The scale of an analysis's contrasts, or tests of groups: "d' per N/m" is the registered slope, "ln JND" that of log-ml
+// and hierarchical.
+std::string contrast_scale(PowerAnalysis analysis, const Protocol& protocol, bool of_groups);
 // Why this analysis is not offered for this protocol; empty where it is.
 std::string power_refusal(PowerAnalysis analysis, const Protocol& protocol);
 

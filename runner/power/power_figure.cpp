@@ -76,6 +76,7 @@ void draw_curve(Svg& svg, const Scale& x, const Scale& y, std::vector<const Cont
   });
   const double beside = 5.0 * (analysis - 0.5 * (analyses - 1));
   std::vector<SvgPoint> corners;
+  std::erase_if(rows, [](const ContrastSummary* row) { return std::isnan(row->power.value); });  // it has no such test
   for (const ContrastSummary* row : rows)
     corners.emplace_back(x.at(on_axis(row->design, axis)) + beside, y.at(row->power.value));
   if (corners.size() > 1) svg.polyline(corners, condition_line(analysis));
@@ -108,7 +109,7 @@ Svg power_figure(const PowerResult& result) {
                         axis == Axis::effect ? 0 : design.effect};
     panels[common][row.contrast][row.analysis].push_back(&row);
   }
-  const std::size_t contrasts = question.contrasts.size(), columns = std::min(contrasts, kMostColumns);
+  const std::size_t contrasts = question.tests(), columns = std::min(contrasts, kMostColumns);
   const std::size_t lines = (contrasts + columns - 1) / columns;  // of panels for a row of designs
   const double width =
       kLeft + static_cast<double>(columns) * kPanelWidth + static_cast<double>(columns - 1) * kBetween + kRight;

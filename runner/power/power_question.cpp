@@ -16,6 +16,24 @@ std::vector<PowerDesign> PowerQuestion::designs() const {
   return designs;
 }
 
+std::vector<GroupTest> registered_group_tests(const Protocol& protocol) {
+  const BetweenTest registered = protocol.analysis.tests.between;
+  if (protocol.groups.empty() || registered == BetweenTest::none) return {};
+  if (registered == BetweenTest::mixed_anova)
+    return {{.kind = GroupTest::Kind::groups}, {.kind = GroupTest::Kind::interaction}};
+  std::vector<GroupTest> pairs;
+  const auto groups = static_cast<int>(protocol.groups.size());
+  for (int a = 0; a < groups; ++a)
+    for (int b = a + 1; b < groups; ++b) pairs.push_back({GroupTest::Kind::pair, a, b});
+  return pairs;
+}
+
+double group_shift(const PowerQuestion& question, double effect, std::optional<int> group,
+                   std::size_t condition) noexcept {
+  if (!group || question.group_factors.empty()) return 0;
+  return effect * std::log(question.group_factors[static_cast<std::size_t>(*group)][condition]);
+}
+
 std::optional<ResponseModel> response_model_of(const Protocol& protocol) {
   const std::optional<AnswerModel> answers = task_of(protocol.task.kind).answer_model(protocol);
   return answers ? std::optional(answers->response) : std::nullopt;
@@ -53,7 +71,21 @@ HierarchicalPlace truth_of(const PowerQuestion& question, double effect, const P
   return truth;
 }
 
+namespace {
+
+constexpr auto kGroupTestWords = words<GroupTest::Kind>({{"pair", GroupTest::Kind::pair},
+                                                         {"groups", GroupTest::Kind::groups},
+                                                         {"groups x conditions", GroupTest::Kind::interaction}});
+
+}  // namespace
+
 nlohmann::ordered_json to_json(const PowerQuestion& question) {
+  nlohmann::ordered_json group_tests = nlohmann::ordered_json::array();
+  for (const GroupTest& one : question.group_tests) {
+    nlohmann::ordered_json& row = group_tests.emplace_back();
+    row["test"] = word_of(kGroupTestWords, one.kind);
+    if (one.kind == GroupTest::Kind::pair) row["groups"] = {one.a, one.b};
+  }
   nlohmann::ordered_json analyses = nlohmann::ordered_json::array();
   for (const PowerAnalysis one : question.analyses) analyses.push_back(word_of(kPowerAnalysisWords, one));
   return {{"participants", question.participants},
@@ -61,6 +93,8 @@ nlohmann::ordered_json to_json(const PowerQuestion& question) {
           {"effects", question.effects},
           {"jnds", question.jnds},
           {"contrasts", question.contrasts},
+          {"group_tests", group_tests},
+          {"group_factors", question.group_factors},
           {"between_cv", question.people.between_cv},
           {"interaction_cv", question.people.interaction_cv},
           {"criterion", question.people.criterion},
@@ -81,6 +115,16 @@ PowerQuestion power_question_from(const nlohmann::ordered_json& json) {
   json.at("effects").get_to(question.effects);
   json.at("jnds").get_to(question.jnds);
   json.at("contrasts").get_to(question.contrasts);
+  for (const auto& row : json.at("group_tests")) {
+    const auto kind = value_of(kGroupTestWords, row.at("test").get<std::string>());
+    if (!kind) throw std::invalid_argument("a test of groups that is not known");
+    GroupTest& one = question.group_tests.emplace_back();
+    one.kind = *kind;
+    if (*kind != GroupTest::Kind::pair) continue;
+    row.at("groups").at(0).get_to(one.a);
+    row.at("groups").at(1).get_to(one.b);
+  }
+  json.at("group_factors").get_to(question.group_factors);
   json.at("between_cv").get_to(question.people.between_cv);
   json.at("interaction_cv").get_to(question.people.interaction_cv);
   json.at("criterion").get_to(question.people.criterion);

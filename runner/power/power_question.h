@@ -34,12 +34,20 @@ struct Population {
   double drop_out = 0;  // share of participants who leave nothing, 0 to below 1
 };
 
+// Groups of participants against each other, by the test that the protocol registers: two groups; or of an analysis of
+// variance all groups at once, and whether they differ alike in every condition.
+struct GroupTest {
+  enum class Kind { pair, groups, interaction };
+  Kind kind = Kind::pair;
+  int a = 0, b = 0;  // of a pair: places in Protocol::groups, the first less the second
+};
+
 // One of the designs that are compared.
 struct PowerDesign {
-  int participants = 0;  // recruited
+  int participants = 0;  // recruited; of all groups together, which are of one size
   int trials = 0;        // of a cell; 0: as many as a procedure asks
   // How far apart the true JNDs of the conditions are: each is G (JND / G)^effect with G their geometric mean, so that 0
-  // is no difference and 1 the planned ones.
+  // is no difference and 1 the planned ones. Groups differ by the same power of their factors.
   double effect = 1;
 };
 
@@ -48,6 +56,9 @@ struct PowerQuestion {
   std::vector<double> effects;
   std::vector<double> jnds;                   // the planned one of each condition, > 0, in the study's unit
   std::vector<std::array<int, 2>> contrasts;  // pairs of conditions, the first less the second
+  std::vector<GroupTest> group_tests{};       // of a protocol with groups that registers one
+  // By group, then condition: how many times the planned JND that of its participants is, > 0. Empty without groups.
+  std::vector<std::vector<double>> group_factors{};
   Population people;
   std::vector<PowerAnalysis> analyses;
   int studies = 1000;  // drawn of each design
@@ -57,7 +68,15 @@ struct PowerQuestion {
 
   // By participants, then trials, then effect.
   std::vector<PowerDesign> designs() const;
+  // Contrasts of conditions, then tests of groups: the order of whatever is counted for each.
+  std::size_t tests() const noexcept { return contrasts.size() + group_tests.size(); }
 };
+
+// Those that the protocol registers, if any.
+std::vector<GroupTest> registered_group_tests(const Protocol& protocol);
+// How far the ln JND of a group's participants lies from that of truth_of() in a condition; 0 without groups.
+double group_shift(const PowerQuestion& question, double effect, std::optional<int> group,
+                   std::size_t condition) noexcept;
 
 // The response model that answers are drawn from, and that the likelihoods assume. None where the protocol's task or model
 // of d' has none here.

@@ -5,6 +5,10 @@
 #include <tuple>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "protocols/planning/allotment.h"
+
 namespace jnd {
 
 namespace {
@@ -69,16 +73,18 @@ std::vector<ContrastSummary> contrast_summaries(const PowerResult& result) {
   std::vector<ContrastSummary> all;
   for_analyses(result, [&](const PowerDesign& design, std::size_t d, PowerAnalysis analysis, std::size_t a,
                            const StudyAnalyst& analyst) {
-    for (std::size_t i = 0; i < result.question.contrasts.size(); ++i) {
+    for (std::size_t i = 0; i < result.question.tests(); ++i) {
       const ContrastTally& tally = result.tally.by_design[d][a].contrasts[i];
       ContrastSummary& one = all.emplace_back();
       one.design = design;
       one.analysis = analysis;
       one.contrast = i;
-      one.ratio = std::exp(analyst.true_difference(PowerAnalysis::hierarchical, i));
+      one.ratio = std::exp(analyst.true_difference(PowerAnalysis::log_ml, i));
+      if (!analyst.has_test(analysis, i)) continue;
       one.power = share(tally.significant, result.tally.studies);
       one.untested = share(result.tally.studies - tally.tested, result.tally.studies);
-      one.estimate = summary_of(tally.estimates, analyst.true_difference(analysis, i), result.tally.studies);
+      if (analyst.has_estimate(analysis, i))
+        one.estimate = summary_of(tally.estimates, analyst.true_difference(analysis, i), result.tally.studies);
     }
   });
   sort_by_design(all, &ContrastSummary::contrast);
@@ -115,7 +121,7 @@ std::vector<SmallestDesign> smallest_designs(const PowerResult& result) {
   const std::vector<ContrastSummary> rows = contrast_summaries(result);
   for (const double effect : result.question.effects) {
     if (effect == 0) continue;
-    for (std::size_t i = 0; i < result.question.contrasts.size(); ++i)
+    for (std::size_t i = 0; i < result.question.tests(); ++i)
       for (const PowerAnalysis analysis : result.question.analyses) {
         SmallestDesign smallest{effect, i, analysis, std::nullopt};
         const auto size = [](const ContrastSummary& one) {
@@ -132,6 +138,13 @@ std::vector<SmallestDesign> smallest_designs(const PowerResult& result) {
 }
 
 std::string contrast_name(const PowerResult& result, std::size_t contrast) {
+  const std::size_t contrasts = result.question.contrasts.size();
+  if (contrast >= contrasts) {
+    const GroupTest& groups = result.question.group_tests[contrast - contrasts];
+    if (groups.kind == GroupTest::Kind::groups) return "groups";
+    if (groups.kind == GroupTest::Kind::interaction) return "groups x conditions";
+    return fmt::format("{} - {}", group_name(result.protocol, groups.a), group_name(result.protocol, groups.b));
+  }
   const auto& [a, b] = result.question.contrasts[contrast];
   return condition_name(result.protocol, a) + " - " + condition_name(result.protocol, b);
 }

@@ -31,11 +31,11 @@ struct EstimateSummary {
   Simulated undefined;   // share of studies without an estimate
 };
 
-// A contrast under one design and analysis.
+// A contrast, or test of groups, under one design and analysis. Everything is NaN where the analysis has no such test.
 struct ContrastSummary {
   PowerDesign design;
   PowerAnalysis analysis = PowerAnalysis::registered;
-  std::size_t contrast = 0;  // place in PowerQuestion::contrasts
+  std::size_t contrast = 0;  // place among PowerQuestion::tests()
   double ratio = kNaN;       // of the true JNDs; NaN: not known
   Simulated power;           // share of all studies whose p is below alpha; without a difference, of false findings
   Simulated untested;        // share of studies without a p
@@ -71,7 +71,7 @@ struct SmallestDesign {
 };
 std::vector<SmallestDesign> smallest_designs(const PowerResult& result);
 
-// "S - SV".
+// "S - SV"; of groups "patients - controls", "groups" and "groups x conditions".
 std::string contrast_name(const PowerResult& result, std::size_t contrast);
 
 }  // namespace jnd

@@ -124,6 +124,7 @@ void AnalysisTally::add(const StudyOutcome& outcome, PowerAnalysis analysis, con
   }
   bool some = false, every = !contrasts.empty();
   for (std::size_t i = 0; i < contrasts.size(); ++i) {
+    if (!analyst.has_test(analysis, i)) continue;
     const GroupContrast& one = outcome.contrasts[i];
     add_estimate(contrasts[i].estimates, one.difference, one.low, one.high, analyst.true_difference(analysis, i));
     const bool significant = one.p < alpha;
@@ -146,7 +147,7 @@ PowerTally& PowerTally::operator+=(const PowerTally& other) {
 PowerTally PowerTally::of(const PowerQuestion& question) {
   AnalysisTally one;
   one.group.resize(question.jnds.size());
-  one.contrasts.resize(question.contrasts.size());
+  one.contrasts.resize(question.tests());
   PowerTally tally;
   tally.by_design.assign(question.designs().size(), std::vector<AnalysisTally>(question.analyses.size(), one));
   return tally;

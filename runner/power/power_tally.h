@@ -45,10 +45,10 @@ struct ContrastTally {
 
 // One analysis of one design.
 struct AnalysisTally {
-  std::vector<EstimateTally> group;  // by condition
-  std::vector<ContrastTally> contrasts;
-  std::int64_t undefined = 0;     // studies with something undefined
-  std::int64_t any = 0, all = 0;  // studies in which some contrast, and every one, is significant
+  std::vector<EstimateTally> group;      // by condition
+  std::vector<ContrastTally> contrasts;  // and tests of groups, as PowerQuestion::tests() has them
+  std::int64_t undefined = 0;            // studies with something undefined
+  std::int64_t any = 0, all = 0;         // studies in which some contrast, and every one, is significant
   AnalysisTally& operator+=(const AnalysisTally& other);
 
   void add(const StudyOutcome& outcome, PowerAnalysis analysis, const StudyAnalyst& analyst, double alpha);

@@ -1,11 +1,13 @@
 #include "runner/power/power_text.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "data/fields/csv_writer.h"
+#include "protocols/planning/allotment.h"
 #include "protocols/version.h"
 #include "runner/terminal/json_output.h"
 #include "runner/terminal/number_text.h"
@@ -72,12 +74,40 @@ class DesignRules {
   std::vector<std::string> before_;
 };
 
+std::string scale_of(PowerAnalysis analysis, const PowerResult& result, std::size_t contrast) {
+  return contrast_scale(analysis, result.protocol, contrast >= result.question.contrasts.size());
+}
+
+// "; JND times 1.4 in patients": groups, and how they differ; empty without groups.
+std::string groups_text(const PowerResult& result) {
+  const Protocol& protocol = result.protocol;
+  if (protocol.groups.empty()) return "";
+  std::string differ;
+  for (std::size_t g = 0; g < result.question.group_factors.size(); ++g) {
+    const std::vector<double>& factors = result.question.group_factors[g];
+    const bool alike = std::all_of(factors.begin(), factors.end(), [&](double one) { return one == factors.front(); });
+    const auto add = [&](double factor, const std::string& of) {
+      if (factor != 1) differ += fmt::format("{}times {:g} in {}", differ.empty() ? "" : ", ", factor, printable(of));
+    };
+    if (alike && !factors.empty()) add(factors.front(), protocol.groups[g].name);
+    for (const int c : conditions_of(protocol, static_cast<int>(g)))
+      if (!alike)
+        add(factors[static_cast<std::size_t>(c)], protocol.groups[g].name + "/" + condition_name(protocol, c));
+  }
+  return fmt::format("; groups {}{}", fmt::join(group_names(protocol), ", "),
+                     result.question.profile ? ""
+                     : differ.empty()        ? " alike"
+                                             : ": JND " + differ);
+}
+
 std::string people_text(const PowerResult& result) {
   const PowerQuestion& question = result.question;
   if (question.profile)
-    return fmt::format(
-        "participants simulated through the rig at 1 kHz, profile {}{}", printable(*question.profile),
-        question.people.drop_out > 0 ? fmt::format("; {} drop out", percent_text(question.people.drop_out)) : "");
+    return fmt::format("participants simulated through the rig at 1 kHz, profile {}{}", printable(*question.profile),
+                       question.people.drop_out > 0
+                           ? fmt::format("; {} drop out", percent_text(question.people.drop_out))
+                           : "") +
+           groups_text(result);
   const Population& people = question.people;
   const ResponseModel model = response_model_of(result.protocol).value();
   std::string text = fmt::format("answers drawn from the response model ({}); JND of the median person",
@@ -91,7 +121,7 @@ std::string people_text(const PowerResult& result) {
                       100 * people.between_cv, 100 * people.interaction_cv, people.criterion, people.criterion_sd);
   if (people.lapse > 0) text += fmt::format("; lapses {}", percent_text(people.lapse));
   if (people.drop_out > 0) text += fmt::format("; {} drop out", percent_text(people.drop_out));
-  return text;
+  return text + groups_text(result);
 }
 
 bool any_effect(const PowerQuestion& question) {
@@ -127,7 +157,7 @@ std::string estimate_table(const PowerResult& result, const std::vector<Contrast
   for (const ContrastSummary& row : rows) {
     rules.next(row.design);
     table.add(joined(design_cells(row.design), {printable(contrast_name(result, row.contrast)), word(row.analysis),
-                                                contrast_scale(row.analysis, result.protocol),
+                                                scale_of(row.analysis, result, row.contrast),
                                                 with_error(row.estimate.bias), with_error(row.estimate.half_width),
                                                 share_text(row.estimate.coverage), share_text(row.untested)}));
   }
@@ -196,6 +226,13 @@ std::string analyses_text(const PowerResult& result) {
         break;
     }
   }
+  if (result.question.group_tests.empty()) return text;
+  const bool mixed = result.protocol.analysis.tests.between == BetweenTest::mixed_anova;
+  text +=
+      fmt::format("Groups: registered by {}; {}; hierarchical has no test of groups.\n",
+                  to_string(result.protocol.analysis.tests.between),
+                  mixed ? "log-ml by the same of the logarithms, median has no such test"
+                        : "median by Mann and Whitney's test of the slopes, log-ml by Welch's of the logarithms; Holm");
   return text;
 }
 
@@ -258,7 +295,7 @@ ordered_json power_json(const PowerResult& result) {
     row["analysis"] = word(one.analysis);
     row["contrast"] = contrast_name(result, one.contrast);
     row["true_ratio"] = json_number(one.ratio);
-    row["scale"] = contrast_scale(one.analysis, result.protocol);
+    row["scale"] = scale_of(one.analysis, result, one.contrast);
     row["power"] = simulated_json(one.power);
     row["untested"] = simulated_json(one.untested);
     add_estimate(row, one.estimate);
@@ -330,7 +367,7 @@ std::string power_csv(const PowerResult& result) {
 std::string ademp_text(const PowerResult& result) {
   const PowerQuestion& question = result.question;
   std::vector<std::string> contrasts, analyses;
-  for (std::size_t i = 0; i < question.contrasts.size(); ++i) contrasts.push_back(contrast_name(result, i));
+  for (std::size_t i = 0; i < question.tests(); ++i) contrasts.push_back(contrast_name(result, i));
   std::string methods = analyses_text(result);
   while (!methods.empty() && methods.back() == '\n') methods.pop_back();
   for (std::size_t at = methods.find('\n'); at != std::string::npos; at = methods.find('\n', at))
@@ -352,7 +389,7 @@ std::string ademp_text(const PowerResult& result) {
       fmt::join(question.effects, ", "), people_text(result), result.tally.studies, question.seed);
   text += fmt::format(
       "| **Estimands** | The JND of each condition (of the median person; for the registered mean the mean over people), and each contrast on the scale of its analysis ({}) |\n",
-      contrast_scale(PowerAnalysis::registered, result.protocol));
+      scale_of(PowerAnalysis::registered, result, 0));
   text += fmt::format("| **Methods** | {} |\n", methods);
   text += fmt::format(
       "| **Performance measures** | Power (share of all studies with p below {:g}; a study without a test counts as not significant), bias and root mean square error, coverage and median "

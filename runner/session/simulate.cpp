@@ -14,13 +14,15 @@
 
 #include "data/log/event_body.h"
 #include "data/log/replay.h"
+#include "data/study/trial_rows.h"
 #include "devices/rigs/rig_factory.h"
+#include "protocols/course/prescription.h"
 #include "protocols/input/input_error.h"
 #include "protocols/input/sha256.h"
 #include "protocols/planning/allotment.h"
 #include "protocols/planning/plan.h"
+#include "protocols/tasks/same_different_task.h"
 #include "runner/keys/interrupt.h"
-#include "runner/session/counts_log.h"
 #include "runner/session/session_engine.h"
 #include "runner/terminal/progress_bar.h"
 
@@ -246,53 +248,94 @@ SimulationResult simulate_study(const Simulation& simulation, Study& study) {
   return result;
 }
 
-std::vector<CellCounts> simulate_counts(const Simulation& simulation, const RigFilter& rig_filter) {
-  std::vector<std::vector<CellCounts>> cells(static_cast<std::size_t>(simulation.participants) + 1);
+void for_counted(const SimulatedSessions& sessions, const Protocol& protocol,
+                 const std::function<void(const TrialRecord&)>& take) {
+  const auto excluded = [&](const TrialRecord& record) {
+    return !exclusion_reason(protocol.analysis.exclude, record.answer.entered_by == EnteredBy::participant,
+                             record.answer.response_time_s, largest_saturated_share(record),
+                             breaks_limit(record.breach))
+                .empty();
+  };
+  for (const std::vector<Event>& events : sessions.events)
+    for (const TrialRecord& record : replay(events).completed)
+      if (!record.trial.practice && (protocol.design.procedure || !excluded(record))) take(record);
+}
+
+bool simulate_people(const Simulation& simulation, const std::function<void(const SimulatedSessions&)>& take,
+                     const RigFilter& rig_filter) {
+  const Protocol& protocol = simulation.protocol;
   std::atomic<std::int64_t> trials{0};
-  const std::int64_t total = trials_of_all(simulation);
   const auto work = [&](int participant) {
     if (interrupt_requested()) return Work::interrupted;
-    CountsLog log;  // over all of the participant's sessions
-    for (int session = 1; session <= simulation.protocol.design.sessions; ++session) {
-      const Plan plan = make_plan(simulation.protocol, participant, simulation.seed, session);
+    SimulatedSessions sessions{participant, group_of(protocol, participant, simulation.seed), {}};
+    for (int session = 1; session <= protocol.design.sessions; ++session) {
+      MemoryLog log;
+      const Plan plan = make_plan(protocol, participant, simulation.seed, session);
       if (run_participant(simulation, rig_filter, plan, log, trials) != SessionEnd::completed) return Work::interrupted;
+      sessions.events.push_back(log.events());
     }
-    cells[static_cast<std::size_t>(participant)] =
-        log.cells(simulation.protocol, participant_code(participant),
-                  group_of(simulation.protocol, participant, simulation.seed));
+    take(sessions);
     return Work::finished;
   };
-  for_each_place(simulation, simulation.participants, trials, total, work, [](int) {});
-  std::vector<CellCounts> all;
-  if (interrupt_requested()) return all;
-  for (const auto& one : cells) all.insert(all.end(), one.begin(), one.end());
+  for_each_place(simulation, simulation.participants, trials, trials_of_all(simulation), work, [](int) {});
+  return !interrupt_requested();
+}
+
+namespace {
+
+// By condition, then series, as the protocol lists them.
+std::vector<CellCounts> cells_of(const SimulatedSessions& sessions, const Protocol& protocol) {
+  std::vector<CellCounts> cells;
+  const auto all_series = static_cast<int>(protocol.series.size());
+  std::map<std::pair<int, int>, std::size_t> places;
+  for (const int condition : conditions_of(protocol, sessions.group))
+    for (int series = 0; series < all_series; ++series) {
+      places[{condition, series}] = cells.size();
+      cells.push_back({participant_code(sessions.participant), condition, series, {}, sessions.group});
+    }
+  for_counted(sessions, protocol, [&](const TrialRecord& record) {
+    const Trial& trial = record.trial;
+    Counts& counts = cells[places.at({trial.condition, trial.series})].counts;
+    const int different = record.answer.said == kClassDifferent ? 1 : 0;
+    ++(trial.target == kClassSame ? counts.n_same : counts.n_diff);
+    (trial.target == kClassSame ? counts.false_alarms : counts.hits) += different;
+  });
+  return cells;
+}
+
+// What is made of each participant, in the order of their numbers; empty where interrupted.
+template <typename Row, typename Make>
+std::vector<Row> rows_of_all(const Simulation& simulation, const RigFilter& rig_filter, const Make& make) {
+  std::vector<std::vector<Row>> rows(static_cast<std::size_t>(simulation.participants));
+  std::vector<Row> all;
+  if (!simulate_people(
+          simulation,
+          [&](const SimulatedSessions& sessions) {
+            rows[static_cast<std::size_t>(sessions.participant - 1)] = make(sessions);
+          },
+          rig_filter))
+    return all;
+  for (const std::vector<Row>& one : rows) all.insert(all.end(), one.begin(), one.end());
   return all;
 }
 
+}  // namespace
+
+std::vector<CellCounts> simulate_counts(const Simulation& simulation, const RigFilter& rig_filter) {
+  return rows_of_all<CellCounts>(simulation, rig_filter, [&](const SimulatedSessions& sessions) {
+    return cells_of(sessions, simulation.protocol);
+  });
+}
+
 AdaptiveResults simulate_thresholds(const Simulation& simulation) {
-  std::vector<std::vector<AdaptiveRow>> rows(static_cast<std::size_t>(simulation.participants) + 1);
-  std::atomic<std::int64_t> trials{0};
-  const std::int64_t total = trials_of_all(simulation);
-  const auto work = [&](int participant) {
-    if (interrupt_requested()) return Work::interrupted;
-    std::vector<std::vector<Event>> sessions;
-    for (int session = 1; session <= simulation.protocol.design.sessions; ++session) {
-      MemoryLog log;
-      const Plan plan = make_plan(simulation.protocol, participant, simulation.seed, session);
-      if (run_participant(simulation, {}, plan, log, trials) != SessionEnd::completed) return Work::interrupted;
-      sessions.push_back(log.events());
-    }
-    rows[static_cast<std::size_t>(participant)] =
-        adaptive_rows(sessions, simulation.protocol, participant_code(participant), SessionKind::simulated,
-                      group_of(simulation.protocol, participant, simulation.seed));
-    return Work::finished;
-  };
-  for_each_place(simulation, simulation.participants, trials, total, work, [](int) {});
+  const Protocol& protocol = simulation.protocol;
   AdaptiveResults results;
   results.attendance = {SessionKind::simulated, simulation.participants, {}, {}};
-  if (interrupt_requested()) return results;
-  for (const auto& one : rows) results.rows.insert(results.rows.end(), one.begin(), one.end());
-  results.group = adaptive_group(results.rows, simulation.protocol);
+  results.rows = rows_of_all<AdaptiveRow>(simulation, {}, [&](const SimulatedSessions& sessions) {
+    return adaptive_rows(sessions.events, protocol, participant_code(sessions.participant), SessionKind::simulated,
+                         sessions.group);
+  });
+  if (!interrupt_requested()) results.group = adaptive_group(results.rows, protocol);
   return results;
 }
 

@@ -7,9 +7,12 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "data/log/session_log.h"
 #include "data/results/adaptive_results.h"
 #include "data/results/study_analysis.h"
 #include "data/study/study.h"
@@ -42,9 +45,24 @@ struct SimulationResult {
 // to another profile.
 SimulationResult simulate_study(const Simulation& simulation, Study& study);
 
-// Counts only, nothing on disk. Empty where interrupted.
+// What one simulated participant did.
+struct SimulatedSessions {
+  int participant = 1;
+  std::optional<int> group;                // place in Protocol::groups
+  std::vector<std::vector<Event>> events;  // of each session
+};
+// Their answers that an analysis takes, in their order, each to `take`: no practice, and what is not excluded as
+// registered. An excluded answer of a procedure has moved the levels all the same, and counts.
+void for_counted(const SimulatedSessions& sessions, const Protocol& protocol,
+                 const std::function<void(const TrialRecord&)>& take);
+// Nothing on disk. take: is given every participant by the thread that simulated them, several at a time. False where
+// interrupted: then some are missing.
 // rig_filter: for experiments on the rig itself, such as one that renders every stimulus alike; may be empty.
 using RigFilter = std::function<std::unique_ptr<Rig>(std::unique_ptr<Rig>)>;
+bool simulate_people(const Simulation& simulation, const std::function<void(const SimulatedSessions&)>& take,
+                     const RigFilter& rig_filter = {});
+
+// Of same-different: the counts alone. Empty where interrupted.
 std::vector<CellCounts> simulate_counts(const Simulation& simulation, const RigFilter& rig_filter = {});
 
 // The same for a protocol whose answers set the levels: its thresholds. Empty where interrupted.

@@ -114,6 +114,7 @@ class PowerTest(unittest.TestCase):
                 (["--jnd", "250"], "nothing to find"),
                 (["--profile", "chinello2017"], "--physics"),
                 (["--physics", "--effect", "1"], "do not go with it"),
+                (["--group-factor", "patients=2"], "no groups"),
                 (["--precision"], "--precision"),
                 (["--analysis", "anova"], "--analysis")):
             done = subprocess.run([JND, "plan", "chinello2017", "--power", "--studies", "2", *map(str, arguments)],
@@ -136,6 +137,13 @@ class PowerTest(unittest.TestCase):
             self.assertIsNone(row["true_ratio"])
             self.assertIsNone(row["coverage"]["value"])
             self.assertIsNotNone(row["mean"]["value"])
+
+    def test_procedures_and_choices_through_the_rig(self):
+        for protocol in ("adaptive-staircase", "maereg2017"):
+            arguments = ["plan", protocol, "--power", "--physics", "--participants", 2, "--studies", 1, "--analysis", "registered"]
+            document = json.loads(jnd(*arguments, "--json").stdout)
+            self.assertEqual(len(document["contrasts"]), 3)
+            self.assertIsNotNone(document["question"]["profile"])
 
     def test_choices_and_procedures(self):
         done = jnd("plan", "leib2015", "--power", "--jnd", "none=33", "--jnd", "delay=50", "--studies", 4, "--effect", 1,
