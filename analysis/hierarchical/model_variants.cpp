@@ -26,7 +26,12 @@ ModelVariant variant_of(VariantKind kind, std::vector<HierarchicalCell> cells, H
   HierarchicalAnalysis analysis(std::move(cells), model);
   if (!analysis.fit().maximum.converged) return without_estimates(SharedStatus::not_converged);
   variant.shared = analysis.shared_estimates();
-  variant.conditions = analysis.add_intervals().conditions;
+  variant.conditions = analysis.fit().conditions;
+  const bool slopes = std::all_of(variant.conditions.begin(), variant.conditions.end(),
+                                  [](const ConditionMean& one) { return one.status == SlopeStatus::ok; });
+  const bool bounded = std::all_of(variant.shared.begin(), variant.shared.end(),
+                                   [](const SharedEstimate& one) { return !std::isinf(one.ends.high); });
+  if (kind != VariantKind::lapse && slopes && bounded) variant.conditions = analysis.add_intervals().conditions;
   return variant;
 }
 

@@ -26,8 +26,10 @@ inline constexpr auto kVariantKindWords = words<VariantKind>({{"overdispersion",
 
 struct ModelVariant {
   VariantKind kind = VariantKind::overdispersion;
-  std::vector<SharedEstimate> shared;     // of sureness its criteria, below and above, without a test
-  std::vector<ConditionMean> conditions;  // with their intervals; empty where nothing shared has an estimate
+  std::vector<SharedEstimate> shared;  // of sureness its criteria, below and above, without a test
+  // Empty where nothing shared has an estimate. With their intervals where every condition has a JND and what is shared an
+  // upper bound, but not beside lapses, where the search for an end may be long (jnd calc hierarchical has them).
+  std::vector<ConditionMean> conditions;
 };
 
 // What it is called in tables. choice: the criterion is the PSE.

@@ -299,7 +299,9 @@ Fields<HierarchicalVariantRow> hierarchical_variant_fields(const Protocol& proto
            "jnd", "JND of the group with this in the model; empty where status or jnd_status says why",
            [](const R& r) { return r.with->jnd; }, in_study_unit(protocol, "jnd_", jnd_title(protocol))),
        F(
-           "ci_low", "lower end of its 95 % interval (profile likelihood); 0 where the answers leave it open",
+           "ci_low",
+           "lower end of its 95 % interval (profile likelihood); 0 where the answers leave it open; empty of lapse, and where a "
+           "condition has no JND or the parameter no upper bound",
            [](const R& r) { return r.with->ci_low; }, in_study_unit(protocol, "jnd_ci95_low_")),
        F(
            "ci_high", "upper end; Inf where the answers leave it open", [](const R& r) { return r.with->ci_high; },

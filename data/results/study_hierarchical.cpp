@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -24,10 +25,6 @@ int trials_of(const std::vector<LevelCount>& counts) noexcept {
   int trials = 0;
   for (const LevelCount& one : counts) trials += one.positive + one.negative;
   return trials;
-}
-
-double in_steps(double level, double step) noexcept {
-  return step * std::round(level / step);
 }
 
 // Rows of a participant stand together.
@@ -55,8 +52,8 @@ class StudyFit {
     lay_out();
   }
 
-  // rounded: the levels already count in steps.
-  StudyHierarchical fitted(std::string separate, bool rounded = false);
+  // given_levels: those of the protocol.
+  StudyHierarchical fitted(std::string separate, bool given_levels);
 
  private:
   bool choices() const noexcept { return answer_model_.response == ResponseModel::choice; }
@@ -72,7 +69,7 @@ class StudyFit {
   }
 
   void lay_out();
-  void round_levels();
+  void gather_levels();
   std::string refusal();
   std::vector<HierarchicalCell> cells_of_fit() const;
   void add_spreads(const HierarchicalFit& fit);
@@ -90,7 +87,6 @@ class StudyFit {
   AnswerModel answer_model_;
   int series_ = 1;  // rows of a condition
   StudyHierarchical model_;
-  double step_ = 0;                       // of the levels in the fit; 0: as they are
   std::vector<int> number_;               // of the participant of each cell, in the fit; -1 without trials
   std::vector<int> to_fit_;               // by row of a condition: its place in the fit; -1 without trials
   std::vector<std::size_t> fitted_rows_;  // by place in the fit
@@ -119,12 +115,42 @@ void StudyFit::lay_out() {
     model_.several_standards = model_.several_standards && standard_of(series) > 0;
 }
 
-void StudyFit::round_levels() {
+// The number of the levels that are one with this one: within 5 % of each other, below a tenth of the largest one within 1 %
+// of that. No difference is one with none.
+int neighbours_of(double level, double largest) noexcept {
+  constexpr double kShare = 0.05, kSmall = 0.1, kStep = 0.01;
+  if (level == 0) return 0;
+  const double share = std::abs(level) / largest;
+  const double number = share < kSmall ? share / kStep : kSmall / kStep + std::log(share / kSmall) / kShare;
+  return static_cast<int>(std::copysign(std::floor(number) + 1, level));
+}
+
+// Levels so near each other that nobody could tell stand for one, at the mean of their trials: what is left is of second
+// order.
+void StudyFit::gather_levels() {
   std::set<double> levels;
   for (const AnsweredCell& cell : cells_)
     for (const LevelCount& one : cell.counts) levels.insert(one.level / unit_of(cell.person.series));
-  model_.rounded = levels.size() > static_cast<std::size_t>(kLevelSteps);
-  if (model_.rounded) step_ = std::max(-*levels.begin(), *levels.rbegin()) / kLevelSteps;
+  if (levels.size() <= kMostLevels) return;
+  model_.gathered = true;
+  const double largest = std::max(-*levels.begin(), *levels.rbegin());
+  struct Bin {
+    double sum = 0, trials = 0;
+  };
+  std::map<int, Bin> bins;
+  for (const AnsweredCell& cell : cells_)
+    for (const LevelCount& one : cell.counts) {
+      const double level = one.level / unit_of(cell.person.series), trials = one.positive + one.negative;
+      Bin& bin = bins[neighbours_of(level, largest)];
+      bin.sum += trials * level;
+      bin.trials += trials;
+    }
+  for (AnsweredCell& cell : cells_)
+    for (LevelCount& one : cell.counts) {
+      const double unit = unit_of(cell.person.series);
+      const Bin& bin = bins[neighbours_of(one.level / unit, largest)];
+      if (bin.trials > 0) one.level = unit * bin.sum / bin.trials;
+    }
 }
 
 // Why there is no fit; empty where there is one.
@@ -158,7 +184,7 @@ std::vector<HierarchicalCell> StudyFit::cells_of_fit() const {
     const HierarchicalPerson& person = cells_[i].person;
     std::vector<HierarchicalCell> own;
     for (const LevelCount& one : cells_[i].counts) {
-      const double exact = one.level / unit_of(person.series), level = step_ > 0 ? in_steps(exact, step_) : exact;
+      const double level = one.level / unit_of(person.series);
       auto known = std::find_if(own.begin(), own.end(), [&](const HierarchicalCell& cell) {
         return cell.level == level && cell.second_half == one.second_half;
       });
@@ -271,13 +297,12 @@ void StudyFit::add_people(const std::vector<PersonEstimate>& people) {
   }
 }
 
-StudyHierarchical StudyFit::fitted(std::string separate, bool rounded) {
+StudyHierarchical StudyFit::fitted(std::string separate, bool given_levels) {
   model_.separate = std::move(separate);
-  model_.rounded = rounded;
   for (const AnsweredCell& cell : cells_) model_.people.push_back(cell.person);
   model_.reason = refusal();
   if (model_.status != HierarchicalStatus::ok) return model_;
-  if (protocol_.design.procedure) round_levels();
+  gather_levels();
   HierarchicalModel of;
   of.response = answer_model_.response;
   of.shared.lapse = answer_model_.lapse;
@@ -300,8 +325,6 @@ StudyHierarchical StudyFit::fitted(std::string separate, bool rounded) {
   model_.equal_lr = fit.lr;
   model_.equal_p = fit.p;
   model_.equal_df = fit.df;
-  const bool given_levels =
-      task_of(protocol_.task.kind).has_own_results() && !model_.rounded && !protocol_.design.procedure;
   if (given_levels && static_cast<std::size_t>(model_.participants) <= kMostInDetail)
     add_check(cells, of, fit.maximum.place);
   return model_;
@@ -312,16 +335,6 @@ void StudyFit::add_check(const std::vector<HierarchicalCell>& cells, const Hiera
   constexpr std::uint64_t kCheckSeed = 1;  // the same for every study of the same answers
   model_.check = predictive_check(cells, of, place, kPredictiveDraws, kCheckSeed);
   for (PredictiveRow& row : model_.check->rows) row.condition = fitted_rows_[row.condition];
-}
-
-double level_of(const CellResult& cell, double step) {
-  return cell.difference_source == DifferenceSource::nominal ? cell.difference : in_steps(cell.difference, step);
-}
-
-double step_of(const StudyAnalysis& analysis) {
-  double largest = 0;
-  for (const CellResult& cell : analysis.cells) largest = std::max(largest, cell.difference);
-  return largest / kLevelSteps;
 }
 
 // level: of trials with different stimuli; same_level: of the others.
@@ -360,7 +373,6 @@ JndStatus status_of(const TaskEstimate& estimate, const std::string& status) {
 
 StudyHierarchical study_hierarchical(const StudyAnalysis& analysis, const Protocol& protocol) {
   const std::size_t series = protocol.series.size();
-  const double step = step_of(analysis);
   const std::optional<AnswerModel> answers = task_of(protocol.task.kind).answer_model(protocol);
   // Somebody who judges each interval by itself says "same" the more, the further apart the others of the series are.
   const double same = answers && answers->response == ResponseModel::independent ? -1 : 0;
@@ -374,14 +386,14 @@ StudyHierarchical study_hierarchical(const StudyAnalysis& analysis, const Protoc
     cell.person.separate_status = threshold.jnd.status;
     if (threshold.jnd.status == JndStatus::ok) cell.person.separate = threshold.jnd.jnd;
     for (std::size_t i = row * series; i < (row + 1) * series; ++i) {
-      const double level = level_of(analysis.cells[i], step);
+      const double level = analysis.cells[i].difference;
       add_level_counts(cell.counts, analysis.cells[i], level, same * level);
     }
   }
-  const bool delivered = std::any_of(analysis.cells.begin(), analysis.cells.end(), [](const CellResult& cell) {
-    return cell.difference_source != DifferenceSource::nominal;
+  const bool given = std::all_of(analysis.cells.begin(), analysis.cells.end(), [](const CellResult& cell) {
+    return cell.difference_source == DifferenceSource::nominal;
   });
-  return StudyFit(std::move(cells), protocol).fitted(describe(analysis.method), delivered);
+  return StudyFit(std::move(cells), protocol).fitted(describe(analysis.method), given);
 }
 
 StudyHierarchical study_hierarchical(const AdaptiveResults& results, const Protocol& protocol) {
@@ -400,7 +412,7 @@ StudyHierarchical study_hierarchical(const AdaptiveResults& results, const Proto
   }
   StudyHierarchical model =
       StudyFit(std::move(cells), protocol)
-          .fitted(jnds ? "the posterior of the procedure's own response model" : "maximum likelihood");
+          .fitted(jnds ? "the posterior of the procedure's own response model" : "maximum likelihood", false);
   if (!jnds) take_alone(model);
   return model;
 }
@@ -425,7 +437,8 @@ StudyHierarchical study_hierarchical(const TaskResults& results, const Protocol&
   }
   return StudyFit(std::move(cells), protocol)
       .fitted(has_posterior_threshold(protocol) ? "the posterior of the procedure's own response model"
-                                                : "maximum likelihood");
+                                                : "maximum likelihood",
+              false);
 }
 
 void add_without_bias(std::vector<HierarchicalCell>& cells, HierarchicalCell cell) {

@@ -106,7 +106,7 @@ struct StudyHierarchical {
   double lapse = 0;
   bool pse_at_standard = false;    // of choices: taken as the standard (AnswerModel::pse_at_standard)
   bool several_standards = false;  // levels, and criteria of choices, count as shares of the standard
-  bool rounded = false;            // levels that the protocol does not give count in steps (kLevelSteps)
+  bool gathered = false;           // there are more than kMostLevels levels
   std::string separate;            // how separate JNDs come about, for notes
   int participants = 0;            // with counted trials
   std::int64_t trials = 0;
@@ -134,9 +134,9 @@ inline constexpr std::string_view kPeopleAlike =
 // What everyone who reads a number of it is told.
 std::string hierarchical_assumptions(const StudyHierarchical& model);
 
-// Levels that are hardly twice the same count in so many steps of the largest one: delivered differences, and levels that
-// answers set where there are more of them than steps. The fit takes as long as there are different ones.
-inline constexpr int kLevelSteps = 200;
+// Of more different levels (delivered differences, levels that answers set) those within 5 % of each other count at their
+// mean: the fit takes as long as there are different ones.
+inline constexpr std::size_t kMostLevels = 50;
 
 // Of the trials that count, by maximum likelihood. A fraction of a second for twenty people, some seconds for the most.
 StudyHierarchical study_hierarchical(const StudyAnalysis& analysis, const Protocol& protocol);

@@ -85,10 +85,9 @@ ResultTable hierarchical_table(const StudyResults& results, const Protocol& prot
       fmt::format("one model of everybody's answers{}; {}: of the median person, with 95 % profile likelihood; {}{}",
                   observer_words(model, protocol), jnd_title(protocol),
                   protocol.analysis.hierarchical ? "registered for the contrasts" : "not registered",
-                  model.rounded ? fmt::format("; over {}, to {:g} % of the largest",
-                                              protocol.design.procedure ? "the levels" : "the delivered differences",
-                                              100.0 / kLevelSteps)
-                                : "");
+                  model.gathered ? fmt::format("; {} within 5 % of each other count at their mean",
+                                               protocol.design.procedure ? "levels" : "delivered differences")
+                                 : "");
   const TableMaker of(hierarchical_fields(protocol, attendance_of(results).kind));
   using Row = HierarchicalConditionRow;
   std::vector<TableColumn<Row>> columns = {of("condition")};
@@ -174,7 +173,8 @@ ResultTable hierarchical_variants_table(const StudyResults& results, const Proto
 ResultTable hierarchical_variant_jnds_table(const StudyResults& results, const Protocol& protocol) {
   ResultTable table{"hierarchical-variant-jnds", "The group with that in the model", "", {}, {}, {}};
   if (!results.hierarchical) return table;
-  table.note = "times as wide: the interval of ln JND, compared with the one above";
+  table.note =
+      "times as wide: the interval of ln JND, compared with the one above; beside lapses only jnd calc hierarchical has one";
   const TableMaker of(hierarchical_variant_fields(protocol, attendance_of(results).kind));
   using Row = HierarchicalVariantRow;
   std::vector<Row> rows = hierarchical_variant_rows(*results.hierarchical);

@@ -28,7 +28,7 @@ std::vector<CellCounts> patterned_counts(int people) {
   for (int person = 0; person < people; ++person)
     for (int condition = 0; condition < 3; ++condition)
       for (int series = 0; series < 3; ++series) {
-        const int hits = 4 + 2 * series + (person + condition) % 3 - (condition == 1 ? 1 : 0) + person % 2;
+        const int hits = 8 - 2 * series + (person + condition) % 3 - (condition == 1 ? 1 : 0) + person % 2;
         cells.push_back({"P" + std::to_string(10 + person),
                          condition,
                          series,
@@ -267,7 +267,7 @@ StudyAnalysis with_halves(const std::vector<CellCounts>& counts, const Protocol&
   for (CellResult& cell : analysis.cells) {
     Counts late = cell.counts;
     late.n_diff /= 2;
-    late.hits /= 3;  // fewer of them
+    late.hits = std::max(late.hits / 3, late.hits - late.n_diff);  // as few of them as there can be, or a third
     late.n_same /= 2;
     late.false_alarms /= 2;
     cell.halves[1].counts = late;
@@ -313,7 +313,8 @@ TEST_CASE("what the model leaves out stands beside it, and changes nothing of it
     const HierarchicalVariant &with = variant_of(model, kind), &without = variant_of(alone, kind);
     CHECK(with.shared[0].status == without.shared[0].status);
     CHECK(with.shared[0].ends.high == Approx(without.shared[0].ends.high).margin(1e-6));
-    CHECK(with.conditions[2].ci_high == Approx(without.conditions[2].ci_high).epsilon(1e-6));
+    CHECK(with.conditions[2].jnd == Approx(without.conditions[2].jnd).epsilon(1e-5));
+    CHECK(std::isnan(with.conditions[2].ci_high) == std::isnan(without.conditions[2].ci_high));
   }
   for (CellResult& cell : analysis.cells)
     for (HalfCounts& half : cell.halves)
@@ -612,6 +613,7 @@ TEST_CASE("levels that answers set count like given ones; a threshold that is no
     }
   const StudyHierarchical model = study_hierarchical(results, protocol);
   REQUIRE(model.status == HierarchicalStatus::ok);
+  CHECK_FALSE(model.gathered);
   HierarchicalAnalysis fitted(cells, {.response = *model.response});
   for (std::size_t c = 0; c < protocol.conditions.size(); ++c)
     CHECK(model.conditions[c].jnd == Approx(std::exp(fitted.fit().conditions[c].mu)).epsilon(1e-9));
@@ -649,11 +651,11 @@ AdaptiveResults tracked_results(const Protocol& protocol, int people, int trials
 
 TEST_CASE("levels that answers set, hardly two alike, count in steps, and estimates stay where they are", "[data]") {
   const Protocol protocol = load_protocol(std::string(JND_SOURCE_DIR) + "/protocols/adaptive-quest.json");
-  const AdaptiveResults results = tracked_results(protocol, 6, 40);
+  const AdaptiveResults results = tracked_results(protocol, 4, 24);
   const StudyHierarchical model = study_hierarchical(results, protocol);
   REQUIRE(model.status == HierarchicalStatus::ok);
-  CHECK(model.rounded);
-  CHECK(model.trials == 6 * 40 * static_cast<std::int64_t>(protocol.conditions.size()));
+  CHECK(model.gathered);
+  CHECK(model.trials == 4 * 24 * static_cast<std::int64_t>(protocol.conditions.size()));
 
   std::vector<HierarchicalCell> cells;
   for (std::size_t i = 0; i < results.rows.size(); ++i)
@@ -665,13 +667,10 @@ TEST_CASE("levels that answers set, hardly two alike, count in steps, and estima
     const ConditionMean& mean = exact.fit().conditions[static_cast<std::size_t>(row.condition)];
     REQUIRE(row.status == SlopeStatus::ok);
     const double error = (std::log(row.ci_high) - std::log(row.ci_low)) / (2 * 1.96);
-    CHECK(std::abs(std::log(row.jnd) - mean.mu) < 0.02 * error);
-    CHECK(row.criterion == Approx(mean.criterion).margin(0.005));
+    CHECK(std::abs(std::log(row.jnd) - mean.mu) < 0.1 * error);
+    CHECK(row.criterion == Approx(mean.criterion).margin(0.03));
   }
-  CHECK(model.persons.sd == Approx(exact.fit().maximum.place.tu).margin(0.005));
-
-  const StudyHierarchical few = study_hierarchical(tracked_results(protocol, 2, 12), protocol);
-  CHECK_FALSE(few.rounded);
+  CHECK(model.persons.sd == Approx(exact.fit().maximum.place.tu).margin(0.02));
 }
 
 std::size_t lines_of(const std::string& text) {
