@@ -134,17 +134,17 @@ class CountedPeople final : public ModelledPeople {
       const auto c = static_cast<std::size_t>(condition);
       for (std::size_t s = 0; s < series.size(); ++s) {
         const std::array<double, 2>& pair = protocol_.series[s].pair;
-        const double difference = std::abs(pair[1] - pair[0]);
+        const double difference = std::abs(pair[1] - pair[0]), equal = level_of_equal(protocol_, protocol_.series[s]);
         const double sizes = uniform(stream), of_different = uniform(stream), of_same = uniform(stream);
         Counts counts;
         counts.n_diff = protocol_.design.sampling == Sampling::random ? binomial(trials, 0.5, sizes) : trials / 2;
         counts.n_same = trials - counts.n_diff;
-        const double hit = rate(person, difference, c), false_alarm = rate(person, 0, c);
+        const double hit = rate(person, difference, c), false_alarm = rate(person, equal, c);
         counts.hits = binomial(counts.n_diff, hit, of_different);
         counts.false_alarms = binomial(counts.n_same, false_alarm, of_same);
         series[s] = {difference, counts};
         add_answers(drawn.answers, c, difference, counts.hits, counts.n_diff - counts.hits);
-        add_answers(drawn.answers, c, 0, counts.false_alarms, counts.n_same - counts.false_alarms);
+        add_answers(drawn.answers, c, equal, counts.false_alarms, counts.n_same - counts.false_alarms);
       }
       add_threshold(drawn, participant, c, series, protocol_, method_);
     }

@@ -71,6 +71,12 @@ void add_estimates(DrawnPerson& person, int participant, const PersonAnswers& an
 
 }  // namespace
 
+double level_of_equal(const Protocol& protocol, const Series& series) {
+  const std::optional<AnswerModel> answers = task_of(protocol.task.kind).answer_model(protocol);
+  const bool independent = answers && answers->response == ResponseModel::independent;
+  return independent ? -std::abs(series.pair[1] - series.pair[0]) : 0;
+}
+
 void add_answers(std::vector<HierarchicalCell>& cells, std::size_t condition, double level, int positive,
                  int negative) {
   for (HierarchicalCell& cell : cells)
@@ -95,7 +101,9 @@ void add_threshold(DrawnPerson& person, int participant, std::size_t condition, 
 void add_measured(DrawnPerson& person, int participant, const PersonAnswers& answers, const Protocol& protocol) {
   const Task& task = task_of(protocol.task.kind);
   for (const PersonAnswer& one : answers.given) {
-    const LevelAnswer answer = task.level_answer(one.trial, protocol.task);
+    LevelAnswer answer = task.level_answer(one.trial, protocol.task);
+    if (answer.level == 0 && task.has_own_results() && !protocol.design.procedure)
+      answer.level = level_of_equal(protocol, protocol.series[static_cast<std::size_t>(one.series)]);
     add_answers(person.answers, static_cast<std::size_t>(one.condition), answer.level, answer.positive ? 1 : 0,
                 answer.positive ? 0 : 1);
   }
