@@ -320,7 +320,10 @@ StudyHierarchical StudyFit::fitted(std::string separate, bool given_levels) {
   set_conditions(model_.conditions, fit.conditions);
   add_people(fitted.people());
   add_ratios(fitted);
-  if (static_cast<std::size_t>(model_.participants) <= kMostInDetail) add_variants(answered, of);
+  const bool all_have_jnds = std::all_of(fit.conditions.begin(), fit.conditions.end(),
+                                         [](const ConditionMean& one) { return one.status == SlopeStatus::ok; });
+  const auto people = static_cast<std::size_t>(model_.participants);
+  if (all_have_jnds && people >= kLeastInVariants && people <= kMostInDetail) add_variants(answered, of);
   if (series_ > 1) return model_;
   model_.equal_lr = fit.lr;
   model_.equal_p = fit.p;

@@ -99,6 +99,9 @@ struct HierarchicalVariant {
   std::vector<HierarchicalCondition> conditions;  // as of StudyHierarchical; without a JND where nothing can be told
 };
 
+// Fewer people tell next to nothing of what may be the same for everybody, and the search for it is long.
+inline constexpr std::size_t kLeastInVariants = 5;
+
 struct StudyHierarchical {
   HierarchicalStatus status = HierarchicalStatus::no_answers;
   std::string reason;                     // in words, where it is not ok
@@ -120,7 +123,8 @@ struct StudyHierarchical {
   // One JND for all conditions, by likelihood ratio; df 0: there is no such test, nor of several standards.
   double equal_lr = kNaN, equal_p = kNaN;
   int equal_df = 0;
-  // By kind, what is offered of them; none above kMostInDetail participants.
+  // By kind, what is offered of them; none where a condition has no JND, nor of fewer than kLeastInVariants participants or
+  // more than kMostInDetail.
   std::vector<HierarchicalVariant> variants;
   // Whether the model draws answers like these; the conditions of its rows are places in the protocol. None over
   // delivered differences, which hardly two people share, nor above kMostInDetail participants.

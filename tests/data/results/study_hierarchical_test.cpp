@@ -679,7 +679,7 @@ std::size_t lines_of(const std::string& text) {
 
 TEST_CASE("files of the model are written where it was asked for, and say why there is none", "[data]") {
   StudyResults results =
-      results_of(analyze_counts(patterned_counts(3), chinello(), SessionKind::simulated), chinello());
+      results_of(analyze_counts(patterned_counts(5), chinello(), SessionKind::simulated), chinello());
   const auto files_of = [&](const Protocol& protocol) {
     std::map<std::string, std::string> files;
     for (const ResultFile& file : result_files(results, protocol, nullptr))
@@ -693,7 +693,7 @@ TEST_CASE("files of the model are written where it was asked for, and say why th
   CHECK(lines_of(files.at("hierarchical.csv")) == 1 + 3);
   CHECK(lines_of(files.at("hierarchical_ratios.csv")) == 1 + 3);
   CHECK(lines_of(files.at("hierarchical_check.csv")) == 1 + 12);
-  CHECK(lines_of(files.at("hierarchical_people.csv")) == 1 + 9);
+  CHECK(lines_of(files.at("hierarchical_people.csv")) == 1 + 15);
   CHECK(lines_of(files.at("hierarchical_variants.csv")) == 1 + 4 * 3);
   for (const auto& [name, text] : files) CHECK(text.find("nan") == std::string::npos);
 
