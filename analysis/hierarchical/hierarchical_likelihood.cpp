@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <tuple>
 #include <utility>
 
+#include "analysis/hierarchical/hierarchical_evaluation.h"
 #include "analysis/hierarchical/person_mode.h"
 #include "analysis/lattice/fast_functions.h"
 #include "analysis/lattice/lattice_sums.h"
@@ -80,53 +80,6 @@ HierarchicalPlace& HierarchicalPlace::operator+=(const HierarchicalPlace& other)
   tw += other.tw;
   rho += other.rho;
   return *this;
-}
-
-struct HierarchicalLikelihood::Evaluation {
-  Evaluation(const HierarchicalPlace& at, const NodeOffset& beginning)
-      : place(at), offset(beginning), has_u(at.tu > 0), has_w(at.tw > 0) {}
-
-  const HierarchicalPlace& place;
-  NodeOffset offset;
-  bool has_u, has_w;
-  double spacing_u = 1, spacing_w = 1;
-  Rectangle all;                              // of nodes that the kernels reach
-  std::vector<LatticeKernel> over_s, over_k;  // by condition
-
-  // Of the participant at work: nodes of w by nodes of u, w outermost.
-  Rectangle box;
-  std::size_t wide = 0, high = 0;
-  std::vector<int> first_s;  // by condition: the first lattice node that is read
-  // By condition: the likelihood at the criteria of the nodes, over ln s, and its derivative by the criterion.
-  std::vector<std::vector<double>> read, by_criterion;
-  std::vector<std::vector<double>> inner;  // by condition: the integral over v
-  std::vector<double> prior, joint, adjoint, by_read;
-  std::vector<std::vector<double>> by_s;  // by condition: derivatives of ln L by the weights of the nodes
-  std::vector<double> by_kappa;           // by condition: derivative of ln L
-  // By condition, where it is asked for: derivatives of ln L by the log-likelihoods of the lattice nodes that were read.
-  bool back_to_cells = false;
-  std::vector<std::vector<double>> by_cell;
-  std::vector<double> in_u, in_w;  // joint, summed over the other direction
-  double total = 0;
-  // The place is not so far from the answers that their product underflows, at most nodes if not at all.
-  bool anything_left() const noexcept { return total > 1e-250; }
-
-  struct Moments {
-    double u = 0, uu = 0, w = 0, ww = 0, uw = 0;
-  };
-  Moments moments() const noexcept;
-  double u(int node) const noexcept { return has_u ? (node + offset.u) * spacing_u : 0; }
-  double w(int node) const noexcept { return has_w ? (node + offset.w) * spacing_w : 0; }
-  LatticeRange read_by(std::size_t condition, const Rectangle& nodes) const noexcept;
-  void lay_out_prior();
-  void multiply();
-};
-
-// The lattice nodes that the kernels of those nodes read.
-LatticeRange HierarchicalLikelihood::Evaluation::read_by(std::size_t condition, const Rectangle& nodes) const noexcept {
-  const LatticeKernel &s = over_s[condition], &k = over_k[condition];
-  return {s.start(nodes.u0), s.start(nodes.u1) + static_cast<int>(s.taps()) - 1, k.start(nodes.w0),
-          k.start(nodes.w1) + static_cast<int>(k.taps()) - 1};
 }
 
 HierarchicalLikelihood::HierarchicalLikelihood(std::span<const HierarchicalCell> cells, ResponseModel model,
@@ -319,51 +272,6 @@ HierarchicalLikelihood::Rectangle HierarchicalLikelihood::rectangle_of(const Per
   if (evaluation.has_u) std::tie(box.u0, box.u1) = nodes(person.u, evaluation.place.tu, evaluation.spacing_u);
   if (evaluation.has_w) std::tie(box.w0, box.w1) = nodes(person.w, evaluation.place.tw, evaluation.spacing_w);
   return box;
-}
-
-void HierarchicalLikelihood::Evaluation::lay_out_prior() {
-  prior.resize(wide * high);
-  const double spare = 1 - place.rho * place.rho;
-  double scale = 1 / std::sqrt(spare);
-  if (has_u) scale *= spacing_u / place.tu / std::sqrt(2 * std::numbers::pi);
-  if (has_w) scale *= spacing_w / place.tw / std::sqrt(2 * std::numbers::pi);
-  for (std::size_t j = 0; j < high; ++j)
-    for (std::size_t i = 0; i < wide; ++i) {
-      const double a = has_u ? u(box.u0 + static_cast<int>(i)) / place.tu : 0;
-      const double b = has_w ? w(box.w0 + static_cast<int>(j)) / place.tw : 0;
-      prior[j * wide + i] = scale * std::exp(-(a * a - 2 * place.rho * a * b + b * b) / (2 * spare));
-    }
-}
-
-void HierarchicalLikelihood::Evaluation::multiply() {
-  joint = prior;
-  for (const std::vector<double>& one : inner)
-    for (std::size_t i = 0; i < joint.size(); ++i) joint[i] *= one[i];
-  in_u.assign(wide, 0);
-  in_w.assign(high, 0);
-  total = 0;
-  for (std::size_t j = 0; j < high; ++j)
-    for (std::size_t i = 0; i < wide; ++i) {
-      const double one = joint[j * wide + i];
-      total += one;
-      in_u[i] += std::abs(one);  // interpolation may fall below 0 where there is next to nothing
-      in_w[j] += std::abs(one);
-    }
-}
-
-HierarchicalLikelihood::Evaluation::Moments HierarchicalLikelihood::Evaluation::moments() const noexcept {
-  Moments mean;
-  for (std::size_t j = 0; j < high; ++j)
-    for (std::size_t i = 0; i < wide; ++i) {
-      const double share = joint[j * wide + i] / total;
-      const double x = u(box.u0 + static_cast<int>(i)), y = w(box.w0 + static_cast<int>(j));
-      mean.u += share * x;
-      mean.uu += share * x * x;
-      mean.w += share * y;
-      mean.ww += share * y * y;
-      mean.uw += share * x * y;
-    }
-  return mean;
 }
 
 // Forwards: from the lattices to the integral of one participant.

@@ -16,6 +16,7 @@ namespace jnd {
 constexpr bool in_second_half(std::size_t place, std::size_t trials) noexcept {
   return 2 * place >= trials;
 }
+
 struct HierarchicalCell;  // hierarchical_likelihood.h
 
 struct SharedParameters {
@@ -74,8 +75,7 @@ bool of_criterion(SharedParameter which) noexcept;
 bool at_least_zero(SharedParameter which) noexcept;
 
 // What is searched: from 0 (drift: from minus that) to a lapse rate of 0.5, a correlation of 0.9, a drift of 3 in ln s
-// and of 3 units of the criterion; criteria of sureness from
-// 0.02 to 8 units away from it.
+// and of 3 units of the criterion; criteria of sureness from 0.02 to 8 units away from it.
 struct SharedLimits {
   double low = 0, high = 0;
 };

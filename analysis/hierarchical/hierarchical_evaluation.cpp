@@ -1,0 +1,60 @@
+#include "analysis/hierarchical/hierarchical_evaluation.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace jnd {
+
+// The lattice nodes that the kernels of those nodes read.
+LatticeRange HierarchicalLikelihood::Evaluation::read_by(std::size_t condition, const Rectangle& nodes) const noexcept {
+  const LatticeKernel &s = over_s[condition], &k = over_k[condition];
+  return {s.start(nodes.u0), s.start(nodes.u1) + static_cast<int>(s.taps()) - 1, k.start(nodes.w0),
+          k.start(nodes.w1) + static_cast<int>(k.taps()) - 1};
+}
+
+void HierarchicalLikelihood::Evaluation::lay_out_prior() {
+  prior.resize(wide * high);
+  const double spare = 1 - place.rho * place.rho;
+  double scale = 1 / std::sqrt(spare);
+  if (has_u) scale *= spacing_u / place.tu / std::sqrt(2 * std::numbers::pi);
+  if (has_w) scale *= spacing_w / place.tw / std::sqrt(2 * std::numbers::pi);
+  for (std::size_t j = 0; j < high; ++j)
+    for (std::size_t i = 0; i < wide; ++i) {
+      const double a = has_u ? u(box.u0 + static_cast<int>(i)) / place.tu : 0;
+      const double b = has_w ? w(box.w0 + static_cast<int>(j)) / place.tw : 0;
+      prior[j * wide + i] = scale * std::exp(-(a * a - 2 * place.rho * a * b + b * b) / (2 * spare));
+    }
+}
+
+void HierarchicalLikelihood::Evaluation::multiply() {
+  joint = prior;
+  for (const std::vector<double>& one : inner)
+    for (std::size_t i = 0; i < joint.size(); ++i) joint[i] *= one[i];
+  in_u.assign(wide, 0);
+  in_w.assign(high, 0);
+  total = 0;
+  for (std::size_t j = 0; j < high; ++j)
+    for (std::size_t i = 0; i < wide; ++i) {
+      const double one = joint[j * wide + i];
+      total += one;
+      in_u[i] += std::abs(one);  // interpolation may fall below 0 where there is next to nothing
+      in_w[j] += std::abs(one);
+    }
+}
+
+HierarchicalLikelihood::Evaluation::Moments HierarchicalLikelihood::Evaluation::moments() const noexcept {
+  Moments mean;
+  for (std::size_t j = 0; j < high; ++j)
+    for (std::size_t i = 0; i < wide; ++i) {
+      const double share = joint[j * wide + i] / total;
+      const double x = u(box.u0 + static_cast<int>(i)), y = w(box.w0 + static_cast<int>(j));
+      mean.u += share * x;
+      mean.uu += share * x * x;
+      mean.w += share * y;
+      mean.ww += share * y * y;
+      mean.uw += share * x * y;
+    }
+  return mean;
+}
+
+}  // namespace jnd
