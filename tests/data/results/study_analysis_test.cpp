@@ -43,7 +43,7 @@ TEST_CASE("counts are those of the answered main trials, in a cell for everythin
       const CellResult& found = cell_of(analysis, "P0" + std::to_string(number), cell.first, cell.second);
       CHECK(found.counts == counts);
       Counts halves = found.halves[0].counts;
-      CHECK((halves.trials() == (counts.trials() + 1) / 2));
+      CHECK(halves.trials() == (counts.trials() + 1) / 2);
       halves += found.halves[1].counts;
       CHECK(halves == counts);
       CHECK(found.halves[0].sure == Counts());
@@ -67,6 +67,38 @@ TEST_CASE("counts are those of the answered main trials, in a cell for everythin
     ++rows;
   }
   CHECK(rows == 27);
+}
+
+TEST_CASE("trials that are read at every pass give what trials that are held do", "[data]") {
+  const TemporaryFolder folder;
+  const auto study = new_study(folder / "study.jnd", chinello());
+  for (int number = 1; number <= 2; ++number) run_whole_session(*study, chinello(), number);
+  const std::vector<SessionInfo> sessions = sessions_of(*study, SessionKind::simulated);
+  const CountedTrials held(*study, chinello(), sessions, true), passing(*study, chinello(), sessions, false);
+  REQUIRE(held.are_held());
+  REQUIRE_FALSE(passing.are_held());
+  std::vector<CountedTrial> passed;
+  passing.for_each([&passed](const CountedTrial& trial) { passed.push_back(trial); });
+  REQUIRE(passed.size() == held.held().size());
+  for (std::size_t i = 0; i < passed.size(); ++i) {
+    CHECK(passed[i].session == held.held()[i].session);
+    CHECK(passed[i].index == held.held()[i].index);
+    CHECK(passed[i].said == held.held()[i].said);
+  }
+  const auto analysed = [&](const CountedTrials& trials) {
+    return analyze(*study, chinello(), SessionKind::simulated, DifferenceSource::nominal, sessions, trials);
+  };
+  const StudyAnalysis first = analysed(held), second = analysed(passing);
+  REQUIRE(first.cells.size() == second.cells.size());
+  for (std::size_t i = 0; i < first.cells.size(); ++i) {
+    CHECK(first.cells[i].counts == second.cells[i].counts);
+    for (std::size_t half = 0; half < 2; ++half)
+      CHECK(first.cells[i].halves[half].counts == second.cells[i].halves[half].counts);
+  }
+  for (std::size_t i = 0; i < first.thresholds.size(); ++i) {
+    CHECK(first.thresholds[i].jnd.jnd == second.thresholds[i].jnd.jnd);
+    CHECK(first.thresholds[i].mean_trial_s == second.thresholds[i].mean_trial_s);
+  }
 }
 
 TEST_CASE("kinds are never pooled, and open sessions show what is missing", "[data]") {
