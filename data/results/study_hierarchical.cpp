@@ -376,9 +376,7 @@ JndStatus status_of(const TaskEstimate& estimate, const std::string& status) {
 
 StudyHierarchical study_hierarchical(const StudyAnalysis& analysis, const Protocol& protocol) {
   const std::size_t series = protocol.series.size();
-  const std::optional<AnswerModel> answers = task_of(protocol.task.kind).answer_model(protocol);
-  // Somebody who judges each interval by itself says "same" the more, the further apart the others of the series are.
-  const double same = answers && answers->response == ResponseModel::independent ? -1 : 0;
+  const AnswerModel observer = task_of(protocol.task.kind).answer_model(protocol).value_or(AnswerModel());
   std::vector<AnsweredCell> cells;
   for (std::size_t row = 0; row < analysis.thresholds.size(); ++row) {
     const ThresholdResult& threshold = analysis.thresholds[row];
@@ -390,7 +388,7 @@ StudyHierarchical study_hierarchical(const StudyAnalysis& analysis, const Protoc
     if (threshold.jnd.status == JndStatus::ok) cell.person.separate = threshold.jnd.jnd;
     for (std::size_t i = row * series; i < (row + 1) * series; ++i) {
       const double level = analysis.cells[i].difference;
-      add_level_counts(cell.counts, analysis.cells[i], level, same * level);
+      add_level_counts(cell.counts, analysis.cells[i], level, observer.level_of_equal(level));
     }
   }
   const bool given = std::all_of(analysis.cells.begin(), analysis.cells.end(), [](const CellResult& cell) {

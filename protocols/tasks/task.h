@@ -89,6 +89,12 @@ struct AnswerModel {
   double lapse = 0;              // fixed, as registered; 0 where it is free
   // Of choices: no comparison, of any standard, lies on the other side, and the PSE is taken as the standard.
   bool pse_at_standard = false;
+
+  // Of equal stimuli in a series whose others differ by so much: none, but an observer who judges each interval by itself
+  // says "same" the more, the further apart the others are (response_model.h).
+  double level_of_equal(double difference) const noexcept {
+    return response == ResponseModel::independent ? -difference : 0;
+  }
 };
 
 // An answer as that model reads it.
@@ -223,7 +229,7 @@ int sureness_of(double distance, double sigma, const TaskSpec& spec) noexcept;
 // Whether an answer is a sure one, of two kinds: above the middle of the scale of sureness.
 bool is_sure(int sureness, const TaskSpec& spec) noexcept;
 
-// trials: of one participant in one condition, in the order in which they were answered. By level, from the least, and
+// trials: of one participant, condition and series, in the order in which they were answered. By level, from the least, and
 // half; empty where the task has no answer_model().
 std::vector<LevelCount> level_counts(std::span<const AnsweredTrial> trials, const Protocol& protocol);
 

@@ -80,7 +80,7 @@ class ModelledPeople : public PeopleSource {
       : protocol_(protocol),
         question_(question),
         effect_(effect),
-        model_(response_model_of(protocol).value()),
+        observer_(task_of(protocol.task.kind).answer_model(protocol).value()),
         truth_(truth_of(question, effect, protocol)) {}
 
   std::vector<DrawnPerson> people(std::uint64_t study, int count) const override {
@@ -109,13 +109,14 @@ class ModelledPeople : public PeopleSource {
   // Of a positive answer.
   double rate(const Person& person, double level, std::size_t condition) const {
     return std::exp(
-        log_rates(model_, level, person.ln_s[condition], person.k[condition], question_.people.lapse).positive);
+        log_rates(observer_.response, level, person.ln_s[condition], person.k[condition], question_.people.lapse)
+            .positive);
   }
 
   const Protocol& protocol_;
   const PowerQuestion& question_;
   double effect_;
-  ResponseModel model_;
+  AnswerModel observer_;
   HierarchicalPlace truth_;
 };
 
@@ -134,7 +135,7 @@ class CountedPeople final : public ModelledPeople {
       const auto c = static_cast<std::size_t>(condition);
       for (std::size_t s = 0; s < series.size(); ++s) {
         const std::array<double, 2>& pair = protocol_.series[s].pair;
-        const double difference = std::abs(pair[1] - pair[0]), equal = level_of_equal(protocol_, protocol_.series[s]);
+        const double difference = std::abs(pair[1] - pair[0]), equal = observer_.level_of_equal(difference);
         const double sizes = uniform(stream), of_different = uniform(stream), of_same = uniform(stream);
         Counts counts;
         counts.n_diff = protocol_.design.sampling == Sampling::random ? binomial(trials, 0.5, sizes) : trials / 2;
@@ -159,7 +160,7 @@ class AnsweringPeople final : public ModelledPeople {
   using ModelledPeople::ModelledPeople;
 
  private:
-  bool choice() const noexcept { return model_ == ResponseModel::choice; }
+  bool choice() const noexcept { return observer_.response == ResponseModel::choice; }
 
   void answer(const Person& person, std::uint64_t study, int participant, ExperimentStream& /*stream*/,
               DrawnPerson& drawn) const override {

@@ -1,5 +1,6 @@
 #include "runner/power/person_answers.h"
 
+#include <array>
 #include <cmath>
 #include <map>
 #include <string>
@@ -71,12 +72,6 @@ void add_estimates(DrawnPerson& person, int participant, const PersonAnswers& an
 
 }  // namespace
 
-double level_of_equal(const Protocol& protocol, const Series& series) {
-  const std::optional<AnswerModel> answers = task_of(protocol.task.kind).answer_model(protocol);
-  const bool independent = answers && answers->response == ResponseModel::independent;
-  return independent ? -std::abs(series.pair[1] - series.pair[0]) : 0;
-}
-
 void add_answers(std::vector<HierarchicalCell>& cells, std::size_t condition, double level, int positive,
                  int negative) {
   for (HierarchicalCell& cell : cells)
@@ -100,10 +95,14 @@ void add_threshold(DrawnPerson& person, int participant, std::size_t condition, 
 
 void add_measured(DrawnPerson& person, int participant, const PersonAnswers& answers, const Protocol& protocol) {
   const Task& task = task_of(protocol.task.kind);
+  const AnswerModel observer = task.answer_model(protocol).value();
+  const bool given_pairs = task.has_own_results() && !protocol.design.procedure;
   for (const PersonAnswer& one : answers.given) {
     LevelAnswer answer = task.level_answer(one.trial, protocol.task);
-    if (answer.level == 0 && task.has_own_results() && !protocol.design.procedure)
-      answer.level = level_of_equal(protocol, protocol.series[static_cast<std::size_t>(one.series)]);
+    if (answer.level == 0 && given_pairs) {
+      const std::array<double, 2>& pair = protocol.series[static_cast<std::size_t>(one.series)].pair;
+      answer.level = observer.level_of_equal(std::abs(pair[1] - pair[0]));
+    }
     add_answers(person.answers, static_cast<std::size_t>(one.condition), answer.level, answer.positive ? 1 : 0,
                 answer.positive ? 0 : 1);
   }

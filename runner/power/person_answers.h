@@ -40,10 +40,6 @@ struct PersonAnswers {
 // person: with its group. participant: from 1. protocol: of a task with a response model.
 void add_measured(DrawnPerson& person, int participant, const PersonAnswers& answers, const Protocol& protocol);
 
-// The level of equal stimuli: no difference, or of an observer of independent observations minus that of their series
-// (response_model.h).
-double level_of_equal(const Protocol& protocol, const Series& series);
-
 // The parts of it, for who has counts instead of answers. Cells of equal levels are added up.
 void add_answers(std::vector<HierarchicalCell>& cells, std::size_t condition, double level, int positive, int negative);
 void add_threshold(DrawnPerson& person, int participant, std::size_t condition, const std::vector<SeriesCounts>& series,

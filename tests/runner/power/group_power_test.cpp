@@ -3,13 +3,12 @@
 
 #include <catch2/catch.hpp>
 
-#include "analysis/precision/cell_distribution.h"
 #include "protocols/input/resources.h"
 #include "protocols/planning/allotment.h"
-#include "protocols/planning/planned_precision.h"
 #include "protocols/reading/protocol_json.h"
 #include "runner/power/power_shard.h"
 #include "runner/power/power_text.h"
+#include "tests/runner/power/power_fixture.h"
 #include "tests/temporary_folder.h"
 
 using namespace jnd;
@@ -25,16 +24,11 @@ Protocol in_groups(BetweenTest between) {
 }
 
 PowerQuestion asked_of(const Protocol& protocol, double factor) {
-  PowerQuestion question;
+  PowerQuestion question = testing::registered_question(protocol);
   question.participants = {16};
   question.trials = {24};
   question.effects = {0, 1};
-  for (const Condition& condition : protocol.conditions)
-    question.jnds.push_back(planned_jnd(protocol, condition.name).value);
-  for (const Contrast& contrast : protocol.analysis.contrasts) question.contrasts.push_back({contrast.a, contrast.b});
-  question.group_tests = registered_group_tests(protocol);
   question.group_factors = {std::vector<double>(3, factor), std::vector<double>(3, 1)};
-  question.people.criterion = usual_criterion(response_model_of(protocol).value());
   question.analyses = {PowerAnalysis::registered, PowerAnalysis::median, PowerAnalysis::log_ml};
   question.studies = 100;
   return question;
@@ -86,20 +80,9 @@ TEST_CASE("the mean of a registered difference between groups is that of the enu
   const auto mean_of_group = [&](double factor) {
     // JNDs of an effect of 1 are the planned ones.
     double mean = 0;
-    for (const double planned : question.jnds) {
-      const double jnd = factor * planned;
-      CountsDesign design = counts_design(designed);
-      design.criterion = {CriterionRule::Kind::common, question.people.criterion * jnd};
-      double products = 0, squares = 0;
-      for (const double difference : design.differences) {
-        double dprime = 0;
-        for (const CellState& state : cell_distribution(cell_probabilities(design, difference, jnd)).states)
-          dprime += state.dprime * state.probability;
-        products += difference * dprime;
-        squares += difference * difference;
-      }
-      mean += products / squares / static_cast<double>(question.jnds.size());
-    }
+    for (const double planned : question.jnds)
+      mean += testing::enumerated_slope(designed, question.people.criterion, factor * planned) /
+              static_cast<double>(question.jnds.size());
     return mean;
   };
   const ContrastSummary row = group_rows(protocol, question).front();

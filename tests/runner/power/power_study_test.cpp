@@ -3,6 +3,8 @@
 #include <chrono>
 #include <cmath>
 #include <fstream>
+#include <map>
+#include <memory>
 #include <sstream>
 #include <thread>
 
@@ -18,6 +20,7 @@
 #include "runner/keys/interrupt.h"
 #include "runner/power/power_shard.h"
 #include "runner/power/power_text.h"
+#include "tests/runner/power/power_fixture.h"
 #include "tests/temporary_folder.h"
 
 using namespace jnd;
@@ -29,14 +32,10 @@ Protocol shipped(const std::string& name) {
 }
 
 PowerQuestion question_of(const Protocol& protocol) {
-  PowerQuestion question;
+  PowerQuestion question = testing::registered_question(protocol);
   question.participants = {6, 12};
   question.trials = {12};
   question.effects = {0, 1};
-  for (const Condition& condition : protocol.conditions)
-    question.jnds.push_back(planned_jnd(protocol, condition.name).value);
-  for (const Contrast& contrast : protocol.analysis.contrasts) question.contrasts.push_back({contrast.a, contrast.b});
-  question.people.criterion = usual_criterion(response_model_of(protocol).value());
   question.analyses = {PowerAnalysis::registered};
   question.studies = 40;
   return question;
@@ -138,6 +137,29 @@ TEST_CASE("drawn participants agree with the enumeration of every outcome", "[po
   }
 }
 
+TEST_CASE("an observer of independent observations says same the more, the further apart the others of a series are",
+          "[power]") {
+  Protocol protocol = shipped("chinello2017");
+  protocol.analysis.model = "independent-observation";
+  PowerQuestion question = question_of(protocol);
+  question.people = {.between_cv = 0, .interaction_cv = 0, .criterion = 0.2, .criterion_sd = 0};
+  const std::unique_ptr<PeopleSource> source = people_source(protocol, question, 1);
+  std::map<double, AnswerTally> in_first;  // by level, of the first condition
+  for (std::uint64_t study = 0; study < 40; ++study)
+    for (const DrawnPerson& person : source->people(study, 12))
+      for (const HierarchicalCell& cell : person.answers)
+        if (cell.condition == 0) in_first[cell.level] += cell.counts();
+  REQUIRE(in_first.size() == 6);  // every difference, and the equal stimuli of its series
+  for (const auto& [level, counts] : in_first) {
+    const double rate =
+        std::exp(log_rates(ResponseModel::independent, level, std::log(question.jnds[0]), 0.2, 0).positive);
+    const double error = std::sqrt(rate * (1 - rate) / counts.trials());
+    CHECK(error < 0.02);
+    CHECK(std::abs(counts.positive / counts.trials() - rate) < 5 * error);
+  }
+  CHECK(in_first.begin()->second.positive / in_first.begin()->second.trials() < 0.4);
+}
+
 TEST_CASE("the mean of a registered contrast is that of the enumeration", "[power]") {
   Protocol protocol = shipped("chinello2017");
   protocol.design.sampling = Sampling::balanced;
@@ -146,21 +168,9 @@ TEST_CASE("the mean of a registered contrast is that of the enumeration", "[powe
   question.effects = {1};
   question.people = {.between_cv = 0, .interaction_cv = 0, .criterion = 0.6, .criterion_sd = 0};
   question.studies = 1500;
-  // The least-squares slope is linear in the d' of the series, so its mean follows from theirs.
   std::vector<double> slopes;
-  for (const double jnd : question.jnds) {
-    CountsDesign design = counts_design(protocol);
-    design.criterion = {CriterionRule::Kind::common, question.people.criterion * jnd};
-    double products = 0, squares = 0;
-    for (const double difference : design.differences) {
-      double mean = 0;
-      for (const CellState& state : cell_distribution(cell_probabilities(design, difference, jnd)).states)
-        mean += state.dprime * state.probability;
-      products += difference * mean;
-      squares += difference * difference;
-    }
-    slopes.push_back(products / squares);
-  }
+  for (const double jnd : question.jnds)
+    slopes.push_back(testing::enumerated_slope(protocol, question.people.criterion, jnd));
   for (const ContrastSummary& row : contrast_summaries(result_of(protocol, question, 2))) {
     const auto& [a, b] = question.contrasts[row.contrast];
     const double exact = slopes[static_cast<std::size_t>(a)] - slopes[static_cast<std::size_t>(b)];
