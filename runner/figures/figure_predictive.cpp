@@ -30,7 +30,8 @@ class PredictiveDrawing {
       : check_(check), protocol_(protocol), narrow_(narrow), side_(narrow ? kCheckNarrow : kCheckWide) {
     for (const PredictiveRow& row : check.rows) {
       if (conditions_.empty() || conditions_.back() != row.condition) conditions_.push_back(row.condition);
-      furthest_ = std::max(furthest_, row.level);
+      least_ = std::min(least_, row.level);
+      most_ = std::max(most_, row.level);
     }
     columns_ = std::min(conditions_.size(), narrow ? kNarrowCheckColumns : kCheckColumns);
     width_ = std::max(narrow ? 360.0 : 420.0,
@@ -52,7 +53,8 @@ class PredictiveDrawing {
   double side_;                          // width of a panel
   std::vector<std::size_t> conditions_;  // with trials
   std::size_t columns_ = 1;
-  double furthest_ = 0, width_ = 0, top_ = 0;
+  double least_ = 0, most_ = 0;  // of the levels, and 0
+  double width_ = 0, top_ = 0;
 };
 
 void PredictiveDrawing::draw_panel(Svg& svg, std::size_t place) const {
@@ -61,8 +63,8 @@ void PredictiveDrawing::draw_panel(Svg& svg, std::size_t place) const {
                top = top_ + kCheckName + static_cast<double>(row) * (kCheckName + kCheckHeight + kCheckFoot);
   const Panel panel{left, top, left + side_, top + kCheckHeight};
   const Scale y{0, 1, panel.bottom, panel.top};
-  const double spare = 0.08 * (furthest_ > 0 ? furthest_ : 1);
-  const Scale x{-spare, (furthest_ > 0 ? furthest_ : 1) + spare, panel.left, panel.right};
+  const double most = most_ > 0 ? most_ : 1, spare = 0.08 * (most - least_);
+  const Scale x{least_ - spare, most + spare, panel.left, panel.right};
   svg.text(panel.left, panel.top - 7, fitted(condition_text(protocol_, static_cast<int>(condition)), 12, side_),
            strong(kLabel));
   draw_grid_rows(svg, panel, y, 5);
@@ -70,7 +72,7 @@ void PredictiveDrawing::draw_panel(Svg& svg, std::size_t place) const {
     const Scale percent{0, 100, panel.bottom, panel.top};
     draw_y_axis(svg, panel, percent, "answers \"different\" (%)", 5);
   }
-  draw_x_axis(svg, panel, x, fmt::format("difference ({})", unit_of(protocol_)), 4);
+  draw_x_axis(svg, panel, x, fmt::format("difference ({})", unit_of(protocol_)), least_ < 0 ? 6 : 4);
   svg.rectangle(panel.left, panel.top, panel.width(), panel.height(), kFrame);
   const int shape = static_cast<int>(condition);
   for (const PredictiveRow& row : check_.rows) {
@@ -106,8 +108,12 @@ std::vector<Figure> predictive_figures(const StudyResults& results, const Protoc
   for (const PredictiveRow& row : check.rows) description += row_words(row, protocol) + ". ";
   const std::string caption = fmt::format(
       "Share of \"different\" of all participants, and beside it what 95 % of {} draws have: answers of the same "
-      "people to the same questions, by the hierarchical model. {} {}",
-      check.draws, predictive_verdict(check), kPredictiveMeaning);
+      "people to the same questions, by the hierarchical model. {}{} {}",
+      check.draws,
+      results.hierarchical->response == ResponseModel::independent
+          ? "Below 0: equal stimuli, of the series with that difference. "
+          : "",
+      predictive_verdict(check), kPredictiveMeaning);
   return {{id, title, caption, PredictiveDrawing(check, protocol, false).drawn(id, title, description),
            PredictiveDrawing(check, protocol, true).drawn(id, title, description)}};
 }

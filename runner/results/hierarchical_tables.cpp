@@ -132,7 +132,11 @@ ResultTable hierarchical_check_table(const StudyResults& results, const Protocol
   ResultTable table{"hierarchical-check", "Posterior predictive check of the hierarchical model", "", {}, {}, {}};
   if (!results.hierarchical || !results.hierarchical->check) return table;
   const PredictiveCheck& check = *results.hierarchical->check;
-  table.note = "answers beside those that the model draws for the same people; sd of people: of their shares";
+  table.note =
+      fmt::format("answers beside those that the model draws for the same people; sd of people: of their shares{}",
+                  results.hierarchical->response == ResponseModel::independent
+                      ? "; below 0: equal stimuli, of the series with that difference"
+                      : "");
   const TableMaker of(hierarchical_check_fields(protocol, attendance_of(results).kind));
   using Row = HierarchicalCheckRow;
   const auto outside = [](const Row& row) {

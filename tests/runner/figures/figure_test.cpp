@@ -1,9 +1,12 @@
 // Figures: well formed, no participant dropped, nothing that is not a number.
 #include "runner/figures/figure.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "analysis/numerics/special_values.h"
 #include "runner/drawing/figure_style.h"
@@ -567,4 +570,22 @@ TEST_CASE("names of users cannot leave their place in a figure") {
     CHECK(figure.svg.file().find("\" onload=\"") == std::string::npos);
     CHECK(figure.svg.file().find("\xe2\x80\xae") == std::string::npos);
   }
+}
+
+TEST_CASE("equal stimuli that count as their series' stay in their panel") {
+  Protocol protocol = published_protocol();
+  protocol.analysis.model = "independent-observation";
+  StudyResults results =
+      results_of(analyze_counts(invented_counts(protocol, 8, 5), protocol, SessionKind::simulated), protocol);
+  add_hierarchical(results, protocol);
+  REQUIRE(results.hierarchical->check);
+  const Figure predictive = figure_named(study_figures(results, protocol), "predictive");
+  CHECK(predictive.caption.find("Below 0: equal stimuli") != std::string::npos);
+  // By condition, then level, from left to right.
+  const std::string svg = predictive.svg.file(), group = "<g class=\"point\">", attribute = "x1=\"";
+  std::vector<double> bands;
+  for (std::size_t at = svg.find(group); at != std::string::npos; at = svg.find(group, at + 1))
+    bands.push_back(std::stod(svg.substr(svg.find(attribute, at) + attribute.size())));
+  CHECK(bands.size() == 3 * 6);
+  CHECK(std::is_sorted(bands.begin(), bands.end()));
 }
