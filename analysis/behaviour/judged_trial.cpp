@@ -8,14 +8,9 @@
 
 namespace jnd {
 
-namespace {}
-
 Counts counts_of(std::span<const JudgedTrial> trials) noexcept {
   Counts counts;
-  for (const JudgedTrial& trial : trials) {
-    ++(trial.same ? counts.n_same : counts.n_diff);
-    if (trial.said_different) ++(trial.same ? counts.false_alarms : counts.hits);
-  }
+  for (const JudgedTrial& trial : trials) counts.add(trial.same, trial.said_different);
   return counts;
 }
 

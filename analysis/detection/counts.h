@@ -12,6 +12,11 @@ struct Counts {
   int n_same = 0;        // trials with equal stimuli
   int false_alarms = 0;  // of them answered "different"; 0..n_same
   int trials() const noexcept { return n_diff + n_same; }
+  // One trial: whether its stimuli were equal, and what was said of them.
+  void add(bool same, bool said_different) noexcept {
+    ++(same ? n_same : n_diff);
+    if (said_different) ++(same ? false_alarms : hits);
+  }
   Counts& operator+=(const Counts& other) noexcept {
     n_diff += other.n_diff;
     hits += other.hits;

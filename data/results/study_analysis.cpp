@@ -48,11 +48,6 @@ struct Delivered {
   }
 };
 
-void add(Counts& counts, const CountedTrial& trial) noexcept {
-  (trial.same() ? counts.n_same : counts.n_diff) += 1;
-  if (trial.said_different()) (trial.same() ? counts.false_alarms : counts.hits) += 1;
-}
-
 DeliveredMean mean_of(double sum, int n) noexcept {
   return n > 0 ? DeliveredMean{sum / n, n} : DeliveredMean{};
 }
@@ -145,8 +140,8 @@ void add_halves(std::vector<ParticipantData>& participants, const std::vector<st
                                       .cells[place(trial.condition) * protocol.series.size() + place(trial.series)];
     const int before = cell.halves[0].counts.trials() + cell.halves[1].counts.trials();
     HalfCounts& half = cell.halves[in_second_half(place(before), place(cell.counts.trials())) ? 1 : 0];
-    add(half.counts, trial);
-    if (is_sure(trial.sureness, protocol.task)) add(half.sure, trial);
+    half.counts.add(trial.same(), trial.said_different());
+    if (is_sure(trial.sureness, protocol.task)) half.sure.add(trial.same(), trial.said_different());
   });
 }
 
@@ -274,7 +269,7 @@ StudyAnalysis analyze(const Study& study, const Protocol& protocol, SessionKind 
       ++analysis.exclusions[std::string(reason)];
       return;
     }
-    add(cell.counts, trial);
+    cell.counts.add(trial.same(), trial.said_different());
     cell.delivered.add(trial, protocol.series[place(trial.series)].pair);
     ParticipantData::Times& times = data.times[place(trial.condition)];
     times.sum_s += trial.duration_s;

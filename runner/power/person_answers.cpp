@@ -30,10 +30,8 @@ void add_thresholds(DrawnPerson& person, int participant, const std::vector<Pers
     for (const Series& one : protocol.series) series.push_back({std::abs(one.pair[1] - one.pair[0]), {}});
     for (const PersonAnswer& one : given) {
       if (one.condition != condition) continue;
-      Counts& counts = series[static_cast<std::size_t>(one.series)].counts;
-      const int different = one.trial.said == kClassDifferent ? 1 : 0;
-      ++(one.trial.target == kClassSame ? counts.n_same : counts.n_diff);
-      (one.trial.target == kClassSame ? counts.false_alarms : counts.hits) += different;
+      series[static_cast<std::size_t>(one.series)].counts.add(one.trial.target == kClassSame,
+                                                              one.trial.said == kClassDifferent);
     }
     add_threshold(person, participant, static_cast<std::size_t>(condition), series, protocol, method);
   }
