@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -22,7 +23,11 @@ class CorrectedCurvature {
     gradient_ = gradient;
   }
 
+  // The last correction was of a step that was not taken: from so far off a slope tells little of the curvature here.
+  void undo() { std::tie(matrix_, place_, gradient_) = before_; }
+
   void correct(const std::vector<double>& place, const std::vector<double>& gradient) {
+    before_ = {matrix_, place_, gradient_};
     constexpr double kLeastFall = 1e-3;  // of what was expected: else the curvature would not stay positive
     const std::size_t n = place.size();
     std::vector<double> step(n), fall(n), predicted(n, 0);
@@ -45,6 +50,7 @@ class CorrectedCurvature {
 
  private:
   std::vector<double> matrix_, place_, gradient_;
+  std::tuple<std::vector<double>, std::vector<double>, std::vector<double>> before_;  // the same before the last one
 };
 
 }  // namespace jnd

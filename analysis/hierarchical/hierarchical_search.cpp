@@ -275,6 +275,8 @@ class SearchedLikelihood {
     at.curvature = at.expected = curvature_.matrix();
   }
 
+  void turned_down() const { curvature_.undo(); }
+
   std::vector<double> information() const { return variables_.information(information_, curvature_.matrix()); }
 
   // Of a place that was looked at: the last one, or the one before, which a search comes back to.

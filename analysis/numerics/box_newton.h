@@ -41,7 +41,8 @@ bool solve_positive_definite(std::vector<double>& a, std::vector<double>& b) noe
 bool newton_direction(const NewtonDerivatives& at, const NewtonBox& box, const std::vector<double>& place,
                       std::vector<double>& direction);
 
-// function.value(place) -> double (-inf where impossible) and function.derivatives(place, NewtonDerivatives&). start
+// function.value(place) -> double (-inf where impossible) and function.derivatives(place, NewtonDerivatives&); where it has
+// function.turned_down(), this is called when the place whose derivatives came last is not gone to. start
 // must lie in the box and have a finite value. Thread-safe; converged where the next step promises a gain below
 // `negligible` (1e-18: the remaining step is below 1e-9 standard errors), which is also what values may err by. A search
 // that promises no more than `wanted`, even were its gain kMostGain times what its steps promise, is given up.
@@ -99,6 +100,8 @@ NewtonResult maximise_in_box(const Function& function, std::vector<double> start
         value = function.value(trial);
       }
       moved = moved || value >= at.value + 1e-4 * step * ascent - negligible;
+      if constexpr (requires { function.turned_down(); })
+        if (halving == 0 && !moved) function.turned_down();
       if (moved && halving > 0) function.derivatives(trial, next);
     }
     if (!moved) {
