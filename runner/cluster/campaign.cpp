@@ -32,11 +32,14 @@ constexpr const char* kMark = "campaign.json";
 constexpr const char* kProtocol = "protocol";  // a folder, so that the file keeps its name
 constexpr const char* kShards = "shards";
 constexpr const char* kLogs = "logs";
-constexpr int kFormat = 1;
+constexpr int kFormat = 2;
 
-// Options of the plan that are said elsewhere.
+// Options of the command that are said elsewhere.
 constexpr std::array<std::string_view, 3> kOfShards = {"--shard", "--to", "--threads"};
-constexpr std::array<std::string_view, 4> kOfCombine = {"--json", "--csv", "--figure", "--ademp"};
+constexpr std::array<std::string_view, 5> kOfCombine = {"--json", "--csv", "--replace", "--figure", "--ademp"};
+// What is cut in shards: a command, and the option that makes many studies of it.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 2> kCommands = {
+    {{"plan", "--power"}, {"simulate", "--studies"}}};
 
 fs::path normal(const fs::path& folder) {
   fs::path path = fs::absolute(folder).lexically_normal();
@@ -130,11 +133,18 @@ std::optional<int> shard_of(const fs::path& file) {
 }  // namespace
 
 CampaignJob Campaign::job_of(const std::vector<std::string>& words, int shards) {
-  if (words.size() < 2 || words[0] != "plan" || words[1].starts_with("-") ||
-      std::find(words.begin(), words.end(), "--power") == words.end())
-    throw UsageError("behind -- stands what is to be run: plan PROTOCOL --power ..., the protocol first");
-  if (shards < 1) throw UsageError("--shards says into how many parts the study is cut");
-  CampaignJob job{shards, {words.begin() + 2, words.end()}, {}};
+  const auto has = [&words](std::string_view option) {
+    return std::any_of(words.begin(), words.end(),
+                       [option](const std::string& word) { return option_name(word) == option; });
+  };
+  if (words.size() < 2 || words[1].starts_with("-") ||
+      std::none_of(kCommands.begin(), kCommands.end(),
+                   [&](const auto& one) { return words[0] == one.first && has(one.second); }))
+    throw UsageError(
+        "behind -- stands what is to be run: plan PROTOCOL --power ..., or simulate PROTOCOL --studies N ..., the protocol "
+        "first");
+  if (shards < 1) throw UsageError("--shards says into how many parts the studies are cut");
+  CampaignJob job{shards, words[0], {words.begin() + 2, words.end()}, {}};
   const fs::path place = find_resource(Resource::protocol, words[1]);
   const std::string protocol = read_input_file(place);
   job.files.push_back({(fs::path(kProtocol) / place.filename()).string(), protocol});
@@ -159,6 +169,7 @@ Campaign Campaign::make(const fs::path& folder, const CampaignJob& job, const Ca
   campaign.folder_ = normal(folder);
   campaign.name_ = fresh_name();
   campaign.shards_ = job.shards;
+  campaign.command_ = job.command;
   campaign.arguments_ = job.arguments;
   for (const CampaignFile& file : job.files) campaign.hashes_.push_back({file.name, sha256_hex(file.bytes)});
   campaign.settings_ = settings;
@@ -193,6 +204,7 @@ std::optional<Campaign> Campaign::open(const fs::path& folder) {
   campaign.name_ = text_of(root, "name", file);
   campaign.shards_ = whole_of(root, "shards", file);
   if (campaign.shards_ < 1 || campaign.shards_ > kMostShards) damaged(file);
+  campaign.command_ = text_of(root, "command", file);
   campaign.arguments_ = texts_of(root, "arguments", file);
   const JsonNode& files = member(root, "files", JsonNode::Kind::object, file);
   for (std::size_t i = 0; i < files.keys.size(); ++i) campaign.hashes_.push_back({files.keys[i], files.items[i].text});
@@ -216,8 +228,10 @@ void Campaign::require_same(const CampaignJob& job) const {
         fmt::format("{} holds another campaign: {}. Choose another folder for this one", folder_.string(), what));
   };
   if (job.shards != shards_) refuse(fmt::format("{}, not {}", counted(shards_, "shard"), job.shards));
+  if (job.command != command_) refuse(fmt::format("its command is {}, not {}", command_, job.command));
   if (job.arguments != arguments_)
-    refuse(fmt::format("the options of its plan are {}, not {}", words_text(arguments_), words_text(job.arguments)));
+    refuse(fmt::format("the options of its {} are {}, not {}", command_, words_text(arguments_),
+                       words_text(job.arguments)));
   if (job.files.size() != hashes_.size()) refuse("its protocol is another one");
   for (std::size_t i = 0; i < hashes_.size(); ++i)
     if (job.files[i].name != hashes_[i].name || sha256_hex(job.files[i].bytes) != hashes_[i].bytes)
@@ -291,6 +305,7 @@ std::string Campaign::text() const {
                             {"version", kVersion},
                             {"name", name_},
                             {"shards", shards_},
+                            {"command", command_},
                             {"arguments", arguments_},
                             {"files", files},
                             {"settings",
@@ -310,8 +325,8 @@ std::string Campaign::text() const {
 }
 
 std::string Campaign::script() const {
-  JobScript script{name_, shards_, {hashes_.front().name}, settings_};
-  script.plan.insert(script.plan.end(), arguments_.begin(), arguments_.end());
+  JobScript script{name_, shards_, {command_, hashes_.front().name}, settings_};
+  script.command.insert(script.command.end(), arguments_.begin(), arguments_.end());
   return job_script(script);
 }
 

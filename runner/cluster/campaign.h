@@ -1,5 +1,5 @@
-// A power study that is cut in shards, in a folder of its own: what it is, what it was copied from, and how a cluster is to
-// run it. The folder needs nothing else but the program, so that it may be moved as it is.
+// Many simulated studies that are cut in shards, in a folder of their own: what they are, what they were copied from, and how
+// a cluster is to run them. The folder needs nothing else but the program, so that it may be moved as it is.
 #pragma once
 
 #include <filesystem>
@@ -19,7 +19,8 @@ struct CampaignFile {
 // What makes a campaign this one: it cannot be changed.
 struct CampaignJob {
   int shards = 0;
-  std::vector<std::string> arguments;  // of jnd plan, behind the protocol
+  std::string command;                 // "plan", "simulate"
+  std::vector<std::string> arguments;  // of the command, behind the protocol
   std::vector<CampaignFile> files;     // the protocol first, under its own name: results tell it
 };
 
@@ -40,7 +41,7 @@ class Campaign {
   static constexpr const char* kLoop = "loop.sh";
   static constexpr int kMostShards = 1000;  // an array of Slurm, as it ships
 
-  // The job of the words behind "--": plan PROTOCOL OPTIONS... . What they and the protocol name with a relative path is
+  // The job of the words behind "--": plan PROTOCOL --power ..., or simulate PROTOCOL --studies ... . What they and the protocol name with a relative path is
   // read too, for the folder. Throws UsageError and InputError.
   static CampaignJob job_of(const std::vector<std::string>& words, int shards);
 
@@ -58,6 +59,7 @@ class Campaign {
   const std::filesystem::path& folder() const noexcept { return folder_; }  // absolute
   const std::string& name() const noexcept { return name_; }                // of its jobs; no other campaign has it
   int shards() const noexcept { return shards_; }
+  const std::string& command() const noexcept { return command_; }
   const CampaignSettings& settings() const noexcept { return settings_; }
 
   std::filesystem::path shard_file(int shard) const;  // which is whole where it exists
@@ -77,6 +79,7 @@ class Campaign {
   std::filesystem::path folder_;
   std::string name_;
   int shards_ = 0;
+  std::string command_;
   std::vector<std::string> arguments_;
   std::vector<CampaignFile> hashes_;  // bytes: SHA-256 of them
   CampaignSettings settings_;

@@ -29,7 +29,7 @@ namespace {
 
 struct ClusterOptions {
   std::string folder;
-  std::vector<std::string> job;  // plan PROTOCOL --power ...
+  std::vector<std::string> job;  // plan PROTOCOL --power ..., simulate PROTOCOL --studies ...
   std::optional<int> shards;
   std::optional<std::string> program, partition, time, account, memory;
   std::optional<int> at_once;
@@ -79,9 +79,9 @@ CampaignSettings settings_from(const ClusterOptions& options, CampaignSettings b
   return before;
 }
 
-// A mistake in the plan's options would be found by every task of the cluster: so the first shard is begun here, for a
-// moment. Returns the exit code of a plan that is not taken, which has said why. What was begun is not kept.
-std::optional<int> try_plan(const ClusterOptions& options, const std::string& program, int shards) {
+// A mistake in the job's options would be found by every task of the cluster: so the first shard is begun here, for a
+// moment. Returns the exit code of a job that is not taken, which has said why. What was begun is not kept.
+std::optional<int> try_job(const ClusterOptions& options, const std::string& program, int shards) {
   constexpr std::chrono::milliseconds kTrial{1500};
   const ScratchFolder scratch("cluster");
   std::vector<std::string> command = {program};
@@ -107,8 +107,10 @@ std::optional<Campaign> opened(const ClusterOptions& options) {
   std::optional<Campaign> campaign = Campaign::open(options.folder);
   if (!campaign) {
     if (!options.job.empty()) return {};
-    throw UsageError(fmt::format(
-        "{}: no campaign is there yet: say what is to be run, behind --: plan PROTOCOL --power ...", options.folder));
+    throw UsageError(
+        fmt::format("{}: no campaign is there yet: say what is to be run, behind --: plan PROTOCOL --power ..., or "
+                    "simulate PROTOCOL --studies N ...",
+                    options.folder));
   }
   if (!options.job.empty())
     campaign->require_same(Campaign::job_of(options.job, options.shards.value_or(campaign->shards())));
@@ -141,6 +143,9 @@ void print_state(const Campaign& campaign) {
 }
 
 int submit_and_follow(const ClusterOptions& options, const Campaign& campaign) {
+  if (options.json && campaign.command() != "plan")
+    throw UsageError(
+        fmt::format("--json is the result of plan --power; this campaign is of jnd {}", campaign.command()));
   const CampaignLock lock(campaign);
   Slurm slurm(campaign.folder(), campaign.name());
   if (options.submit) {
@@ -164,7 +169,7 @@ int command_cluster(const ClusterOptions& options) {
     of_this_program.program = std::filesystem::read_symlink("/proc/self/exe").string();
     const CampaignSettings settings = settings_from(options, of_this_program);
     const CampaignJob job = Campaign::job_of(options.job, options.shards.value_or(0));
-    if (const std::optional<int> code = try_plan(options, settings.program, job.shards)) return *code;
+    if (const std::optional<int> code = try_job(options, settings.program, job.shards)) return *code;
     campaign = Campaign::make(options.folder, job, settings);
   }
   if (options.submit || options.follow) return submit_and_follow(options, *campaign);
@@ -176,13 +181,14 @@ int command_cluster(const ClusterOptions& options) {
 
 void add_cluster(CommandTree& tree) {
   const auto [command, options] = tree.add(
-      "cluster", "Run a power study on a cluster, in shards: write its job, submit it, follow it to the result",
+      "cluster", "Run simulated studies on a cluster, in shards: write their job, submit it, follow it to the result",
       "jnd cluster campaign --shards 64 --time 02:00:00 --submit --follow -- plan chinello2017 --power",
       command_cluster);
   command.add_option("FOLDER", options.folder, "the campaign's folder; made where it does not exist")->required();
   command.add_option(
       "JOB", options.job,
-      "behind --: the plan to run, plan PROTOCOL --power ...; may be left out of a campaign that is there");
+      "behind --: what to run, plan PROTOCOL --power ... or simulate PROTOCOL --studies N ...; may be left out of a campaign that "
+      "is there");
   command.add_option("--shards", options.shards, "into how many parts it is cut, each a task of one processor")
       ->check(CLI::Range(1, Campaign::kMostShards));
   command.add_flag("--submit", options.submit, "submit with sbatch what is neither there nor in the queue");

@@ -17,12 +17,12 @@ namespace {
 constexpr std::string_view kPlainMarks = "_.,:@%+=/-&|[]*()";
 
 constexpr std::string_view kHead = R"sh(#!/bin/bash
-# One shard of @SHARDS@ of a power study. Written by jnd cluster, which writes it anew for other settings.
+# One shard of @SHARDS@ of many simulated studies. Written by jnd cluster, which writes it anew for other settings.
 #
 #   with Slurm, all shards          cd into this folder, then:  sbatch job.sh
 #   one shard, here                 ./job.sh 3
 #   without a scheduler             ./loop.sh, or with GNU parallel:  seq @SHARDS@ | parallel ./job.sh
-#   the result, when all are there  ./job.sh combine    (behind it options of jnd combine: --json, --csv FILE, ...)
+#   the result, when all are there  ./job.sh combine    (behind it options of jnd combine)
 #
 # A shard that is there stays; one that was stopped goes on where it was. This folder may be moved to another machine as it
 # is; only the program below has to be there.
@@ -53,7 +53,7 @@ mkdir -p shards logs
 
 constexpr std::string_view kRun = R"sh(
 if [ "$1" = combine ]; then
-  shift
+  shift@COMBINE@
   files=()
   for ((i = 1; i <= @SHARDS@; ++i)); do files+=("$PWD/shards/$i.json"); done
   cd -- "$here" && exec "$program" combine "${files[@]}" "$@"
@@ -63,14 +63,18 @@ if ! [[ "$1" =~ ^[0-9]+$ ]] || [ "$1" -lt 1 ] || [ "$1" -gt @SHARDS@ ]; then
   exit 2
 fi
 echo "job.sh: shard $1 of @SHARDS@ on $(uname -n), job ${SLURM_JOB_ID:-none}"
-"$program" plan @PLAN@ --threads 1 --shard "$1/@SHARDS@" --to "shards/$1.json"
+"$program" @COMMAND@ --threads 1 --shard "$1/@SHARDS@" --to "shards/$1.json"
 status=$?
 [ $status -eq 0 ] || echo "job.sh: shard $1 ended with exit code $status" >&2
 exit $status
 )sh";
 
+// Where the tables of simulated studies go unless something else is said.
+constexpr std::string_view kTablesPlace = R"sh(
+  [[ " $* " == *" --csv"* ]] || set -- --replace --csv "$PWD/tables" "$@")sh";
+
 constexpr std::string_view kLoopText = R"sh(#!/bin/bash
-# A power study in @SHARDS@ shards without a scheduler: runs those that are missing, N at a time (without N: one a processor), and
+# Simulated studies in @SHARDS@ shards without a scheduler: runs those that are missing, N at a time (without N: one a processor), and
 # prints the result. Run again, it goes on where it was. On several machines that share this folder let each run shards of
 # its own:  seq 1 2 @SHARDS@ | xargs -n 1 -P 8 ./job.sh  on one,  seq 2 2 @SHARDS@ | ...  on the other.
 # Usage: ./loop.sh [N]
@@ -124,9 +128,10 @@ std::string job_script(const JobScript& script) {
   out += fmt::format("\nprogram={}\n{}", shell_quoted(settings.program), kFolder);
   if (!settings.setup.empty()) out += "\n";
   for (const std::string& line : settings.setup) out += line + "\n";
-  std::string plan;
-  for (const std::string& argument : script.plan) plan += (plan.empty() ? "" : " ") + shell_quoted(argument);
-  return out + filled_in(filled_in(kRun, "@SHARDS@", shards), "@PLAN@", plan);
+  std::string command;
+  for (const std::string& argument : script.command) command += (command.empty() ? "" : " ") + shell_quoted(argument);
+  const std::string run = filled_in(filled_in(kRun, "@SHARDS@", shards), "@COMMAND@", command);
+  return out + filled_in(run, "@COMBINE@", script.command.front() == "simulate" ? kTablesPlace : "");
 }
 
 std::string loop_script(int shards) {

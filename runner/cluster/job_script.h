@@ -12,7 +12,7 @@ namespace jnd {
 struct JobScript {
   std::string name;  // of the jobs
   int shards = 0;
-  std::vector<std::string> plan;  // the arguments of jnd plan, the protocol first
+  std::vector<std::string> command;  // of jnd: its name, the protocol, its other arguments
   CampaignSettings settings;
 };
 

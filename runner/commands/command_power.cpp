@@ -1,4 +1,4 @@
-// jnd plan --power: how often a study will find what is there; and jnd combine, which adds its shards up.
+// jnd plan --power: how often a study will find what is there.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -10,6 +10,7 @@
 
 #include "data/files/draft.h"
 #include "protocols/input/input_error.h"
+#include "protocols/input/resources.h"
 #include "protocols/planning/allotment.h"
 #include "protocols/tasks/task.h"
 #include "runner/commands/commands.h"
@@ -18,6 +19,7 @@
 #include "runner/opening/study_access.h"
 #include "runner/power/power_figure.h"
 #include "runner/power/power_shard.h"
+#include "runner/power/power_study.h"
 #include "runner/power/power_text.h"
 #include "runner/session/simulate.h"
 #include "runner/terminal/exit_code.h"
@@ -30,31 +32,13 @@ namespace jnd {
 
 namespace {
 
-constexpr int kMostStudies = 100'000'000, kMostShards = 100'000;
+constexpr int kMostStudies = 100'000'000;
 
 void write_new(const std::string& file, const std::string& text) {
   if (file.empty()) return;
   Draft draft(file, Draft::What::file, Draft::Access::everyone);
   draft.write(text);
   if (!draft.publish()) throw InputError(fmt::format("{}: is there already (give another name)", printable(file)));
-}
-
-// The shard that --shard says, of how many.
-struct ShardOption {
-  int number = 1, of = 1;
-};
-ShardOption shard_from(const std::string& text) {
-  if (text.empty()) return {};
-  ShardOption shard;
-  const std::size_t slash = text.find('/');
-  const auto number = [&](std::size_t begin, std::size_t end, int& value) {
-    const auto [rest, error] = std::from_chars(text.data() + begin, text.data() + end, value);
-    return error == std::errc() && rest == text.data() + end;
-  };
-  if (slash == std::string::npos || !number(0, slash, shard.number) || !number(slash + 1, text.size(), shard.of) ||
-      shard.number < 1 || shard.number > shard.of || shard.of > kMostShards)
-    throw UsageError(fmt::format("--shard {}: K/N with K from 1 to N, such as 3/64", printable(text)));
-  return shard;
 }
 
 int threads_of(const PowerOptions& options) {
@@ -180,7 +164,11 @@ PowerQuestion question_of(const Protocol& protocol, std::uint64_t seed, const Pr
   question.studies = options.studies;
   question.seed = seed;
   question.wanted = options.wanted;
-  if (options.physics) question.profile = options.profile.empty() ? default_profile(protocol) : options.profile;
+  if (options.physics) {
+    question.profile = options.profile.empty() ? default_profile(protocol) : options.profile;
+    question.simulation_sha256 = simulation_sha256(protocol, rig_of(protocol),
+                                                   load_profile(find_resource(Resource::profile, *question.profile)));
+  }
   return question;
 }
 
@@ -281,16 +269,14 @@ void add_power_options(CLI::App& plan, PowerOptions& options) {
   add(plan.add_option("--profile", options.profile, "with --physics: profile file, or name of a shipped one"));
   add(plan.add_option("--threads", options.threads, "studies at a time (default: one a processor)"))
       ->check(CLI::Range(1, 1024));
-  CLI::Option* const to =
-      add(plan.add_option("--to", options.to, "write what `jnd combine` reads to this file, instead of the result"));
-  add(plan.add_option("--shard", options.shard, "one shard of the studies only, such as 3/64"))->needs(to);
+  add_shard_options(plan, options.shard, "--power");
   add_power_files(plan, options.files);
-  for (const char* const name : {"--csv", "--figure", "--ademp"}) plan.get_option(name)->needs(power)->excludes(to);
+  for (const char* const name : {"--csv", "--figure", "--ademp"}) plan.get_option(name)->needs(power)->excludes("--to");
 }
 
 int plan_power(const std::string& name, std::uint64_t seed, bool json, const PrecisionOptions& precision,
                const PowerOptions& options) {
-  const ShardOption shard = shard_from(options.shard);
+  const ShardPlace place = place_of(options.shard);
   Protocol protocol = load_checked_protocol(name);
   refuse_protocol(protocol, name);
   refuse_trials(precision.trials, protocol);
@@ -299,49 +285,17 @@ int plan_power(const std::string& name, std::uint64_t seed, bool json, const Pre
   const PowerQuestion question = question_of(protocol, seed, precision, options);
   refuse_question(question, precision, options, protocol);
   refuse_existing(options.files);
+  if (!options.shard.to.empty())
+    return make_shard_file(power_shard(protocol, question, place.number, place.of),
+                           power_work(protocol, question, threads_of(options)), options.shard);
   const HoldInterrupts hold;
-  const StudyRange range = shard_range(question.studies, shard.number, shard.of);
-  std::optional<ProgressBar> bar(std::in_place, "simulating studies", range.last - range.first);
-  const auto progress = [&bar](std::int64_t done) { bar->update(done); };
-  if (options.to.empty()) {
-    PowerResult result{protocol, question, power_study(protocol, question, range, threads_of(options), progress)};
-    bar.reset();
-    give_power_result(result, options.files, json);
-    return exit_code::kDone;
-  }
-  const ShardEnd end =
-      make_shard(protocol, question, shard.number, shard.of, options.to, threads_of(options), progress);
+  std::optional<ProgressBar> bar(std::in_place, "simulating studies", question.studies);
+  PowerResult result{protocol, question,
+                     power_study(protocol, question, {0, question.studies}, threads_of(options),
+                                 [&bar](std::int64_t done) { bar->update(done); })};
   bar.reset();
-  fmt::print("{}: shard {} of {}, studies {} to {}{}\n", printable(options.to), shard.number, shard.of, range.first + 1,
-             range.last, end == ShardEnd::was_there ? "; it was there already" : "");
+  give_power_result(result, options.files, json);
   return exit_code::kDone;
-}
-
-namespace {
-
-struct CombineOptions {
-  std::vector<std::string> files;
-  PowerFiles written;
-  bool json = false;
-};
-
-int command_combine(const CombineOptions& options) {
-  refuse_existing(options.written);
-  const HoldInterrupts hold;
-  const std::vector<std::filesystem::path> files(options.files.begin(), options.files.end());
-  give_power_result(combined(files), options.written, options.json);
-  return exit_code::kDone;
-}
-
-}  // namespace
-
-void add_combine(CommandTree& tree) {
-  const auto [command, options] =
-      tree.add("combine", "Add up the shards of a power study", "jnd combine shards/*.json", command_combine);
-  command.add_option("FILES", options.files, "every file that plan --power --shard has written, in any order")
-      ->required();
-  add_power_files(command, options.written);
-  command.add_flag("--json", options.json, "machine-readable");
 }
 
 }  // namespace jnd

@@ -1,4 +1,4 @@
-// jnd simulate: a whole study of simulated participants.
+// jnd simulate: a whole study of simulated participants; or the results of many.
 #include <algorithm>
 #include <thread>
 
@@ -10,15 +10,18 @@
 #include "protocols/input/resources.h"
 #include "protocols/tasks/task.h"
 #include "runner/commands/commands.h"
+#include "runner/commands/shard_options.h"
 #include "runner/keys/interrupt.h"
 #include "runner/opening/rig_limits.h"
 #include "runner/opening/study_access.h"
 #include "runner/results/adaptive_text.h"
 #include "runner/results/analysis_text.h"
 #include "runner/session/simulate.h"
+#include "runner/shards/replicated_studies.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
 #include "runner/terminal/number_text.h"
+#include "runner/terminal/progress_bar.h"
 #include "runner/terminal/standard_streams.h"
 #include "runner/terminal/terminal.h"
 
@@ -34,6 +37,10 @@ struct SimulateOptions {
   std::string profile;  // empty: the one that fits the protocol
   int threads = 0;      // 0: as many as the machine has processors
   bool no_study = false;
+  int studies = 0;  // 0: one, as a study or with its result printed
+  std::string csv;  // folder of the tables of many; empty: none
+  bool replace = false;
+  ShardOptions shard;
   bool json = false;
   std::string record = "events";  // off, events, full
 };
@@ -84,10 +91,37 @@ int simulate_without_study(const Simulation& simulation, bool json) {
   return exit_code::kDone;
 }
 
+// Many studies, of which the results are kept.
+int simulate_studies(const Simulation& simulation, const SimulateOptions& options) {
+  if (options.csv.empty() == options.shard.to.empty())
+    throw UsageError("say where the results of the studies go: --csv FOLDER, or of a shard --to FILE");
+  const ShardPlace place = place_of(options.shard);
+  const ReplicationQuestion question{simulation.protocol,
+                                     simulation.rig,
+                                     simulation.profile,
+                                     simulation.participants,
+                                     options.studies,
+                                     options.seed.value_or(1),
+                                     source_to_analyse(simulation.protocol, std::nullopt)};
+  const ShardWork work = replication_work(question, simulation.threads);
+  StudyShard shard = replication_shard(question, place.number, place.of);
+  if (!options.shard.to.empty()) return make_shard_file(shard, work, options.shard);
+  ReplicationFolder folder(options.csv, options.replace);
+  std::optional<ProgressBar> bar(std::in_place, "simulating studies", options.studies);
+  shard.range = shard.whole_range();
+  shard.result = work.result(shard.range, [&bar](std::int64_t done) { bar->update(done); });
+  bar.reset();
+  folder.add(shard);
+  fmt::print("{}", folder.publish());
+  return exit_code::kDone;
+}
+
 int command_simulate(const SimulateOptions& options) {
   const HoldInterrupts hold;
-  if (options.no_study == options.study.has_value())
-    throw UsageError("say where the data go: --study FILE, or --no-study to keep nothing");
+  const bool many = options.studies > 0;
+  if (!many && options.no_study == options.study.has_value())
+    throw UsageError(
+        "say where the data go: --study FILE, or --no-study to keep nothing; of many studies --studies N --csv FOLDER");
   const Protocol protocol = load_checked_protocol(options.protocol);
   const bool explores = protocol.task.kind == TaskKind::explore;
   const RigDescription rig = rig_of(protocol);
@@ -101,6 +135,7 @@ int command_simulate(const SimulateOptions& options) {
   simulation.participants = options.participants;
   simulation.threads = options.threads > 0 ? options.threads : processors;
   simulation.progress = true;
+  if (many) return simulate_studies(simulation, options);
   if (options.no_study) {
     simulation.seed = options.seed.value_or(1);
     return simulate_without_study(simulation, options.json);
@@ -151,14 +186,29 @@ void add_simulate(CommandTree& tree) {
   command.add_option("--study", options.study, "the study's file; made where it does not exist");
   command.add_option("--participants", options.participants, "how many, numbered from 1 (default: 1)")
       ->check(CLI::Range(1, 100'000));
-  command.add_option("--seed", options.seed, "seed of a new study (default: drawn, printed and kept in the study)");
+  command.add_option("--seed", options.seed,
+                     "seed of a new study (default: drawn, printed and kept in the study; without a study 1)");
   command.add_option("--profile", options.profile, "profile file, or name of a shipped one (default: what fits)");
-  command.add_option("--threads", options.threads, "participants at a time (default: one a processor)")
+  command
+      .add_option("--threads", options.threads,
+                  "participants, or of many studies these, at a time (default: one a processor)")
       ->check(CLI::Range(1, 1024));
+  CLI::Option* const studies =
+      command
+          .add_option("--studies", options.studies, "so many of them, each with a seed of its own: the results alone")
+          ->check(CLI::Range(1, 1'000'000));
+  CLI::Option* const csv = command.add_option(
+      "--csv", options.csv, "the results of these studies, below each other, as CSV files in this folder");
+  csv->needs(studies);
+  command.add_flag("--replace", options.replace, "replace that folder of an earlier run")->needs(csv);
+  add_shard_options(command, options.shard, "--studies");
+  command.get_option("--to")->excludes(csv);
   command.add_option("--record", options.record, "what is kept: off, events (faults; default), full (every tick)")
       ->check(CLI::IsMember({"off", "events", "full"}));
   command.add_flag("--no-study", options.no_study, "keep nothing: print the group's result only");
   command.add_flag("--json", options.json, "machine-readable result of --no-study");
+  for (const char* const one : {"--study", "--no-study", "--json", "--record"})
+    studies->excludes(command.get_option(one));
 }
 
 }  // namespace jnd

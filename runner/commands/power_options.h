@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "runner/commands/precision_options.h"
+#include "runner/commands/shard_options.h"
 #include "runner/power/power_result.h"
 
 namespace jnd {
@@ -33,8 +34,7 @@ struct PowerOptions {
   bool physics = false;
   std::string profile;  // empty: what fits
   int threads = 0;      // 0: as many as the machine has processors
-  std::string shard;    // "3/64"; empty: all
-  std::string to;       // file of the shard; empty: none
+  ShardOptions shard;
   PowerFiles files;
 };
 // Adds the options to `jnd plan`.

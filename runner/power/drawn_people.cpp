@@ -211,7 +211,7 @@ class RiggedPeople final : public PeopleSource {
     Simulation simulation{protocol_, rig_, profile_};
     simulation.record = RecordPolicy::off;
     simulation.participants = count;
-    simulation.seed = ExperimentStream(question_.seed, kPersonPurpose, study).next();
+    simulation.seed = seed_of_study(question_.seed, static_cast<std::int64_t>(study));
     std::vector<DrawnPerson> all(static_cast<std::size_t>(count));
     const bool whole = simulate_people(simulation, [&](const SimulatedSessions& simulated) {
       DrawnPerson& drawn = all[static_cast<std::size_t>(simulated.participant - 1)];

@@ -105,7 +105,8 @@ nlohmann::ordered_json to_json(const PowerQuestion& question) {
           {"studies", question.studies},
           {"seed", question.seed},
           {"wanted_power", question.wanted},
-          {"profile", question.profile ? nlohmann::ordered_json(*question.profile) : nlohmann::ordered_json(nullptr)}};
+          {"profile", question.profile ? nlohmann::ordered_json(*question.profile) : nlohmann::ordered_json(nullptr)},
+          {"simulation_sha256", question.simulation_sha256}};
 }
 
 PowerQuestion power_question_from(const nlohmann::ordered_json& json) {
@@ -139,6 +140,7 @@ PowerQuestion power_question_from(const nlohmann::ordered_json& json) {
   json.at("studies").get_to(question.studies);
   json.at("seed").get_to(question.seed);
   json.at("wanted_power").get_to(question.wanted);
+  json.at("simulation_sha256").get_to(question.simulation_sha256);
   if (!json.at("profile").is_null()) question.profile = json.at("profile").get<std::string>();
   return question;
 }

@@ -65,6 +65,7 @@ struct PowerQuestion {
   std::uint64_t seed = 1;
   double wanted = 0.8;                   // power
   std::optional<std::string> profile{};  // of participants simulated through the rig; none: drawn from the population
+  std::string simulation_sha256{};       // of these (runner/session/simulate.h); else empty
 
   // By participants, then trials, then effect.
   std::vector<PowerDesign> designs() const;

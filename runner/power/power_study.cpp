@@ -47,10 +47,6 @@ std::vector<std::unique_ptr<SharedPeople>> shared_people(const Protocol& protoco
 
 }  // namespace
 
-StudyRange shard_range(std::int64_t studies, int number, int of) noexcept {
-  return {studies * (number - 1) / of, studies * number / of};
-}
-
 PowerTally power_study(const Protocol& protocol, const PowerQuestion& question, StudyRange range, int threads,
                        const std::function<void(std::int64_t)>& progress) {
   const std::vector<std::unique_ptr<SharedPeople>> shared = shared_people(protocol, question);

@@ -7,15 +7,9 @@
 #include "protocols/protocol.h"
 #include "runner/power/power_question.h"
 #include "runner/power/power_tally.h"
+#include "runner/shards/study_shard.h"
 
 namespace jnd {
-
-// Which studies: first to last - 1, of 0 to PowerQuestion::studies - 1.
-struct StudyRange {
-  std::int64_t first = 0, last = 0;
-};
-// Shard `number` of `of`, from 1, of all studies: they differ by one study at most.
-StudyRange shard_range(std::int64_t studies, int number, int of) noexcept;
 
 // The tally of these studies: the same on any number of threads. progress: called by one thread at a time with the
 // number of studies that are done. Throws Stopped (analysis/numerics/stop_request.h).

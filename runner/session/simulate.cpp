@@ -2,16 +2,13 @@
 
 #include <algorithm>
 #include <atomic>
-#include <condition_variable>
-#include <exception>
 #include <map>
-#include <mutex>
 #include <optional>
-#include <thread>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "analysis/numerics/experiment_stream.h"
 #include "data/log/event_body.h"
 #include "data/log/replay.h"
 #include "data/study/trial_rows.h"
@@ -23,6 +20,7 @@
 #include "protocols/planning/plan.h"
 #include "protocols/tasks/same_different_task.h"
 #include "runner/keys/interrupt.h"
+#include "runner/session/ordered_work.h"
 #include "runner/session/session_engine.h"
 #include "runner/terminal/progress_bar.h"
 
@@ -104,60 +102,29 @@ Turn turn_of(int place, const Protocol& protocol) {
   return {(place - 1) / sessions + 1, (place - 1) % sessions + 1};
 }
 
-enum class Work { finished, nothing_to_do, interrupted };
-
-// Calls work(place) for 1..places on several threads, and done(place) on the calling thread for those whose work
-// finished: in order, up to the first that was interrupted. The first exception stops the rest and is thrown here.
+// Each place in its turn, with a bar where one is asked for. done: by the calling thread, in order.
 void for_each_place(const Simulation& simulation, int places, const std::atomic<std::int64_t>& trials,
                     std::int64_t trials_total, const std::function<Work(int)>& work,
                     const std::function<void(int)>& done) {
-  std::mutex mutex;
-  std::condition_variable changed;
-  std::vector<std::optional<Work>> results(static_cast<std::size_t>(places) + 1);
-  std::exception_ptr failure;
-  std::atomic<int> next{1};
-
-  const auto worker = [&] {
-    for (int place = next++; place <= places; place = next++) {
-      Work result = Work::interrupted;
-      std::exception_ptr problem;
-      try {
-        result = work(place);
-      } catch (...) {
-        problem = std::current_exception();
-        next = places + 1;
-      }
-      const std::lock_guard lock(mutex);
-      results[static_cast<std::size_t>(place)] = result;
-      if (problem && !failure) failure = problem;
-      changed.notify_all();
-    }
-  };
-  std::vector<std::jthread> threads;
-  for (int i = 0; i < std::clamp(simulation.threads, 1, places); ++i) threads.emplace_back(worker);
-
-  std::unique_ptr<ProgressBar> bar;
+  std::optional<ProgressBar> bar;
   if (simulation.progress)
-    bar = std::make_unique<ProgressBar>(simulation.protocol.explore ? "simulating explorations" : "simulating trials",
-                                        trials_total);
-  for (int place = 1; place <= places; ++place) {
-    std::unique_lock lock(mutex);
-    const std::optional<Work>& result = results[static_cast<std::size_t>(place)];
-    while (!result && !failure) {
-      changed.wait_for(lock, std::chrono::milliseconds(100));
-      if (bar) bar->update(trials);
-    }
-    if (failure || result == Work::interrupted) break;
-    const bool finished = result == Work::finished;
-    lock.unlock();
-    if (finished) done(place);
-  }
-  threads.clear();
-  if (bar) bar->update(trials);
-  if (failure) std::rethrow_exception(failure);
+    bar.emplace(simulation.protocol.explore ? "simulating explorations" : "simulating trials", trials_total);
+  work_in_order(places, simulation.threads, work, done, [&] {
+    if (bar) bar->update(trials);
+  });
 }
 
 }  // namespace
+
+std::string simulation_sha256(const Protocol& protocol, const RigDescription& rig, const ParticipantProfile& profile) {
+  return sha256_hex(profile.sha256 + simulated_rig_info(protocol, rig.spec).sha256);
+}
+
+std::uint64_t seed_of_study(std::uint64_t seed, std::int64_t study) {
+  constexpr std::uint64_t kStudyPurpose = 0x6a6e6420'73747564;  // apart from other uses of the seed
+  constexpr int kBeyondDouble = 11;                             // bits that a double has no room for
+  return ExperimentStream(seed, kStudyPurpose, static_cast<std::uint64_t>(study)).next() >> kBeyondDouble;
+}
 
 std::string participant_code(int number) {
   return fmt::format("P{:02}", number);
@@ -295,10 +262,8 @@ std::vector<CellCounts> cells_of(const SimulatedSessions& sessions, const Protoc
     }
   for_counted(sessions, protocol, [&](const TrialRecord& record) {
     const Trial& trial = record.trial;
-    Counts& counts = cells[places.at({trial.condition, trial.series})].counts;
-    const int different = record.answer.said == kClassDifferent ? 1 : 0;
-    ++(trial.target == kClassSame ? counts.n_same : counts.n_diff);
-    (trial.target == kClassSame ? counts.false_alarms : counts.hits) += different;
+    cells[places.at({trial.condition, trial.series})].counts.add(trial.target == kClassSame,
+                                                                 record.answer.said == kClassDifferent);
   });
   return cells;
 }

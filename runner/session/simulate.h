@@ -41,6 +41,9 @@ struct SimulationResult {
   bool interrupted = false;
 };
 
+// Of all that a simulation depends on but its protocol, seed and participants: the profile's file and the rig's.
+std::string simulation_sha256(const Protocol& protocol, const RigDescription& rig, const ParticipantProfile& profile);
+
 // Into a study; goes on with sessions that are open. Throws StorageError, and InputError where an open session belongs
 // to another profile.
 SimulationResult simulate_study(const Simulation& simulation, Study& study);
@@ -67,6 +70,10 @@ std::vector<CellCounts> simulate_counts(const Simulation& simulation, const RigF
 
 // The same for a protocol whose answers set the levels: its thresholds. Empty where interrupted.
 AdaptiveResults simulate_thresholds(const Simulation& simulation);
+
+// The seed of the study with this number, from 0, among many that are simulated with one seed; below 2^53, so that every
+// program reads it from a table as it is.
+std::uint64_t seed_of_study(std::uint64_t seed, std::int64_t study);
 
 // "P07"; at least two digits.
 std::string participant_code(int number);

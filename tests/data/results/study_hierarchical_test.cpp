@@ -423,7 +423,7 @@ TEST_CASE("files of the model are written where it was asked for, and say why th
   const auto files_of = [&](const Protocol& protocol) {
     std::map<std::string, std::string> files;
     for (const ResultFile& file : result_files(results, protocol, nullptr))
-      if (file.name.starts_with("hierarchical")) files[file.name] = file.text;
+      if (file.name.starts_with("hierarchical")) files[file.name] = file.header + file.rows;
     return files;
   };
   CHECK(files_of(chinello()).empty());

@@ -98,6 +98,19 @@ class Cluster(unittest.TestCase):
         os.rmdir(os.path.join(self.path, "run", "shards", "2.json.new"))
         self.assertEqual(self.script("loop.sh").stdout, self.whole())
 
+    def test_simulated_studies_come_to_tables(self):
+        words = ["simulate", "tutorial", "--participants", "2", "--studies", "3"]
+        subprocess.run([JND, *words, "--csv", "whole"], check=True, cwd=self.path, capture_output=True)
+        subprocess.run([JND, "cluster", "run", "--shards", "2", "--", *words], check=True, cwd=self.path, capture_output=True)
+        if shutil.which("shellcheck"):
+            subprocess.run(["shellcheck", os.path.join(self.path, "run", "job.sh")], check=True)
+        self.assertIn("3 studies of 2 participants", self.script("loop.sh").stdout)
+        self.script("loop.sh")  # again: the tables are replaced
+        self.script("job.sh", "combine", "--csv", "../elsewhere")
+        for made in ("run/tables", "elsewhere"):
+            subprocess.run(["diff", "-r", "whole", made], check=True, cwd=self.path)
+        self.assertIn("plan --power", self.cluster("run", "--follow", "--json", plan=None, code=2).stderr)
+
     def test_with_gnu_parallel(self):
         if shutil.which("parallel") is None:
             self.skipTest("GNU parallel is not installed")

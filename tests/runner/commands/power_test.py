@@ -94,6 +94,53 @@ class PowerTest(unittest.TestCase):
         self.assertEqual(missing.stdout, "")
         self.assertIn("shard 2 of 3 is missing", missing.stderr)
 
+    def test_many_studies(self):
+        """The same study many times: tables, and shards that are killed and come to the same files."""
+        options = ["tutorial", "--participants", 2, "--studies", 4, "--threads", 1]
+        text = jnd("simulate", *options, "--csv", self.path / "whole").stdout
+        self.assertIn("4 studies of 2 participants", text)
+        with open(self.path / "whole" / "thresholds.csv", encoding="utf-8") as stream:
+            rows = list(csv.DictReader(stream))
+        self.assertEqual([row["study"] for row in rows], sorted(row["study"] for row in rows))
+        seeds = {row["study"]: row["seed"] for row in rows}
+        self.assertEqual(len(set(seeds.values())), 4)
+        # One of them again.
+        jnd("simulate", "tutorial", "--participants", 2, "--seed", seeds["3"], "--study", self.path / "third.sqlite")
+        jnd("analyze", self.path / "third.sqlite", "--csv", self.path / "third")
+        with open(self.path / "third" / "thresholds.csv", encoding="utf-8") as stream:
+            again = list(csv.DictReader(stream))
+        self.assertEqual([dict(row, study="3", seed=seeds["3"]) for row in again], [row for row in rows if row["study"] == "3"])
+        files = []
+        for shard in range(1, 4):
+            files.append(self.path / f"{shard}.json")
+            for kill in (True, False):
+                run = subprocess.Popen([JND, "simulate", *map(str, options), "--shard", f"{shard}/3", "--to", str(files[-1])],
+                                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                if kill:
+                    time.sleep(0.05)
+                    run.send_signal(signal.SIGKILL)
+                run.wait()
+        jnd("combine", files[2], files[0], files[1], "--csv", self.path / "combined")
+        self.assertEqual({file.name: file.read_bytes() for file in (self.path / "whole").iterdir()},
+                         {file.name: file.read_bytes() for file in (self.path / "combined").iterdir()})
+        self.assertIn("--csv FOLDER", jnd("combine", *files, code=2).stderr)
+        self.assertIn("plan --power", jnd("combine", *files, "--json", code=2).stderr)
+        self.assertIn("is missing", jnd("combine", *files[1:], "--csv", self.path / "none", code=3).stderr)
+        self.assertFalse((self.path / "none").exists())
+
+    def test_many_studies_refused_or_interrupted(self):
+        for arguments in (["--studies", 2], ["--studies", 2, "--no-study", "--csv", self.path / "x"], ["--csv", self.path / "x"],
+                          ["--studies", 2, "--csv", self.path / "x", "--to", self.path / "y"], ["--studies", 0, "--csv", "x"],
+                          ["--studies", 2, "--shard", "1/2"], ["--studies", 2, "--shard", "3/2", "--to", self.path / "y"]):
+            self.assertIn("jnd", jnd("simulate", "tutorial", *arguments, code=2).stderr)
+        run = subprocess.Popen([JND, "simulate", "tutorial", "--studies", "100000", "--csv", str(self.path / "x")],
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        time.sleep(0.5)
+        run.send_signal(signal.SIGINT)
+        run.communicate(timeout=60)
+        self.assertEqual(run.returncode, 130)
+        self.assertEqual(list(self.path.iterdir()), [])
+
     def test_interrupted(self):
         file = self.path / "shard.json"
         run = subprocess.Popen([JND, "plan", "chinello2017", "--power", "--studies", "100000", "--to", str(file)],

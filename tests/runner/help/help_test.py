@@ -76,7 +76,7 @@ class Help(unittest.TestCase):
 
     def test_options_that_do_not_go_together_say_where_to_read(self):
         lines = self.jnd("simulate", "tutorial", code=2).stderr.splitlines()
-        self.assertEqual(lines, ["jnd: say where the data go: --study FILE, or --no-study to keep nothing", "  more:  jnd help simulate"])
+        self.assertEqual(lines, ["jnd: say where the data go: --study FILE, or --no-study to keep nothing; of many studies --studies N --csv FOLDER", "  more:  jnd help simulate"])
 
     def test_names_of_shipped_things_are_looked_for_too(self):
         self.assertIn("did you mean 'tutorial'?", self.jnd("check", "tutoral", code=3).stderr)

@@ -6,7 +6,7 @@
 #include "protocols/input/resources.h"
 #include "protocols/planning/allotment.h"
 #include "protocols/reading/protocol_json.h"
-#include "runner/power/power_shard.h"
+#include "runner/power/power_study.h"
 #include "runner/power/power_text.h"
 #include "tests/runner/power/power_fixture.h"
 #include "tests/temporary_folder.h"

@@ -4,6 +4,7 @@
 #include "analysis/precision/cell_distribution.h"
 #include "protocols/planning/planned_precision.h"
 #include "runner/power/power_question.h"
+#include "runner/power/power_shard.h"
 
 namespace jnd::testing {
 
@@ -32,6 +33,13 @@ inline double enumerated_slope(const Protocol& protocol, double criterion, doubl
     squares += difference * difference;
   }
   return products / squares;
+}
+
+// A shard of the question in a file, by one thread.
+inline ShardEnd make_power_shard(const Protocol& protocol, const PowerQuestion& question, int number, int of,
+                                 const std::filesystem::path& file,
+                                 const std::function<void(std::int64_t)>& progress = {}) {
+  return make_shard(power_shard(protocol, question, number, of), file, power_work(protocol, question, 1), progress);
 }
 
 }  // namespace jnd::testing

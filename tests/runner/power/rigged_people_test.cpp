@@ -5,44 +5,22 @@
 
 #include <fmt/format.h>
 
-#include "analysis/numerics/experiment_stream.h"
 #include "data/results/study_results.h"
 #include "protocols/input/resources.h"
 #include "protocols/reading/protocol_json.h"
-#include "runner/commands/starting_protocol.h"
 #include "runner/opening/rig_limits.h"
 #include "runner/opening/study_access.h"
 #include "runner/power/drawn_people.h"
-#include "runner/power/power_shard.h"
+#include "runner/power/power_study.h"
 #include "runner/power/power_text.h"
 #include "runner/session/simulate.h"
 #include "tests/catch.h"
+#include "tests/runner/power/power_fixture.h"
+#include "tests/runner/rigged_fixture.h"
 #include "tests/temporary_folder.h"
 
 namespace jnd {
 namespace {
-
-// Force alone and vibration alone, short presses.
-Protocol of_task(TaskKind task, const std::string& procedure, const nlohmann::json& more = {}) {
-  StartingPoint point;
-  point.task = task;
-  point.procedure = procedure;
-  nlohmann::ordered_json json = starting_protocol(point);
-  json.merge_patch(nlohmann::ordered_json::parse(R"({
-    "trial": {"explore_s": 0.5}, "practice": null,
-    "conditions": [{"name": "S", "label": "S", "cues": ["force"]}, {"name": "V", "label": "V", "cues": ["vibration"]}],
-    "analysis": {"contrasts": [["S", "V"]]}})"));
-  if (!more.is_null()) json.merge_patch(nlohmann::ordered_json(more));
-  return parse_protocol(json.dump(), "rigged.json");
-}
-
-Protocol few_trials(TaskKind task, int trials) {
-  return of_task(task, "constant", {{"design", {{"trials_per_cell", trials}}}});
-}
-
-Protocol short_staircases(TaskKind task) {
-  return of_task(task, "staircase", {{"design", {{"procedure", {{"stop", {{"trials", 8}}}}}}}});
-}
 
 PowerQuestion rigged(const Protocol& protocol, int participants) {
   PowerQuestion question;
@@ -106,20 +84,19 @@ std::vector<std::string> left_in_study(const Protocol& protocol, std::uint64_t s
 
 TEST_CASE("what participants leave through the rig is what jnd analyze makes of the same sessions", "[power][rig]") {
   const std::vector<Protocol> protocols = {
-      few_trials(TaskKind::same_different, 4), short_staircases(TaskKind::same_different),
-      few_trials(TaskKind::which, 2), short_staircases(TaskKind::which), few_trials(TaskKind::yes_no, 8),
-      short_staircases(TaskKind::yes_no),
+      testing::few_trials(TaskKind::same_different, 4), testing::short_staircases(TaskKind::same_different),
+      testing::few_trials(TaskKind::which, 2), testing::short_staircases(TaskKind::which),
+      testing::few_trials(TaskKind::yes_no, 8), testing::short_staircases(TaskKind::yes_no),
       // Every answer of the profile takes longer than that: nothing is left to analyse.
-      of_task(TaskKind::same_different, "constant",
-              {{"design", {{"trials_per_cell", 4}}}, {"analysis", {{"exclude", {{"response_time_above_s", 0.001}}}}}})};
-  constexpr std::uint64_t kPersonPurpose = 0x6a6e6420'706f7772;  // that of the source
+      testing::of_task(
+          TaskKind::same_different, "constant",
+          {{"design", {{"trials_per_cell", 4}}}, {"analysis", {{"exclude", {{"response_time_above_s", 0.001}}}}}})};
   constexpr int kPeople = 2;
   for (const Protocol& protocol : protocols) {
     CAPTURE(to_string(protocol.task.kind), protocol.design.procedure.has_value());
     const PowerQuestion question = rigged(protocol, kPeople);
     const std::vector<DrawnPerson> people = people_source(protocol, question, 1)->people(1, kPeople);
-    const std::uint64_t seed = ExperimentStream(question.seed, kPersonPurpose, 1).next();
-    CHECK(left_by(people) == left_in_study(protocol, seed, kPeople));
+    CHECK(left_by(people) == left_in_study(protocol, seed_of_study(question.seed, 1), kPeople));
     CHECK(left_by(people).size() == kPeople * protocol.conditions.size());
     // More people are the same people first.
     CHECK(left_by(people_source(protocol, question, 1)->people(1, 1)).front() == left_by(people).front());
@@ -133,11 +110,11 @@ TEST_CASE("answers through the rig are as likely as the response model of the pr
     double criterion;  // N/m; of choices none
   };
   // Who judges one interval has the noise of one alone, and compares with the middle between the two.
-  const std::vector<Case> cases = {{few_trials(TaskKind::same_different, 20), 1, 150},
-                                   {short_staircases(TaskKind::same_different), 1, 150},
-                                   {few_trials(TaskKind::which, 8), 1, 0},
-                                   {short_staircases(TaskKind::which), 1, 0},
-                                   {few_trials(TaskKind::yes_no, 40), std::sqrt(0.5), 90}};
+  const std::vector<Case> cases = {{testing::few_trials(TaskKind::same_different, 20), 1, 150},
+                                   {testing::short_staircases(TaskKind::same_different), 1, 150},
+                                   {testing::few_trials(TaskKind::which, 8), 1, 0},
+                                   {testing::short_staircases(TaskKind::which), 1, 0},
+                                   {testing::few_trials(TaskKind::yes_no, 40), std::sqrt(0.5), 90}};
   const std::vector<double> noise = {283.5, 351.0};  // of force, of vibration
   for (const Case& one : cases) {
     CAPTURE(to_string(one.protocol.task.kind), one.protocol.design.procedure.has_value());
@@ -168,7 +145,7 @@ TEST_CASE("answers through the rig are as likely as the response model of the pr
 
 TEST_CASE("shards of studies through the rig add up to the same bytes", "[power][rig][shards]") {
   const TemporaryFolder folder;
-  const Protocol protocol = short_staircases(TaskKind::which);
+  const Protocol protocol = testing::short_staircases(TaskKind::which);
   PowerQuestion question = rigged(protocol, 2);
   question.studies = 3;
   question.analyses = {PowerAnalysis::registered, PowerAnalysis::log_ml};
@@ -180,9 +157,9 @@ TEST_CASE("shards of studies through the rig add up to the same bytes", "[power]
     std::vector<std::filesystem::path> files;
     for (int shard = 1; shard <= shards; ++shard) {
       files.push_back(folder.path() / fmt::format("{}-of-{}.json", shard, shards));
-      make_shard(protocol, question, shard, shards, files.back(), 1);
+      testing::make_power_shard(protocol, question, shard, shards, files.back());
     }
-    CHECK(everything(combined(files)) == whole);
+    CHECK(everything(combined_power(files)) == whole);
   }
 }
 
