@@ -108,10 +108,13 @@ int simulate_studies(const Simulation& simulation, const SimulateOptions& option
   if (!options.shard.to.empty()) return make_shard_file(shard, work, options.shard);
   ReplicationFolder folder(options.csv, options.replace);
   std::optional<ProgressBar> bar(std::in_place, "simulating studies", options.studies);
-  shard.range = shard.whole_range();
-  shard.result = work.result(shard.range, [&bar](std::int64_t done) { bar->update(done); });
+  const std::int64_t at_once = std::int64_t{16} * simulation.threads;  // what is held in memory
+  for (std::int64_t first = 0; first < options.studies; first += at_once) {
+    shard.range = {first, std::min<std::int64_t>(options.studies, first + at_once)};
+    shard.result = work.result(shard.range, [&](std::int64_t done) { bar->update(first + done); });
+    folder.add(shard);
+  }
   bar.reset();
-  folder.add(shard);
   fmt::print("{}", folder.publish());
   return exit_code::kDone;
 }

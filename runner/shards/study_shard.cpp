@@ -183,7 +183,9 @@ StudyShard read_shard(const std::filesystem::path& file) {
 
 ShardEnd make_shard(const StudyShard& empty, const std::filesystem::path& file, const ShardWork& work,
                     const std::function<void(std::int64_t)>& progress) {
-  constexpr double kBetweenWrites_s = 10;
+  using Clock = std::chrono::steady_clock;
+  const auto since = [](Clock::time_point time) { return std::chrono::duration<double>(Clock::now() - time).count(); };
+  const Clock::time_point start = Clock::now();
   const StudyRange all = empty.whole_range();
   if (std::filesystem::exists(file)) {
     const StudyShard there = read_shard(file);
@@ -197,7 +199,7 @@ ShardEnd make_shard(const StudyShard& empty, const std::filesystem::path& file, 
   StudyShard shard = begun(part, empty).value_or(empty);
   std::int64_t next = 1;  // studies until the next file
   while (shard.range.last < all.last || shard.result.is_null()) {
-    const auto begin = std::chrono::steady_clock::now();
+    const Clock::time_point begin = Clock::now();
     const StudyRange range{shard.range.last, std::min(all.last, shard.range.last + next)};
     ordered_json result = work.result(range, [&](std::int64_t done) {
       if (progress) progress(range.first - all.first + done);
@@ -207,11 +209,12 @@ ShardEnd make_shard(const StudyShard& empty, const std::filesystem::path& file, 
     else
       work.add(shard.result, result);
     shard.range.last = range.last;
-    const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    if (range.last < all.last && (took > kBetweenWrites_s / 2 || next > 1)) write_whole(part, shard_text(shard));
+    const double took = since(begin);
+    // A file that grows is written more and more rarely, so that all these writes together grow as the file does.
+    const double between_s = std::max(10.0, since(start) / 10);
+    if (range.last < all.last && (took > between_s / 2 || next > 1)) write_whole(part, shard_text(shard));
     next = std::max<std::int64_t>(
-        1, took > kBetweenWrites_s / 4 ? static_cast<std::int64_t>(static_cast<double>(next) * kBetweenWrites_s / took)
-                                       : next * 4);
+        1, took > between_s / 4 ? static_cast<std::int64_t>(static_cast<double>(next) * between_s / took) : next * 4);
   }
   write_whole(file, shard_text(shard));
   std::error_code ignored;

@@ -161,7 +161,8 @@ TEST_CASE("a study of free interaction is read out of its log", "[data]") {
   CHECK(methods.find("17 items were answered for each condition") != std::string::npos);
   CHECK(methods.find("d'") == std::string::npos);
   std::map<std::string, std::string> files;
-  for (const ResultFile& file : result_files(results, experiment2(), nullptr)) files[file.name] = file.header + file.rows;
+  for (const ResultFile& file : result_files(results, experiment2(), nullptr))
+    files[file.name] = file.header + file.rows;
   REQUIRE(files.size() == 4);  // ratings.csv has the tests, exposure.csv the times
   CHECK(files["items.csv"].find("\nQB1,QB,It is easy to use.,C,3,7,1,4.5158") != std::string::npos);
   CHECK(files["items.csv"].find(",7,6,8,0.75,1,9,") != std::string::npos);
