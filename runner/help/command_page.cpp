@@ -56,6 +56,7 @@ constexpr auto kValues = std::to_array<std::pair<std::string_view, std::string_v
     {"--remarks", "TEXT"},
     {"--responder", "PROFILE"},
     {"--rig", "FILE"},
+    {"--shard", "K/N"},
     {"--spec", "FILE"},
     {"--standard", "NUMBER|COLUMN"},
     {"--study", "STUDY"},
