@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "analysis/lattice/lattice_sums.h"
 #include "analysis/numerics/normal.h"
 
 namespace jnd {
@@ -91,12 +92,7 @@ void LatticeKernel::interpolate(std::size_t place, double at, double spread) {
 
 LatticeKernel::Slopes LatticeKernel::slopes(int m, std::span<const double> by_weight) const noexcept {
   const double *by_centre = &by_centre_[place(m) * taps_], *by_spread = &by_spread_[place(m) * taps_];
-  Slopes slopes;
-  for (std::size_t i = 0; i < by_weight.size(); ++i) {
-    slopes.by_centre += by_weight[i] * by_centre[i];
-    slopes.by_spread += by_weight[i] * by_spread[i];
-  }
-  return slopes;
+  return {dot(by_weight.data(), by_centre, by_weight.size()), dot(by_weight.data(), by_spread, by_weight.size())};
 }
 
 }  // namespace jnd
