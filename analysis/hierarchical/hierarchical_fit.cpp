@@ -67,6 +67,7 @@ HierarchicalAnalysis::HierarchicalAnalysis(std::vector<HierarchicalCell> cells, 
   start.place = place;
   start.shared = first_shared(fit_.shared, model.shared);
   fit_.maximum = maximise(rough, form_, start, range_.criterion_unit, kRoughlyNegligible);
+  likelihood_.begin_like(rough);
   fit_.maximum = maximise(likelihood_, form_, fit_.maximum, range_.criterion_unit,
                           fit_.shared.any() ? kNegligibleShared : kNegligible);
 

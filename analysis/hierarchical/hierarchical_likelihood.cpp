@@ -109,6 +109,25 @@ HierarchicalLikelihood::HierarchicalLikelihood(std::span<const HierarchicalCell>
   for (std::size_t i = 0; i < answers.size(); ++i) people_[i / conditions_].cells.emplace_back(std::move(answers[i]));
 }
 
+void HierarchicalLikelihood::begin_like(const HierarchicalLikelihood& rougher) {
+  set_shared(rougher.shared_);
+  before_ = rougher.before_;
+  const double times = std::min(fineness_, 1.0) / std::min(rougher.fineness_, 1.0);
+  const auto widened = [times](const Range& range) {
+    const double middle = (range.low + range.high) / 2, reach = times * (range.high - range.low) / 2;
+    return Range{middle - reach, middle + reach};
+  };
+  for (std::size_t i = 0; i < people_.size(); ++i) {
+    const Person& from = rougher.people_[i];
+    Person& to = people_[i];
+    to.u = widened(from.u);
+    to.w = widened(from.w);
+    to.information_u = from.information_u;
+    to.information_w = from.information_w;
+    to.correlation = from.correlation;
+  }
+}
+
 void HierarchicalLikelihood::set_shared(const SharedParameters& shared) {
   if (shared == shared_) return;
   // Posteriors may be narrower with others: nodes are put anew.
@@ -235,7 +254,8 @@ void HierarchicalLikelihood::look_around(const HierarchicalPlace& place) {
     moved_k = std::max(moved_k, std::abs(place.kappa[c] - before_.kappa[c]));
   }
   const auto far = [](double moved, double prior, double information) {
-    return moved * moved * (1 / (prior * prior) + information) > kFar * kFar;
+    const double by_answers = moved * information;  // a prior holds a person back
+    return by_answers * by_answers > kFar * kFar * (1 / (prior * prior) + information);
   };
   for (Person& person : people_)
     if (anew || (place.tu > 0 && far(moved_s, place.tu, person.information_u)) ||
