@@ -24,20 +24,44 @@ constexpr std::array<NormalNode, 9> kNormalNodes = {{{-4.51274586339978, 2.23458
                                                      {3.20542900285647, 2.78914132123177e-03},
                                                      {4.51274586339978, 2.23458440077466e-05}}};
 
-struct Reading {
-  double value, slope;
-};
-
-// Of node a of 0..kInterpolationNodes-1 in Lagrange's polynomial at x.
-Reading lagrange(int a, double x) {
-  Reading reading{1, 0};
-  for (int b = 0; b < kInterpolationNodes; ++b) {
-    if (b == a) continue;
-    reading.slope = (reading.slope * (x - b) + reading.value) / (a - b);
-    reading.value *= (x - b) / (a - b);
+// Lagrange's polynomial through the nodes 0..kInterpolationNodes-1, at x: the weights of all nodes, and their slopes.
+struct LagrangeWeights {
+  explicit LagrangeWeights(double x) {
+    double product = 1, slope = 0;  // of x less each node before; then of x less each after
+    for (int a = 0; a < kInterpolationNodes; ++a) {
+      const auto at = static_cast<std::size_t>(a);
+      values[at] = product;
+      slopes[at] = slope;
+      slope = slope * (x - a) + product;
+      product *= x - a;
+    }
+    product = 1;
+    slope = 0;
+    for (int a = kInterpolationNodes - 1; a >= 0; --a) {
+      const auto at = static_cast<std::size_t>(a);
+      slopes[at] = (slopes[at] * product + values[at] * slope) * kScales[at];
+      values[at] *= product * kScales[at];
+      slope = slope * (x - a) + product;
+      product *= x - a;
+    }
   }
-  return reading;
-}
+
+  std::array<double, kInterpolationNodes> values{}, slopes{};
+
+ private:
+  static constexpr std::array<double, kInterpolationNodes> scales() {
+    std::array<double, kInterpolationNodes> out{};
+    for (int a = 0; a < kInterpolationNodes; ++a) {
+      double product = 1;
+      for (int b = 0; b < kInterpolationNodes; ++b)
+        if (b != a) product *= a - b;
+      out[static_cast<std::size_t>(a)] = 1 / product;
+    }
+    return out;
+  }
+  static const std::array<double, kInterpolationNodes> kScales;
+};
+constexpr std::array<double, kInterpolationNodes> LagrangeWeights::kScales = LagrangeWeights::scales();
 
 int first_node(double at) {
   return static_cast<int>(std::floor(at)) - kInterpolationNodes / 2 + 1;
@@ -81,11 +105,11 @@ void LatticeKernel::interpolate(std::size_t place, double at, double spread) {
     const double share = spread == 0 ? 1 : node.share, here = at + spread * node.z;
     const int from = first_node(here);
     const std::size_t to = place * taps_ + static_cast<std::size_t>(from - starts_[place]);
-    for (int a = 0; a < kInterpolationNodes; ++a) {
-      const Reading reading = lagrange(a, here - from);
-      weights_[to + static_cast<std::size_t>(a)] += share * reading.value;
-      by_centre_[to + static_cast<std::size_t>(a)] += share * reading.slope / step_;
-      by_spread_[to + static_cast<std::size_t>(a)] += share * reading.slope * node.z / step_;
+    const LagrangeWeights weights(here - from);
+    for (std::size_t a = 0; a < kInterpolationNodes; ++a) {
+      weights_[to + a] += share * weights.values[a];
+      by_centre_[to + a] += share * weights.slopes[a] / step_;
+      by_spread_[to + a] += share * weights.slopes[a] * node.z / step_;
     }
   }
 }
