@@ -300,7 +300,7 @@ void HierarchicalLikelihood::integrate(Person& person, Evaluation& at) {
   at.wide = static_cast<std::size_t>(at.box.u1 - at.box.u0) + 1;
   at.high = static_cast<std::size_t>(at.box.w1 - at.box.w0) + 1;
   for (std::size_t c = 0; c < conditions_; ++c) {
-    const LatticeKernel &over_s = at.over_s[c], &over_k = at.over_k[c];
+    const LatticeKernel& over_k = at.over_k[c];
     CellLikelihood& cell = person.cells[c];
     const LatticeRange needed = at.read_by(c, at.box);
     cell.cover(needed, responses_);

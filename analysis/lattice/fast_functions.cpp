@@ -55,7 +55,8 @@ class LogNormalTable {
 
 double tabled_log_normal_cdf(double z) noexcept {
   static const LogNormalTable table;
-  return table.holds(z) ? table.at(z) : log_normal_cdf(z).log_cdf;
+  if (table.holds(z)) return table.at(z);
+  return z > 0 ? 0 : log_normal_cdf(z).log_cdf;  // -1e-19 and less
 }
 
 // e^x = 2^n e^r with n whole and |r| <= ln 2 / 2: Taylor's polynomial of e^r, and n put into the exponent's bits.

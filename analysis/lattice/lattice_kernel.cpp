@@ -75,8 +75,9 @@ LatticeKernel::LatticeKernel(double centre, double spacing, int first, int last,
   const auto count = static_cast<std::size_t>(last - first) + 1;
   const double nodes = spread / step;
   const bool summed = nodes >= kNarrowestSum;
-  const int beside = summed ? static_cast<int>(std::ceil(reach * nodes)) + 1
-                            : static_cast<int>(std::ceil(kNormalNodes.back().z * nodes));
+  int beside = summed ? static_cast<int>(std::ceil(reach * nodes)) + 1
+                      : static_cast<int>(std::ceil(kNormalNodes.back().z * nodes));
+  if (spread > 0 && (beside % 2 == 0) != summed) ++beside;  // taps by fours fit into registers
   taps_ = static_cast<std::size_t>(summed ? 2 * beside : kInterpolationNodes + 2 * beside);
   starts_.resize(count);
   weights_.assign(count * taps_, 0);

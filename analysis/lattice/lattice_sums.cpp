@@ -31,23 +31,29 @@ JND_WIDE_REGISTERS void add_to_rows(const double* by_out, std::size_t stride, co
   }
 }
 
-JND_WIDE_REGISTERS void weighted_sums(const LatticeRows& along, const double* rows, double* __restrict out) noexcept {
-  const std::size_t taps = along.taps, whole = taps - taps % 4;
-  for (std::size_t place = 0; place < along.places; ++place) {
-    const double *a = along.weights + place * taps, *b = rows + (along.starts[place] - along.first);
-    for (std::size_t row = 0; row < along.rows; ++row, b += along.nodes) {
-      double sum[4] = {0, 0, 0, 0};
-      for (std::size_t i = 0; i < whole; i += 4)
-        for (std::size_t j = 0; j < 4; ++j) sum[j] += a[i + j] * b[i + j];
-      for (std::size_t i = whole; i < taps; ++i) sum[i - whole] += a[i] * b[i];
-      out[row * along.places + place] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
-    }
-  }
-}
-
 namespace {
 
 typedef double Four __attribute__((vector_size(32)));
+
+// Of kRows rows, a place's weighted sums.
+template <std::size_t kRows>
+inline __attribute__((always_inline)) void sum_some(const LatticeRows& along, const double* weights, const double* rows,
+                                                    double* out) {
+  const std::size_t whole = along.taps - along.taps % 4;
+  Four sum[kRows] = {}, weight, read;
+  for (std::size_t i = 0; i < whole; i += 4) {
+    std::memcpy(&weight, weights + i, sizeof(Four));
+    for (std::size_t row = 0; row < kRows; ++row) {
+      std::memcpy(&read, rows + row * along.nodes + i, sizeof(Four));
+      sum[row] += weight * read;
+    }
+  }
+  for (std::size_t row = 0; row < kRows; ++row) {
+    double rest = 0;
+    for (std::size_t i = whole; i < along.taps; ++i) rest += weights[i] * rows[row * along.nodes + i];
+    out[row * along.places] = (sum[row][0] + sum[row][1]) + (sum[row][2] + sum[row][3]) + rest;
+  }
+}
 
 // Of kFours times four weights of one place.
 template <std::size_t kFours>
@@ -74,6 +80,17 @@ inline __attribute__((always_inline)) double slopes_of_some(const LatticeRows& a
 }
 
 }  // namespace
+
+JND_WIDE_REGISTERS void weighted_sums(const LatticeRows& along, const double* rows, double* __restrict out) noexcept {
+  for (std::size_t place = 0; place < along.places; ++place) {
+    const double *weights = along.weights + place * along.taps, *read = rows + (along.starts[place] - along.first);
+    std::size_t row = 0;
+    for (; row + 4 <= along.rows; row += 4)
+      sum_some<4>(along, weights, read + row * along.nodes, out + row * along.places + place);
+    for (; row < along.rows; ++row)
+      sum_some<1>(along, weights, read + row * along.nodes, out + row * along.places + place);
+  }
+}
 
 JND_WIDE_REGISTERS double slopes_by_weights(const LatticeRows& along, const double* rows, const double* by_variable,
                                             const double* by_sums, double* by_weights) noexcept {

@@ -41,7 +41,7 @@ TEST_CASE("rows of a table are read between, with their derivatives by the place
 }
 
 TEST_CASE("weighted sums along rows, and back to the weights and the rows", "[hierarchical]") {
-  constexpr std::size_t kPlaces = 5, kRows = 3, kNodes = 22;
+  constexpr std::size_t kPlaces = 5, kRows = 6, kNodes = 22;
   for (const std::size_t taps : {11UL, 16UL}) {
     const std::vector<int> starts = {3, 4, 6, 9, 9};
     const std::vector<double> weights = wavy_numbers(taps * kPlaces, 0), rows = wavy_numbers(kRows * kNodes, 1),
@@ -55,12 +55,12 @@ TEST_CASE("weighted sums along rows, and back to the weights and the rows", "[hi
     std::vector<double> expected_by_row(kNodes, 0.25);
     double expected_changes = 0;
     for (std::size_t place = 0; place < kPlaces; ++place) {
-      double lanes[kRows][4] = {};  // the order of the sums: every fourth
+      double lanes[kRows][5] = {};  // the order of the sums: every fourth, and what is left over
       for (std::size_t tap = 0; tap < taps; ++tap) {
         const std::size_t node = static_cast<std::size_t>(starts[place] - 3) + tap, weight = place * taps + tap;
         double by_weight = 0;
         for (std::size_t row = 0; row < kRows; ++row) {
-          lanes[row][tap % 4] += weights[weight] * rows[row * kNodes + node];
+          lanes[row][tap < taps - taps % 4 ? tap % 4 : 4] += weights[weight] * rows[row * kNodes + node];
           by_weight += by_sum[row * kPlaces + place] * rows[row * kNodes + node];
           expected_changes += by_sum[row * kPlaces + place] * weights[weight] * by_variable[row * kNodes + node];
         }
@@ -68,7 +68,8 @@ TEST_CASE("weighted sums along rows, and back to the weights and the rows", "[hi
         expected_by_row[node] += by_sum[place] * weights[weight];
       }
       for (std::size_t row = 0; row < kRows; ++row)
-        CHECK(sums[row * kPlaces + place] == (lanes[row][0] + lanes[row][1]) + (lanes[row][2] + lanes[row][3]));
+        CHECK(sums[row * kPlaces + place] ==
+              (lanes[row][0] + lanes[row][1]) + (lanes[row][2] + lanes[row][3]) + lanes[row][4]);
     }
     CHECK(by_row == expected_by_row);
     CHECK(changes == Approx(expected_changes).margin(1e-14));
