@@ -36,7 +36,7 @@ class LogNormalTable {
 
   bool holds(double z) const noexcept { return z > kLowest && z < kHighest; }
   double at(double z) const noexcept {
-    const int place = static_cast<int>(std::floor(0.5 + (z - kLowest) * kPlaces));
+    const int place = static_cast<int>(0.5 + (z - kLowest) * kPlaces);  // of a positive number
     const double beside = z - (kLowest + static_cast<double>(place) / kPlaces);
     const Polynomial& polynomial = polynomials_[static_cast<std::size_t>(place)];
     double value = polynomial[kDegree];
