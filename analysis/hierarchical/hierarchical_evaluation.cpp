@@ -17,8 +17,7 @@ LatticeRange HierarchicalLikelihood::Evaluation::read_by(std::size_t condition, 
 
 LatticeRows HierarchicalLikelihood::Evaluation::rows_of(std::size_t condition) const noexcept {
   const LatticeKernel& s = over_s[condition];
-  return {s.starts(box.u0),   s.weights(box.u0), s.taps(), wide, first_s[condition], high,
-          read[condition].size() / high};
+  return {s.starts(box.u0), s.weights(box.u0), s.taps(), wide, first_s[condition], high, read[condition].size() / high};
 }
 
 void HierarchicalLikelihood::Evaluation::lay_out_prior() {

@@ -382,8 +382,8 @@ void HierarchicalLikelihood::go_back(const Person& person, Evaluation& at) const
     for (double& one : at.adjoint) one /= at.total;
     const LatticeRows rows = at.rows_of(c);
     at.by_s[c].resize(at.wide * rows.taps);
-    at.by_kappa[c] = slopes_by_weights(rows, at.read[c].data(), at.by_criterion[c].data(), at.adjoint.data(),
-                                       at.by_s[c].data());
+    at.by_kappa[c] =
+        slopes_by_weights(rows, at.read[c].data(), at.by_criterion[c].data(), at.adjoint.data(), at.by_s[c].data());
     if (!at.back_to_cells) continue;
     const LatticeRange cell_nodes = at.read_by(c, at.box);
     at.by_cell[c].assign(cell_nodes.wide() * cell_nodes.high(), 0);

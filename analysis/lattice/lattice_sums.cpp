@@ -117,7 +117,8 @@ JND_WIDE_REGISTERS double slopes_by_weights(const LatticeRows& along, const doub
   return sum;
 }
 
-JND_WIDE_REGISTERS void add_slopes(const LatticeRows& along, const double* by_sums, double* __restrict by_row) noexcept {
+JND_WIDE_REGISTERS void add_slopes(const LatticeRows& along, const double* by_sums,
+                                   double* __restrict by_row) noexcept {
   for (std::size_t place = 0; place < along.places; ++place) {
     const double* weights = along.weights + place * along.taps;
     double* to_row = by_row + (along.starts[place] - along.first);

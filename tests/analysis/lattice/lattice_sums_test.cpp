@@ -49,8 +49,7 @@ TEST_CASE("weighted sums along rows, and back to the weights and the rows", "[hi
     const LatticeRows along{starts.data(), weights.data(), taps, kPlaces, 3, kRows, kNodes};
     std::vector<double> sums(kRows * kPlaces), by_weights(taps * kPlaces, 0.5), by_row(kNodes, 0.25);
     weighted_sums(along, rows.data(), sums.data());
-    const double changes =
-        slopes_by_weights(along, rows.data(), by_variable.data(), by_sum.data(), by_weights.data());
+    const double changes = slopes_by_weights(along, rows.data(), by_variable.data(), by_sum.data(), by_weights.data());
     add_slopes(along, by_sum.data(), by_row.data());
     std::vector<double> expected_by_row(kNodes, 0.25);
     double expected_changes = 0;
