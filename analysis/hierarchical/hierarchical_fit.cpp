@@ -18,7 +18,6 @@ namespace {
 // Of ln L at a point of a profile, and at the first, from where the end is only seen; and of the end, 1 + its value.
 constexpr double kNegligibleInProfile = 2e-6, kNegligibleAtFirst = 1e-4, kCloseEnough = 1e-4;
 constexpr double kNegligibleShared = 1e-9;  // of ln L, which is flat along lapses and means together
-constexpr double kNearlyNegligible = 1e-4;  // with the rough likelihood, near whose maximum the other's lies
 constexpr double kFirstSpread = 0.3, kFirstSpreadWithin = 0.15;  // where a search begins
 
 double trials_of(std::span<const HierarchicalCell> cells) {
@@ -111,7 +110,12 @@ void HierarchicalAnalysis::find_spreads() {
 // Most of the way with a likelihood that costs a third.
 HierarchicalMaximum HierarchicalAnalysis::by_way_of(HierarchicalLikelihood& rough, const HierarchicalForm& form,
                                                     const HierarchicalMaximum& start, double negligible) {
-  const HierarchicalMaximum near = maximise(rough, form, start, range_.criterion_unit, kNearlyNegligible);
+  const HierarchicalMaximum near = maximise(rough, form, start, range_.criterion_unit, kRoughlyNegligible);
+  // Its slopes by spreads near 0 are too rough to tell whether one is 0: a start that knows its neighbourhood is better.
+  const auto lost = [](double spread, double at_start) { return spread == 0 && at_start > 0; };
+  if (!start.information.empty() && (lost(near.place.tu, start.place.tu) || lost(near.place.tv, start.place.tv) ||
+                                     lost(near.place.tw, start.place.tw)))
+    return maximise(likelihood_, form, start, range_.criterion_unit, negligible);
   likelihood_.begin_like(rough);
   return maximise(likelihood_, form, near, range_.criterion_unit, negligible);
 }
