@@ -33,7 +33,7 @@ JND_WIDE_REGISTERS void add_to_rows(const double* by_out, std::size_t stride, co
 
 namespace {
 
-typedef double Four __attribute__((vector_size(32)));
+using Four __attribute__((vector_size(32))) = double;
 
 // Of kRows rows, a place's weighted sums.
 template <std::size_t kRows>
