@@ -2,6 +2,9 @@
 
 #include <cmath>
 #include <numbers>
+#include <numeric>
+
+#include "analysis/lattice/fast_functions.h"
 
 namespace jnd {
 
@@ -12,18 +15,26 @@ LatticeRange HierarchicalLikelihood::Evaluation::read_by(std::size_t condition, 
           k.start(nodes.w1) + static_cast<int>(k.taps()) - 1};
 }
 
+LatticeRows HierarchicalLikelihood::Evaluation::rows_of(std::size_t condition) const noexcept {
+  const LatticeKernel& s = over_s[condition];
+  return {s.starts(box.u0), s.weights(box.u0), s.taps(), wide, first_s[condition], high, read[condition].size() / high};
+}
+
 void HierarchicalLikelihood::Evaluation::lay_out_prior() {
   prior.resize(wide * high);
   const double spare = 1 - place.rho * place.rho;
   double scale = 1 / std::sqrt(spare);
   if (has_u) scale *= spacing_u / place.tu / std::sqrt(2 * std::numbers::pi);
   if (has_w) scale *= spacing_w / place.tw / std::sqrt(2 * std::numbers::pi);
-  for (std::size_t j = 0; j < high; ++j)
+  for (std::size_t j = 0; j < high; ++j) {
+    const double b = has_w ? w(box.w0 + static_cast<int>(j)) / place.tw : 0;
     for (std::size_t i = 0; i < wide; ++i) {
       const double a = has_u ? u(box.u0 + static_cast<int>(i)) / place.tu : 0;
-      const double b = has_w ? w(box.w0 + static_cast<int>(j)) / place.tw : 0;
-      prior[j * wide + i] = scale * std::exp(-(a * a - 2 * place.rho * a * b + b * b) / (2 * spare));
+      prior[j * wide + i] = -(a * a - 2 * place.rho * a * b + b * b) / (2 * spare);
     }
+  }
+  exponentiate(prior, 0);
+  for (double& one : prior) one *= scale;
 }
 
 void HierarchicalLikelihood::Evaluation::multiply() {
@@ -44,16 +55,21 @@ void HierarchicalLikelihood::Evaluation::multiply() {
 
 HierarchicalLikelihood::Evaluation::Moments HierarchicalLikelihood::Evaluation::moments() const noexcept {
   Moments mean;
-  for (std::size_t j = 0; j < high; ++j)
-    for (std::size_t i = 0; i < wide; ++i) {
-      const double share = joint[j * wide + i] / total;
-      const double x = u(box.u0 + static_cast<int>(i)), y = w(box.w0 + static_cast<int>(j));
-      mean.u += share * x;
-      mean.uu += share * x * x;
-      mean.w += share * y;
-      mean.ww += share * y * y;
-      mean.uw += share * x * y;
-    }
+  std::vector<double> xs(wide), squares(wide);
+  for (std::size_t i = 0; i < wide; ++i) {
+    xs[i] = u(box.u0 + static_cast<int>(i));
+    squares[i] = xs[i] * xs[i];
+  }
+  for (std::size_t j = 0; j < high; ++j) {
+    const double* row = &joint[j * wide];
+    const double y = w(box.w0 + static_cast<int>(j)), share = std::accumulate(row, row + wide, 0.0) / total,
+                 x = dot(row, xs.data(), wide) / total;
+    mean.u += x;
+    mean.uu += dot(row, squares.data(), wide) / total;
+    mean.w += share * y;
+    mean.ww += share * y * y;
+    mean.uw += x * y;
+  }
   return mean;
 }
 

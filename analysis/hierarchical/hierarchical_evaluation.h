@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "analysis/hierarchical/hierarchical_likelihood.h"
+#include "analysis/lattice/lattice_sums.h"
 
 namespace jnd {
 
@@ -44,6 +45,7 @@ struct HierarchicalLikelihood::Evaluation {
   double u(int node) const noexcept { return has_u ? (node + offset.u) * spacing_u : 0; }
   double w(int node) const noexcept { return has_w ? (node + offset.w) * spacing_w : 0; }
   LatticeRange read_by(std::size_t condition, const Rectangle& nodes) const noexcept;
+  LatticeRows rows_of(std::size_t condition) const noexcept;  // of what was read
   void lay_out_prior();
   void multiply();
 };

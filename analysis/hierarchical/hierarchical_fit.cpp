@@ -66,9 +66,7 @@ HierarchicalAnalysis::HierarchicalAnalysis(std::vector<HierarchicalCell> cells, 
   HierarchicalMaximum start;
   start.place = place;
   start.shared = first_shared(fit_.shared, model.shared);
-  fit_.maximum = maximise(rough, form_, start, range_.criterion_unit, kRoughlyNegligible);
-  fit_.maximum = maximise(likelihood_, form_, fit_.maximum, range_.criterion_unit,
-                          fit_.shared.any() ? kNegligibleShared : kNegligible);
+  fit_.maximum = by_way_of(rough, form_, start, fit_.shared.any() ? kNegligibleShared : kNegligible);
 
   const HierarchicalPlace& found = fit_.maximum.place;
   const auto settle = [](SpreadStatus& status, double spread) {
@@ -87,7 +85,7 @@ HierarchicalAnalysis::HierarchicalAnalysis(std::vector<HierarchicalCell> cells, 
   if (conditions < 2 || model.one_mean) return;
   HierarchicalForm common = form_;
   std::fill(common.of.begin(), common.of.end(), 0);
-  fit_.common = from_here(common, fit_.maximum);
+  fit_.common = by_way_of(rough, common, start_of(common, fit_.maximum), kNegligible);
   fit_.lr = std::max(0.0, 2 * (fit_.maximum.log_likelihood - fit_.common.log_likelihood));
   fit_.df = static_cast<int>(conditions) - 1;
   fit_.p = chi2_upper(fit_.lr, fit_.df);
@@ -109,9 +107,23 @@ void HierarchicalAnalysis::find_spreads() {
   fit_.tv = status(model_.tv, fit_.participants > 1 && several);
 }
 
-// A search from a place whose means the form may move: far, and the criteria there are no longer near the best.
-HierarchicalMaximum HierarchicalAnalysis::from_here(const HierarchicalForm& form, const HierarchicalMaximum& from,
-                                                    double negligible) {
+// Most of the way with a likelihood that costs a third.
+HierarchicalMaximum HierarchicalAnalysis::by_way_of(HierarchicalLikelihood& rough, const HierarchicalForm& form,
+                                                    const HierarchicalMaximum& start, double negligible) {
+  const HierarchicalMaximum near = maximise(rough, form, start, range_.criterion_unit, kRoughlyNegligible);
+  // Its slopes by spreads near 0 are too rough to tell whether one is 0: a start that knows its neighbourhood is better.
+  const auto lost = [](double spread, double at_start) { return spread == 0 && at_start > 0; };
+  if (!start.information.empty() && (lost(near.place.tu, start.place.tu) || lost(near.place.tv, start.place.tv) ||
+                                     lost(near.place.tw, start.place.tw)))
+    return maximise(likelihood_, form, start, range_.criterion_unit, negligible);
+  likelihood_.begin_like(rough);
+  return maximise(likelihood_, form, near, range_.criterion_unit, negligible);
+}
+
+// Where a search begins from a place whose means the form may move: far, and the criteria there are no longer near the
+// best.
+HierarchicalMaximum HierarchicalAnalysis::start_of(const HierarchicalForm& form,
+                                                   const HierarchicalMaximum& from) const {
   constexpr double kFar = 0.5;
   HierarchicalMaximum start = from;
   start.place = moved(form, from.place);
@@ -123,8 +135,12 @@ HierarchicalMaximum HierarchicalAnalysis::from_here(const HierarchicalForm& form
                                             {start.place.mu[c], range_.start.criterion, 0}, true)
                                  .criterion;
     }
-  if (!far) start = moved(form, from, from.shared, range_.criterion_unit);
-  return maximise(likelihood_, form, start, range_.criterion_unit, negligible);
+  return far ? start : moved(form, from, from.shared, range_.criterion_unit);
+}
+
+HierarchicalMaximum HierarchicalAnalysis::from_here(const HierarchicalForm& form, const HierarchicalMaximum& from,
+                                                    double negligible) {
+  return maximise(likelihood_, form, start_of(form, from), range_.criterion_unit, negligible);
 }
 
 // at_end(ln s): the largest ln L with that mean. Answers that are as likely at an end of what is searched tell no JND.

@@ -109,6 +109,25 @@ HierarchicalLikelihood::HierarchicalLikelihood(std::span<const HierarchicalCell>
   for (std::size_t i = 0; i < answers.size(); ++i) people_[i / conditions_].cells.emplace_back(std::move(answers[i]));
 }
 
+void HierarchicalLikelihood::begin_like(const HierarchicalLikelihood& rougher) {
+  set_shared(rougher.shared_);
+  before_ = rougher.before_;
+  const double times = std::min(fineness_, 1.0) / std::min(rougher.fineness_, 1.0);
+  const auto widened = [times](const Range& range) {
+    const double middle = (range.low + range.high) / 2, reach = times * (range.high - range.low) / 2;
+    return Range{middle - reach, middle + reach};
+  };
+  for (std::size_t i = 0; i < people_.size(); ++i) {
+    const Person& from = rougher.people_[i];
+    Person& to = people_[i];
+    to.u = widened(from.u);
+    to.w = widened(from.w);
+    to.information_u = from.information_u;
+    to.information_w = from.information_w;
+    to.correlation = from.correlation;
+  }
+}
+
 void HierarchicalLikelihood::set_shared(const SharedParameters& shared) {
   if (shared == shared_) return;
   // Posteriors may be narrower with others: nodes are put anew.
@@ -235,7 +254,8 @@ void HierarchicalLikelihood::look_around(const HierarchicalPlace& place) {
     moved_k = std::max(moved_k, std::abs(place.kappa[c] - before_.kappa[c]));
   }
   const auto far = [](double moved, double prior, double information) {
-    return moved * moved * (1 / (prior * prior) + information) > kFar * kFar;
+    const double by_answers = moved * information;  // a prior holds a person back
+    return by_answers * by_answers > kFar * kFar * (1 / (prior * prior) + information);
   };
   for (Person& person : people_)
     if (anew || (place.tu > 0 && far(moved_s, place.tu, person.information_u)) ||
@@ -280,7 +300,7 @@ void HierarchicalLikelihood::integrate(Person& person, Evaluation& at) {
   at.wide = static_cast<std::size_t>(at.box.u1 - at.box.u0) + 1;
   at.high = static_cast<std::size_t>(at.box.w1 - at.box.w0) + 1;
   for (std::size_t c = 0; c < conditions_; ++c) {
-    const LatticeKernel &over_s = at.over_s[c], &over_k = at.over_k[c];
+    const LatticeKernel& over_k = at.over_k[c];
     CellLikelihood& cell = person.cells[c];
     const LatticeRange needed = at.read_by(c, at.box);
     cell.cover(needed, responses_);
@@ -298,8 +318,7 @@ void HierarchicalLikelihood::integrate(Person& person, Evaluation& at) {
       for (std::size_t i = 0; i < at.read[c].size(); ++i) at.by_criterion[c][i] *= at.read[c][i];
     }
     at.inner[c].resize(at.wide * at.high);
-    const LatticeRow row{over_s.starts(at.box.u0), over_s.weights(at.box.u0), over_s.taps(), at.wide, needed.s0};
-    for (std::size_t j = 0; j < at.high; ++j) weighted_sums(row, &at.read[c][j * nodes], &at.inner[c][j * at.wide]);
+    weighted_sums(at.rows_of(c), at.read[c].data(), at.inner[c].data());
   }
   at.lay_out_prior();
   at.multiply();
@@ -361,31 +380,28 @@ void HierarchicalLikelihood::go_back(const Person& person, Evaluation& at) const
       if (other != c)
         for (std::size_t i = 0; i < at.adjoint.size(); ++i) at.adjoint[i] *= at.inner[other][i];
     for (double& one : at.adjoint) one /= at.total;
-    const LatticeKernel& over_s = at.over_s[c];
-    const std::size_t nodes = at.read[c].size() / at.high, taps = over_s.taps();
-    const LatticeRow row{over_s.starts(at.box.u0), over_s.weights(at.box.u0), taps, at.wide, at.first_s[c]};
-    at.by_s[c].assign(at.wide * taps, 0);
-    at.by_kappa[c] = 0;
+    const LatticeRows rows = at.rows_of(c);
+    at.by_s[c].resize(at.wide * rows.taps);
+    at.by_kappa[c] =
+        slopes_by_weights(rows, at.read[c].data(), at.by_criterion[c].data(), at.adjoint.data(), at.by_s[c].data());
+    if (!at.back_to_cells) continue;
     const LatticeRange cell_nodes = at.read_by(c, at.box);
-    if (at.back_to_cells) at.by_cell[c].assign(cell_nodes.wide() * cell_nodes.high(), 0);
+    at.by_cell[c].assign(cell_nodes.wide() * cell_nodes.high(), 0);
     for (std::size_t j = 0; j < at.high; ++j) {
-      at.by_read.assign(nodes, 0);
-      const double* read = &at.read[c][j * nodes];
-      add_slopes(row, read, &at.adjoint[j * at.wide], at.by_s[c].data(), at.by_read.data());
-      at.by_kappa[c] += dot(at.by_read.data(), &at.by_criterion[c][j * nodes], nodes);
-      if (!at.back_to_cells) continue;
+      at.by_read.assign(rows.nodes, 0);
+      add_slopes(rows, &at.adjoint[j * at.wide], at.by_read.data());
       if (responses_.smooth())
-        for (std::size_t i = 0; i < nodes; ++i) at.by_read[i] *= read[i];
+        for (std::size_t i = 0; i < rows.nodes; ++i) at.by_read[i] *= at.read[c][j * rows.nodes + i];
       const int w = at.box.w0 + static_cast<int>(j);
       const LatticeKernel& over_k = at.over_k[c];
-      add_to_rows(at.by_read.data(), nodes, over_k.weights(w), nodes,
+      add_to_rows(at.by_read.data(), rows.nodes, over_k.weights(w), rows.nodes,
                   &at.by_cell[c][cell_nodes.place(cell_nodes.s0, over_k.start(w))]);
     }
-    if (!at.back_to_cells || responses_.smooth()) continue;
+    if (responses_.smooth()) continue;
     for (int k = cell_nodes.k0; k <= cell_nodes.k1; ++k) {
       const double* values = person.cells[c].at(cell_nodes.s0, k);
       double* by = &at.by_cell[c][cell_nodes.place(cell_nodes.s0, k)];
-      for (std::size_t i = 0; i < nodes; ++i) by[i] *= values[i];
+      for (std::size_t i = 0; i < rows.nodes; ++i) by[i] *= values[i];
     }
   }
 }

@@ -69,6 +69,9 @@ class HierarchicalLikelihood {
   HierarchicalLikelihood(std::span<const HierarchicalCell> cells, ResponseModel model, const SharedParameters& shared,
                          double fineness = 1);
 
+  // The next evaluation puts its nodes where the last one of a rougher likelihood of the same cells found everybody.
+  void begin_like(const HierarchicalLikelihood& rougher);
+
   // From here on with these.
   void set_shared(const SharedParameters& shared);
   const SharedParameters& shared() const noexcept { return shared_; }

@@ -36,7 +36,7 @@ class LogNormalTable {
 
   bool holds(double z) const noexcept { return z > kLowest && z < kHighest; }
   double at(double z) const noexcept {
-    const int place = static_cast<int>(std::floor(0.5 + (z - kLowest) * kPlaces));
+    const int place = static_cast<int>(0.5 + (z - kLowest) * kPlaces);  // of a positive number
     const double beside = z - (kLowest + static_cast<double>(place) / kPlaces);
     const Polynomial& polynomial = polynomials_[static_cast<std::size_t>(place)];
     double value = polynomial[kDegree];
@@ -55,7 +55,8 @@ class LogNormalTable {
 
 double tabled_log_normal_cdf(double z) noexcept {
   static const LogNormalTable table;
-  return table.holds(z) ? table.at(z) : log_normal_cdf(z).log_cdf;
+  if (table.holds(z)) return table.at(z);
+  return z > 0 ? 0 : log_normal_cdf(z).log_cdf;  // -1e-19 and less
 }
 
 // e^x = 2^n e^r with n whole and |r| <= ln 2 / 2: Taylor's polynomial of e^r, and n put into the exponent's bits.

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "analysis/lattice/lattice_sums.h"
 #include "analysis/numerics/normal.h"
 
 namespace jnd {
@@ -23,20 +24,44 @@ constexpr std::array<NormalNode, 9> kNormalNodes = {{{-4.51274586339978, 2.23458
                                                      {3.20542900285647, 2.78914132123177e-03},
                                                      {4.51274586339978, 2.23458440077466e-05}}};
 
-struct Reading {
-  double value, slope;
-};
-
-// Of node a of 0..kInterpolationNodes-1 in Lagrange's polynomial at x.
-Reading lagrange(int a, double x) {
-  Reading reading{1, 0};
-  for (int b = 0; b < kInterpolationNodes; ++b) {
-    if (b == a) continue;
-    reading.slope = (reading.slope * (x - b) + reading.value) / (a - b);
-    reading.value *= (x - b) / (a - b);
+// Lagrange's polynomial through the nodes 0..kInterpolationNodes-1, at x: the weights of all nodes, and their slopes.
+struct LagrangeWeights {
+  explicit LagrangeWeights(double x) {
+    double product = 1, slope = 0;  // of x less each node before; then of x less each after
+    for (int a = 0; a < kInterpolationNodes; ++a) {
+      const auto at = static_cast<std::size_t>(a);
+      values[at] = product;
+      slopes[at] = slope;
+      slope = slope * (x - a) + product;
+      product *= x - a;
+    }
+    product = 1;
+    slope = 0;
+    for (int a = kInterpolationNodes - 1; a >= 0; --a) {
+      const auto at = static_cast<std::size_t>(a);
+      slopes[at] = (slopes[at] * product + values[at] * slope) * kScales[at];
+      values[at] *= product * kScales[at];
+      slope = slope * (x - a) + product;
+      product *= x - a;
+    }
   }
-  return reading;
-}
+
+  std::array<double, kInterpolationNodes> values{}, slopes{};
+
+ private:
+  static constexpr std::array<double, kInterpolationNodes> scales() {
+    std::array<double, kInterpolationNodes> out{};
+    for (int a = 0; a < kInterpolationNodes; ++a) {
+      double product = 1;
+      for (int b = 0; b < kInterpolationNodes; ++b)
+        if (b != a) product *= a - b;
+      out[static_cast<std::size_t>(a)] = 1 / product;
+    }
+    return out;
+  }
+  static const std::array<double, kInterpolationNodes> kScales;
+};
+constexpr std::array<double, kInterpolationNodes> LagrangeWeights::kScales = LagrangeWeights::scales();
 
 int first_node(double at) {
   return static_cast<int>(std::floor(at)) - kInterpolationNodes / 2 + 1;
@@ -50,8 +75,9 @@ LatticeKernel::LatticeKernel(double centre, double spacing, int first, int last,
   const auto count = static_cast<std::size_t>(last - first) + 1;
   const double nodes = spread / step;
   const bool summed = nodes >= kNarrowestSum;
-  const int beside = summed ? static_cast<int>(std::ceil(reach * nodes)) + 1
-                            : static_cast<int>(std::ceil(kNormalNodes.back().z * nodes));
+  int beside = summed ? static_cast<int>(std::ceil(reach * nodes)) + 1
+                      : static_cast<int>(std::ceil(kNormalNodes.back().z * nodes));
+  if (spread > 0 && (beside % 2 == 0) != summed) ++beside;  // taps by fours fit into registers
   taps_ = static_cast<std::size_t>(summed ? 2 * beside : kInterpolationNodes + 2 * beside);
   starts_.resize(count);
   weights_.assign(count * taps_, 0);
@@ -80,23 +106,18 @@ void LatticeKernel::interpolate(std::size_t place, double at, double spread) {
     const double share = spread == 0 ? 1 : node.share, here = at + spread * node.z;
     const int from = first_node(here);
     const std::size_t to = place * taps_ + static_cast<std::size_t>(from - starts_[place]);
-    for (int a = 0; a < kInterpolationNodes; ++a) {
-      const Reading reading = lagrange(a, here - from);
-      weights_[to + static_cast<std::size_t>(a)] += share * reading.value;
-      by_centre_[to + static_cast<std::size_t>(a)] += share * reading.slope / step_;
-      by_spread_[to + static_cast<std::size_t>(a)] += share * reading.slope * node.z / step_;
+    const LagrangeWeights weights(here - from);
+    for (std::size_t a = 0; a < kInterpolationNodes; ++a) {
+      weights_[to + a] += share * weights.values[a];
+      by_centre_[to + a] += share * weights.slopes[a] / step_;
+      by_spread_[to + a] += share * weights.slopes[a] * node.z / step_;
     }
   }
 }
 
 LatticeKernel::Slopes LatticeKernel::slopes(int m, std::span<const double> by_weight) const noexcept {
   const double *by_centre = &by_centre_[place(m) * taps_], *by_spread = &by_spread_[place(m) * taps_];
-  Slopes slopes;
-  for (std::size_t i = 0; i < by_weight.size(); ++i) {
-    slopes.by_centre += by_weight[i] * by_centre[i];
-    slopes.by_spread += by_weight[i] * by_spread[i];
-  }
-  return slopes;
+  return {dot(by_weight.data(), by_centre, by_weight.size()), dot(by_weight.data(), by_spread, by_weight.size())};
 }
 
 }  // namespace jnd

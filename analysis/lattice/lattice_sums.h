@@ -15,19 +15,22 @@ void interpolate_rows(const double* rows, std::size_t stride, const double* weig
 void add_to_rows(const double* by_out, std::size_t stride, const double* weights, std::size_t n,
                  double* by_rows) noexcept;
 
-// Places along one row of nodes, each with `taps` weights for the nodes from starts[place] - first on.
-struct LatticeRow {
+// Places along rows of nodes, each with `taps` weights for the nodes from starts[place] - first on, the same in every row.
+struct LatticeRows {
   const int* starts;
   const double* weights;
   std::size_t taps, places;
   int first;
+  std::size_t rows, nodes;  // nodes: of a row
 };
-// out[place] = sum of weights times row.
-void weighted_sums(const LatticeRow& along, const double* row, double* out) noexcept;
-// Backwards: of a number that changes by by_sum[place] with each of those sums, what is added to its derivatives by the
-// weights (places x taps) and by the row.
-void add_slopes(const LatticeRow& along, const double* row, const double* by_sum, double* by_weights,
-                double* by_row) noexcept;
+// out[row * places + place] = sum of weights times the row.
+void weighted_sums(const LatticeRows& along, const double* rows, double* out) noexcept;
+// Backwards: of a number that changes by by_sums[i] with sum i, the derivatives by the weights (places x taps). Returns its
+// derivative by a variable by which the nodes have the derivatives by_variable.
+double slopes_by_weights(const LatticeRows& along, const double* rows, const double* by_variable, const double* by_sums,
+                         double* by_weights) noexcept;
+// Of one row, what is added to the derivatives by its nodes.
+void add_slopes(const LatticeRows& along, const double* by_sums, double* by_row) noexcept;
 
 // sum of a[i] b[i].
 double dot(const double* a, const double* b, std::size_t n) noexcept;

@@ -40,27 +40,39 @@ TEST_CASE("rows of a table are read between, with their derivatives by the place
   }
 }
 
-TEST_CASE("weighted sums along a row, and back to the weights and the row", "[hierarchical]") {
-  constexpr std::size_t kTaps = 11, kPlaces = 5;
-  const std::vector<int> starts = {3, 4, 6, 9, 9};
-  const std::vector<double> weights = wavy_numbers(kTaps * kPlaces, 0), row = wavy_numbers(18, 1),
-                            by_sum = wavy_numbers(kPlaces, 2);
-  const LatticeRow along{starts.data(), weights.data(), kTaps, kPlaces, 3};
-  std::vector<double> sums(kPlaces), by_weights(kTaps * kPlaces, 0.5), by_row(row.size(), 0.25);
-  weighted_sums(along, row.data(), sums.data());
-  add_slopes(along, row.data(), by_sum.data(), by_weights.data(), by_row.data());
-  std::vector<double> expected_by_row(row.size(), 0.25);
-  for (std::size_t place = 0; place < kPlaces; ++place) {
-    double lanes[4] = {0, 0, 0, 0};  // the order of the sum: every fourth, then what is left over with the first
-    for (std::size_t tap = 0; tap < kTaps; ++tap) {
-      const std::size_t node = static_cast<std::size_t>(starts[place] - 3) + tap, weight = place * kTaps + tap;
-      lanes[tap < 8 ? tap % 4 : 0] += weights[weight] * row[node];
-      CHECK(by_weights[weight] == 0.5 + by_sum[place] * row[node]);
-      expected_by_row[node] += by_sum[place] * weights[weight];
+TEST_CASE("weighted sums along rows, and back to the weights and the rows", "[hierarchical]") {
+  constexpr std::size_t kPlaces = 5, kRows = 6, kNodes = 22;
+  for (const std::size_t taps : {11UL, 16UL}) {
+    const std::vector<int> starts = {3, 4, 6, 9, 9};
+    const std::vector<double> weights = wavy_numbers(taps * kPlaces, 0), rows = wavy_numbers(kRows * kNodes, 1),
+                              by_sum = wavy_numbers(kRows * kPlaces, 2), by_variable = wavy_numbers(kRows * kNodes, 3);
+    const LatticeRows along{starts.data(), weights.data(), taps, kPlaces, 3, kRows, kNodes};
+    std::vector<double> sums(kRows * kPlaces), by_weights(taps * kPlaces, 0.5), by_row(kNodes, 0.25);
+    weighted_sums(along, rows.data(), sums.data());
+    const double changes = slopes_by_weights(along, rows.data(), by_variable.data(), by_sum.data(), by_weights.data());
+    add_slopes(along, by_sum.data(), by_row.data());
+    std::vector<double> expected_by_row(kNodes, 0.25);
+    double expected_changes = 0;
+    for (std::size_t place = 0; place < kPlaces; ++place) {
+      double lanes[kRows][5] = {};  // the order of the sums: every fourth, and what is left over
+      for (std::size_t tap = 0; tap < taps; ++tap) {
+        const std::size_t node = static_cast<std::size_t>(starts[place] - 3) + tap, weight = place * taps + tap;
+        double by_weight = 0;
+        for (std::size_t row = 0; row < kRows; ++row) {
+          lanes[row][tap < taps - taps % 4 ? tap % 4 : 4] += weights[weight] * rows[row * kNodes + node];
+          by_weight += by_sum[row * kPlaces + place] * rows[row * kNodes + node];
+          expected_changes += by_sum[row * kPlaces + place] * weights[weight] * by_variable[row * kNodes + node];
+        }
+        CHECK(by_weights[weight] == by_weight);
+        expected_by_row[node] += by_sum[place] * weights[weight];
+      }
+      for (std::size_t row = 0; row < kRows; ++row)
+        CHECK(sums[row * kPlaces + place] ==
+              (lanes[row][0] + lanes[row][1]) + (lanes[row][2] + lanes[row][3]) + lanes[row][4]);
     }
-    CHECK(sums[place] == (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]));
+    CHECK(by_row == expected_by_row);
+    CHECK(changes == Approx(expected_changes).margin(1e-14));
   }
-  CHECK(by_row == expected_by_row);
 }
 
 TEST_CASE("products, and answers added to a row", "[hierarchical]") {
