@@ -36,7 +36,7 @@ class LogNormalTable {
 
   bool holds(double z) const noexcept { return z > kLowest && z < kHighest; }
   double at(double z) const noexcept {
-    const int place = static_cast<int>(0.5 + (z - kLowest) * kPlaces);  // of a positive number
+    const int place = static_cast<int>((z - kHalfBefore) * kPlaces);
     const double beside = z - (kLowest + static_cast<double>(place) / kPlaces);
     const Polynomial& polynomial = polynomials_[static_cast<std::size_t>(place)];
     double value = polynomial[kDegree];
@@ -46,6 +46,7 @@ class LogNormalTable {
 
  private:
   static constexpr int kLowest = -38, kHighest = 9, kPlaces = 32;
+  static constexpr double kHalfBefore = kLowest - 0.5 / kPlaces;  // the nearest place is the last one half before
   static constexpr std::size_t kDegree = 6;
   using Polynomial = std::array<double, kDegree + 1>;
   std::vector<Polynomial> polynomials_;

@@ -164,6 +164,17 @@ TEST_CASE("what the answers cannot tell has a status", "[hierarchical]") {
   }
 }
 
+TEST_CASE("with one JND for all a small spread between people is not taken for 0", "[hierarchical]") {
+  const std::vector<HierarchicalCell> cells = published_study(18, 603);
+  const HierarchicalFit fit = HierarchicalAnalysis(cells, {}).fit();
+  CHECK(fit.common.place.tu > 0.01);
+  CHECK(std::abs(fit.common.slope.tu) < 1e-2);
+  HierarchicalPlace zero = fit.common.place;
+  zero.tu = 0;
+  HierarchicalLikelihood likelihood(cells, ResponseModel::yes_no, {});
+  CHECK(fit.common.log_likelihood > likelihood.at(zero).log_likelihood);
+}
+
 TEST_CASE("persons are drawn towards the group, the more the fewer their answers", "[hierarchical]") {
   std::vector<HierarchicalCell> few = published_study(10, 8), many = few;
   for (HierarchicalCell& cell : many) {
