@@ -1,5 +1,5 @@
-// Many simulated studies that are cut in shards, in a folder of their own: what they are, what they were copied from, and how
-// a cluster is to run them. The folder needs nothing else but the program, so that it may be moved as it is.
+// Many simulated studies that are cut in shards, in a folder of their own: what they are, what they were copied from, and
+// how a cluster is to run them. The folder needs nothing else but the program, so that it may be moved as it is.
 #pragma once
 
 #include <filesystem>
@@ -41,8 +41,8 @@ class Campaign {
   static constexpr const char* kLoop = "loop.sh";
   static constexpr int kMostShards = 1000;  // an array of Slurm, as it ships
 
-  // The job of the words behind "--": plan PROTOCOL --power ..., or simulate PROTOCOL --studies ... . What they and the protocol name with a relative path is
-  // read too, for the folder. Throws UsageError and InputError.
+  // The job of the words behind "--": plan PROTOCOL --power ..., or simulate PROTOCOL --studies ... . What they and the
+  // protocol name with a relative path is read too, for the folder. Throws UsageError and InputError.
   static CampaignJob job_of(const std::vector<std::string>& words, int shards);
 
   // Makes the folder. Throws StorageError, and UsageError where something else stands there.

@@ -1,6 +1,6 @@
-// Many simulated studies, cut in shards that one machine each works through. A shard is a file: what was asked, which of the
-// studies it has, what came of them, and its own hash. It says everything that is needed to put shards together, and it
-// appears whole or not at all.
+// Many simulated studies, cut in shards that one machine each works through. A shard is a file: what was asked, which of
+// the studies it has, what came of them, and its own hash. It says everything that is needed to put shards together, and
+// it appears whole or not at all.
 #pragma once
 
 #include <cstdint>
@@ -63,8 +63,8 @@ enum class ShardEnd { made, was_there };
 ShardEnd make_shard(const StudyShard& empty, const std::filesystem::path& file, const ShardWork& work,
                     const std::function<void(std::int64_t)>& progress = {});
 
-// Gives every one of them to `take` in the order of their studies, whatever that of the files. Throws InputError before any
-// is given: one is missing, there twice, not finished, of another kind, question, protocol or version of the program.
+// Gives every one of them to `take` in the order of their studies, whatever that of the files. Throws InputError before
+// any is given: one is missing, there twice, not finished, of another kind, question, protocol or version of the program.
 void for_each_shard(std::span<const std::filesystem::path> files, const std::function<void(StudyShard)>& take);
 
 }  // namespace jnd
