@@ -175,6 +175,35 @@ TEST_CASE("with one JND for all a small spread between people is not taken for 0
   CHECK(fit.common.log_likelihood > likelihood.at(zero).log_likelihood);
 }
 
+TEST_CASE("slopes by small spreads are those of ln L, of rough likelihoods too", "[hierarchical]") {
+  const std::vector<HierarchicalCell> cells = published_study(18, 603);
+  const HierarchicalPlace best = HierarchicalAnalysis(cells, {}).fit().common.place;
+  for (const double fineness : {1.0, kRoughFineness})
+    for (double HierarchicalPlace::*const spread : {&HierarchicalPlace::tu, &HierarchicalPlace::tw}) {
+      HierarchicalLikelihood likelihood(cells, ResponseModel::yes_no, {}, fineness);
+      const auto at = [&](double value) {
+        HierarchicalPlace place = best;
+        place.*spread = value;
+        return likelihood.at(place);
+      };
+      at(2e-3);  // where the nodes lie is learnt by evaluating
+      const double low = at(2e-3).log_likelihood, high = at(8e-3).log_likelihood,
+                   by_square = (high - low) / (64e-6 - 4e-6);
+      const double here = at(2e-3).slope.*spread / (2 * 2e-3), there = at(8e-3).slope.*spread / (2 * 8e-3);
+      CHECK(by_square == Approx((here + there) / 2).epsilon(fineness < 1 ? 0.05 : 0.01));
+    }
+  // So a search that passes by 0 comes back.
+  HierarchicalLikelihood likelihood(cells, ResponseModel::yes_no, {});
+  const HierarchicalForm common = HierarchicalForm::common(3);
+  for (const double tu : {0.05, 0.3, 0.6}) {
+    HierarchicalPlace start = published_truth();
+    start.tu = tu;
+    const HierarchicalMaximum found = maximise(likelihood, common, start, 1, 1e-8);
+    CHECK(found.converged);
+    CHECK(found.place.tu == Approx(best.tu).epsilon(0.01));
+  }
+}
+
 TEST_CASE("persons are drawn towards the group, the more the fewer their answers", "[hierarchical]") {
   std::vector<HierarchicalCell> few = published_study(10, 8), many = few;
   for (HierarchicalCell& cell : many) {
