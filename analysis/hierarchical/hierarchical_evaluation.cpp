@@ -14,7 +14,9 @@ namespace {
 // the fourth power of a spread it is part of the slope of ln L by the spread's square: of a small one, where the answers
 // tell no more than the prior, it would be the larger part.
 // Source: Poisson's summation formula, as Trefethen and Weideman 2014, SIAM Review 56:385, section 5.
-double lost_variance(double mean, double summed, double spacing, double offset) noexcept {
+double lost_variance(double mean, double summed, double prior, double spacing, double offset) noexcept {
+  constexpr double kLikePrior = 0.9;  // of its variance: what is narrower need not be a normal density
+  if (summed < kLikePrior * prior * prior) return 0;
   const double turn = 2 * std::numbers::pi, phase = std::cos(turn * (mean / spacing - offset));
   const auto lost = [&](double variance) {
     const double nodes = turn * turn * variance / (spacing * spacing);
@@ -87,8 +89,8 @@ HierarchicalLikelihood::Evaluation::Moments HierarchicalLikelihood::Evaluation::
     mean.ww += share * y * y;
     mean.uw += x * y;
   }
-  if (has_u) mean.uu += lost_variance(mean.u, mean.uu - mean.u * mean.u, spacing_u, offset.u);
-  if (has_w) mean.ww += lost_variance(mean.w, mean.ww - mean.w * mean.w, spacing_w, offset.w);
+  if (has_u) mean.uu += lost_variance(mean.u, mean.uu - mean.u * mean.u, place.tu, spacing_u, offset.u);
+  if (has_w) mean.ww += lost_variance(mean.w, mean.ww - mean.w * mean.w, place.tw, spacing_w, offset.w);
   return mean;
 }
 
