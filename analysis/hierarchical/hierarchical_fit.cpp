@@ -111,11 +111,6 @@ void HierarchicalAnalysis::find_spreads() {
 HierarchicalMaximum HierarchicalAnalysis::by_way_of(HierarchicalLikelihood& rough, const HierarchicalForm& form,
                                                     const HierarchicalMaximum& start, double negligible) {
   const HierarchicalMaximum near = maximise(rough, form, start, range_.criterion_unit, kRoughlyNegligible);
-  // Its slopes by spreads near 0 are too rough to tell whether one is 0: a start that knows its neighbourhood is better.
-  const auto lost = [](double spread, double at_start) { return spread == 0 && at_start > 0; };
-  if (!start.information.empty() && (lost(near.place.tu, start.place.tu) || lost(near.place.tv, start.place.tv) ||
-                                     lost(near.place.tw, start.place.tw)))
-    return maximise(likelihood_, form, start, range_.criterion_unit, negligible);
   likelihood_.begin_like(rough);
   return maximise(likelihood_, form, near, range_.criterion_unit, negligible);
 }

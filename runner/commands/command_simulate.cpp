@@ -5,7 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "data/files/scratch_folder.h"
+#include "analysis/numerics/stop_request.h"
 #include "data/study/blinding.h"
 #include "protocols/input/resources.h"
 #include "protocols/tasks/task.h"
@@ -61,12 +61,12 @@ void print_group(const StudyResults& results, const Protocol& protocol, bool jso
 
 // Answers that are analysed one by one go through a study that nobody keeps.
 int simulate_answers(const Simulation& simulation, bool json) {
-  const ScratchFolder folder("simulated");
-  const std::unique_ptr<Study> study = open_or_create_study(folder.path() / "study.sqlite", simulation.protocol,
-                                                            simulation.seed, {simulated_epoch_ns(1), 0});
-  if (simulate_study(simulation, *study).interrupted) return interrupted();
-  StudyResults results = results_of(*study, simulation.protocol, SessionKind::simulated,
-                                    source_to_analyse(simulation.protocol, std::nullopt));
+  StudyResults results;
+  try {
+    results = simulated_results(simulation, source_to_analyse(simulation.protocol, std::nullopt));
+  } catch (const Stopped&) {
+    return interrupted();
+  }
   if (json) add_hierarchical(results, simulation.protocol);
   print_group(results, simulation.protocol, json);
   return exit_code::kDone;

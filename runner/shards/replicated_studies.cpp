@@ -8,7 +8,6 @@
 #include "data/export/data_package.h"
 #include "data/export/result_columns.h"
 #include "data/files/scratch_folder.h"
-#include "data/results/study_results.h"
 #include "protocols/input/input_error.h"
 #include "protocols/input/sha256.h"
 #include "runner/opening/study_access.h"
@@ -27,12 +26,7 @@ std::vector<ResultFile> results_of_study(const ReplicationQuestion& question, st
   simulation.seed = seed_of_study(question.seed, number);
   simulation.participants = question.participants;
   simulation.record = RecordPolicy::off;
-  const ScratchFolder folder("simulated");
-  const std::unique_ptr<Study> study = open_or_create_study(folder.path() / "study.sqlite", question.protocol,
-                                                            simulation.seed, {simulated_epoch_ns(1), 0});
-  if (simulate_study(simulation, *study).interrupted) throw Stopped();  // what there is then is no study
-  const StudyResults results = results_of(*study, question.protocol, SessionKind::simulated, question.by);
-  return result_files(results, question.protocol, nullptr,
+  return result_files(simulated_results(simulation, question.by), question.protocol, nullptr,
                       {{"study", "which of the simulated studies, from 1", number + 1},
                        {"seed", "of the study: jnd simulate with it makes this one again",
                         static_cast<std::int64_t>(simulation.seed)}});
@@ -71,6 +65,14 @@ DictionaryRow dictionary_row(const std::string& file, const ordered_json& column
 }
 
 }  // namespace
+
+StudyResults simulated_results(const Simulation& simulation, DifferenceSource by) {
+  const ScratchFolder folder("simulated");
+  const std::unique_ptr<Study> study = open_or_create_study(folder.path() / "study.sqlite", simulation.protocol,
+                                                            simulation.seed, {simulated_epoch_ns(1), 0});
+  if (simulate_study(simulation, *study).interrupted) throw Stopped();  // what there is then is no study
+  return results_of(*study, simulation.protocol, SessionKind::simulated, by);
+}
 
 StudyShard replication_shard(const ReplicationQuestion& question, int number, int of) {
   return empty_shard(ShardKind::simulate, question.protocol,
@@ -125,22 +127,22 @@ void ReplicationFolder::add(const StudyShard& shard) {
   } catch (const InputError& error) {
     throw InputError(fmt::format("shard {} of {}: has {} (make it again)", shard.number, shard.of, error.what()));
   }
-  last_ = shard;
-  last_.result = {};
+  protocol_ = shard.protocol;
+  question_ = shard.question;
 }
 
 std::string ReplicationFolder::publish() {
-  const std::int64_t studies = last_.studies();
-  const int participants = last_.question.at("participants").get<int>();
-  write_descriptions(files_, last_.protocol, fmt::format("results of {} simulated studies", studies),
+  const auto studies = question_.at("studies").get<std::int64_t>();
+  const int participants = question_.at("participants").get<int>();
+  write_descriptions(files_, protocol_, fmt::format("results of {} simulated studies", studies),
                      std::move(dictionary_));
   files_.publish();
   return fmt::format(
       "{}: {} {} of {}, profile {}: {}\n  one of them again, whole:  jnd simulate {} --participants {} --seed SEED --study "
       "FILE, with the seed of its rows\n",
       printable(folder_.string()), studies, studies == 1 ? "study" : "studies", counted(participants, "participant"),
-      printable(last_.question.at("profile").get<std::string>()), fmt::join(names_, ", "),
-      printable(last_.protocol.name), participants);
+      printable(question_.at("profile").get<std::string>()), fmt::join(names_, ", "), printable(protocol_.name),
+      participants);
 }
 
 }  // namespace jnd

@@ -15,6 +15,7 @@
 #include "data/export/export_folder.h"
 #include "data/fields/csv_writer.h"
 #include "data/results/study_analysis.h"
+#include "data/results/study_results.h"
 #include "runner/session/simulate.h"
 #include "runner/shards/study_shard.h"
 
@@ -29,6 +30,9 @@ struct ReplicationQuestion {
   std::uint64_t seed = 1;  // of all; each has that of seed_of_study()
   DifferenceSource by = DifferenceSource::nominal;
 };
+
+// What jnd analyze makes of one simulated study, of which nothing else is kept. Throws Stopped where interrupted.
+StudyResults simulated_results(const Simulation& simulation, DifferenceSource by);
 
 StudyShard replication_shard(const ReplicationQuestion& question, int number, int of);
 // question must outlive it. threads: studies at a time.
@@ -48,7 +52,8 @@ class ReplicationFolder {
  private:
   std::filesystem::path folder_;
   ExportFolder files_;
-  StudyShard last_;  // without its result
+  Protocol protocol_;  // of the last shard, as its question is: of all
+  nlohmann::ordered_json question_;
   std::vector<std::string> names_;
   std::map<std::string, std::string> headers_;  // by name
   std::vector<DictionaryRow> dictionary_;

@@ -58,8 +58,8 @@ struct ShardWork {
 
 enum class ShardEnd { made, was_there };
 // Makes the studies of an empty shard and writes it, and every ten seconds or tenth of its time what is done of it beside
-// it, as FILE.part: where that is there, it goes on from it. Throws InputError where the file is something else, StorageError
-// where it cannot be written, and Stopped; then FILE.part remains.
+// it, as FILE.part: where that is there, it goes on from it. Throws InputError where the file is something else,
+// StorageError where it cannot be written, and Stopped; then FILE.part remains.
 ShardEnd make_shard(const StudyShard& empty, const std::filesystem::path& file, const ShardWork& work,
                     const std::function<void(std::int64_t)>& progress = {});
 
