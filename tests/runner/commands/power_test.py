@@ -6,6 +6,7 @@ import csv
 import json
 import pathlib
 import random
+import re
 import signal
 import subprocess
 import sys
@@ -133,23 +134,25 @@ class PowerTest(unittest.TestCase):
                           ["--studies", 2, "--csv", self.path / "x", "--to", self.path / "y"], ["--studies", 0, "--csv", "x"],
                           ["--studies", 2, "--shard", "1/2"], ["--studies", 2, "--shard", "3/2", "--to", self.path / "y"]):
             self.assertIn("jnd", jnd("simulate", "tutorial", *arguments, code=2).stderr)
-        run = subprocess.Popen([JND, "simulate", "tutorial", "--studies", "100000", "--csv", str(self.path / "x")],
-                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        time.sleep(0.5)
-        run.send_signal(signal.SIGINT)
-        run.communicate(timeout=60)
-        self.assertEqual(run.returncode, 130)
+        self.interrupted("simulate", "tutorial", "--studies", "100000", "--csv", self.path / "x")
         self.assertEqual(list(self.path.iterdir()), [])
 
     def test_interrupted(self):
         file = self.path / "shard.json"
-        run = subprocess.Popen([JND, "plan", "chinello2017", "--power", "--studies", "100000", "--to", str(file)],
-                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.interrupted("plan", "chinello2017", "--power", "--studies", "100000", "--to", file)
+        self.assertFalse(file.exists())
+
+    def interrupted(self, *arguments):
+        """Ctrl-C half a second after the program heeds it, which a loaded machine may take long for."""
+        run = subprocess.Popen([JND, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        status = pathlib.Path(f"/proc/{run.pid}/status")
+        while not int(re.search(r"SigCgt:\s*(\w+)", status.read_text(encoding="ascii"))[1], 16) >> (signal.SIGINT - 1) & 1:
+            self.assertIsNone(run.poll(), arguments)
+            time.sleep(0.01)
         time.sleep(0.5)
         run.send_signal(signal.SIGINT)
         run.communicate(timeout=60)
-        self.assertEqual(run.returncode, 130)
-        self.assertFalse(file.exists())
+        self.assertEqual(run.returncode, 130, arguments)
 
     def test_refusals(self):
         for arguments, words in (
