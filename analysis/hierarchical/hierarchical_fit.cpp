@@ -66,7 +66,8 @@ HierarchicalAnalysis::HierarchicalAnalysis(std::vector<HierarchicalCell> cells, 
   HierarchicalMaximum start;
   start.place = place;
   start.shared = first_shared(fit_.shared, model.shared);
-  fit_.maximum = by_way_of(rough, form_, start, fit_.shared.any() ? kNegligibleShared : kNegligible);
+  fit_.maximum = maximise_by_way_of(rough, likelihood_, form_, start, range_.criterion_unit,
+                                    fit_.shared.any() ? kNegligibleShared : kNegligible);
 
   const HierarchicalPlace& found = fit_.maximum.place;
   const auto settle = [](SpreadStatus& status, double spread) {
@@ -85,7 +86,7 @@ HierarchicalAnalysis::HierarchicalAnalysis(std::vector<HierarchicalCell> cells, 
   if (conditions < 2 || model.one_mean) return;
   HierarchicalForm common = form_;
   std::fill(common.of.begin(), common.of.end(), 0);
-  fit_.common = by_way_of(rough, common, start_of(common, fit_.maximum), kNegligible);
+  fit_.common = maximise_by_way_of(rough, likelihood_, common, start_of(common, fit_.maximum), range_.criterion_unit);
   fit_.lr = std::max(0.0, 2 * (fit_.maximum.log_likelihood - fit_.common.log_likelihood));
   fit_.df = static_cast<int>(conditions) - 1;
   fit_.p = chi2_upper(fit_.lr, fit_.df);
@@ -105,14 +106,6 @@ void HierarchicalAnalysis::find_spreads() {
   fit_.tu = status(model_.tu, fit_.participants > 1);
   fit_.tw = status(model_.tw, fit_.participants > 1);
   fit_.tv = status(model_.tv, fit_.participants > 1 && several);
-}
-
-// Most of the way with a likelihood that costs a third.
-HierarchicalMaximum HierarchicalAnalysis::by_way_of(HierarchicalLikelihood& rough, const HierarchicalForm& form,
-                                                    const HierarchicalMaximum& start, double negligible) {
-  const HierarchicalMaximum near = maximise(rough, form, start, range_.criterion_unit, kRoughlyNegligible);
-  likelihood_.begin_like(rough);
-  return maximise(likelihood_, form, near, range_.criterion_unit, negligible);
 }
 
 // Where a search begins from a place whose means the form may move: far, and the criteria there are no longer near the

@@ -144,8 +144,6 @@ class HierarchicalAnalysis {
 
  private:
   void find_spreads();
-  HierarchicalMaximum by_way_of(HierarchicalLikelihood& rough, const HierarchicalForm& form,
-                                const HierarchicalMaximum& start, double negligible);
   HierarchicalMaximum start_of(const HierarchicalForm& form, const HierarchicalMaximum& from) const;
   HierarchicalMaximum from_here(const HierarchicalForm& form, const HierarchicalMaximum& from,
                                 double negligible = kNegligible);

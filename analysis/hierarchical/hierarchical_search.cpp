@@ -407,11 +407,15 @@ HierarchicalMaximum maximise(HierarchicalLikelihood& likelihood, const Hierarchi
   const auto [place, shared] = variables.to(found.place);
   maximum.place = variables.settled(place);
   maximum.shared = shared;
-  const bool moved = maximum.place.tu != place.tu || maximum.place.tv != place.tv || maximum.place.tw != place.tw;
-  std::optional<HierarchicalLikelihood::Value> known;
-  if (!moved) known = function.found_at(found.place);
   likelihood.set_shared(shared);
-  const HierarchicalLikelihood::Value value = known ? *known : function.look({maximum.place, shared});
+  const std::optional<HierarchicalLikelihood::Value> known = function.found_at(found.place);
+  HierarchicalLikelihood::Value value = known ? *known : function.look({place, shared});
+  // At 0 ln L differs from its value at the smallest spread by its slope in the square, to 1e-10; other slopes by less.
+  for (double HierarchicalPlace::*spread : {&HierarchicalPlace::tu, &HierarchicalPlace::tv, &HierarchicalPlace::tw}) {
+    if (maximum.place.*spread == place.*spread) continue;
+    value.log_likelihood -= value.slope.*spread * place.*spread / 2;
+    value.slope.*spread = 0;
+  }
   maximum.slope = value.slope;
   maximum.slope_by_shared = value.by_shared;
   maximum.log_likelihood = value.log_likelihood;
@@ -428,6 +432,15 @@ HierarchicalMaximum maximise(HierarchicalLikelihood& likelihood, const Hierarchi
   from.shared = likelihood.shared();
   from.information = information;
   return maximise(likelihood, form, from, criterion_unit, negligible);
+}
+
+HierarchicalMaximum maximise_by_way_of(HierarchicalLikelihood& rough, HierarchicalLikelihood& likelihood,
+                                       const HierarchicalForm& form, const HierarchicalMaximum& from,
+                                       double criterion_unit, double negligible) {
+  constexpr double kNear = 1e-5;  // of ln L
+  const HierarchicalMaximum near = maximise(rough, form, from, criterion_unit, kNear);
+  likelihood.begin_like(rough);
+  return maximise(likelihood, form, near, criterion_unit, negligible);
 }
 
 void observe_information(HierarchicalLikelihood& likelihood, const HierarchicalForm& form, HierarchicalMaximum& maximum,

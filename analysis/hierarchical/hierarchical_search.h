@@ -92,7 +92,12 @@ struct SearchRange {
 // Throws std::invalid_argument without cells, and where all have one level.
 SearchRange search_range(std::span<const HierarchicalCell> cells, ResponseModel model);
 
-// A search with a likelihood of that fineness errs by a few 1e-4 of ln L: enough to come near, and for drawn studies.
+// A likelihood of that fineness errs by a few 1e-4 of ln L, and by much less in its slopes: enough for drawn studies.
 inline constexpr double kRoughFineness = 0.75, kRoughlyNegligible = 1e-3;
+
+// As maximise(), most of the way with a rougher likelihood of the same cells, which costs half.
+HierarchicalMaximum maximise_by_way_of(HierarchicalLikelihood& rough, HierarchicalLikelihood& likelihood,
+                                       const HierarchicalForm& form, const HierarchicalMaximum& from,
+                                       double criterion_unit = 1, double negligible = kNegligible);
 
 }  // namespace jnd

@@ -1,5 +1,5 @@
-// What the hierarchical model of a study of the published size costs: one fit, one fit as rough as those of drawn
-// studies, all intervals and pairs, and the test of one JND by drawn studies.
+// What the hierarchical model of a study of the published size costs: a fit with the test of one JND, one maximum alone,
+// one as rough as those of drawn studies, all intervals and pairs, and the test of one JND by drawn studies.
 //
 //   hierarchical_bench [--benchmark_filter=...]    `baseline` is the likelihood at one place, summed over a fixed grid
 //                                                  of persons' deviations: `ratio` tells each in evaluations of it
@@ -12,6 +12,7 @@
 
 #include "analysis/hierarchical/hierarchical_bootstrap.h"
 #include "analysis/hierarchical/hierarchical_fit.h"
+#include "analysis/numerics/freed_memory.h"
 #include "analysis/numerics/normal.h"
 #include "tests/analysis/hierarchical/hierarchical_fixtures.h"
 
@@ -82,6 +83,18 @@ void fit(benchmark::State& state) {
 }
 BENCHMARK(fit)->Unit(benchmark::kMillisecond);
 
+void one_maximum(benchmark::State& state) {
+  run(state, [](const std::vector<HierarchicalCell>& cells) {
+    HierarchicalLikelihood rough(cells, ResponseModel::yes_no, {}, kRoughFineness),
+        likelihood(cells, ResponseModel::yes_no, {});
+    HierarchicalMaximum truth;
+    truth.place = published_truth();
+    benchmark::DoNotOptimize(
+        maximise_by_way_of(rough, likelihood, HierarchicalForm::separate(3), truth).log_likelihood);
+  });
+}
+BENCHMARK(one_maximum)->Unit(benchmark::kMillisecond);
+
 void fit_of_a_drawn_study(benchmark::State& state) {
   run(state, [](const std::vector<HierarchicalCell>& cells) {
     HierarchicalLikelihood likelihood(cells, ResponseModel::yes_no, {}, 0.75);
@@ -111,4 +124,8 @@ BENCHMARK(test_by_drawn_studies)->Unit(benchmark::kSecond)->Iterations(2);
 
 }  // namespace
 
-BENCHMARK_MAIN();
+int main(int argc, char** argv) {
+  keep_freed_memory();  // as jnd does
+  benchmark::Initialize(&argc, argv);
+  benchmark::RunSpecifiedBenchmarks();
+}
