@@ -70,7 +70,12 @@ TEST_CASE("where the hierarchical model is registered the verdict is of its rati
   CHECK(says(text, "discrimination is finer in SV than in V (JNDs of the hierarchical model, ratio "));
   CHECK_FALSE(says(text, "finer in V than"));
   CHECK_FALSE(says(text, "other methods"));  // they test something else
-  // Answers of chance: no ratio, whatever its p.
+}
+
+// Where nothing tells the JNDs the ends of their ratios are long to find.
+TEST_CASE("by the hierarchical model answers of chance have no ratio, whatever its p", "[long]") {
+  Protocol protocol = published();
+  protocol.analysis.hierarchical = true;
   const std::string chance = verdict_text(results_of_shares(protocol, {0.25, 0.25, 0.25}, 12), protocol);
   INFO(chance);
   CHECK_FALSE(says(chance, "nan"));

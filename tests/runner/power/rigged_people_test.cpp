@@ -103,7 +103,7 @@ TEST_CASE("what participants leave through the rig is what jnd analyze makes of 
   }
 }
 
-TEST_CASE("answers through the rig are as likely as the response model of the profile says", "[power][rig]") {
+TEST_CASE("answers through the rig are as likely as the response model of the profile says", "[power][rig][long]") {
   struct Case {
     Protocol protocol;
     double of_noise;   // s of the model for a noise of 1 of the difference of two intervals
