@@ -127,5 +127,6 @@ BENCHMARK(test_by_drawn_studies)->Unit(benchmark::kSecond)->Iterations(2);
 int main(int argc, char** argv) {
   keep_freed_memory();  // as jnd does
   benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
   benchmark::RunSpecifiedBenchmarks();
 }
