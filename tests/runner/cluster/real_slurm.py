@@ -97,6 +97,9 @@ class RealSlurm:
         host = socket.gethostname().split(".")[0]
         with open(f"{self.root}/slurm.conf", "w") as file:
             file.write(CONFIGURATION.format(host=host, root=self.root, ports=free_ports(2), cores=CORES))
+        # Nothing here uses control groups; left to find them itself, slurmd refuses machines where none or both kinds are mounted.
+        with open(f"{self.root}/cgroup.conf", "w") as file:
+            file.write("CgroupPlugin=cgroup/v1\n")
         self.host = host
         self.daemon("munged", "--foreground", "--force", f"--key-file={self.root}/munge.key", f"--socket={self.root}/munge.socket",
                     f"--pid-file={self.root}/munge.pid", f"--log-file={self.root}/munge.log", f"--seed-file={self.root}/munge.seed")
@@ -117,7 +120,8 @@ class RealSlurm:
             gone = [one.args[0] for one in self.daemons if one.poll() is not None]
             if gone or time.monotonic() > end:
                 words = open(f"{self.root}/{(gone or ['slurmctld'])[0]}.out").read().strip().splitlines()
-                raise SlurmUnavailable(f"{what} does not come up: {words[-1] if words else 'no words'}")
+                wrong = [line for line in words if "error:" in line or "fatal:" in line] or words[-1:] or ["no words"]
+                raise SlurmUnavailable(f"{what} does not come up: {'; '.join(wrong[-3:])}")
             time.sleep(0.05)
 
     def run(self, *command, check=True):
