@@ -23,7 +23,7 @@ const std::string kEnter = "\r", kEscape = "\x1b", kUp = "\x1b[A", kLarge = "\x0
 // At the devices' own pace a machine that is busy with something else ends a trial, as it must.
 const std::string kHeldUp = "FAULT: the program was held up";
 struct HeldUp : std::runtime_error {
-  HeldUp() : std::runtime_error("this machine never gave the program the time that the devices need") {}
+  HeldUp() : std::runtime_error("the program was held up, here where it must not be or each time again") {}
 };
 
 enum class Letters { compared, timed };
