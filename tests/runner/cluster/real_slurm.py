@@ -2,6 +2,7 @@
 with the Debian packages slurmctld, slurmd, slurm-client and munge; systemd is not needed."""
 import ctypes
 import os
+import pathlib
 import shutil
 import signal
 import socket
@@ -38,7 +39,7 @@ SwitchType=switch/none
 MpiDefault=none
 AccountingStorageType=accounting_storage/none
 JobAcctGatherType=jobacct_gather/none
-ReturnToService=2
+ReturnToService=0
 KillWait=1
 MinJobAge=300
 PropagateResourceLimits=NONE
@@ -106,7 +107,7 @@ class RealSlurm:
         self.until(lambda: os.path.exists(f"{self.root}/munge.socket"), "munged")
         self.daemon("slurmctld", "-D")
         self.daemon("slurmd", "-D")
-        self.until(lambda: self.run("sinfo", "--noheader", "--format=%T", check=False) == "idle", "the node")
+        self.until(lambda: self.node_state() == "idle", "the node")
 
     def daemon(self, *command):
         log = open(f"{self.root}/{command[0]}.out", "w")
@@ -114,7 +115,7 @@ class RealSlurm:
                                              start_new_session=True, preexec_fn=end_with_the_test))
         log.close()
 
-    def until(self, reached, what, seconds=20):
+    def until(self, reached, what, seconds=60):
         end = time.monotonic() + seconds
         while not reached():
             gone = [one.args[0] for one in self.daemons if one.poll() is not None]
@@ -134,8 +135,26 @@ class RealSlurm:
         """"JOB_SHARD" of those that are in this state."""
         return self.run("squeue", "--noheader", "--array", f"--states={state}", "--format=%F_%K", check=False).split()
 
-    def node(self, state):
-        self.run("scontrol", "update", f"nodename={self.host}", f"state={state}", "reason=test")
+    def node_state(self):
+        return self.run("sinfo", "--noheader", "--format=%T", check=False)
+
+    def node_down(self):
+        """It stays down until node_up(): ReturnToService=0."""
+        self.run("scontrol", "update", f"nodename={self.host}", "state=down", "reason=test")
+
+    def node_up(self):
+        self.run("scontrol", "update", f"nodename={self.host}", "state=resume")
+
+    def hurry(self):
+        """Slurm lets what it requeues wait for two minutes; not here."""
+        if waiting := self.tasks("pending"):
+            self.run("scontrol", "update", f"jobid={','.join(waiting)}", "starttime=now", check=False)
+
+    def account(self):
+        """Of its jobs and its node, and its last words, for a test that fails."""
+        last = [f"{name}: {pathlib.Path(self.root, name + '.out').read_text()[-2000:]}" for name in ("slurmctld", "slurmd")]
+        return "\n".join([self.run("squeue", "--states=all", check=False), self.run("sinfo", "--Node", "--format=%N %T %E", check=False),
+                          *last])
 
     def end_controller(self):
         controller = next(one for one in self.daemons if one.args[0] == "slurmctld")
