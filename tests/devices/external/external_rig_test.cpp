@@ -138,7 +138,7 @@ std::string endure(const std::string& fault, int seed) {
     ExternalSettings settings =
         settings_for({"env", token, "python3", kHostile.string(), fault, std::to_string(seed), folder.path().string()});
     settings.time_outs.prepare_s = 0.5;
-    if (fault == "silent_from_the_start" || fault == "bad_hello") settings.time_outs.hello_s = 0.5;
+    if (fault == "silent_from_the_start" || fault == "bad_hello") settings.time_outs.hello_s = 3;
     ExternalRig rig(settings, kSteady);
     RenderRequest request = example_request();
     request.parameters.clear();
