@@ -21,7 +21,7 @@ inline LinkTarget target_of(const std::string& serial, const std::string& finger
 }
 
 // Generous: a busy machine is no fault.
-inline constexpr std::chrono::seconds kPatience{20};
+inline constexpr std::chrono::seconds kPatience{120};
 
 template <typename Condition>
 bool eventually(const Condition& condition, std::chrono::milliseconds patience = kPatience) {
