@@ -101,16 +101,19 @@ class OnSlurm(unittest.TestCase):
         self.assertEqual(self.ends_with(process), self.whole(LONGER))
         self.assertIn("; again", self.told())
 
-    def test_a_node_that_goes_down(self):
-        for options, seen in ((["--sbatch=--no-requeue"], "NODE_FAIL; again"), ([], "waiting (BeginTime)")):
-            with self.subTest(seen=seen):
-                process = self.start(*options, "--submit", "--follow", step=0.3)
-                self.until(lambda: self.slurm.tasks("running"), process)
-                self.slurm.node_down()
-                self.until(lambda: seen in self.told(), process)
-                self.slurm.node_up()
-                self.assertEqual(self.ends_with(process, meanwhile=self.slurm.hurry), self.whole())
-            subprocess.run(["rm", "-r", os.path.join(self.path, "run")], check=True)
+    def test_a_node_that_goes_down_and_shards_that_are_submitted_again(self):
+        self.node_goes_down("NODE_FAIL; again", "--sbatch=--no-requeue")
+
+    def test_a_node_that_goes_down_and_shards_that_wait_for_another(self):
+        self.node_goes_down("waiting (BeginTime)")
+
+    def node_goes_down(self, seen, *options):
+        process = self.start(*options, "--submit", "--follow", step=0.3)
+        self.until(lambda: "running" in self.told(), process)
+        self.slurm.node_down()
+        self.until(lambda: seen in self.told(), process)
+        self.slurm.node_up()
+        self.assertEqual(self.ends_with(process, meanwhile=self.slurm.hurry), self.whole())
 
     def test_submitted_by_hand_followed_left_and_followed_again(self):
         self.assertIn("0 of 8", self.ends_with(self.start()))

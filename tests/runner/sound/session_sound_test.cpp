@@ -39,11 +39,11 @@ class Players {
                         << script << "\n";
     std::filesystem::permissions(file, std::filesystem::perms::owner_all);
   }
-  // Notes the file's name and sum, and plays for as long as it lasts.
+  // Notes the file's name and sum, and plays for as long as it lasts. From that note on it notes its end, too.
   void add_good(const std::string& name) const {
     add(name,
-        "echo \"$(basename \"$file\") $(cksum < \"$file\" | cut -d' ' -f1)\" >> \"$record\"\n"
         "trap 'echo \"end $(basename \"$file\")\" >> \"$record\"; exit 0' TERM\n"
+        "echo \"$(basename \"$file\") $(cksum < \"$file\" | cut -d' ' -f1)\" >> \"$record\"\n"
         "case \"$file\" in *noise*) sleep 60 & wait;; esac");
   }
   std::vector<std::string> notes() const {

