@@ -24,7 +24,7 @@ using namespace jnd;
 namespace {
 
 bool skipped() {
-  if (JND_COUNTS_ALLOCATIONS) return false;
+  if (counts_heap_calls) return false;
   WARN("SKIPPED: allocations in the tick are not counted under AddressSanitizer or ThreadSanitizer, or without glibc");
   return true;
 }

@@ -11,7 +11,7 @@ using namespace jnd;
 using namespace jnd::testing;
 
 TEST_CASE("the loop's calls of a device over HID allocate nothing", "[link]") {
-  if (!JND_COUNTS_ALLOCATIONS) {
+  if (!counts_heap_calls) {
     WARN("SKIPPED: allocations are not counted under AddressSanitizer or ThreadSanitizer, or without glibc");
     return;
   }
