@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """The house: rooms, their wings, and which wing may include which. Fails on an include that is not in the table, on a file
-in no wing, on a folder of too many files, on tests that stand in no wing of what they test, and on two headers with a type
-of the same name: where the linker meets both it keeps the code of one.
+in no wing, on a folder of too many files, on tests that stand in no wing of what they test, on two headers with a type
+of the same name (where the linker meets both it keeps the code of one), and on committed files that belong nowhere.
 
 Usage: layers_test.py [SOURCE-FOLDER]"""
 import pathlib
 import re
+import subprocess
 import sys
 
 MOST_FILES = 30  # in a folder, of those that are compiled
@@ -110,6 +111,11 @@ ANY_LENGTH = {"devices/hid/firmware"}
 
 SOURCE = (".h", ".cpp", ".c")
 
+# What git keeps at the top level, beside names that begin with a dot.
+TOP_LEVEL = {"CMakeLists.txt", "CMakePresets.json", "README.md", "LICENSE", "CITATION.cff", "CHANGELOG.md", "debian", "tests", *ROOMS}
+# Folders, or single files, that git may keep though they are no UTF-8 text.
+BINARY = ("runner/pictures/", "tests/fuzz/corpus/")
+
 
 def wing_of(path):
     """"devices/hid/link/x.h" -> ("devices", "hid/link")."""
@@ -197,9 +203,33 @@ def problems(root):
                 del left[wing]
 
 
+def strays(root):
+    """Files that git keeps in the wrong place; programs and other binaries."""
+    try:
+        listed = subprocess.run(["git", "-C", root, "ls-files", "-z"], capture_output=True, text=True)
+    except FileNotFoundError:
+        listed = None
+    if listed is None or listed.returncode or not (root / ".git").exists():
+        print("SKIPPED: this folder is no git checkout: nobody looks for stray files")
+        return
+    for top in sorted({path.split("/")[0] for path in listed.stdout.split("\0") if path} - TOP_LEVEL):
+        if not top.startswith("."):
+            yield f"{top}: does not belong at the top level (the list is in tests/layers_test.py)"
+    for path in listed.stdout.split("\0"):
+        if not (root / path).is_file() or path.startswith(BINARY):
+            continue
+        data = (root / path).read_bytes()
+        try:
+            data.decode()
+        except UnicodeDecodeError:
+            data = b"\0"
+        if b"\0" in data:
+            yield f"{path}: is no text; binaries stand only in {', '.join(BINARY)}"
+
+
 def main():
     root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).resolve().parent.parent)
-    found = list(problems(root))
+    found = [*problems(root), *strays(root)]
     print("\n".join(found) or "every include follows the table")
     sys.exit(1 if found else 0)
 
