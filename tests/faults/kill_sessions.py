@@ -7,22 +7,21 @@ session: simulated participants, the same with levels that their answers set by 
 a pseudo-terminal. A person's trial that was felt and not answered comes again at the end of its block, so there the tables are
 compared trial by trial, and answers with what the program said it saved.
 
-Usage: kill_sessions.py JND [--kills N] [--seed N]        --kills 1000 is the long form
-"""
+Usage: kill_sessions.py JND [--kills N] [--seed N]        --kills 1000 is the long form"""
 import argparse
 import contextlib
 import json
 import os
-import pty
 import random
 import re
 import select
-import signal
 import sqlite3
-import subprocess
 import sys
 import tempfile
 import time
+
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
 
 # What the line mode of `jnd run` says.
 TRIAL = re.compile(r"Trial (\d+) of")
@@ -76,13 +75,13 @@ def torn(study):
     return count
 
 
-def check_study(jnd, study, session, expected, tally, name):
+def check_study(study, session, expected, tally, name):
     """Everything that must hold whenever the program is not running."""
     if not os.path.exists(study):
         tally.count("acknowledged answers lost", not session.acknowledged, f"{name}: there is no study")
         return
-    verify = subprocess.run([jnd, "verify", study, "--json"], capture_output=True, text=True)
-    tally.count("verify failures", verify.returncode == 0, f"{name}: {verify.stdout}{verify.stderr}")
+    verify = program.run("verify", study, "--json", code=None)
+    tally.count("verify failures", verify.returncode == 0, f"{name}: {verify.said}")
     tally.count("torn trials", torn(study) == 0, name)
     for key, row in plan_of(study).items():
         tally.count("plan differences", expected.get(key) == row, f"{name}: {row} instead of {expected.get(key)}")
@@ -91,10 +90,10 @@ def check_study(jnd, study, session, expected, tally, name):
         tally.count("acknowledged answers lost", said[number - 1:number] == [answer], f"{name}: answer {number}, {answer}")
 
 
-def small_protocol(jnd, folder, name="chinello2017"):
+def small_protocol(folder, name="chinello2017"):
     """A shipped design, shortened to 8 trials a cell, 4 reversals or 12 trials a track, and short explorations."""
     path = os.path.join(folder, f"small-{name}.json")
-    subprocess.run([jnd, "new", path, "--from", name], check=True, stdout=subprocess.DEVNULL)
+    program.run("new", path, "--from", name)
     with open(path) as file:
         protocol = json.load(file)
     for part in ("assumed", "practice", "checklist", "consent", "instructions", "translations"):
@@ -117,21 +116,17 @@ class Simulated:
 
     by_trial = False  # whether trials may come in another order after a kill
 
-    def __init__(self, jnd, protocol, study):
-        self.command = [jnd, "simulate", protocol, "--participants", "8", "--study", study, "--seed", "1", "--threads", "2"]
+    def __init__(self, protocol, study):
+        self.command = ["simulate", protocol, "--participants", "8", "--study", study, "--seed", "1", "--threads", "2"]
         self.acknowledged = {}
         self.complaint = ""
 
     def run(self, kill_after):
         """True when the command finished by itself."""
-        process = subprocess.Popen(self.command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
-        try:
-            output, _ = process.communicate(timeout=kill_after)
-        except subprocess.TimeoutExpired:
-            process.send_signal(signal.SIGKILL)
-            process.communicate()
-            return False
-        self.complaint = "" if process.returncode == 0 else f"ended with {process.returncode}: {output.decode()}"
+        with program.start(*self.command) as process:
+            if program.kill_within(process, kill_after):
+                return False
+            self.complaint = "" if process.returncode == 0 else f"ended with {process.returncode}: {process.stderr.read()}"
         return True
 
 
@@ -140,31 +135,26 @@ class Person:
 
     by_trial = True
 
-    def __init__(self, jnd, protocol, study):
-        self.command = [jnd, "run", protocol, "--study", study, "--participant", "P01", "--seed", "1", "--fast"]
-        if "--plain" in subprocess.run([jnd, "run", "--help"], capture_output=True, text=True).stdout:
-            self.command.append("--plain")
+    def __init__(self, protocol, study):
+        self.command = ["run", protocol, "--study", study, "--participant", "P01", "--seed", "1", "--fast", "--plain"]
         self.acknowledged = {}  # by the number of the answer in the session
         self.complaint = ""
 
     def run(self, kill_after):
         deadline = None if kill_after is None else time.monotonic() + kill_after
-        pid, terminal = pty.fork()
-        if pid == 0:
-            os.environ["NO_COLOR"] = "1"
-            os.execv(self.command[0], self.command)
+        terminal = program.Terminal(*self.command, env={"NO_COLOR": "1"})
         unread, number, said, wanted, pressed_at = "", 0, "", "", time.monotonic()
         while True:
             if deadline is not None and time.monotonic() > deadline:
-                os.kill(pid, signal.SIGKILL)
+                terminal.process.kill()
                 deadline = None
-            ready, _, _ = select.select([terminal], [], [], 0.01)
+            ready, _, _ = select.select([terminal.file], [], [], 0.01)
             if not ready:
                 if wanted and time.monotonic() > pressed_at + PRESSED_AGAIN_AFTER_S:
                     pressed_at = self.press(terminal, wanted)
                 continue
             try:
-                data = os.read(terminal, 4096)
+                data = os.read(terminal.file, 4096)
             except OSError:
                 data = b""
             if not data:
@@ -184,27 +174,26 @@ class Person:
                     self.acknowledged[number] = match[1]
                 if wanted:
                     pressed_at = self.press(terminal, wanted)
-        os.close(terminal)
-        _, status = os.waitpid(pid, 0)
-        if os.WIFSIGNALED(status):
+        os.close(terminal.file)
+        status = terminal.process.wait(program.GUARD_S)
+        if status < 0:
             return False
         # Killed between the session's last event and the program's end, it has nothing left to do.
-        fine = os.WEXITSTATUS(status) == 0 or FINISHED_BEFORE in said
-        self.complaint = "" if fine else f"ended with {os.WEXITSTATUS(status)}: {said[-500:]}"
+        self.complaint = "" if status == 0 or FINISHED_BEFORE in said else f"ended with {status}: {said[-500:]}"
         return True
 
     @staticmethod
     def press(terminal, key):
         with contextlib.suppress(OSError):
-            os.write(terminal, key.encode())
+            terminal.type(key)
         return time.monotonic()
 
 
-def campaign(name, make, jnd, folder, protocol, kills, generator):
+def campaign(name, make, folder, protocol, kills, generator):
     tally = Tally()
     undisturbed = os.path.join(folder, f"{name}-undisturbed.sqlite")
     began = time.monotonic()
-    first = make(jnd, protocol, undisturbed)
+    first = make(protocol, undisturbed)
     first.run(None)
     whole = time.monotonic() - began
     tally.count("unexpected endings", not first.complaint, f"{name}: {first.complaint}")
@@ -213,14 +202,14 @@ def campaign(name, make, jnd, folder, protocol, kills, generator):
     while tally.kills < kills and not any(tally.wrong.values()):
         tally.studies += 1
         study = os.path.join(folder, f"{name}-{tally.studies}.sqlite")
-        session = make(jnd, protocol, study)
+        session = make(protocol, study)
         for _ in range(1000):
             if session.run(generator.uniform(0.005, whole * 0.4) if tally.kills < kills else None):
                 break
             tally.kills += 1
-            check_study(jnd, study, session, expected, tally, name)
+            check_study(study, session, expected, tally, name)
         tally.count("unexpected endings", not session.complaint, f"{name}: {session.complaint}")
-        check_study(jnd, study, session, expected, tally, name)
+        check_study(study, session, expected, tally, name)
         tally.acknowledged += len(session.acknowledged)
         same = plan_of(study) == expected if session.by_trial else answers_in_order(study) == expected_answers
         tally.count("final tables that differ", same, study)
@@ -232,17 +221,15 @@ def campaign(name, make, jnd, folder, protocol, kills, generator):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("jnd")
-    parser.add_argument("--kills", type=int, default=36, help="of all four kinds of session together (default 36)")
+    parser.add_argument("--kills", type=int, default=program.campaign(36), help="of all four kinds of session together (default 36)")
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
-    jnd = os.path.abspath(options.jnd)
     generator = random.Random(options.seed)
     each = -(-options.kills // 4)
     with tempfile.TemporaryDirectory() as folder:
-        fixed, adaptive, posterior = (small_protocol(jnd, folder, name)
+        fixed, adaptive, posterior = (small_protocol(folder, name)
                                       for name in ("chinello2017", "adaptive-staircase", "adaptive-posterior"))
-        tallies = {name: campaign(name, make, jnd, folder, protocol, each, generator)
+        tallies = {name: campaign(name, make, folder, protocol, each, generator)
                    for name, make, protocol in (("simulated", Simulated, fixed), ("adaptive", Simulated, adaptive),
                                                 ("posterior", Simulated, posterior), ("interactive", Person, fixed))}
     rows = [("kills", [t.kills for t in tallies.values()]), ("answers acknowledged", [t.acknowledged for t in tallies.values()])]

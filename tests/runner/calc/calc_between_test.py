@@ -1,15 +1,9 @@
 #!/usr/bin/env python3
-"""jnd calc compare with the column group from outside: groups alone, groups with conditions, messages, exit codes.
-
-Usage: calc_between_test.py JND
-"""
-import json
-import os
-import subprocess
+"""jnd calc compare with the column group from outside: groups alone, groups with conditions, messages, exit codes."""
 import sys
-import unittest
 
-JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
 
 HEAD = "participant,group,condition,value"
 FIRST = [0.7, -1.6, -0.2, -1.2, -0.1, 3.4, 3.7, 0.8, 0.0, 2.0]  # R's data set sleep
@@ -18,15 +12,12 @@ MIXED = [HEAD, "P1,A,x,1", "P1,A,y,3", "P2,A,x,2", "P2,A,y,5", "P3,B,x,4", "P3,B
          "P5,B,x,5", "P5,B,y,7"]
 
 
-class CalcBetween(unittest.TestCase):
+class CalcBetween(program.Case):
     def calc(self, lines, *more, code=0):
-        done = subprocess.run([JND, "calc", "compare", "-", *more], input="\n".join(lines) + "\n", capture_output=True,
-                              text=True)
-        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
-        return done
+        return program.run("calc", "compare", "-", *more, input=lines, code=code)
 
     def json_of(self, lines):
-        return json.loads(self.calc(lines, "--json").stdout, parse_constant=self.fail)
+        return self.calc(lines, "--json").json
 
     def test_groups_alone(self):
         lines = [HEAD] + [f"P{i},first,d,{v}" for i, v in enumerate(FIRST)]
@@ -82,11 +73,10 @@ class CalcBetween(unittest.TestCase):
 
     def test_people_get_tables(self):
         text = self.calc(MIXED).stdout
-        for part in ("5 participants in 2 groups, 2 conditions each", "group x condition", "Mann-Whitney W", "type I"):
-            self.assertIn(part, text)
+        self.says(text, "5 participants in 2 groups, 2 conditions each", "group x condition", "Mann-Whitney W", "type I")
         self.assertNotIn("nan", text)
         self.assertIn("nothing can be tested", self.calc([HEAD, "P1,A,x,1", "P2,B,x,2"]).stdout)
 
 
 if __name__ == "__main__":
-    unittest.main()
+    program.main()

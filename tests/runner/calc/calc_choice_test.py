@@ -1,30 +1,23 @@
 #!/usr/bin/env python3
-"""jnd calc mafc, oddity, duo-trio, abx and reminder from outside: shapes, numbers of R, statuses, messages.
-
-Usage: calc_choice_test.py JND
-"""
-import json
+"""jnd calc mafc, oddity, duo-trio, abx and reminder from outside: shapes, numbers of R, statuses, messages."""
 import math
-import os
-import subprocess
 import sys
-import unittest
 
-JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
+
 RATES = "n_signal,hits,n_noise,false_alarms\n"
 
 
-def run(*arguments, text):
-    return subprocess.run([JND, "calc", *arguments], input=text, capture_output=True, text=True, timeout=60)
+def run(command, *arguments, text, code=0):
+    return program.run("calc", command, "-", *arguments, input=text, code=code)
 
 
 def lines(*arguments, text):
-    done = run(arguments[0], "-", *arguments[1:], "--json", text=text)
-    assert done.returncode == 0, done.stderr
-    return [json.loads(line) for line in done.stdout.splitlines()]
+    return run(*arguments, "--json", text=text).lines
 
 
-class Counts(unittest.TestCase):
+class Counts(program.Case):
     def near(self, row, dprime, se, low, high):
         for ours, reference in zip((row["dprime"], row["se"], *row["dprime_ci"]), (dprime, se, low, high)):
             self.assertAlmostEqual(ours, reference, delta=1e-6)
@@ -66,33 +59,27 @@ class Counts(unittest.TestCase):
         self.assertAlmostEqual(row["dprime"], -0.9538725524089856, delta=1e-6)  # signed
 
     def test_table(self):
-        done = run("mafc", "-", "--alternatives", "3", text="id,n,correct\nP01,36,25\nP02,36,36\n")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        for part in ("3 alternatives", "P01", "25/36", "1.217", "0.668 to 1.789", "inf", "ceiling: every answer was right"):
-            self.assertIn(part, done.stdout)
+        done = run("mafc", "--alternatives", "3", text="id,n,correct\nP01,36,25\nP02,36,36\n")
+        self.says(done.stdout, "3 alternatives", "P01", "25/36", "1.217", "0.668 to 1.789", "inf", "ceiling: every answer was right")
 
     def test_refusals(self):
         for arguments, text, code, parts in (
-                (("mafc", "-", "--alternatives", "3"), "n,correct\n12,5\n12,13\n", 3, ("input:3:2: correct", "at most n")),
-                (("mafc", "-", "--alternatives", "3"), "n,correct\n12,-1\n", 3, ("input:2:2: correct",)),
-                (("mafc", "-", "--alternatives", "3"), "n,right\n12,1\n", 3, ("right",)),
-                (("mafc", "-", "--alternatives", "5"), "n,correct\n12,5\n", 2, ("--alternatives",)),
+                (("mafc", "--alternatives", "3"), "n,correct\n12,5\n12,13\n", 3, ("input:3:2: correct", "at most n")),
+                (("mafc", "--alternatives", "3"), "n,correct\n12,-1\n", 3, ("input:2:2: correct",)),
+                (("mafc", "--alternatives", "3"), "n,right\n12,1\n", 3, ("right",)),
+                (("mafc", "--alternatives", "5"), "n,correct\n12,5\n", 2, ("--alternatives",)),
                 (("mafc", "-"), "n,correct\n12,5\n", 2, ("--alternatives",)),
-                (("abx", "-"), "n,correct\n12,5\n", 2, ("--strategy", "--rates")),
-                (("abx", "-", "--strategy", "differencing", "--rates"), RATES + "12,5,12,3\n", 2, ("--strategy", "--rates")),
-                (("abx", "-", "--strategy", "guessing"), "n,correct\n12,5\n", 2, ("--strategy",)),
-                (("abx", "-", "--rates"), RATES + "12,13,12,3\n", 3, ("input:2:2: hits", "n_signal")),
-                (("reminder", "-", "--intervals", "1"), RATES + "12,3,12,13\n", 3, ("false_alarms", "n_noise")),
-                (("reminder", "-", "--intervals", "3"), RATES + "12,3,12,1\n", 2, ("--intervals",))):
+                (("abx",), "n,correct\n12,5\n", 2, ("--strategy", "--rates")),
+                (("abx", "--strategy", "differencing", "--rates"), RATES + "12,5,12,3\n", 2, ("--strategy", "--rates")),
+                (("abx", "--strategy", "guessing"), "n,correct\n12,5\n", 2, ("--strategy",)),
+                (("abx", "--rates"), RATES + "12,13,12,3\n", 3, ("input:2:2: hits", "n_signal")),
+                (("reminder", "--intervals", "1"), RATES + "12,3,12,13\n", 3, ("false_alarms", "n_noise")),
+                (("reminder", "--intervals", "3"), RATES + "12,3,12,1\n", 2, ("--intervals",))):
             with self.subTest(arguments=arguments, text=text):
-                done = run(*arguments, text=text)
-                self.assertEqual(done.returncode, code, done.stderr)
-                self.assertEqual(done.stdout, "")
-                for part in parts:
-                    self.assertIn(part, done.stderr)
+                self.refused(run(*arguments, text=text, code=code), *parts)
 
 
-class Rates(unittest.TestCase):
+class Rates(program.Case):
     def test_abx(self):
         row, = lines("abx", "--rates", text="id," + RATES + "P01,48,38,48,12\n")
         self.assertEqual((row["id"], row["n_signal"], row["hits"], row["n_noise"], row["false_alarms"], row["status"]),
@@ -129,12 +116,9 @@ class Rates(unittest.TestCase):
         self.assertEqual(rows[3]["raw"]["dprime_differencing"], 0)
 
     def test_tables(self):
-        done = run("abx", "-", "--rates", text=RATES + "48,38,48,12\n")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        for part in ("ABX", "38/48", "12/48", "2.121", "1.877"):
-            self.assertIn(part, done.stdout)
-        self.assertIn("reminder, then both stimuli", run("reminder", "-", "--intervals", "2", text=RATES + "48,38,48,12\n").stdout)
+        self.says(run("abx", "--rates", text=RATES + "48,38,48,12\n").stdout, "ABX", "38/48", "12/48", "2.121", "1.877")
+        self.assertIn("reminder, then both stimuli", run("reminder", "--intervals", "2", text=RATES + "48,38,48,12\n").stdout)
 
 
 if __name__ == "__main__":
-    unittest.main()
+    program.main()

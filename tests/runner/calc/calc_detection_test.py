@@ -1,31 +1,19 @@
 #!/usr/bin/env python3
-"""`jnd calc sdt` and `jnd calc coverage` from outside: shapes, statuses, numbers of R and sensR, messages.
-
-Usage: calc_detection_test.py JND
-"""
-import json
+"""`jnd calc sdt` and `jnd calc coverage` from outside: shapes, statuses, numbers of R and sensR, messages."""
 import math
-import os
-import subprocess
 import sys
-import tempfile
-import unittest
 
-JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
+
 HEADER = "id,n_diff,hits,n_same,false_alarms\n"
 EXTENDED = {"hit_rate", "false_alarm_rate", "z_hit", "z_false_alarm", "dprime", "criterion", "ln_beta", "se", "ci_low", "ci_high"}
-
-
-def run(*arguments, text=None):
-    return subprocess.run([JND, "calc", *arguments], input=text, capture_output=True, text=True, timeout=60)
 
 
 def sdt(*rows):
     """The JSON lines of rows of (n_diff, hits, n_same, false_alarms)."""
     text = HEADER + "".join("row %d,%d,%d,%d,%d\n" % (i, *row) for i, row in enumerate(rows))
-    done = run("sdt", "-", "--json", text=text)
-    assert done.returncode == 0, done.stderr
-    return [json.loads(line) for line in done.stdout.splitlines()]
+    return program.run("calc", "sdt", "-", "--json", input=text).lines
 
 
 def leaves(value):
@@ -34,7 +22,7 @@ def leaves(value):
     return [value]
 
 
-class Sdt(unittest.TestCase):
+class Sdt(program.Case):
     def near(self, ours, reference, tolerance=1e-9):
         self.assertLessEqual(abs(ours - reference), tolerance, (ours, reference))
 
@@ -117,20 +105,14 @@ class Sdt(unittest.TestCase):
             self.assertFalse(isinstance(value, float) and not math.isfinite(value))
 
     def test_columns_in_any_order_and_a_file(self):
-        with tempfile.TemporaryDirectory() as folder:
-            path = os.path.join(folder, "counts.csv")
-            with open(path, "w", encoding="utf-8") as file:
-                file.write('false_alarms,id,n_same,hits,n_diff\n1,"S, 500",6,5,6\n')
-            done = run("sdt", path, "--json")
-        row = json.loads(done.stdout)
+        path = self.write("counts.csv", 'false_alarms,id,n_same,hits,n_diff\n1,"S, 500",6,5,6\n')
+        row = self.jnd("calc", "sdt", path, "--json").json
         self.assertEqual((row["id"], row["hits"]), ("S, 500", 5))
 
     def test_a_person_reads_tables(self):
-        done = run("sdt", "-", text=HEADER + "P01,6,5,6,1\nP02,6,6,6,6\nP03,6,2,0,0\n")
-        self.assertEqual(done.returncode, 0)
-        for words in ("yes-no model, log-linear correction", "1.583", "0.346 to 3.767", "3.323", "no_information", "missing",
-                      "1 of 3 rows lack a class"):
-            self.assertIn(words, done.stdout)
+        done = self.jnd("calc", "sdt", "-", input=HEADER + "P01,6,5,6,1\nP02,6,6,6,6\nP03,6,2,0,0\n")
+        self.says(done.stdout, "yes-no model, log-linear correction", "1.583", "0.346 to 3.767", "3.323", "no_information", "missing",
+                  "1 of 3 rows lack a class")
         self.assertNotIn("nan", done.stdout)
 
     def test_mistakes_are_one_located_message(self):
@@ -141,38 +123,33 @@ class Sdt(unittest.TestCase):
                                   ("x,6,5.5,6,1", "standard input:2:3", "hits"),
                                   ("x,6,,6,1", "standard input:2:3", "hits")):
             with self.subTest(row):
-                done = run("sdt", "-", "--json", text=HEADER + row + "\n")
-                self.assertEqual((done.returncode, done.stdout), (3, ""))
-                self.assertIn(place, done.stderr)
-                self.assertIn(words, done.stderr)
+                done = self.jnd("calc", "sdt", "-", "--json", input=HEADER + row + "\n", code=3)
+                self.refused(done, place, words)
                 self.assertEqual(len(done.stderr.strip().splitlines()), 1)
 
     def test_a_mistake_in_the_last_row_prints_no_half_an_answer(self):
-        done = run("sdt", "-", "--json", text=HEADER + "a,6,5,6,1\nb,6,7,6,1\n")
-        self.assertEqual((done.returncode, done.stdout), (3, ""))
-        self.assertIn("standard input:3:3", done.stderr)
+        done = self.jnd("calc", "sdt", "-", "--json", input=HEADER + "a,6,5,6,1\nb,6,7,6,1\n", code=3)
+        self.refused(done, "standard input:3:3")
 
 
-class Coverage(unittest.TestCase):
+class Coverage(program.Case):
     def test_table(self):
-        done = run("coverage", "--trials", "6,48")
-        self.assertEqual(done.returncode, 0)
+        done = self.jnd("calc", "coverage", "--trials", "6,48")
         rows = [line for line in done.stdout.splitlines() if line.startswith(("| 6 |", "| 48 |"))]
         self.assertEqual(len(rows), 2 * 2 * 3)
         self.assertTrue(all(line.count("|") in (7, 8) for line in rows))
 
     def test_json(self):
-        done = run("coverage", "--trials", "48", "--json")
-        lines = [json.loads(line) for line in done.stdout.splitlines()]
+        lines = self.jnd("calc", "coverage", "--trials", "48", "--json").lines
         self.assertEqual([line["criterion"] for line in lines], [-0.5, 0, 0.5])
         for line in lines:
             for cell in line["coverage"]:
                 self.assertTrue(0.93 < cell["profile"] < 0.97, line)
 
     def test_numbers_of_trials_have_bounds(self):
-        self.assertNotEqual(run("coverage", "--trials", "0").returncode, 0)
-        self.assertNotEqual(run("coverage", "--trials", "100000").returncode, 0)
+        for trials in ("0", "100000"):
+            self.assertNotEqual(self.jnd("calc", "coverage", "--trials", trials, code=None).returncode, 0)
 
 
 if __name__ == "__main__":
-    unittest.main()
+    program.main()

@@ -1,17 +1,10 @@
 #!/usr/bin/env python3
-"""`jnd calc fit` from outside: shapes, reference numbers, statuses, and one located message for a mistake.
-
-Usage: calc_fit_test.py JND
-"""
-import json
+"""`jnd calc fit` from outside: shapes, reference numbers, statuses, and one located message for a mistake."""
 import math
-import os
-import subprocess
 import sys
-import tempfile
-import unittest
 
-JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
 
 LEVELS = "x,n,k\n600,20,1\n700,20,2\n800,20,6\n850,20,7\n900,20,11\n950,20,14\n1000,20,15\n1100,20,18\n1200,20,20\n"
 FORCED = "k,x,n\n27,15,50\n15,30,32\n40,60,64\n28,90,40\n52,120,64\n21,180,24\n47,260,50\n47,400,50\n"
@@ -21,19 +14,12 @@ TWO = "group,x,n,k\n" + "".join(
     for x, k in zip((600, 700, 800, 850, 900, 950, 1000, 1100, 1200), ks))
 
 
-class Fit(unittest.TestCase):
+class Fit(program.Case):
     def run_fit(self, text, *arguments, code=0):
-        with tempfile.TemporaryDirectory() as folder:
-            path = os.path.join(folder, "levels.csv")
-            with open(path, "w", encoding="utf-8") as file:
-                file.write(text)
-            done = subprocess.run([JND, "calc", "fit", path, *arguments], capture_output=True, text=True)
-        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
-        return done
+        return self.jnd("calc", "fit", self.write("levels.csv", text), *arguments, code=code)
 
     def lines(self, text, *arguments):
-        out = self.run_fit(text, *arguments, "--json").stdout
-        return [json.loads(line, parse_constant=lambda name: self.fail(name)) for line in out.splitlines()]
+        return self.run_fit(text, *arguments, "--json").lines
 
     def close(self, ours, theirs, relative=1e-8):
         self.assertTrue(math.isclose(ours, theirs, rel_tol=relative), (ours, theirs))
@@ -141,12 +127,10 @@ class Fit(unittest.TestCase):
 
     def test_a_person_reads_tables(self):
         out = self.run_fit(TWO, "--function", "gaussian", "--guess", "0", "--lapse", "free", "--compare").stdout
-        for words in ("gaussian function, guess 0, lapse free", "885.66", "95 % profile", "own location", "chi-square",
-                      "lapse_at_bound: "):
-            self.assertIn(words, out)
+        self.says(out, "gaussian function, guess 0, lapse free", "885.66", "95 % profile", "own location", "chi-square", "lapse_at_bound: ")
         self.assertNotIn("\x1b", out)
         self.assertNotIn("nan", out)
 
 
 if __name__ == "__main__":
-    unittest.main()
+    program.main()

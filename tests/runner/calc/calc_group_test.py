@@ -1,19 +1,12 @@
 #!/usr/bin/env python3
-"""jnd calc compare, wilcoxon, ptukey, qtukey and shapiro from outside: shapes, numbers, messages, exit codes.
-
-Usage: calc_group_test.py JND
-"""
+"""jnd calc compare, wilcoxon, ptukey, qtukey and shapiro from outside: shapes, numbers, messages, exit codes."""
 import json
-import os
-import subprocess
 import sys
-import unittest
 
-JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
-HERE = os.path.dirname(os.path.abspath(__file__))
-ANALYSIS = os.path.join(HERE, "..", "..", "..", "analysis")
-with open(os.path.join(ANALYSIS, "selftest", "group_reference.json"), encoding="utf-8") as reference_file:
-    REFERENCE = json.load(reference_file)
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
+
+REFERENCE = json.loads((program.ROOT / "analysis/selftest/group_reference.json").read_text())
 
 
 def long_format(dataset):
@@ -23,16 +16,12 @@ def long_format(dataset):
     return lines
 
 
-class CalcGroup(unittest.TestCase):
+class CalcGroup(program.Case):
     def calc(self, command, lines, *more, code=0):
-        done = subprocess.run([JND, "calc", command, "-", *more], input="\n".join(lines) + "\n", capture_output=True,
-                              text=True)
-        self.assertEqual(done.returncode, code, f"{command} {more}: {done.stdout}{done.stderr}")
-        return done
+        return program.run("calc", command, "-", *more, input=lines, code=code)
 
     def json_lines(self, command, lines, *more):
-        out = self.calc(command, lines, *more, "--json").stdout
-        return [json.loads(line, parse_constant=self.fail) for line in out.splitlines()]
+        return self.calc(command, lines, *more, "--json").lines
 
     def near(self, found, expected, tolerance):
         self.assertLessEqual(abs(found - expected), tolerance)
@@ -94,12 +83,10 @@ class CalcGroup(unittest.TestCase):
         lines = long_format(REFERENCE["datasets"][0])
         message = self.calc("compare", lines[:6] + lines[7:20] + lines[22:], code=3).stderr
         self.assertEqual(len(message.splitlines()), 1, message)
-        for part in (":5:1:", "2 of 18 participants", "P2 (no SV)", "P7 (no V, no SV)", "add the missing rows"):
-            self.assertIn(part, message)
+        self.says(message, ":5:1:", "2 of 18 participants", "P2 (no SV)", "P7 (no V, no SV)", "add the missing rows")
         message = self.calc("compare", lines + ["P3,V,300"], code=3).stderr
         self.assertEqual(len(message.splitlines()), 1, message)
-        for part in (":56:1:", "P3 has a second value under V", "keep one row"):
-            self.assertIn(part, message)
+        self.says(message, ":56:1:", "P3 has a second value under V", "keep one row")
 
     def test_bad_input_is_named_with_its_place(self):
         head = "participant,condition,value"
@@ -152,8 +139,7 @@ class CalcGroup(unittest.TestCase):
         (found,) = self.json_lines("compare", ["participant,condition,value"] + rows)
         self.near(found["pairs"][0]["wilcoxon"]["p"], 0.148914673178766, 1e-14)
         for command in ("wilcoxon", "compare"):
-            text = subprocess.run([JND, "calc", command, "--help"], capture_output=True, text=True, check=True).stdout
-            self.assertIn("digits.rank", text)
+            self.assertIn("digits.rank", program.run("calc", command, "--help").stdout)
 
     def test_wilcoxon_corrects_over_the_items(self):
         ratings = REFERENCE["datasets"][1]["data"]
@@ -184,8 +170,7 @@ class CalcGroup(unittest.TestCase):
 
     def test_people_get_tables(self):
         text = self.calc("compare", long_format(REFERENCE["datasets"][0])).stdout
-        for part in ("18 participants, 3 conditions", "F = 53.68", "2, 34", "V - SV", "Mauchly", "ignore the pairing"):
-            self.assertIn(part, text)
+        self.says(text, "18 participants, 3 conditions", "F = 53.68", "2, 34", "V - SV", "Mauchly", "ignore the pairing")
         self.assertNotIn("nan", text)
         text = self.calc("compare", ["participant,condition,value", "P1,S,1", "P1,V,2"]).stdout
         self.assertIn("nothing can be tested", text)
@@ -198,4 +183,4 @@ class CalcGroup(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    program.main()

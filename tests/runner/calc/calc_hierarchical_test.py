@@ -1,19 +1,12 @@
 #!/usr/bin/env python3
-"""jnd calc hierarchical from outside: shapes, numbers, messages, exit codes.
-
-Usage: calc_hierarchical_test.py JND
-"""
+"""jnd calc hierarchical from outside: shapes, numbers, messages, exit codes."""
 import json
-import os
-import subprocess
 import sys
-import unittest
 
-JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
-HERE = os.path.dirname(os.path.abspath(__file__))
-ANALYSIS = os.path.join(HERE, "..", "..", "..", "analysis")
-with open(os.path.join(ANALYSIS, "selftest", "hierarchical_reference.json"), encoding="utf-8") as reference_file:
-    REFERENCE = json.load(reference_file)
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
+
+REFERENCE = json.loads((program.ROOT / "analysis/selftest/hierarchical_reference.json").read_text())
 
 # By key of the reference; the rest is compared to 1e-4. Criteria of choices and their spread are in N/m.
 TOLERANCES = {"loglik": 1e-6, "loglik_equal_mu": 1e-6, "tu": 1e-3, "tv": 1e-3, "tw": 1e-3, "mu_ci": 3e-4, "ci": 3e-4,
@@ -29,15 +22,12 @@ def which_lines(rows, standard):
     return ["participant,condition,x,n,k"] + [f"P{p},C{c},{standard + level},{n},{k}" for p, c, level, n, k in rows]
 
 
-class CalcHierarchical(unittest.TestCase):
+class CalcHierarchical(program.Case):
     def calc(self, lines, *more, code=0):
-        done = subprocess.run([JND, "calc", "hierarchical", "-", *more], input="\n".join(lines) + "\n",
-                              capture_output=True, text=True)
-        self.assertEqual(done.returncode, code, f"{more}: {done.stdout}{done.stderr}")
-        return done
+        return program.run("calc", "hierarchical", "-", *more, input=lines, code=code)
 
     def json_of(self, lines, *more):
-        return json.loads(self.calc(lines, *more, "--json").stdout, parse_constant=self.fail)
+        return self.calc(lines, *more, "--json").json
 
     def agree(self, found, expected, where, tolerance=1e-4):
         if isinstance(expected, dict):
@@ -101,18 +91,16 @@ class CalcHierarchical(unittest.TestCase):
     def test_people_get_tables(self):
         rows = [row for row in REFERENCE["same_different"][0]["input"]["rows"] if row[0] <= 6]
         text = self.calc(same_different_lines(rows), "--task", "same-different", "--people", "--bootstrap", "20").stdout
-        for part in ("hierarchical model: same-different", "C1 : C2", "persons (tu)", "from these answers alone",
-                     "of 20 studies drawn without a difference it is as large", "Assumed:"):
-            self.assertIn(part, text)
+        self.says(text, "hierarchical model: same-different", "C1 : C2", "persons (tu)", "from these answers alone",
+                  "of 20 studies drawn without a difference it is as large", "Assumed:")
         self.assertNotIn("nan", text)
 
     def test_a_check_says_whether_the_model_draws_such_answers(self):
         rows = [row for row in REFERENCE["same_different"][0]["input"]["rows"] if row[0] <= 6]
         lines = same_different_lines(rows)
         text = self.calc(lines, "--task", "same-different", "--check").stdout
-        for part in ("posterior predictive check, 400 draws", "The model draws answers like these: ", "95 % of drawn",
-                     "a large one hardly for"):
-            self.assertIn(part, text)
+        self.says(text, "posterior predictive check, 400 draws", "The model draws answers like these: ", "95 % of drawn",
+                  "a large one hardly for")
         self.assertNotIn("nan", text)
         check, again = [self.json_of(lines, "--task", "same-different", "--check=60")["check"] for _ in range(2)]
         self.assertEqual(check, again)
@@ -246,8 +234,7 @@ class CalcHierarchical(unittest.TestCase):
                             "--level", "x", "--answer", "said", "--sureness", "degree")
         self.assertAlmostEqual(found["loglik"], told["loglik"], delta=1e-6)
         text = self.calc(lines, "--task", "same-different").stdout
-        for part in ("criteria of sureness", "different, sure: above", "Intervals of ln JND narrower"):
-            self.assertIn(part, text)
+        self.says(text, "criteria of sureness", "different, sure: above", "Intervals of ln JND narrower")
         self.assertNotIn("nan", text)
 
     def test_without_its_sureness_it_is_the_model_of_two_answers(self):
@@ -310,4 +297,4 @@ class CalcHierarchical(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    program.main()

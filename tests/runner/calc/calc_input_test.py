@@ -1,38 +1,29 @@
 #!/usr/bin/env python3
-"""What `jnd calc` reads: the tables that spreadsheets write, and words for what it does not read.
-
-Usage: calc_input_test.py JND
-"""
-import json
+"""What `jnd calc` reads: the tables that spreadsheets write, and words for what it does not read."""
 import os
 import socket
-import subprocess
 import sys
-import tempfile
-import unittest
 
-JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
+
 TABLE = "participant,condition,value\nP1,S,3.5\nP1,V,4.25\nP2,S,3.125\nP2,V,5.5\nP3,S,2.5\nP3,V,1.5\n"
 
 
-def calc(command, data, *more):
-    return subprocess.run([JND, "calc", command, "-", *more], input=data, capture_output=True, timeout=60)
+def calc(command, data, *more, code=0):
+    return program.run("calc", command, "-", *more, input=data, code=code)
 
 
-class CalcInput(unittest.TestCase):
+class CalcInput(program.Case):
     def compared(self, data):
-        done = calc("compare", data, "--json")
-        self.assertEqual(done.returncode, 0, done.stderr.decode())
-        return json.loads(done.stdout)
+        return calc("compare", data, "--json").json
 
     def refused(self, command, data, *parts):
-        done = calc(command, data)
+        done = calc(command, data, code=3)
         message = done.stderr.decode()
-        self.assertEqual(done.returncode, 3, message)
         self.assertEqual(done.stdout, b"")
         self.assertEqual(len(message.splitlines()), 1, message)
-        for part in parts:
-            self.assertIn(part, message)
+        self.says(message, *parts)
 
     def test_what_spreadsheets_write_is_one_table(self):
         plain = self.compared(TABLE.encode())
@@ -71,27 +62,22 @@ class CalcInput(unittest.TestCase):
         self.assertEqual(calc("fit", (rows + "4,0,0\n").encode(), *options).stdout, calc("fit", rows.encode(), *options).stdout)
 
     def test_kinds_of_files(self):
-        with tempfile.TemporaryDirectory() as folder:
-            pipe, sock = os.path.join(folder, "pipe"), os.path.join(folder, "socket")
-            os.mkfifo(pipe)
-            with socket.socket(socket.AF_UNIX) as server:
-                server.bind(sock)
-                for path, part in ((folder, "is a folder"), (pipe, "is a named pipe"), ("/dev/zero", "is a device"),
-                                   (sock, "is a socket"), (os.path.join(folder, "none"), "no such file")):
-                    done = subprocess.run([JND, "calc", "sdt", path], capture_output=True, text=True, timeout=20)
-                    self.assertEqual(done.returncode, 3, done.stderr)
-                    self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
-                    self.assertIn(part, done.stderr)
-        done = subprocess.run(["bash", "-c", '"$0" calc shapiro <(printf "x\\n1\\n2\\n4\\n")', JND], capture_output=True,
-                              text=True, timeout=20)
-        self.assertEqual(done.returncode, 0, done.stderr)
+        pipe, sock = self.folder / "pipe", self.folder / "socket"
+        os.mkfifo(pipe)
+        with socket.socket(socket.AF_UNIX) as server:
+            server.bind(str(sock))
+            for path, part in ((self.folder, "is a folder"), (pipe, "is a named pipe"), ("/dev/zero", "is a device"),
+                               (sock, "is a socket"), (self.folder / "none", "no such file")):
+                done = self.jnd("calc", "sdt", path, code=3)
+                self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
+                self.assertIn(part, done.stderr)
+        program.run("-c", '"$0" calc shapiro <(printf "x\\n1\\n2\\n4\\n")', program.JND, program="bash")
 
     def test_an_endless_input_has_an_end(self):
         with open("/dev/zero", "rb") as zeros:
-            done = subprocess.run([JND, "calc", "sdt", "-"], stdin=zeros, capture_output=True, text=True, timeout=60)
-        self.assertEqual(done.returncode, 3, done.stderr)
+            done = program.run("calc", "sdt", "-", stdin=zeros, code=3)
         self.assertIn("is larger than 256 MiB", done.stderr)
 
 
 if __name__ == "__main__":
-    unittest.main()
+    program.main()

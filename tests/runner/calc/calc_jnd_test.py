@@ -1,17 +1,10 @@
 #!/usr/bin/env python3
-"""jnd calc jnd from outside: its JSON lines, its numbers, its table, and the mistakes that it locates.
-
-Usage: calc_jnd_test.py JND
-"""
-import json
+"""jnd calc jnd from outside: its JSON lines, its numbers, its table, and the mistakes that it locates."""
 import math
-import os
-import subprocess
 import sys
-import tempfile
-import unittest
 
-JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
 
 HEADER = "participant,condition,delta,n_diff,hits,n_same,false_alarms\n"
 METHODS = ("least_squares", "weighted", "inverse_mean_slope", "mean_of_ratios",
@@ -34,23 +27,18 @@ P4,S,300,6,5,6,1
 """
 
 
-def run(*arguments, text=COUNTS):
-    return subprocess.run([JND, "calc", "jnd", *arguments], input=text, capture_output=True, text=True, timeout=120)
+def run(*arguments, text=COUNTS, code=0):
+    return program.run("calc", "jnd", *arguments, input=text, code=code)
 
 
-class CalcJnd(unittest.TestCase):
+class CalcJnd(program.Case):
     def lines(self, *arguments, text=COUNTS):
-        done = run("-", "--reference", "900", "--json", *arguments, text=text)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        return [json.loads(line, parse_constant=lambda name: self.fail(name)) for line in done.stdout.splitlines()]
+        return run("-", "--reference", "900", "--json", *arguments, text=text).lines
 
     def located(self, row, *words, header=HEADER, arguments=("-", "--reference", "900")):
-        done = run(*arguments, text=header + row)
-        self.assertEqual(done.returncode, 3, done.stdout + done.stderr)
-        self.assertEqual(done.stdout, "")
+        done = run(*arguments, text=header + row, code=3)
+        self.refused(done, *words)
         self.assertEqual(len(done.stderr.strip().splitlines()), 1, done.stderr)
-        for word in words:
-            self.assertIn(word, done.stderr)
 
     def test_a_line_a_group_in_order_of_first_appearance(self):
         lines = self.lines()
@@ -110,7 +98,7 @@ class CalcJnd(unittest.TestCase):
         found = self.lines("--correction", "none", text=row)[0]["least_squares"]
         self.assertAlmostEqual(found["slope"], slope, delta=1e-12)
         done = run("-", "--reference", "450", "--json", "--correction", "none", text=row)
-        self.assertAlmostEqual(json.loads(done.stdout)["least_squares"]["weber"], 1 / slope / 450, delta=1e-10)
+        self.assertAlmostEqual(done.json["least_squares"]["weber"], 1 / slope / 450, delta=1e-10)
 
     def test_bootstrap_gives_least_squares_an_interval_that_a_seed_repeats(self):
         once = self.lines("--bootstrap", "200", "--seed", "7")
@@ -147,16 +135,12 @@ class CalcJnd(unittest.TestCase):
         for arguments in (("-",), ("-", "--reference", "0"), ("-", "--reference", "-900"), ("-", "--reference", "nan"),
                           ("-", "--reference", "x"), ("-", "--reference", "900", "--correction", "log"),
                           ("-", "--reference", "900", "--bootstrap", "-1"), ("--reference", "900")):
-            done = run(*arguments)
-            self.assertEqual(done.returncode, 2, arguments)
-            self.assertEqual(done.stdout, "")
-        self.assertIn("above 0", run("-", "--reference", "0").stderr)
+            self.refused(run(*arguments, code=2))
+        self.assertIn("above 0", run("-", "--reference", "0", code=2).stderr)
 
     def test_a_table_for_people(self):
         done = run("-", "--reference", "900")
-        self.assertEqual(done.returncode, 0)
-        for word in ("P1", "ml_differencing_series", "190.3", "96.31 to 312", "ceiling", "no_information", "JND / 900"):
-            self.assertIn(word, done.stdout)
+        self.says(done.stdout, "P1", "ml_differencing_series", "190.3", "96.31 to 312", "ceiling", "no_information", "JND / 900")
         self.assertNotIn("\x1b", done.stdout)
         self.assertNotIn("nan", done.stdout)
         hostile = run("-", "--reference", "900", text=HEADER + '"\x1b[2J",S,300,6,5,6,1\n')
@@ -167,4 +151,4 @@ class CalcJnd(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    program.main()

@@ -1,21 +1,13 @@
 #!/usr/bin/env python3
-"""jnd calc posterior from outside: every reference sequence, messages with places, exit codes.
-
-Usage: calc_posterior_test.py JND
-"""
+"""jnd calc posterior from outside: every reference sequence, messages with places, exit codes."""
 import json
 import math
-import os
-import subprocess
 import sys
-import tempfile
-import unittest
 
-JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
-HERE = os.path.dirname(os.path.abspath(__file__))
-ANALYSIS = os.path.join(HERE, "..", "..", "..", "analysis")
-with open(os.path.join(ANALYSIS, "selftest", "posterior_reference.json"), encoding="utf-8") as reference_file:
-    REFERENCE = json.load(reference_file)["cases"]
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
+
+REFERENCE = json.loads((program.ROOT / "analysis/selftest/posterior_reference.json").read_text())["cases"]
 
 
 def even(start, stop, size):
@@ -34,17 +26,13 @@ def configuration(given):
             "utility": given["utility"], "slots": given["types"], "responses": given["responses"]}
 
 
-class CalcPosterior(unittest.TestCase):
+class CalcPosterior(program.Case):
     def calc(self, text, *more, code=0):
-        with tempfile.TemporaryDirectory() as folder:
-            with open(os.path.join(folder, "run.json"), "w", encoding="utf-8") as file:
-                file.write(text)
-            done = subprocess.run([JND, "calc", "posterior", "run.json", *more], cwd=folder, capture_output=True, text=True)
-        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
-        return done
+        self.write("run.json", text)
+        return self.jnd("calc", "posterior", "run.json", *more, code=code)
 
     def json_of(self, given):
-        return json.loads(self.calc(json.dumps(given), "--json").stdout, parse_constant=self.fail)
+        return self.calc(json.dumps(given), "--json").json
 
     def test_every_reference_sequence(self):
         for case in REFERENCE:
@@ -108,10 +96,8 @@ class CalcPosterior(unittest.TestCase):
                 (["slots"], "SDX" * 8, "$.slots", 'trial 3: "X" is no slot'),
                 (["slots"], "SD", "$.slots", "2 slots for 24 responses")):
             done = self.calc(changed(path, value), code=3)
-            self.assertEqual(done.stdout, "")
+            self.refused(done, where, what)
             self.assertRegex(done.stderr, r"run\.json:\d+:\d+: ")
-            self.assertIn(where, done.stderr)
-            self.assertIn(what, done.stderr)
         one_sided = configuration(REFERENCE[3]["input"])
         one_sided["levels"] = [950, 1000]
         self.assertIn("below the standard", self.calc(json.dumps(one_sided), code=3).stderr)
@@ -120,11 +106,8 @@ class CalcPosterior(unittest.TestCase):
     def test_an_accelerated_staircase(self):
         arguments = ["--start", "400", "--up", "1", "--step-up", "180", "--step-down", "60", "--accelerated"]
         def staircase(down, code):
-            done = subprocess.run([JND, "calc", "staircase", "-", "--json", "--down", down, *arguments],
-                                  input="response\n1\n1\n0\n0\n1\n0\n", capture_output=True, text=True)
-            self.assertEqual(done.returncode, code, done.stderr)
-            return done
-        found = json.loads(staircase("1", 0).stdout)
+            return self.jnd("calc", "staircase", "-", "--json", "--down", down, *arguments, input=["response", 1, 1, 0, 0, 1, 0], code=code)
+        found = staircase("1", 0).json
         # Steps divided by 1, 2, then 2 + reversals.
         self.assertEqual((found["levels"], found["next"]), ([400, 340, 310, 370, 430, 415], 451))
         self.assertAlmostEqual(found["target"], 0.75, delta=1e-12)
@@ -132,12 +115,10 @@ class CalcPosterior(unittest.TestCase):
 
     def test_standard_input_and_a_table(self):
         given = configuration(REFERENCE[0]["input"])
-        done = subprocess.run([JND, "calc", "posterior", "-"], input=json.dumps(given), capture_output=True, text=True)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        for part in ("prior", "different", "252.9", "325"):
-            self.assertIn(part, done.stdout)
+        done = self.jnd("calc", "posterior", "-", input=json.dumps(given))
+        self.says(done.stdout, "prior", "different", "252.9", "325")
         self.assertNotIn("nan", done.stdout)
 
 
 if __name__ == "__main__":
-    unittest.main()
+    program.main()

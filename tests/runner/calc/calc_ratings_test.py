@@ -1,25 +1,17 @@
 #!/usr/bin/env python3
-"""jnd calc identify, ratings and sureness from outside: shapes, numbers of R, statuses, messages.
-
-Usage: calc_ratings_test.py JND
-"""
-import json
-import os
-import subprocess
+"""jnd calc identify, ratings and sureness from outside: shapes, numbers of R, statuses, messages."""
 import sys
-import unittest
 
-JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
 
 
-def run(*arguments, text):
-    return subprocess.run([JND, "calc", *arguments], input=text, capture_output=True, text=True, timeout=60)
+def run(command, *arguments, text, code=0):
+    return program.run("calc", command, "-", *arguments, input=text, code=code)
 
 
 def lines(*arguments, text):
-    done = run(arguments[0], "-", *arguments[1:], "--json", text=text)
-    assert done.returncode == 0, done.stderr
-    return [json.loads(line) for line in done.stdout.splitlines()]
+    return run(*arguments, "--json", text=text).lines
 
 
 def confusion_csv(names, matrix):
@@ -38,16 +30,12 @@ def sureness_csv(deltas, counts):
         "%s,%d,%d\n" % (delta, j + 1, n) for delta, row in zip(deltas, counts) for j, n in enumerate(row))
 
 
-class Ratings(unittest.TestCase):
+class Ratings(program.Case):
     def near(self, ours, reference, tolerance=1e-6):
         self.assertLessEqual(abs(ours - reference), tolerance * max(1, abs(reference)), (ours, reference))
 
     def refused(self, command, text, code, *parts, options=()):
-        done = run(command, "-", *options, text=text)
-        self.assertEqual(done.returncode, code, done.stderr)
-        self.assertEqual(done.stdout, "")
-        for part in parts:
-            self.assertIn(part, done.stderr)
+        super().refused(run(command, *options, text=text, code=code), *parts)
 
     # R 4.2.2, ordinal::clm, in each of the three.
 
@@ -80,7 +68,7 @@ class Ratings(unittest.TestCase):
         self.assertEqual(row["ml"]["adjacent"], [{"dprime": "inf", "se": None}])
         row, = lines("identify", "--classes", "A,B,C", text=confusion_csv("AB", [[10, 2], [3, 10]]))
         self.assertEqual(row["adjacent_loglinear"][1], None)  # C was never presented
-        done = run("identify", "-", text=confusion_csv("AB", [[10, 0], [0, 10]]))
+        done = run("identify", text=confusion_csv("AB", [[10, 0], [0, 10]]))
         self.assertIn("separated: groups of stimuli", done.stdout)
 
     def test_ratings(self):
@@ -134,15 +122,12 @@ class Ratings(unittest.TestCase):
         self.assertEqual(rows[1]["counts"], [[5, 6], [3, 8]])
 
     def test_tables(self):
-        done = run("sureness", "-", text=sureness_csv((0, 250), [[14, 6, 3, 1], [4, 5, 7, 8]]))
-        for part in ("201.72", "130.97 to 430.94", "0.230 0.934 1.685"):
-            self.assertIn(part, done.stdout)
-        done = run("ratings", "-", text=ratings_csv([22, 15, 9, 4], [5, 8, 14, 23]))
-        for part in ("equal variances", "1.241 ± 0.232", "unequal variances", "1.239 ± 0.233", "0.790 ± 0.044"):
-            self.assertIn(part, done.stdout)
-        done = run("identify", "-", text=confusion_csv("ABC", [[20, 8, 2], [6, 17, 7], [1, 9, 20]]))
-        for part in ("0.361", "0.329", "63.3 %", "1.115 ± 0.312", "1.116"):
-            self.assertIn(part, done.stdout)
+        done = run("sureness", text=sureness_csv((0, 250), [[14, 6, 3, 1], [4, 5, 7, 8]]))
+        self.says(done.stdout, "201.72", "130.97 to 430.94", "0.230 0.934 1.685")
+        done = run("ratings", text=ratings_csv([22, 15, 9, 4], [5, 8, 14, 23]))
+        self.says(done.stdout, "equal variances", "1.241 ± 0.232", "unequal variances", "1.239 ± 0.233", "0.790 ± 0.044")
+        done = run("identify", text=confusion_csv("ABC", [[20, 8, 2], [6, 17, 7], [1, 9, 20]]))
+        self.says(done.stdout, "0.361", "0.329", "63.3 %", "1.115 ± 0.312", "1.116")
 
     def test_refusals(self):
         self.refused("ratings", "class,category,n\nnoise,1,2\nnose,1,2\n", 3, "input:3:1: class", "noise and signal")
@@ -158,4 +143,4 @@ class Ratings(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    program.main()

@@ -1,26 +1,15 @@
 #!/usr/bin/env python3
-"""`jnd calc ... --trials`: single trials from the table of any program, beside the same answers as counts.
-
-Usage: calc_trials_test.py JND
-"""
+"""`jnd calc ... --trials`: single trials from the table of any program, beside the same answers as counts."""
 import csv
 import io
-import json
-import os
 import random
 import re
-import subprocess
 import sys
-import tempfile
-import unittest
 
-JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
 
 COLUMNS = ("--trials", "--participant", "subj", "--condition", "cond", "--level", "stim", "--answer", "resp")
-
-
-def run(command, *arguments, text):
-    return subprocess.run([JND, "calc", command, "-", *arguments], input=text, capture_output=True, text=True)
 
 
 def table(rows, header="trial,subj,cond,stim,resp", separator=","):
@@ -42,18 +31,12 @@ DIFFERENCES = [("P01", "S", 0, 40, 9), ("P01", "S", 200, 20, 11), ("P01", "S", 4
 FIT = ("--function", "gaussian", "--guess", "0", "--lapse", "0")
 
 
-class Trials(unittest.TestCase):
+class Trials(program.Case):
     def lines(self, command, *arguments, text):
-        done = run(command, *arguments, "--json", text=text)
-        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        return [json.loads(line) for line in done.stdout.splitlines()]
+        return self.jnd("calc", command, "-", *arguments, "--json", input=text).lines
 
     def refused(self, *words, text, arguments=(*COLUMNS, "--standard", "900"), command="which", code=3):
-        done = run(command, *arguments, text=text)
-        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
-        self.assertEqual(done.stdout, "")
-        for word in words:
-            self.assertIn(word, done.stderr)
+        super().refused(self.jnd("calc", command, "-", *arguments, input=text, code=code), *words)
 
     def same_numbers(self, ours, theirs, leave=()):
         for key, value in theirs.items():
@@ -126,17 +109,13 @@ class Trials(unittest.TestCase):
         self.assertEqual(absolute, differences)
 
     def exported(self, protocol, participants=2):
-        """trials.csv of a simulated study, and its folder."""
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        study, out = os.path.join(folder.name, "s.sqlite"), os.path.join(folder.name, "out")
-        for command in (("simulate", protocol, "--participants", str(participants), "--seed", "1", "--study", study), ("export", study, "--to", out)):
-            subprocess.run([JND, *command], check=True, capture_output=True)
-        with open(os.path.join(out, "trials.csv"), encoding="utf-8") as file:
-            return file.read(), out
+        """trials.csv of a simulated study, in a folder of the protocol's name."""
+        self.jnd("simulate", protocol, "--participants", participants, "--seed", 1, "--study", f"{protocol}.sqlite")
+        self.jnd("export", f"{protocol}.sqlite", "--to", protocol)
+        return self.read(protocol, "trials.csv")
 
     def test_an_export_of_same_different_needs_no_names(self):
-        text, _ = self.exported("tutorial")
+        text = self.exported("tutorial")
         rows = [row for row in csv.DictReader(io.StringIO(text)) if row["practice"] == "0"]
         self.assertLess(len(rows), len(text.splitlines()) - 1)  # there is practice, which does not count
         plain = table([(row["participant"], row["condition"], abs(float(row["stimulus_1_n_per_m"]) - float(row["stimulus_2_n_per_m"])), row["answer"])
@@ -151,10 +130,9 @@ class Trials(unittest.TestCase):
 
     def test_an_export_of_which_has_more_gives_the_numbers_of_its_study(self):
         for protocol, same, *more in (("leib2015", {"pse": "pse", "jnd_75": "jnd"}), ("jones1997-viscosity", {"jnd_75": "jnd"}, "--pse-is-standard")):
-            text, out = self.exported(protocol)
+            text = self.exported(protocol)
             lines = {(line["participant"], line["condition"], line["standard"]): line for line in self.lines("which", *more, "--trials", text=text)}
-            with open(os.path.join(out, "estimates.csv"), encoding="utf-8") as file:
-                estimates = list(csv.DictReader(file))
+            estimates = self.rows(protocol, "estimates.csv")
             self.assertEqual(len(lines), len(estimates))
             for row in estimates:
                 standard = float(next(row[name] for name in row if name.startswith("standard_")))
@@ -164,8 +142,8 @@ class Trials(unittest.TestCase):
                 self.assertEqual(line["trials"], int(row["trials"]))
 
     def test_an_export_of_another_task_is_refused_and_says_what_takes_it(self):
-        same_different, _ = self.exported("tutorial", 1)
-        which, _ = self.exported("leib2015", 1)
+        same_different = self.exported("tutorial", 1)
+        which = self.exported("leib2015", 1)
         self.refused("an export of another task", "which and fit trials of", text=same_different, arguments=("--trials",))
         for command in ("sdt", "jnd"):
             self.refused("an export of another task", text=which, arguments=("--trials", "--reference", "85")[:1 if command == "sdt" else 3], command=command)
@@ -213,4 +191,4 @@ class Trials(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    program.main()

@@ -1,40 +1,29 @@
 #!/usr/bin/env python3
-"""`jnd calc which` from outside: shapes, reference numbers, statuses, and one located message for a mistake.
-
-Usage: calc_which_test.py JND
-"""
+"""`jnd calc which` from outside: shapes, reference numbers, statuses, and one located message for a mistake."""
 import json
 import math
-import os
-import subprocess
 import sys
-import unittest
 
-JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
-REFERENCE = os.path.join(os.path.dirname(os.path.abspath(__file__)),
-                         "../../../analysis/selftest/two_interval_reference.json")
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
+
+REFERENCE = program.ROOT / "analysis/selftest/two_interval_reference.json"
 
 COUNTS = "x,n,k\n800,20,3\n900,20,9\n1000,20,18\n"
 TOLERANCES = {"loglik": 1e-7, "deviance": 1e-6, "loglik_with_binomial_constants": 1e-7, "loglik_without_order": 1e-7,
               "lapse": 1e-4, "order_b": 1e-6, "order_lr": 1e-6, "order_p": 1e-6}
 
 
-def run(*arguments, text):
-    return subprocess.run([JND, "calc", "which", "-", *arguments], input=text, capture_output=True, text=True)
+def run(*arguments, text, code=0):
+    return program.run("calc", "which", "-", *arguments, input=text, code=code)
 
 
-class Which(unittest.TestCase):
+class Which(program.Case):
     def lines(self, *arguments, text):
-        done = run(*arguments, "--json", text=text)
-        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        return [json.loads(line, parse_constant=lambda name: self.fail(name)) for line in done.stdout.splitlines()]
+        return run(*arguments, "--json", text=text).lines
 
     def refused(self, *words, arguments=("--standard", "900"), text=COUNTS, code=3):
-        done = run(*arguments, text=text)
-        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
-        self.assertEqual(done.stdout, "")
-        for word in words:
-            self.assertIn(word, done.stderr)
+        super().refused(run(*arguments, text=text, code=code), *words)
 
     def agrees(self, key, ours, theirs):
         if isinstance(theirs, list):
@@ -49,8 +38,7 @@ class Which(unittest.TestCase):
             self.assertTrue(close, (key, ours, theirs))
 
     def test_every_reference_case(self):
-        with open(REFERENCE, encoding="utf-8") as file:
-            cases = json.load(file)["cases"]
+        cases = json.loads(REFERENCE.read_text())["cases"]
         self.assertGreater(len(cases), 10)
         for case in cases:
             given = case["input"]
@@ -77,8 +65,7 @@ class Which(unittest.TestCase):
 
     def test_the_table_says_which_jnd_is_which(self):
         out = run("--standard", "900", text="x,n,k,order\n800,20,3,1\n900,20,9,1\n1000,20,18,-1\n900,20,4,-1\n").stdout
-        for words in ("JND 75 %", "JND 84 %", "JND d' = 1", "0.6745 s", "without the lapses", "order b"):
-            self.assertIn(words, out)
+        self.says(out, "JND 75 %", "JND 84 %", "JND d' = 1", "0.6745 s", "without the lapses", "order b")
         out = run("--standard", "900", text="x,n,k\n800,20,0\n1000,20,20\n").stdout
         self.assertIn("separated: a step fits best", out)
 
@@ -93,4 +80,4 @@ class Which(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    program.main()

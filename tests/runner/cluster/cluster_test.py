@@ -1,68 +1,45 @@
 #!/usr/bin/env python3
 """jnd cluster without a scheduler: its folder and scripts, what it refuses, and how it follows jobs on a Slurm that is played
-(fake_slurm.py) with shards of a program that is played too (shard_program.py).
-
-Usage: cluster_test.py JND
-"""
+(fake_slurm.py) with shards of a program that is played too (shard_program.py)."""
 import json
 import os
 import shutil
 import signal
 import subprocess
 import sys
-import tempfile
-import time
-import unittest
 
-JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
+
 HERE = os.path.dirname(os.path.abspath(__file__))
 PROGRAM = os.path.join(HERE, "shard_program.py")
 
 
-class Cluster(unittest.TestCase):
+class Cluster(program.Case):
     def setUp(self):
-        self.temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(self.temporary.cleanup)
-        self.path = os.path.realpath(self.temporary.name)
-        self.slurm = os.path.join(self.path, "slurm")
+        self.slurm = self.folder / "slurm"
         for name in ("bin", "tasks", "later"):
             os.makedirs(os.path.join(self.slurm, name))
         for name in ("sbatch", "squeue", "sacct"):
             os.symlink(os.path.join(HERE, "fake_slurm.py"), os.path.join(self.slurm, "bin", name))
-        self.environment = dict(os.environ, FAKE_SLURM=self.slurm, PATH=f"{self.slurm}/bin:{os.environ['PATH']}")
+        self.environment = {"FAKE_SLURM": str(self.slurm), "PATH": f"{self.slurm}/bin:{os.environ['PATH']}"}
         self.write("study.json", '{"title": "a study"}')
-
-    def write(self, name, text):
-        with open(os.path.join(self.path, name), "w") as file:
-            file.write(text)
-
-    def read(self, *names):
-        with open(os.path.join(self.path, *names)) as file:
-            return file.read()
 
     def outcomes(self, **listed):
         self.write("slurm/outcomes.json", json.dumps({name.lstrip("_"): list(one) for name, one in listed.items()}))
 
     def cluster(self, *arguments, code=0, plan=("plan", "study.json", "--power"), **variables):
-        words = [JND, "cluster", *arguments]
-        if plan:
-            words += ["--program", PROGRAM, "--", *plan]
-        done = subprocess.run(words, capture_output=True, text=True, cwd=self.path, env=self.environment | variables)
-        self.assertEqual(done.returncode, code, f"{words}: {done.stdout}{done.stderr}")
-        return done
+        played = ("--program", PROGRAM, "--", *plan) if plan else ()
+        return self.jnd("cluster", *arguments, *played, code=code, env=self.environment | variables)
 
     def follow(self, *arguments, code=0, shards=4, **more):
         return self.cluster("run", "--shards", str(shards), "--submit", "--follow", "--every", "0.05", *arguments, code=code, **more)
 
     def whole(self, *plan):
-        words = plan or ("plan", "study.json", "--power")
-        return subprocess.run([PROGRAM, *words], capture_output=True, text=True, cwd=self.path, check=True).stdout
+        return self.jnd(*(plan or ("plan", "study.json", "--power")), program=PROGRAM).stdout
 
     def script(self, *words, code=0, folder="run", **variables):
-        done = subprocess.run([f"./{words[0]}", *words[1:]], capture_output=True, text=True, cwd=os.path.join(self.path, folder),
-                              env=self.environment | variables)
-        self.assertEqual(done.returncode, code, f"{words}: {done.stdout}{done.stderr}")
-        return done
+        return program.run(*words[1:], program=f"./{words[0]}", folder=self.folder / folder, code=code, env=self.environment | variables)
 
     def submissions(self):
         return self.read("slurm", "sbatch.log").splitlines()
@@ -73,14 +50,14 @@ class Cluster(unittest.TestCase):
         out = self.cluster("run", "--shards", "4").stdout
         self.assertIn("0 of 4 shards there", out)
         for name in ("job.sh", "loop.sh"):
-            subprocess.run(["bash", "-n", os.path.join(self.path, "run", name)], check=True)
-            self.assertTrue(os.access(os.path.join(self.path, "run", name), os.X_OK))
+            program.run("-n", self.folder / "run" / name, program="bash")
+            self.assertTrue(os.access(self.folder / "run" / name, os.X_OK))
             if shutil.which("shellcheck"):
-                subprocess.run(["shellcheck", os.path.join(self.path, "run", name)], check=True)
+                program.run(self.folder / "run" / name, program="shellcheck")
         self.script("job.sh", "2")
-        self.assertEqual(os.listdir(os.path.join(self.path, "run", "shards")), ["2.json"])
-        os.rename(os.path.join(self.path, "run"), os.path.join(self.path, "moved it"))
-        os.remove(os.path.join(self.path, "study.json"))
+        self.assertEqual(os.listdir(self.folder / "run" / "shards"), ["2.json"])
+        os.rename(self.folder / "run", self.folder / "moved it")
+        os.remove(self.folder / "study.json")
         result = self.script("loop.sh", "2", folder="moved it").stdout
         self.write("study.json", '{"title": "a study"}')
         self.assertEqual(result, self.whole())
@@ -91,31 +68,31 @@ class Cluster(unittest.TestCase):
 
     def test_the_loop_says_which_shard_failed_and_goes_on(self):
         self.cluster("run", "--shards", "3")
-        os.makedirs(os.path.join(self.path, "run", "shards", "2.json.new"))
+        os.makedirs(self.folder / "run" / "shards" / "2.json.new")
         done = self.script("loop.sh", code=1)
         self.assertIn("shard 2 failed", done.stderr)
         self.assertIn("cannot be written", done.stderr)
-        os.rmdir(os.path.join(self.path, "run", "shards", "2.json.new"))
+        os.rmdir(self.folder / "run" / "shards" / "2.json.new")
         self.assertEqual(self.script("loop.sh").stdout, self.whole())
 
     def test_simulated_studies_come_to_tables(self):
         words = ["simulate", "tutorial", "--participants", "2", "--studies", "3"]
-        subprocess.run([JND, *words, "--csv", "whole"], check=True, cwd=self.path, capture_output=True)
-        subprocess.run([JND, "cluster", "run", "--shards", "2", "--", *words], check=True, cwd=self.path, capture_output=True)
+        self.jnd(*words, "--csv", "whole")
+        self.jnd("cluster", "run", "--shards", "2", "--", *words)
         if shutil.which("shellcheck"):
-            subprocess.run(["shellcheck", os.path.join(self.path, "run", "job.sh")], check=True)
+            program.run(self.folder / "run" / "job.sh", program="shellcheck")
         self.assertIn("3 studies of 2 participants", self.script("loop.sh").stdout)
         self.script("loop.sh")  # again: the tables are replaced
         self.script("job.sh", "combine", "--csv", "../elsewhere")
         for made in ("run/tables", "elsewhere"):
-            subprocess.run(["diff", "-r", "whole", made], check=True, cwd=self.path)
+            self.jnd("-r", "whole", made, program="diff")
         self.assertIn("plan --power", self.cluster("run", "--follow", "--json", plan=None, code=2).stderr)
 
     def test_with_gnu_parallel(self):
         if shutil.which("parallel") is None:
             self.skipTest("GNU parallel is not installed")
         self.cluster("run", "--shards", "4")
-        subprocess.run("seq 4 | parallel ./job.sh", shell=True, check=True, cwd=os.path.join(self.path, "run"), capture_output=True)
+        program.run("-c", "seq 4 | parallel ./job.sh", program="sh", folder=self.folder / "run")
         self.assertEqual(self.script("job.sh", "combine").stdout, self.whole())
 
     def test_names_are_words_and_never_commands(self):
@@ -125,22 +102,22 @@ class Cluster(unittest.TestCase):
         self.cluster("an 'odd' $(touch pwned) name", "--shards", "2", "--submit", "--follow", "--every", "0.05", plan=plan)
         folder = "an 'odd' $(touch pwned) name"
         self.assertEqual(self.script("loop.sh", folder=folder).stdout, self.whole(*plan))
-        self.assertEqual([found for found in os.walk(self.path) if "pwned" in found[2]], [])
+        self.assertEqual([found for found in os.walk(self.folder) if "pwned" in found[2]], [])
         for option in ("--partition=a b", "--account=a\n#SBATCH --uid=0", "--time='1'", "--sbatch=--qos=a b", "--sbatch=qos",
                        "--sbatch=--output=x", "--memory=1G;x"):
             self.assertIn("jnd: ", self.cluster("other", "--shards", "2", option, code=2).stderr)
-        self.assertFalse(os.path.exists(os.path.join(self.path, "other")))
+        self.assertFalse(os.path.exists(self.folder / "other"))
 
     def test_files_that_the_plan_names_come_along(self):
-        os.makedirs(os.path.join(self.path, "rigs"))
+        os.makedirs(self.folder / "rigs")
         self.write("rigs/mine.json", "{}")
         self.write("profile.json", "{}")
         self.write("study.json", '{"rig": {"device": "rigs/mine.json"}, "title": "title.json"}')
         self.cluster("run", "--shards", "2", plan=("plan", "study.json", "--power", "--profile=profile.json"))
         for name in ("rigs/mine.json", "profile.json", "protocol/study.json"):
-            self.assertTrue(os.path.exists(os.path.join(self.path, "run", name)), name)
+            self.assertTrue((self.folder / "run" / name).exists(), name)
         self.write("job.json", "{}")
-        os.makedirs(os.path.join(self.path, "shards"))
+        os.makedirs(self.folder / "shards")
         self.write("shards/a.json", "{}")
         self.assertIn("of its own", self.cluster("b", "--shards", "2", code=2,
                                                  plan=("plan", "study.json", "--power", "--profile", "shards/a.json")).stderr)
@@ -161,7 +138,7 @@ class Cluster(unittest.TestCase):
         self.assertIn("changed by hand", self.cluster("run", "--time", "05:00:00", plan=None, code=2).stderr)
         self.cluster("run", plan=None)
         self.assertIn("# mine", self.read("run", "job.sh"))
-        os.remove(os.path.join(self.path, "run", "job.sh"))
+        os.remove(self.folder / "run" / "job.sh")
         self.cluster("run", plan=None)
         self.assertEqual(self.read("run", "job.sh"), changed)
 
@@ -169,9 +146,9 @@ class Cluster(unittest.TestCase):
 
     def test_a_folder_of_something_else_is_refused(self):
         self.assertIn("no campaign is there", self.cluster("run", plan=None, code=2).stderr)
-        os.makedirs(os.path.join(self.path, "other"))
+        os.makedirs(self.folder / "other")
         self.cluster("other", "--shards", "2")  # an empty one is taken
-        os.makedirs(os.path.join(self.path, "full"))
+        os.makedirs(self.folder / "full")
         self.write("full/notes.txt", "")
         self.assertIn("something else", self.cluster("full", "--shards", "2", code=2).stderr)
         self.assertIn("not a folder", self.cluster("study.json", "--shards", "2", code=2).stderr)
@@ -200,7 +177,7 @@ class Cluster(unittest.TestCase):
         self.assertIn("no option --wrong",
                       self.cluster("run", "--shards", "2", code=2, plan=("plan", "study.json", "--power", "--wrong")).stderr)
         self.cluster("run", "--shards", "2", code=3, plan=("plan", "none.json", "--power"))
-        self.assertFalse(os.path.exists(os.path.join(self.path, "run")))
+        self.assertFalse(os.path.exists(self.folder / "run"))
 
     def test_without_slurm_it_says_what_to_do(self):
         done = self.cluster("run", "--shards", "2", "--submit", code=2, PATH="/usr/bin:/bin" if not shutil.which("sbatch", path="/usr/bin:/bin") else "/nowhere")
@@ -226,9 +203,8 @@ class Cluster(unittest.TestCase):
         self.outcomes(_1=["TIMEOUT"], _2=["NODE_FAIL", "OUT_OF_MEMORY"], _3=["vanish"], _5=["COMPLETED"], _6=["CANCELLED"])
         done = self.follow(shards=6)
         self.assertEqual(done.stdout, self.whole())
-        for line in ("shard 1: TIMEOUT; again", "shard 2: NODE_FAIL; again", "shard 2: OUT_OF_MEMORY; again (try 3)",
-                     "shard 3: gone from the queue", "shard 5: COMPLETED, but its file is not there", "shard 6: CANCELLED; again"):
-            self.assertIn(line, done.stderr)
+        self.says(done.stderr, "shard 1: TIMEOUT; again", "shard 2: NODE_FAIL; again", "shard 2: OUT_OF_MEMORY; again (try 3)",
+                  "shard 3: gone from the queue", "shard 5: COMPLETED, but its file is not there", "shard 6: CANCELLED; again")
         self.assertEqual(self.submissions()[1:], ["--parsable --array=1-3,5-6 job.sh", "--parsable --array=2 job.sh"])
 
     def test_accounting_says_more_where_there_is_one(self):
@@ -240,7 +216,7 @@ class Cluster(unittest.TestCase):
 
     def test_a_shard_that_fails_again_and_again_is_given_up_with_its_last_words(self):
         self.cluster("run", "--shards", "4")
-        os.makedirs(os.path.join(self.path, "run", "shards", "3.json.new"))
+        os.makedirs(self.folder / "run" / "shards" / "3.json.new")
         done = self.follow("--retries", "2", code=1)
         self.assertEqual(done.stdout, "")
         self.assertIn("shard 3: FAILED; given up (try 3)", done.stderr)
@@ -248,7 +224,7 @@ class Cluster(unittest.TestCase):
         self.assertIn("shards/3.json: cannot be written: Is a directory", done.stderr)
         self.assertIn("given up: shard 3;", done.stderr)
         self.assertEqual(len(self.submissions()), 3)
-        os.rmdir(os.path.join(self.path, "run", "shards", "3.json.new"))
+        os.rmdir(self.folder / "run" / "shards" / "3.json.new")
         self.assertEqual(self.follow().stdout, self.whole())
 
     def test_a_try_that_gets_on_is_not_counted(self):
@@ -271,7 +247,7 @@ class Cluster(unittest.TestCase):
         self.assertEqual(done.stderr.count("Unable to contact slurm controller"), 1)
         self.assertEqual(len(self.submissions()), 1)
         self.write("slurm/down", "1")
-        os.remove(os.path.join(self.path, "run", "shards", "2.json"))
+        os.remove(self.folder / "run" / "shards" / "2.json")
         self.assertIn("nothing was submitted", self.cluster("run", "--submit", plan=None, code=1).stderr)
 
     def test_refusals_of_sbatch(self):
@@ -283,7 +259,7 @@ class Cluster(unittest.TestCase):
         done = self.cluster("run", "--follow", "--every", "0.05", plan=None)
         self.assertEqual(done.stdout, self.whole())
         self.assertEqual(done.stderr.count("does not take shards 1-2 again"), 1)
-        os.remove(os.path.join(self.path, "run", "shards", "2.json"))
+        os.remove(self.folder / "run" / "shards" / "2.json")
         self.write("slurm/refuse", "1000")
         self.assertIn("given up: shard 2;", self.cluster("run", "--follow", "--every", "0.05", plan=None, code=1).stderr)
 
@@ -303,14 +279,10 @@ class Cluster(unittest.TestCase):
         process = self.background("run", "--follow", "--every", "0.05")
         self.wait_for(process, "scontrol release 101_1")
         process.send_signal(signal.SIGINT)
-        self.assertEqual(process.wait(), 130)
+        self.assertEqual(process.wait(program.GUARD_S), 130)
 
     def background(self, *arguments):
-        process = subprocess.Popen([JND, "cluster", *arguments], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
-                                   cwd=self.path, env=self.environment)
-        self.addCleanup(process.stderr.close)
-        self.addCleanup(process.kill)
-        return process
+        return self.started("cluster", *arguments, stdout=subprocess.DEVNULL, env=self.environment)
 
     def wait_for(self, process, words):
         text = ""
@@ -328,13 +300,13 @@ class Cluster(unittest.TestCase):
         self.assertIn("another jnd cluster", self.cluster("run", "--follow", plan=None, code=2).stderr)
         process.send_signal(signal.SIGINT)
         self.assertIn("the jobs go on", process.stderr.read())
-        self.assertEqual(process.wait(), 130)
+        self.assertEqual(process.wait(program.GUARD_S), 130)
         process = self.background("run", "--follow", "--every", "0.05")
         self.wait_for(process, "1 waiting")
         self.script("job.sh", "1")
-        self.assertEqual(process.wait(), 0)
+        self.assertEqual(process.wait(program.GUARD_S), 0)
         self.assertEqual(len(self.submissions()), 1)
 
 
 if __name__ == "__main__":
-    unittest.main()
+    program.main()

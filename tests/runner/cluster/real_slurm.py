@@ -7,7 +7,8 @@ import shutil
 import signal
 import socket
 import subprocess
-import time
+
+import program
 
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch", "squeue", "scontrol", "scancel", "sinfo")
 CORES = 4  # that it takes itself to have
@@ -115,21 +116,20 @@ class RealSlurm:
                                              start_new_session=True, preexec_fn=end_with_the_test))
         log.close()
 
-    def until(self, reached, what, seconds=60):
-        end = time.monotonic() + seconds
-        while not reached():
-            gone = [one.args[0] for one in self.daemons if one.poll() is not None]
-            if gone or time.monotonic() > end:
-                words = open(f"{self.root}/{(gone or ['slurmctld'])[0]}.out").read().strip().splitlines()
-                wrong = [line for line in words if "error:" in line or "fatal:" in line] or words[-1:] or ["no words"]
-                raise SlurmUnavailable(f"{what} does not come up: {'; '.join(wrong[-3:])}")
-            time.sleep(0.05)
+    def until(self, reached, what):
+        gone = []
+
+        def over():
+            gone.extend(one.args[0] for one in self.daemons if one.poll() is not None)
+            return gone or reached()
+        program.until(over, what)
+        if gone:
+            words = open(f"{self.root}/{gone[0]}.out").read().strip().splitlines()
+            wrong = [line for line in words if "error:" in line or "fatal:" in line] or words[-1:] or ["no words"]
+            raise SlurmUnavailable(f"{what} does not come up: {'; '.join(wrong[-3:])}")
 
     def run(self, *command, check=True):
-        done = subprocess.run(command, capture_output=True, text=True, env=self.environment)
-        if check and done.returncode != 0:
-            raise AssertionError(f"{command}: {done.stdout}{done.stderr}")
-        return done.stdout.strip()
+        return program.run(*command[1:], program=command[0], env=self.environment, code=0 if check else None).stdout.strip()
 
     def tasks(self, state):
         """"JOB_SHARD" of those that are in this state."""
@@ -160,7 +160,7 @@ class RealSlurm:
         controller = next(one for one in self.daemons if one.args[0] == "slurmctld")
         self.daemons.remove(controller)
         controller.terminate()
-        controller.wait()
+        controller.wait(program.GUARD_S)
 
     def start_controller(self):
         self.daemon("slurmctld", "-D")
@@ -168,12 +168,6 @@ class RealSlurm:
     def stop(self):
         if any("slurmctld" in one.args[0] and one.poll() is None for one in self.daemons):
             self.run("scancel", "--full", "--user=root", check=False)
-        for one in reversed(self.daemons):
-            if one.poll() is None:
-                one.terminate()
-        for one in self.daemons:
-            try:
-                one.wait(5)
-            except subprocess.TimeoutExpired:
-                one.kill()
-                one.wait()
+        for one in self.daemons:  # at once: nothing of what they hold is needed any more
+            one.kill()
+            one.wait(program.GUARD_S)

@@ -1,72 +1,59 @@
 #!/usr/bin/env python3
 """jnd cluster on a real Slurm of this machine alone (real_slurm.py): tasks that are killed, a node that goes down, a controller
-that is started again and a full disk change nothing in the result. SKIPPED (77) where Slurm cannot be started.
-
-Usage: slurm_test.py JND
-"""
+that is started again and a full disk change nothing in the result. SKIPPED (77) where Slurm cannot be started."""
 import os
 import random
 import signal
 import subprocess
 import sys
 import tempfile
-import time
-import unittest
 
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
 import real_slurm
 
-JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
 PROGRAM = os.path.join(os.path.dirname(os.path.abspath(__file__)), "shard_program.py")
 SHARDS = 8
 PLAYED = ["plan", "a study.json", "--power"]  # by PROGRAM, whose shards take as long as the test wants
 POWER = ["plan", "a study.json", "--power", "--studies", "64"]  # by jnd itself
-LONGER = ["plan", "a study.json", "--power", "--studies", "200", "--physics", "--analysis", "registered"]
+KILLS = program.campaign(4)
+LONGER = ["plan", "a study.json", "--power", "--studies", str(16 * KILLS), "--physics", "--analysis", "registered"]
 APART = ["unshare", "--mount", "--pid", "--fork", "--kill-child", "--mount-proc"]
 
 
-class OnSlurm(unittest.TestCase):
+class OnSlurm(program.Case):
     def setUp(self):
         # A Slurm of its own for each test: none meets what another left.
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.slurm = real_slurm.RealSlurm(folder.name)
+        made = self.enterContext(tempfile.TemporaryDirectory())
+        self.slurm = real_slurm.RealSlurm(made)
         self.addCleanup(self.slurm.stop)
-        self.path = os.path.realpath(tempfile.mkdtemp(dir=folder.name))
-        subprocess.run([JND, "new", "a study.json", "--from", "tutorial"], cwd=self.path, check=True, capture_output=True)
+        self.jnd("new", "a study.json", "--from", "tutorial")
 
     def whole(self, plan=PLAYED):
         """What the study comes to without a cluster."""
-        return subprocess.run([PROGRAM if plan is PLAYED else JND, *plan], capture_output=True, text=True, cwd=self.path, check=True).stdout
+        return self.jnd(*plan, program=PROGRAM if plan is PLAYED else None).stdout
 
     def start(self, *arguments, plan=PLAYED, step=0.05):
         """jnd cluster, which goes on by itself."""
-        words = [JND, "cluster", "run", "--shards", str(SHARDS), "--every", "0.2",
-                 "--program", PROGRAM if plan is PLAYED else JND, *arguments, "--", *plan]
-        with open(os.path.join(self.path, "told"), "w") as told:
-            process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=told, text=True, cwd=self.path,
-                                       env=dict(self.slurm.environment, SHARD_STEP_S=str(step)))
-        self.addCleanup(process.wait)
-        self.addCleanup(process.kill)
-        self.addCleanup(process.stdout.close)
-        return process
+        with open(self.folder / "told", "w") as told:
+            return self.started("cluster", "run", "--shards", SHARDS, "--every", "0.2", "--program", PROGRAM if plan is PLAYED else program.JND,
+                                *arguments, "--", *plan, stderr=told, env=self.slurm.environment | {"SHARD_STEP_S": str(step)})
 
     def told(self):
-        with open(os.path.join(self.path, "told")) as file:
-            return file.read()
+        return self.read("told")
 
     def ends_with(self, process, code=0, meanwhile=lambda: None):
         """Its output. A pipe holds it all."""
-        self.until(lambda: meanwhile() or process.poll() is not None, seconds=180)
+        self.until(lambda: meanwhile() or process.poll() is not None)
         out = process.communicate()[0]
         self.assertEqual(process.returncode, code, self.told())
         return out
 
-    def until(self, reached, process=None, seconds=60):
-        end = time.monotonic() + seconds
-        while not reached():
-            if time.monotonic() > end or (process and process.poll() is not None):
-                self.fail(f"it does not come: {self.told()}\n{self.slurm.account()}")
-            time.sleep(0.05)
+    def until(self, reached, process=None):
+        try:
+            program.until(reached, process=process)
+        except AssertionError:
+            self.fail(f"it does not come: {self.told()}\n{self.slurm.account()}")
 
     def kill_program(self, shard):
         """Of a task of this test's campaign."""
@@ -74,7 +61,7 @@ class OnSlurm(unittest.TestCase):
             try:
                 with open(f"/proc/{pid}/cmdline") as line:
                     words = line.read().split("\0")
-                if f"{shard}/{SHARDS}" in words and os.readlink(f"/proc/{pid}/cwd").startswith(self.path):
+                if f"{shard}/{SHARDS}" in words and os.readlink(f"/proc/{pid}/cwd").startswith(str(self.folder)):
                     os.kill(int(pid), signal.SIGKILL)
             except OSError:  # it has ended meanwhile
                 pass
@@ -84,9 +71,9 @@ class OnSlurm(unittest.TestCase):
 
     def test_tasks_that_are_killed_run_again(self):
         chance = random.Random(1)
-        process = self.start("--submit", "--follow", "--retries", "20", plan=LONGER)
+        process = self.start("--submit", "--follow", "--retries", str(20 + KILLS), plan=LONGER)
         killed = []
-        while len(killed) < 6:
+        while len(killed) < KILLS:
             self.until(lambda: self.slurm.tasks("running"), process)
             running = self.slurm.tasks("running")
             if not running:  # it has ended meanwhile
@@ -97,7 +84,7 @@ class OnSlurm(unittest.TestCase):
             else:
                 self.kill_program(task.split("_")[1])
             killed.append(task)
-            time.sleep(0.5)
+            self.until(lambda: task not in self.slurm.tasks("running"), process)
         self.assertEqual(self.ends_with(process), self.whole(LONGER))
         self.assertIn("; again", self.told())
 
@@ -119,8 +106,7 @@ class OnSlurm(unittest.TestCase):
         self.assertIn("0 of 8", self.ends_with(self.start()))
         self.slurm.environment["SHARD_STEP_S"] = "0.3"
         self.addCleanup(self.slurm.environment.pop, "SHARD_STEP_S")
-        subprocess.run(["sbatch", "job.sh"], cwd=os.path.join(self.path, "run"), env=self.slurm.environment, check=True,
-                       capture_output=True)
+        program.run("job.sh", program="sbatch", folder=self.folder / "run", env=self.slurm.environment)
         process = self.start("--follow")
         self.until(lambda: "running" in self.told(), process)
         process.send_signal(signal.SIGINT)
@@ -135,7 +121,7 @@ class OnSlurm(unittest.TestCase):
         self.assertNotIn("again", self.told())
 
     def test_a_full_disk(self):
-        shards = os.path.join(self.path, "run", "shards")
+        shards = self.folder / "run" / "shards"
         self.ends_with(self.start(plan=POWER))
         mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", shards], capture_output=True, text=True)
         if mounted.returncode != 0:
@@ -154,14 +140,14 @@ def main():
         # Processes and mounts of their own: whatever happens, nothing of it is left. Without the right to that, as it is.
         if subprocess.run([*APART, "true"], capture_output=True).returncode == 0:
             os.environ["JND_SLURM_APART"] = "1"
-            os.execvp(APART[0], [*APART, sys.executable, os.path.abspath(__file__), JND, *sys.argv[1:]])
+            os.execvp(APART[0], [*APART, sys.executable, os.path.abspath(__file__), program.JND, *sys.argv[1:]])
     with tempfile.TemporaryDirectory() as folder:
         try:
             real_slurm.RealSlurm(folder).stop()
         except real_slurm.SlurmUnavailable as why:
             print(f"SKIPPED: jnd cluster does not meet a real Slurm: {why}")
             sys.exit(77)
-    unittest.main()
+    program.main()
 
 
 if __name__ == "__main__":

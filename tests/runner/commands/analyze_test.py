@@ -1,50 +1,25 @@
 #!/usr/bin/env python3
-"""The analysis of a study from outside: tables, JSON, CSV, methods in words, refusals; adaptive studies too.
-
-Usage: analyze_test.py JND
-"""
+"""The analysis of a study from outside: tables, JSON, CSV, methods in words, refusals; adaptive studies too."""
 import csv
-import fcntl
-import json
 import os
-import pty
 import re
-import struct
-import subprocess
 import sys
-import tempfile
-import termios
-import time
-import unittest
 
-JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
 
 
-class Analyze(unittest.TestCase):
+class Analyze(program.Shared):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
+        super().setUpClass()
         # In that of the staircases some tracks end before their reversals.
         for protocol, participants, seed in (("chinello2017", "4", "3"), ("adaptive-staircase", "6", "2"),
                                              ("adaptive-posterior", "4", "3"), ("adaptive-staircase-90", "4", "3")):
-            subprocess.run([JND, "simulate", protocol, "--participants", participants, "--study", f"{protocol}.sqlite",
-                            "--seed", seed], cwd=cls.folder.name, check=True, capture_output=True)
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.folder.cleanup()
-
-    def jnd(self, *arguments, code=0):
-        done = subprocess.run([JND, *arguments], capture_output=True, text=True, cwd=self.folder.name)
-        self.assertEqual(done.returncode, code, f"{arguments}: {done.stdout}{done.stderr}")
-        return done
-
-    def path(self, *names):
-        return os.path.join(self.folder.name, *names)
+            cls.jnd("simulate", protocol, "--participants", participants, "--study", f"{protocol}.sqlite", "--seed", seed)
 
     def analysis(self, *arguments):
-        out = self.jnd("analyze", *arguments, "--json").stdout
-        return json.loads(out, parse_constant=lambda name: self.fail(f"{arguments} print {name}"))
+        return self.jnd("analyze", *arguments, "--json").json
 
     def test_every_number_names_what_it_rests_on(self):
         result = self.analysis("chinello2017.sqlite")
@@ -100,19 +75,17 @@ class Analyze(unittest.TestCase):
         self.assertIsNotNone(rows[0]["p"])
         self.assertIsNone(rows[1]["p"])
         self.jnd("export", "chinello2017.sqlite", "--to", "scales")
-        with open(self.path("scales", "contrasts.csv"), newline="", encoding="utf-8") as file:
-            table = list(csv.DictReader(file))
+        table = self.rows("scales", "contrasts.csv")
         self.assertEqual([(r["outcome"], r["p"] != "") for r in table], [("slope", True), ("jnd", False)] * 3)
         self.assertAlmostEqual(float(table[0]["difference_mean"]), mean, places=12)
 
     def test_it_opens_with_the_answer_and_shows_the_rest_on_request(self):
-        before = sorted(os.listdir(self.folder.name))
+        before = sorted(os.listdir(self.folder))
         text = self.jnd("analyze", "chinello2017.sqlite").stdout
-        self.assertEqual(sorted(os.listdir(self.folder.name)), before)  # nothing is written unasked
+        self.assertEqual(sorted(os.listdir(self.folder)), before)  # nothing is written unasked
         self.assertLessEqual(max(len(line) for line in text.splitlines()), 80)
-        for part in ("JND by condition", "Registered contrasts: d' per 100 N/m", "registered contrast", "caution: ",
-                     "More: --participants, --tests, --models"):
-            self.assertIn(part, text)
+        self.says(text, "JND by condition", "Registered contrasts: d' per 100 N/m", "registered contrast", "caution: ",
+                  "More: --participants, --tests, --models")
         titles = {"--participants": "Participants", "--tests": "Pairs of conditions", "--models": "Every model",
                   "--behaviour": "How the answers were given", "--questions": "Answers to the questions", "--cells": "Cells"}
         for option in titles:
@@ -126,23 +99,9 @@ class Analyze(unittest.TestCase):
 
     def on_terminal(self, rows, columns, *arguments, **environment):
         """What a terminal of this size shows of the command."""
-        ours, theirs = pty.openpty()
-        fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
-        done = subprocess.Popen([JND, *arguments], cwd=self.folder.name, stdin=subprocess.DEVNULL, stdout=theirs, stderr=theirs,
-                                env={**os.environ, "NO_COLOR": "1", "JND_PAGER": "cat", **environment})
-        os.close(theirs)
-        text = b""
-        while True:
-            try:
-                read = os.read(ours, 65536)
-            except OSError:  # the end, on Linux
-                break
-            if not read:
-                break
-            text += read
-        os.close(ours)
-        self.assertEqual(done.wait(), 0)
-        text = text.decode().replace("\r\n", "\n")
+        shown = program.Terminal(*arguments, rows=rows, columns=columns, folder=self.folder,
+                                 env={"NO_COLOR": "1", "JND_PAGER": "cat", **environment})
+        text = shown.ends().replace("\r\n", "\n")
         return re.sub(r"(\r[^\r\n]*\x1b\[K)+\n?", "", text)  # how long it works, which is said from a second on
 
     def test_on_a_terminal_tables_fit_and_long_output_is_paged(self):
@@ -154,10 +113,9 @@ class Analyze(unittest.TestCase):
                               if len(line) > columns and " " in line and "jnd report" not in line], [])
         whole = self.on_terminal(2000, 80, *tests)
         self.assertEqual(self.on_terminal(24, 80, *tests, JND_PAGER="cat > paged.txt"), "")
-        with open(self.path("paged.txt"), encoding="utf-8") as file:
-            self.assertEqual(file.read(), whole)
+        self.assertEqual(self.read("paged.txt"), whole)
         self.assertEqual(self.on_terminal(24, 80, *tests, JND_PAGER="true"), "")  # left at once: no error
-        os.mkfifo(self.path("no-program"))  # which is found and cannot be started: exit code 126
+        os.mkfifo(self.folder / "no-program")  # which is found and cannot be started: exit code 126
         for pager in ("", "no-such-pager 2> /dev/null", "./no-program 2> /dev/null"):
             self.assertEqual(self.on_terminal(24, 80, *tests, JND_PAGER=pager), whole)
 
@@ -177,52 +135,42 @@ class Analyze(unittest.TestCase):
 
     def test_nothing_stays_behind_where_one_of_two_outputs_cannot_be_written(self):
         self.jnd("analyze", "chinello2017.sqlite", "--csv", "alone", "--methods", "no-such-folder/m.md", code=5)
-        self.assertFalse(os.path.exists(self.path("alone")))
+        self.assertFalse(os.path.exists(self.folder / "alone"))
 
     def test_results_as_csv_have_a_dictionary(self):
         self.jnd("analyze", "chinello2017.sqlite", "--csv", "out", "--models")
-        with open(self.path("out", "dictionary.csv"), newline="", encoding="utf-8") as file:
-            described = {(row["file"], row["column"]) for row in csv.DictReader(file)}
-        for name in set(os.listdir(self.path("out"))) - {"SHA256SUMS", "datapackage.json"}:
-            with open(self.path("out", name), newline="", encoding="utf-8") as file:
-                for column in csv.DictReader(file).fieldnames:
-                    self.assertIn((name, column), described)
-        self.assertIn("models.csv", os.listdir(self.path("out")))
+        described = {(row["file"], row["column"]) for row in self.rows("out", "dictionary.csv")}
+        for name in set(os.listdir(self.folder / "out")) - {"SHA256SUMS", "datapackage.json"}:
+            for column in next(csv.reader(self.read("out", name).splitlines())):
+                self.assertIn((name, column), described)
+        self.assertIn("models.csv", os.listdir(self.folder / "out"))
         self.jnd("analyze", "chinello2017.sqlite", "--csv", "out", code=5)
         self.jnd("analyze", "chinello2017.sqlite", "--csv", "out", "--replace")
 
     def test_methods_in_words_never_replace_a_foreign_file(self):
         self.jnd("analyze", "chinello2017.sqlite", "--methods", "words.md")
-        with open(self.path("words.md"), encoding="utf-8") as file:
-            text = file.read()
-        status = json.loads(self.jnd("status", "chinello2017.sqlite", "--json").stdout)
-        for part in [status["protocol_sha256"], "Seed of the study: 3", "jnd 0."] + [s["head"] for s in status["sessions"]]:
-            self.assertIn(part, text)
+        text = self.read("words.md")
+        status = self.jnd("status", "chinello2017.sqlite", "--json").json
+        self.says(text, status["protocol_sha256"], "Seed of the study: 3", "jnd 0.", *(s["head"] for s in status["sessions"]))
         self.jnd("analyze", "chinello2017.sqlite", "--methods", "words.md")  # its own file
-        with open(self.path("words.md"), "a", encoding="utf-8") as file:
-            file.write("my own paragraph\n")
+        self.write("words.md", text + "my own paragraph\n")
         refused = self.jnd("analyze", "chinello2017.sqlite", "--methods", "words.md", code=5).stderr
         self.assertIn("was changed after jnd analyze had written it", refused)
-        with open(self.path("words.md"), encoding="utf-8") as file:
-            self.assertTrue(file.read().endswith("my own paragraph\n"))
-        with open(self.path("mine.md"), "w", encoding="utf-8") as file:
-            file.write("my notes\n")
+        self.assertTrue(self.read("words.md").endswith("my own paragraph\n"))
+        self.write("mine.md", "my notes\n")
         self.jnd("analyze", "chinello2017.sqlite", "--methods", "mine.md", code=5)
-        with open(self.path("mine.md"), encoding="utf-8") as file:
-            self.assertEqual(file.read(), "my notes\n")
+        self.assertEqual(self.read("mine.md"), "my notes\n")
 
     def test_thresholds_that_the_answers_set(self):
         result = self.analysis("adaptive-staircase.sqlite")
         self.assertEqual([row["condition"] for row in result["group"]], ["S", "V", "SV"])
         self.assertEqual(result["comparisons"][0]["outcome"], "threshold")
         self.jnd("export", "adaptive-staircase.sqlite", "--to", "adaptive")
-        with open(self.path("adaptive", "tracks.csv"), newline="", encoding="utf-8") as file:
-            rows = list(csv.DictReader(file))
+        rows = self.rows("adaptive", "tracks.csv")
         self.assertEqual(len(rows), sum(1 for _ in result["rows"]))
         for name in ("thresholds.csv", "cells.csv"):  # there is no d' of a cell: nothing pretends to be one
-            self.assertFalse(os.path.exists(self.path("adaptive", name)))
-        with open(self.path("adaptive", "group.csv"), newline="", encoding="utf-8") as file:
-            group = list(csv.DictReader(file))
+            self.assertFalse(os.path.exists(self.folder / "adaptive" / name))
+        group = self.rows("adaptive", "group.csv")
         self.assertEqual([(row["condition"], int(row["participants"]), float(row["threshold_mean"])) for row in group],
                          [(row["condition"], row["of"], row["threshold_mean"]) for row in result["group"]])
 
@@ -243,45 +191,34 @@ class Analyze(unittest.TestCase):
             if kind == "posterior":
                 self.assertEqual({level % 25 for row in result["rows"] for level in row.get("levels", [])}, {0})
             self.jnd("export", study, "--to", name)
-            with open(self.path(name, "tracks.csv"), newline="", encoding="utf-8") as file:
-                rows = list(csv.DictReader(file))
+            rows = self.rows(name, "tracks.csv")
             self.assertEqual(len(rows), len(result["rows"]))
             self.assertIn("ci95_low", rows[0])
-            with open(self.path(name, "methods.md"), encoding="utf-8") as file:
-                self.assertIn("Kontsevich" if kind == "posterior" else "by the response model", file.read())
+            self.assertIn("Kontsevich" if kind == "posterior" else "by the response model", self.read(name, "methods.md"))
             self.assertNotIn("moves with the criterion", self.jnd("analyze", study).stdout)
-            plan = json.loads(self.jnd("plan", name, "--json").stdout)["trials"]
+            plan = self.jnd("plan", name, "--json").json["trials"]
             self.assertIn(None, [stimulus for trial in plan for stimulus in trial["stimuli"]])
-            precision = json.loads(self.jnd("plan", name, "--precision", "--jnd", "250", "--simulated", "30", "--json").stdout)
+            precision = self.jnd("plan", name, "--precision", "--jnd", "250", "--simulated", "30", "--json").json
             self.assertEqual([row["outcome"] for row in precision["precision"]], ["threshold", "weber"])
             self.assertTrue(120 < precision["precision"][0]["median"] < 500)
 
     def test_the_page_is_opened_on_request(self):
-        opener = self.path("opener.sh")
-        with open(opener, "w", encoding="utf-8") as file:
-            file.write('#!/bin/sh\nbasename "$1" > opened.new && mv opened.new opened.txt\n')
-        os.chmod(opener, 0o755)
+        opener = self.write("opener.sh", '#!/bin/sh\nbasename "$1" > opened.new && mv opened.new opened.txt\n')
+        opener.chmod(0o755)
         for arguments, browser in ((("--to", "o.html", "--open"), opener), (("--to", "o.html", "--replace", "--open"), "/no/such")):
-            done = subprocess.run([JND, "report", "chinello2017.sqlite", *arguments], capture_output=True, text=True,
-                                  cwd=self.folder.name, env={**os.environ, "BROWSER": browser})
-            self.assertEqual(done.returncode, 0, done.stderr)
+            done = self.jnd("report", "chinello2017.sqlite", *arguments, env={"BROWSER": str(browser)})
             self.assertEqual("no browser could be started" in done.stderr, browser == "/no/such")
-        for _ in range(200):
-            if os.path.exists(self.path("opened.txt")):
-                break
-            time.sleep(0.05)
-        with open(self.path("opened.txt"), encoding="utf-8") as file:
-            self.assertEqual(file.read(), "o.html\n")
+        program.until((self.folder / "opened.txt").exists, "the browser")
+        self.assertEqual(self.read("opened.txt"), "o.html\n")
 
     def test_the_page_is_written_once_and_whole(self):
         for study in ("chinello2017", "adaptive-staircase", "adaptive-posterior", "adaptive-staircase-90"):
             self.jnd("report", f"{study}.sqlite", "--to", f"{study}.html")
-            with open(self.path(f"{study}.html"), encoding="utf-8") as file:
-                page = file.read()
+            page = self.read(f"{study}.html")
             self.assertIsNone(re.search(r"<script|https?://(?!doi\.org)[^\"]*\.(js|css)", page))
             self.assertIn("</html>", page)
             self.jnd("report", f"{study}.sqlite", "--to", f"{study}.html", code=5)
 
 
 if __name__ == "__main__":
-    unittest.main()
+    program.main()

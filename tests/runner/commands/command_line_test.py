@@ -1,10 +1,6 @@
 #!/usr/bin/env python3
-"""The program from outside: exit codes, messages, JSON shapes, refusals, and what an operator's screen gives away.
-
-Usage: command_line.py JND
-"""
+"""The program from outside: exit codes, messages, JSON shapes, refusals, and what an operator's screen gives away."""
 import contextlib
-import csv
 import json
 import math
 import os
@@ -15,56 +11,30 @@ import sqlite3
 import stat
 import subprocess
 import sys
-import tempfile
-import time
-import unittest
 
-JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
 
 
-def read(path):
-    with open(path, encoding="utf-8") as file:
-        return file.read()
-
-
-def write(path, text):
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(text)
-
-
-class CommandLine(unittest.TestCase):
+class CommandLine(program.Shared):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
-        cls.path = cls.folder.name
-        cls.small = os.path.join(cls.path, "small.json")
-        cls.jnd_class("new", cls.small, "--from", "chinello2017")
-        protocol = json.loads(read(cls.small))
+        super().setUpClass()
+        cls.small = cls.folder / "small.json"
+        cls.jnd("new", cls.small, "--from", "chinello2017")
+        protocol = json.loads(cls.read(cls.small))
         for key in ("assumed", "checklist"):
             protocol.pop(key)
         protocol["design"]["trials_per_cell"] = 4
         protocol["trial"].update(explore_s=0.5, gap_s=0.1, between_trials_s=0.1)
-        write(cls.small, json.dumps(protocol, indent=1))
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.folder.cleanup()
-
-    @classmethod
-    def jnd_class(cls, *arguments, **options):
-        return subprocess.run([JND, *arguments], capture_output=True, text=True, cwd=cls.path, **options)
-
-    def jnd(self, *arguments, code=0, **options):
-        done = self.jnd_class(*arguments, **options)
-        self.assertEqual(done.returncode, code, f"{arguments}: {done.stdout}{done.stderr}")
-        return done
+        cls.write(cls.small, json.dumps(protocol, indent=1))
 
     def study(self, name, *more, participants=3):
         """The study is simulated once; the tests have copies of its file."""
-        kept = os.path.join(self.path, "-".join(["kept", str(participants), *more]))
+        kept = self.folder / "-".join(["kept", str(participants), *more])
         if not os.path.exists(kept):
             self.jnd("simulate", self.small, "--participants", str(participants), "--study", kept, "--seed", "1", *more)
-        return shutil.copy(kept, os.path.join(self.path, name))
+        return shutil.copy(kept, self.folder / name)
 
     def test_help_names_every_command_and_gives_examples(self):
         overview = self.jnd("--help").stdout
@@ -76,11 +46,11 @@ class CommandLine(unittest.TestCase):
     def test_usage_errors_exit_with_2(self):
         for arguments in (("fly",), ("simulate", self.small), ("simulate", self.small, "--study", "x", "--no-study"),
                           ("plan", self.small, "--participant", "0"), ("plan", self.small, "--participant", "many")):
-            self.assertEqual(self.jnd_class(*arguments).returncode, 2, arguments)
+            self.jnd(*arguments, code=2)
 
     def test_doctor_says_whether_the_machine_is_fit_and_what_to_do(self):
-        done = self.jnd_class("doctor", "--seconds", "0.2", "--json")
-        report = json.loads(done.stdout, parse_constant=lambda name: self.fail(name))
+        done = self.jnd("doctor", "--seconds", "0.2", "--json", code=None)
+        report = done.json
         self.assertEqual(set(report), {"ok", "checks", "jitter", "rehearsal"})
         verdicts = {check["name"]: check["verdict"] for check in report["checks"]}
         self.assertLessEqual({"kernel", "processors", "clock source", "HID devices", "study folder"}, set(verdicts))
@@ -101,30 +71,30 @@ class CommandLine(unittest.TestCase):
         self.assertAlmostEqual(rehearsal["trial_s"], 5.4)
         expected = 1 - math.exp(-rehearsal["gaps"] / rehearsal["presented_s"] * rehearsal["trial_s"])
         self.assertAlmostEqual(rehearsal["lost_trials"], expected)
-        text = self.jnd("doctor", "--seconds", "0.1", "--study", os.path.join(self.path, "no", "such", "s.sqlite"), code=1).stdout
+        text = self.jnd("doctor", "--seconds", "0.1", "--study", self.folder / "no" / "such" / "s.sqlite", code=1).stdout
         self.assertIn("BAD", text)
         self.assertNotIn("\x1b", text)
         self.jnd("doctor", "--seconds", "0", code=2)
 
     def test_check_locates_mistakes_and_exits_with_3(self):
-        bad = os.path.join(self.path, "bad.json")
-        text = read(self.small).replace('"explore_s"', '"explor_s"').replace('"balanced"', '"balancd"')
-        write(bad, text)
+        bad = self.folder / "bad.json"
+        text = self.read(self.small).replace('"explore_s"', '"explor_s"').replace('"balanced"', '"balancd"')
+        self.write(bad, text)
         out = self.jnd("check", bad, code=3).stdout
         self.assertRegex(out, r"bad\.json:\d+:\d+: \$\.trial")
         self.assertIn("explore_s", out)
-        report = json.loads(self.jnd("check", "--json", bad, code=3).stdout)
+        report = self.jnd("check", "--json", bad, code=3).json
         self.assertFalse(report["ok"])
         for error in report["errors"]:
             self.assertEqual(set(error), {"file", "line", "column", "path", "message", "suggestion"})
             self.assertGreater(error["line"], 0)
         for command in (("plan", bad), ("simulate", bad, "--no-study"), ("run", bad, "--study", "x.sqlite")):
             self.jnd(*command, code=3)
-        self.assertFalse(os.path.exists(os.path.join(self.path, "x.sqlite")))
+        self.assertFalse(os.path.exists(self.folder / "x.sqlite"))
 
     def test_check_accepts_every_shipped_protocol(self):
         for name in ("chinello2017", "chinello2017-balanced", "tutorial"):
-            report = json.loads(self.jnd("check", "--json", name).stdout)
+            report = self.jnd("check", "--json", name).json
             self.assertTrue(report["ok"])
             self.assertTrue(report["precision"]["conditions"])
             self.assertGreater(report["trials"], 0)
@@ -133,39 +103,38 @@ class CommandLine(unittest.TestCase):
     def test_a_missing_file_says_what_is_shipped(self):
         self.assertIn("chinello2017", self.jnd("check", "nothing-here", code=3).stderr)
         self.jnd("analyze", "nothing.sqlite", code=5)
-        self.assertFalse(os.path.exists(os.path.join(self.path, "nothing.sqlite")))
+        self.assertFalse(os.path.exists(self.folder / "nothing.sqlite"))
 
     def test_new_never_overwrites(self):
         self.jnd("new", "mine.json")
-        before = read(os.path.join(self.path, "mine.json"))
+        before = self.read(self.folder / "mine.json")
         self.jnd("new", "mine.json", "--from", "chinello2017", code=2)
-        self.assertEqual(read(os.path.join(self.path, "mine.json")), before)
+        self.assertEqual(self.read(self.folder / "mine.json"), before)
 
     def test_plan_is_a_pure_function(self):
-        one = json.loads(self.jnd("plan", "chinello2017", "--participant", "7", "--seed", "5", "--json").stdout)
-        self.assertEqual(one, json.loads(self.jnd("plan", "chinello2017", "--participant", "7", "--seed", "5", "--json").stdout))
+        one = self.jnd("plan", "chinello2017", "--participant", "7", "--seed", "5", "--json").json
+        self.assertEqual(one, self.jnd("plan", "chinello2017", "--participant", "7", "--seed", "5", "--json").json)
         self.assertEqual(len(one["trials"]), 108)
         self.assertEqual(set(one), {"participant", "protocol_sha256", "seed", "trials"})
         self.assertEqual([t["index"] for t in one["trials"]], list(range(1, 109)))
         for trial in one["trials"]:
             self.assertEqual(trial["same"], trial["stimuli"][0] == trial["stimuli"][1])
-        other = json.loads(self.jnd("plan", "chinello2017", "--participant", "7", "--seed", "6", "--json").stdout)
+        other = self.jnd("plan", "chinello2017", "--participant", "7", "--seed", "6", "--json").json
         self.assertNotEqual(one["trials"], other["trials"])
 
     def test_a_study_from_simulation_to_csv(self):
         study = self.study("whole.sqlite")
         self.assertEqual(stat.S_IMODE(os.stat(study).st_mode), 0o600)
-        self.assertFalse(os.path.exists(study + "-wal"))
-        report = json.loads(self.jnd("verify", study, "--json").stdout)
+        self.assertFalse(os.path.exists(f"{study}-wal"))
+        report = self.jnd("verify", study, "--json").json
         self.assertEqual((report["ok"], report["trials"], report["voided"]), (True, 108, 0))
-        status = json.loads(self.jnd("status", study, "--json").stdout)
+        status = self.jnd("status", study, "--json").json
         self.assertEqual([s["participant"] for s in status["sessions"]], ["P01", "P02", "P03"])
         self.assertTrue(all(s["state"] == "closed" and s["kind"] == "simulated" and s["trials_done"] == 36 for s in status["sessions"]))
-        analysis = json.loads(self.jnd("analyze", study, "--json").stdout)
+        analysis = self.jnd("analyze", study, "--json").json
         self.assertEqual(len(analysis["participants"]), 9)
         self.jnd("export", study, "--to", "whole-csv")
-        with open(os.path.join(self.path, "whole-csv", "cells.csv"), newline="") as file:
-            cells = [row for row in csv.DictReader(file) if row["participant"] == "P02"]
+        cells = [row for row in self.rows("whole-csv", "cells.csv") if row["participant"] == "P02"]
         self.assertEqual(len(cells), 9)
         # The counts of the CSV are those of the JSON and of the view.
         with contextlib.closing(sqlite3.connect(study)) as connection:
@@ -176,113 +145,102 @@ class CommandLine(unittest.TestCase):
         self.jnd("export", study, "--to", "whole-csv", "--replace")
 
     def test_a_file_in_the_folder_takes_no_shipped_devices_place(self):
-        spec = json.loads(self.jnd("device", "info", "rrs3", "--json").stdout)
-        text = read(spec["file"])
-        with tempfile.TemporaryDirectory() as folder:
-            write(os.path.join(folder, "rrs3"), text.replace('"max_force_n": 4.7', '"max_force_n": 12'))
-            write(os.path.join(folder, "weak.json"), text.replace('"max_force_n": 4.7', '"max_force_n": 3'))
-            in_folder = lambda *arguments: subprocess.run([JND, *arguments], capture_output=True, text=True, cwd=folder)
-            listed = in_folder("device", "list").stdout
-            self.assertIn("at most 4.7 N", listed)
-            self.assertNotIn("12 N", listed)
-            refused = in_folder("device", "info", "./rrs3")
-            self.assertEqual(refused.returncode, 3, refused.stdout)
-            self.assertIn("12 N is more than a device of this model is ever given, 4.7 N", refused.stderr)
-            self.assertIn("not the shipped rrs3", in_folder("device", "info", "weak.json").stdout)
-            # The laboratory's own descriptions.
-            shutil.copytree(os.path.dirname(spec["file"]), os.path.join(folder, "specs"))
-            os.replace(os.path.join(folder, "weak.json"), os.path.join(folder, "specs", "rrs3.json"))
-            options = {"capture_output": True, "text": True, "cwd": folder, "env": dict(os.environ, JND_DATA_DIR=folder)}
-            simulated = subprocess.run([JND, "simulate", self.small, "--participants", "1", "--no-study"], **options)
-            self.assertEqual(simulated.returncode, 0, simulated.stderr)
-            self.assertIn("not the shipped rrs3: rrs3 at most 3 N", simulated.stdout)
-            session = subprocess.run([JND, "run", self.small, "--study", "m.sqlite", "--participant", "P01", "--fast"], input="q", **options)
-            self.assertIn("warning limits: rrs3 at most 3 N, 2000 N/m; not the shipped rrs3", session.stdout + session.stderr)
+        spec = self.jnd("device", "info", "rrs3", "--json").json
+        text = self.read(spec["file"])
+        own = self.folder / "own"
+        own.mkdir()
+        self.write(own / "rrs3", text.replace('"max_force_n": 4.7', '"max_force_n": 12'))
+        self.write(own / "weak.json", text.replace('"max_force_n": 4.7', '"max_force_n": 3'))
+        listed = self.jnd("device", "list", folder=own).stdout
+        self.assertIn("at most 4.7 N", listed)
+        self.assertNotIn("12 N", listed)
+        self.assertIn("12 N is more than a device of this model is ever given, 4.7 N",
+                      self.jnd("device", "info", "./rrs3", folder=own, code=3).stderr)
+        self.assertIn("not the shipped rrs3", self.jnd("device", "info", "weak.json", folder=own).stdout)
+        # The laboratory's own descriptions.
+        shutil.copytree(os.path.dirname(spec["file"]), own / "specs")
+        os.replace(own / "weak.json", own / "specs" / "rrs3.json")
+        options = {"folder": own, "env": {"JND_DATA_DIR": str(own)}}
+        simulated = self.jnd("simulate", self.small, "--participants", "1", "--no-study", **options)
+        self.assertIn("not the shipped rrs3: rrs3 at most 3 N", simulated.stdout)
+        session = self.jnd("run", self.small, "--study", "m.sqlite", "--participant", "P01", "--fast", input="q", code=None, **options)
+        self.assertIn("warning limits: rrs3 at most 3 N, 2000 N/m; not the shipped rrs3", session.said)
 
     def test_streams_that_cannot_be_written(self):
         study = self.study("streams.sqlite", participants=1)
         for arguments in (("status", study), ("verify", study), ("analyze", study, "--json"), ("check", self.small),
                           ("plan", self.small), ("--help",)):
             with open("/dev/full", "w") as full:
-                done = subprocess.run([JND, *arguments], stdout=full, stderr=subprocess.PIPE, text=True, cwd=self.path)
-            self.assertEqual(done.returncode, 5, f"{arguments}: {done.stderr}")
+                done = self.jnd(*arguments, stdout=full, code=5)
             self.assertIn("could not be written in full: No space left on device", done.stderr)
-        shell = lambda words: subprocess.run(["bash", "-c", f'"$0" {words}', JND], capture_output=True, text=True, cwd=self.path)
+        shell = lambda words, code: self.jnd("-c", f'"$0" {words}', program.JND, program="bash", code=code)
         # A message that cannot be written changes nothing else.
-        self.assertEqual(shell("status nothing.sqlite 2>/dev/full").returncode, 5)
-        self.assertEqual(shell("status nothing.sqlite 2>&-").returncode, 5)
-        self.assertEqual(shell(f"simulate {self.small} --participants 1 --seed 1 --study lost.sqlite 2>/dev/full").returncode, 0)
-        self.assertEqual(shell(f"simulate {self.small} --participants 1 --seed 1 --study closed.sqlite >&- 2>&-").returncode, 5)
+        shell("status nothing.sqlite 2>/dev/full", 5)
+        shell("status nothing.sqlite 2>&-", 5)
+        shell(f"simulate {self.small} --participants 1 --seed 1 --study lost.sqlite 2>/dev/full", 0)
+        shell(f"simulate {self.small} --participants 1 --seed 1 --study closed.sqlite >&- 2>&-", 5)
         for name in ("lost.sqlite", "closed.sqlite"):
             self.jnd("verify", name)
         # A session whose screen is gone ends, and goes on later.
-        gone = shell(f"run {self.small} --study gone.sqlite --participant P01 --responder chinello2017 --fast --seed 1 >/dev/full")
-        self.assertEqual(gone.returncode, 130, gone.stderr)
+        shell(f"run {self.small} --study gone.sqlite --participant P01 --responder chinello2017 --fast --seed 1 >/dev/full", 130)
         self.jnd("run", self.small, "--study", "gone.sqlite", "--participant", "P01", "--responder", "chinello2017", "--fast")
         self.jnd("verify", "gone.sqlite")
 
     def test_a_session_ends_in_order_where_nobody_reads_what_it_prints(self):
-        def unread(*arguments):
+        def unread(*arguments, code):
             reading, writing = os.pipe()
             os.close(reading)
             with open(writing, "w") as pipe:
-                return subprocess.run([JND, *arguments], stdin=subprocess.DEVNULL, stdout=pipe, stderr=subprocess.PIPE, text=True, cwd=self.path)
+                self.jnd(*arguments, stdout=pipe, code=code)
         command = ("run", self.small, "--study", "unread.sqlite", "--participant", "P01", "--responder", "chinello2017", "--fast")
-        done = unread(*command, "--plain", "--seed", "1")
-        self.assertEqual(done.returncode, 130, done.stderr)
-        self.assertEqual(json.loads(self.jnd("status", "unread.sqlite", "--json").stdout)["sessions"][0]["state"], "open")
+        unread(*command, "--plain", "--seed", "1", code=130)
+        self.assertEqual(self.jnd("status", "unread.sqlite", "--json").json["sessions"][0]["state"], "open")
         self.jnd(*command)
         self.jnd("verify", "unread.sqlite")
-        self.assertEqual(unread("status", "unread.sqlite").returncode, -signal.SIGPIPE)
+        unread("status", "unread.sqlite", code=-signal.SIGPIPE)
 
     def test_the_first_signal_ends_what_only_computes(self):
         for number in (signal.SIGINT, signal.SIGTERM):
             # Seconds of arithmetic, and standard input that never ends.
             for arguments in (("plan", "chinello2017", "--precision", "--participants", "1000", "--trials", "2000", "--between-cv", "0.5"),
                               ("calc", "sdt", "-")):
-                program = subprocess.Popen([JND, *arguments], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-                catches = lambda: int(re.search(r"SigCgt:\s*(\w+)", read(f"/proc/{program.pid}/status"))[1], 16) >> (number - 1) & 1
-                while not catches():
-                    self.assertIsNone(program.poll(), arguments)
-                    time.sleep(0.01)
-                program.send_signal(number)
-                self.assertEqual(program.wait(60), 130, arguments)
-                self.assertIn("jnd: interrupted", program.stderr.read())
-                for stream in (program.stdin, program.stdout, program.stderr):
-                    stream.close()
+                process = self.started(*arguments, stdin=subprocess.PIPE)
+                program.until_it_handles(number, process)
+                process.send_signal(number)
+                self.assertEqual(process.wait(program.GUARD_S), 130, arguments)
+                self.assertIn("jnd: interrupted", process.stderr.read())
 
     def test_what_is_no_file_is_refused_and_nobody_is_waited_for(self):
-        pipe = os.path.join(self.path, "pipe.json")
+        pipe = self.folder / "pipe.json"
         os.mkfifo(pipe)
-        for thing, words in ((pipe, "is a named pipe"), ("/dev/zero", "is a device"), (self.path + "/", "is a folder")):
+        for thing, words in ((pipe, "is a named pipe"), ("/dev/zero", "is a device"), (f"{self.folder}/", "is a folder")):
             for arguments in (("check", thing), ("simulate", "tutorial", "--no-study", "--profile", thing), ("device", "model", "rrs3", "--batch", thing),
                               ("run", "tutorial", "--study", "no.sqlite", "--participant", "P01", "--rig", thing),
                               ("run", "tutorial", "--study", "no.sqlite", "--participant", "P01", "--buttons", thing)):
-                done = self.jnd(*arguments, code=3, timeout=60, input="")
+                done = self.jnd(*arguments, code=3)
                 self.assertIn(words, done.stderr, arguments)
         study = self.study("methods.sqlite", participants=1)
-        self.assertIn("is not a file; it was left as it is", self.jnd("analyze", study, "--methods", pipe, code=5, timeout=60).stderr)
-        self.assertFalse(os.path.exists(os.path.join(self.path, "no.sqlite")))
+        self.assertIn("is not a file; it was left as it is", self.jnd("analyze", study, "--methods", pipe, code=5).stderr)
+        self.assertFalse(os.path.exists(self.folder / "no.sqlite"))
 
     def test_no_bare_nan_in_json(self):
         study = self.study("json.sqlite")
         for command in (("analyze", study, "--json"), ("status", study, "--json"), ("verify", study, "--json")):
-            out = self.jnd(*command).stdout
-            json.loads(out, parse_constant=lambda name: self.fail(f"{command} prints {name}"))
+            self.assertTrue(self.jnd(*command).json)
 
     def test_running_it_again_changes_nothing(self):
         study = self.study("again.sqlite")
-        before = json.loads(self.jnd("status", study, "--json").stdout)
+        before = self.jnd("status", study, "--json").json
         self.assertIn("had finished before", self.jnd("simulate", self.small, "--participants", "3", "--study", study).stdout)
-        self.assertEqual(json.loads(self.jnd("status", study, "--json").stdout), before)
+        self.assertEqual(self.jnd("status", study, "--json").json, before)
 
     def variant(self, base, name, change):
         """The path of a shipped protocol that was changed."""
-        path = os.path.join(self.path, name)
+        path = self.folder / name
         self.jnd("new", path, "--from", base)
-        protocol = json.loads(read(path))
+        protocol = json.loads(self.read(path))
         change(protocol)
-        write(path, json.dumps(protocol, indent=1))
+        self.write(path, json.dumps(protocol, indent=1))
         return path
 
     def test_check_refuses_what_run_and_simulate_refuse_in_the_same_words(self):
@@ -308,7 +266,7 @@ class CommandLine(unittest.TestCase):
             for command in (("run", path, "--participant", "P01", "--responder", "chinello2017", "--fast", "--study", "unfit.sqlite"),
                             ("simulate", path, "--no-study", "--participants", "1"), ("plan", path, "--participant", "1")):
                 self.assertIn(error, self.jnd(*command, code=3).stderr)
-            self.assertFalse(os.path.exists(os.path.join(self.path, "unfit.sqlite")))
+            self.assertFalse(os.path.exists(self.folder / "unfit.sqlite"))
 
     def test_check_and_run_refuse_an_object_of_free_interaction_that_does_not_exist(self):
         def with_ghost(protocol):
@@ -318,7 +276,7 @@ class CommandLine(unittest.TestCase):
         self.assertIn(words, self.jnd("check", path, code=3).stdout)
         run = ("run", path, "--participant", "P01", "--responder", "chinello2017", "--fast", "--study", "ghost.sqlite")
         self.assertIn(words, self.jnd(*run, code=3).stderr)
-        self.assertFalse(os.path.exists(os.path.join(self.path, "ghost.sqlite")))
+        self.assertFalse(os.path.exists(self.folder / "ghost.sqlite"))
 
     def test_sessions_are_not_counted_as_participants(self):
         def twice(protocol):
@@ -327,7 +285,7 @@ class CommandLine(unittest.TestCase):
         self.assertIn("twice.sqlite: 3 participants, 2 sessions each, profile chinello2017", said)
         self.assertIn("6 sessions had finished before", self.jnd("simulate", "twice.json", "--participants", "3", "--study", "twice.sqlite").stdout)
         adaptive = self.variant("adaptive-staircase", "adaptive-twice.json", twice)
-        result = json.loads(self.jnd("simulate", adaptive, "--participants", "2", "--no-study", "--json").stdout)
+        result = self.jnd("simulate", adaptive, "--participants", "2", "--no-study", "--json").json
         self.assertEqual({row["n"] for row in result["group"]}, {2}, result["group"])
 
     def test_free_interaction_shows_how_far_it_is(self):
@@ -346,11 +304,11 @@ class CommandLine(unittest.TestCase):
         self.assertIn("profile", self.jnd("simulate", self.small, "--study", study, "--profile", "chinello2017-varied", code=3).stderr)
         self.assertIn("participant code", self.jnd("run", self.small, "--study", study, "--participant", "../x", code=2).stderr)
         self.assertEqual(os.path.getsize(study), size)
-        text = os.path.join(self.path, "text.sqlite")
-        write(text, "not a database, but longer than a header would be " * 40)
+        text = self.folder / "text.sqlite"
+        self.write(text, "not a database, but longer than a header would be " * 40)
         self.jnd("analyze", text, code=5)
         self.jnd("simulate", self.small, "--study", text, code=5)
-        self.assertTrue(read(text).startswith("not a database"))
+        self.assertTrue(self.read(text).startswith("not a database"))
 
     def test_a_changed_answer_is_found(self):
         study = self.study("tampered.sqlite")
@@ -383,18 +341,18 @@ class CommandLine(unittest.TestCase):
         first = self.jnd(*command, code=130, input=questions + " s d d s q")
         # " s", " d", then "d" is no space: the keys meet the prompts one by one.
         self.assertIn("goes on at the next trial", first.stdout)
-        status = json.loads(self.jnd("status", "person.sqlite", "--json").stdout)["sessions"][0]
+        status = self.jnd("status", "person.sqlite", "--json").json["sessions"][0]
         self.assertEqual((status["kind"], status["state"]), ("pilot", "open"))
         self.assertGreaterEqual(status["trials_done"], 2)
         second = self.jnd(*command[:-2], input=" d" * 60 + "\n5\n5\n5\n")
         self.assertIn("complete", second.stdout)
-        status = json.loads(self.jnd("status", "person.sqlite", "--json").stdout)["sessions"][0]
+        status = self.jnd("status", "person.sqlite", "--json").json["sessions"][0]
         self.assertEqual((status["state"], status["trials_done"]), ("closed", 36))
         self.jnd("verify", "person.sqlite")
         self.jnd(*command[:-2], code=2)  # this participant has finished
 
     def test_each_session_has_a_plan_of_its_own(self):
-        plan = lambda *more: json.loads(self.jnd("plan", self.small, "--participant", "2", "--json", *more).stdout)
+        plan = lambda *more: self.jnd("plan", self.small, "--participant", "2", "--json", *more).json
         first, again, second = plan(), plan("--session", "1"), plan("--session", "2")
         self.assertEqual(first, again)
         self.assertNotIn("session", first)
@@ -407,12 +365,12 @@ class CommandLine(unittest.TestCase):
     def test_the_three_kinds_are_never_pooled(self):
         study = self.study("kinds.sqlite", participants=2)
         self.jnd("run", self.small, "--study", study, "--participant", "Q1", "--fast", code=130, input="30\nmale\nleft\nyes\n s d d s q")
-        analysis = json.loads(self.jnd("analyze", study, "--kind", "simulated", "--json").stdout)
+        analysis = self.jnd("analyze", study, "--kind", "simulated", "--json").json
         self.assertEqual({p["participant"] for p in analysis["participants"]}, {"P01", "P02"})
         self.assertIn("also has", self.jnd("analyze", study, "--kind", "simulated").stdout)
-        pilot = json.loads(self.jnd("analyze", study, "--kind", "pilot", "--json").stdout)
+        pilot = self.jnd("analyze", study, "--kind", "pilot", "--json").json
         self.assertEqual({p["participant"] for p in pilot["participants"]}, {"Q1"})
 
 
 if __name__ == "__main__":
-    unittest.main()
+    program.main()

@@ -1,20 +1,15 @@
 #!/usr/bin/env python3
-"""Experiment 2 from outside: free interaction and its questionnaire, simulated, analysed, exported, verified.
-
-Usage: experiment2_test.py JND
-"""
+"""Experiment 2 from outside: free interaction and its questionnaire, simulated, analysed, exported, verified."""
 import csv
 import itertools
-import json
 import os
-import signal
-import subprocess
 import sys
-import tempfile
-import unittest
 
-JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
+
 PROTOCOL = "chinello2017-experiment2"
+SIMULATE = ("simulate", PROTOCOL, "--participants", 12, "--seed", 1)
 ITEMS = [f"QB{i}" for i in range(1, 10)] + [f"QC{i}" for i in range(1, 4)] + [f"QD{i}" for i in range(1, 6)]
 
 
@@ -31,37 +26,18 @@ def exact_p(differences):
     return extreme / 2 ** len(ranks)
 
 
-class Experiment2(unittest.TestCase):
+class Experiment2(program.Shared):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
-        done = subprocess.run([JND, "simulate", PROTOCOL, "--participants", "12", "--study", "e2.sqlite", "--seed", "1"],
-                              cwd=cls.folder.name, check=True, capture_output=True, text=True)
-        cls.said = done.stdout
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.folder.cleanup()
-
-    def jnd(self, *arguments, code=0):
-        done = subprocess.run([JND, *arguments], capture_output=True, text=True, cwd=self.folder.name)
-        self.assertEqual(done.returncode, code, f"{arguments}: {done.stdout}{done.stderr}")
-        return done
-
-    def path(self, *names):
-        return os.path.join(self.folder.name, *names)
-
-    def rows(self, *names):
-        with open(self.path(*names), newline="", encoding="utf-8") as file:
-            return list(csv.DictReader(file))
+        super().setUpClass()
+        cls.said = cls.jnd(*SIMULATE, "--study", "e2.sqlite").stdout
 
     def analysis(self, study="e2.sqlite"):
-        out = self.jnd("analyze", study, "--json").stdout
-        return json.loads(out, parse_constant=lambda name: self.fail(f"prints {name}"))["questionnaire"]
+        return self.jnd("analyze", study, "--json").json["questionnaire"]
 
     def ratings(self):
         """Item -> condition -> participant -> rating, out of the exported answers."""
-        if not os.path.exists(self.path("out")):
+        if not os.path.exists(self.folder / "out"):
             self.jnd("export", "e2.sqlite", "--to", "out")
         found = {}
         for row in self.rows("out", "answers.csv"):
@@ -131,23 +107,19 @@ class Experiment2(unittest.TestCase):
 
     def test_tables_export_report_and_methods(self):
         text = self.jnd("analyze", "e2.sqlite", "--methods", "methods.md").stdout
-        for words in ("Ratings given once", "Ratings by condition", "Of 17 tests, below 0.05", "6.7 ± 7.6", "Free interaction"):
-            self.assertIn(words, text)
+        self.says(text, "Ratings given once", "Ratings by condition", "Of 17 tests, below 0.05", "6.7 ± 7.6", "Free interaction")
         self.assertNotIn("JND", text.split("\n", 2)[2].replace("jnd", ""))
-        with open(self.path("methods.md"), encoding="utf-8") as file:
-            self.assertIn("The 17 tests are one family", file.read())
+        self.assertIn("The 17 tests are one family", self.read("methods.md"))
         self.ratings()
         self.assertEqual(len(self.rows("out", "items.csv")), 17 * 2 + 5)
         self.assertEqual(len(self.rows("out", "ratings.csv")), 17)
         described = {(row["file"], row["column"]) for row in self.rows("out", "dictionary.csv")}
         for name in ("items.csv", "choices.csv", "exposure.csv", "answers.csv"):
-            with open(self.path("out", name), newline="", encoding="utf-8") as file:
-                for column in next(csv.reader(file)):
-                    self.assertIn((name, column), described)
+            for column in next(csv.reader(self.read("out", name).splitlines())):
+                self.assertIn((name, column), described)
         self.jnd("export", "e2.sqlite", "--to", "out", "--replace")  # knows its own files again
         self.jnd("report", "e2.sqlite", "--to", "page.html")
-        with open(self.path("page.html"), encoding="utf-8") as file:
-            page = file.read()
+        page = self.read("page.html")
         self.assertIn("after free interaction", page)
         self.assertIn("Wilcoxon signed-rank tests of the ratings", page)
 
@@ -158,18 +130,13 @@ class Experiment2(unittest.TestCase):
         self.jnd("plan", PROTOCOL, "--cohort", "12")
 
     def test_an_interrupted_simulation_goes_on_to_the_same_study(self):
-        command = [JND, "simulate", PROTOCOL, "--participants", "12", "--study", "again.sqlite", "--seed", "1"]
         for _ in range(3):
-            running = subprocess.Popen(command, cwd=self.folder.name, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-            try:
-                running.wait(timeout=0.7)  # not waited for: it is killed wherever it is
-            except subprocess.TimeoutExpired:
-                running.send_signal(signal.SIGKILL)
-                running.wait()
-        subprocess.run(command, cwd=self.folder.name, check=True, capture_output=True)
+            with program.start(*SIMULATE, "--study", "again.sqlite", folder=self.folder) as running:
+                program.kill_within(running, 0.7)
+        self.jnd(*SIMULATE, "--study", "again.sqlite")
         self.jnd("verify", "again.sqlite")
         self.assertEqual(self.analysis("again.sqlite"), self.analysis())
 
 
 if __name__ == "__main__":
-    unittest.main()
+    program.main()

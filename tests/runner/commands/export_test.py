@@ -1,9 +1,6 @@
 #!/usr/bin/env python3
 """The folder of `jnd export` from outside: datapackage.json is a Data Package that describes every CSV file and every cell of it, for
-every kind of study; recompute.py and recompute.R compute the results again, and tell what was changed.
-
-Usage: export_test.py JND REAL_STUDY JSON_SCHEMA_CHECK
-"""
+every kind of study; recompute.py and recompute.R compute the results again, and tell what was changed."""
 import contextlib
 import csv
 import datetime
@@ -11,19 +8,17 @@ import fnmatch
 import hashlib
 import io
 import json
-import os
 import pathlib
 import re
 import runpy
 import shutil
-import subprocess
 import sys
-import tempfile
-import unittest
 
-JND, REAL_STUDY, SCHEMA_CHECK = (os.path.abspath(path) for path in (sys.argv.pop(1), sys.argv.pop(1), sys.argv.pop(1)))
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
+
+REAL_STUDY, SCHEMA_CHECK = program.argument(), program.argument()
 HERE = pathlib.Path(__file__).resolve().parent
-ROOT = HERE.parents[2]
 R = shutil.which("Rscript")
 # A study of every kind, with as few participants as its analysis can do with.
 STUDIES = {"tutorial": 3, "staircase": 3, "jones1997-viscosity": 3, "leib2015": 3, "pang1991": 2,
@@ -51,28 +46,16 @@ def parses(cell, field):
     return kind == "string" and cell in field.get("constraints", {}).get("enum", [cell])
 
 
-class Export(unittest.TestCase):
+class Export(program.Shared):
     @classmethod
     def setUpClass(cls):
-        cls.temporary = tempfile.TemporaryDirectory()
-        cls.folder = pathlib.Path(cls.temporary.name)
+        super().setUpClass()
         cls.exports = {}
         cls.jnd("new", "staircase.json", "--task", "same-different", "--rig", "external", "--procedure", "staircase")
         for name, participants in STUDIES.items():
             protocol = f"{name}.json" if (cls.folder / f"{name}.json").exists() else name
             cls.jnd("simulate", protocol, "--participants", participants, "--study", f"{name}.sqlite", "--seed", 3)
             cls.exports[name] = cls.export(name)
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.temporary.cleanup()
-
-    @classmethod
-    def jnd(cls, *arguments):
-        done = subprocess.run([JND, *map(str, arguments)], capture_output=True, text=True, cwd=cls.folder)
-        if done.returncode != 0:
-            raise AssertionError(f"{arguments}: {done.stdout}{done.stderr}")
-        return done.stdout
 
     @classmethod
     def export(cls, name, *more):
@@ -97,8 +80,7 @@ class Export(unittest.TestCase):
         schemas = [str(path) for path in sorted(folder.glob("schema/*.json"))]
         for profile, files in ("datapackage", [str(folder / "datapackage.json")]), ("tableschema", schemas):
             if files:
-                done = subprocess.run([SCHEMA_CHECK, HERE / f"datapackage/{profile}.json", *files], capture_output=True, text=True)
-                self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+                program.run(HERE / f"datapackage/{profile}.json", *files, program=SCHEMA_CHECK)
         package = json.loads((folder / "datapackage.json").read_text())
         self.assertEqual(package["$schema"], "https://datapackage.org/profiles/2.0/datapackage.json")
         resources = {}
@@ -180,8 +162,7 @@ class Export(unittest.TestCase):
         self.check_package(folder)
 
     def real(self, kind, finished, unfinished, how, name):
-        subprocess.run([REAL_STUDY, self.folder / f"{name}.sqlite", ROOT / "protocols/tutorial.json", "7", kind, str(finished),
-                        str(unfinished), how], check=True)
+        self.jnd(f"{name}.sqlite", program.ROOT / "protocols/tutorial.json", "7", kind, finished, unfinished, how, program=REAL_STUDY)
 
     def test_what_did_not_count_is_listed_with_its_reason_and_nothing_of_it_counts(self):
         self.real("simulated", 2, 1, "taken-back", "back")
@@ -217,7 +198,7 @@ class Export(unittest.TestCase):
                           "response_time_s", "duration_s", "condition_code"])
 
     def test_the_command_says_what_to_do_next_in_lines_that_fit(self):
-        printed = self.jnd("export", "tutorial.sqlite", "--to", "said")
+        printed = self.jnd("export", "tutorial.sqlite", "--to", "said").stdout
         self.assertEqual(printed.splitlines(), [
             f"said: {len([path for path in (self.folder / 'said').rglob('*') if path.is_file()]) - 1} files of simulated data",
             "  trials.csv, intervals.csv, thresholds.csv, group.csv, contrasts.csv, ...",
@@ -248,7 +229,7 @@ class Export(unittest.TestCase):
                                "likelihood": {"model": "differencing", "jnd": "ml", "correction": "none"},
                                "independent": {"model": "independent-observation",
                                                "exclude": {"response_time_above_s": 1.3}}}.items():
-            protocol = json.loads((ROOT / "protocols/tutorial.json").read_text())
+            protocol = json.loads((program.ROOT / "protocols/tutorial.json").read_text())
             protocol["series"].append({"name": "hard", "pair": [600, 900]})
             protocol["analysis"].update(analysis)
             (self.folder / f"{name}.json").write_text(json.dumps(protocol))
@@ -280,16 +261,15 @@ class Export(unittest.TestCase):
             return
         # All in one R, which takes longer to start than to compute.
         sources = "; ".join(f"cat('{name}\\n'); source('{folder}/recompute.R')" for name, folder in folders.items())
-        done = subprocess.run([R, "-e", sources], capture_output=True, text=True)
-        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        done = program.run("-e", sources, program=R)
         self.assertEqual(done.stdout.count(" 0 differ by more than 1e-09"), len(folders), done.stdout)
 
-    def scripts(self, folder):
+    def scripts(self, folder, in_r=True):
         """What each script says of a folder: its status, and all that it prints."""
-        commands = [[sys.executable, folder / "recompute.py"]] + ([[R, folder / "recompute.R"]] if R is not None else [])
-        for command in commands:
-            done = subprocess.run(command, capture_output=True, text=True)
-            yield done.returncode, done.stdout + done.stderr
+        for interpreter, script in ((sys.executable, "recompute.py"), (R, "recompute.R")):
+            if interpreter and (in_r or interpreter != R):
+                done = program.run(folder / script, program=interpreter, code=None)
+                yield done.returncode, done.said
 
     def test_of_one_participant_the_scripts_compute_what_there_is(self):
         self.jnd("simulate", "tutorial", "--participants", 1, "--study", "alone.sqlite", "--seed", 2)
@@ -322,14 +302,10 @@ class Export(unittest.TestCase):
                 rows[0][place] = repr(float(rows[0][place]) * (1 + 3e-9))
                 with open(folder / file, "w", newline="") as out:
                     csv.writer(out, lineterminator="\n").writerows([header, *rows])
-                commands = [[sys.executable, folder / "recompute.py"]]
-                if R is not None and file == "group.csv":
-                    commands.append([R, folder / "recompute.R"])
-                for command in commands:
-                    done = subprocess.run(command, capture_output=True, text=True)
-                    self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
-                    self.assertRegex(done.stdout, f"DIFFERS: .*{column}: the file says ")
+                for status, printed in self.scripts(folder, in_r=file == "group.csv"):
+                    self.assertEqual(status, 1, printed)
+                    self.assertRegex(printed, f"DIFFERS: .*{column}: the file says ")
 
 
 if __name__ == "__main__":
-    unittest.main()
+    program.main()

@@ -3,10 +3,7 @@
 exit code is that of storage, and no cause but a full disk is called one.
 
 Run by root, permissions are tried as the user nobody, with an installation where everybody may start it, and full and
-read-only disks on small ones in memory.
-
-Usage: file_trouble_test.py JND
-"""
+read-only disks on small ones in memory."""
 import os
 import pathlib
 import resource
@@ -14,40 +11,32 @@ import shutil
 import subprocess
 import sys
 import tempfile
-import unittest
 
-JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
-INVALID, STORAGE = 3, 5
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
+
 NOBODY = {"user": 65534, "group": 65534, "extra_groups": []} if os.geteuid() == 0 else {}
 SIMULATE = ("simulate", "tutorial", "--participants", 1, "--seed", 1, "--study")
 
 
-class FileTrouble(unittest.TestCase):
+class FileTrouble(program.Case):
     @classmethod
     def setUpClass(cls):
         kept = tempfile.TemporaryDirectory()
         cls.addClassCleanup(kept.cleanup)
         cls.study = pathlib.Path(kept.name, "s.sqlite")
-        prefix, build = pathlib.Path(kept.name, "prefix"), pathlib.Path(JND).parents[1]
-        subprocess.run(["cmake", "--install", build, "--prefix", prefix], check=True, stdout=subprocess.DEVNULL)
+        prefix, build = pathlib.Path(kept.name, "prefix"), pathlib.Path(program.JND).parents[1]
+        program.run("--install", build, "--prefix", prefix, program="cmake")
         cls.program = prefix / "bin/jnd"
-        subprocess.run([cls.program, *map(str, SIMULATE), cls.study], check=True, stdout=subprocess.DEVNULL)
+        program.run(*SIMULATE, cls.study, program=cls.program)
         cls.study.chmod(0o644)
         os.chmod(kept.name, 0o755)
 
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
         self.folder.chmod(0o777)
 
-    def jnd(self, *arguments, code=STORAGE, **how):
-        done = subprocess.run([self.program, *map(str, arguments)], capture_output=True, text=True, cwd=self.folder, **how)
-        self.assertEqual(done.returncode, code, f"{arguments}: {done.stdout}{done.stderr}")
-        return done.stderr
-
-    def refused(self, cause, *arguments, lines=1, **how):
-        said = self.jnd(*arguments, **how)
+    def refused(self, cause, *arguments, lines=1, code=program.STORAGE, **how):
+        said = self.jnd(*arguments, program=self.program, code=code, **how).stderr
         self.assertIn(cause, said, arguments)
         if "disk is full" not in cause:
             self.assertNotIn("full", said, arguments)
@@ -96,7 +85,7 @@ class FileTrouble(unittest.TestCase):
         self.refused(f"no permission to read the file {mine}", "status", mine, **NOBODY)
         (self.folder / "p.json").write_text("{}")
         (self.folder / "p.json").chmod(0)
-        self.refused(f"no permission to read the file {self.folder / 'p.json'}", "check", self.folder / "p.json", code=INVALID, **NOBODY)
+        self.refused(f"no permission to read the file {self.folder / 'p.json'}", "check", self.folder / "p.json", code=program.INVALID, **NOBODY)
 
     def test_a_folder_that_is_not_there_and_a_file_in_its_place_are_named(self):
         nowhere = self.folder / "nowhere"
@@ -111,7 +100,7 @@ class FileTrouble(unittest.TestCase):
         (self.folder / "there").mkdir()
         for arguments in (("status", "there"), (*SIMULATE, "there"), ("report", self.study, "--to", "there", "--replace")):
             self.assertIn("there: is", self.refused("", *arguments))
-        self.assertIn("is a folder", self.refused("", "check", "./there", code=INVALID))
+        self.assertIn("is a folder", self.refused("", "check", "./there", code=program.INVALID))
 
     def test_a_limit_of_size_is_no_full_disk(self):
         def limit():
@@ -155,4 +144,4 @@ class FileTrouble(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    program.main()

@@ -1,44 +1,27 @@
 #!/usr/bin/env python3
 """Groups of participants from outside: plans, sessions whose group the operator says, what stays sealed, and the registered comparison of the
-groups held against `jnd calc compare` on the exported files.
-
-Usage: groups_test.py JND
-"""
-import csv
+groups held against `jnd calc compare` on the exported files."""
 import json
 import math
-import os
 import pathlib
 import sqlite3
-import subprocess
 import sys
-import tempfile
-import unittest
 
-JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
-ROOT = pathlib.Path(__file__).resolve().parents[3]
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
+
+ROOT = program.ROOT
 GOOD = ROOT / "tests/protocols/corpus/good/groups.json"
 BY_HAND = ("--rig", "specimens", "--plain", "--override-readiness", "a machine that runs tests")
 
 
-def rows_of(path):
-    with open(path, newline="") as file:
-        return list(csv.DictReader(file))
-
-
-class Groups(unittest.TestCase):
-    def setUp(self):
-        self.temporary = tempfile.TemporaryDirectory()
-        self.folder = pathlib.Path(self.temporary.name)
-        self.addCleanup(self.temporary.cleanup)
-
+class Groups(program.Case):
     def jnd(self, *arguments, code=0, keys=None):
-        done = subprocess.run([JND, *map(str, arguments)], capture_output=True, text=True, cwd=self.folder, input=keys)
-        self.assertEqual(done.returncode, code, f"{arguments}: {done.stdout}{done.stderr}")
+        done = super().jnd(*arguments, code=code, input=keys)
         return done.stdout + (done.stderr if keys is not None or code else "")
 
     def json_of(self, *arguments):
-        return json.loads(self.jnd(*arguments, "--json"), parse_constant=self.fail)
+        return program.parse(self.jnd(*arguments, "--json"))
 
     def protocol(self, source, **changes):
         """A copy with other values: of a dictionary those named, else the whole member."""
@@ -141,14 +124,14 @@ class Groups(unittest.TestCase):
         self.jnd("run", protocol, "--study", "s.sqlite", "--participant", "P09", "--kind", "pilot", *BY_HAND, keys=(" " * 3 + "1") * 4)
         self.jnd("export", "s.sqlite", "--to", "pilot", "--kind", "pilot")
         for name in ("sessions", "estimates", "counts"):
-            self.assertEqual({row["group"] for row in rows_of(self.folder / f"pilot/{name}.csv")}, {""}, name)
+            self.assertEqual({row["group"] for row in self.rows(f"pilot/{name}.csv")}, {""}, name)
         # A simulated participant of that number would show it.
         self.assertIn("blinded", self.jnd("simulate", protocol, "--participants", 1, "--study", "s.sqlite", code=2))
         self.jnd("unblind", "s.sqlite", "--reason", "the test is over")
         group = self.json_of("plan", protocol, "--participant", 1, "--seed", 4)["group"]
         self.assertIn(group, self.jnd("status", "s.sqlite"))
         self.jnd("export", "s.sqlite", "--to", "open")
-        self.assertEqual(rows_of(self.folder / "open/sessions.csv")[0]["group"], group)
+        self.assertEqual(self.rows("open/sessions.csv")[0]["group"], group)
 
     def test_plans_are_of_groups(self):
         check = self.json_of("check", GOOD)
@@ -200,21 +183,21 @@ class Groups(unittest.TestCase):
         results = self.json_of("analyze", "g.sqlite")
         self.jnd("export", "g.sqlite", "--to", "g")
         slopes = {}
-        for row in rows_of(self.folder / "g/thresholds.csv"):
+        for row in self.rows("g/thresholds.csv"):
             slopes.setdefault((row["participant"], row["group"]), []).append(float(row["slope_per_n_per_m"]))
         self.assertEqual(sorted(map(len, slopes.values())), [2] * 8 + [3] * 4)
         calc = self.compare([(*who, "mean", sum(values) / len(values)) for who, values in slopes.items()])
         self.held_against(results, calc, ["young", "old", "all"])
-        between = rows_of(self.folder / "g/between.csv")
+        between = self.rows("g/between.csv")
         self.assertEqual([(row["group_a"], row["group_b"]) for row in between], [("young", "old"), ("young", "all"), ("old", "all")])
         for row, pair in zip(between, results["between"]["comparison"]["pairs"]):
             self.assertEqual((float(row["p"]), float(row["p_holm"])), (pair["welch"]["p"], pair["welch"]["p_holm"]))
-        means = rows_of(self.folder / "g/groups.csv")
+        means = self.rows("g/groups.csv")
         self.assertEqual([row["condition"] for row in means if row["group"] == "old"], ["S", "V", ""])
         # The contrast of two conditions that two of the groups get rests on them.
         contrasts = {(row["a"], row["b"], row["registered"]): row for row in results["contrasts"]}
         self.assertEqual(contrasts["S", "V", True]["participants"], 8)
-        columns = {(row["file"], row["column"]) for row in rows_of(self.folder / "g/dictionary.csv")}
+        columns = {(row["file"], row["column"]) for row in self.rows("g/dictionary.csv")}
         for file in ("trials.csv", "sub-*/report.csv", "thresholds.csv", "cells.csv", "participants.csv", "sessions.csv", "groups.csv"):
             self.assertIn((file, "group"), columns)
         counts = self.json_of("simulate", protocol, "--participants", 12, "--seed", 1, "--no-study")
@@ -235,11 +218,11 @@ class Groups(unittest.TestCase):
         self.assertEqual(results["between"]["test"], "mixed-anova")
         self.assertIsNone(results["between"]["refused"])
         self.jnd("export", "s.sqlite", "--to", "s")
-        estimates = rows_of(self.folder / "s/estimates.csv")
+        estimates = self.rows("s/estimates.csv")
         calc = self.compare([(row["participant"], row["group"], row["condition"], row["correct"]) for row in estimates])
         self.held_against(results, calc, [one["name"] for one in json.loads(
             (ROOT / "protocols/studies/sandpaper-hands2013.json").read_text())["groups"]])
-        effects = {row["effect"]: row for row in rows_of(self.folder / "s/between.csv")}
+        effects = {row["effect"]: row for row in self.rows("s/between.csv")}
         self.assertEqual(float(effects["group"]["p"]), results["between"]["comparison"]["anova"]["group"]["p"])
         self.assertEqual(effects["group"]["p_gg"], "")
         self.assertEqual((effects["group"]["df1"], effects["group"]["df2"]), ("5", "18"))
@@ -268,4 +251,4 @@ class Groups(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=[sys.argv[0], *sys.argv[1:]])
+    program.main()

@@ -1,44 +1,27 @@
 #!/usr/bin/env python3
 """jnd init: questions answered through a pipe; what it writes passes jnd check, wrong answers are asked again, and one that
-is left writes nothing.
-
-Usage: init_test.py JND
-"""
+is left writes nothing."""
 import json
 import os
-import pty
-import select
 import signal
-import subprocess
 import sys
-import tempfile
-import time
-import unittest
 
-JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
+
 TASKS = ("same-different", "which", "yes-no", "identify", "oddity", "abx", "magnitude", "adjust")
 RIGS = ("rrs3", "mckibben", "rrs3+mckibben", "external", "specimens")
 
 
-class Init(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = folder.name
-
+class Init(program.Case):
     def init(self, lines, *arguments, code=0):
-        done = subprocess.run([JND, "init", *arguments], input="".join(line + "\n" for line in lines), capture_output=True, text=True,
-                              cwd=self.folder)
-        self.assertEqual(done.returncode, code, f"{lines}: {done.stdout}{done.stderr}")
-        return done
+        return self.jnd("init", *arguments, input=lines, code=code)
 
     def check(self, name):
-        done = subprocess.run([JND, "check", name, "--json"], capture_output=True, text=True, cwd=self.folder)
-        return json.loads(done.stdout)
+        return self.jnd("check", name, "--json").json
 
     def protocol(self, name):
-        with open(os.path.join(self.folder, name), encoding="utf-8") as file:
-            return json.load(file)
+        return json.loads(self.read(name))
 
     def test_the_defaults_of_every_task_on_every_rig_pass_the_check(self):
         for number, task in enumerate((*TASKS, "explore")):
@@ -79,10 +62,9 @@ class Init(unittest.TestCase):
     def test_wrong_answers_are_told_and_asked_again(self):
         done = self.init(["wich", "which", "rss3", "rrs3", "constnt", "constant", "much", "0", "600", "300, x", "300, 420, 780, 900",
                           "many", "13", "12", "force", "0", "1.5", "8", "", "", "not a language", "en", "A study"], "asked.json")
-        for complaint in ("did you mean 'which'?", "did you mean 'rrs3'?", "did you mean 'constant'?", "'much' is not a number",
-                          "'x' is not a number", "'many' is not a whole number", "needs a multiple of 2", "'0' is not a whole number",
-                          "'1.5' is not a whole number"):
-            self.assertIn(complaint, done.stdout)
+        self.says(done.stdout, "did you mean 'which'?", "did you mean 'rrs3'?", "did you mean 'constant'?", "'much' is not a number",
+                  "'x' is not a number", "'many' is not a whole number", "needs a multiple of 2", "'0' is not a whole number",
+                  "'1.5' is not a whole number")
         self.assertGreaterEqual(done.stdout.count("Standard, in N/m"), 3)
         self.assertGreaterEqual(done.stdout.count("Language of these texts"), 2)
         self.assertEqual(self.protocol("asked.json")["levels"], {"absolute": [300, 420, 780, 900]})
@@ -94,9 +76,7 @@ class Init(unittest.TestCase):
         self.assertEqual(os.listdir(self.folder), [])
 
     def test_a_file_that_exists_is_never_written_over(self):
-        path = os.path.join(self.folder, "mine.json")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write("{}")
+        self.write("mine.json", "{}")
         self.assertIn("exists already", self.init([], "mine", code=2).stderr)
         self.assertIn("exists already", self.init(["mine.json", "other.json"] + [""] * 20).stdout)
         self.assertEqual(self.protocol("mine.json"), {})
@@ -104,20 +84,13 @@ class Init(unittest.TestCase):
         self.assertIn("there is no folder", self.init([], "no/such.json", code=2).stderr)
 
     def test_ctrl_c_writes_nothing(self):
-        child, terminal = pty.fork()
-        if child == 0:
-            os.chdir(self.folder)
-            os.execv(JND, ["jnd", "init", "gone.json"])
-        self.addCleanup(os.close, terminal)
-        text, end = "", time.monotonic() + 30
-        os.write(terminal, b"\n\n")
-        while "Procedure [" not in text:
-            self.assertTrue(select.select([terminal], [], [], max(0, end - time.monotonic()))[0], text)
-            text += os.read(terminal, 4096).decode(errors="replace")
-        os.kill(child, signal.SIGINT)
-        self.assertEqual(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), 130)
+        terminal = program.Terminal("init", "gone.json", folder=self.folder)
+        terminal.type("\n\n")
+        terminal.until("Procedure [")
+        terminal.process.send_signal(signal.SIGINT)
+        terminal.ends(130)
         self.assertEqual(os.listdir(self.folder), [])
 
 
 if __name__ == "__main__":
-    unittest.main()
+    program.main()

@@ -1,42 +1,21 @@
 #!/usr/bin/env python3
-"""The planner from outside: jnd plan --precision, and the same block in jnd check.
-
-Usage: precision_test.py JND
-"""
-import json
-import os
-import subprocess
+"""The planner from outside: jnd plan --precision, and the same block in jnd check."""
 import sys
-import tempfile
-import unittest
 
-JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
 
 
-class Precision(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.folder.cleanup()
-
-    def jnd(self, *arguments, code=0):
-        done = subprocess.run([JND, *arguments], capture_output=True, text=True, cwd=self.folder.name)
-        self.assertEqual(done.returncode, code, f"{arguments}: {done.stdout}{done.stderr}")
-        return done
-
+class Precision(program.Shared):
     def plan(self, *arguments):
-        out = self.jnd("plan", "chinello2017", "--precision", "--json", *arguments).stdout
-        return json.loads(out, parse_constant=lambda name: self.fail(f"{arguments} print {name}"))["precision"]
+        return self.jnd("plan", "chinello2017", "--precision", "--json", *arguments).json["precision"]
 
     def condition(self, block, name):
         return next(row for row in block["conditions"] if row["condition"] == name)
 
     def test_without_a_protocol_it_is_the_published_design(self):
-        out = self.jnd("plan", "--precision", "--jnd", "208.5", "--trials", "12", "--json").stdout
-        self.assertEqual(json.loads(out)["precision"]["conditions"], self.plan("--jnd", "208.5", "--trials", "12")["conditions"])
+        out = self.jnd("plan", "--precision", "--jnd", "208.5", "--trials", "12", "--json").json
+        self.assertEqual(out["precision"]["conditions"], self.plan("--jnd", "208.5", "--trials", "12")["conditions"])
         self.jnd("plan", "--participant", "1", code=2)
 
     def test_the_published_design(self):
@@ -81,7 +60,7 @@ class Precision(unittest.TestCase):
         self.assertRegex(tasks.stdout, r"(?m)^assumed: what is felt is the value plus normal noise.*without bias, without lapses")
         posterior = ("plan", "adaptive-posterior", "--precision", "--jnd", "300", "--simulated", "20")
         self.assertRegex(self.jnd(*posterior).stdout, r"(?m)^assumed: .*Phi\(difference / noise - [\d.]+\)")
-        self.assertIn("criterion", json.loads(self.jnd(*posterior, "--json").stdout)["assumed"])
+        self.assertIn("criterion", self.jnd(*posterior, "--json").json["assumed"])
 
     def test_the_seed_decides(self):
         one, same, other = self.plan("--seed", "5"), self.plan("--seed", "5"), self.plan("--seed", "6")
@@ -119,8 +98,8 @@ class Precision(unittest.TestCase):
 
     def test_check_has_the_same_block(self):
         for name in ("chinello2017", "chinello2017-balanced", "tutorial", "mckibben-stiffness", "cutaneous-kinaesthetic"):
-            checked = json.loads(self.jnd("check", name, "--json").stdout)["precision"]
-            planned = json.loads(self.jnd("plan", name, "--precision", "--json").stdout)["precision"]
+            checked = self.jnd("check", name, "--json").json["precision"]
+            planned = self.jnd("plan", name, "--precision", "--json").json["precision"]
             self.assertEqual(set(checked), set(planned))
             for one, other in zip(checked["conditions"], planned["conditions"]):
                 self.assertEqual(one["condition"], other["condition"])
@@ -133,11 +112,9 @@ class Precision(unittest.TestCase):
             self.assertIn(part, text)
 
     def test_a_protocol_with_errors_has_no_precision(self):
-        path = os.path.join(self.folder.name, "bad.json")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write("{}")
-        self.assertIsNone(json.loads(self.jnd("check", "--json", path, code=3).stdout)["precision"])
+        path = self.write("bad.json", "{}")
+        self.assertIsNone(self.jnd("check", "--json", path, code=3).json["precision"])
 
 
 if __name__ == "__main__":
-    unittest.main()
+    program.main()

@@ -1,20 +1,15 @@
 #!/usr/bin/env python3
-"""`jnd device` from outside: shapes, numbers of an independent numpy model, exit codes, messages, CSV, the self-test.
-
-Usage: device_commands.py JND
-"""
+"""`jnd device` from outside: shapes, numbers of an independent numpy model, exit codes, messages, CSV, the self-test."""
 import csv
 import io
 import json
 import math
-import os
 import re
-import subprocess
 import sys
-import tempfile
-import unittest
 
-JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
+
 STRAIGHT, FLEXED = 0.35118101523050443, 0.9268769272168521
 
 # Independent numpy model of the 3RRS platform; another geometry than the shipped one.
@@ -49,27 +44,16 @@ def flat(value):
     return [number for part in value for number in flat(part)] if isinstance(value, list) else [value]
 
 
-class DeviceCommands(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
-        cls.path = cls.folder.name
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.folder.cleanup()
-
+class DeviceCommands(program.Shared):
     def jnd(self, *arguments, code=0, **options):
-        done = subprocess.run([JND, "device", *map(str, arguments)], capture_output=True, text=True, cwd=self.path, **options)
-        self.assertEqual(done.returncode, code, f"{arguments}: {done.stdout}{done.stderr}")
+        done = program.run("device", *arguments, code=code, folder=self.folder, **options)
         self.assertNotIn("\033", done.stdout)
         if code in (2, 3):
             self.assertNotEqual(done.stderr, "")
         return done
 
     def lines(self, *arguments, code=0, **options):
-        out = self.jnd(*arguments, code=code, **options).stdout
-        return [json.loads(line, parse_constant=lambda name: self.fail(f"{arguments} prints {name}")) for line in out.splitlines()]
+        return self.jnd(*arguments, code=code, **options).lines
 
     def one(self, *arguments, **options):
         answers = self.lines(*arguments, "--json", **options)
@@ -133,15 +117,14 @@ class DeviceCommands(unittest.TestCase):
         self.jnd("test", "FT-0001", "--yes", "--json", code=3)
 
     def test_doctor_looks_for_the_tracker_of_a_protocol(self):
-        subprocess.run([JND, "new", "with_hand.json", "--from", "tutorial"], cwd=self.path, check=True, capture_output=True)
-        with open(os.path.join(self.path, "with_hand.json"), encoding="utf-8") as file:
-            text = file.read()
+        doctor = lambda *arguments, code=None: program.run("doctor", *arguments, folder=self.folder, code=code)
+        program.run("new", "with_hand.json", "--from", "tutorial", folder=self.folder)
+        text = self.read("with_hand.json")
         self.assertEqual(text.count('"tracker": "hand"'), 1)
-        with open(os.path.join(self.path, "with_hid.json"), "w", encoding="utf-8") as file:
-            file.write(text.replace('"tracker": "hand"', '"tracker": "hid"'))
+        self.write("with_hid.json", text.replace('"tracker": "hand"', '"tracker": "hid"'))
         for name, verdict in (("with_hand.json", "ok"), ("with_hid.json", "bad")):
-            done = subprocess.run([JND, "doctor", "--seconds", "0.1", "--json", "--protocol", name], cwd=self.path, capture_output=True, text=True)
-            report = json.loads(done.stdout)
+            done = doctor("--seconds", "0.1", "--json", "--protocol", name)
+            report = done.json
             tracker = [check for check in report["checks"] if check["name"] == "tracker"]
             self.assertEqual([check["verdict"] for check in tracker], [verdict])
             # Whatever the machine does meanwhile: a rehearsal was presented, and what it lost is said.
@@ -156,22 +139,16 @@ class DeviceCommands(unittest.TestCase):
                 self.assertEqual((done.returncode, report["ok"]), (1, False))
                 self.assertIn("none is connected", tracker[0]["found"])
         # And what the laboratory's rig file names: devices that are not there, a program that is.
-        with open(os.path.join(self.path, "with_program.json"), "w", encoding="utf-8") as file:
-            file.write(text.replace('"tracker": "hand"', '"tracker": "process"'))
-        with open(os.path.join(self.path, "booth.json"), "w", encoding="utf-8") as file:
-            json.dump({"format": 1, "title": "Booth", "devices": [{"finger": "thumb", "serial": "FT-1"}], "tracker": {"command": ["sh", "bridge.sh"]}}, file)
-        done = subprocess.run([JND, "doctor", "--seconds", "0.1", "--json", "--protocol", "with_program.json", "--rig", "booth.json"], cwd=self.path, capture_output=True, text=True)
-        found = {check["name"]: check for check in json.loads(done.stdout)["checks"]}
+        self.write("with_program.json", text.replace('"tracker": "hand"', '"tracker": "process"'))
+        self.write("booth.json", {"format": 1, "title": "Booth", "devices": [{"finger": "thumb", "serial": "FT-1"}], "tracker": {"command": ["sh", "bridge.sh"]}})
+        done = doctor("--seconds", "0.1", "--json", "--protocol", "with_program.json", "--rig", "booth.json")
+        found = {check["name"]: check for check in done.json["checks"]}
         self.assertEqual((found["tracker"]["verdict"], found["devices"]["verdict"], done.returncode), ("ok", "bad", 1))
         self.assertEqual(found["devices"]["found"], "not connected: FT-1 (thumb)")
-        missing = subprocess.run([JND, "doctor", "--protocol", "nowhere.json"], cwd=self.path, capture_output=True, text=True)
-        self.assertEqual(missing.returncode, 3)
+        doctor("--protocol", "nowhere.json", code=3)
         # A protocol that no session takes, doctor does not take either.
-        with open(os.path.join(self.path, "with_ghost.json"), "w", encoding="utf-8") as file:
-            file.write(re.sub(r'"sphere_radius_m": [0-9.]+', '"object": "ghost"', text))
-        unfit = subprocess.run([JND, "doctor", "--seconds", "0.1", "--protocol", "with_ghost.json"], cwd=self.path, capture_output=True, text=True)
-        self.assertEqual(unfit.returncode, 3, unfit.stdout)
-        self.assertIn("no object called 'ghost' is shipped", unfit.stderr)
+        self.write("with_ghost.json", re.sub(r'"sphere_radius_m": [0-9.]+', '"object": "ghost"', text))
+        self.assertIn("no object called 'ghost' is shipped", doctor("--seconds", "0.1", "--protocol", "with_ghost.json", code=3).stderr)
 
     def test_a_name_that_cannot_be_is_said_before_anybody_presses_a_button(self):
         name = "f" * 300
@@ -186,12 +163,10 @@ class DeviceCommands(unittest.TestCase):
             self.jnd("calibrate", "FT-0001", *who, "--push", push, "--yes", code=code)
         for name, text, code in (("few.csv", "known_n\n1\n2\n", 3), ("odd.csv", "newtons\n1\n2\n3\n", 3), ("bad.csv", "known_n\n1\nx\n3\n", 3),
                                  ("negative.csv", "known_n,pushed_n\n1,1\n2,2\n3,-3\n", 3)):
-            with open(os.path.join(self.path, name), "w", encoding="utf-8") as file:
-                file.write(text)
+            self.write(name, text)
             self.assertIn(name, self.jnd("calibrate", "FT-0001", *who, "--reference", name, "--yes", code=code).stderr)
         self.jnd("calibrate", "FT-0001", *who, "--reference", "nowhere.csv", "--yes", code=3)
-        with open(os.path.join(self.path, "good.csv"), "w", encoding="utf-8") as file:
-            file.write("known_n,pushed_n\n1,1\n2,2\n3,3\n")
+        self.write("good.csv", "known_n,pushed_n\n1,1\n2,2\n3,3\n")
         self.assertIn("connected: none", self.jnd("calibrate", "FT-0001", *who, "--reference", "good.csv", "--yes", code=3).stderr)
         self.jnd("calibrate", "FT-0001", *who, "--reference", "good.csv", "--push", "1,2,3", "--yes", code=2)
         self.assertIn("exists already", self.jnd("calibrate", "FT-0001", *who, "--out", "good.csv", "--yes", code=2).stderr)
@@ -211,20 +186,17 @@ class DeviceCommands(unittest.TestCase):
         self.assertIn("deg", text)
 
     def test_geometry_from_a_file(self):
-        with open(os.path.join(self.path, "other.json"), "w", encoding="utf-8") as file:
-            json.dump(OTHER, file)
+        self.write("other.json", OTHER)
         answer = self.one("model", "rrs3", "--geometry", "other.json", f"--pose={OTHER_POSE['pz']},{OTHER_POSE['roll']},{OTHER_POSE['pitch']}")
         self.assert_near(answer["q"], OTHER_ANSWER["q"])
-        with open(os.path.join(self.path, "bad.json"), "w", encoding="utf-8") as file:
-            file.write('{"a": -1}')
+        self.write("bad.json", '{"a": -1}')
         self.assertIn("bad.json:1", self.jnd("model", "rrs3", "--geometry", "bad.json", "--pose", "-0.02,0,0", code=3).stderr)
 
     def test_batch(self):
         unreachable = {"pz": -0.034, "roll": 0, "pitch": 0}
         questions = [SHIPPED_POSE, unreachable, OTHER_POSE]
         text = "\n\n".join(map(json.dumps, questions)) + "\n"
-        with open(os.path.join(self.path, "poses.jsonl"), "w", encoding="utf-8") as file:
-            file.write(text)
+        self.write("poses.jsonl", text)
         answers = self.lines("model", "rrs3", "--batch", "poses.jsonl")
         self.assertEqual([a["status"] for a in answers], ["ok", "unreachable", "ok"])
         self.assertEqual(answers[1], {"status": "unreachable"})
@@ -240,7 +212,7 @@ class DeviceCommands(unittest.TestCase):
         good = json.dumps({"pz": -0.02, "roll": 0, "pitch": 0})
         text = good + "\n" + "\n".join(line + "\n" + good for line in bad)  # without a line feed at the end
         done = self.jnd("model", "rrs3", "--batch", "-", input=text, code=3)
-        answers = [json.loads(line) for line in done.stdout.splitlines()]
+        answers = done.lines
         self.assertEqual([a["status"] for a in answers], ["ok"] + ["invalid", "ok"] * len(bad))
         for number in range(2, 2 * len(bad) + 1, 2):
             self.assertEqual(answers[number - 1]["line"], number)
@@ -400,17 +372,12 @@ class DeviceCommands(unittest.TestCase):
             text = self.jnd("test", rig).stdout
             self.assertEqual(text.count(" ok\n"), len(report["checks"]) + 1)
             whats = " ".join(check["what"] for check in report["checks"])
-            for word in ("force cap", "soft start", "watchdog", "not a number", "emergency stop", "tracker lost", "neutral"):
-                self.assertIn(word, whats)
+            self.says(whats, "force cap", "soft start", "watchdog", "not a number", "emergency stop", "tracker lost", "neutral")
 
     def changed_spec(self, name, change):
-        with open(self.one("info", name)["file"], encoding="utf-8") as file:
-            spec = json.load(file)
+        spec = json.loads(self.read(self.one("info", name)["file"]))
         change(spec)
-        path = os.path.join(self.path, f"changed-{name}.json")
-        with open(path, "w", encoding="utf-8") as file:
-            json.dump(spec, file)
-        return path
+        return self.write(f"changed-{name}.json", spec)
 
     def test_self_tests_can_fail(self):
         # An oscillating controller, and a range that is not the linkage's.
@@ -423,19 +390,18 @@ class DeviceCommands(unittest.TestCase):
         def spoil_geometry(spec):
             spec["geometry"]["l2_m"] = 0.017
         done = self.jnd("test", self.changed_spec("rrs3", spoil_geometry), "--json", code=4)
-        report = json.loads(done.stdout)
+        report = done.json
         self.assertFalse(report["ok"])
         self.assertIn("stroke, roll and pitch, one at a time", [check["what"] for check in report["checks"] if not check["ok"]])
 
     def test_csv_files_are_written_once(self):
         command = ("track", "mckibben", "--kobj", 8, "--csv", "track.csv")
         self.assertIn("tracking", self.jnd(*command).stdout)
-        with open(os.path.join(self.path, "track.csv"), newline="", encoding="utf-8") as file:
-            self.assertEqual(len(list(csv.DictReader(file))), 1)
+        self.assertEqual(len(self.rows("track.csv")), 1)
         self.assertIn("exists already", self.jnd(*command, code=2).stderr)
         self.jnd("track", "mckibben", "--kobj", 8, "--csv", "no/folder/here.csv", code=5)
         self.jnd("track", "mckibben", "--kobj", 8, "--csv", "-", "--json", code=2)
 
 
 if __name__ == "__main__":
-    unittest.main()
+    program.main()

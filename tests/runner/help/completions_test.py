@@ -1,20 +1,17 @@
 #!/usr/bin/env python3
 """What Tab offers in a shell, asked of the shell itself: commands, options, words, shipped names and files.
 
-Usage: completions_test.py JND bash|zsh|fish. Ends with 77, and says so, where the shell is not installed.
-"""
+Usage: completions_test.py JND bash|zsh|fish. Ends with 77, and says so, if the shell is not installed."""
 import os
-import pty
 import re
-import select
 import shutil
-import subprocess
 import sys
 import tempfile
-import time
 
-JND = os.path.abspath(sys.argv[1])
-SHELL = sys.argv[2]
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
+
+SHELL = sys.argv[1]
 
 # A line, what must be offered, and what must not.
 CASES = [
@@ -39,15 +36,14 @@ def bash(line, folder, script):
     quoted = " ".join(f"'{word}'" for word in words)
     ask = (f"source '{script}'\nCOMP_WORDS=({quoted})\nCOMP_CWORD={len(words) - 1}\n_jnd\nprintf '%s\\n' \"${{COMPREPLY[@]}}\"\n"
            "complete -p jnd >/dev/null")
-    done = subprocess.run(["bash", "--norc", "-c", ask], capture_output=True, text=True, cwd=folder)
-    assert done.returncode == 0 and done.stderr == "", done
+    done = program.run("--norc", "-c", ask, program="bash", folder=folder)
+    assert done.stderr == "", done
     return done.stdout.split()
 
 
 def fish(line, folder, script):
-    done = subprocess.run(["fish", "--no-config", "-c", f"source '{script}'; complete -C '{line}'"], capture_output=True,
-                          text=True, cwd=folder, env=os.environ | {"HOME": folder})
-    assert done.returncode == 0 and done.stderr == "", done
+    done = program.run("--no-config", "-c", f"source '{script}'; complete -C '{line}'", program="fish", folder=folder, env={"HOME": folder})
+    assert done.stderr == "", done
     return [offered.split("\t")[0] for offered in done.stdout.splitlines()]
 
 
@@ -55,12 +51,10 @@ class Zsh:
     """A zsh on a terminal of its own: only there its completion works. What it inserts or lists is looked at."""
 
     def __init__(self, folder, script):
-        self.child, self.terminal = pty.fork()
-        if self.child == 0:
-            os.chdir(folder)
-            os.environ.update({"TERM": "dumb", "COLUMNS": "200", "ZDOTDIR": folder, "HOME": folder})
-            os.execvp("zsh", ["zsh", "-f", "-i"])
-        self.text = ""
+        self.terminal = program.Terminal("-f", "-i", program="zsh", folder=folder, columns=200,
+                                         env={"TERM": "dumb", "COLUMNS": "200", "ZDOTDIR": folder, "HOME": folder})
+        self.looked_at = 0
+        self.tell = self.terminal.type
         self.tell("PS1='READY''> '; unsetopt zle_bracketed_paste beep prompt_sp; bindkey -e; zmodload zsh/complist\n")
         self.wait_for("READY> ")
         # As it is installed: in a folder that zsh loads functions from, where the file has the function's name.
@@ -72,16 +66,11 @@ class Zsh:
         self.wait_for("LOADED")
         self.wait_for("READY> ")
 
-    def tell(self, text):
-        os.write(self.terminal, text.encode())
-
-    def wait_for(self, text, most_s=30):
-        end = time.monotonic() + most_s
-        while text not in self.text:
-            ready, _, _ = select.select([self.terminal], [], [], max(0, end - time.monotonic()))
-            assert ready, f"zsh did not say {text!r}: {self.text!r}"
-            self.text += os.read(self.terminal, 4096).decode(errors="replace")
-        before, _, self.text = self.text.partition(text)
+    def wait_for(self, text):
+        """What came before that text, since the last one that was waited for."""
+        found = self.terminal.until(re.compile(rf"(?s)^.{{{self.looked_at}}}.*?{re.escape(text)}"))
+        before, _, _ = found[self.looked_at:].partition(text)
+        self.looked_at += len(before) + len(text)
         return before
 
     def offered(self, line):
@@ -101,7 +90,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         script = os.path.join(folder, ".jnd-completions")
         with open(script, "w", encoding="utf-8") as file:
-            file.write(subprocess.run([JND, "completions", SHELL], check=True, capture_output=True, text=True).stdout)
+            file.write(program.run("completions", SHELL).stdout)
         for name in ("mine.sqlite", "other.txt"):
             open(os.path.join(folder, name), "w", encoding="utf-8").close()
         zsh = Zsh(folder, script) if SHELL == "zsh" else None

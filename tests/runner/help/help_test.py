@@ -1,37 +1,23 @@
 #!/usr/bin/env python3
 """The help of the program from outside: the list of commands, jnd help, messages of wrong usage, --version, JND_STUDY, and
-manual pages that man reads without a warning.
-
-Usage: help_test.py JND
-"""
+manual pages that man reads without a warning."""
 import os
 import re
 import shutil
-import subprocess
 import sys
-import tempfile
-import unittest
 
-JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
 
 
-class Help(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.addCleanup(self.folder.cleanup)
-        self.path = self.folder.name
-
+class Help(program.Case):
     def jnd(self, *arguments, code=0, **variables):
-        environment = {key: value for key, value in os.environ.items() if key != "JND_STUDY"} | variables
-        done = subprocess.run([JND, *arguments], capture_output=True, text=True, cwd=self.path, env=environment)
-        self.assertEqual(done.returncode, code, f"{arguments}: {done.stdout}{done.stderr}")
-        return done
+        return super().jnd(*arguments, code=code, env={"JND_STUDY": ""} | variables)
 
     def test_the_list_of_commands_stands_under_headings(self):
         text = self.jnd("--help").stdout
         headings = re.findall(r"^(\S[^:\n]*):$", text, re.M)
-        for heading in ("Design a study", "Run it", "Look after it", "Results", "Devices and the machine", "Statistics"):
-            self.assertIn(heading, headings)
+        self.says(headings, "Design a study", "Run it", "Look after it", "Results", "Devices and the machine", "Statistics")
         for code in (0, 1, 2, 3, 4, 5, 130):
             self.assertRegex(text, rf"\n +{code}  \w")
         self.assertLessEqual(max(len(line) for line in text.splitlines()), 100)
@@ -93,26 +79,26 @@ class Help(unittest.TestCase):
             self.assertRegex(text, what)
 
     def test_the_variable_stands_in_for_a_study_and_what_it_was_is_said(self):
-        study = os.path.join(self.path, "s.sqlite")
+        study = self.folder / "s.sqlite"
         self.jnd("simulate", "tutorial", "--participants", "1", "--study", study, "--seed", "1")
         named = self.jnd("status", study)
-        by_variable = self.jnd("status", JND_STUDY=study)
+        by_variable = self.jnd("status", JND_STUDY=str(study))
         self.assertEqual(named.stdout, by_variable.stdout)
         self.assertEqual(named.stderr, "")
         self.assertEqual(by_variable.stderr, f"jnd: the study is {study} (JND_STUDY)\n")
         self.assertEqual(self.jnd("status", study, JND_STUDY="other.sqlite").stderr, "")
         # One word is the note's text where the variable names the study; two are the study and the text.
-        self.assertIn(f"{study}: the note is event", self.jnd("note", "new paint", JND_STUDY=study).stdout)
+        self.assertIn(f"{study}: the note is event", self.jnd("note", "new paint", JND_STUDY=str(study)).stdout)
         self.assertIn(f"{study}: the note is event", self.jnd("note", study, "again", JND_STUDY="other.sqlite").stdout)
         self.assertIn("TEXT is required", self.jnd("note", study, code=2).stderr)
-        self.assertIn("no such study", self.jnd("note", "none.sqlite", code=2, JND_STUDY=study).stderr)
+        self.assertIn("no such study", self.jnd("note", "none.sqlite", code=2, JND_STUDY=str(study)).stderr)
         self.jnd("status", code=2)
         self.assertIn("JND_STUDY", self.jnd("status", "--help").stdout)
 
     def test_man_reads_every_page_without_a_warning(self):
         if shutil.which("man") is None:
             self.skipTest("man is not installed: the manual pages are not looked at")
-        pages = os.path.join(self.path, "man")
+        pages = self.folder / "man"
         self.jnd("man", pages)
         self.jnd("man", pages)  # again, over the old ones
         names = sorted(os.listdir(pages))
@@ -122,13 +108,12 @@ class Help(unittest.TestCase):
         for command in commands:
             if f"jnd-{command}.1" not in names:
                 self.assertIn(command, ("jnd", "0", "1", "2", "3", "4", "5", "130"), "a command without a page")
-        done = subprocess.run(["groff", "-man", "-Tutf8", "-ww", "-z", *[os.path.join(pages, name) for name in names]],
-                              capture_output=True, text=True) if shutil.which("groff") else None
-        if done is not None:
-            self.assertEqual((done.returncode, done.stderr), (0, ""))
-        shown = subprocess.run(["man", "--warnings", "-l", os.path.join(pages, "jnd-plan.1")], capture_output=True, text=True,
-                               env=os.environ | {"MANPAGER": "cat", "MANWIDTH": "80", "LC_ALL": "C.UTF-8", "MAN_KEEP_FORMATTING": ""})
-        self.assertEqual((shown.returncode, shown.stderr), (0, ""))
+        if shutil.which("groff"):
+            done = program.run("-man", "-Tutf8", "-ww", "-z", *(pages / name for name in names), program="groff")
+            self.assertEqual(done.stderr, "")
+        shown = program.run("--warnings", "-l", pages / "jnd-plan.1", program="man",
+                            env={"MANPAGER": "cat", "MANWIDTH": "80", "LC_ALL": "C.UTF-8", "MAN_KEEP_FORMATTING": ""})
+        self.assertEqual(shown.stderr, "")
         text = " ".join(re.sub(".\b", "", shown.stdout).split())
         self.assertIn("jnd-plan - Print a participant's trials", text)
         self.assertIn("jnd plan chinello2017 --participant", text)
@@ -136,4 +121,4 @@ class Help(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    program.main()

@@ -1,20 +1,15 @@
 #!/usr/bin/env python3
-"""What a blinded study gives away: every command in every format is searched for conditions, stimuli and the seed.
-
-Usage: blinding_test.py JND REAL_STUDY
-"""
+"""What a blinded study gives away: every command in every format is searched for conditions, stimuli and the seed."""
 import collections
-import csv
 import json
 import os
 import re
-import subprocess
 import sys
-import tempfile
-import unittest
 
-JND, REAL_STUDY = (os.path.abspath(path) for path in (sys.argv.pop(1), sys.argv.pop(1)))
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
 
+REAL_STUDY = program.argument()
 SEED = "9182736455463728190"
 NAMES = ("Qforce", "Qvibro", "Qboth")
 LABELS = ("the motors alone", "the buzzer alone", "motors and buzzer")
@@ -30,9 +25,7 @@ def secret_patterns():
 
 
 def protocol_text(participants, blinding="coded", **members):
-    source = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../../protocols/chinello2017.json")
-    with open(source, encoding="utf-8") as file:
-        protocol = json.load(file)
+    protocol = json.loads((program.ROOT / "protocols/chinello2017.json").read_text())
     for key in ("assumed", "notes", "source"):
         protocol.pop(key, None)
     protocol["source"] = {"citation": "Made for a test."}
@@ -52,29 +45,17 @@ def protocol_text(participants, blinding="coded", **members):
     return json.dumps(protocol, indent=1)
 
 
-class Blinding(unittest.TestCase):
+class Blinding(program.Case):
     def setUp(self):
-        self.temporary = tempfile.TemporaryDirectory()
-        self.folder = self.temporary.name
-        self.outputs = 0
         self.write_protocol(6)
 
-    def tearDown(self):
-        self.temporary.cleanup()
-
     def write_protocol(self, *arguments, **members):
-        with open(self.path("protocol.json"), "w", encoding="utf-8") as file:
-            file.write(protocol_text(*arguments, **members))
-
-    def path(self, *names):
-        return os.path.join(self.folder, *names)
+        self.write("protocol.json", protocol_text(*arguments, **members))
 
     def jnd(self, *arguments, code=0):
         """Everything that a command gives: both streams, and every file it writes."""
-        self.outputs += 1
         before = self.files()
-        done = subprocess.run([JND, *arguments], capture_output=True, text=True, cwd=self.folder)
-        self.assertEqual(done.returncode, code, f"{arguments}: {done.stdout}{done.stderr}")
+        done = super().jnd(*arguments, code=code)
         written = [self.read(name) for name in sorted(self.files() - before) if not re.search(r"\.sqlite(-wal|-shm)?$", name)]
         return "\n".join([done.stdout, done.stderr, *written])
 
@@ -83,17 +64,14 @@ class Blinding(unittest.TestCase):
                 for where, _, names in os.walk(self.folder) for name in names}
 
     def read(self, name):
-        with open(self.path(name), encoding="utf-8") as file:
-            return name + "\n" + file.read()
+        return f"{name}\n{super().read(name)}"
 
     def trials_of(self, folder):
         """How many rows trials.csv has of each participant."""
-        with open(self.path(folder, "trials.csv"), encoding="utf-8", newline="") as file:
-            return collections.Counter(row["participant"] for row in csv.DictReader(file))
+        return collections.Counter(row["participant"] for row in self.rows(folder, "trials.csv"))
 
     def study(self, kind, finished, unfinished, how="whole"):
-        subprocess.run([REAL_STUDY, "s.sqlite", "protocol.json", SEED, kind, str(finished), str(unfinished), how],
-                       cwd=self.folder, check=True)
+        program.run("s.sqlite", "protocol.json", SEED, kind, finished, unfinished, how, program=REAL_STUDY, folder=self.folder)
 
     def commands(self):
         """(arguments, exit code while blinded, whether the whole output may show secrets once it is not)"""
@@ -150,8 +128,7 @@ class Blinding(unittest.TestCase):
                               for a in arguments)
                 text = self.jnd(*again)
                 self.assertNotIn("BLINDED", text)
-                for word in ((shown,) if isinstance(shown, str) else shown):
-                    self.assertIn(word, text, again)
+                self.says(text, *((shown,) if isinstance(shown, str) else shown))
 
     def test_blinded_results_are_coded_and_in_the_order_of_the_codes(self):
         self.study("real", 4, 1, "taken-back")
@@ -168,7 +145,7 @@ class Blinding(unittest.TestCase):
         for name in ("x/monitoring.csv", "x/dictionary.csv", "x/datapackage.json"):  # limits follow from forces
             self.assertNotIn("saturated", self.read(name))
         for name in ("intervals.csv", "voided.csv", "recompute.py"):  # neither what was felt, nor what did not count
-            self.assertFalse(os.path.exists(self.path("x", name)), name)
+            self.assertFalse(os.path.exists(self.folder / "x" / name), name)
         self.assertNotIn("saturated", json.dumps(result))
         self.assertNotIn("saturated", self.jnd("analyze", "s.sqlite"))
         header = self.read("x/trials.csv").splitlines()[1]
@@ -186,8 +163,7 @@ class Blinding(unittest.TestCase):
         lines = [line.split() for line in self.jnd("plan", "--study", "s.sqlite").splitlines() if "practice round" in line]
         self.assertEqual([line[1:3] for line in lines], [["-", "-"]] * 8)
         self.jnd("export", "s.sqlite", "--to", "x")
-        with open(self.path("x/trials.csv"), encoding="utf-8", newline="") as file:
-            rows = list(csv.DictReader(file))
+        rows = self.rows("x/trials.csv")
         self.assertEqual({row["condition_code"] for row in rows if row["practice"] == "1"}, {""})
         self.assertEqual({row["condition_code"] for row in rows if row["practice"] == "0"}, {"A", "B", "C"})
         self.assertNotIn("attempt", rows[0])  # repeated at a device's limit, which the force of the stimulus reaches
@@ -223,8 +199,7 @@ class Blinding(unittest.TestCase):
         result = json.loads(self.jnd("analyze", "s.sqlite", "--json"))
         self.assertEqual([row["state"] for row in result["participants"]], ["finished"] * 5 + ["ended early"])
         self.jnd("export", "s.sqlite", "--to", "x")
-        with open(self.path("x/monitoring.csv"), encoding="utf-8", newline="") as file:
-            self.assertEqual([row["state"] for row in csv.DictReader(file)], ["finished"] * 5 + ["ended early"])
+        self.assertEqual([row["state"] for row in self.rows("x", "monitoring.csv")], ["finished"] * 5 + ["ended early"])
 
     def test_a_mean_of_few_is_nobodys_own_result(self):
         self.study("real", 2, 0)
@@ -236,7 +211,7 @@ class Blinding(unittest.TestCase):
         self.study("real", 6, 0)
         self.assertIn(NAMES[0], self.jnd("analyze", "s.sqlite"))
         self.assertIn(SEED, self.jnd("status", "s.sqlite"))
-        os.remove(self.path("s.sqlite"))
+        os.remove(self.folder / "s.sqlite")
         self.write_protocol(6, "open")
         self.study("real", 2, 1)
         self.assertIn(NAMES[0], self.jnd("analyze", "s.sqlite"))
@@ -246,14 +221,13 @@ class Blinding(unittest.TestCase):
         for kind in ("pilot", "simulated"):
             self.study(kind, 2, 1)
             text = self.jnd("analyze", "s.sqlite", "--kind", kind)
-            for word in NAMES:
-                self.assertIn(word, text)
+            self.says(text, *NAMES)
             if kind == "simulated":
                 self.assertIn(SEED, text)
                 self.jnd("export", "s.sqlite", "--kind", kind, "--to", kind)
                 self.assertIn("413", self.read(f"{kind}/trials.csv"))
                 self.assertIn(NAMES[0], self.read(f"{kind}/answers.csv"))
-            os.remove(self.path("s.sqlite"))
+            os.remove(self.folder / "s.sqlite")
 
     def test_a_study_of_pilot_sessions_alone_keeps_the_plan_that_people_will_have(self):
         self.study("pilot", 1, 0)
@@ -277,11 +251,11 @@ class Blinding(unittest.TestCase):
         text = self.jnd("export", "s.sqlite", "--kind", "pilot", "--to", "x")
         self.assertNotIn(SEED, text)
         for name in ("trials", "intervals", "voided", "answers"):  # answers name the condition that a block had
-            self.assertFalse(os.path.exists(self.path("x", f"{name}.csv")), name)
+            self.assertFalse(os.path.exists(self.folder / "x" / f"{name}.csv"), name)
             self.assertNotIn(f"{name}.csv", self.read("x/dictionary.csv"))
             self.assertNotIn(f"{name}.csv", self.read("x/datapackage.json"))
         self.jnd("export", "s.sqlite", "--kind", "pilot", "--to", "y", "--telemetry", code=2)
 
 
 if __name__ == "__main__":
-    unittest.main()
+    program.main()

@@ -1,20 +1,21 @@
 #!/usr/bin/env python3
 """The report in a real browser: headless Chromium shows it without a word on the console, light, dark and on paper.
 
-Usage: report_browser.py JND [FOLDER]
-With FOLDER the report, its pictures and the PDF stay there, to be looked at. Exits with 77 where there is no Chromium or no pdftoppm.
-"""
+Usage: report_browser_test.py JND [FOLDER]
+With FOLDER the report, its pictures and the PDF stay there, to be looked at. Exits with 77 if there is no Chromium or no pdftoppm."""
 import contextlib
 import os
 import re
 import shutil
 import sqlite3
 import struct
-import subprocess
 import sys
 import tempfile
 import xml.etree.ElementTree
 import zlib
+
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 FLAGS = ["--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--hide-scrollbars", "--no-first-run",
@@ -80,33 +81,30 @@ def brightness(path):
 
 
 class Report:
-    def __init__(self, jnd, browser, folder):
-        self.jnd, self.browser, self.folder = os.path.abspath(jnd), browser, folder
+    def __init__(self, browser, folder):
+        self.browser, self.folder = browser, folder
 
     def path(self, name):
         return os.path.join(self.folder, name)
 
-    def run(self, *command, limit_s=None):
-        done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True, timeout=limit_s)
-        assert done.returncode == 0, f"{command}: exit {done.returncode}\n{done.stdout}{done.stderr}"
-        return done
+    def jnd(self, *arguments, **options):
+        return program.run(*arguments, folder=self.folder, **options)
 
     def browse(self, *flags, page="s-report.html", size=SIZE):
         """What the browser printed; its console must have stayed silent."""
         with tempfile.TemporaryDirectory() as profile:
-            done = self.run(self.browser, *FLAGS, f"--user-data-dir={profile}", f"--window-size={size[0]},{size[1]}", *flags,
-                            "file://" + self.path(page), limit_s=300)  # a browser may hang
+            done = self.jnd(*FLAGS, f"--user-data-dir={profile}", f"--window-size={size[0]},{size[1]}", *flags,
+                            "file://" + self.path(page), program=self.browser)
         said = [line for line in done.stderr.splitlines() if "CONSOLE" in line]
         assert not said, "\n".join(said)
         return done.stdout
 
     def make(self):
-        self.run(self.jnd, "simulate", "chinello2017", "--participants", "18", "--study", "s.sqlite", "--seed", "1", "--record", "full")
-        self.run(self.jnd, "report", "s.sqlite")
+        self.jnd("simulate", "chinello2017", "--participants", "18", "--study", "s.sqlite", "--seed", "1", "--record", "full")
+        self.jnd("report", "s.sqlite")
         first = open(self.path("s-report.html"), "rb").read()
-        refused = subprocess.run([self.jnd, "report", "s.sqlite"], cwd=self.folder, capture_output=True, text=True)
-        assert refused.returncode == 5 and "--replace" in refused.stderr, refused.stderr
-        self.run(self.jnd, "report", "s.sqlite", "--replace")
+        assert "--replace" in self.jnd("report", "s.sqlite", code=program.STORAGE).stderr
+        self.jnd("report", "s.sqlite", "--replace")
         assert open(self.path("s-report.html"), "rb").read() == first, "the same study made another page"
 
     def check_files(self):
@@ -125,19 +123,18 @@ class Report:
 
     def check_presses(self):
         """Trials that are asked for have a panel each; one whose force was not kept is refused before anything is made."""
-        self.run(self.jnd, "report", "s.sqlite", "--to", "chosen.html", "--press", "P02:100", "--press", "3:101")
+        self.jnd("report", "s.sqlite", "--to", "chosen.html", "--press", "P02:100", "--press", "3:101")
         svg = open(self.path("chosen-figures/presses.svg"), encoding="utf-8").read()
         assert re.search(r">P02, [^<]*, trial 100[<,]", svg) and re.search(r">P03, [^<]*, trial 101[<,]", svg)
         for wrong, said in (("P02:9999", "no force was kept"), ("P02", "such as P01:12"), ("P02:1x", "such as P01:12")):
-            refused = subprocess.run([self.jnd, "report", "s.sqlite", "--to", "wrong.html", "--press", wrong], cwd=self.folder, capture_output=True, text=True)
-            assert refused.returncode == 2 and said in refused.stderr, refused.stderr
+            assert said in self.jnd("report", "s.sqlite", "--to", "wrong.html", "--press", wrong, code=program.USAGE).stderr
             assert not os.path.exists(self.path("wrong.html"))
 
     def check_other_tasks(self):
         """Every answer of the other tasks stands in their raster too; where the PSE is compared, the JND stands beside it."""
         for protocol, figures in (("leib2015", {"raster", "parameter", "parameter-jnd", "curves"}), ("adaptive-posterior", {"raster", "tracks"})):
-            self.run(self.jnd, "simulate", protocol, "--participants", "4", "--study", "other.sqlite", "--seed", "1")
-            self.run(self.jnd, "report", "other.sqlite", "--replace")
+            self.jnd("simulate", protocol, "--participants", "4", "--study", "other.sqlite", "--seed", "1")
+            self.jnd("report", "other.sqlite", "--replace")
             names = {os.path.splitext(name)[0] for name in os.listdir(self.path("other-report-figures"))}
             assert figures <= names, names
             with contextlib.closing(sqlite3.connect(self.path("other.sqlite"))) as study:
@@ -193,7 +190,7 @@ class Report:
 
     def filled(self):
         """How far down each printed page goes, in % of its height."""
-        self.run("pdftoppm", "-r", "20", "-gray", "report.pdf", "paper")
+        self.jnd("-r", "20", "-gray", "report.pdf", "paper", program="pdftoppm")
         filled = []
         for name in sorted(name for name in os.listdir(self.folder) if name.startswith("paper-")):
             data = open(self.path(name), "rb").read()
@@ -206,9 +203,9 @@ class Report:
 def main():
     browser = next(filter(None, map(shutil.which, BROWSERS)), None)
     with tempfile.TemporaryDirectory() as temporary:
-        folder = os.path.abspath(sys.argv[2]) if len(sys.argv) > 2 else temporary
+        folder = program.argument() or temporary
         os.makedirs(folder, exist_ok=True)
-        report = Report(sys.argv[1], browser, folder)
+        report = Report(browser, folder)
         report.make()
         report.check_files()
         report.check_presses()

@@ -1,50 +1,34 @@
 #!/usr/bin/env python3
-"""Looking after a study from outside: note, exclude, unblind, backup, merge, recover, verify --deep.
-
-Usage: study_admin_test.py JND
-"""
-import json
+"""Looking after a study from outside: note, exclude, unblind, backup, merge, recover, verify --deep."""
 import os
 import shutil
 import sqlite3
 import stat
-import subprocess
 import sys
 import tempfile
-import unittest
 
-JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
 
 
-class Care(unittest.TestCase):
+class Care(program.Case):
     @classmethod
     def setUpClass(cls):
         cls.simulated = tempfile.TemporaryDirectory()
         cls.addClassCleanup(cls.simulated.cleanup)
 
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = folder.name
         self.simulate("s.sqlite", 5)
 
-    def jnd(self, *arguments, code=0):
-        done = subprocess.run([JND, *arguments], capture_output=True, text=True, cwd=self.folder)
-        self.assertEqual(done.returncode, code, f"{arguments}: {done.stdout}{done.stderr}")
-        return done
-
     def json(self, *arguments, code=0):
-        return json.loads(self.jnd(*arguments, "--json", code=code).stdout)
+        return self.jnd(*arguments, "--json", code=code).json
 
     def simulate(self, study, seed, *arguments):
         """The study is simulated once; the tests have copies of its file."""
         kept = os.path.join(self.simulated.name, "-".join([str(seed), *arguments]))
         if not os.path.exists(kept):
             self.jnd("simulate", "tutorial", "--participants", "2", "--study", kept, "--seed", str(seed), *arguments)
-        shutil.copy(kept, self.path(study))
-
-    def path(self, name):
-        return os.path.join(self.folder, name)
+        shutil.copy(kept, self.folder / study)
 
     def test_every_command_has_help_with_an_example(self):
         for command in ("note", "exclude", "unblind", "backup", "merge", "recover"):
@@ -91,7 +75,7 @@ class Care(unittest.TestCase):
         self.assertEqual((report["written"], report["sessions"], report["problems"]), (True, 2, 0))
         heads = {row["participant"]: row["head"] for row in self.json("status", "s.sqlite")["sessions"]}
         self.assertEqual({row["participant"]: row["head"] for row in report["heads"]}, heads)
-        self.assertEqual(stat.S_IMODE(os.stat(self.path("b.sqlite")).st_mode), 0o600)
+        self.assertEqual(stat.S_IMODE(os.stat(self.folder / "b.sqlite").st_mode), 0o600)
         self.jnd("backup", "s.sqlite", "--to", "b.sqlite", code=5)
         self.assertIn("verified", self.jnd("backup", "s.sqlite", "--to", "b.sqlite", "--replace").stdout)
         self.jnd("verify", "b.sqlite")
@@ -107,14 +91,12 @@ class Care(unittest.TestCase):
         self.simulate("t.sqlite", 6)
         refused = self.jnd("merge", "s.sqlite", "t.sqlite", "--to", "m.sqlite", code=3).stderr
         self.assertIn("a code stands for one person", refused)
-        self.assertFalse(os.path.exists(self.path("m.sqlite")))
+        self.assertFalse(os.path.exists(self.folder / "m.sqlite"))
 
     def test_recover_saves_what_a_damaged_file_holds(self):
-        with open(self.path("s.sqlite"), "rb") as file:
-            content = bytearray(file.read())
+        content = bytearray((self.folder / "s.sqlite").read_bytes())
         content[0:4096] = bytes(4096)  # the first page: SQLite knows nothing of it any more
-        with open(self.path("damaged.sqlite"), "wb") as file:
-            file.write(content)
+        self.write("damaged.sqlite", content)
         self.jnd("verify", "damaged.sqlite", code=5)
         # All of it comes back, but what said so is gone with the first page.
         report = self.json("recover", "damaged.sqlite", "--to", "saved.sqlite", code=1)
@@ -123,42 +105,36 @@ class Care(unittest.TestCase):
         self.assertTrue(all(row["closed"] for row in report["sessions"]))
         self.assertTrue(self.json("verify", "saved.sqlite", "--deep")["ok"])
         trials = "SELECT session, seq, body, hash FROM event WHERE session <> 'study' ORDER BY session, seq"
-        rows = [sqlite3.connect(self.path(name)).execute(trials).fetchall() for name in ("s.sqlite", "saved.sqlite")]
+        rows = [sqlite3.connect(self.folder / name).execute(trials).fetchall() for name in ("s.sqlite", "saved.sqlite")]
         self.assertEqual(rows[0], rows[1])
-        with open(self.path("damaged.sqlite"), "rb") as file:
-            self.assertEqual(file.read(), bytes(content))
+        self.assertEqual((self.folder / "damaged.sqlite").read_bytes(), bytes(content))
         self.jnd("recover", "damaged.sqlite", "--to", "saved.sqlite", code=5)
 
     def test_a_file_that_was_cut_is_never_called_whole(self):
-        with open(self.path("s.sqlite"), "rb") as file:
-            content = file.read()
+        content = (self.folder / "s.sqlite").read_bytes()
         self.assertTrue(self.json("recover", "s.sqlite", "--to", "whole.sqlite")["whole"])
         for part in range(3, 8):
-            with open(self.path("cut.sqlite"), "wb") as file:
-                file.write(content[: len(content) * part // 8])
+            self.write("cut.sqlite", content[: len(content) * part // 8])
             report = self.json("recover", "cut.sqlite", "--to", f"saved-{part}.sqlite", code=1)
             self.assertFalse(report["whole"])
             self.assertIn("the file ends early", report["doubts"][0])
             self.assertEqual(report["pages"], len(content) // 4096)
-            self.assertEqual(report["pages"] - report["pages_missing"], os.path.getsize(self.path("cut.sqlite")) // 4096)
+            self.assertEqual(report["pages"] - report["pages_missing"], os.path.getsize(self.folder / "cut.sqlite") // 4096)
             self.assertTrue(report["events_added"] is None or report["events_added"] >= report["events_found"])
             for row in report["sessions"]:
                 self.assertEqual(row["last_event"] is None, row["events"] == 0)
                 self.assertEqual(row["fate"] == "whole", row["closed"] and not row["cut"], row)
                 self.assertNotEqual(row["fate"], "open", row)
-            os.remove(self.path(f"saved-{part}.sqlite"))
+            os.remove(self.folder / f"saved-{part}.sqlite")
             said = self.jnd("recover", "cut.sqlite", "--to", f"saved-{part}.sqlite", code=1).stdout
             self.assertIn(f"{report['pages'] - report['pages_missing']} of {report['pages']} pages of the file were there", " ".join(said.split()))
-            for words in ("Lost, or in doubt", "What to do next", "jnd status BACKUP", "jnd verify"):
-                self.assertIn(words, said)
+            self.says(said, "Lost, or in doubt", "What to do next", "jnd status BACKUP", "jnd verify")
 
     def test_no_results_come_from_a_study_that_was_changed(self):
         """One stimulus in the file: everything that would compute with it says so and writes nothing."""
-        with open(self.path("s.sqlite"), "rb") as file:
-            content = file.read()
+        content = (self.folder / "s.sqlite").read_bytes()
         self.assertIn(b'"stimulus_1_n_per_m":900', content)
-        with open(self.path("rot.sqlite"), "wb") as file:
-            file.write(content.replace(b'"stimulus_1_n_per_m":900', b'"stimulus_1_n_per_m":400', 1))
+        self.write("rot.sqlite", content.replace(b'"stimulus_1_n_per_m":900', b'"stimulus_1_n_per_m":400', 1))
         before = sorted(os.listdir(self.folder))
         for arguments in (("analyze", "rot.sqlite"), ("analyze", "rot.sqlite", "--json"), ("report", "rot.sqlite", "--to", "r.html"),
                           ("export", "rot.sqlite", "--to", "e")):
@@ -171,7 +147,7 @@ class Care(unittest.TestCase):
 
     def test_the_head_of_the_studys_own_chain_is_wherever_heads_are(self):
         self.jnd("exclude", "s.sqlite", "--participant", "P02", "--reason", "felt ill")
-        with sqlite3.connect(self.path("s.sqlite")) as study:
+        with sqlite3.connect(self.folder / "s.sqlite") as study:
             head = study.execute("SELECT hash FROM event WHERE session = 'study' ORDER BY seq DESC").fetchone()[0]
         self.jnd("report", "s.sqlite", "--to", "r.html")
         self.jnd("export", "s.sqlite", "--to", "e")
@@ -179,8 +155,7 @@ class Care(unittest.TestCase):
             self.assertIn(head, self.jnd(arguments[0], "s.sqlite", *arguments[1:]).stdout, arguments)
             self.assertEqual(self.json(arguments[0], "s.sqlite", *arguments[1:])["study_head"], head)
         for name in ("r.html", "e/sessions.csv", "e/methods.md"):
-            with open(self.path(name), encoding="utf-8") as file:
-                self.assertIn(head, file.read(), name)
+            self.assertIn(head, self.read(name), name)
 
     def test_studies_of_two_protocols_with_one_seed_are_told_apart(self):
         self.jnd("simulate", "adaptive-quest", "--participants", "1", "--study", "q.sqlite", "--seed", "5")
@@ -198,7 +173,7 @@ class Care(unittest.TestCase):
         self.jnd(*run, "--participant", "p08")
 
     def test_a_file_with_a_foreign_trigger_is_refused_in_words(self):
-        with sqlite3.connect(self.path("s.sqlite")) as study:
+        with sqlite3.connect(self.folder / "s.sqlite") as study:
             study.execute("CREATE TRIGGER z BEFORE INSERT ON event WHEN NEW.kind = 'note' BEGIN SELECT RAISE(IGNORE); END")
         for arguments in (("verify",), ("status",), ("analyze",), ("note", "hello")):
             refused = self.jnd(arguments[0], "s.sqlite", *arguments[1:], code=5).stderr
@@ -206,11 +181,10 @@ class Care(unittest.TestCase):
 
     def test_a_study_from_before_the_release_is_refused_by_every_command(self):
         self.simulate("other.sqlite", 6)
-        with sqlite3.connect(self.path("s.sqlite")) as study:
+        with sqlite3.connect(self.folder / "s.sqlite") as study:
             study.execute(f"PRAGMA application_id = {0x6A6E6473}")
             study.execute("PRAGMA user_version = 4")
-        with open(self.path("s.sqlite"), "rb") as file:
-            before = file.read()
+        before = (self.folder / "s.sqlite").read_bytes()
         for arguments in (("status", "s.sqlite"), ("verify", "s.sqlite"), ("verify", "s.sqlite", "--deep"), ("analyze", "s.sqlite"),
                           ("export", "s.sqlite", "--to", "out"), ("report", "s.sqlite", "--to", "r.html"), ("note", "s.sqlite", "hello"),
                           ("exclude", "s.sqlite", "--participant", "P01", "--reason", "ill"), ("unblind", "s.sqlite", "--reason", "safety"),
@@ -221,12 +195,11 @@ class Care(unittest.TestCase):
             refused = self.jnd(*arguments, code=3 if arguments[0] == "merge" else 5).stderr
             self.assertIn("s.sqlite: was written by a jnd from before its first release, whose files this program does not read; "
                           "it was not changed. Simulate or run the study again", refused)
-            with open(self.path("s.sqlite"), "rb") as file:
-                self.assertEqual(file.read(), before, arguments)
+            self.assertEqual((self.folder / "s.sqlite").read_bytes(), before, arguments)
         self.assertEqual(sorted(os.listdir(self.folder)), ["other.sqlite", "s.sqlite"])
 
     def test_a_session_that_is_closed_and_cut_is_not_whole(self):
-        study = sqlite3.connect(self.path("s.sqlite"))
+        study = sqlite3.connect(self.folder / "s.sqlite")
         session, last = study.execute("SELECT session, max(seq) FROM event WHERE session <> 'study' GROUP BY session").fetchone()
         study.execute("INSERT INTO event (session, seq, kind, utc, monotonic_ns, version, body, hash) SELECT session, seq + 1, 'note', "
                       "utc, monotonic_ns, version, '{}', hash FROM event WHERE session = ? AND seq = ?", (session, last))
@@ -242,20 +215,17 @@ class Care(unittest.TestCase):
         self.assertTrue(self.json("verify", "other.sqlite")["ok"])
 
     def test_the_damaged_original_is_never_overwritten(self):
-        os.rename(self.path("s.sqlite"), self.path("s.sqlite.lock"))
+        os.rename(self.folder / "s.sqlite", self.folder / "s.sqlite.lock")
         for command in ("recover", "backup"):
             refused = self.jnd(command, "s.sqlite.lock", "--to", "s.sqlite", code=5).stderr
             self.assertIn("would overwrite s.sqlite.lock", refused)
         self.assertEqual(os.listdir(self.folder), ["s.sqlite.lock"])
 
     def test_a_report_replaces_neither_a_study_nor_a_foreign_file(self):
-        with open(self.path("thesis.docx"), "w", encoding="utf-8") as file:
-            file.write("years of work")
-        os.mkdir(self.path("drawings"))
-        with open(self.path("drawings/mine.svg"), "w", encoding="utf-8") as file:
-            file.write("<svg/>")
-        with open(self.path("s.sqlite"), "rb") as file:
-            before = file.read()
+        self.write("thesis.docx", "years of work")
+        os.mkdir(self.folder / "drawings")
+        self.write("drawings/mine.svg", "<svg/>")
+        before = (self.folder / "s.sqlite").read_bytes()
         for place in ("s.sqlite", "thesis.docx"):
             refused = self.jnd("report", "s.sqlite", "--to", place, "--replace", code=5).stderr
             self.assertIn("was not written by jnd report", refused)
@@ -263,10 +233,9 @@ class Care(unittest.TestCase):
         # What is at fault is named.
         long_name = "f" * 300
         self.assertIn(f"{long_name}: cannot be written: File name too long", self.jnd("report", "s.sqlite", "--to", "r.html", "--figures", long_name, code=5).stderr)
-        with open(self.path("s.sqlite"), "rb") as file:
-            self.assertEqual(file.read(), before)
-        self.assertEqual(os.listdir(self.path("drawings")), ["mine.svg"])
-        self.assertFalse(os.path.exists(self.path("r.html")))
+        self.assertEqual((self.folder / "s.sqlite").read_bytes(), before)
+        self.assertEqual(os.listdir(self.folder / "drawings"), ["mine.svg"])
+        self.assertFalse(os.path.exists(self.folder / "r.html"))
 
     def test_deep_verification_computes_what_was_delivered(self):
         self.simulate("full.sqlite", 7, "--record", "full")
@@ -278,4 +247,4 @@ class Care(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    program.main()

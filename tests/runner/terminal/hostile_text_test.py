@@ -1,19 +1,16 @@
 #!/usr/bin/env python3
-"""Text that a terminal would obey, fed through every input: none of it comes out raw on either stream of any command.
-
-Usage: hostile_text_test.py JND REAL_STUDY
-"""
+"""Text that a terminal would obey, fed through every input: none of it comes out raw on either stream of any command."""
 import json
 import os
 import re
 import shutil
-import subprocess
 import sys
-import tempfile
-import unittest
 
-JND, REAL_STUDY = (os.path.abspath(path) for path in (sys.argv.pop(1), sys.argv.pop(1)))
-PROTOCOLS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../../protocols")
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
+
+REAL_STUDY = program.argument()
+PROTOCOLS = program.ROOT / "protocols"
 
 # Clears the screen, sets the title, a C1 control sequence, reordered text, a hidden character, a line separator.
 TEXT = "x\x1b[2J\x1b]0;t\x07\x9b31m\u202eabc\u2066\u200b\u2028\x7fy"
@@ -21,23 +18,9 @@ BYTES = TEXT.encode() + b"\xff\xc0\x80"
 FORBIDDEN = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff]")
 
 
-class HostileText(unittest.TestCase):
-    def setUp(self):
-        self.temporary = tempfile.TemporaryDirectory()
-        self.folder = self.temporary.name
-
-    def tearDown(self):
-        self.temporary.cleanup()
-
-    def path(self, name):
-        return os.path.join(self.folder, name) if isinstance(name, str) else os.path.join(self.folder.encode(), name)
-
-    def write(self, name, text):
-        with open(self.path(name), "wb") as file:
-            file.write(text if isinstance(text, bytes) else text.encode())
-
-    def jnd(self, *arguments, code=None, stdin=b""):
-        done = subprocess.run([JND, *arguments], capture_output=True, cwd=self.folder, input=stdin, timeout=120)
+class HostileText(program.Case):
+    def jnd(self, *arguments, code=None):
+        done = super().jnd(*arguments, code=code, input=b"")
         for stream in (done.stdout, done.stderr):
             try:
                 text = stream.decode()  # strict: no byte that is not UTF-8
@@ -45,16 +28,11 @@ class HostileText(unittest.TestCase):
                 self.fail(f"{arguments}: {error}: {stream!r}")
             found = FORBIDDEN.search(text)
             self.assertIsNone(found, f"{arguments}: {text!r}")
-        if code is not None:
-            self.assertEqual(done.returncode, code, f"{arguments}: {done.stdout!r} {done.stderr!r}")
         self.assertGreaterEqual(done.returncode, 0, f"{arguments}: ended by a signal")
         return done.stdout.decode() + done.stderr.decode()
 
     def protocol(self, **members):
-        with open(os.path.join(PROTOCOLS, "tutorial.json"), encoding="utf-8") as file:
-            protocol = json.load(file)
-        protocol.update(members)
-        return protocol
+        return json.loads((PROTOCOLS / "tutorial.json").read_text()) | members
 
     def test_arguments(self):
         commands = self.jnd("--help")
@@ -104,9 +82,9 @@ class HostileText(unittest.TestCase):
 
     def test_paths(self):
         file, folder = BYTES + b".sqlite", b"to" + BYTES
-        protocol = os.path.join(PROTOCOLS, "tutorial.json")
-        subprocess.run([REAL_STUDY, file, protocol, "3", "pilot", "2", "0"], cwd=self.folder, check=True)
-        shutil.copy(protocol, self.path(BYTES + b".json"))
+        protocol = PROTOCOLS / "tutorial.json"
+        super().jnd(file, protocol, "3", "pilot", "2", "0", program=REAL_STUDY)
+        shutil.copy(protocol, os.path.join(os.fsencode(self.folder), BYTES + b".json"))
         for arguments in (("status", file), ("status", file, "--json"), ("verify", file), ("verify", file, "--json"), ("analyze", file),
                           ("studies",), ("studies", "--json"), ("watch", file, "--once"), ("diff", "tutorial", BYTES + b".json"),
                           ("analyze", file, "--csv", folder + b"1"), ("export", file, "--to", folder + b"2"), ("export", file, "--to", folder + b"2"),
@@ -116,8 +94,7 @@ class HostileText(unittest.TestCase):
             self.jnd(*arguments)
 
     def test_profiles_and_tables(self):
-        with open(os.path.join(PROTOCOLS, "../devices/profiles/chinello2017.json"), encoding="utf-8") as file:
-            profile = json.load(file)
+        profile = json.loads((program.ROOT / "devices/profiles/chinello2017.json").read_text())
         for key, value in (("title", TEXT), (TEXT, 1), ("source", TEXT), ("ratings", {TEXT: {"mean": TEXT, "sd": 1}}), ("answers", {TEXT: {TEXT: 1}})):
             self.write("p.json", json.dumps({**profile, key: value}))
             self.jnd("simulate", "tutorial", "--no-study", "--profile", "./p.json")
@@ -130,4 +107,4 @@ class HostileText(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    program.main()

@@ -1,19 +1,13 @@
 #!/usr/bin/env python3
-"""The screen's own words: every table has all of them and no other, and a session speaks the language that is asked for.
-
-Usage: words_test.py JND
-"""
+"""The screen's own words: every table has all of them and no other, and a session speaks the language that is asked for."""
 import json
-import os
-import pathlib
 import re
-import subprocess
 import sys
-import tempfile
-import unittest
 
-JND = os.path.abspath(sys.argv.pop(1))
-RUNNER = pathlib.Path(__file__).resolve().parents[3] / "runner"
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
+
+RUNNER = program.ROOT / "runner"
 LITERALS = r'((?:"(?:[^"\\]|\\.)*"\s*)+)'
 # Words that the program takes from tables of its own: who entered an answer, what stopped the devices.
 OF_TABLES = {"participant", "operator", "key", "button", "signal", "program"}
@@ -29,7 +23,7 @@ def words_in_code():
     return found
 
 
-class Words(unittest.TestCase):
+class Words(program.Case):
     def test_every_table_has_all_words_and_no_other(self):
         words = words_in_code()
         self.assertGreater(len(words), 250)
@@ -41,12 +35,9 @@ class Words(unittest.TestCase):
                 self.assertEqual(words | OF_TABLES, set(table["words"]))
 
     def session(self, *options, environment=None):
-        with tempfile.TemporaryDirectory() as folder:
-            done = subprocess.run([JND, "run", "tutorial", "--study", "s.sqlite", "--participant", "P01", "--responder", "chinello2017", "--fast",
-                                   "--plain", "--seed", "1", *options], cwd=folder, capture_output=True, text=True,
-                                  env=os.environ | (environment or {}))
-            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-            return done.stdout
+        (self.folder / "s.sqlite").unlink(missing_ok=True)
+        return self.jnd("run", "tutorial", "--study", "s.sqlite", "--participant", "P01", "--responder", "chinello2017", "--fast",
+                        "--plain", "--seed", "1", *options, env=environment).stdout
 
     def test_a_session_speaks_the_language_of_its_texts(self):
         english, german = self.session(), self.session("--language", "de")
@@ -62,14 +53,12 @@ class Words(unittest.TestCase):
         self.assertRegex(english, r"Done\. The session of P01 is complete[^\n]*\n(.*\n)*?  saved in  s\.sqlite\n  next      jnd status s\.sqlite")
 
     def test_a_language_is_added_by_a_file(self):
-        with tempfile.TemporaryDirectory() as folder:
-            table = json.loads((RUNNER / "words/languages/de.json").read_text(encoding="utf-8"))
-            table["words"]["Trial {} of {}"] = "{1} in allem, jetzt {0}"
-            places = pathlib.Path(folder, "languages")
-            places.mkdir()
-            (places / "de.json").write_text(json.dumps(table), encoding="utf-8")
-            self.assertIn("16 in allem, jetzt 1", self.session("--language", "de", environment={"JND_DATA_DIR": folder}))
+        table = json.loads((RUNNER / "words/languages/de.json").read_text(encoding="utf-8"))
+        table["words"]["Trial {} of {}"] = "{1} in allem, jetzt {0}"
+        (self.folder / "languages").mkdir()
+        self.write("languages/de.json", table)
+        self.assertIn("16 in allem, jetzt 1", self.session("--language", "de", environment={"JND_DATA_DIR": str(self.folder)}))
 
 
 if __name__ == "__main__":
-    unittest.main()
+    program.main()
