@@ -15,8 +15,11 @@ def problems(folder, programs):
     known = []
     for program in programs:
         for which in ([], ["[.]"]):  # Catch2 names the hidden ones only where they are asked for
-            known += subprocess.run([program, "--list-test-names-only", *which], capture_output=True, text=True,
-                                    check=False).stdout.splitlines()
+            for asked in (["--list-test-names-only"], ["--list-tests", "--verbosity", "quiet"]):  # of Catch2 v2; of v3
+                names = subprocess.run([program, *asked, *which], capture_output=True, text=True, check=False).stdout
+                if names:
+                    break
+            known += names.splitlines()
     campaigns = (folder / "long.sh").read_text(encoding="utf-8")
     written = {}
     for source in sorted(folder.rglob("*.cpp")):

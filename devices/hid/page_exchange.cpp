@@ -104,7 +104,7 @@ PageData PageExchange::ask(jnd_operation operation, jnd_page_number page, const 
     throw DeviceError(
         fmt::format("{}: speaks version {} of the report protocol, this program speaks versions {} to {}; update the "
                     "one that is older",
-                    device_, other_version_, JND_PROTOCOL_VERSION, JND_PROTOCOL_VERSION));
+                    device_, other_version_, int{JND_PROTOCOL_VERSION}, int{JND_PROTOCOL_VERSION}));
   throw DeviceError(
       fmt::format("{}: did not answer {} requests for {}; switch it off and on, and look whether its firmware runs",
                   device_, patience_.tries, name_of(page)));
@@ -140,7 +140,7 @@ jnd_identity PageExchange::identity() {
     throw DeviceError(
         fmt::format("{}: speaks versions {} to {} of the report protocol, this program speaks versions {} to {}; "
                     "update the one that is older",
-                    device_, lowest, highest, JND_PROTOCOL_VERSION, JND_PROTOCOL_VERSION));
+                    device_, lowest, highest, int{JND_PROTOCOL_VERSION}, int{JND_PROTOCOL_VERSION}));
   return decoded<jnd_identity>(data, jnd_decode_identity, device_, JND_PAGE_IDENTITY);
 }
 

@@ -125,7 +125,7 @@ void print_identity(const HidInfo& info, const Known& known) {
   print_field(15, "connected", printable(fmt::format("{}, {} {}", info.path, way_to(info), info.product_name)));
   print_field(15, "protocol",
               fmt::format("versions {} to {}; this program speaks {}", identity.lowest_version,
-                          identity.highest_version, JND_PROTOCOL_VERSION));
+                          identity.highest_version, int{JND_PROTOCOL_VERSION}));
   print_field(
       15, "firmware",
       fmt::format("{}, {} Hz, watchdog {} ms", firmware_text(identity), identity.loop_rate_hz, identity.watchdog_ms));

@@ -90,7 +90,7 @@ void check_stop(BenchLink& link, const jnd_identity& identity, const std::string
 void check_description(const HidInfo& info, const jnd_identity& identity, const jnd_limits& limits, Checks& checks) {
   checks.push_back(
       measured("report protocol", fmt::format("versions {} to {}", identity.lowest_version, identity.highest_version),
-               fmt::format("version {}", JND_PROTOCOL_VERSION),
+               fmt::format("version {}", int{JND_PROTOCOL_VERSION}),
                identity.lowest_version <= JND_PROTOCOL_VERSION && identity.highest_version >= JND_PROTOCOL_VERSION));
   const std::string serial = serial_of(identity);
   checks.push_back(measured("serial number", serial,

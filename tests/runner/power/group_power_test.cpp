@@ -1,13 +1,12 @@
 // Power of registered tests between groups of participants.
 #include <cmath>
 
-#include <catch2/catch.hpp>
-
 #include "protocols/input/resources.h"
 #include "protocols/planning/allotment.h"
 #include "protocols/reading/protocol_json.h"
 #include "runner/power/power_study.h"
 #include "runner/power/power_text.h"
+#include "tests/catch.h"
 #include "tests/runner/power/power_fixture.h"
 #include "tests/temporary_folder.h"
 
@@ -111,9 +110,9 @@ TEST_CASE("an analysis of variance tells groups, and what differs between their 
     if (offered) CHECK(row.untested.value == 0);
   }
   const PowerResult result{protocol, question, power_study(protocol, question, {0, 4}, 1)};
-  CHECK_THAT(power_text(result), Catch::Matchers::Contains("groups x conditions"));
-  CHECK_THAT(power_text(result), Catch::Matchers::Contains("hierarchical has no test of groups"));
-  CHECK_THAT(power_text(result), Catch::Matchers::Contains("times 2.2 in patients/S"));
+  CHECK_THAT(power_text(result), Catch::Contains("groups x conditions"));
+  CHECK_THAT(power_text(result), Catch::Contains("hierarchical has no test of groups"));
+  CHECK_THAT(power_text(result), Catch::Contains("times 2.2 in patients/S"));
   CHECK((power_text(result) + power_json(result).dump() + power_csv(result)).find("nan") == std::string::npos);
 }
 

@@ -8,7 +8,6 @@
 #include <sstream>
 #include <thread>
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
 
 #include "analysis/numerics/stop_request.h"
@@ -20,6 +19,7 @@
 #include "protocols/reading/protocol_json.h"
 #include "runner/keys/interrupt.h"
 #include "runner/power/power_text.h"
+#include "tests/catch.h"
 #include "tests/runner/power/power_fixture.h"
 #include "tests/temporary_folder.h"
 
@@ -247,17 +247,17 @@ TEST_CASE("shards that do not go together are refused", "[power][shards]") {
     return std::string("taken");
   };
   CHECK(refusal({"3", "1", "2"}) == "taken");
-  CHECK_THAT(refusal({"1", "3"}), Catch::Matchers::Contains("shard 2 of 3 is missing"));
-  CHECK_THAT(refusal({"3"}), Catch::Matchers::Contains("shards 1, 2 of 3 are missing"));
-  CHECK_THAT(refusal({"1", "2", "2", "3"}), Catch::Matchers::Contains("is shard 2, and so is"));
-  CHECK_THAT(refusal({"1", "other", "3"}), Catch::Matchers::Contains("lapse is 0.01 and not 0.0"));
-  CHECK_THAT(refusal({"1", "of_two"}), Catch::Matchers::Contains("one of 2 shards"));
-  CHECK_THAT(refusal({"1", "edited", "3"}), Catch::Matchers::Contains("not as it was written"));
-  CHECK_THAT(refusal({"1", "older", "3"}), Catch::Matchers::Contains("version 0.0.1"));
-  CHECK_THAT(refusal({"1", "unfinished", "3"}), Catch::Matchers::Contains("not a finished shard"));
-  CHECK_THAT(refusal({"1", "cut", "3"}), Catch::Matchers::Contains("is not a shard of simulated studies"));
-  CHECK_THAT(refusal({"no_shard"}), Catch::Matchers::Contains("is not a shard of simulated studies"));
-  CHECK_THAT(refusal({"1", "nowhere"}), Catch::Matchers::Contains("cannot be read"));
+  CHECK_THAT(refusal({"1", "3"}), Catch::Contains("shard 2 of 3 is missing"));
+  CHECK_THAT(refusal({"3"}), Catch::Contains("shards 1, 2 of 3 are missing"));
+  CHECK_THAT(refusal({"1", "2", "2", "3"}), Catch::Contains("is shard 2, and so is"));
+  CHECK_THAT(refusal({"1", "other", "3"}), Catch::Contains("lapse is 0.01 and not 0.0"));
+  CHECK_THAT(refusal({"1", "of_two"}), Catch::Contains("one of 2 shards"));
+  CHECK_THAT(refusal({"1", "edited", "3"}), Catch::Contains("not as it was written"));
+  CHECK_THAT(refusal({"1", "older", "3"}), Catch::Contains("version 0.0.1"));
+  CHECK_THAT(refusal({"1", "unfinished", "3"}), Catch::Contains("not a finished shard"));
+  CHECK_THAT(refusal({"1", "cut", "3"}), Catch::Contains("is not a shard of simulated studies"));
+  CHECK_THAT(refusal({"no_shard"}), Catch::Contains("is not a shard of simulated studies"));
+  CHECK_THAT(refusal({"1", "nowhere"}), Catch::Contains("cannot be read"));
   // A name that something else has is left alone.
   CHECK_THROWS_AS(testing::make_power_shard(protocol, question, 1, 3, file("2")), InputError);
   CHECK_THROWS_AS(testing::make_power_shard(protocol, question, 2, 3, file("other")), InputError);

@@ -174,11 +174,11 @@ TEST_CASE("shards of other studies are refused", "[shards][replicated]") {
   other.studies = 2;
   other.profile = load_profile(find_resource(Resource::profile, "chinello2017"));
   make(other, 2, 2, file("profile"));
-  CHECK_THAT(refused("profile"), Catch::Matchers::Contains("profile is \"chinello2017\" and not"));
+  CHECK_THAT(refused("profile"), Catch::Contains("profile is \"chinello2017\" and not"));
   // The same name with other numbers in the file.
   other.profile.name = asked.profile.name;
   make(other, 2, 2, file("edited profile"));
-  CHECK_THAT(refused("edited profile"), Catch::Matchers::Contains("simulation_sha256 is"));
+  CHECK_THAT(refused("edited profile"), Catch::Contains("simulation_sha256 is"));
 
   PowerQuestion power = testing::registered_question(asked.protocol);
   power.participants = {4};
@@ -187,12 +187,12 @@ TEST_CASE("shards of other studies are refused", "[shards][replicated]") {
   power.analyses = {PowerAnalysis::registered};
   power.studies = 2;
   testing::make_power_shard(asked.protocol, power, 2, 2, file("power"));
-  CHECK_THAT(refused("power"), Catch::Matchers::Contains("of jnd plan --power, and the first of jnd simulate"));
+  CHECK_THAT(refused("power"), Catch::Contains("of jnd plan --power, and the first of jnd simulate"));
   // Well formed, and of no use.
   StudyShard empty = read_shard(file("2"));
   empty.result = {{{"file", 3}}};
   std::ofstream(file("foreign")) << shard_text(empty);
-  CHECK_THAT(refused("foreign"), Catch::Matchers::Contains("shard 2 of 2"));
+  CHECK_THAT(refused("foreign"), Catch::Contains("shard 2 of 2"));
   CHECK_FALSE(fs::exists(file("tables of foreign")));
 }
 
