@@ -1,8 +1,8 @@
 // A rig of your own in C++17, to start from where the device is driven at 1 kHz: put your haptic library's calls in place
 // of Device, your ranges in kHello, and keep the rest. What each message means is in ../PROTOCOL.md. It needs
-// nlohmann/json and nothing of jnd:
+// nlohmann/json and nothing of jnd (-fno-ipa-modref: g++ below 14.2 gives wrong code without it, GCC bug 114207):
 //
-//   g++ -std=c++17 -O2 rig_loop.cpp -o rig_loop
+//   g++ -std=c++17 -O2 -fno-ipa-modref rig_loop.cpp -o rig_loop
 //   jnd device test external --command ./rig_loop
 #include <algorithm>
 #include <chrono>

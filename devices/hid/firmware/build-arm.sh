@@ -16,8 +16,9 @@ folder=${1:-$source/../../../build/arm}
 mkdir -p "$folder/firmware" "$folder/test"
 folder=$(cd "$folder" && pwd)
 gcc=arm-none-eabi-gcc
+# -fno-ipa-modref: before 14.2 GCC gives wrong code without it (bug 114207; CMakeLists.txt).
 flags=(-mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16 -std=c11 -Os -ffunction-sections -fdata-sections
-  -fno-math-errno -ffp-contract=off -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror)
+  -fno-math-errno -ffp-contract=off -fno-ipa-modref -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror)
 
 objects=()
 for file in "$source"/*.c; do
