@@ -15,7 +15,7 @@ build=${JND_BUILD:-build/demo}
 if [ -z "${JND_BUILD:-}" ]; then
   echo "Building (a few minutes the first time)"
   cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DJND_TESTS=OFF >"$results/build.log"
-  cmake --build "$build" --target jnd >>"$results/build.log" || { tail -40 "$results/build.log" >&2; exit 1; }
+  cmake --build "$build" >>"$results/build.log" || { tail -40 "$results/build.log" >&2; exit 1; }
 fi
 jnd=$build/runner/jnd
 

@@ -4,8 +4,9 @@
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-cmake --install "$1" --prefix "$folder/prefix" >/dev/null
-mv "$folder/prefix" "$folder/moved"
+DESTDIR=$folder cmake --install "$1" >/dev/null
+mv "$folder$(sed -n 's/^CMAKE_INSTALL_PREFIX:PATH=//p' "$1/CMakeCache.txt")" "$folder/moved"
+test -x "$folder/moved/bin/jnd-virtual-device"
 jnd=$folder/moved/bin/jnd
 cd "$folder"
 # Warnings name the file that was read: it must be the installed one.
