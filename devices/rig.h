@@ -80,6 +80,7 @@ struct DeviceLinkReport {
   // Device clock = offset + (1 + drift) * host clock, over the last minutes; uncertainty: half the shortest round trip.
   double clock_offset_s = 0, clock_drift_ppm = 0, clock_uncertainty_s = 0;
   double latency_p50_us = 0, latency_p99_us = 0, latency_max_us = 0;  // from a command's writing to its echo's arrival
+  double slowest_presenting_ms = 0, slowest_waiting_ms = 0;           // answers of an external rig to `alive`
 };
 
 // What a tracker's stream of poses was like, since the rig was made.

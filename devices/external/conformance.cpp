@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "analysis/numerics/special_values.h"
 #include "devices/device_error.h"
 #include "devices/external/rig_fit.h"
 #include "devices/external/rig_probe.h"
@@ -16,15 +17,11 @@ namespace jnd {
 
 namespace {
 
-constexpr double kSilence_ms = 1e-6 * static_cast<double>(kRigSilence_ns);
-constexpr double kStopping_ms = 1e-6 * static_cast<double>(kRigStopping_ns);
 constexpr double kExplore_s = 0.5;
 constexpr double kExploreSlack_s = 0.1;
 constexpr double kNoContact_s = 10;  // a person has to find the object
 constexpr double kStopAfter_s = 0.2;
-constexpr double kBye_s = 1;
-constexpr double kWatch_s = 0.5;                             // how long the rig is only looked at
-constexpr double kRefusal_s = 1;                             // for its answer to what it must not present
+constexpr int kWatched = 20;                                 // answers to "alive", while the rig is only looked at
 constexpr std::uint64_t kForeignId = 4'000'000'000'000'000;  // that no presentation has
 
 std::string parameter_text(const RigParameter& parameter) {
@@ -58,13 +55,7 @@ class ConformanceTest {
 
   // Says hello; the rig stays on. False where the rest makes no sense.
   bool greet() {
-    if (!start("starts")) return false;
-    const double began_s = probe_->now_s();
-    const double patience_s = settings_.time_outs.hello_s;
-    const bool greeted = probe_->until(patience_s + 1, [&] { return probe_->exchange().greeted(); });
-    add("hello", greeted ? fmt::format("after {}", ms_text(1000 * (probe_->now_s() - began_s))) : why_lost(),
-        fmt::format("within {:g} s", patience_s), greeted);
-    if (!greeted) return false;
+    if (!start("starts") || !hears_hello("hello")) return false;
     hello_ = probe_->exchange().hello();
     note("is", fmt::format("{} {}, serial {}, {}", hello_->name, hello_->version, hello_->serial,
                            hello_->model ? "a model" : "real"));
@@ -77,8 +68,8 @@ class ConformanceTest {
   }
 
   void check_alive() {
-    probe_->go_on(kWatch_s);
-    check_round_trips("alive while it waits");
+    watch();
+    check_answers("alive while it waits", traffic().slowest_waiting_ms, Verdict::warn);
   }
 
   void check_presentations() {
@@ -89,13 +80,14 @@ class ConformanceTest {
     if (gone()) return;
     if (hello_->places > 1) present_at(range.min, "beside the highest", range.max);
     if (gone()) return;
-    check_round_trips("alive while it presents");
+    check_answers("alive while it presents", traffic().slowest_presenting_ms, Verdict::bad);
   }
 
   void check_stops() {
     const Probed stopped = probe_->present(request(hello_->quantities.front().min, 10), kStopAfter_s);
+    const double limit_ms = 1000 * settings_.time_outs.stop_s;
     add("stop ends a presentation", gone() ? why_lost() : "done after " + ms_text(stopped.stopped_ms),
-        fmt::format("within {:g} ms", kStopping_ms), !gone() && stopped.stopped_ms <= kStopping_ms);
+        fmt::format("within {:g} ms", limit_ms), !gone() && stopped.stopped_ms <= limit_ms);
     if (gone()) return;
     RenderRequest free = request(hello_->quantities.front().min, 0);
     free.exploration = {.ends = RigExplorationEnd::stop};
@@ -126,7 +118,7 @@ class ConformanceTest {
   void check_unknown_message() {
     if (gone()) return;
     probe_->say("{\"type\":\"x-later-version\",\"anything\":[1,2,3]}\n");
-    probe_->go_on(kWatch_s);
+    watch();
     add("lets an unknown message pass", gone() ? why_lost() : "goes on", "goes on", !gone());
   }
 
@@ -134,9 +126,9 @@ class ConformanceTest {
     if (!hello_->answers || gone()) return;
     const std::vector<std::string> answers = {"first", "second"};
     probe_->say(ask_line(kForeignId, answers));
-    probe_->go_on(kWatch_s);
+    watch();
     probe_->say(stop_line(kForeignId, RigStop::enough));
-    probe_->go_on(kWatch_s);
+    watch();
     add("a question is asked and withdrawn", gone() ? why_lost() : "goes on", "goes on", !gone());
   }
 
@@ -148,46 +140,40 @@ class ConformanceTest {
     (void)probe_->overhear(settings_.time_outs.prepare_s, is_ready);
     probe_->say(present_line(kForeignId, request(hello_->quantities.front().min, 10)));
     const double began_s = probe_->now_s();
+    const double limit_s = settings_.time_outs.presenting_silent_s + settings_.time_outs.stop_s;
     const auto is_fault = [](const RigMessage& message) { return std::holds_alternative<RigFault>(message); };
-    const bool told = first_of(probe_->keep_silent(1, is_fault), is_fault) != nullptr;
-    add("lets go when the program is silent",
-        told ? "says fault after " + ms_text(1000 * (probe_->now_s() - began_s)) : "says nothing",
-        fmt::format("fault within {:g} ms", kSilence_ms + kStopping_ms),
-        told && 1000 * (probe_->now_s() - began_s) <= kSilence_ms + kStopping_ms);
+    const bool told = first_of(probe_->keep_silent(limit_s + 1, is_fault), is_fault) != nullptr;
+    const double after_s = probe_->now_s() - began_s;
+    add("lets go when the program is silent", told ? "says fault after " + ms_text(1000 * after_s) : "says nothing",
+        fmt::format("fault within {:g} ms", 1000 * limit_s), told && after_s <= limit_s);
   }
 
   void check_refused_lines() {
-    const RigTraffic& traffic = probe_->exchange().traffic();
-    std::string found = fmt::format("{} of {} refused", traffic.refused, traffic.lines);
-    if (traffic.refused > 0)
+    const std::int64_t refused = traffic().refused;
+    std::string found = fmt::format("{} of {} refused", refused, traffic().lines);
+    if (refused > 0)
       found += fmt::format(", the last: {} ({})", probe_->exchange().refused_lines().back().line,
                            probe_->exchange().refused_lines().back().why);
-    add("its lines are messages", found, "none refused", traffic.refused == 0);
+    add("its lines are messages", found, "none refused", refused == 0);
   }
 
   void check_end(bool with_bye) {
     const double began_s = probe_->now_s();
     const bool was_gone = gone();
-    const bool left = probe_->leave(kBye_s, with_bye) && !was_gone;
+    const bool left = probe_->leave(settings_.time_outs.bye_s, with_bye) && !was_gone;
     const std::string ended = was_gone ? "was lost before: " + why_lost()
                               : left   ? "after " + ms_text(1000 * (probe_->now_s() - began_s))
                                        : "does not";
     const std::string how = probe_->end(with_bye ? 0 : 300);
     probe_.reset();
     add(with_bye ? (is_child_ ? "bye ends it" : "bye closes the connection") : "ends when its input does",
-        left && is_child_ ? fmt::format("{} ({})", ended, how) : ended, fmt::format("within {:g} s", kBye_s), left);
+        left && is_child_ ? fmt::format("{} ({})", ended, how) : ended,
+        fmt::format("within {:g} s", settings_.time_outs.bye_s), left);
   }
 
   // Started anew it is the same rig: same name, serial number and ranges.
   bool check_restart() {
-    if (!start("starts anew")) return false;
-    const double began_s = probe_->now_s();
-    const double patience_s = settings_.time_outs.hello_s;
-    const bool greeted = probe_->until(patience_s + 1, [&] { return probe_->exchange().greeted(); });
-    add("hello after a new start",
-        greeted ? fmt::format("after {}", ms_text(1000 * (probe_->now_s() - began_s))) : why_lost(),
-        fmt::format("within {:g} s", patience_s), greeted);
-    if (!greeted) return false;
+    if (!start("starts anew") || !hears_hello("hello after a new start")) return false;
     const bool same = probe_->exchange().hello()->serial == hello_->serial &&
                       probe_->exchange().hello()->name == hello_->name &&
                       can_do(*probe_->exchange().hello()) == can_do(*hello_);
@@ -223,6 +209,14 @@ class ConformanceTest {
     return true;
   }
 
+  bool hears_hello(const std::string& what) {
+    const double began_s = probe_->now_s(), patience_s = settings_.time_outs.hello_s;
+    const bool greeted = probe_->until(patience_s + 1, [&] { return probe_->exchange().greeted(); });
+    add(what, greeted ? "after " + ms_text(1000 * (probe_->now_s() - began_s)) : why_lost(),
+        fmt::format("within {:g} s", patience_s), greeted);
+    return greeted;
+  }
+
   std::string why_lost() const {
     if (!gone()) return "no answer";
     std::string why = probe_ == nullptr ? "not connected" : probe_->exchange().lost()->words;
@@ -231,10 +225,21 @@ class ConformanceTest {
     return why;
   }
 
-  void check_round_trips(const std::string& what) {
-    const double worst_ms = probe_->exchange().traffic().round_trip_max_ms;
-    add(what, gone() ? why_lost() : fmt::format("answered after at most {}", ms_text(worst_ms)),
-        fmt::format("within {:g} ms", kSilence_ms), !gone());
+  const RigTraffic& traffic() const { return probe_->exchange().traffic(); }
+
+  // Until the rig has answered so many more `alive`, and so has heard what was said before, or is lost.
+  void watch() {
+    const std::int64_t enough = traffic().answered + kWatched;
+    (void)probe_->until(kInf, [&] { return traffic().answered >= enough; });
+  }
+
+  void check_answers(const std::string& what, double slowest_ms, Verdict if_slow) {
+    const double limit_ms = 1000 * settings_.time_outs.presenting_silent_s;
+    const Verdict found = slowest_ms > limit_ms ? if_slow : Verdict::ok;
+    checks_.push_back({.what = what,
+                       .verdict = gone() ? Verdict::bad : found,
+                       .found = gone() ? why_lost() : fmt::format("answered after at most {}", ms_text(slowest_ms)),
+                       .limit = fmt::format("within {:g} ms", limit_ms)});
   }
 
   RenderRequest request(double value, double explore_s) const {
@@ -289,7 +294,7 @@ class ConformanceTest {
     const auto answered = [](const RigMessage& message) {
       return std::holds_alternative<RigFault>(message) || std::holds_alternative<RigReady>(message);
     };
-    const std::vector<ReadRigLine> heard = probe_->overhear(kRefusal_s, answered);
+    const std::vector<ReadRigLine> heard = probe_->overhear(settings_.time_outs.prepare_s, answered);
     std::string found = gone() ? why_lost() : "no answer";
     bool ok = false;
     if (const RigMessage* answer = first_of(heard, answered); answer != nullptr) {
@@ -301,7 +306,8 @@ class ConformanceTest {
     // A rig that got ready all the same is let out of it.
     if (!ok && !gone()) {
       probe_->say(stop_line(kForeignId, RigStop::fault));
-      (void)probe_->overhear(kWatch_s, [](const RigMessage&) { return false; });
+      (void)probe_->overhear(settings_.time_outs.stop_s,
+                             [](const RigMessage& message) { return std::holds_alternative<RigDone>(message); });
     }
   }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <cmath>
 #include <cstring>
 #include <utility>
 
@@ -24,7 +25,6 @@ constexpr int kLookAt_ms = 3;                         // the stop latch, `alive`
 constexpr std::int64_t kStartGap_ns = 1'000'000'000;  // a run that is shorter is followed by a wait
 constexpr int kMostGaps = 5;
 constexpr std::chrono::milliseconds kFaultGrace{300};
-constexpr std::chrono::milliseconds kByePatience{1000};
 constexpr std::int64_t kRenderLook_ns = 50'000'000;
 constexpr std::int64_t kAskEvery_ns = 50'000'000;  // whether it is enough
 constexpr int kPause_ms = 50;
@@ -45,6 +45,7 @@ Fault fault_of(RigFailure failure) noexcept {
     case RigFailure::not_stopped:
       return Fault::device_fault;
     case RigFailure::silent:
+      return Fault::stale_reading;
     case RigFailure::babbling:
     case RigFailure::no_hello:
     case RigFailure::ended:
@@ -169,15 +170,6 @@ std::vector<RigEvent> ExternalRig::wait(std::int64_t until_ns) {
   return exchange_.take_events();
 }
 
-void ExternalRig::restart(const std::string& why) {
-  {
-    const std::lock_guard lock(mutex_);
-    restart_ = true;
-    why_restart_ = ascii_quote(why);
-  }
-  (void)eventfd_write(wake_, 1);
-}
-
 Rendered ExternalRig::render(const RenderRequest& request, const std::function<void(const RigEvent&)>& hear,
                              const std::function<bool()>& enough) {
   Rendered rendered;
@@ -208,6 +200,9 @@ Rendered ExternalRig::render(const RenderRequest& request, const std::function<v
         rendered.voided = *voided;
     }
   }
+  // It may have been stopped: the next presentation begins when it has said `done`, or is lost.
+  std::unique_lock lock(mutex_);
+  news_.wait(lock, [&] { return !exchange_.engaged(); });
   return rendered;
 }
 
@@ -256,7 +251,6 @@ void ExternalRig::serve_once() {
     ++starts_;
     ++failed_starts_;  // until it says hello
     is_trying_ = true;
-    restart_ = false;
   }
   try {
     RigConnection connection(settings_);
@@ -308,7 +302,6 @@ void ExternalRig::hear_all(RigConnection& connection) {
 
 void ExternalRig::settle() {
   pass_on_stop();
-  if (restart_) exchange_.end(RigFailure::ended, why_restart_, clock_.now_ns());
   exchange_.tick(clock_.now_ns());
   if (!exchange_.greeted() || exchange_.lost()) return;
   trouble_.clear();
@@ -327,7 +320,7 @@ void ExternalRig::part(RigConnection& connection) {
   (void)connection.write(last_words);
   if (why.empty()) {
     connection.close_input();
-    (void)connection.leave(kByePatience);
+    (void)connection.leave(std::chrono::milliseconds(std::llround(1000 * settings_.time_outs.bye_s)));
     (void)connection.end(kFaultGrace);
     return;
   }

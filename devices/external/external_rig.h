@@ -38,8 +38,8 @@ struct ExternalReport {
   std::vector<RigLineRefused> refused;  // the newest
 };
 
-// What the results have a place for. A rig that is lost or silent is `device_lost`, one that says a fault
-// `device_fault`, as is one whose words were refused.
+// What the results have a place for. A rig that is lost is `device_lost`, one that was silent
+// `stale_reading`, one that says a fault or whose words were refused `device_fault`.
 Fault fault_of(RigFailure failure) noexcept;
 // The part of a presentation that every rig has: first contact, duration, fault, who stopped it. An external rig has no
 // fingers of ours: its numbers are RigDone's own.
@@ -69,7 +69,7 @@ class ExternalRig {
 
   // One presentation from "prepare" to its end. hear: each event as it comes, on this thread. While `stop` is latched
   // nothing is presented; latched meanwhile, it is passed on within 5 ms. It always returns: at the latest after
-  // prepare_s + time_out_s + 0.3 s. enough: asked some times a second on this thread; true ends the presentation as it
+  // prepare_s + silent_s + time_out_s + 0.3 s. enough: asked some times a second on this thread; true ends the presentation as it
   // should end, once.
   Rendered render(const RenderRequest& request, const std::function<void(const RigEvent&)>& hear = {},
                   const std::function<bool()>& enough = {});
@@ -82,9 +82,6 @@ class ExternalRig {
   void stop_with(RigStop reason);
   // What has come, as soon as there is anything, or nothing at `until_ns` of the clock.
   std::vector<RigEvent> wait(std::int64_t until_ns);
-
-  // Ends it and starts it anew, as after a fault.
-  void restart(const std::string& why);
 
   // Latched: nothing is presented, and what is presented is stopped. Any thread, signal handlers too.
   EmergencyStop stop;
@@ -111,8 +108,7 @@ class ExternalRig {
   std::string trouble_;                 // empty while it is there
   int starts_ = 0, failed_starts_ = 0;  // failed: in a row
   bool is_trying_ = false;              // it is started, or runs
-  bool leave_ = false, restart_ = false;
-  std::string why_restart_;
+  bool leave_ = false;
   bool stop_passed_on_ = false;
 
   int wake_;  // an eventfd: something to write, or the thread is to end

@@ -9,9 +9,14 @@
 
 namespace jnd {
 
+// How long a rig may take, s. A rig file sets the first two; only tests set the others.
 struct RigTimeOuts {
-  double hello_s = 10;    // from its start to its hello
-  double prepare_s = 10;  // from "prepare" to "ready"
+  double hello_s = 10;               // from its start to its hello
+  double prepare_s = 10;             // from "prepare" to "ready"
+  double silent_s = 2;               // to answer an `alive`; then it is started anew
+  double presenting_silent_s = 0.1;  // the same from "present" to "done"; then it is stopped
+  double stop_s = 0.2;               // from "stop" to "done"
+  double bye_s = 1;                  // from "bye", or the end of its input, to its own end
 };
 
 // Exactly one of command, socket and port is given.

@@ -1,6 +1,7 @@
 #include "devices/external/rig_exchange.h"
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -24,21 +25,11 @@ double milliseconds(std::int64_t ns) noexcept {
 
 // Whether a rig that was started anew is still the one that the study was checked against.
 bool is_same_rig(const RigHello& before, const RigHello& now) {
-  const auto same_range = [](const RigRange& a, const RigRange& b) {
-    return a.name == b.name && a.unit == b.unit && a.min == b.min && a.max == b.max;
+  const auto facts = [](const RigHello& its) {
+    return std::tie(its.name, its.version, its.serial, its.model, its.answers, its.places, its.quantities,
+                    its.parameters);
   };
-  const auto same_parameter = [&](const RigParameter& a, const RigParameter& b) {
-    if (a.index() != b.index()) return false;
-    if (const auto* range = std::get_if<RigRange>(&a)) return same_range(*range, std::get<RigRange>(b));
-    const auto &one = std::get<RigChoice>(a), &other = std::get<RigChoice>(b);
-    return one.name == other.name && one.words == other.words;
-  };
-  return before.name == now.name && before.version == now.version && before.serial == now.serial &&
-         before.model == now.model && before.answers == now.answers && before.places == now.places &&
-         std::equal(before.quantities.begin(), before.quantities.end(), now.quantities.begin(), now.quantities.end(),
-                    same_range) &&
-         std::equal(before.parameters.begin(), before.parameters.end(), now.parameters.begin(), now.parameters.end(),
-                    same_parameter);
+  return facts(before) == facts(now);
 }
 
 }  // namespace
@@ -51,7 +42,7 @@ void RigExchange::begin(std::int64_t now_ns) {
   lost_.reset();
   greeted_ = leaving_ = false;
   began_ns_ = now_ns;
-  state_ = State::idle;
+  rest();
   question_ = 0;
   alive_heard_ = alive_said_;  // its numbers go on, as those of presentations do
   alive_unanswered_.clear();
@@ -155,7 +146,7 @@ void RigExchange::take(const RigDone& done, std::int64_t now_ns) {
     refuse(why, now_ns);
     if (lost_) return;
     void_presentation(RigFailure::refused_done, "its \"done\" was refused: " + why, now_ns);
-    state_ = State::idle;
+    rest();
     return;
   }
   finish(done, now_ns);
@@ -173,7 +164,7 @@ void RigExchange::finish(const RigDone& done, std::int64_t now_ns) {
       void_presentation(RigFailure::stopped, "stopped", now_ns);
     }
   }
-  state_ = State::idle;
+  rest();
 }
 
 void RigExchange::take(const RigTelemetry& telemetry, std::int64_t now_ns) {
@@ -222,7 +213,7 @@ void RigExchange::take(const RigFault& fault, std::int64_t now_ns) {
   }
   emit({now_ns, fault});
   void_presentation(RigFailure::rig_fault, "the rig says: " + cause, now_ns);
-  state_ = State::idle;
+  rest();
 }
 
 void RigExchange::take(const RigAlive& alive, std::int64_t now_ns) {
@@ -231,12 +222,36 @@ void RigExchange::take(const RigAlive& alive, std::int64_t now_ns) {
            now_ns);
     return;
   }
-  while (alive_heard_ < alive.n) {
-    ++alive_heard_;
-    traffic_.round_trip_last_ms = milliseconds(now_ns - alive_unanswered_.front());
-    alive_unanswered_.pop_front();
+  keep_slowest(now_ns);
+  for (; alive_heard_ < alive.n; ++alive_heard_, ++traffic_.answered) alive_unanswered_.pop_front();
+  if (state_ == State::due) say_present(now_ns);
+}
+
+// The age of the oldest `alive` without an answer; while the rig presents, at most the time since "present".
+std::int64_t RigExchange::unanswered_ns(std::int64_t now_ns) const {
+  return alive_unanswered_.empty() ? 0 : now_ns - std::max(alive_unanswered_.front(), presented_ns_);
+}
+
+void RigExchange::keep_slowest(std::int64_t now_ns) {
+  double& slowest_ms = presented_ns_ != 0 ? traffic_.slowest_presenting_ms : traffic_.slowest_waiting_ms;
+  slowest_ms = std::max(slowest_ms, milliseconds(unanswered_ns(now_ns)));
+}
+
+// Only a rig that is told to present, and has not said `done`, must answer within a tenth of a second: then it is
+// stopped, and has the time of every stop. Else it is in nobody's way, and may be busy for a while.
+void RigExchange::judge_silence(std::int64_t now_ns) {
+  keep_slowest(now_ns);
+  const std::int64_t unanswered = unanswered_ns(now_ns);
+  const bool at_once = state_ == State::presenting;
+  if (unanswered <= nanoseconds(at_once ? time_outs_.presenting_silent_s : time_outs_.silent_s)) return;
+  const std::string words =
+      fmt::format("silent: it did not answer an \"alive\" of {:.0f} ms ago", milliseconds(unanswered));
+  if (!at_once) {
+    end(RigFailure::silent, words, now_ns);
+    return;
   }
-  traffic_.round_trip_max_ms = std::max(traffic_.round_trip_max_ms, traffic_.round_trip_last_ms);
+  void_presentation(RigFailure::silent, words, now_ns);
+  stop_for(RigStop::fault, now_ns);
 }
 
 void RigExchange::tick(std::int64_t now_ns) {
@@ -251,13 +266,8 @@ void RigExchange::tick(std::int64_t now_ns) {
           now_ns);
     return;
   }
-  if (!alive_unanswered_.empty() && now_ns - alive_unanswered_.front() > kRigSilence_ns) {
-    end(RigFailure::silent,
-        fmt::format("silent: it did not answer an \"alive\" of {:.0f} ms ago",
-                    milliseconds(now_ns - alive_unanswered_.front())),
-        now_ns);
-    return;
-  }
+  judge_silence(now_ns);
+  if (lost_) return;
   if (alive_said_ns_ < began_ns_ || now_ns - alive_said_ns_ >= kRigAliveEvery_ns) {
     output_ += alive_line(++alive_said_);
     alive_said_ns_ = now_ns;
@@ -269,13 +279,20 @@ void RigExchange::tick(std::int64_t now_ns) {
       void_presentation(RigFailure::not_ready, fmt::format("not ready within {:g} s", time_outs_.prepare_s), now_ns);
       stop_for(RigStop::time_out, now_ns);
       break;
+    case State::due:
+      void_presentation(RigFailure::silent,
+                        fmt::format("silent: for {:g} s it answered no \"alive\" within {:.0f} ms", time_outs_.silent_s,
+                                    1000 * time_outs_.presenting_silent_s),
+                        now_ns);
+      stop_for(RigStop::fault, now_ns);
+      break;
     case State::presenting:
       void_presentation(RigFailure::time_out, fmt::format("no \"done\" within {:g} s", request_.time_out_s), now_ns);
       stop_for(RigStop::time_out, now_ns);
       break;
     case State::stopping:
-      end(RigFailure::not_stopped,
-          fmt::format("no \"done\" within {:.0f} ms of \"stop\"", milliseconds(kRigStopping_ns)), now_ns);
+      end(RigFailure::not_stopped, fmt::format("no \"done\" within {:.0f} ms of \"stop\"", 1000 * time_outs_.stop_s),
+          now_ns);
       break;
     default:
       break;
@@ -287,7 +304,7 @@ void RigExchange::end(RigFailure failure, std::string_view words, std::int64_t n
   if (engaged() || question_ != 0) output_ += stop_line(0, RigStop::fault);
   void_presentation(failure, std::string(words), now_ns);
   void_question(failure, std::string(words), now_ns);
-  state_ = State::idle;
+  rest();
   lost_ = RigLost{failure, std::string(words)};
   emit({now_ns, *lost_});
 }
@@ -310,11 +327,18 @@ std::uint64_t RigExchange::prepare(const RenderRequest& request, std::int64_t no
 
 bool RigExchange::present(std::uint64_t id, std::int64_t now_ns) {
   if (lost_ || state_ != State::ready || id != id_) return false;
+  state_ = State::due;
+  deadline_ns_ = now_ns + nanoseconds(time_outs_.silent_s);
+  say_present(now_ns);
+  return true;
+}
+
+void RigExchange::say_present(std::int64_t now_ns) {
+  if (unanswered_ns(now_ns) > nanoseconds(time_outs_.presenting_silent_s)) return;
   state_ = State::presenting;
   presented_ns_ = now_ns;
   deadline_ns_ = now_ns + nanoseconds(request_.time_out_s);
   output_ += present_line(id_, request_);
-  return true;
 }
 
 std::uint64_t RigExchange::ask(const std::vector<std::string>& answers, std::int64_t /*now_ns*/) {
@@ -382,7 +406,7 @@ void RigExchange::void_question(RigFailure failure, const std::string& words, st
 // A rig that is stopped says `done`, also where it was only getting ready.
 void RigExchange::stop_for(RigStop reason, std::int64_t now_ns) {
   state_ = State::stopping;
-  deadline_ns_ = now_ns + kRigStopping_ns;
+  deadline_ns_ = now_ns + nanoseconds(time_outs_.stop_s);
   output_ += stop_line(id_, reason);
 }
 

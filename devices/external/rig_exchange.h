@@ -10,18 +10,13 @@
 #include <variant>
 #include <vector>
 
-#include "analysis/numerics/words.h"
 #include "devices/external/external_settings.h"
 #include "devices/external/rig_messages.h"
 
 namespace jnd {
 
-// A rig that has not answered an `alive` for so long is at fault.
-inline constexpr std::int64_t kRigSilence_ns = 100'000'000;
 // How often the program says `alive`.
 inline constexpr std::int64_t kRigAliveEvery_ns = 25'000'000;
-// After `stop` the rig has so long for its `done`.
-inline constexpr std::int64_t kRigStopping_ns = 200'000'000;
 // More refused lines within one second are a fault.
 inline constexpr int kMostRefusedLines = 50;
 // A rig's own clock may count a presentation longer by so much than the program did, s.
@@ -45,17 +40,6 @@ enum class RigFailure {
   no_hello,  // none in time, or another one than before
   ended      // the program or its connection
 };
-inline constexpr auto kRigFailureWords = words<RigFailure>({{"rig_fault", RigFailure::rig_fault},
-                                                            {"refused_done", RigFailure::refused_done},
-                                                            {"no_contact", RigFailure::no_contact},
-                                                            {"stopped", RigFailure::stopped},
-                                                            {"time_out", RigFailure::time_out},
-                                                            {"not_ready", RigFailure::not_ready},
-                                                            {"not_stopped", RigFailure::not_stopped},
-                                                            {"silent", RigFailure::silent},
-                                                            {"babbling", RigFailure::babbling},
-                                                            {"no_hello", RigFailure::no_hello},
-                                                            {"ended", RigFailure::ended}});
 
 // -- events that are no message of the rig ----------------------------------------------------------------------------
 
@@ -89,8 +73,9 @@ struct RigTraffic {
   std::int64_t dropped = 0;    // events that nobody took in time
   std::int64_t presented = 0;  // presentations that are done: complete, and with the right id
   std::int64_t voided = 0;
-  double round_trip_max_ms = 0;  // of `alive`
-  double round_trip_last_ms = 0;
+  std::int64_t answered = 0;  // `alive`
+  // The slowest answers to `alive` so far, with the age of one that has not come; presenting: from "present" to "done".
+  double slowest_presenting_ms = 0, slowest_waiting_ms = 0;
 };
 
 // Thread rule: one thread.
@@ -119,13 +104,16 @@ class RigExchange {
   const std::optional<RigHello>& hello() const noexcept { return hello_; }
   // This connection said hello.
   bool greeted() const noexcept { return greeted_; }
+  // Prepares or presents, or has to say that it stopped.
+  bool engaged() const noexcept { return state_ != State::idle; }
   // Said hello, is alive, and neither prepares nor presents.
-  bool idle() const noexcept { return greeted_ && !lost_ && state_ == State::idle; }
+  bool idle() const noexcept { return greeted_ && !lost_ && !engaged(); }
 
   // Begins a presentation: the rig gets ready (RigReady, or RigVoid). Returns its id; 0 where the rig is not idle, or
   // the request is none that it said it can do (see rig_fit.h: `why` says what).
   std::uint64_t prepare(const RenderRequest& request, std::int64_t now_ns, std::string& why);
-  // Presents what is ready: RigDone with outcome complete, or RigVoid, always. False where `id` is not ready.
+  // Presents what is ready: RigDone with outcome complete, or RigVoid, always. False if `id` is not ready. A rig that is
+  // silent just now is told to present when it answers.
   bool present(std::uint64_t id, std::int64_t now_ns);
   // Asks for an answer by the rig's own buttons: RigAnswer once, or RigVoid where the rig is lost first. Returns the
   // question's id; 0 where it has no buttons or is not idle.
@@ -140,7 +128,7 @@ class RigExchange {
   const std::deque<RigLineRefused>& refused_lines() const noexcept { return refused_lines_; }
 
  private:
-  enum class State { idle, preparing, ready, presenting, stopping };
+  enum class State { idle, preparing, ready, due, presenting, stopping };  // due: "present" waits for an answer
 
   void take(const RigHello& hello, std::int64_t now_ns);
   void take(const RigReady& ready, std::int64_t now_ns);
@@ -162,7 +150,14 @@ class RigExchange {
   void void_question(RigFailure failure, const std::string& words, std::int64_t now_ns);
   void stop_for(RigStop reason, std::int64_t now_ns);
   void emit(RigEvent event);
-  bool engaged() const noexcept { return state_ != State::idle; }
+  void rest() noexcept {
+    state_ = State::idle;
+    presented_ns_ = 0;
+  }
+  void say_present(std::int64_t now_ns);
+  void judge_silence(std::int64_t now_ns);
+  std::int64_t unanswered_ns(std::int64_t now_ns) const;
+  void keep_slowest(std::int64_t now_ns);
 
   const std::string program_version_;
   const RigTimeOuts time_outs_;
@@ -178,9 +173,9 @@ class RigExchange {
   std::uint64_t last_id_ = 0;  // of presentations and questions, never used twice
   std::uint64_t id_ = 0;       // of the presentation that goes on
   RenderRequest request_;
-  std::int64_t deadline_ns_ = 0;  // of the state
-  std::int64_t presented_ns_ = 0;
-  bool voided_ = false;  // it has its RigVoid already
+  std::int64_t deadline_ns_ = 0;   // of the state
+  std::int64_t presented_ns_ = 0;  // 0: not yet
+  bool voided_ = false;            // it has its RigVoid already
   std::uint64_t question_ = 0;
   std::vector<std::string> answers_;
 

@@ -1,4 +1,4 @@
-// What the program and an external rig say to each other, as records: version 1 of devices/external/PROTOCOL.md.
+// What the program and an external rig say to each other, as records: version 1.1 of devices/external/PROTOCOL.md.
 #pragma once
 
 #include <array>
@@ -28,11 +28,13 @@ inline constexpr std::size_t kMostRigItems = 64;       // quantities, parameters
 struct RigRange {
   std::string name, unit;  // unit may be empty
   double min = 0, max = 0;
+  bool operator==(const RigRange&) const = default;
 };
 // A parameter that is one of some words.
 struct RigChoice {
   std::string name;
   std::vector<std::string> words;
+  bool operator==(const RigChoice&) const = default;
 };
 using RigParameter = std::variant<RigRange, RigChoice>;
 struct RigChannel {

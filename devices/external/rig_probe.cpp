@@ -5,6 +5,7 @@
 #include <ctime>
 #include <utility>
 
+#include "analysis/numerics/special_values.h"
 #include "protocols/version.h"
 
 namespace jnd {
@@ -80,17 +81,9 @@ bool RigProbe::until(double seconds, const std::function<bool()>& over) {
   return true;
 }
 
-void RigProbe::go_on(double seconds) {
-  (void)until(seconds, [] { return false; });
-}
-
-std::vector<RigEvent> RigProbe::events() {
-  return exchange_.take_events();
-}
-
 Probed RigProbe::present(const RenderRequest& request, std::optional<double> stop_after_s, RigStop reason) {
   Probed probed;
-  (void)events();
+  (void)exchange_.take_events();
   std::string why;
   const double asked_s = now_s();
   const std::uint64_t id = exchange_.prepare(request, clock_.now_ns(), why);
@@ -100,7 +93,7 @@ Probed RigProbe::present(const RenderRequest& request, std::optional<double> sto
   }
   std::optional<double> stop_s, stopped_s;
   while (!probed.done && !probed.voided) {
-    for (const RigEvent& event : events()) {
+    for (const RigEvent& event : exchange_.take_events()) {
       if (std::holds_alternative<RigReady>(event.what)) {
         probed.ready_ms = 1000 * (now_s() - asked_s);
         (void)exchange_.present(id, clock_.now_ns());
@@ -117,7 +110,7 @@ Probed RigProbe::present(const RenderRequest& request, std::optional<double> sto
     if (!probed.done && !probed.voided) step();
   }
   // A presentation that is stopped is void at once; the rig's "done" tells when it really ended.
-  if (stopped_s) (void)until(1, [&] { return exchange_.idle(); });
+  (void)until(kInf, [&] { return exchange_.idle(); });
   if (stopped_s) probed.stopped_ms = 1000 * (now_s() - *stopped_s);
   return probed;
 }

@@ -46,7 +46,6 @@ class RigProbe {
 
   // Goes on until `over` holds, the rig is lost, or so long. Whether `over` holds.
   bool until(double seconds, const std::function<bool()>& over);
-  void go_on(double seconds);
 
   // stop_after_s: from the first contact, or from the beginning where there is none; with which reason.
   Probed present(const RenderRequest& request, std::optional<double> stop_after_s = {},
@@ -69,8 +68,6 @@ class RigProbe {
 
  private:
   void step();
-  bool read_aside();
-  std::vector<RigEvent> events();
 
   SteadyClock clock_;
   const std::atomic<bool>& interrupted_;

@@ -198,6 +198,8 @@ RigConnections LaboratoryRig::connections() const {
   link.connected = report.connected;
   link.trouble = report.trouble;
   link.reconnections = std::max(0, report.starts - 1);
+  link.slowest_presenting_ms = report.traffic.slowest_presenting_ms;
+  link.slowest_waiting_ms = report.traffic.slowest_waiting_ms;
   return {.devices = {link}, .tracker = std::nullopt};
 }
 

@@ -193,7 +193,7 @@ SessionCard card_of(const Protocol& protocol, const RunOptions& options, const S
 }
 
 SessionSummary summary_of(Study& study, const std::string& session, const RunOptions& options, const Plan& plan,
-                          SessionEnd end, double run_s) {
+                          const Rig& rig, SessionEnd end, double run_s) {
   SessionSummary summary;
   summary.study = options.study;
   summary.run_s = run_s;
@@ -204,6 +204,10 @@ SessionSummary summary_of(Study& study, const std::string& session, const RunOpt
     summary.trials_done = info.trials_done;
     summary.trials_total = info.trials_total;
     summary.trials_voided = info.trials_voided;
+  }
+  for (const DeviceLinkReport& device : rig.connections().devices) {
+    summary.slowest_presenting_ms = std::max(summary.slowest_presenting_ms, device.slowest_presenting_ms);
+    summary.slowest_waiting_ms = std::max(summary.slowest_waiting_ms, device.slowest_waiting_ms);
   }
   return summary;
 }
@@ -359,7 +363,7 @@ int command_run(const RunOptions& options) {
     throw;
   }
   const std::string summary =
-      "\n" + summary_text(summary_of(*study, opened.id, options, plan, end,
+      "\n" + summary_text(summary_of(*study, opened.id, options, plan, *rig, end,
                                      static_cast<double>(machine_clock.now_ns() - began_ns) * 1e-9));
   if (end == SessionEnd::interrupted) {
     study->close();

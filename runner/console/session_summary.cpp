@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "devices/external/external_settings.h"
 #include "runner/terminal/terminal.h"
 #include "runner/words/words.h"
 
@@ -35,6 +36,11 @@ std::string summary_text(const SessionSummary& summary) {
        tr("{} of {}, {} voided", summary.trials_done, summary.trials_total, summary.trials_voided)},
       {tr("this run"), duration_text(summary.run_s)},
       {tr("saved in"), printable(summary.study)}};
+  if (summary.slowest_waiting_ms > 0)
+    rows.emplace_back(tr("rig"),
+                      tr("slowest answer {:.0f} of {:.0f} ms while it presented, {:.0f} of {:.0f} ms while it waited",
+                         summary.slowest_presenting_ms, 1000 * RigTimeOuts{}.presenting_silent_s,
+                         summary.slowest_waiting_ms, 1000 * RigTimeOuts{}.silent_s));
   if (summary.resumable) rows.emplace_back(tr("next"), tr("the same command goes on with it"));
   rows.emplace_back(summary.resumable ? "" : tr("next"), "jnd status " + study);
   rows.emplace_back("", "jnd verify " + study);

@@ -21,22 +21,6 @@ namespace jnd {
 
 namespace {
 
-ExternalSettings settings_of(const ExternalTestOptions& options) {
-  if (options.rig_file.empty() == options.command.empty())
-    throw UsageError("jnd device test external needs --rig FILE or --command \"PROGRAM ARGUMENTS\", one of the two");
-  if (!options.rig_file.empty()) {
-    RigFile file = load_rig_file(options.rig_file);
-    if (!file.external)
-      throw InputError(fmt::format("{} names no external rig: it has no \"external\"", printable(options.rig_file)));
-    return std::move(*file.external);
-  }
-  ExternalSettings settings;
-  std::istringstream words(options.command);
-  for (std::string word; words >> word;) settings.command.push_back(word);
-  if (settings.command.empty()) throw UsageError("--command names no program");
-  return settings;
-}
-
 bool may_present(const RigHello& hello, bool yes) {
   if (hello.model) return true;
   return may_press(
@@ -56,6 +40,7 @@ nlohmann::ordered_json json_of(const Checks& checks) {
                     {"measured", check.found},
                     {"expected", check.limit},
                     {"ok", check.passed()},
+                    {"slow", check.verdict == Verdict::warn},
                     {"judged", check.verdict != Verdict::not_judged}});
   return list;
 }
@@ -79,12 +64,27 @@ void print_checks(const Checks& checks, const std::string& name) {
 
 }  // namespace
 
-int external_rig_test(const ExternalTestOptions& options) {
-  const ExternalSettings settings = settings_of(options);
+ExternalSettings external_settings_of(const std::string& rig_file, const std::string& command) {
+  if (rig_file.empty() == command.empty())
+    throw UsageError("jnd device test external needs --rig FILE or --command \"PROGRAM ARGUMENTS\", one of the two");
+  if (!rig_file.empty()) {
+    RigFile file = load_rig_file(rig_file);
+    if (!file.external)
+      throw InputError(fmt::format("{} names no external rig: it has no \"external\"", printable(rig_file)));
+    return std::move(*file.external);
+  }
+  ExternalSettings settings;
+  std::istringstream words(command);
+  for (std::string word; words >> word;) settings.command.push_back(word);
+  if (settings.command.empty()) throw UsageError("--command names no program");
+  return settings;
+}
+
+int external_rig_test(const ExternalSettings& settings, bool json, bool yes) {
   Conformance result;
   try {
     result = check_conformance(settings, interrupt_requested(),
-                               [&](const RigHello& hello) { return may_present(hello, options.yes); });
+                               [&](const RigHello& hello) { return may_present(hello, yes); });
   } catch (const ProbeInterrupted& interrupted) {
     print_message("{}: {}\n", printable(in_words(settings)), interrupted.what());
     return exit_code::kInterrupted;
@@ -93,9 +93,9 @@ int external_rig_test(const ExternalTestOptions& options) {
     return std::count_if(result.checks.begin(), result.checks.end(),
                          [&](const Check& check) { return check.verdict == verdict; });
   };
-  const auto failed = count(Verdict::bad), said = count(Verdict::not_judged);
+  const auto failed = count(Verdict::bad), slow = count(Verdict::warn), said = count(Verdict::not_judged);
   const int code = failed == 0 ? exit_code::kDone : exit_code::kDevice;
-  if (options.json) {
+  if (json) {
     const bool greeted = result.hello.has_value();
     print_json({{"rig", greeted ? nlohmann::ordered_json(result.hello->name) : nullptr},
                 {"source", in_words(settings)},
@@ -105,10 +105,11 @@ int external_rig_test(const ExternalTestOptions& options) {
     return code;
   }
   print_checks(result.checks, result.hello ? printable(result.hello->name) : "external rig");
-  fmt::print("{}{}\n",
-             bold(failed == 0 ? fmt::format("all {} judged checks ok", count(Verdict::ok))
+  fmt::print("{}{}{}\n",
+             bold(failed == 0 ? fmt::format("all {} judged checks ok", slow + count(Verdict::ok))
                               : fmt::format("{} of {} checks FAILED: do not use this rig", failed,
-                                            failed + count(Verdict::ok))),
+                                            failed + slow + count(Verdict::ok))),
+             slow == 0 ? "" : fmt::format("; {} slow, which a session allows", slow),
              said == 0 ? "" : fmt::format("; {} not judged", said));
   return code;
 }

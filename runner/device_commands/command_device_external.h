@@ -3,15 +3,14 @@
 
 #include <string>
 
+#include "devices/external/external_settings.h"
+
 namespace jnd {
 
-struct ExternalTestOptions {
-  std::string rig_file, command;  // exactly one
-  bool json = false;
-  bool yes = false;  // a real rig may present without being asked for
-};
+// Of the rig file or of the command, exactly one of which is given. Throws InputError and UsageError.
+ExternalSettings external_settings_of(const std::string& rig_file, const std::string& command);
 
-// Returns the exit code. Throws InputError and UsageError.
-int external_rig_test(const ExternalTestOptions& options);
+// yes: a real rig may present without being asked for. Returns the exit code.
+int external_rig_test(const ExternalSettings& settings, bool json, bool yes);
 
 }  // namespace jnd

@@ -30,7 +30,7 @@ struct TestOptions {
 int command_device_test(const TestOptions& options) {
   const HoldInterrupts hold;
   if (options.rig == "external")
-    return external_rig_test({options.rig_file, options.command, options.json, options.yes});
+    return external_rig_test(external_settings_of(options.rig_file, options.command), options.json, options.yes);
   if (!options.command.empty()) throw UsageError("--command is for jnd device test external");
   if (!names_a_rig(options.rig)) {
     const std::unique_ptr<HidBus> bus = bus_for(options.rig, options.rig_file);

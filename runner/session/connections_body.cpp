@@ -35,7 +35,9 @@ Json body_of(const DeviceLinkReport& device) {
           {"clock_uncertainty_s", number_or_null(device.clock_uncertainty_s)},
           {"latency_p50_us", number_or_null(device.latency_p50_us)},
           {"latency_p99_us", number_or_null(device.latency_p99_us)},
-          {"latency_max_us", number_or_null(device.latency_max_us)}};
+          {"latency_max_us", number_or_null(device.latency_max_us)},
+          {"slowest_presenting_ms", device.slowest_presenting_ms},
+          {"slowest_waiting_ms", device.slowest_waiting_ms}};
 }
 
 Json body_of(const TrackerReport& tracker) {

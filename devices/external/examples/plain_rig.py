@@ -96,7 +96,7 @@ def serve(hello, device):
             if kind == "hello":
                 say("hello", **hello)
             elif kind == "alive":
-                say("alive", n=message["n"])  # at once: 100 ms without it, and jnd ends this program
+                say("alive", n=message["n"])  # at once: jnd stops a presentation after 100 ms without it
             elif kind in ("prepare", "present") and (going or problem(hello, message)):
                 say("fault", id=message["id"], cause=problem(hello, message) or "busy")
             elif kind == "prepare":

@@ -27,14 +27,19 @@ struct Talk {
     say(kGreeting);
     REQUIRE(exchange.idle());
   }
-  // Time passes; the rig answers every "alive".
-  void pass(std::int64_t ms) {
+  // Time passes; the rig answers every "alive", or none.
+  void pass(std::int64_t ms, bool answers = true) {
     for (std::int64_t i = 0; i < ms; i += 5) {
       now_ns += 5 * kMs_ns;
       exchange.tick(now_ns);
       written += exchange.take_output();
-      answer_alive();
+      if (answers) answer_alive();
     }
+  }
+  void be_silent(std::int64_t ms) { pass(ms, false); }
+  bool was_said(const std::string& type) {
+    written += exchange.take_output();
+    return written.find("\"type\":\"" + type + "\"") != std::string::npos;
   }
   void answer_alive() {
     for (std::size_t at = 0; (at = written.find("\"alive\",\"n\":", heard_to)) != std::string::npos;) {
@@ -130,29 +135,192 @@ TEST_CASE("done before its time is refused") {
   CHECK(talk.exchange.idle());
 }
 
-TEST_CASE("silence above 100 ms is a fault, and voids what was presented") {
+TEST_CASE("a rig that presents and is silent for 100 ms is stopped, and the presentation is void") {
   Talk talk;
   talk.greet();
   const std::uint64_t id = talk.begin_presentation();
   talk.pass(500);
-  CHECK_FALSE(talk.exchange.lost());
-  for (int ms = 0; ms < 140; ms += 5) {
-    talk.now_ns += 5 * kMs_ns;
-    talk.exchange.tick(talk.now_ns);
-  }
-  REQUIRE(talk.exchange.lost());
-  CHECK(talk.exchange.lost()->failure == RigFailure::silent);
+  talk.be_silent(105);  // the first "alive" of these comes after 5 ms
+  CHECK(talk.all<RigVoid>().empty());
+  CHECK_FALSE(talk.was_said("stop"));
+  talk.be_silent(5);
   REQUIRE(talk.all<RigVoid>().size() == 1);
   CHECK(talk.all<RigVoid>().front().id == id);
-  CHECK(talk.exchange.take_output().find("\"stop\"") != std::string::npos);
-  // Nothing that it says now counts.
-  talk.done(id);
-  CHECK(talk.exchange.traffic().presented == 0);
-  // Started anew it is as before, and what the one before says late is not taken for an answer.
+  CHECK(talk.all<RigVoid>().front().failure == RigFailure::silent);
+  CHECK(talk.all<RigVoid>().front().words == "silent: it did not answer an \"alive\" of 105 ms ago");
+  CHECK(talk.was_said("stop"));
+  CHECK_FALSE(talk.exchange.lost());
+  SECTION("it says done within 200 ms: it goes on, and nothing counts") {
+    talk.be_silent(195);
+    talk.done(id);
+    CHECK(talk.exchange.idle());
+    CHECK(talk.exchange.traffic().presented == 0);
+    talk.pass(5);
+    const std::uint64_t next = talk.begin_presentation();
+    talk.pass(1000);
+    talk.done(next);
+    CHECK(talk.exchange.traffic().presented == 1);
+    CHECK(talk.all<RigVoid>().size() == 1);
+  }
+  SECTION("it does not: it is lost") {
+    talk.be_silent(205);
+    REQUIRE(talk.exchange.lost());
+    CHECK(talk.exchange.lost()->failure == RigFailure::not_stopped);
+    // Nothing that it says now counts.
+    talk.done(id);
+    CHECK(talk.exchange.traffic().presented == 0);
+    // Started anew it is as before, and what the one before says late is not taken for an answer.
+    talk.exchange.begin(talk.now_ns);
+    talk.greet();
+    CHECK(talk.begin_presentation() > id);
+  }
+}
+
+TEST_CASE("a rig that presents nothing is started anew after 2 s of silence, and not before") {
+  Talk talk;
+  talk.greet();
+  talk.pass(500);
+  std::string why;
+  const std::string state = GENERATE("idle", "asked", "preparing", "ready", "after done");
+  if (state == "asked") REQUIRE(talk.exchange.ask({"first", "second"}, talk.now_ns) != 0);
+  if (state == "after done") {
+    const std::uint64_t id = talk.begin_presentation();
+    talk.pass(1000);
+    talk.be_silent(95);
+    talk.done(id);
+  }
+  if (state == "preparing" || state == "ready") {
+    const std::uint64_t id = talk.exchange.prepare(Talk::request(), talk.now_ns, why);
+    if (state == "ready") talk.say(fmt::format(R"({{"type":"ready","id":{}}})", id));
+  }
+  INFO(state);
+  talk.be_silent(state == "after done" ? 1910 : 2005);
+  CHECK_FALSE(talk.exchange.lost());
+  SECTION("an answer in time") {
+    talk.answer_alive();
+    talk.pass(3000);
+    CHECK_FALSE(talk.exchange.lost());
+    CHECK(talk.all<RigVoid>().empty());
+  }
+  SECTION("none") {
+    talk.be_silent(5);
+    REQUIRE(talk.exchange.lost());
+    CHECK(talk.exchange.lost()->failure == RigFailure::silent);
+    CHECK(talk.exchange.lost()->words == "silent: it did not answer an \"alive\" of 2005 ms ago");
+    CHECK(talk.all<RigVoid>().size() == (state == "idle" || state == "after done" ? 0 : 1));
+  }
+}
+
+TEST_CASE("a rig that is silent is told to present once it answers, and its 100 ms begin then") {
+  Talk talk;
+  talk.greet();
+  talk.pass(500);
+  std::string why;
+  const std::uint64_t id = talk.exchange.prepare(Talk::request(), talk.now_ns, why);
+  talk.say(fmt::format(R"({{"type":"ready","id":{}}})", id));
+  SECTION("silent for a second: it waits") {
+    talk.be_silent(1000);
+    REQUIRE(talk.exchange.present(id, talk.now_ns));
+    talk.be_silent(900);
+    CHECK_FALSE(talk.was_said("present"));
+    talk.done(id);  // of what it was not told to present
+    CHECK(talk.all<RigLineRefused>().size() == 1);
+    talk.answer_alive();
+    CHECK(talk.was_said("present"));
+    talk.pass(1000);
+    talk.done(id);
+    CHECK(talk.exchange.traffic().presented == 1);
+    CHECK(talk.all<RigVoid>().empty());
+  }
+  SECTION("silent for less than 100 ms: at once, and the 100 ms begin then") {
+    talk.be_silent(95);
+    REQUIRE(talk.exchange.present(id, talk.now_ns));
+    CHECK(talk.was_said("present"));
+    talk.be_silent(100);
+    CHECK(talk.all<RigVoid>().empty());
+    talk.be_silent(5);
+    REQUIRE(talk.all<RigVoid>().size() == 1);
+    CHECK(talk.all<RigVoid>().front().failure == RigFailure::silent);
+  }
+  SECTION("stopped meanwhile: it is never told") {
+    talk.be_silent(1000);
+    REQUIRE(talk.exchange.present(id, talk.now_ns));
+    talk.exchange.stop(RigStop::enough, talk.now_ns);
+    talk.answer_alive();
+    talk.done(id);
+    CHECK_FALSE(talk.was_said("present"));
+    REQUIRE(talk.all<RigVoid>().size() == 1);
+    CHECK(talk.all<RigVoid>().front().failure == RigFailure::stopped);
+    CHECK(talk.exchange.idle());
+  }
+  SECTION("always late: void after 2 s, and stopped") {
+    std::vector<std::size_t> said;
+    const auto late = [&](int ms) {  // each answer comes 150 ms late
+      for (int passed = 0; passed < ms; passed += 5) {
+        talk.be_silent(5);
+        said.push_back(talk.written.size());
+        if (said.size() <= 30) continue;
+        const std::string all = std::exchange(talk.written, talk.written.substr(0, said[said.size() - 31]));
+        talk.answer_alive();
+        talk.written = all;
+      }
+    };
+    late(1000);
+    REQUIRE(talk.exchange.present(id, talk.now_ns));
+    late(2000);
+    CHECK(talk.all<RigVoid>().empty());
+    late(5);
+    REQUIRE(talk.all<RigVoid>().size() == 1);
+    CHECK(talk.all<RigVoid>().front().words == "silent: for 2 s it answered no \"alive\" within 100 ms");
+    CHECK(talk.was_said("stop"));
+    CHECK_FALSE(talk.was_said("present"));
+    CHECK_FALSE(talk.exchange.lost());
+  }
+}
+
+TEST_CASE("the slowest answers are kept, while it presents and while it waits, and one that has not come") {
+  Talk talk;
+  talk.greet();
+  talk.pass(500);
+  CHECK(talk.exchange.traffic().slowest_waiting_ms == 0);
+  talk.be_silent(305);
+  CHECK(talk.exchange.traffic().slowest_waiting_ms == 300);
+  talk.answer_alive();
+  const std::uint64_t id = talk.begin_presentation();
+  talk.pass(500);
+  talk.be_silent(65);
+  talk.done(id, "complete", 0.5);
+  talk.pass(500);
+  CHECK(talk.exchange.traffic().slowest_presenting_ms == 40);
+  CHECK(talk.exchange.traffic().slowest_waiting_ms == 300);
+  talk.exchange.end(RigFailure::ended, "test", talk.now_ns);
   talk.exchange.begin(talk.now_ns);
   talk.greet();
-  const std::uint64_t next = talk.begin_presentation();
-  CHECK(next > id);
+  talk.be_silent(505);
+  CHECK(talk.exchange.traffic().slowest_presenting_ms == 40);  // since the program began
+  CHECK(talk.exchange.traffic().slowest_waiting_ms == 500);
+}
+
+TEST_CASE("what tests give a rig more time for, it has") {
+  constexpr double kMinutes_s = 600;
+  RigExchange exchange("test", {.silent_s = kMinutes_s, .presenting_silent_s = kMinutes_s, .stop_s = kMinutes_s});
+  std::int64_t now_ns = 1;
+  exchange.begin(now_ns);
+  exchange.hear(kGreeting, now_ns);
+  exchange.tick(now_ns);
+  std::string why;
+  const std::uint64_t id = exchange.prepare(Talk::request(), now_ns, why);
+  exchange.hear(fmt::format(R"({{"type":"ready","id":{}}})", id), now_ns);
+  REQUIRE(exchange.present(id, now_ns));
+  now_ns += 2'900 * kMs_ns;
+  exchange.tick(now_ns);
+  exchange.stop(RigStop::interrupted, now_ns);
+  now_ns += 590'000 * kMs_ns;
+  exchange.tick(now_ns);
+  CHECK_FALSE(exchange.lost());
+  exchange.hear(fmt::format(R"({{"type":"done","id":{},"outcome":"stopped","duration_s":1,"contacts":0}})", id),
+                now_ns);
+  CHECK(exchange.idle());
 }
 
 TEST_CASE("a rig that answers other numbers of alive than were said is refused") {

@@ -242,6 +242,8 @@ TEST_CASE("Connections are kept whole, and what is no number as null") {
   device.serial = "RRS3-0001";
   device.sent = 5;
   device.latency_p99_us = 12.5;
+  device.slowest_presenting_ms = 30.5;
+  device.slowest_waiting_ms = 410;
   device.clock_uncertainty_s = kInf;
   TrackerReport tracker;
   tracker.kind = "hid";
@@ -252,6 +254,8 @@ TEST_CASE("Connections are kept whole, and what is no number as null") {
   CHECK(body.at("when") == "opened");
   CHECK(body.at("devices")[0].at("sent") == 5);
   CHECK(body.at("devices")[0].at("latency_p99_us") == 12.5);
+  CHECK(body.at("devices")[0].at("slowest_presenting_ms") == 30.5);
+  CHECK(body.at("devices")[0].at("slowest_waiting_ms") == 410);
   CHECK(body.at("devices")[0].at("clock_uncertainty_s").is_null());
   CHECK(body.at("tracker").at("gaps") == 3);
   CHECK(body.at("tracker").at("firmware") == "2.7.0");

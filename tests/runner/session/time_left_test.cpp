@@ -85,6 +85,11 @@ TEST_CASE("The last words of a session say what was done, where it is and what c
         "  next      jnd status 'my study.sqlite'\n"
         "            jnd verify 'my study.sqlite'\n"
         "            jnd backup 'my study.sqlite' --to 'my study-copy.sqlite'");
+  summary.slowest_presenting_ms = 12.4;
+  summary.slowest_waiting_ms = 340.6;
+  CHECK(summary_text(summary).find(
+            "\n  rig       slowest answer 12 of 100 ms while it presented, 341 of 2000 ms while it waited\n") !=
+        std::string::npos);
   summary.study = "Anna's.sqlite";
   CHECK(summary_text(summary).find("jnd verify 'Anna'\\''s.sqlite'\n") != std::string::npos);
   summary.resumable = true;
