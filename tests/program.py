@@ -158,8 +158,8 @@ class Case(unittest.TestCase):
 
     def write(self, name, content):
         """Writes text, bytes, or an object as JSON. Returns the path."""
-        content = content if isinstance(content, (str, bytes)) else json.dumps(content)
-        (self.folder / name).write_bytes(content if isinstance(content, bytes) else content.encode())
+        content = content if isinstance(content, (str, bytes, bytearray)) else json.dumps(content)
+        (self.folder / name).write_bytes(content.encode() if isinstance(content, str) else content)
         return self.folder / name
 
     def rows(self, *names):

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -S -E
 """Slurm as the tests of jnd cluster want it: started as sbatch, squeue or sacct. Its folder is $FAKE_SLURM:
 
     outcomes.json   {shard: [outcome of its first job, of its second, ...]}; then "run"
@@ -11,7 +11,6 @@ queue at once; its file is there when squeue is asked the second time), steps:ST
 a state of Slurm's: the task ends so."""
 import json
 import os
-import subprocess
 import sys
 
 ROOT = os.environ["FAKE_SLURM"]
@@ -38,6 +37,7 @@ def say(job, shard, state, reason="None"):
 
 
 def run(folder, job, shard):
+    import subprocess  # not by every call: each is a start of Python
     log = open(os.path.join(folder, "logs", f"{job}_{shard}.log"), "a")
     variables = dict(os.environ, SLURM_ARRAY_TASK_ID=str(shard), SLURM_SUBMIT_DIR=folder, SLURM_JOB_ID=str(job))
     copy = path("spool.sh")  # as Slurm does

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -S -E
 """Stands in for jnd where the tests of jnd cluster need a program whose shards take as long, and fail as often, as they want:
 
     plan PROTOCOL --power [OPTIONS] [--shard I/K --to FILE]

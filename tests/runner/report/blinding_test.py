@@ -56,15 +56,15 @@ class Blinding(program.Case):
         """Everything that a command gives: both streams, and every file it writes."""
         before = self.files()
         done = super().jnd(*arguments, code=code)
-        written = [self.read(name) for name in sorted(self.files() - before) if not re.search(r"\.sqlite(-wal|-shm)?$", name)]
+        written = [self.named(name) for name in sorted(self.files() - before) if not re.search(r"\.sqlite(-wal|-shm)?$", name)]
         return "\n".join([done.stdout, done.stderr, *written])
 
     def files(self):
         return {os.path.relpath(os.path.join(where, name), self.folder)
                 for where, _, names in os.walk(self.folder) for name in names}
 
-    def read(self, name):
-        return f"{name}\n{super().read(name)}"
+    def named(self, name):
+        return f"{name}\n{self.read(name)}"
 
     def trials_of(self, folder):
         """How many rows trials.csv has of each participant."""
@@ -143,12 +143,12 @@ class Blinding(program.Case):
         self.assertIsNone(plan["seed"])
         self.jnd("export", "s.sqlite", "--to", "x")
         for name in ("x/monitoring.csv", "x/dictionary.csv", "x/datapackage.json"):  # limits follow from forces
-            self.assertNotIn("saturated", self.read(name))
+            self.assertNotIn("saturated", self.named(name))
         for name in ("intervals.csv", "voided.csv", "recompute.py"):  # neither what was felt, nor what did not count
             self.assertFalse(os.path.exists(self.folder / "x" / name), name)
         self.assertNotIn("saturated", json.dumps(result))
         self.assertNotIn("saturated", self.jnd("analyze", "s.sqlite"))
-        header = self.read("x/trials.csv").splitlines()[1]
+        header = self.named("x/trials.csv").splitlines()[1]
         for column in ("stimulus", "same", "correct", "answer", "force", "saturated", "series"):
             self.assertNotIn(column, header)
 
@@ -185,7 +185,7 @@ class Blinding(program.Case):
         self.jnd("exclude", "s.sqlite", "--participant", "P02", "--kind", "real", "--reason", "took the blindfold off")
         self.jnd("export", "s.sqlite", "--to", "x")
         self.assertEqual(set(self.trials_of("x")), {"P01", "P03"})
-        self.assertNotIn("blindfold", self.read("x/participants.csv"))  # what was said of somebody may hint at what they felt
+        self.assertNotIn("blindfold", self.named("x/participants.csv"))  # what was said of somebody may hint at what they felt
         self.study("real", 1, 0, "taken-back")
         self.jnd("export", "s.sqlite", "--to", "y")
         rows = [self.trials_of("y")[code] for code in ("P01", "P04")]
@@ -225,8 +225,8 @@ class Blinding(program.Case):
             if kind == "simulated":
                 self.assertIn(SEED, text)
                 self.jnd("export", "s.sqlite", "--kind", kind, "--to", kind)
-                self.assertIn("413", self.read(f"{kind}/trials.csv"))
-                self.assertIn(NAMES[0], self.read(f"{kind}/answers.csv"))
+                self.assertIn("413", self.named(f"{kind}/trials.csv"))
+                self.assertIn(NAMES[0], self.named(f"{kind}/answers.csv"))
             os.remove(self.folder / "s.sqlite")
 
     def test_a_study_of_pilot_sessions_alone_keeps_the_plan_that_people_will_have(self):
@@ -252,8 +252,8 @@ class Blinding(program.Case):
         self.assertNotIn(SEED, text)
         for name in ("trials", "intervals", "voided", "answers"):  # answers name the condition that a block had
             self.assertFalse(os.path.exists(self.folder / "x" / f"{name}.csv"), name)
-            self.assertNotIn(f"{name}.csv", self.read("x/dictionary.csv"))
-            self.assertNotIn(f"{name}.csv", self.read("x/datapackage.json"))
+            self.assertNotIn(f"{name}.csv", self.named("x/dictionary.csv"))
+            self.assertNotIn(f"{name}.csv", self.named("x/datapackage.json"))
         self.jnd("export", "s.sqlite", "--kind", "pilot", "--to", "y", "--telemetry", code=2)
 
 
