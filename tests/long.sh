@@ -55,15 +55,15 @@ fi
 want numbers && beside "fits beside random searches" cases $tests/analysis_tests "[search-campaign]"
 if want faults; then
   beside "random histories of sessions" cases $tests/runner_tests "[course-campaign]"
-  JND_FAULT_CASES=1000000 beside "a million faulty devices" cases $tests/devices_tests "*no fault brings force*"
-  JND_EXTERNAL_CASES=10000 beside "10,000 faulty external rigs" cases $tests/devices_tests "*no fault of an external rig*"
-  JND_EVERY=1 beside "every write and sync fails" cases $tests/faults_tests "*every write and sync*"
-  JND_BIT_FLIPS=200 beside "bits flipped at rest" cases $tests/faults_tests "*flipped bit at rest*"
+  JND_CAMPAIGN=100 beside "a million faulty devices" cases $tests/devices_tests "*no fault brings force*"
+  JND_CAMPAIGN=205 beside "10,000 faulty external rigs" cases $tests/devices_tests "*no fault of an external rig*"
+  JND_CAMPAIGN=7 beside "every write and sync fails" cases $tests/faults_tests "*every write and sync*"
+  JND_CAMPAIGN=34 beside "bits flipped at rest" cases $tests/faults_tests "*flipped bit at rest*"
 fi
 want kills && beside "sessions killed 1000 times" tests/faults/kill_sessions.py build/release/runner/jnd --kills 1000
 want kills && beside "sessions on an external rig killed 100 times" \
   tests/faults/kill_external_sessions.py build/release/runner/jnd --kills 100
-want power && JND_POWER_LOSSES=1000 beside "1000 power cuts" cases $tests/faults_tests "[power_loss]"
+want power && JND_CAMPAIGN=12 beside "1000 power cuts" cases $tests/faults_tests "[power_loss]"
 wait
 want kernel && part "kernel, long" kernel_long
 want fuzz && part "fuzzers, a million runs each" tests/fuzz/run.sh 1000000

@@ -1,13 +1,12 @@
 // A bit that flips in a study is found by verify or by SQLite, or it was in bytes that nothing reads: then everything
 // that the study says is as before.
 //
-// JND_BIT_FLIPS sets how many bits of each page flip (default 6).
-#include <cstdlib>
-
+// Six bits of each page flip, times JND_CAMPAIGN.
 #include <fmt/format.h>
 #include <sqlite3.h>
 
 #include "data/verify/verify.h"
+#include "tests/campaign.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
 #include "tests/faults/faulty_vfs.h"
@@ -54,8 +53,7 @@ TEST_CASE("A flipped bit at rest is found, or nothing has changed", "[storage]")
   StudySession(folder / "study.jnd", SessionKind::pilot).run(view);
   const std::string whole = bytes_of(folder / "study.jnd"), expected = all_of(folder / "study.jnd");
   REQUIRE(found(folder / "study.jnd") == "");
-  const char* wanted = std::getenv("JND_BIT_FLIPS");
-  const int each = wanted != nullptr ? std::max(1, std::atoi(wanted)) : 6;
+  const int each = campaign(6);
   std::mt19937_64 generator(1);
   int flips = 0, noticed = 0;
   const auto path = folder / "flipped.jnd";

@@ -2,12 +2,11 @@
 // one clear message, and the session comes to the same final table, whether they wait until there is room or give up.
 //
 // A full disk that is waited for, and every failed sync, come at each step; the other kinds at every seventh.
-// JND_EVERY=1 takes each step of each kind.
-#include <cstdlib>
-
+// JND_CAMPAIGN=7 takes each step of each kind.
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include "tests/campaign.h"
 #include "tests/catch.h"
 #include "tests/data/study_fixture.h"
 #include "tests/faults/faulty_vfs.h"
@@ -25,9 +24,7 @@ struct Kind {
 
 // From the first on, so many steps apart.
 int stride(const Kind& kind, bool lasting) {
-  const char* every = std::getenv("JND_EVERY");
-  if (every != nullptr) return std::max(1, std::atoi(every));
-  return kind.step == Step::sync || (kind.code == SQLITE_FULL && !lasting) ? 1 : 7;
+  return campaign_stride(kind.step == Step::sync || (kind.code == SQLITE_FULL && !lasting) ? 1 : 7);
 }
 
 constexpr Kind kKinds[] = {{"disk full at a write", Step::write, SQLITE_FULL, 0.5},

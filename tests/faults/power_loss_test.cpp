@@ -1,14 +1,13 @@
 // Power is lost at random writes, syncs and renames of sessions that flush every answer: what was acknowledged is
 // there, nothing is torn, and the session comes to the same end.
 //
-// JND_POWER_LOSSES sets how many in all (default 90). Everything follows from the seed of each case.
-#include <cstdlib>
-
+// There are 90 in all, times JND_CAMPAIGN. Everything follows from the seed of each case.
 #include <fmt/format.h>
 
 #include "data/log/event_body.h"
 #include "data/log/replay.h"
 #include "data/verify/verify.h"
+#include "tests/campaign.h"
 #include "tests/catch.h"
 #include "tests/data/older_study.h"
 #include "tests/faults/faulty_vfs.h"
@@ -18,8 +17,7 @@ namespace jnd::test {
 namespace {
 
 int power_losses() {
-  const char* text = std::getenv("JND_POWER_LOSSES");
-  return text != nullptr ? std::max(1, std::atoi(text)) : 90;
+  return campaign(90);
 }
 
 int below(std::mt19937_64& generator, int bound) {

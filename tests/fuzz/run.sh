@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # Builds the fuzzers with clang and runs each of them.
 #
-# Usage: tests/fuzz/run.sh [RUNS]     RUNS: executions of each target (default: 1000000)
+# Usage: tests/fuzz/run.sh [RUNS]     RUNS: executions of each target (default: 1000000, times JND_CAMPAIGN)
 #
 # What they find is left as crash-* in build/fuzz; once it is mended the file belongs into tests/fuzz/corpus/TARGET.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-runs=${1:-1000000}
+runs=${1:-$(awk "BEGIN { printf \"%d\", 1000000 * ${JND_CAMPAIGN:-1} }")}
 cmake --preset fuzz >/dev/null
 cmake --build --preset fuzz --target fuzz_protocol fuzz_profile fuzz_csv fuzz_trials fuzz_trace fuzz_events fuzz_keys fuzz_report fuzz_rig_line
 cd build/fuzz

@@ -1,10 +1,9 @@
-// A rig that is a program: the shipped example, and one that goes wrong in every way. JND_EXTERNAL_CASES sets how often.
+// A rig that is a program: the shipped example, and one that goes wrong in every way. JND_CAMPAIGN sets how often.
 #include "devices/external/external_rig.h"
 
 #include <algorithm>
 #include <atomic>
 #include <csignal>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -18,6 +17,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "tests/campaign.h"
 #include "tests/catch.h"
 #include "tests/temporary_folder.h"
 
@@ -263,8 +263,7 @@ TEST_CASE("a rig behind a Unix socket is connected to, and again after it went a
 }
 
 TEST_CASE("no fault of an external rig counts as a presentation, and none leaves a process") {
-  const char* wanted = std::getenv("JND_EXTERNAL_CASES");
-  const int cases = wanted != nullptr ? std::atoi(wanted) : static_cast<int>(kFaults.size());
+  const int kinds = static_cast<int>(kFaults.size()), cases = std::max(kinds, test::campaign(kinds));
   constexpr int kAtOnce = 8;  // they mostly wait
   std::atomic<int> next{0};
   std::mutex mutex;

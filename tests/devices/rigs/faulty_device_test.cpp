@@ -1,8 +1,7 @@
 // Whatever goes wrong at whatever tick: no force above the cap, none outside an active interval, zero within two ticks
-// of the latch, and a recorded cause. Cases come from a fixed seed; JND_FAULT_CASES sets how many (10,000 in CI).
+// of the latch, and a recorded cause. Cases come from a fixed seed; there are 10,000, times JND_CAMPAIGN.
 #include "tests/devices/rigs/faulty_device.h"
 
-#include <cstdlib>
 #include <string>
 
 #include "devices/mckibben/mckibben_device.h"
@@ -10,6 +9,7 @@
 #include "devices/rrs3/rrs3_device.h"
 #include "devices/trackers/encoder_tracker.h"
 #include "protocols/random_stream.h"
+#include "tests/campaign.h"
 #include "tests/catch.h"
 #include "tests/devices/device_fixtures.h"
 #include "tests/units.h"
@@ -20,8 +20,7 @@ using namespace jnd::testing;
 namespace {
 
 int cases_wanted() {
-  const char* text = std::getenv("JND_FAULT_CASES");
-  return text != nullptr ? std::max(std::atoi(text), 1) : 10'000;
+  return test::campaign(10'000);
 }
 
 // Wakes late now and then, and latches the stop at a time, as another thread would between two ticks.
