@@ -72,6 +72,18 @@ def run(*arguments, code=0, input=None, **options):
     return Done(process.args, process.returncode, out, err)
 
 
+def short_protocol(name, path, **sections):
+    """Writes a shipped protocol with short trials, of which the models of the devices have less to compute; sections: more members of them."""
+    run("new", path, "--from", name)
+    protocol = json.loads(pathlib.Path(path).read_text())
+    for section in ("assumed", "checklist"):
+        protocol.pop(section, None)
+    for section, members in {"trial": {"explore_s": 0.5, "gap_s": 0.1, "between_trials_s": 0.1}, **sections}.items():
+        protocol[section].update(members)
+    pathlib.Path(path).write_text(json.dumps(protocol, indent=1))
+    return path
+
+
 def until(reached, what="what was waited for", process=None):
     """Waits for a state that nothing announces; fails if the process has ended before."""
     end = time.monotonic() + GUARD_S

@@ -20,14 +20,7 @@ class CommandLine(program.Shared):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.small = cls.folder / "small.json"
-        cls.jnd("new", cls.small, "--from", "chinello2017")
-        protocol = json.loads(cls.read(cls.small))
-        for key in ("assumed", "checklist"):
-            protocol.pop(key)
-        protocol["design"]["trials_per_cell"] = 4
-        protocol["trial"].update(explore_s=0.5, gap_s=0.1, between_trials_s=0.1)
-        cls.write(cls.small, json.dumps(protocol, indent=1))
+        cls.small = program.short_protocol("chinello2017", cls.folder / "small.json", design={"trials_per_cell": 4})
 
     def study(self, name, *more, participants=3):
         """The study is simulated once; the tests have copies of its file."""
@@ -281,6 +274,7 @@ class CommandLine(program.Shared):
     def test_sessions_are_not_counted_as_participants(self):
         def twice(protocol):
             protocol["design"]["sessions"] = 2
+            protocol["trial"]["explore_s"] = 0.5
         said = self.jnd("simulate", self.variant("tutorial", "twice.json", twice), "--participants", "3", "--study", "twice.sqlite").stdout
         self.assertIn("twice.sqlite: 3 participants, 2 sessions each, profile chinello2017", said)
         self.assertIn("6 sessions had finished before", self.jnd("simulate", "twice.json", "--participants", "3", "--study", "twice.sqlite").stdout)

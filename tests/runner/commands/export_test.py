@@ -23,7 +23,7 @@ R = shutil.which("Rscript")
 # A study of every kind, with as few participants as its analysis can do with.
 STUDIES = {"tutorial": 3, "staircase": 3, "jones1997-viscosity": 3, "leib2015": 3, "pang1991": 2,
            "identify-stiffness2025": 2, "carpenter2018-oddity": 3, "dhong2019-magnitude": 3,
-           "van-beek2015": 3, "chinello2017-experiment2": 2, "sandpaper-hands2013": 6}
+           "van-beek2015": 3, "chinello2017-experiment2": 2, "sandpaper-hands2013": 12}
 
 
 def rows_of(path):
@@ -71,7 +71,8 @@ class Export(program.Shared):
                 runpy.run_path(sys.argv[0], run_name="__main__")
         finally:
             sys.argv = arguments
-        return ended.exception.code, printed.getvalue()
+        code = ended.exception.code  # a text is what Python would print, and ends it with 1
+        return (1, printed.getvalue() + code) if isinstance(code, str) else (code, printed.getvalue())
 
     # The data package.
 
@@ -232,6 +233,7 @@ class Export(program.Shared):
             protocol = json.loads((program.ROOT / "protocols/tutorial.json").read_text())
             protocol["series"].append({"name": "hard", "pair": [600, 900]})
             protocol["analysis"].update(analysis)
+            protocol["trial"]["explore_s"] = 0.5
             (self.folder / f"{name}.json").write_text(json.dumps(protocol))
             self.jnd("simulate", f"{name}.json", "--participants", 3, "--study", f"{name}.sqlite", "--seed", 5)
             found[name] = self.export(name)
@@ -264,10 +266,10 @@ class Export(program.Shared):
         done = program.run("-e", sources, program=R)
         self.assertEqual(done.stdout.count(" 0 differ by more than 1e-09"), len(folders), done.stdout)
 
-    def scripts(self, folder, in_r=True):
+    def scripts(self, folder):
         """What each script says of a folder: its status, and all that it prints."""
         for interpreter, script in ((sys.executable, "recompute.py"), (R, "recompute.R")):
-            if interpreter and (in_r or interpreter != R):
+            if interpreter:
                 done = program.run(folder / script, program=interpreter, code=None)
                 yield done.returncode, done.said
 
@@ -287,10 +289,16 @@ class Export(program.Shared):
         nothing.mkdir()
         for script in ("recompute.py", "recompute.R"):
             shutil.copy(self.exports["tutorial"] / script, nothing)
-        for folder, said in ((missing, "group.csv is missing"), (empty, "cells.csv has no rows"), (nothing, "SHA256SUMS is missing")):
-            for status, printed in self.scripts(folder):
-                self.assertEqual(status, 1, printed)
-                self.assertIn(said, printed)
+        said = {missing: "group.csv is missing", empty: "cells.csv has no rows", nothing: "SHA256SUMS is missing"}
+        for folder, words in said.items():
+            status, printed = self.python(folder)
+            self.assertEqual(status, 1, printed)
+            self.assertIn(words, printed)
+        if R is not None:  # all in one, which says of each that it is wrong, and why
+            tried = "; ".join(f"tryCatch(source('{folder}/recompute.R'), error = function(e) cat('WRONG:', conditionMessage(e)))" for folder in said)
+            printed = program.run("-e", tried, program=R).said
+            self.says(printed, *said.values())
+            self.assertEqual(printed.count("WRONG:"), 3, printed)
 
     def test_a_changed_number_is_found(self):
         for file, column in (("group.csv", "jnd_mean_n_per_m"), ("contrasts.csv", "p"), ("cells.csv", "dprime")):
@@ -302,7 +310,7 @@ class Export(program.Shared):
                 rows[0][place] = repr(float(rows[0][place]) * (1 + 3e-9))
                 with open(folder / file, "w", newline="") as out:
                     csv.writer(out, lineterminator="\n").writerows([header, *rows])
-                for status, printed in self.scripts(folder, in_r=file == "group.csv"):
+                for status, printed in self.scripts(folder) if file == "group.csv" else [self.python(folder)]:
                     self.assertEqual(status, 1, printed)
                     self.assertRegex(printed, f"DIFFERS: .*{column}: the file says ")
 

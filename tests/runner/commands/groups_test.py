@@ -177,15 +177,15 @@ class Groups(program.Case):
         self.assertEqual(ours["groups"], groups)
 
     def test_pairs_of_stimuli_and_different_conditions_by_group(self):
-        protocol = self.protocol(GOOD, analysis={"tests": {"on": "slope", "between": "welch"}})
-        self.jnd("simulate", protocol, "--participants", 12, "--study", "g.sqlite", "--seed", 1)
+        protocol = self.protocol(GOOD, trial={"explore_s": 0.5}, analysis={"tests": {"on": "slope", "between": "welch"}})
+        self.jnd("simulate", protocol, "--participants", 9, "--study", "g.sqlite", "--seed", 1)
         self.jnd("verify", "g.sqlite", "--deep")
         results = self.json_of("analyze", "g.sqlite")
         self.jnd("export", "g.sqlite", "--to", "g")
         slopes = {}
         for row in self.rows("g/thresholds.csv"):
             slopes.setdefault((row["participant"], row["group"]), []).append(float(row["slope_per_n_per_m"]))
-        self.assertEqual(sorted(map(len, slopes.values())), [2] * 8 + [3] * 4)
+        self.assertEqual(sorted(map(len, slopes.values())), [2] * 6 + [3] * 3)
         calc = self.compare([(*who, "mean", sum(values) / len(values)) for who, values in slopes.items()])
         self.held_against(results, calc, ["young", "old", "all"])
         between = self.rows("g/between.csv")
@@ -196,11 +196,11 @@ class Groups(program.Case):
         self.assertEqual([row["condition"] for row in means if row["group"] == "old"], ["S", "V", ""])
         # The contrast of two conditions that two of the groups get rests on them.
         contrasts = {(row["a"], row["b"], row["registered"]): row for row in results["contrasts"]}
-        self.assertEqual(contrasts["S", "V", True]["participants"], 8)
+        self.assertEqual(contrasts["S", "V", True]["participants"], 6)
         columns = {(row["file"], row["column"]) for row in self.rows("g/dictionary.csv")}
         for file in ("trials.csv", "sub-*/report.csv", "thresholds.csv", "cells.csv", "participants.csv", "sessions.csv", "groups.csv"):
             self.assertIn((file, "group"), columns)
-        counts = self.json_of("simulate", protocol, "--participants", 12, "--seed", 1, "--no-study")
+        counts = self.json_of("simulate", protocol, "--participants", 9, "--seed", 1, "--no-study")
         self.assertEqual(counts["between"]["means"], results["between"]["means"])
         methods = (self.folder / "g/methods.md").read_text()
         self.assertIn("by Welch's t test (Welch 1947) of each pair, of each participant's mean over their conditions", methods)
@@ -227,12 +227,12 @@ class Groups(program.Case):
         self.assertEqual(effects["group"]["p_gg"], "")
         self.assertEqual((effects["group"]["df1"], effects["group"]["df2"]), ("5", "18"))
         # Too few to be tested: a status, and no number.
-        self.jnd("simulate", "sandpaper-hands2013", "--participants", 6, "--study", "few.sqlite", "--seed", 3)
+        self.jnd("simulate", "sandpaper-hands2013", "--participants", 6, "--study", "few.sqlite", "--seed", 5)
         few = self.json_of("analyze", "few.sqlite")["between"]["comparison"]["anova"]["group"]
         self.assertEqual((few["p"], few["status"]), (None, "too_few"))
 
     def test_answers_that_set_the_levels(self):
-        protocol = self.protocol(ROOT / "protocols/adaptive-staircase.json",
+        protocol = self.protocol(ROOT / "protocols/adaptive-staircase.json", trial={"explore_s": 0.5},
                                  groups=[{"name": "a", "label": "A", "conditions": ["S"]}, {"name": "b", "label": "B", "conditions": ["V"]}])
         kept = json.loads(protocol.read_text())
         kept["analysis"]["contrasts"] = []
@@ -240,14 +240,14 @@ class Groups(program.Case):
         kept["practice"].pop("conditions", None)
         kept["conditions"] = [one for one in kept["conditions"] if one["name"] in ("S", "V")]
         protocol.write_text(json.dumps(kept))
-        self.jnd("simulate", protocol, "--participants", 8, "--study", "a.sqlite", "--seed", 2)
+        self.jnd("simulate", protocol, "--participants", 4, "--study", "a.sqlite", "--seed", 2)
         self.jnd("verify", "a.sqlite", "--deep")
         results = self.json_of("analyze", "a.sqlite")
         self.assertEqual({(row["group"], row["condition"]) for row in results["rows"]}, {("a", "S"), ("b", "V")})
-        self.assertEqual([(row["condition"], row["of"]) for row in results["group"]], [("S", 4), ("V", 4)])
+        self.assertEqual([(row["condition"], row["of"]) for row in results["group"]], [("S", 2), ("V", 2)])
         self.assertEqual(results["between"]["test"], "welch")
         self.jnd("export", "a.sqlite", "--to", "a")
-        self.jnd("simulate", protocol, "--participants", 8, "--seed", 2, "--no-study")
+        self.jnd("simulate", protocol, "--participants", 2, "--seed", 2, "--no-study")
 
 
 if __name__ == "__main__":
