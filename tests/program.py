@@ -34,7 +34,7 @@ main = unittest.main
 
 def campaign(cases):
     """How many random cases to try: JND_CAMPAIGN is a factor, 1 in the gate and larger in tests/long.sh."""
-    return max(1, round(cases * float(os.environ.get("JND_CAMPAIGN", "1"))))
+    return max(1, round(cases * float(os.environ.get("JND_CAMPAIGN") or 1)))
 
 
 def parse(text):
