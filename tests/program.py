@@ -24,7 +24,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 
 
 def argument():
-    """The next program that the test is started with, as an absolute path; None if there are no more."""
+    """Takes the next argument of the test, the path of a program. None: there are no more."""
     return os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
 
 
@@ -33,12 +33,12 @@ main = unittest.main
 
 
 def campaign(cases):
-    """How many random cases to try: JND_CAMPAIGN is a factor, 1 in the gate and larger in tests/long.sh."""
+    """The number of random cases: JND_CAMPAIGN is a factor, 1 in the gate and larger in tests/long.sh."""
     return max(1, round(cases * float(os.environ.get("JND_CAMPAIGN") or 1)))
 
 
 def parse(text):
-    """JSON, which has neither NaN nor infinity."""
+    """Reads JSON; NaN and infinity fail."""
     def refuse(name):
         raise AssertionError(f"{name} stands in {text[:2000]}")
     return json.loads(text, parse_constant=refuse)
@@ -51,14 +51,14 @@ class Done(subprocess.CompletedProcess):
 
 
 def start(*arguments, program=None, folder=None, env=None, **options):
-    """Starts a program that goes on by itself; env: variables beside those of the test. What it prints comes through pipes."""
+    """Starts a program and goes on. env: variables beside those of the test; what the program prints comes through pipes."""
     words = [program or JND, *(one if isinstance(one, bytes) else str(one) for one in arguments)]
     given = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "encoding": "utf-8"}
     return subprocess.Popen(words, cwd=folder, env=os.environ | (env or {}), **(given | options))
 
 
 def run(*arguments, code=0, input=None, **options):
-    """Runs a program to its end. code: its exit status, or None for any; input: text, bytes (its output is bytes, too) or lines."""
+    """Runs a program to its end. code: its exit status, one of several, or None for any; input: text, bytes (its output is bytes, too) or lines."""
     if isinstance(input, (list, tuple)):
         input = "".join(f"{line}\n" for line in input)
     given = {} if input is None else {"stdin": subprocess.PIPE, "encoding": None if isinstance(input, bytes) else "utf-8"}
@@ -68,12 +68,13 @@ def run(*arguments, code=0, input=None, **options):
         except BaseException:
             process.kill()
             raise
-    assert code in (None, process.returncode), f"{process.args} ended with {process.returncode}: {out}{err}"
+    allowed = code if isinstance(code, tuple) else (code,)
+    assert code is None or process.returncode in allowed, f"{process.args} ended with {process.returncode}: {out}{err}"
     return Done(process.args, process.returncode, out, err)
 
 
 def short_protocol(name, path, **sections):
-    """Writes a shipped protocol with short trials, of which the models of the devices have less to compute; sections: more members of them."""
+    """Writes a shipped protocol with short trials, which cost the models of devices less; sections: members to change in each."""
     run("new", path, "--from", name)
     protocol = json.loads(pathlib.Path(path).read_text())
     for section in ("assumed", "checklist"):
@@ -99,7 +100,7 @@ def until_it_handles(number, process):
 
 
 def kill_within(process, seconds):
-    """Kills a program at a random instant: nothing rests on how far it has come. Returns whether it had to."""
+    """Kills a program that runs longer; no assertion may rest on how far it has come. Returns whether it was killed."""
     try:
         process.wait(timeout=seconds)
         return False
@@ -140,7 +141,7 @@ class Terminal:
         os.write(self.file, text.encode())
 
     def ends(self, code=0):
-        """Reads to the end, and compares the exit status. Returns all that was shown."""
+        """Reads to the end and checks the exit status. Returns all that was shown."""
         self.until(None)
         os.close(self.file)
         assert self.process.wait(GUARD_S) == code, f"it ended with {self.process.returncode}: {self.text[-2000:]!r}"
@@ -175,7 +176,7 @@ class Case(unittest.TestCase):
         return self.folder / name
 
     def rows(self, *names):
-        """A dictionary per row of a CSV file."""
+        """Reads a CSV file: a dictionary per row."""
         return list(csv.DictReader(self.read(*names).splitlines(keepends=True)))
 
     def says(self, text, *parts):
@@ -183,7 +184,7 @@ class Case(unittest.TestCase):
             self.assertIn(part, text)
 
     def refused(self, done, *parts):
-        """It says nothing but why not."""
+        """Asserts that a program printed a message with these parts and nothing else."""
         self.assertEqual(done.stdout, "")
         self.says(done.stderr, *parts)
 

@@ -37,8 +37,8 @@ void answer_questions(SessionLog& log, const Protocol& protocol, int after_trial
   }
 }
 
-// Mistakes in a fixed pattern, fewer of the better participants and in the series that come first, as people make them:
-// with the same answers of everybody the hierarchical model needs seconds to find that nobody differs.
+// Answers with mistakes in a fixed pattern: their number differs between participants, series and conditions. If everybody
+// made the same mistakes, the hierarchical model would need seconds.
 int answer_of(const Trial& trial, int participant) {
   const int wrong_percent = 4 + 7 * (participant % 4) + 8 * trial.series + 3 * trial.condition;
   const bool wrong = (37 * trial.index + 53 * participant) % 100 < wrong_percent;
@@ -61,7 +61,8 @@ void one_session(Study& study, const Protocol& protocol, std::uint64_t seed, Ses
   int answered = 0;
   for (const Trial& trial : plan.trials) {
     if ((!whole || how == "ended-early") && answered++ * 2 > session.trials_total) break;
-    log->append(event_kind::kTrialCompleted, to_body(record_of(protocol, trial, answer_of(trial, number))), stamp_of(trial));
+    log->append(event_kind::kTrialCompleted, to_body(record_of(protocol, trial, answer_of(trial, number))),
+                stamp_of(trial));
   }
   if (!whole) return;
   if (how == "ended-early") {

@@ -79,8 +79,7 @@ class CalcScaling(program.Case):
                              (["stimulus,value", "1,2"], ("value",))):
             done = self.calc("magnitude", lines, code=3)
             self.assertEqual(len(done.stderr.splitlines()), 1)
-            for part in parts:
-                self.assertIn(part, done.stderr)
+            self.says(done.stderr, *parts)
         for lines, part in ((["setting,start", "4,0"], "is no side"), (["setting,start", "4,2"], "start"),
                             (["setting", "x"], "setting")):
             self.assertIn(part, self.calc("adjust", lines, "--standard", "4", code=3).stderr)

@@ -24,8 +24,8 @@ APART = ["unshare", "--mount", "--pid", "--fork", "--kill-child", "--mount-proc"
 class OnSlurm(program.Case):
     def setUp(self):
         # A Slurm of its own for each test: none meets what another left.
-        made = self.enterContext(tempfile.TemporaryDirectory())
-        self.slurm = real_slurm.RealSlurm(made)
+        (self.folder / "slurm").mkdir()
+        self.slurm = real_slurm.RealSlurm(self.folder / "slurm")
         self.addCleanup(self.slurm.stop)
         self.jnd("new", "a study.json", "--from", "tutorial")
 

@@ -108,8 +108,7 @@ class Precision(program.Shared):
                 if one["method"] == "enumeration":
                     self.assertEqual(one["estimate"], other["estimate"])
         text = self.jnd("check", "chinello2017").stdout
-        for part in ("d' of 0 or less in some series", "coefficient of variation", "trials per cell for 10 %", "independent draws"):
-            self.assertIn(part, text)
+        self.says(text, "d' of 0 or less in some series", "coefficient of variation", "trials per cell for 10 %", "independent draws")
 
     def test_a_protocol_with_errors_has_no_precision(self):
         path = self.write("bad.json", "{}")
