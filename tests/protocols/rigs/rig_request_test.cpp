@@ -4,6 +4,7 @@
 #include "protocols/planning/plan.h"
 #include "protocols/reading/protocol_json.h"
 #include "tests/catch.h"
+#include "tests/protocols/bad_cases.h"
 #include "tests/protocols/examples.h"
 
 using namespace jnd;
@@ -68,10 +69,10 @@ TEST_CASE("the trials of a joint's protocol carry its unit, and its tables name 
 }
 
 TEST_CASE("messages about a joint's stiffnesses are in N/rad") {
+  const std::map<std::string, BadCase> cases = bad_cases();
   for (const char* const name : {"pair-identical-joint", "reference-elsewhere-joint", "pair-too-stiff-joint"}) {
     CAPTURE(name);
-    const ProtocolCheck check =
-        check_protocol(read_text(corpus_folder() / "bad" / (std::string(name) + ".json")), "p.json");
+    const ProtocolCheck check = check_protocol(cases.at(name).text, "p.json");
     REQUIRE(check.errors.size() == 1);
     CHECK(to_text(check.errors[0]).find("N/rad") != std::string::npos);
     CHECK(to_text(check.errors[0]).find("N/m") == std::string::npos);
