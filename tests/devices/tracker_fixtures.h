@@ -2,12 +2,10 @@
 // tracker that has fallen silent.
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <fmt/format.h>
@@ -18,6 +16,7 @@
 #include "devices/tracker.h"
 #include "devices/trackers/pose_line.h"
 #include "tests/devices/device_fixtures.h"
+#include "tests/wait_until.h"
 
 namespace jnd::testing {
 
@@ -76,17 +75,6 @@ class ScratchFile {
   }
   std::filesystem::path folder_, path_;
 };
-
-// True as soon as it holds; false where it does not within 30 s.
-template <typename Holds>
-bool holds_soon(const Holds& holds) {
-  const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-  while (!holds()) {
-    if (std::chrono::steady_clock::now() > patience) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return true;
-}
 
 // Two models of the 3RRS around the sphere of 40 mm, with the tracker's poses, from start_ns on a simulated clock.
 inline Presentation present_on(Tracker& tracker, std::int64_t start_ns) {

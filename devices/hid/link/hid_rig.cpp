@@ -22,7 +22,6 @@ namespace jnd {
 
 namespace {
 
-constexpr std::chrono::seconds kLongestWait{5};
 constexpr std::chrono::milliseconds kLookEvery{100};
 constexpr std::chrono::milliseconds kReadyEvery{10};
 
@@ -102,9 +101,9 @@ RigInfo hid_rig_info(const Protocol& protocol, const RigSpec& spec) {
 
 std::unique_ptr<Rig> make_hid_rig(const Protocol& protocol, const RigDescription& rig, const RigFile& file,
                                   const ParticipantProfile& profile, int participant, std::uint64_t seed, Clock& clock,
-                                  HidBus& bus, const RigOptions& options) {
+                                  HidBus& bus, const RigOptions& options, std::chrono::milliseconds longest_wait) {
   check(protocol.rig, rig.spec);
-  const Steady::time_point deadline = Steady::now() + kLongestWait;
+  const Steady::time_point deadline = Steady::now() + longest_wait;
   const DeviceSpec& spec = *rig.spec.cutaneous();
   const std::vector<std::string>& fingers = protocol.rig.fingers;
   RigParts parts;

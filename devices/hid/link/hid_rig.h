@@ -1,6 +1,7 @@
 // Builds a rig of fingertip devices over USB HID.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 
@@ -18,12 +19,13 @@ namespace jnd {
 // no real finger is where the devices take it to be.
 RigInfo hid_rig_info(const Protocol& protocol, const RigSpec& spec);
 
-// Devices and tracker by the rig file, an empty one for whatever is connected. Waits at most 5 s for all of them.
+// Devices and tracker by the rig file, an empty one for whatever is connected. Waits at most longest_wait for all of them.
 // Clock: the machine's monotonic one, on which the bus's reports are stamped. Bus and clock must outlive the rig.
 // Throws InputError where protocol and rig file do not fit, DeviceError where a device is missing, cannot do what the
 // protocol was checked against, or may not be used by this login.
 std::unique_ptr<Rig> make_hid_rig(const Protocol& protocol, const RigDescription& rig, const RigFile& file,
                                   const ParticipantProfile& profile, int participant, std::uint64_t seed, Clock& clock,
-                                  HidBus& bus, const RigOptions& options = {});
+                                  HidBus& bus, const RigOptions& options = {},
+                                  std::chrono::milliseconds longest_wait = std::chrono::seconds(5));
 
 }  // namespace jnd

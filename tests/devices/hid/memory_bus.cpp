@@ -1,7 +1,6 @@
 #include "tests/devices/hid/memory_bus.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <deque>
 
@@ -13,15 +12,9 @@ namespace jnd::testing {
 
 namespace {
 
-using Lock = std::unique_lock<std::mutex>;
-using std::chrono::milliseconds;
-
 constexpr std::int64_t kMillisecond_ns = 1'000'000;
 constexpr std::size_t kUnread = 63;  // hidraw keeps the oldest
-
-std::int64_t machine_ns() {
-  return std::chrono::steady_clock::now().time_since_epoch().count();
-}
+constexpr int kBlocked_ms = 5000;
 
 }  // namespace
 
@@ -49,7 +42,7 @@ class MemoryBus::MemoryHandle final : public HidHandle {
     if (!ready() && timeout_ms > 0) {
       inside_.waiting = true;
       bus_.changed_.notify_all();
-      (void)bus_.changed_.wait_for(lock, milliseconds(timeout_ms), ready);
+      bus_.await(lock, timeout_ms, ready);
       inside_.waiting = false;
     }
     if (gone()) return kHidGone;
@@ -64,8 +57,7 @@ class MemoryBus::MemoryHandle final : public HidHandle {
   bool write(std::span<const std::uint8_t> bytes) noexcept override {
     Lock lock(bus_.mutex_);
     const bool command = !bytes.empty() && bytes[0] == JND_REPORT_COMMAND;
-    if (command && slot_.blocks)
-      (void)bus_.changed_.wait_for(lock, std::chrono::seconds(5), [this] { return !slot_.blocks || gone(); });
+    if (command && slot_.blocks) bus_.await(lock, kBlocked_ms, [this] { return !slot_.blocks || gone(); });
     if (gone() || (command && slot_.blocks)) return false;
     slot_.device->receive(bytes.data(), bytes.size(), bus_.device_us(slot_));
     if (command) ++slot_.commands;
@@ -176,18 +168,21 @@ void MemoryBus::millisecond() {
 void MemoryBus::run() noexcept {
   Lock lock(mutex_);
   while (!ends_) {
-    changed_.wait_for(lock, milliseconds(1), [this] { return ends_; });
-    if (driving_ == 0 && machine_ns() >= driven_until_ns_) millisecond();
+    (void)look(lock, 1, [this] { return ends_; });
+    if (driving_ > 0 || ends_) continue;
+    if (rests_ > 0)
+      --rests_;
+    else
+      millisecond();
   }
 }
 
 void MemoryBus::drive(bool commands) noexcept {
-  constexpr std::int64_t kHeld_ns = 200'000'000;
-  // A machine may be too busy to let the writing thread run for as long as that; a device without commands yet, or
-  // no more, does not keep the loop.
-  constexpr milliseconds kBusy(1000), kIdle(20);
-  const auto await_commands = [this](Lock& lock, milliseconds patience, bool of_commanded) {
-    (void)changed_.wait_for(lock, patience, [this, of_commanded] {
+  constexpr int kRests = 200;
+  // A device without commands yet, or no more, does not keep the loop for long.
+  constexpr int kBusy = 1000, kIdle = 20;
+  const auto await_commands = [this](Lock& lock, int times, bool of_commanded) {
+    (void)look(lock, times, [this, of_commanded] {
       return std::all_of(slots_.begin(), slots_.end(), [of_commanded](const auto& slot) {
         return !slot->plugged || slot->blocks || slot->commanded != of_commanded ||
                slot->commands > slot->commands_before;
@@ -205,9 +200,9 @@ void MemoryBus::drive(bool commands) noexcept {
     slot->commands_before = slot->commands;
   }
   millisecond();
-  (void)changed_.wait_for(lock, kBusy, [this] { return all_read(); });
+  (void)look(lock, kBusy, [this] { return all_read(); });
   --driving_;
-  driven_until_ns_ = machine_ns() + kHeld_ns;
+  rests_ = kRests;
 }
 
 void MemoryBus::sleep_until_ns(std::int64_t deadline) noexcept {
@@ -216,6 +211,11 @@ void MemoryBus::sleep_until_ns(std::int64_t deadline) noexcept {
 
 void MemoryBus::pass_ms(int milliseconds) {
   for (int i = 0; i < milliseconds; ++i) drive(false);
+}
+
+void MemoryBus::wait_ms(int milliseconds) {
+  Lock lock(mutex_);
+  await(lock, milliseconds, [] { return false; });
 }
 
 int MemoryBus::add(const jnd_fingertip_config& config, const DeviceSpec& spec) {

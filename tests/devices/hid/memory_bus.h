@@ -3,10 +3,12 @@
 //
 // Its time is its own: a thread lets it run at about the machine's pace, a millisecond at a time; while a control loop
 // sleeps on it, the loop drives it, and every millisecond ends when all that was sent has been read. So what a loop
-// does here does not depend on how busy the machine is.
+// does here does not depend on how busy the machine is. Where the bus cannot know whether another thread will come, it
+// counts its own looks, a millisecond apart: a machine that holds up the other thread holds up the looks, too.
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <list>
@@ -37,6 +39,7 @@ class MemoryBus final : public HidBus, public Clock {
   // In every millisecond waits for a command to each device, as a loop sends them: for long where one has just come.
   void sleep_until_ns(std::int64_t deadline) noexcept override;
   void pass_ms(int milliseconds);  // the same without commands
+  void wait_ms(int milliseconds);  // until so much of the bus's own time has passed by itself
 
   // Devices are numbered from 0. spec: of the platform.
   int add(const jnd_fingertip_config& config, const DeviceSpec& spec);
@@ -45,7 +48,7 @@ class MemoryBus final : public HidBus, public Clock {
   void lose(int device, int reports);
   void damage(int device, int reports);
   void repeat(int device, int reports);    // each comes twice
-  void block_writes(int device, bool on);  // commands only; as hidraw, each for 5 s of the machine's time at most
+  void block_writes(int device, bool on);  // commands only; as hidraw, each for 5 s at most
   void set_drift(int device, double ppm);
   void refuse_opening(bool on);  // as for a login without rights
   // A look at the firmware, or a change of it.
@@ -73,6 +76,21 @@ class MemoryBus final : public HidBus, public Clock {
   };
   class MemoryHandle;
 
+  using Lock = std::unique_lock<std::mutex>;
+  // Until it is ready, or so much of the bus's own time has passed.
+  template <typename Ready>
+  void await(Lock& lock, int milliseconds, const Ready& ready) {
+    const std::int64_t end_ns = now_ns() + std::int64_t{milliseconds} * 1'000'000;
+    changed_.wait(lock, [&] { return ready() || now_ns() >= end_ns; });
+  }
+  // Until it is ready, or after so many looks.
+  template <typename Ready>
+  bool look(Lock& lock, int times, const Ready& ready) {
+    for (int i = 0; i < times; ++i)
+      if (changed_.wait_for(lock, std::chrono::milliseconds(1), ready)) return true;
+    return ready();
+  }
+
   std::uint64_t device_us(const Slot& slot) const noexcept;
   void deliver(Slot& slot, const HidReport& report);
   void run() noexcept;
@@ -86,7 +104,7 @@ class MemoryBus final : public HidBus, public Clock {
   std::atomic<std::int64_t> now_ns_{1'000'000'000'000};
   // The thread leaves time to the test that drives it, and for a while after.
   int driving_ = 0;
-  std::int64_t driven_until_ns_ = 0;  // of the machine's clock
+  int rests_ = 0;  // looks of the thread, until time runs by itself again
   bool refuses_ = false;
   int next_path_ = 0;
   bool ends_ = false;

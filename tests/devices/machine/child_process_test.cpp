@@ -8,6 +8,7 @@
 
 #include "devices/device_error.h"
 #include "tests/catch.h"
+#include "tests/wait_until.h"
 
 using namespace jnd;
 
@@ -19,7 +20,7 @@ std::string heard_from(const ChildProcess& child, std::size_t bytes) {
   std::array<char, 512> buffer{};
   while (text.size() < bytes) {
     pollfd file{child.output(), POLLIN, 0};
-    (void)poll(&file, 1, 10'000);
+    (void)poll(&file, 1, -1);
     const ssize_t count = read(child.output(), buffer.data(), buffer.size());
     if (count <= 0) break;
     text.append(buffer.data(), static_cast<std::size_t>(count));
@@ -29,7 +30,7 @@ std::string heard_from(const ChildProcess& child, std::size_t bytes) {
 
 // How it ends by itself: what has closed its output has not exited yet.
 std::string end_of(ChildProcess& child) {
-  while (!child.has_exited()) (void)poll(nullptr, 0, 1);
+  CHECK(wait_until([&] { return child.has_exited(); }));
   return child.end();
 }
 
@@ -64,12 +65,12 @@ TEST_CASE("a child without an input reads its end at once") {
 TEST_CASE("what a child started in groups of its own is ended with it") {
   // setpgid as timeout and interactive shells do it: SIGKILL to the child's group does not reach it.
   ChildProcess child({"python3", "-c",
-                      "import os, time, signal\n"
+                      "import os, signal\n"
                       "signal.signal(signal.SIGTERM, signal.SIG_IGN)\n"
                       "pid = os.fork()\n"
                       "if pid == 0: os.setpgid(0, 0)\n"
                       "os.write(1, b'%d\\n' % os.getpid())\n"  // in one piece, whatever buffering is asked for
-                      "time.sleep(600)"},
+                      "signal.pause()"},
                      {});
   std::string pids;
   while (std::count(pids.begin(), pids.end(), '\n') < 2) {
@@ -83,7 +84,13 @@ TEST_CASE("what a child started in groups of its own is ended with it") {
   CHECK(is_running(second));
   CHECK(child.end(std::chrono::milliseconds(50)) == "signal 9 (Killed)");
   CHECK_FALSE(is_running(first));
-  CHECK_FALSE(is_running(second));
+  CHECK(wait_until([&] { return !is_running(second); }));
+}
+
+TEST_CASE("a child is asked first, and may end by itself") {
+  ChildProcess child({"sh", "-c", "trap 'echo bye; exit 7' TERM; echo hello; tail -f /dev/null & wait"}, {});
+  CHECK(heard_from(child, 6) == "hello\n");
+  CHECK(child.end(std::chrono::minutes(10)) == "exit code 7");
 }
 
 TEST_CASE("a child whose folder is not there cannot be started") {

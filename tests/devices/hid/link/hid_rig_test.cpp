@@ -19,8 +19,9 @@ struct TwoFingers {
     bus.add(jnd_fingertip_default_config("RRS3-0001", JND_THUMB), shipped_rrs3());
     bus.add(jnd_fingertip_default_config("RRS3-0002", JND_INDEX), shipped_rrs3());
   }
-  std::unique_ptr<Rig> rig(const RigFile& file = {}) {
-    return make_hid_rig(protocol, rrs3_rig(), file, profile, 1, kSeed, bus, bus);
+  std::unique_ptr<Rig> rig(const RigFile& file = {},
+                           std::chrono::milliseconds longest_wait = std::chrono::minutes(10)) {
+    return make_hid_rig(protocol, rrs3_rig(), file, profile, 1, kSeed, bus, bus, {}, longest_wait);
   }
   static constexpr std::uint64_t kSeed = 42;
   MemoryBus bus;
@@ -28,9 +29,10 @@ struct TwoFingers {
   ParticipantProfile profile = shipped_profile("chinello2017");
 };
 
-std::string error_of(TwoFingers& scene, const RigFile& file = {}) {
+// Of a device that is not there: nothing is waited for.
+std::string error_of(TwoFingers& scene, const RigFile& file = {}, int longest_wait_ms = 0) {
   try {
-    (void)scene.rig(file);
+    (void)scene.rig(file, std::chrono::milliseconds(longest_wait_ms));
   } catch (const DeviceError& error) {
     return std::string("DeviceError: ") + error.what();
   } catch (const InputError& error) {
@@ -107,7 +109,8 @@ TEST_CASE("which device a finger wears: by its serial, or by what it is made for
   file.devices = {{"thumb", "RRS3-0001"}, {"index", ""}};
   CHECK(scene.rig(file)->connections().devices[1].serial == "RRS3-0002");
   file.devices = {{"thumb", "RRS3-0002"}, {"index", "RRS3-0001"}};
-  CHECK(contains(error_of(scene, file), "made for the index finger"));
+  // As soon as the link has asked the device.
+  CHECK(wait_until([&] { return contains(error_of(scene, file, 100), "made for the index finger"); }));
   file.devices = {{"thumb", "RRS3-0001"}};
   CHECK(contains(error_of(scene, file), "InputError: the rig file names no device for the index finger"));
   scene.bus.add(jnd_fingertip_default_config("RRS3-0003", JND_INDEX), shipped_rrs3());
@@ -134,7 +137,7 @@ TEST_CASE("unplugged in the middle of a presentation: stopped, named, and gone o
   PresentRequest asked = request(500, kForce);
   asked.explore_s = 60;
   std::thread hand([&] {
-    (void)eventually(
+    (void)wait_until(
         [&] { return scene.bus.with(0, [](const MemoryDevice& device) { return device.force_n() > 0.5; }); });
     scene.bus.unplug(1);
   });
@@ -144,13 +147,13 @@ TEST_CASE("unplugged in the middle of a presentation: stopped, named, and gone o
   CHECK(contains(rig->missing(), "RRS3-0002"));
   CHECK_FALSE(rig->connections().devices[1].connected);
   // The other finger's device was stopped with it.
-  CHECK(eventually([&] {
+  CHECK(wait_until([&] {
     return scene.bus.with(0, [](const MemoryDevice& device) { return device.firmware().state == JND_STATE_REST; });
   }));
   asked.explore_s = 0.5;
   CHECK(rig->present(asked).fault == Fault::device_lost);
   scene.bus.plug(1);
-  REQUIRE(eventually([&] { return rig->missing().empty(); }));
+  REQUIRE(wait_until([&] { return rig->missing().empty(); }));
   CHECK(rig->present(asked).fault == Fault::none);
   CHECK(rig->connections().devices[1].reconnections == 1);
 }
@@ -161,7 +164,7 @@ TEST_CASE("the stop button on a device stops all of them, and only a person's wo
   PresentRequest asked = request(500, kForce);
   asked.explore_s = 60;
   std::thread hand([&] {
-    (void)eventually(
+    (void)wait_until(
         [&] { return scene.bus.with(0, [](const MemoryDevice& device) { return device.force_n() > 0.5; }); });
     scene.bus.with(1, [](MemoryDevice& device) { device.stop_button = true; });
   });
@@ -170,11 +173,11 @@ TEST_CASE("the stop button on a device stops all of them, and only a person's wo
   CHECK(cut.fault == Fault::emergency_stop);
   CHECK(cut.stopped_by == "button");
   CHECK(rig->stop.source() == StopSource::button);
-  CHECK(eventually([&] {
+  CHECK(wait_until([&] {
     return scene.bus.with(0, [](const MemoryDevice& device) { return device.firmware().state == JND_STATE_REST; });
   }));
   scene.bus.with(1, [](MemoryDevice& device) { device.stop_button = false; });
-  REQUIRE(eventually([&] {
+  REQUIRE(wait_until([&] {
     rig->neutral();  // at rest it forgets
     return rig->missing().empty();
   }));

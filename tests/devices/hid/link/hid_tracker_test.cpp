@@ -106,10 +106,10 @@ struct Bench {
     clock.now = arrival_ns;
     const std::int64_t before = heard();
     bus.send(bytes);
-    REQUIRE(holds_soon([&] { return heard() > before; }));
+    REQUIRE(wait_until([&] { return heard() > before; }));
   }
   bool connects() {
-    return holds_soon([&] { return tracker.report()->connected; });
+    return wait_until([&] { return tracker.report()->connected; });
   }
 
   jnd::test::MadeUpBus bus;
@@ -167,7 +167,7 @@ TEST_CASE("a late report is as old as it is, and a lost finger keeps its last po
   lost.sequence = 101;
   lost.time_us = 510'000;
   bench.bus.send(bytes_of(lost));
-  REQUIRE(holds_soon([&] { return bench.tracker.missing() == "the tracker does not see the thumb"; }));
+  REQUIRE(wait_until([&] { return bench.tracker.missing() == "the tracker does not see the thumb"; }));
   REQUIRE(bench.tracker.read(0, 0, pose));
   CHECK(pose.position_m.x() == Approx(-0.04));
   CHECK(std::abs(pose.time_ns - 50'500 * kMs) < 2'000);
@@ -214,7 +214,7 @@ TEST_CASE("a tracker that is unplugged is missing, and taken up again on another
   CHECK(bench.tracker.report()->source == "TR-1");
   bench.send(bytes_of(pose_of(JND_THUMB, 1000, 9'000'000, -0.05)), 50'000 * kMs);
   bench.bus.unplug();
-  REQUIRE(holds_soon([&] { return !bench.tracker.report()->connected; }));
+  REQUIRE(wait_until([&] { return !bench.tracker.report()->connected; }));
   CHECK(bench.tracker.missing().substr(0, 38) == "the tracker TR-1 is not connected: unp");
   CHECK(bench.tracker.report()->trouble.find("pulled out") != std::string::npos);
   FingerPose pose;
@@ -235,7 +235,7 @@ TEST_CASE("a tracker is asked who it is before its poses count") {
     bench.bus.answer(shows(identity));
     bench.bus.plug(tracker_info(""));  // no serial number on the bus
     const std::string none = "the tracker" + (wanted.empty() ? "" : " " + wanted) + " is not connected";
-    REQUIRE(holds_soon([&] { return bench.tracker.missing() != none; }));
+    REQUIRE(wait_until([&] { return bench.tracker.missing() != none; }));
     return bench.tracker.missing();
   };
   jnd_identity later = identity_of("TR-1");
@@ -253,7 +253,7 @@ TEST_CASE("a tracker that answers nothing is not used") {
   Bench bench;
   bench.bus.answer([](std::span<const std::uint8_t>) { return std::vector<std::uint8_t>(); });
   bench.bus.plug(tracker_info("TR-1"));
-  REQUIRE(holds_soon([&] { return bench.tracker.missing().find("did not answer") != std::string::npos; }));
+  REQUIRE(wait_until([&] { return bench.tracker.missing().find("did not answer") != std::string::npos; }));
   CHECK_FALSE(bench.tracker.report()->connected);
 }
 
@@ -275,7 +275,7 @@ TEST_CASE("a tracker that may not be opened is told with the reason") {
   Bench bench;
   bench.bus.refuse("this login may not open it");
   bench.bus.plug(tracker_info("TR-1"));
-  CHECK(holds_soon(
+  CHECK(wait_until(
       [&] { return bench.tracker.missing() == "the tracker is not connected: this login may not open it"; }));
 }
 
@@ -313,8 +313,8 @@ TEST_CASE("the tracker of a protocol is made from what the rig file says") {
   CHECK(message("replay").find("\"replay\"") != std::string::npos);
   CHECK(message("hand").find("\"hand\"") != std::string::npos);
   TrackerSource source;
-  source.command = {"sleep", "1000"};
-  CHECK(make_streamed_tracker("process", kTwoFingers, source, bus, clock)->report()->source == "sleep 1000");
+  source.command = {"tail", "-f", "/dev/null"};
+  CHECK(make_streamed_tracker("process", kTwoFingers, source, bus, clock)->report()->source == "tail -f /dev/null");
   const ScratchFile file("poses.txt",
                          "jnd-poses 1 units=m clock=source\nindex 0 0 0 0 1 0 0 0\nthumb 0 0 0 0 1 0 0 0\n");
   source.replay = file.path();

@@ -1,14 +1,13 @@
 // What the tests of links share.
 #pragma once
 
-#include <chrono>
 #include <string>
-#include <thread>
 
 #include "devices/fingertip_device.h"
 #include "devices/hid/link/fingertip_link.h"
 #include "protocols/rigs/device_description.h"
 #include "tests/devices/hid/memory_bus.h"
+#include "tests/wait_until.h"
 
 namespace jnd::testing {
 
@@ -18,19 +17,6 @@ inline DeviceSpec shipped_rrs3() {
 
 inline LinkTarget target_of(const std::string& serial, const std::string& finger) {
   return {.serial = serial, .finger = finger, .spec = shipped_rrs3()};
-}
-
-// Generous: a busy machine is no fault.
-inline constexpr std::chrono::seconds kPatience{120};
-
-template <typename Condition>
-bool eventually(const Condition& condition, std::chrono::milliseconds patience = kPatience) {
-  const auto deadline = std::chrono::steady_clock::now() + patience;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return true;
 }
 
 // A contact of 500 N/m, 2 mm deep: 1 N.

@@ -24,7 +24,7 @@ TEST_CASE("the loop's calls of a device over HID allocate nothing", "[link]") {
   MemoryBus bus;
   bus.add(jnd_fingertip_default_config("RRS3-0001", JND_INDEX), shipped_rrs3());
   FingertipLink link(bus, target_of("RRS3-0001", "index"), bus);
-  REQUIRE(eventually([&] { return link.connection() == 1; }));
+  REQUIRE(wait_until([&] { return link.connection() == 1; }));
   HidFingertip device(link, RenderingMode::wrench);
   DeviceCommand press;
   press.stiffness_n_per_m = 500;
@@ -46,7 +46,7 @@ TEST_CASE("the loop's calls of a device over HID allocate nothing", "[link]") {
   }
   // Also where it is unplugged.
   bus.unplug(0);
-  CHECK(eventually([&] {
+  CHECK(wait_until([&] {
     const std::int64_t before = heap_calls;
     const bool lost = device.read(bus.now_ns(), reading) == DeviceStatus::lost &&
                       device.write(press, bus.now_ns()) == DeviceStatus::lost;

@@ -12,13 +12,14 @@
 #include "devices/hid/virtual/device_loop.h"
 #include "devices/hid/virtual/socket_port.h"
 #include "devices/hid/virtual/virtual_fingertip.h"
+#include "tests/wait_until.h"
 
 namespace jnd::testing {
 
 class ServedDevice {
  public:
   ServedDevice(std::filesystem::path socket, const std::string& serial, jnd_finger finger)
-      : socket_(std::move(socket)), control_(socket_.string() + ".control") {
+      : socket_(std::move(socket)), control_(socket_.string() + ".control"), log_(socket_.string() + ".log") {
     options_.serial = serial;
     options_.finger = finger;
     start();
@@ -29,9 +30,9 @@ class ServedDevice {
 
   // Its program begins, or begins again; the socket is there when this returns.
   void start() {
-    parts_ = std::make_unique<Parts>(options_, socket_, control_);
+    parts_ = std::make_unique<Parts>(options_, socket_, control_, log_);
     thread_ = std::thread([this] { parts_->loop.run(); });
-    while (!std::filesystem::exists(socket_)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    (void)wait_until([this] { return std::filesystem::exists(socket_); });
   }
   // An order of a virtual device: "unplug 300".
   void tell(const std::string& order) const { std::ofstream(control_) << order << '\n'; }
@@ -42,12 +43,21 @@ class ServedDevice {
     thread_.join();
     parts_.reset();
   }
+  // How often its program of now has begun to push.
+  std::size_t pushes() const {
+    std::size_t found = 0;
+    std::ifstream log(log_);
+    for (std::string line; std::getline(log, line);) found += line.find("\"event\":\"push\"") != std::string::npos;
+    return found;
+  }
   const std::filesystem::path& socket() const noexcept { return socket_; }
 
  private:
   struct Parts {
-    Parts(const FingertipOptions& options, const std::filesystem::path& socket, const std::filesystem::path& lines)
+    Parts(const FingertipOptions& options, const std::filesystem::path& socket, const std::filesystem::path& lines,
+          const std::filesystem::path& log_file)
         : port(socket),
+          log(log_file),
           device(
               options, [this](std::span<const std::uint8_t> report) { return port.send(report); }, log),
           control(lines),
@@ -60,7 +70,7 @@ class ServedDevice {
     DeviceLoop loop;
   };
 
-  std::filesystem::path socket_, control_;
+  std::filesystem::path socket_, control_, log_;
   FingertipOptions options_;
   std::unique_ptr<Parts> parts_;
   std::thread thread_;

@@ -53,10 +53,12 @@ int read_one(HidHandle& handle, int timeout_ms = 0) {
   return handle.read(bytes, timeout_ms);
 }
 
+constexpr int kGuard_ms = 600'000;  // of a read that is certain to end
+
 // What is there, once that many are: a bus does not wait long for a program to say who it is, and a busy machine may.
 std::vector<HidInfo> listed(HidBus& bus, std::size_t count) {
   std::vector<HidInfo> found;
-  eventually([&] { return (found = bus.list()).size() >= count; });
+  REQUIRE(wait_until([&] { return (found = bus.list()).size() >= count; }));
   return found;
 }
 
@@ -108,12 +110,12 @@ TEST_CASE("every handle gets every report, whichever of them listens", "[socket_
     });
   for (int i = 0; i < kReports; ++i) {
     // A handle keeps kReportsQueued and no more, and a thread may be held up for longer than they take to come.
-    const bool sent = eventually([&] { return i - std::min(counts[0].load(), counts[1].load()) < kReportsQueued; }) &&
-                      eventually([&] { return pair.send(JND_REPORT_SIZE); });
+    const bool sent = wait_until([&] { return i - std::min(counts[0].load(), counts[1].load()) < kReportsQueued; }) &&
+                      wait_until([&] { return pair.send(JND_REPORT_SIZE); });
     CHECK(sent);
     if (!sent) break;
   }
-  CHECK(eventually([&] { return counts[0] == kReports && counts[1] == kReports; }));
+  CHECK(wait_until([&] { return counts[0] == kReports && counts[1] == kReports; }));
   ends = true;
   for (std::thread& reader : readers) reader.join();
 }
@@ -136,7 +138,7 @@ TEST_CASE("a packet that is no report is never read as one", "[socket_bus]") {
   for (const std::size_t size : {std::size_t{0}, std::size_t{1}, std::size_t{63}, std::size_t{65}, std::size_t{5000}}) {
     CAPTURE(size);
     REQUIRE(pair.send(size));
-    const int count = read_one(*handle, 1000);
+    const int count = read_one(*handle, kGuard_ms);
     CHECK(count > 0);
     CHECK(count < JND_REPORT_SIZE);
   }
@@ -153,7 +155,7 @@ TEST_CASE("what was sent before the end is read, then it is gone, for every hand
   REQUIRE(pair.send(JND_REPORT_SIZE));
   pair.peer.close();
   CHECK(read_one(*first) == JND_REPORT_SIZE);
-  CHECK(read_one(*first, 1000) == kHidGone);
+  CHECK(read_one(*first, kGuard_ms) == kHidGone);
   CHECK(read_one(*second) == JND_REPORT_SIZE);
   CHECK(read_one(*second) == kHidGone);
   CHECK(pair.shared->is_gone());
@@ -180,11 +182,9 @@ TEST_CASE("a device that sends without end is cut off, and its reader stays free
   std::thread babbler([&] {
     const std::array<std::uint8_t, JND_REPORT_SIZE> report{JND_REPORT_TELEMETRY, JND_PROTOCOL_VERSION};
     while (!ends.load()) {
-      const OwnedFile host = accept_local(listening);
-      if (host.get() < 0) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        continue;
-      }
+      OwnedFile host;
+      (void)wait_until([&] { return ends.load() || (host = accept_local(listening)).get() >= 0; });
+      if (ends.load()) break;
       ++connections;
       for (;;) {
         const ssize_t sent = send(host.get(), report.data(), report.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
@@ -194,13 +194,13 @@ TEST_CASE("a device that sends without end is cut off, and its reader stays free
   });
   {
     SocketBus bus({at(folder / "babbler.sock")});
-    CHECK(eventually([&] {
+    CHECK(wait_until([&] {
       CHECK(bus.list().empty());
       return contains(bus.absent(), "sends more than 4000 reports a second");
     }));
     const std::unique_ptr<HidHandle> handle = bus.open((folder / "babbler.sock").string());
     int count = 0;
-    while (read_one(*handle, 1000) > 0) ++count;
+    while (read_one(*handle, kGuard_ms) > 0) ++count;
     CHECK(count >= kMostReportsAtOnce - 1);
     CHECK(contains(handle->error(), "cut off"));
     // A reader that listens to it ends when it is told to, and looks again meanwhile.
@@ -208,7 +208,7 @@ TEST_CASE("a device that sends without end is cut off, and its reader stays free
     const int before = connections.load();
     const HidReader reader(
         bus, [](const HidInfo&) { return true; }, counter);
-    CHECK(eventually([&] { return connections.load() >= before + 2; }));
+    CHECK(wait_until([&] { return connections.load() >= before + 2; }));
   }
   ends = true;
   babbler.join();
@@ -220,17 +220,18 @@ TEST_CASE("a link finds its device again each time its program was killed", "[so
   SocketBus bus({at(device.socket())});
   const SteadyClock clock;
   FingertipLink link(bus, target_of("RRS3-0001", "index"), clock);
-  REQUIRE(eventually([&] { return link.connection() > 0; }));
-  std::mt19937 random(7);  // NOLINT(cert-msc51-cpp): the same moments in every run
+  REQUIRE(wait_until([&] { return link.connection() > 0; }));
+  std::mt19937 random(7);  // NOLINT(cert-msc51-cpp): after as many reports in every run
   constexpr int kKills = 8;
   for (int kill = 1; kill <= kKills; ++kill) {
     CAPTURE(kill);
-    std::this_thread::sleep_for(std::chrono::milliseconds(random() % 40));
+    const std::int64_t reports = link.report().received + static_cast<std::int64_t>(random() % 40);
+    REQUIRE(wait_until([&] { return link.report().received >= reports; }));
     device.kill();
-    REQUIRE(eventually([&] { return link.connection() == 0; }));
+    REQUIRE(wait_until([&] { return link.connection() == 0; }));
     CHECK(contains(link.missing(), "is not there"));
     device.start();
-    REQUIRE(eventually([&] { return link.connection() > 0; }));
+    REQUIRE(wait_until([&] { return link.connection() > 0; }));
     CHECK(link.missing().empty());
   }
   const DeviceLinkReport report = link.report();
@@ -250,8 +251,8 @@ TEST_CASE("a rig of served devices: unplugged while it presses, it stops, and go
   file.devices = {{"thumb", "RRS3-0001"}, {.finger = "index", .serial = "", .socket = index.socket()}};
   SteadyClock clock;
   const Protocol protocol = small_protocol();
-  const std::unique_ptr<Rig> rig =
-      make_hid_rig(protocol, rrs3_rig(), file, shipped_profile("chinello2017"), 1, 42, clock, bus);
+  const std::unique_ptr<Rig> rig = make_hid_rig(protocol, rrs3_rig(), file, shipped_profile("chinello2017"), 1, 42,
+                                                clock, bus, {}, std::chrono::minutes(10));
   CHECK(rig->connections().on_a_model());
   CHECK(rig->connections().devices[1].serial == "RRS3-0002");
   const auto felt = [&rig](double explore_s) {
@@ -267,18 +268,20 @@ TEST_CASE("a rig of served devices: unplugged while it presses, it stops, and go
       CHECK(finger.stiffness.value_or(0) == Approx(500).epsilon(0.1));
     return presented.fingers.size() == 2;
   };
-  REQUIRE(eventually(delivers));
-  std::thread hand([&] {
-    std::this_thread::sleep_for(std::chrono::milliseconds(700));
+  REQUIRE(wait_until(delivers));
+  std::atomic<bool> over{false};
+  std::thread hand([&, before = index.pushes()] {
+    (void)wait_until([&] { return index.pushes() > before || over.load(); });
     index.kill();
   });
   const Presentation stopped = felt(60);
+  over = true;
   hand.join();
   CHECK(stopped.fault != Fault::none);
-  REQUIRE(eventually([&] { return contains(rig->missing(), "RRS3-0002"); }));
+  REQUIRE(wait_until([&] { return contains(rig->missing(), "RRS3-0002"); }));
   index.start();
-  REQUIRE(eventually([&] { return rig->missing().empty(); }));
-  CHECK(eventually(delivers));
+  REQUIRE(wait_until([&] { return rig->missing().empty(); }));
+  CHECK(wait_until(delivers));
 }
 
 TEST_CASE("a program that cannot serve is named, with its last words, and started once a second", "[socket_bus]") {
@@ -288,13 +291,14 @@ TEST_CASE("a program that cannot serve is named, with its last words, and starte
       std::vector<SocketDevice>{{.path = "program:thumb",
                                  .command = {"sh", "-c", "echo x >> started; echo 'no\033hardware' >&2; exit 3"},
                                  .folder = folder.path()}});
+  // More time than this measures cannot have passed between two starts, however busy the machine is.
   const auto begun = std::chrono::steady_clock::now();
-  for (int i = 0; i < 30; ++i) {
+  CHECK(wait_until([&] {
     CHECK(bus.list().empty());
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
+    return contains(bus.absent(), "has ended (exit code 3), and said last: no?hardware");
+  }));
+  for (int i = 0; i < 30; ++i) CHECK(bus.list().empty());
   const auto passed = std::chrono::steady_clock::now() - begun;
-  CHECK(contains(bus.absent(), "has ended (exit code 3), and said last: no?hardware"));
   const std::uintmax_t starts = std::filesystem::file_size(started) / 2;
   CHECK(starts <= 1 + static_cast<std::uintmax_t>(passed / std::chrono::seconds(1)));
   SocketBus none(std::vector<SocketDevice>{{.path = "program:thumb", .command = {"jnd-no-such-program"}}});
