@@ -2,11 +2,9 @@
 #include "runner/sound/session_sound.h"
 
 #include <cerrno>
-#include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
-#include <thread>
 
 #include <sys/wait.h>
 
@@ -16,6 +14,7 @@
 #include "tests/runner/engine_fixture.h"
 #include "tests/temporary_folder.h"
 #include "tests/text_checks.h"
+#include "tests/wait_until.h"
 
 namespace jnd {
 namespace {
@@ -42,9 +41,10 @@ class Players {
   // Notes the file's name and sum, and plays for as long as it lasts. From that note on it notes its end, too.
   void add_good(const std::string& name) const {
     add(name,
-        "trap 'echo \"end $(basename \"$file\")\" >> \"$record\"; exit 0' TERM\n"
-        "echo \"$(basename \"$file\") $(cksum < \"$file\" | cut -d' ' -f1)\" >> \"$record\"\n"
-        "case \"$file\" in *noise*) sleep 60 & wait;; esac");
+        "case \"$file\" in *silence*) exit 0;; esac\n"
+        "trap 'echo \"end ${file##*/}\" >> \"$record\"; exit 0' TERM\n"
+        "echo \"${file##*/} $(cksum < \"$file\")\" >> \"$record\"\n"
+        "case \"$file\" in *noise*|*metronome*) tail -f /dev/null & wait;; esac");
   }
   std::vector<std::string> notes() const {
     std::ifstream in(folder_ / "record");
@@ -54,13 +54,13 @@ class Players {
   }
   // How many begin so; waited for until there are as many as that.
   bool noted(const std::string& start, std::size_t count) const {
-    for (int i = 0; i < 4000; ++i) {
-      std::size_t found = 0;
-      for (const std::string& line : notes()) found += line.starts_with(start) ? 1U : 0U;
-      if (found >= count) return found == count;
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-    return false;
+    std::size_t found = 0;
+    return wait_until([&] {
+             found = 0;
+             for (const std::string& line : notes()) found += line.starts_with(start) ? 1U : 0U;
+             return found >= count;
+           }) &&
+           found == count;
   }
   std::filesystem::path path(const std::string& name) const { return folder_ / name; }
 
@@ -151,11 +151,38 @@ TEST_CASE("Masking noise sounds from the first interval to the question, and end
   CHECK(no_child_is_left());
 }
 
+TEST_CASE("A metronome sounds in every interval alike, and ends with it", "[session_sound]") {
+  const Players players;
+  players.add_good("pw-play");
+  Protocol protocol = with_sounds();
+  protocol.conditions.resize(1);
+  protocol.timeline.prescription = Prescription{.say = "", .pace_hz = 2, .limits = {}};
+  SessionSound sound(protocol, {});
+  TrialOutline outline;
+  outline.pace_hz = 2;
+  std::size_t intervals = 0;
+  for (int trial = 1; trial <= 4; ++trial) {
+    sound.trial(outline);
+    for (const CuePlace place : {CuePlace::first, CuePlace::second}) {
+      CHECK(sound.cue(place, kSound));
+      CHECK(players.noted("metronome", ++intervals));
+      sound.interval_over();
+      CHECK(players.noted("end metronome", intervals));
+    }
+    CHECK(sound.cue(CuePlace::question, kSound));
+  }
+  CHECK(players.noted("cue.wav", 12));
+  std::vector<std::string> notes = players.notes();
+  std::erase_if(notes, [](const std::string& note) { return !note.starts_with("metronome"); });
+  for (const std::string& note : notes) CHECK(note == notes.front());
+  CHECK(sound.failures() == 0);
+}
+
 TEST_CASE("A player that hangs neither holds the session up nor outlives it", "[session_sound]") {
   const Players players;
   players.add(
       "pw-play",
-      "case \"$file\" in *silence*) exit 0;; esac; trap '' TERM; echo started >> \"$record\"; while :; do sleep 0.05; done");
+      "case \"$file\" in *silence*) exit 0;; esac; trap '' TERM; echo started >> \"$record\"; exec tail -f /dev/null");
   {
     SessionSound sound(with_sounds(), with_noise(false, -40));
     CHECK(sound.cue(CuePlace::first, kSound));
@@ -191,12 +218,7 @@ TEST_CASE("A player that fails in a session is counted, and the bell rings with 
   const Players players;
   players.add("paplay", "case \"$file\" in *silence*) exit 0;; esac; echo tried >> \"$record\"; exit 1");
   SessionSound sound(with_sounds(), {});
-  bool bell = !sound.cue(CuePlace::first, kSound);  // at once, where it failed so soon
-  for (int i = 0; i < 1000 && !bell; ++i) {
-    bell = !sound.cue(CuePlace::second, kSound);
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  CHECK(bell);
+  CHECK(wait_until([&] { return !sound.cue(CuePlace::first, kSound); }));
   CHECK(sound.failures() >= 1);
 }
 
