@@ -13,6 +13,7 @@
 #include "runner/console/session_console.h"
 #include "runner/keys/keyboard.h"
 #include "tests/catch.h"
+#include "tests/wait_until.h"
 
 namespace jnd {
 namespace {
@@ -492,10 +493,10 @@ TEST_CASE("A repetition that is asked for in a gap ends it at once, what comes l
     bench.console.cue(CuePlace::first, CueSignal());
     bench.input->press(key);
     bool goes_on = true;
-    for (int i = 0; i < 50 && goes_on && bench.display.told.size() < 2; ++i) {
-      usleep(11'000);  // between two looks
+    CHECK(wait_until([&] {
       goes_on = bench.console.gap(0.5, 1);
-    }
+      return !goes_on || bench.display.told.size() >= 2;
+    }));
     CHECK(goes_on == (key == "p"));
     CHECK(bench.display.told.back() ==
           (key == "p" ? "queued pause after this trial" : "queued repeat this trial after this interval"));

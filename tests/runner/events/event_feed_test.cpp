@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <chrono>
 #include <set>
 #include <sstream>
 #include <thread>
@@ -149,15 +148,17 @@ TEST_CASE("A reader that reads late gets what waited, and sees by the numbers wh
     for (int i = 0; i < 3000; ++i) one_trial(feed, i);
     std::thread reader([&] {
       std::array<char, 4096> bytes{};
-      for (ssize_t count = 0; (count = read(pipe.reads.get(), bytes.data(), bytes.size())) > 0;)
+      for (ssize_t count = 0; (count = read(pipe.reads.get(), bytes.data(), bytes.size())) > 0;) {
         seen = text.append(bytes.data(), static_cast<std::size_t>(count)).find("goes_on") != std::string::npos;
+        seen.notify_one();
+      }
     });
     // Until there is room again, and until all that waited has come.
     for (std::int64_t before = -1; before != feed.dropped();) {
       before = feed.dropped();
       feed.happened(moment::kGoesOn);
     }
-    while (!seen.load()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    seen.wait(false);
     feed.finish();
     pipe.writes.close();
     reader.join();

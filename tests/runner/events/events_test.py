@@ -3,12 +3,12 @@
 
 Usage: events_test.py JND
 """
+import contextlib
 import json
 import os
 import pathlib
 import pty
 import re
-import select
 import signal
 import subprocess
 import sys
@@ -19,6 +19,7 @@ import unittest
 JND = os.path.abspath(sys.argv[1])
 BRIDGES = pathlib.Path(__file__).resolve().parents[3] / "runner/events"
 DONE, INPUT = 0, 3
+GUARD_S = 600  # ends a test that hangs
 KEYS = {"time_s", "n", "event", "version", "program", "clock", "trial", "practice", "attempt", "interval", "response_s", "reason", "dropped"}
 
 
@@ -29,9 +30,10 @@ class Events(unittest.TestCase):
         self.folder = pathlib.Path(folder.name)
 
     def session(self, events, fds=(), protocol="tutorial", code=DONE):
+        self.begun_s = time.monotonic()
         done = subprocess.run([JND, "run", protocol, "--study", self.folder / "study.sqlite", "--participant", "P01", "--responder",
                                "chinello2017", "--fast", "--plain", "--seed", "1", "--events", str(events)], cwd=self.folder,
-                              stdin=subprocess.DEVNULL, capture_output=True, text=True, pass_fds=fds, timeout=120)
+                              stdin=subprocess.DEVNULL, capture_output=True, text=True, pass_fds=fds, timeout=GUARD_S)
         said = done.stdout + done.stderr
         self.assertEqual(done.returncode, code, said)
         return said
@@ -42,7 +44,8 @@ class Events(unittest.TestCase):
         self.assertEqual([one["n"] for one in events], list(range(1, len(events) + 1)))
         times = [one["time_s"] for one in events]
         self.assertEqual(times, sorted(times))
-        self.assertLess(abs(times[-1] - time.monotonic()), 120)
+        self.assertLess(self.begun_s, times[0])
+        self.assertLess(times[-1], time.monotonic())
         for one in events:
             self.assertLessEqual(set(one), KEYS)
         names = [one["event"] for one in events]
@@ -130,7 +133,7 @@ class Events(unittest.TestCase):
     def test_the_bridge_of_markers(self):
         bridge = self.bridge("lsl_markers.py", "--file", "markers.csv")
         said = self.session("bridge.sock")
-        self.assertEqual(bridge.wait(timeout=60), 0)
+        self.assertEqual(bridge.wait(timeout=GUARD_S), 0)
         rows = (self.folder / "markers.csv").read_text().splitlines()
         self.assertEqual(rows[0], "time_s,marker")
         markers = [row.split(",")[1] for row in rows[1:]]
@@ -144,14 +147,11 @@ class Events(unittest.TestCase):
         bridge = self.bridge("serial_pulses.py", os.ttyname(line), "--width-ms", "1")
         os.close(line)
         said = self.session("bridge.sock")
+        self.assertEqual(bridge.wait(timeout=GUARD_S), 0)
         pulses = b""
-        while bridge.poll() is None or select.select([ours], [], [], 0.2)[0]:
-            if select.select([ours], [], [], 0.2)[0]:
-                try:
-                    pulses += os.read(ours, 4096)
-                except OSError:  # its end
-                    break
-        self.assertEqual(bridge.wait(timeout=60), 0)
+        with contextlib.suppress(OSError):  # its end
+            while True:
+                pulses += os.read(ours, 4096)
         codes = pulses[0::2]
         self.assertEqual(set(pulses[1::2]), {0})
         answers = len(re.findall("saved: (?:practice|trial)", said))

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <fstream>
 #include <map>
 #include <memory>
@@ -22,6 +23,7 @@
 #include "tests/catch.h"
 #include "tests/runner/power/power_fixture.h"
 #include "tests/temporary_folder.h"
+#include "tests/wait_until.h"
 
 using namespace jnd;
 
@@ -296,9 +298,10 @@ TEST_CASE("a study through the rig that is interrupted does not count", "[power]
   question.participants = {200};
   question.effects = {1};
   question.profile = "chinello2017";
-  // The last one of its range: nobody looks at the request after it.
-  std::jthread later([] {
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  // The last one of its range: nobody looks at the request after it. 20 ms of work are a small part of it.
+  const std::clock_t worked = std::clock() + CLOCKS_PER_SEC / 50;
+  std::jthread later([worked] {
+    CHECK(wait_until([worked] { return std::clock() >= worked; }));
     request_interrupt();
   });
   CHECK_THROWS_AS(power_study(protocol, question, {0, 1}, 1), Stopped);

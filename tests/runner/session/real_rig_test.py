@@ -16,12 +16,14 @@ import stat
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 JND, REAL = (os.path.abspath(path) for path in sys.argv[1:3])
 DONE, PROBLEM, USAGE, INPUT, STORAGE, STOPPED = 0, 1, 2, 3, 5, 130
 # A busy machine may be late, which real sessions refuse; that the finding is bad is one test's subject, not all.
 ANYWAY = ("--override-readiness", "a machine that runs tests")
+GUARD_S = 600  # ends a test that hangs
 ROOMS = {"protocols": "protocols", "profiles": "devices/profiles", "specs": "devices/specs", "objects": "devices/objects"}
 
 
@@ -63,7 +65,8 @@ class RealRig(unittest.TestCase):
         if data:
             environment["JND_DATA_DIR"] = str(data)
         done = subprocess.run([program, "run", protocol or self.protocol, "--study", study or self.study, "--participant", participant,
-                               "--plain", "--realtime", "off", *options], input=keys, capture_output=True, text=True, env=environment, timeout=120)
+                               "--plain", "--realtime", "off", *options], input=keys, capture_output=True, text=True, env=environment,
+                              timeout=GUARD_S)
         said = done.stdout + done.stderr
         if code is not None:
             self.assertEqual(done.returncode, code, said)
@@ -254,13 +257,14 @@ class RealRig(unittest.TestCase):
         self.assertEqual(len(self.bodies("session.resumed")), 0)
 
     def test_resumed(self):
+        begun_s = time.monotonic()
         self.run_session(*ANYWAY, keys=" s s", code=STOPPED)
         said = self.run_session(*ANYWAY, keys=" s" * 4, code=DONE)
         self.assertIn("Interrupted for", said)
         resumed = self.bodies("session.resumed")
         self.assertEqual(len(resumed), 1)
         self.assertGreaterEqual(resumed[0]["gap_s"], 0)
-        self.assertLess(resumed[0]["gap_s"], 120)
+        self.assertLess(resumed[0]["gap_s"], time.monotonic() - begun_s)
         self.assertEqual(resumed[0]["trials_done"], 2)
         self.assertIn(resumed[0]["gap_clock"], ("monotonic", "wall"))
         self.assertTrue(resumed[0]["cause"])
