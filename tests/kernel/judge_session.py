@@ -64,7 +64,8 @@ def judge_connections(results, study, least_reconnections):
 def judge_session(results):
     study = StudyFile(results, "session.sqlite")
     models = StudyFile(results, "session-models.sqlite")
-    judge_answers(results, study, "session.txt", 8)
+    trials = results.by_length(4, 8)
+    judge_answers(results, study, "session.txt", trials)
     judge_connections(results, study, 0)
     results.check("no fault, nothing voided", not study.of("device.fault") and not study.of("trial.voided"))
 
@@ -81,7 +82,7 @@ def judge_session(results):
     felt, modelled = study.felt(), models.felt()
     off = [abs(finger["stiffness_n_per_m"] / stiffness_of[place[:2]] - 1) for place, finger in felt.items()]
     results.check("the delivered stiffness is the asked one, within 3 %, in every interval and finger",
-                  len(off) == 32 and max(off) < 0.03, f"{len(off)} fits, worst {max(off):.4f}")
+                  len(off) == 4 * trials and max(off) < 0.03, f"{len(off)} fits, worst {max(off):.4f}")
     slopes = [abs(finger["stiffness_n_per_m"] / modelled[place]["stiffness_n_per_m"] - 1) for place, finger in felt.items()]
     results.check("and that of the models, within 3 %", max(slopes) < 0.03, f"worst {max(slopes):.4f}")
     forces = [abs(finger["peak_force_n"] - modelled[place]["peak_force_n"]) for place, finger in felt.items()]
@@ -106,7 +107,8 @@ def longest_pause_s(study, unplugged_s):
     return max(pauses)
 
 
-def judge_unplug(results, part="unplug", count=8):
+def judge_unplug(results, count=None, part="unplug"):
+    count = count or results.by_length(4, 8)
     link = DeviceLog(results, f"{part}-U1.log")
     judge_watchdog(results, link, least_stops=1)
     unplugged = judge_unplugs(results, link)
@@ -124,7 +126,7 @@ def judge_unplug(results, part="unplug", count=8):
 
 def judge_unplugged_session(results, part, count):
     study = StudyFile(results, f"{part}.sqlite")
-    judge_answers(results, study, f"{part}.txt", 4)
+    judge_answers(results, study, f"{part}.txt", results.by_length(2, 4))
     results.check("no trial was given up", not study.of("trial.abandoned"), study.of("trial.abandoned"))
     logs = [DeviceLog(results, f"{part}-{serial}.log") for serial in ("T1", "I1")]
     for log in logs:
@@ -151,7 +153,7 @@ def judge_unplugged_session(results, part, count):
 
 def judge_freeze(results):
     study = StudyFile(results, "freeze.sqlite")
-    judge_answers(results, study, "freeze.txt", 4)
+    judge_answers(results, study, "freeze.txt", results.by_length(2, 4))
     for serial in ("T1", "I1"):
         log = DeviceLog(results, f"freeze-{serial}.log")
         judge_watchdog(results, log, least_stops=1)
@@ -192,7 +194,7 @@ def judge_stale_poses(results, study, orders):
 
 def judge_tracker(results):
     usb = StudyFile(results, "tracker-hid.sqlite")
-    judge_answers(results, usb, "tracker-hid.txt", 4, "hid")
+    judge_answers(results, usb, "tracker-hid.txt", results.by_length(2, 4), "hid")
     tracker = usb.of("rig.connections")[-1]["tracker"]
     results.check("the tracker says its firmware, and that it is a model", tracker["firmware"] == "1.0.0"
                   and tracker["is_model"], tracker)
@@ -200,5 +202,5 @@ def judge_tracker(results):
               if event["words"] in ("freeze 100", "lose on", "unplug 700")]
     judge_stale_poses(results, usb, orders)
     program = StudyFile(results, "tracker-process.sqlite")
-    judge_answers(results, program, "tracker-process.txt", 4, "process")
+    judge_answers(results, program, "tracker-process.txt", results.by_length(2, 4), "process")
     judge_stale_poses(results, program, [float(results.text("tracker-killed.txt"))])

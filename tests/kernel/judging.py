@@ -6,6 +6,11 @@ class Results:
     def __init__(self, folder):
         self.folder = folder
         self.failed = 0
+        length = folder / "length"
+        self.whole = length.exists() and length.read_text().strip() == "long"
+
+    def by_length(self, short, long):
+        return long if self.whole else short
 
     def check(self, name, good, detail=""):
         if not good:

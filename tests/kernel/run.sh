@@ -19,10 +19,10 @@ session_parts="program identity readme permissions refusals session freeze butto
 link_parts="link unplug tracker"
 campaign_parts="campaign"
 case $length in
-  short) guests=("session cloud 500 $session_parts" "link cloud 500 $link_parts") ;;
-  session) guests=("session cloud 500 $session_parts") ;;
-  link) guests=("link cloud 500 $link_parts") ;;
-  long) guests=("session cloud 900 $session_parts $link_parts" "campaign cloud 2400 $campaign_parts" "gadget full 900 gadget") ;;
+  short) guests=("session cloud 1800 $session_parts" "link cloud 1800 $link_parts") ;;
+  session) guests=("session cloud 1800 $session_parts") ;;
+  link) guests=("link cloud 1800 $link_parts") ;;
+  long) guests=("session cloud 2400 $session_parts $link_parts" "campaign cloud 2400 $campaign_parts" "gadget full 900 gadget") ;;
   *) echo "run.sh: short, session, link or long, not '$length'" >&2; exit 2 ;;
 esac
 [ $# -gt 0 ] && guests=("chosen ${JND_KERNEL_FLAVOUR:-cloud} 1200 $*")

@@ -76,6 +76,11 @@ wait_until() {
   return 1
 }
 
+# by_length SHORT LONG: the one of this run.
+by_length() {
+  if [ "$(cat /guest/length)" = long ]; then echo "$2"; else echo "$1"; fi
+}
+
 # node_of SERIAL: the hidraw device of that serial number, "hidraw0".
 node_of() {
   for uevent in /sys/class/hidraw/*/device/uevent; do
@@ -149,15 +154,16 @@ session() {
   tail -n 20 "/results/$study.txt"
   return 1
 }
-# protocol TRIALS: the session's protocol with so many trials in each of its two conditions.
-protocol() { sed "s/\"trials_per_cell\": 4/\"trials_per_cell\": $1/" /guest/session.json > "/tmp/$part.json"; }
+# protocol: the session's protocol, with four or (long) eight trials in two conditions.
+trials_per_cell="s/\"trials_per_cell\": 4/\"trials_per_cell\": $(by_length 2 4)/; s/\"balanced\"/\"$(by_length random balanced)\"/"
+protocol() { sed -e "$trials_per_cell" /guest/session.json > "/tmp/$part.json"; }
 # pushes SERIAL: how often the device began to push, by its own log.
 pushes() { grep -c '"event":"push"' "/results/$part-$1.log"; }
 # wait_for_push SERIAL: until the device begins to push once more.
 pushed_more() { [ "$(pushes "$1")" -gt "$2" ]; }
 wait_for_push() { wait_until 20 pushed_more "$1" "$(pushes "$1")"; }
-# small_protocol: four trials of one condition.
+# small_protocol: two or (long) four trials of one condition.
 small_protocol() {
-  sed -e '/"name": "SV"/d' -e 's/"cues": \["force"\]},/"cues": ["force"]}/' -e 's/\[\["S", "SV"\]\]/[]/' \
+  sed -e "$trials_per_cell" -e '/"name": "SV"/d' -e 's/"cues": \["force"\]},/"cues": ["force"]}/' -e 's/\[\["S", "SV"\]\]/[]/' \
     /guest/session.json > "/tmp/$part.json"
 }

@@ -1,6 +1,6 @@
 # A whole session through hidraw, and the same one on the models inside the program.
 check "two devices are plugged in" plug_both
-protocol 4
+protocol
 check "a whole session through hidraw" session 120
 check "jnd verify --deep finds nothing" exits 0 60 jnd verify --deep /results/session.sqlite
 check "the plan" exits 0 10 jnd plan /tmp/session.json --participant 1 --seed 7 --json
