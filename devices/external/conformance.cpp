@@ -160,7 +160,7 @@ class ConformanceTest {
   void check_end(bool with_bye) {
     const double began_s = probe_->now_s();
     const bool was_gone = gone();
-    const bool left = probe_->leave(settings_.time_outs.bye_s, with_bye) && !was_gone;
+    const bool left = !was_gone && probe_->leave(settings_.time_outs.bye_s, with_bye);
     const std::string ended = was_gone ? "was lost before: " + why_lost()
                               : left   ? "after " + ms_text(1000 * (probe_->now_s() - began_s))
                                        : "does not";
