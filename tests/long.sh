@@ -62,7 +62,7 @@ if want faults; then
 fi
 want kills && beside "sessions killed 1000 times" tests/faults/kill_sessions.py build/release/runner/jnd --kills 1000
 want kills && beside "sessions on an external rig killed 100 times" \
-  tests/faults/kill_external_sessions.py build/release/runner/jnd --kills 100
+  tests/faults/kill_external_sessions.py build/release/runner/jnd $tests/patient_rig --kills 100
 unless_skipped() { local status=0; "$@" || status=$?; [ "$status" -eq 77 ] || return "$status"; }
 want kills && JND_CAMPAIGN=10 beside "tasks of a real Slurm killed 40 times" unless_skipped tests/runner/cluster/slurm_test.py build/release/runner/jnd
 want power && JND_CAMPAIGN=12 beside "1000 power cuts" cases $tests/faults_tests "[power_loss]"

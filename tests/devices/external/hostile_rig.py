@@ -21,11 +21,17 @@ HELLO = {"protocol": 1, "name": "Hostile", "version": "1", "serial": "H", "model
 EXPLORE_S = 0.05
 
 
+def hang():
+    """Nothing more, until it is killed."""
+    while True:
+        signal.pause()
+
+
 class Rig:
     def __init__(self, fault):
         self.fault, self.random = fault, random.Random(SEED)
         self.going = self.began = self.prepared = None
-        self.text, self.muted, self.last_id = b"", False, None
+        self.text, self.muted, self.deaf, self.last_id = b"", False, False, None
 
     def write(self, data):
         if not self.muted:
@@ -94,22 +100,24 @@ class Rig:
             self.say("fault", cause="no power")
         elif fault == "closes_output":
             os.close(1)
-            time.sleep(60)
+            hang()
         elif fault == "closes_input":
             os.close(0)
-            time.sleep(60)
-        elif fault == "sleeps":
-            time.sleep(now.uniform(0.15, 0.4))
+            hang()
+        elif fault == "hangs":
+            hang()
+        elif fault == "deaf_until_stop":
+            self.deaf = True
         elif fault == "ignores_term":
             signal.signal(signal.SIGTERM, signal.SIG_IGN)
-            time.sleep(60)
+            hang()
         elif fault == "leaves_children":
-            subprocess.Popen(["sleep", "600"])
-            subprocess.Popen(["sleep", "600"], preexec_fn=lambda: os.setpgid(0, 0))
+            subprocess.Popen(["tail", "-f", "/dev/null"])
+            subprocess.Popen(["tail", "-f", "/dev/null"], preexec_fn=lambda: os.setpgid(0, 0))
             if os.fork() == 0:
                 os.setpgid(0, 0)
                 signal.signal(signal.SIGTERM, signal.SIG_IGN)
-                time.sleep(600)
+                hang()
             os._exit(1)
         elif fault == "stops_itself":
             os.kill(os.getpid(), signal.SIGSTOP)
@@ -123,14 +131,14 @@ class Rig:
             if self.fault == "bad_hello":
                 hello = {**HELLO, "quantities": []}
             elif self.fault == "late_hello":
-                time.sleep(0.3)
+                subprocess.run([sys.executable, "-c", ""], check=True)  # later than any other rig
             elif self.fault == "silent_from_the_start":
-                time.sleep(60)
+                hang()
             self.say("hello", **hello)
         elif kind == "alive":
-            if self.fault == "late_alive":
-                time.sleep(0.12)
-            self.say("alive", n=message["n"])
+            late = 8 if self.fault == "late_alive" else 0  # 200 ms
+            if message["n"] > late and not self.deaf:
+                self.say("alive", n=message["n"] - late)
         elif kind == "prepare":
             self.prepared = message["id"]
             self.say("ready", id=self.prepared + (1 if self.fault == "ready_of_another" else 0))
@@ -139,6 +147,9 @@ class Rig:
         elif kind == "present":
             self.going, self.began, self.prepared = message["id"], time.monotonic(), None
         elif kind == "stop":
+            self.deaf = False
+            if self.fault == "late_alive":
+                self.fault = None
             if self.going and self.fault != "no_done_ever":
                 self.done("stopped")
             elif self.prepared:
@@ -158,7 +169,7 @@ class Rig:
                     self.hear(json.loads(line))
             if self.going and self.fault:
                 self.misbehave()
-            if self.going and self.fault != "no_done_ever" and time.monotonic() - self.began > EXPLORE_S:
+            if self.going and self.fault != "no_done_ever" and not self.deaf and time.monotonic() - self.began > EXPLORE_S:
                 self.done("complete")
 
 

@@ -2,7 +2,7 @@
 """Every task from outside: the shipped studies of others planned, rehearsed, verified, analysed, exported and reported; a session on specimens,
 keys in and screen out; and one on a rig of the laboratory's own.
 
-Usage: tasks_test.py JND
+Usage: tasks_test.py JND PATIENT_RIG
 """
 import csv
 import json
@@ -12,13 +12,15 @@ import sqlite3
 import subprocess
 import sys
 import tempfile
-import threading
-import time
 import unittest
 
-JND = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else None
+JND, PATIENT_RIG = map(os.path.abspath, (sys.argv.pop(1), sys.argv.pop(1))) if len(sys.argv) > 2 else (None, None)
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-PLAIN_RIG = ROOT / "devices/external/examples/plain_rig.py"
+# The rig's watchdog, too, is nothing for a busy machine; and its finger presses four times a second, to be done soon.
+PLAIN_RIG = (ROOT / "devices/external/examples/plain_rig.py").read_text().replace("heard > 0.1", "heard > 600").replace(
+    "elapsed_s % 1.0", "4 * elapsed_s % 1.0")
+PRESSES_ONCE = PLAIN_RIG.replace("4 * elapsed_s % 1.0", "min(4 * elapsed_s, 0.5)")  # and stays there
+ONE_PRESS = {"interval_end": "contacts", "contacts": 1, "explore_s": 60}
 STUDIES = {"leib2015": "pse", "jones1997-viscosity": "weber", "pang1991": "threshold", "maereg2017": "weber",
            "bergmann-tiest2009": "weber", "zoeller2020": "jnd", "dhong2019-magnitude": "exponent",
            "carpenter2018-oddity": "dprime", "van-beek2015": "exponent", "varadharajan2008-magnitude": "exponent",
@@ -195,14 +197,9 @@ class Tasks(unittest.TestCase):
 
     def session_on(self, rig, protocol, study, keys):
         """A session of P01 on a rig of the laboratory's own, verified and exported. Returns its trials."""
-        for _ in range(10):  # on a busy machine the rig may answer late, which voids a trial: then once more
-            for file in (f"{study}.sqlite", "told.jsonl"):
-                (self.folder / file).unlink(missing_ok=True)
-            done = subprocess.run([JND, "run", protocol, "--study", f"{study}.sqlite", "--participant", "P01", "--rig", rig,
-                                   "--plain", "--seed", "4", "--override-readiness", "a machine that runs tests"],
-                                  capture_output=True, text=True, cwd=self.folder, input=keys)
-            if done.returncode == 0 or "silent" not in done.stdout:
-                break
+        done = subprocess.run([PATIENT_RIG, rig, "run", protocol, "--study", f"{study}.sqlite", "--participant", "P01", "--plain",
+                               "--seed", "4", "--override-readiness", "a machine that runs tests"],
+                              capture_output=True, text=True, cwd=self.folder, input=keys)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.jnd("verify", f"{study}.sqlite", "--deep")
         self.jnd("export", f"{study}.sqlite", "--to", study, "--kind", "pilot")
@@ -215,9 +212,11 @@ class Tasks(unittest.TestCase):
         """What was presented in one trial, in the order of intervals and fingers."""
         return [row for row in self.rows(f"{folder}/intervals.csv") if (row["session"], row["seq"]) == (trial["session"], trial["seq"])]
 
-    def rig_of(self, script=PLAIN_RIG, name="rig"):
-        path = self.folder / f"{name}.json"
-        path.write_text(json.dumps({"format": 1, "title": name, "external": {"command": [sys.executable, str(script)]}}))
+    def rig_of(self, source=PLAIN_RIG, name="rig"):
+        script, path = self.folder / f"{name}.py", self.folder / f"{name}.json"
+        script.write_text(source)
+        path.write_text(json.dumps({"format": 1, "title": name, "external": {
+            "command": [sys.executable, str(script)], "hello_s": 600, "prepare_s": 600}}))
         return path
 
     def small(self, source, name="small", **changes):
@@ -318,10 +317,8 @@ class Tasks(unittest.TestCase):
                               levels={"absolute": [20, 40]}, trial={"interval_end": "key", "explore_s": 50}, conditions=[
                                   {"name": "free", "label": "free"},
                                   {"name": "peak", "label": "same peak force", "prescription": {"say": "Press alike."}}])
-        began = time.monotonic()
         screen = self.jnd("run", protocol, "--study", "k.sqlite", "--participant", "P01", "--rig", "specimens", "--kind", "pilot",
                           "--plain", "--seed", 4, "--override-readiness", "a machine that runs tests", keys=(" " * 5 + "1") * 8)
-        self.assertLess(time.monotonic() - began, 200, "no key ended an interval")  # 16 intervals of 50 s
         self.assertEqual(screen.count("Say: Press alike."), 1, screen)
         handed = [line for line in screen.splitlines() if "Hand over" in line]
         self.assertEqual(sum("same peak force" in line for line in handed), 8, handed)  # the operator carries it out
@@ -330,7 +327,7 @@ class Tasks(unittest.TestCase):
         rows = self.trials("k")
         self.assertEqual(len(rows), 8)
         self.assertNotIn("breach", rows[0])
-        self.assertLess(max(float(row["duration_s"]) for row in rows), 50)
+        self.assertLess(max(float(row["duration_s"]) for row in rows), 50, "no key ended an interval")
         self.jnd("analyze", "k.sqlite", "--kind", "pilot", "--methods", str(self.folder / "methods.md"))
         methods = (self.folder / "methods.md").read_text()
         self.assertIn("had felt enough, at the latest 50 s after", methods)
@@ -371,7 +368,6 @@ class Tasks(unittest.TestCase):
         self.assertTrue(any(int(row["attempt"]) > 1 for row in again))
 
     def test_a_rig_of_the_laboratorys_own_is_told_when_it_is_enough(self):
-        rig = self.rig_of()
         changes = {"design": {"trials_per_cell": 2, "order": {"series": "fixed", "conditions": "fixed"}},
                    "levels": {"absolute": [300, 500]}, "analysis": {"contrasts": []},
                    "conditions": [{"name": "thumb", "label": "thumb", "parameters": {"finger": "thumb"}}]}
@@ -382,7 +378,7 @@ class Tasks(unittest.TestCase):
                 trial["contacts"] = 2
             protocol = self.small("maereg2017", name=ends, trial=trial, **changes)
             keys = ("   1" if ends == "key" else " 1") * 12
-            rows = self.session_on(rig, protocol, ends, keys)
+            rows = self.session_on(self.rig_of(PRESSES_ONCE if ends == "key" else PLAIN_RIG), protocol, ends, keys)
             self.assertEqual(len(rows), 4)
             self.assertLess(max(float(row["duration_s"]) for row in rows), 40)
             if ends == "contacts":
@@ -397,6 +393,11 @@ class Tasks(unittest.TestCase):
                                   {"name": "thumb", "label": "thumb", "parameters": {"finger": "thumb"}}], analysis={"contrasts": []})
         rows = self.session_on(rig, protocol, "e", " 1" * 12)
         self.assertEqual(len(rows), 4)
+        # The program itself gives a rig 100 ms while it presents: then trials are void, and come again.
+        last = self.jnd("run", protocol, "--study", "own.sqlite", "--participant", "P01", "--rig", rig, "--plain", "--seed", 4,
+                        "--override-readiness", "a machine that runs tests", keys=" 1" * 2000)
+        self.assertRegex(last, r"\n  rig       slowest answer \d+ of 100 ms while it presented, \d+ of 2000 ms while it waited\n")
+        self.jnd("verify", "own.sqlite", "--deep")
         self.jnd("export", "e.sqlite", "--to", "t", "--kind", "pilot", "--telemetry")
         for row in rows:
             for interval in (1, 2):
@@ -411,57 +412,42 @@ class Tasks(unittest.TestCase):
 
     def test_the_rigs_own_buttons_answer(self):
         """No key but space is pressed: the rig says the second answer, and when its button went down, which is when it counts."""
-        source = PLAIN_RIG.read_text()
-        script = self.folder / "buttons.py"
-        script.write_text(source.replace('"answers": False', '"answers": True').replace("""            elif kind == "bye":
+        source = PLAIN_RIG.replace('"answers": False', '"answers": True').replace("""                say("alive", n=message["n"])""", """\
+                say("alive", n=message["n"])
+                device.asked = [(one, n - 1) for one, n in getattr(device, "asked", [])]
+                for one in [one for one, n in device.asked if n == 0]:
+                    say("answer", id=one["id"], answer=one["answers"][1], after_s=0.001)""").replace("""            elif kind == "bye":
 """, """            elif kind == "ask":
-                time.sleep(0.02)
-                say("answer", id=message["id"], answer=message["answers"][1], after_s=0.01)
+                device.asked = [(message, 20)]  # it says so 20 "alive" later, which is half a second
             elif kind == "bye":
-"""))
-        rig = self.rig_of(script)
-        protocol = self.small("maereg2017", design={"trials_per_cell": 2, "order": {"series": "fixed", "conditions": "fixed"}},
+""")
+        rig = self.rig_of(source)
+        protocol = self.small("maereg2017", design={"trials_per_cell": 2, "order": {"series": "fixed", "conditions": "fixed"}}, trial=ONE_PRESS,
                               levels={"absolute": [300, 500]}, conditions=[
                                   {"name": "thumb", "label": "thumb", "parameters": {"finger": "thumb"}}], analysis={"contrasts": []})
-        for _ in range(10):  # on a busy machine the rig may answer late, which voids a trial: then once more
-            (self.folder / "b.sqlite").unlink(missing_ok=True)
-            session = subprocess.Popen([JND, "run", protocol, "--study", "b.sqlite", "--participant", "P01", "--rig", rig, "--plain",
-                                        "--seed", "4", "--override-readiness", "a machine that runs tests"], cwd=self.folder,
-                                       stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-            said = []
-            reading = threading.Thread(target=lambda: said.append(session.stdout.read()))
-            reading.start()
-            while session.poll() is None:
-                try:
+        said = ""
+        with subprocess.Popen([PATIENT_RIG, rig, "run", protocol, "--study", "b.sqlite", "--participant", "P01", "--plain", "--seed",
+                               "4", "--override-readiness", "a machine that runs tests"], cwd=self.folder,
+                              stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as session:
+            for line in session.stdout:
+                said += line
+                if "[space] when the participant is ready" in line:
                     session.stdin.write(" ")
                     session.stdin.flush()
-                except BrokenPipeError:
-                    break
-                time.sleep(0.25)
-            session.wait()
-            reading.join()
-            session.stdin.close()
-            session.stdout.close()
-            done = subprocess.CompletedProcess([], session.returncode, said[0], "")
-            if done.returncode == 0 or "silent" not in done.stdout:
-                break
-        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertEqual(session.returncode, 0, said)
         self.jnd("verify", "b.sqlite", "--deep")
         self.jnd("export", "b.sqlite", "--to", "b", "--kind", "pilot")
         rows = self.trials("b")
         self.assertEqual([(row["answer"], row["entered_by"]) for row in rows], [("second", "participant")] * 4)
         for row in rows:
-            self.assertLess(float(row["response_time_s"]), 0.02)
+            self.assertLess(float(row["response_time_s"]), 0.4)
 
     def test_the_standard_may_have_parameters_of_its_own(self):
         """The rig is told of each interval; a condition's standard_parameters hold where the standard is felt, in either place."""
-        source = PLAIN_RIG.read_text()
-        script = self.folder / "told.py"
-        script.write_text(source.replace("device.begin(message)", """device.begin(message)
+        rig = self.rig_of(PLAIN_RIG.replace("device.begin(message)", """device.begin(message)
                 with open("told.jsonl", "a") as told:
                     told.write(json.dumps(message) + chr(10))"""))
-        rig = self.rig_of(script)
-        protocol = self.small("maereg2017", name="own", design={"trials_per_cell": 4, "order": {"series": "fixed", "conditions": "fixed"}},
+        protocol = self.small("maereg2017", name="own", trial=ONE_PRESS, design={"trials_per_cell": 4, "order": {"series": "fixed", "conditions": "fixed"}},
                               levels={"absolute": [300, 400]}, analysis={"contrasts": []}, conditions=[
                                   {"name": "index", "label": "index beside thumb", "parameters": {"finger": "index"},
                                    "standard_parameters": {"finger": "thumb"}}])
@@ -488,12 +474,10 @@ class Tasks(unittest.TestCase):
 
     def test_two_values_are_felt_side_by_side(self):
         """A rig of two places is told both; what it delivers is kept for each, and a rehearsal answers by both."""
-        source = PLAIN_RIG.read_text()
-        script = self.folder / "two.py"
-        script.write_text(source.replace('"answers": False', '"answers": False, "places": 2').replace(
+        source = PLAIN_RIG.replace('"answers": False', '"answers": False, "places": 2').replace(
             'say("done", id=self.id', 'say("done", delivered_beside=self.beside, id=self.id').replace(
-            "self.first, self.contacts", 'self.beside = request["beside"]\n        self.first, self.contacts', 1))
-        rig = self.rig_of(script)
+            "self.first, self.contacts", 'self.beside = request["beside"]\n        self.first, self.contacts', 1)
+        rig = self.rig_of(source)
         changes = {"design": {"trials_per_cell": 4, "order": {"series": "fixed", "conditions": "fixed"}},
                    "levels": {"absolute": [200, 600]}, "analysis": {"contrasts": []},
                    "conditions": [{"name": "thumb", "label": "thumb", "parameters": {"finger": "thumb"}}],
@@ -510,14 +494,13 @@ class Tasks(unittest.TestCase):
         self.assertGreater(sum(row["correct"] == "1" for row in felt), 0.8 * len(felt))  # 200, 400 and 600 are told apart
         self.assertEqual({row["answer"] for row in felt}, {"left", "right"})
         # The standard has parameters of its own, on whichever side it is.
-        told = self.folder / "told.py"
-        told.write_text(script.read_text().replace("device.begin(message)", """device.begin(message)
+        told = self.rig_of(source.replace("device.begin(message)", """device.begin(message)
                 with open("told.jsonl", "a") as told:
-                    told.write(json.dumps(message) + chr(10))"""))
+                    told.write(json.dumps(message) + chr(10))"""), name="told")
         content["conditions"][0]["standard_parameters"] = {"finger": "index"}
         own = self.folder / "own-place.json"
         own.write_text(json.dumps(content))
-        self.session_on(self.rig_of(told, name="told"), own, "w", " 1" * 24)
+        self.session_on(told, own, "w", " 1" * 24)
         requests = [json.loads(line) for line in (self.folder / "told.jsonl").read_text().splitlines()]
         self.assertGreaterEqual(len(requests), 8)
         for request in requests:

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""jnd device test external: every shipped example passes, and a rig with a mistake is told it.
+"""jnd device test external: every shipped example passes, and a rig with a mistake is told it. Rigs have minutes for what they do
+(patient_rig is the same command with other limits), but a mistake that only a limit finds has this limit, and no other.
 
-Usage: external_rigs_test.py JND RIG_LOOP"""
+Usage: external_rigs_test.py JND RIG_LOOP PATIENT_RIG"""
 import concurrent.futures
 import json
 import os
@@ -12,14 +13,12 @@ import tempfile
 
 import fake_services
 
-JND, RIG_LOOP = map(os.path.abspath, sys.argv[1:3])
+JND, RIG_LOOP, PATIENT = map(os.path.abspath, sys.argv[1:4])
 EXAMPLES = pathlib.Path(__file__).resolve().parents[3] / "devices/external/examples"
 PROTOCOLS = pathlib.Path(__file__).resolve().parents[3] / "protocols"
 FAILURES = []
-AT_ONCE = 4  # they mostly wait
-# 100 ms of silence are a fault, and on a machine that is busy with other things they happen: then once more.
-ATTEMPTS = 6
-LONG_S = 60
+AT_ONCE = 8  # they mostly wait
+LONG_S = 600
 # A rig that never flushes is one of the mistakes.
 ENVIRONMENT = {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}
 
@@ -31,15 +30,20 @@ def check(ok, what):
 
 
 def run(*arguments):
-    return subprocess.run([JND, "device", "test", "external", *arguments], capture_output=True, text=True, timeout=300,
-                          env=ENVIRONMENT)
+    return subprocess.run([JND, "device", "test", "external", *arguments], capture_output=True, text=True, env=ENVIRONMENT)
 
 
-def tested(rig, folder, **more):
-    """The JSON of a test of the rig file with this `external`."""
+def rig_file(folder, command, hello_s=LONG_S, prepare_s=LONG_S):
     path = pathlib.Path(folder) / "rig.json"
-    path.write_text(json.dumps({"format": 1, "title": "Test", "external": {**rig, **more}}), encoding="utf-8")
-    done = run("--rig", str(path), "--json")
+    path.write_text(json.dumps({"format": 1, "title": "Test", "external": {
+        "command": command, "hello_s": hello_s, "prepare_s": prepare_s}}), encoding="utf-8")
+    return str(path)
+
+
+def tested(command, folder, hello_s=LONG_S, **limits):
+    """The JSON of a test of this rig, which has minutes for everything but what has a limit."""
+    done = subprocess.run([PATIENT, rig_file(folder, command, hello_s), *(f"{key}={value}" for key, value in limits.items())],
+                          capture_output=True, text=True, env=ENVIRONMENT)
     result = json.loads(done.stdout)
     check((done.returncode == 0) == result["ok"] and done.returncode in (0, 4), f"exit code {done.returncode}")
     check([entry["number"] for entry in result["checks"]] == list(range(1, len(result["checks"]) + 1)), "numbers")
@@ -50,12 +54,19 @@ def failed(result):
     return [entry["what"] for entry in result["checks"] if not entry["ok"]]
 
 
+def comes_of_load(entry):
+    """Limits that are the rig's own: a busy machine has its watchdog bite, and lets it present for longer."""
+    return not entry["ok"] and ("has fallen silent" in entry["measured"] or entry["what"] == "explored from the first contact" and
+                                float(entry["measured"].split()[0]) > 0.5)
+
+
 def passes(command, folder):
-    for _ in range(ATTEMPTS):
-        result = tested({"command": command, "hello_s": LONG_S}, folder)
-        if result["ok"]:
+    while True:
+        result = tested(command, folder)
+        wrong = [entry for entry in result["checks"] if not entry["ok"]]
+        if not any(map(comes_of_load, wrong)):
             break
-    check(result["ok"], f"{command} passes: {[entry for entry in result['checks'] if not entry['ok']]}")
+    check(result["ok"], f"{command} passes: {wrong}")
     check(len([entry for entry in result["checks"] if entry["judged"]]) >= 15, f"{command}: everything is judged")
     return result
 
@@ -68,7 +79,7 @@ def check_bridges(folder):
     check(b"r 100.000" in firmware.commands and b"r 1000.000" in firmware.commands and firmware.commands[-1] == b"0",
           f"the firmware was told: {firmware.commands[-4:]}")
     firmware.mute = True
-    result = tested({"command": command, "hello_s": 2}, folder)
+    result = tested(command, folder, hello_s=2)
     check("hello" in failed(result), "without its firmware there is no rig")
 
     service = fake_services.FakeInverse()
@@ -77,12 +88,11 @@ def check_bridges(folder):
     check(result["rig"] == "Haply Inverse3", "the rig is named")
     check(service.first["session"]["configure"]["profile"]["name"] == "jnd", "the session has a name")
     check(0 < max(service.forces) <= 8 and min(service.forces) == 0, f"forces to {max(service.forces)} N")
-    service.mute = True
-    result = tested({"command": command}, folder)
+    service.answers.clear()
+    result = tested(command, folder)
     check(not result["ok"], "a silent service is a fault")
     service.listening.close()
-    result = tested({"command": ["python3", str(EXAMPLES / "haply_rig.py"), "--port", "1"],
-                     "hello_s": LONG_S}, folder)
+    result = tested(["python3", str(EXAMPLES / "haply_rig.py"), "--port", "1"], folder)
     hello = next(entry for entry in result["checks"] if entry["what"] == "hello")
     check("refused" in hello["measured"], f"why there is no service: {hello['measured']}")
 
@@ -99,7 +109,7 @@ def check_weart(folder):
         certificate.unlink(missing_ok=True)
         if wrong is not None:
             certificate.write_text(json.dumps(wrong), encoding="utf-8")
-        result = tested({"command": command, "hello_s": LONG_S}, folder)
+        result = tested(command, folder)
         hello = next(entry for entry in result["checks"] if entry["what"] == "hello")
         check(not hello["ok"] and "no certificate of calibration" in hello["measured"], f"{wrong}: {hello['measured']}")
     check(not middleware.messages, "without a certificate nothing is said to the middleware")
@@ -112,35 +122,33 @@ def check_weart(folder):
           "it starts, and ends without force")
 
 
-def check_hostile_text(folder):
+def check_plain(folder):
+    result = passes(["python3", str(EXAMPLES / "plain_rig.py")], folder)
+    check(result["rig"] == "Plain rig" and result["simulated"], "the rig is named")
+
+
+def check_hostile_text(folder, before, after):
     """Nothing that a rig says reaches a terminal as it is."""
     text = (EXAMPLES / "plain_rig.py").read_text(encoding="utf-8")
-    hostile = "\\x1b]0;owned\\x07\\x1b[2J\\u202e\\u200b\\r"
+    check(text.count(before) >= 1, f"{before!r} is there")
     path = pathlib.Path(folder) / "hostile_text_rig.py"
-    for before, after in [('"name": "Plain rig"', f'"name": "{hostile}"'), ('"unit": "N/m"', f'"unit": "{hostile[:20]}"'),
-                          ('["thumb", "index"]', f'["{hostile}"]'), ('"name": "force"', f'"name": "{hostile}"'),
-                          ('say("alive", n=message["n"])', f'sys.exit("{hostile}")'),
-                          ('cause=problem(hello, message) or "busy"', f'cause="{hostile}"')]:
-        check(text.count(before) >= 1, f"{before!r} is there")
-        path.write_text(text.replace("import json\n", "import json\nimport sys\n").replace(before, after), encoding="utf-8")
-        for options in ([], ["--json"]):
-            done = run("--command", f"python3 {path}", *options)
-            bad = [letter for letter in done.stdout + done.stderr
-                   if (ord(letter) < 32 and letter != "\n") or 0x7f <= ord(letter) < 0xa0 or letter in "\u202e\u200b"]
-            check(not bad, f"{after}: {bad[:5]} on the screen")
-            check(done.returncode == 4, f"{after}: exit code {done.returncode}")
+    path.write_text(text.replace("import json\n", "import json\nimport sys\n").replace(before, after), encoding="utf-8")
+    for options in ([], ["--json"]):
+        done = run("--rig", rig_file(folder, ["python3", str(path)], hello_s=3, prepare_s=1), *options)
+        bad = [letter for letter in done.stdout + done.stderr
+               if (ord(letter) < 32 and letter != "\n") or 0x7f <= ord(letter) < 0xa0 or letter in "\u202e\u200b"]
+        check(not bad, f"{after}: {bad[:5]} on the screen")
+        check(done.returncode == 4, f"{after}: exit code {done.returncode}")
 
 
 def check_other_commands(folder):
     """doctor starts an external rig and says what it is; a session does not run on one that no protocol asks for."""
-    path = pathlib.Path(folder) / "rig.json"
-    path.write_text(json.dumps({"format": 1, "title": "T", "external": {
-        "command": ["python3", str(EXAMPLES / "plain_rig.py")], "hello_s": LONG_S}}), encoding="utf-8")
-    doctor = [JND, "doctor", "--seconds", "0.1", "--json", "--rig", str(path)]
-    checks = json.loads(subprocess.run(doctor, capture_output=True, text=True, timeout=300, env=ENVIRONMENT).stdout)["checks"]
+    path = rig_file(folder, ["python3", str(EXAMPLES / "plain_rig.py")])
+    doctor = [JND, "doctor", "--seconds", "0.1", "--json", "--rig", path]
+    checks = json.loads(subprocess.run(doctor, capture_output=True, text=True, env=ENVIRONMENT).stdout)["checks"]
     found = {entry["name"]: entry for entry in checks}
     check("stiffness 100 to 1000 N/m" in found["external rig: presents"]["found"], "doctor says what the rig presents")
-    done = subprocess.run([*doctor, "--protocol", "tutorial"], capture_output=True, text=True, timeout=300, env=ENVIRONMENT)
+    done = subprocess.run([*doctor, "--protocol", "tutorial"], capture_output=True, text=True, env=ENVIRONMENT)
     found = {entry["name"]: entry for entry in json.loads(done.stdout)["checks"]}
     check(found["external rig: protocol"]["verdict"] == "bad" and done.returncode == 1, "the protocol asks for another rig")
     asked = json.loads((PROTOCOLS / "studies/maereg2017.json").read_text(encoding="utf-8"))
@@ -151,68 +159,102 @@ def check_other_commands(folder):
     for levels, fits in (([350, 450], True), ([350, 4500], False)):
         asked["levels"] = {"absolute": levels}
         protocol.write_text(json.dumps(asked), encoding="utf-8")
-        done = subprocess.run([*doctor, "--protocol", str(protocol)], capture_output=True, text=True, timeout=300, env=ENVIRONMENT)
+        done = subprocess.run([*doctor, "--protocol", str(protocol)], capture_output=True, text=True, env=ENVIRONMENT)
         found = {entry["name"]: entry for entry in json.loads(done.stdout)["checks"]}
         check(found["external rig: protocol"]["verdict"] == ("ok" if fits else "bad"), f"doctor, {levels}: {found}")
-        done = subprocess.run([JND, "check", str(protocol), "--rig", str(path)], capture_output=True, text=True, timeout=300,
-                              env=ENVIRONMENT)
+        done = subprocess.run([JND, "check", str(protocol), "--rig", path], capture_output=True, text=True, env=ENVIRONMENT)
         check(done.returncode == (0 if fits else 3), f"check, {levels}: {done.stdout}{done.stderr}")
         check(("4500 N/m is out of the rig's range" in done.stdout) != fits, f"check, {levels}: {done.stdout}")
     done = subprocess.run([JND, "run", "tutorial", "--study", str(pathlib.Path(folder) / "s.sqlite"), "--participant", "P01",
-                           "--rig", str(path)], capture_output=True, text=True, timeout=300, stdin=subprocess.DEVNULL)
+                           "--rig", path], capture_output=True, text=True, stdin=subprocess.DEVNULL)
     check(done.returncode == 3 and "an external rig is for protocols" in done.stderr, f"{done.returncode} {done.stderr}")
 
 
-def check_mistake(folder, before, after, expected):
+def check_mistake(folder, before, after, expected, **limits):
     """The plain rig with one line changed."""
-    pathlib.Path(folder).mkdir()
     text = (EXAMPLES / "plain_rig.py").read_text(encoding="utf-8")
     check(text.count(before) == 1, f"{before!r} is there once")
     path = pathlib.Path(folder) / "mistaken_rig.py"
     path.write_text(text.replace(before, after), encoding="utf-8")
-    hello_s = 3 if expected == "hello" else LONG_S
-    for _ in range(ATTEMPTS):
-        found = failed(tested({"command": ["python3", str(path)], "hello_s": hello_s, "prepare_s": 1}, folder))
-        if expected in found:
+    while True:
+        result = tested(["python3", str(path)], folder, **limits)
+        found = failed(result)
+        if expected in found or not any(map(comes_of_load, result["checks"])):
             break
     check(expected in found, f"{after!r}: {expected} fails, and not only {found}")
 
 
-MISTAKES = [  # what is changed into what, and a check that must fail
-    ('say("alive", n=message["n"])', 'time.sleep(0.3)', "alive while it waits"),
-    ('say("alive", n=message["n"])', 'say("alive", n=message["n"] + 1)', "alive while it waits"),
-    ('"done", id=self.id,', '"done", id=self.id + 1,', "presents 100 N/m the lowest"),
+def check_slow(folder):
+    """A rig that is busy for a while before anything is presented is slow, and may be used."""
+    text = (EXAMPLES / "plain_rig.py").read_text(encoding="utf-8")
+    path = pathlib.Path(folder) / "slow_rig.py"
+    answer = 'say("alive", n=message["n"])'
+    path.write_text(text.replace(answer, f'message["n"] > 30 and {answer}'), encoding="utf-8")  # 30 in 0.75 s
+    found = next(entry for entry in tested(["python3", str(path)], folder, presenting_silent_s=0.1)["checks"]
+                 if entry["what"] == "alive while it waits")
+    check(found["ok"] and found["slow"] and found["expected"] == "within 100 ms", f"a slow rig: {found}")
+
+
+def check_screen(folder):
+    """What a person reads: a line for each check, and a verdict."""
+    done = run("--command", f"python3 {EXAMPLES / 'plain_rig.py'}")
+    for words in ("alive while it waits", "stop ends a presentation", "lets go when the program is silent", "within 200 ms"):
+        check(words in done.stdout, f"{words!r} is on the screen: {done.stdout}")
+    verdict = "judged checks ok" if done.returncode == 0 else "FAILED: do not use this rig"
+    check(done.returncode in (0, 4) and verdict in done.stdout.splitlines()[-1], f"{done.returncode}: {done.stdout}")
+
+
+HOSTILE = "\\x1b]0;owned\\x07\\x1b[2J\\u202e\\u200b\\r"
+HOSTILE_TEXTS = [('cause=problem(hello, message) or "busy"', f'cause="{HOSTILE}"'),
+                 ('"name": "Plain rig"', f'"name": "{HOSTILE}"'), ('"unit": "N/m"', f'"unit": "{HOSTILE[:20]}"'),
+                 ('["thumb", "index"]', f'["{HOSTILE}"]'), ('"name": "force"', f'"name": "{HOSTILE}"'),
+                 ('say("alive", n=message["n"])', f'sys.exit("{HOSTILE}")')]
+MISTAKES = [  # what is changed into what, a check that must fail, and the limits of which one finds it
+    ('say("alive", n=message["n"])', 'pass', "alive while it waits", {"silent_s": 0.3}),
+    ('say("alive", n=message["n"])', 'say("alive", n=message["n"] + 10**6)', "alive while it waits", {"silent_s": 0.3}),
+    ('say("alive", n=message["n"])', 'going or say("alive", n=message["n"])', "alive while it presents",
+     {"presenting_silent_s": 0.1}),
+    ('"done", id=self.id,', '"done", id=self.id + 1,', "presents 100 N/m the lowest", {"stop_s": 0.2}),
     ('(going or problem(hello, message))', 'going', "refuses 10001 N/m"),
-    ('say("fault", id=going.id, cause="jnd has fallen silent")', 'going = going', "lets go when the program is silent"),
-    ('            elif kind == "bye":\n                return device.off()\n', '', "bye ends it"),
-    ('                return device.off()  # jnd is gone\n', '                time.sleep(60)\n', "ends when its input does"),
-    ('elif kind == "stop" and (going or prepared)', 'elif kind == "halt"', "stop ends a presentation"),
+    ('say("fault", id=going.id, cause="jnd has fallen silent")', 'going = going', "lets go when the program is silent",
+     {"presenting_silent_s": 0.1, "stop_s": 0.2}),
+    ('            elif kind == "bye":\n                return device.off()\n', '', "bye ends it", {"bye_s": 1}),
+    ('                return device.off()  # jnd is gone\n', '                select.select([], [], [])\n',
+     "ends when its input does", {"bye_s": 1}),
+    ('elif kind == "stop" and (going or prepared)', 'elif kind == "halt"', "stop ends a presentation", {"stop_s": 0.2}),
     ('(going or prepared).done("complete" if going and message["reason"] == "enough" else "stopped")',
      '(going or prepared).done("stopped")', 'stop with "enough" completes it'),
     ('            say("contact", id=self.id, time_s=now)\n', '', "tells its contacts"),
-    ('duration_s=time.monotonic() - self.began', 'duration_s=time.monotonic() - self.began + 5',
+    ('duration_s=time.monotonic() - self.began', 'duration_s=time.monotonic() - self.began + 500',
      "presents 100 N/m the lowest"),
     ('"serial": "none"', '"serial": str(time.time())', "is the same rig"),
-    ('"max": 1000', '"max": 10', "hello"),
-    ('now - start >= self.how.get("duration_s", 0)', 'now - start >= 0.1', "explored from the first contact"),
+    ('"max": 1000', '"max": 10', "hello", {"hello_s": 1}),
+    ('duration_s=time.monotonic() - self.began', 'duration_s=(self.first or 0) + 0.1', "explored from the first contact"),
+    ('now - start >= self.how.get("duration_s", 0)', 'now - start >= 1', "explored from the first contact"),
     ('# What else comes is of a later version of jnd: let it pass.', 'elif kind.startswith("x"): raise SystemExit(1)',
      "lets an unknown message pass"),
-    ('flush=True', 'flush=False', "hello"),
+    ('flush=True', 'flush=False', "hello", {"hello_s": 1}),
 ]
 
 
 def main():
     with tempfile.TemporaryDirectory() as folder:
-        result = passes(["python3", str(EXAMPLES / "plain_rig.py")], folder)
-        check(result["rig"] == "Plain rig" and result["simulated"], "the rig is named")
-        passes([RIG_LOOP], folder)
-        check_bridges(folder)
-        check_weart(folder)
-        check_hostile_text(folder)
-        check_other_commands(folder)
         with concurrent.futures.ThreadPoolExecutor(AT_ONCE) as pool:
-            for done in [pool.submit(check_mistake, f"{folder}/{number}", *mistake)
-                         for number, mistake in enumerate(MISTAKES)]:
+            begun = []
+
+            def begin(what, *arguments, **more):
+                own = pathlib.Path(folder) / str(len(begun))
+                own.mkdir()
+                begun.append(pool.submit(what, *arguments, folder=str(own), **more))
+
+            for what in (check_bridges, check_plain, check_weart, check_other_commands, check_slow, check_screen):
+                begin(what)
+            begin(passes, [RIG_LOOP])
+            for before, after in HOSTILE_TEXTS:
+                begin(check_hostile_text, before=before, after=after)
+            for before, after, expected, *limits in MISTAKES:
+                begin(check_mistake, before=before, after=after, expected=expected, **(limits[0] if limits else {}))
+            for done in begun:
                 done.result()
         # What cannot be asked.
         for arguments, words in [((), "needs --rig FILE or --command"), (("--rig", "a", "--command", "b"), "one of the two"),
@@ -228,7 +270,7 @@ def main():
             path.write_text(json.dumps({"format": 1, "title": "T", "external": external}), encoding="utf-8")
             done = run("--rig", str(path))
             check(done.returncode == 3 and words in done.stderr, f"{external}: {done.returncode} {done.stderr}")
-        done = subprocess.run([JND, "device", "test", "rrs3", "--command", "a"], capture_output=True, text=True, timeout=60)
+        done = subprocess.run([JND, "device", "test", "rrs3", "--command", "a"], capture_output=True, text=True)
         check(done.returncode == 2 and "jnd device test external" in done.stderr, done.stderr)
     print("FAILED" if FAILURES else "all examples pass, and every mistake is told")
     sys.exit(1 if FAILURES else 0)

@@ -42,14 +42,15 @@ class FakeFirmware:
                 depth = max(0.0, depth_now())
                 line = f"d {int(self.stiffness > 0)} {depth:.6f} {self.stiffness * depth:.6f}\n"
                 os.write(self.master, line.encode())
-            time.sleep(0.004)
+            time.sleep(0.004)  # the device's pace
 
 
 class FakeInverse:
     """The simulation channel of the Inverse Service: its first message by itself, then one answer a message."""
 
     def __init__(self, surface=0.1):
-        self.surface, self.forces, self.first, self.mute = surface, [], None, False
+        self.surface, self.forces, self.first, self.answers = surface, [], None, threading.Event()
+        self.answers.set()
         self.listening = socket.create_server(("127.0.0.1", 0))
         self.port = self.listening.getsockname()[1]
         threading.Thread(target=self.serve, daemon=True).start()
@@ -79,8 +80,7 @@ class FakeInverse:
                 self.first = self.first or message
                 force = message["inverse3"][0]["commands"]["set_cursor_force"]["vector"]["z"]
                 self.forces.append(force)
-                while self.mute:
-                    time.sleep(0.01)
+                self.answers.wait()
                 self.send(stream, self.state(force))
         except (OSError, ValueError, struct.error, IndexError):
             pass  # the bridge is gone
