@@ -240,7 +240,7 @@ struct RealtimeScope::Former {
   sched_param parameters{};
   cpu_set_t processors{};
   unsigned long timer_slack_ns = 0;
-  bool memory_locked = false, kept = false;
+  bool memory_locked = false;
   int awake_request = -1;  // open as long as processors shall stay awake
 
   Former() {
@@ -251,7 +251,6 @@ struct RealtimeScope::Former {
   }
   // What the thread had before it may have again: no privilege is needed, and a destructor reports no error.
   ~Former() {
-    if (kept) return;
     // Only a privileged thread may drop SCHED_RESET_ON_FORK again.
     if (sched_setscheduler(0, policy, &parameters) != 0)
       sched_setscheduler(0, policy | SCHED_RESET_ON_FORK, &parameters);
@@ -281,16 +280,6 @@ RealtimeScope::RealtimeScope(RealtimePolicy policy) {
 }
 
 RealtimeScope::~RealtimeScope() = default;
-
-void RealtimeScope::keep() noexcept {
-  if (former_) former_->kept = true;
-}
-
-RealtimeReport enter_realtime(RealtimePolicy policy) {
-  RealtimeScope scope(policy);
-  scope.keep();
-  return scope.report();
-}
 
 // Which processors there are, as Linux writes them, and which one a real-time thread takes.
 

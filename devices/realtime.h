@@ -48,16 +48,12 @@ class RealtimeScope {
   RealtimeScope& operator=(const RealtimeScope&) = delete;
 
   const RealtimeReport& report() const noexcept { return report_; }
-  void keep() noexcept;  // leaves the thread as it is now, for good
 
  private:
   struct Former;
   RealtimeReport report_;
   std::unique_ptr<Former> former_;
 };
-
-// The same for good.
-RealtimeReport enter_realtime(RealtimePolicy policy);
 
 // Linux's list of processors, such as "0-3,8": ascending, without doubles. Empty for what is no such list.
 std::vector<int> parse_processor_list(std::string_view text);

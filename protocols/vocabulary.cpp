@@ -112,8 +112,4 @@ std::optional<Fault> fault_from(std::string_view text) noexcept {
   return value_of(kFaultWords, text);
 }
 
-std::optional<RenderingMode> rendering_mode_from(std::string_view text) noexcept {
-  return value_of(kRenderingModeWords, text);
-}
-
 }  // namespace jnd

@@ -260,6 +260,5 @@ std::optional<SessionKind> session_kind_from(std::string_view text) noexcept;
 std::optional<Channel> channel_from(std::string_view text) noexcept;
 std::optional<EnteredBy> entered_by_from(std::string_view text) noexcept;
 std::optional<Fault> fault_from(std::string_view text) noexcept;
-std::optional<RenderingMode> rendering_mode_from(std::string_view text) noexcept;
 
 }  // namespace jnd

@@ -25,7 +25,6 @@ struct ChoiceData {
   double saturated = 0;  // log-likelihood of the rates themselves
 
   std::size_t rows() const noexcept { return t.size(); }
-  bool single_level() const noexcept { return t.empty() || t.front() == t.back(); }
 };
 // with_order: keeps the orders; else o = 0. Throws std::invalid_argument as fit_two_interval.
 ChoiceData choice_data(std::span<const ChoiceRow> rows, ChoiceLink link, bool with_order);

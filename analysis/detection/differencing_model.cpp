@@ -57,10 +57,6 @@ double differencing_hit_rate(double dprime, double tau) noexcept {
   return 0.5 * (erfc(0.5 * (tau - dprime)) + erfc(0.5 * (tau + dprime)));
 }
 
-double differencing_false_alarm_rate(double tau) noexcept {
-  return erfc(0.5 * tau);
-}
-
 double differencing_tau(double false_alarm_rate, double correct_rejection_rate) noexcept {
   if (!(false_alarm_rate > 0)) return kInf;
   if (!(correct_rejection_rate > 0)) return 0;

@@ -13,7 +13,6 @@
 namespace jnd {
 
 double differencing_hit_rate(double dprime, double tau) noexcept;
-double differencing_false_alarm_rate(double tau) noexcept;
 // tau with that F; the complement 1 - F is given apart, so that no digit is lost near 1. inf at F = 0, 0 at F = 1.
 double differencing_tau(double false_alarm_rate, double correct_rejection_rate) noexcept;
 

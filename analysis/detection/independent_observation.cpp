@@ -109,13 +109,6 @@ double unit_slope_dprime(double yes_no_dprime) noexcept {
   return std::copysign(dprime, yes_no_dprime);
 }
 
-ObserverRates likelihood_ratio_rates(double dprime, double ln_criterion) {
-  const double delta = dprime / kRootTwo;
-  const double a = std::copysign(acosh_of_exp(std::abs(ln_criterion)) / delta, ln_criterion);
-  const Rates found = rates(delta, a);
-  return {found.hit, found.false_alarm};
-}
-
 LikelihoodRatioObserver likelihood_ratio_observer(double hit, double miss, double false_alarm,
                                                   double correct_rejection) {
   if (!(miss > 0 && false_alarm > 0 && hit > 0 && correct_rejection > 0)) return {kNaN, kNaN};

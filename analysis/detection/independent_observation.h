@@ -29,10 +29,4 @@ struct IndependentObservation {
 };
 IndependentObservation independent_observation(const Counts& counts, Correction correction);
 
-// H and F of the likelihood-ratio observer: d' > 0.
-struct ObserverRates {
-  double hit, false_alarm;
-};
-ObserverRates likelihood_ratio_rates(double dprime, double ln_criterion);
-
 }  // namespace jnd

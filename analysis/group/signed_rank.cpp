@@ -131,10 +131,4 @@ PrattSignedRank pratt_signed_rank(std::span<const double> differences) {
   return pratt_of(places_of(differences));
 }
 
-std::vector<double> signed_rank_distribution(int n) {
-  std::vector<int> ranks;
-  for (int rank = 1; rank <= n; ++rank) ranks.push_back(rank);
-  return coin_sums(ranks, n * (n + 1) / 2);
-}
-
 }  // namespace jnd

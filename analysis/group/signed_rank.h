@@ -44,7 +44,4 @@ struct PrattSignedRank {
 PrattSignedRank pratt_signed_rank(std::span<const double> x, std::span<const double> y);  // of equal size
 PrattSignedRank pratt_signed_rank(std::span<const double> differences);
 
-// P(V = v) for v = 0..n(n+1)/2 under the null hypothesis without ties. n = 0..1000.
-std::vector<double> signed_rank_distribution(int n);
-
 }  // namespace jnd

@@ -31,7 +31,6 @@ class PosteriorDraws {
   PosteriorDraws(std::span<const HierarchicalCell> cells, const HierarchicalModel& model,
                  const HierarchicalPlace& place, std::size_t draws, std::uint64_t seed);
 
-  std::size_t draws() const noexcept { return draws_; }
   // Of a participant in a condition.
   double ln_s(std::size_t participant, std::size_t condition, std::size_t draw) const noexcept {
     return ln_s_[of(participant, condition, draw)];

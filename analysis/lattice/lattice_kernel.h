@@ -20,7 +20,6 @@ class LatticeKernel {
   LatticeKernel(double centre, double spacing, int first, int last, double spread, double step, double reach);
 
   int first() const noexcept { return first_; }
-  int last() const noexcept { return first_ + static_cast<int>(starts_.size()) - 1; }
   std::size_t taps() const noexcept { return taps_; }
   // The first node that place m reads, and its weights.
   int start(int m) const noexcept { return starts_[place(m)]; }

@@ -233,29 +233,9 @@ void PosteriorProcedure::update(std::size_t level, bool positive) noexcept {
     total += posterior_[i];
   }
   for (double& mass : posterior_) mass /= total;  // above 1e-9, as every probability is
-  count(levels_[level]);
-}
-
-void PosteriorProcedure::update_at(double level, bool positive) noexcept {
-  double total = 0;
-  std::size_t i = 0;
-  for (const double ln_s : ln_s_) {
-    const double s = std::exp(ln_s);
-    for (const double shift : shift_)
-      for (const double lapse : lapse_) {
-        const double p = probability(task_, standard_, level, s, shift, lapse);
-        posterior_[i] *= positive ? p : 1 - p;
-        total += posterior_[i++];
-      }
-  }
-  for (double& mass : posterior_) mass /= total;
-  count(level);
-}
-
-void PosteriorProcedure::count(double level) noexcept {
   ++trials_;
-  if (task_ == PosteriorTask::same_different && level == 0) ++same_;
-  if (task_ == PosteriorTask::which && level < standard_) ++below_;
+  if (task_ == PosteriorTask::same_different && levels_[level] == 0) ++same_;
+  if (task_ == PosteriorTask::which && levels_[level] < standard_) ++below_;
   remember_moments();
 }
 

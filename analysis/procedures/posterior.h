@@ -91,9 +91,6 @@ class PosteriorProcedure {
   // The answer to a trial at a level (its place), wherever that came from. positive: "different", or the comparison
   // was chosen.
   void update(std::size_t level, bool positive) noexcept;
-  // The same at a level that need not be one of the list: what a device really showed, or what another procedure chose
-  // (a staircase's track analysed by the joint posterior of all its answers). Finite. Slower: nothing is tabulated.
-  void update_at(double level, bool positive) noexcept;
 
   PosteriorEstimate estimate() const noexcept;
   // The 100 share % point of ln s, 0 < share < 1: the grid's masses spread evenly between the midpoints of its nodes.
@@ -113,7 +110,6 @@ class PosteriorProcedure {
   bool allowed(std::size_t level, PosteriorSlot slot) const noexcept;
   PosteriorSlot narrowed(PosteriorSlot slot) const noexcept;
   void remember_moments() noexcept;
-  void count(double level) noexcept;
 
   PosteriorTask task_;
   PosteriorUtility utility_;

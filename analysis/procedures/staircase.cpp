@@ -58,10 +58,8 @@ void Staircase::answer(bool correct) {
     }
   }
   direction_ = direction;
-  const double before = level_;
   level_ = clamped(stepped(correct));
   ++steps_;
-  if (level_ == before) ++swallowed_;
 }
 
 double staircase_target(const StaircaseRule& rule) {

@@ -49,8 +49,6 @@ class Staircase {
   // Levels at which the direction changed: of the trial whose answer turned it. A step that the clamp swallows has a
   // direction too.
   const std::vector<double>& reversals() const noexcept { return reversals_; }
-  // Steps that the clamp swallowed whole, and all steps.
-  int swallowed_steps() const noexcept { return swallowed_; }
   int steps() const noexcept { return steps_; }
 
  private:
@@ -60,7 +58,7 @@ class Staircase {
   StaircaseRule rule_;
   double level_;
   double step_up_, step_down_;  // as halved so far
-  int correct_ = 0, wrong_ = 0, direction_ = 0, answers_ = 0, steps_ = 0, swallowed_ = 0;
+  int correct_ = 0, wrong_ = 0, direction_ = 0, answers_ = 0, steps_ = 0;
   std::vector<double> reversals_;
 };
 

@@ -30,8 +30,6 @@ std::pair<std::string_view, std::string_view> parameter_names(PsychometricFuncti
 
 // F at x for the two named parameters (second > 0; x > 0 for the Weibull function).
 double psychometric_cdf(PsychometricFunction function, double location, double second, double x) noexcept;
-// x with F(x) = p, 0 < p < 1.
-double psychometric_quantile(PsychometricFunction function, double location, double second, double p) noexcept;
 
 // One level: n trials, k of them with the answer whose probability grows with x. 0 <= k <= n.
 struct PsychometricLevel {

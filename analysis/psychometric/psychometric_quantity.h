@@ -2,17 +2,11 @@
 // derivatives, and the curve of all functions that share a value.
 #pragma once
 
-#include <array>
-
 #include "analysis/psychometric/psychometric_likelihood.h"
 
 namespace jnd {
 
 enum class PsychometricQuantity { location, second, lapse, guess, pse, jnd, slope };
-inline constexpr std::array kPsychometricQuantities = {PsychometricQuantity::location, PsychometricQuantity::second,
-                                                       PsychometricQuantity::lapse,    PsychometricQuantity::guess,
-                                                       PsychometricQuantity::pse,      PsychometricQuantity::jnd,
-                                                       PsychometricQuantity::slope};
 
 struct QuantityValue {
   double value = 0;  // in the units of the levels

@@ -60,11 +60,4 @@ double psychometric_cdf(PsychometricFunction function, double location, double s
   return psychometric_shape(function, u).g;
 }
 
-double psychometric_quantile(PsychometricFunction function, double location, double second, double p) noexcept {
-  const double u = psychometric_shape_quantile(function, p);
-  if (function == PsychometricFunction::gaussian) return location + second * u;
-  if (function == PsychometricFunction::weibull) return location * std::exp(u / second);
-  return location + u / second;
-}
-
 }  // namespace jnd

@@ -43,7 +43,6 @@ class OrdinalProbit {
   OrdinalProbit(CategoryCounts counts, std::vector<std::vector<double>> design, std::vector<bool> scaled = {});
 
   std::size_t criteria() const noexcept { return criteria_; }
-  std::size_t effects() const noexcept { return effects_; }
   std::size_t size() const noexcept { return criteria_ + effects_ + 1; }
 
   // For maximise_in_box. -inf where criteria are not in order.

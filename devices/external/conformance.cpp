@@ -188,7 +188,6 @@ class ConformanceTest {
   bool gone() const noexcept { return probe_ == nullptr || probe_->exchange().lost().has_value(); }
   const std::optional<RigHello>& hello() const noexcept { return hello_; }
   Checks& checks() noexcept { return checks_; }
-  bool is_child() const noexcept { return is_child_; }
 
  private:
   void add(std::string what, std::string found, std::string limit, bool ok) {

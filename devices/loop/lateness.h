@@ -36,7 +36,6 @@ class LatenessHistogram {
     return 0;
   }
   double largest_us() const noexcept { return 1e-3 * static_cast<double>(largest_ns_); }
-  std::int64_t total() const noexcept { return total_; }
 
   // Ticks by kLatenessEdges_us: entry i those later than edge i - 1 and not later than edge i; the last those later
   // than every edge.

@@ -57,7 +57,6 @@ class ForceController {
   double bounded(double volts) const noexcept { return volts > min_v_ ? (volts < max_v_ ? volts : max_v_) : min_v_; }
   const ForceGains& gains() const noexcept { return gains_; }
   double min_v() const noexcept { return min_v_; }
-  double max_v() const noexcept { return max_v_; }
 
  private:
   ForceGains gains_;

@@ -52,7 +52,6 @@ class MckibbenModel {
 
   const MckibbenParameters& parameters() const noexcept { return parameters_; }
   const MckibbenLinkage& linkage() const noexcept { return linkage_; }
-  const ForceController& controller() const noexcept { return controller_; }
 
   // Empty where the linkage does not assemble or the muscle cannot be so long.
   std::optional<MckibbenPose> pose(double alpha1_rad) const noexcept;

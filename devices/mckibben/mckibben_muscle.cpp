@@ -43,9 +43,4 @@ double spring_force_n(const MckibbenParameters& parameters, double stroke_m) noe
   return parameters.km_n_per_m * stroke_m + parameters.fm0_n;
 }
 
-double tendon_force_n(Tendon tendon, double muscle_n, double spring_n) noexcept {
-  const double force = muscle_n - spring_n;
-  return tendon == Tendon::unilateral && force < 0 ? 0 : force;
-}
-
 }  // namespace jnd

@@ -26,7 +26,5 @@ double muscle_force_at_zero_n(const MckibbenParameters& parameters, double lengt
 double muscle_force_n(const MckibbenParameters& parameters, double gauge_pa, double length_m) noexcept;
 
 double spring_force_n(const MckibbenParameters& parameters, double stroke_m) noexcept;
-// (15): Fx, N.
-double tendon_force_n(Tendon tendon, double muscle_n, double spring_n) noexcept;
 
 }  // namespace jnd

@@ -30,6 +30,4 @@ struct BeamForceSensor {
   double read_n(double force_n, double noise_n) const noexcept;  // limited to the capacity, both ways
 };
 
-inline constexpr double kFr1020CombinedError = 0.0025;  // of the capacity
-
 }  // namespace jnd

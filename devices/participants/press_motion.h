@@ -27,7 +27,6 @@ class PressMotion {
   // Below the surface (negative above it) at a time after the interval's start; -gap before any depths are set.
   double depth(double time_s) const noexcept;
   double approach_s() const noexcept { return approach_s_; }
-  double period_s() const noexcept { return period_s_; }
 
  private:
   double gap_ = 1, approach_s_ = 1, period_s_ = 1;

@@ -31,8 +31,6 @@ class ForceSensor {
   // What the sensor says, N. A force that is not a number stays one, so that it is found by who relies on it.
   double measure(double force_n) noexcept;
 
-  const ForceSensorOptions& options() const noexcept { return options_; }
-
  private:
   ForceSensorOptions options_;
   std::uint64_t seed_;

@@ -127,7 +127,6 @@ void Rrs3Device::advance_to(std::int64_t now_ns) noexcept {
     // The device's own watchdog: without commands it lets go.
     if (time_ns_ - written_ns_ > kMaxAge_ns) let_go();
     step();
-    motor_.advance(1e-9 * static_cast<double>(kPlatformStep_ns));
     time_ns_ += kPlatformStep_ns;
   }
 }

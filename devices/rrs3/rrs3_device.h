@@ -57,7 +57,6 @@ class Rrs3Device final : public FingertipDevice {
 
   // The joint torques of the last step, N m.
   const Eigen::Vector3d& torques() const noexcept { return torques_; }
-  const VibrationMotor& vibration() const noexcept { return motor_; }
   RenderingMode mode() const noexcept { return mode_; }
 
  private:

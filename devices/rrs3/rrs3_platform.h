@@ -44,7 +44,6 @@ class Rrs3Platform {
   double force_n() const noexcept { return pulp_n_per_m_ * compression_m_; }  // on the finger
   double compression_m() const noexcept { return compression_m_; }            // of the pulp, along the normal; >= 0
   double velocity_m_per_s() const noexcept { return velocity_m_per_s_; }      // the same, into the finger
-  double pulp_n_per_m() const noexcept { return pulp_n_per_m_; }
   Eigen::Vector3d normal() const noexcept { return configuration_.rotation.col(2); }
   Eigen::Vector3d joint_angles() const noexcept { return kinematics_.joint_angles(configuration_); }
 

@@ -16,10 +16,6 @@ Eigen::Vector3d joint_torques(const Rrs3Differential& at, const Wrench& wrench) 
   return Eigen::Vector3d(load.dot(bc), load.dot(c.cross(a)), load.dot(a.cross(b))) / a.dot(bc);
 }
 
-Eigen::Vector3d generalised_force(const Rrs3Differential& at, const Eigen::Vector3d& torques) noexcept {
-  return at.j.transpose() * torques;
-}
-
 double force_along(const Rrs3Differential& at, const Eigen::Vector3d& torques,
                    const Eigen::Vector3d& direction) noexcept {
   // H's first column is [0, 0, 1, 0, 0, 0]: only the force's z component works in vz.

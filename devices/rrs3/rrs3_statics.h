@@ -14,10 +14,6 @@ using Wrench = Eigen::Matrix<double, 6, 1>;
 // (26): tau = J^-T H^T w.
 Eigen::Vector3d joint_torques(const Rrs3Differential& at, const Wrench& wrench) noexcept;
 
-// (25) read the other way: the part of a wrench that the torques determine, H^T w = J^T tau, conjugate to chi: N, N m,
-// N m.
-Eigen::Vector3d generalised_force(const Rrs3Differential& at, const Eigen::Vector3d& torques) noexcept;
-
 // The force along a unit direction that the torques put on a finger which takes no moment, N: the f for which w = [f n,
 // 0] does the same work as the torques in vz. direction.z() must not be 0.
 double force_along(const Rrs3Differential& at, const Eigen::Vector3d& torques,

@@ -14,8 +14,6 @@ namespace jnd {
 
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
-
 void check_points(int points, const char* side) {
   if (points < 1) throw InputError(fmt::format("a grid of {} {}: give at least 1", points, side));
 }
@@ -91,25 +89,6 @@ std::string condition_csv(const Rrs3ConditionMap& map) {
       text += fmt::format("{},{},{},{},{}\n", map.pz_m, map.rolls_rad[r], map.pitches_rad[p], reachable ? 1 : 0,
                           reachable ? fmt::format("{}", condition) : "");
     }
-  }
-  return text;
-}
-
-std::string condition_plot(const Rrs3ConditionMap& map) {
-  std::string text;
-  for (std::size_t r = map.rolls_rad.size(); r-- > 0;) {
-    text += fmt::format("{:6.1f} ", map.rolls_rad[r] / kDegree);
-    for (std::size_t p = 0; p < map.pitches_rad.size(); ++p) {
-      const double condition = map.at(r, p);
-      text += std::isfinite(condition) ? static_cast<char>('0' + static_cast<int>(std::min(condition, 9.0))) : '.';
-    }
-    text += '\n';
-  }
-  if (!map.pitches_rad.empty()) {
-    const std::string first = fmt::format("{:.1f}", map.pitches_rad.front() / kDegree);
-    const std::string last = fmt::format("{:.1f}", map.pitches_rad.back() / kDegree);
-    const std::size_t width = std::max(map.pitches_rad.size(), first.size() + 1 + last.size());
-    text += fmt::format("{:7}{}{:>{}}\n", "", first, last, width - first.size());
   }
   return text;
 }

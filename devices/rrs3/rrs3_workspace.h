@@ -53,9 +53,6 @@ Rrs3ConditionMap condition_map(const Rrs3Kinematics& kinematics, const Rrs3Box& 
 
 // Columns pz_m, roll_rad, pitch_rad, reachable, condition (empty where unreachable); a line per pose.
 std::string condition_csv(const Rrs3ConditionMap& map);
-// For a terminal: roll upwards, pitch to the right, a digit for the condition's whole part (9: 9 or more), '.' out of
-// reach; with the axes in degrees.
-std::string condition_plot(const Rrs3ConditionMap& map);
 
 // How far a pose is from a singularity when one coordinate changes alone: metres or radians, >= 0; infinite where there
 // is none within a quarter turn, or before the legs end.

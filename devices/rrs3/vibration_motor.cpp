@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
 
@@ -21,23 +20,8 @@ VibrationMotor::VibrationMotor(const VibrationLimits& limits) : limits_(limits) 
 }
 
 void VibrationMotor::set(double amplitude_g, double frequency_hz) noexcept {
-  if (!(amplitude_g > 0) || std::isnan(frequency_hz)) {
-    amplitude_g_ = frequency_hz_ = turns_ = 0;
-    return;
-  }
-  amplitude_g_ = std::clamp(amplitude_g, limits_.min_g, limits_.max_g);
-  frequency_hz_ = std::clamp(frequency_hz, limits_.min_hz, limits_.max_hz);
-}
-
-void VibrationMotor::advance(double elapsed_s) noexcept {
-  if (amplitude_g_ <= 0 || !(elapsed_s > 0) || !std::isfinite(elapsed_s)) return;
-  turns_ += frequency_hz_ * elapsed_s;
-  turns_ -= std::floor(turns_);
-}
-
-double VibrationMotor::acceleration_m_per_s2() const noexcept {
-  if (amplitude_g_ <= 0) return 0;
-  return amplitude_g_ * kStandardGravity_m_per_s2 * std::sin(2 * std::numbers::pi * turns_);
+  const bool runs = amplitude_g > 0 && !std::isnan(frequency_hz);
+  amplitude_g_ = runs ? std::clamp(amplitude_g, limits_.min_g, limits_.max_g) : 0;
 }
 
 }  // namespace jnd

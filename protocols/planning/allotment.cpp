@@ -23,10 +23,6 @@ std::optional<int> group_of(const Protocol& protocol, int participant, std::uint
   return turns[static_cast<std::size_t>(place)];
 }
 
-int member_of(const Protocol& protocol, int participant) noexcept {
-  return (participant - 1) / group_count(protocol) + 1;
-}
-
 int number_of_member(const Protocol& protocol, int group, int member) noexcept {
   return (member - 1) * group_count(protocol) + group + 1;
 }

@@ -22,8 +22,6 @@ int group_count(const Protocol& protocol) noexcept;
 
 // Place in Protocol::groups; none where there are none. participant: from 1.
 std::optional<int> group_of(const Protocol& protocol, int participant, std::uint64_t seed);
-// Which of its group's members a participant is, from 1.
-int member_of(const Protocol& protocol, int participant) noexcept;
 // The number of a member where groups are given.
 int number_of_member(const Protocol& protocol, int group, int member) noexcept;
 

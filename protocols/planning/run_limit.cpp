@@ -46,22 +46,11 @@ class RunCounts {
   std::vector<double> ways_;
 };
 
-void require_countable(int same, int different, int limit) {
-  if (same < 0 || different < 0 || limit < 1 || same + different > kMostTrials)
-    throw std::invalid_argument("a run limit needs limit >= 1 and 0 to 1000 trials");
-}
-
 }  // namespace
 
-double count_limited_sequences(int same, int different, int limit) {
-  require_countable(same, different, limit);
-  if (same + different == 0) return 1;
-  const RunCounts counts(same, different, limit);
-  return counts.ways(0, same, different) + counts.ways(1, same, different);
-}
-
 std::vector<bool> draw_limited_sequence(int same, int different, int limit, RandomStream& stream) {
-  require_countable(same, different, limit);
+  if (same < 0 || different < 0 || limit < 1 || same + different > kMostTrials)
+    throw std::invalid_argument("a run limit needs limit >= 1 and 0 to 1000 trials");
   std::vector<bool> sequence;
   if (same + different == 0) return sequence;
   const RunCounts counts(same, different, limit);

@@ -13,7 +13,4 @@ namespace jnd {
 // Throws std::invalid_argument where there is no such sequence, or beyond 1000 trials (counts leave double's range).
 std::vector<bool> draw_limited_sequence(int same, int different, int limit, RandomStream& stream);
 
-// How many such sequences there are (exact up to 2^53, then rounded).
-double count_limited_sequences(int same, int different, int limit);
-
 }  // namespace jnd

@@ -177,8 +177,4 @@ std::string_view to_string(Tendon tendon) noexcept {
   return word_of(kTendonWords, tendon);
 }
 
-std::optional<Tendon> tendon_from(std::string_view text) noexcept {
-  return value_of(kTendonWords, text);
-}
-
 }  // namespace jnd

@@ -69,6 +69,5 @@ DeviceSpec load_device_spec(const std::filesystem::path& path);
 inline constexpr auto kTendonWords =
     words<Tendon>({{"bilateral", Tendon::bilateral}, {"unilateral", Tendon::unilateral}});
 std::string_view to_string(Tendon tendon) noexcept;
-std::optional<Tendon> tendon_from(std::string_view text) noexcept;
 
 }  // namespace jnd

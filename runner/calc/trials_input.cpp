@@ -331,12 +331,6 @@ TrialTable read_trials(const std::string& file, const TrialOptions& options, con
   return trials_of(CsvTable::read_among(file, wanted), name, options, use);
 }
 
-TrialTable parse_trials(std::string text, const std::string& file, const TrialOptions& options, const TrialUse& use) {
-  if (names_nothing(options))
-    return trials_without_names(CsvTable::parse_among(std::move(text), file, {}), file, options, use);
-  return trials_of(CsvTable::parse_among(std::move(text), file, wanted_columns(options)), file, options, use);
-}
-
 std::vector<std::vector<TrialCount>> count_trials(const TrialTable& table) {
   std::vector<std::map<double, TrialCount>> counts(table.units.size());
   for (const CsvTrial& trial : table.trials) {

@@ -70,8 +70,6 @@ struct TrialTable {
 // without practice and trials that a rule excludes; a level of same-different is the difference of the two stimuli.
 // Throws UsageError where it is another table, InputError where its task is not the command's.
 TrialTable read_trials(const std::string& file, const TrialOptions& options, const TrialUse& use);
-// The same from a text in memory; file is its name in messages.
-TrialTable parse_trials(std::string text, const std::string& file, const TrialOptions& options, const TrialUse& use);
 
 // What the text of an option says where it is a finite number and nothing else, such as --standard or --lapse.
 std::optional<double> number_in_option(const std::string& text);

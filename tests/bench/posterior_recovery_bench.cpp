@@ -116,11 +116,12 @@ class Simulation {
       std::array<int, kBlock> places{0, 1, 2, 3, 4, 5};
       stream_.shuffle(places);
       for (const int place : places) trial(place);
-      const PosteriorEstimate of = posterior_.estimate();
+      const PosteriorProcedure posterior = way_ == Way::posterior ? posterior_ : posterior_of_answers();
+      const PosteriorEstimate of = posterior.estimate();
       course.ln_jnd.push_back(of.mean_ln_s);
       course.sd.push_back(of.sd_ln_s);
-      course.low.push_back(posterior_.ln_s_quantile(0.025));
-      course.high.push_back(posterior_.ln_s_quantile(0.975));
+      course.low.push_back(posterior.ln_s_quantile(0.025));
+      course.high.push_back(posterior.ln_s_quantile(0.975));
       if ((block + 1) * kBlock == kLookedAt)
         course.ml_ln_jnd = maximum_likelihood(answers_, task_ == PosteriorTask::which ? 900 : 0);
     }
@@ -130,23 +131,40 @@ class Simulation {
  private:
   bool which() const { return task_ == PosteriorTask::which; }
 
+  // With the levels of these answers for its levels.
+  PosteriorProcedure posterior_of_answers() const {
+    PosteriorConfiguration configuration = reference_posterior(task_, PosteriorUtility::variance);
+    std::vector<double>& levels = configuration.levels;
+    levels.clear();
+    if (!which()) levels.push_back(0);
+    for (const Answer& answer : answers_)
+      if (std::find(levels.begin(), levels.end(), answer.level) == levels.end()) levels.push_back(answer.level);
+    PosteriorProcedure posterior(configuration);
+    for (const Answer& answer : answers_) {
+      const auto place = std::find(levels.begin(), levels.end(), answer.level) - levels.begin();
+      posterior.update(static_cast<std::size_t>(place), answer.positive);
+    }
+    return posterior;
+  }
+
   // place: which of the six trials of a block this is.
   void trial(int place) {
     const bool same = !which() && place < kSameOfBlock;
     const double side = place % 2 == 0 ? -1 : 1;
     double level = 0;
+    std::size_t choice = 0;  // of the posterior's levels, of which the first is that of the same trial
     if (same) {
       level = 0;
     } else if (way_ == Way::posterior) {
-      const PosteriorChoice choice = posterior_.choose(which() ? PosteriorSlot::balanced : PosteriorSlot::different);
-      level = posterior_.level(choice.level);
+      choice = posterior_.choose(which() ? PosteriorSlot::balanced : PosteriorSlot::different).level;
+      level = posterior_.level(choice);
     } else if (way_ == Way::staircase) {
       level = which() ? 900 + side * staircase_.level() : staircase_.level();
     } else {
       level = which() ? 900 + side * 100 * (1 + place / 2) : 200 + 100 * static_cast<double>(stream_.below(3));
     }
     const bool positive = stream_.uniform() < probability_of(task_, jnd_, level);
-    posterior_.update_at(level, positive);
+    if (way_ == Way::posterior) posterior_.update(choice, positive);
     answers_.push_back({level, positive});
     if (!same && way_ == Way::staircase) staircase_.answer(which() ? positive == (side > 0) : positive);
   }

@@ -75,7 +75,8 @@ TEST_CASE("the words of the policy are read as they are written") {
 
 TEST_CASE("off touches nothing") {
   const Scheduling before = scheduling();
-  const RealtimeReport report = enter_realtime(RealtimePolicy::off);
+  const RealtimeScope scope(RealtimePolicy::off);
+  const RealtimeReport& report = scope.report();
   CHECK(report.items.empty());
   CHECK(report.all_ok());
   CHECK_FALSE(report.fifo());
@@ -124,7 +125,8 @@ TEST_CASE("require gives all or throws, and then leaves the thread as it was") {
 
 TEST_CASE("without permission prefer says why and goes on") {
   CHECK(unprivileged([] {
-    const RealtimeReport report = enter_realtime(RealtimePolicy::prefer);
+    const RealtimeScope scope(RealtimePolicy::prefer);
+    const RealtimeReport& report = scope.report();
     const RealtimeItem& scheduled = report.items.at(0);
     const RealtimeItem& memory = report.items.at(1);
     return !report.fifo() && scheduling().policy == SCHED_OTHER && !report.all_ok() && !memory.ok &&
@@ -139,7 +141,7 @@ TEST_CASE("without permission require throws, naming all that failed and what to
   CHECK(unprivileged([] {
     const Scheduling before = scheduling();
     try {
-      enter_realtime(RealtimePolicy::require);
+      const RealtimeScope scope(RealtimePolicy::require);
     } catch (const DeviceError& error) {
       const std::string message = error.what();
       return contains(message, "SCHED_FIFO priority 50") && contains(message, "memory locked") &&

@@ -3,6 +3,9 @@
 #include <cmath>
 #include <string>
 
+#include <sys/mman.h>
+#include <unistd.h>
+
 #include "protocols/input/input_error.h"
 #include "runner/calc/trials_input.h"
 #include "runner/terminal/exit_code.h"
@@ -15,9 +18,26 @@ using namespace jnd;
 
 const TrialUse kFuzzedUse = {"the comparison was chosen", {{"comparison", "standard"}}, true, true};
 
+// A text as a file in memory, for as long as this lives.
+class MemoryFile {
+ public:
+  explicit MemoryFile(std::string_view text) : descriptor_(memfd_create("trials", MFD_CLOEXEC)) {
+    fuzz::require(write(descriptor_, text.data(), text.size()) == static_cast<ssize_t>(text.size()),
+                  "a file in memory");
+  }
+  ~MemoryFile() { close(descriptor_); }
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+  std::string path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
+
+ private:
+  int descriptor_;
+};
+
 void read(std::string_view text, const TrialOptions& options, const TrialUse& use) {
+  const MemoryFile file(text);
   try {
-    const TrialTable table = parse_trials(std::string(text), "fuzz.csv", options, use);
+    const TrialTable table = read_trials(file.path(), options, use);
     fuzz::require(!table.trials.empty() && !table.units.empty(), "trials of somebody");
     for (const CsvTrial& trial : table.trials) {
       fuzz::require(trial.unit < table.units.size(), "a trial is of a unit that there is");

@@ -73,7 +73,6 @@ class BenchLink {
 
   const jnd_telemetry& telemetry() const noexcept { return newest_.telemetry; }
   bool heard() const noexcept { return counter_.taken() > 0; }
-  std::uint32_t sent_sequence() const noexcept { return sequence_; }
   const ReportCounter& counter() const noexcept { return counter_; }
   std::int64_t damaged() const noexcept { return damaged_; }  // reports that were none of the protocol's
   Fault fault() const noexcept { return governor_.fault(); }

@@ -130,7 +130,6 @@ void PlantHardware::advance() noexcept {
                   .hold_n_per_m = double{actuation_.hold_n_per_m},
                   .roll_rad = double{actuation_.roll_rad},
                   .pitch_rad = double{actuation_.pitch_rad}});
-  motor_.advance(1e-9 * static_cast<double>(kPlatformStep_ns));
 }
 
 void PlantHardware::set_fault(bool BoardFaults::*fault, bool on) noexcept {

@@ -54,7 +54,6 @@ class PlantHardware {
   double force_n() const noexcept { return platform_.force_n(); }  // on the finger, in truth
   double push_n() const noexcept { return push_n_; }               // that the torques ask for just now
   double vibration_g() const noexcept { return motor_.amplitude_g(); }
-  const jnd_actuation& actuation() const noexcept { return actuation_; }
   std::int64_t impossible() const noexcept { return impossible_; }  // actuations that held no number; none was obeyed
 
  private:

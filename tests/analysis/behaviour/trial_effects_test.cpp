@@ -2,7 +2,6 @@
 #include <cmath>
 #include <vector>
 
-#include "analysis/behaviour/correctness_trend.h"
 #include "analysis/behaviour/drift.h"
 #include "analysis/behaviour/order_effect.h"
 #include "analysis/behaviour/response_bias.h"
@@ -196,61 +195,6 @@ TEST_CASE("drift: equal halves, moved criteria, and halves without a class", "[a
                                            trial(true, true, 1)};
   CHECK(drift(trials).first == Counts{1, 1, 1, 0});
   CHECK(drift(trials).second == Counts{1, 0, 1, 1});
-}
-
-TEST_CASE("the logistic trend of correctness agrees with a published regression", "[analysis][trials]") {
-  // Twenty students' hours and passed examinations, the example of Wikipedia's "Logistic regression": intercept
-  // -4.0777, slope 1.5046 (SE 0.6287), likelihood ratio 11.666. Hours / 10 are the times here.
-  const double hours[] = {0.50, 0.75, 1.00, 1.25, 1.50, 1.75, 1.75, 2.00, 2.25, 2.50,
-                          2.75, 3.00, 3.25, 3.50, 4.00, 4.25, 4.50, 4.75, 5.00, 5.50};
-  const bool passed[] = {false, false, false, false, false, false, true, false, true, false,
-                         true,  false, true,  false, true,  true,  true, true,  true, true};
-  std::vector<JudgedTrial> trials;
-  for (std::size_t i = 0; i < 20; ++i) trials.push_back(trial(i % 2 == 0, (i % 2 == 0) != passed[i], hours[i] / 10));
-  const CorrectnessTrend found = correctness_trend(trials);
-  CHECK(found.status == TrendStatus::ok);
-  CHECK(found.n == 20);
-  CHECK(found.correct == 10);
-  CHECK(found.intercept == Approx(-4.077713431087631).epsilon(1e-8));
-  CHECK(found.slope == Approx(15.046454283733333).epsilon(1e-8));
-  CHECK(found.se == Approx(6.287208459453852).epsilon(1e-7));
-  CHECK(found.p == Approx(0.0006364826185217129).epsilon(1e-7));
-}
-
-TEST_CASE("the logistic trend in closed form, and where there is none", "[analysis][trials]") {
-  // Two moments: the difference of log odds, with the variance of a log odds ratio.
-  std::vector<JudgedTrial> trials;
-  for (int i = 0; i < 20; ++i) {
-    trials.push_back(trial(true, i >= 12, 0));  // 12 of 20 correct at the start
-    trials.push_back(trial(true, i >= 16, 1));  // 16 of 20 at the end
-  }
-  const CorrectnessTrend two = correctness_trend(trials);
-  CHECK(two.slope == Approx(std::log(4.0) - std::log(1.5)).epsilon(1e-10));
-  CHECK(two.intercept == Approx(std::log(1.5)).epsilon(1e-10));
-  CHECK(two.se == Approx(std::sqrt(1.0 / 12 + 1.0 / 8 + 1.0 / 16 + 1.0 / 4)).epsilon(1e-8));
-  CHECK(two.ci_high == Approx(two.slope + 1.959963984540054 * two.se).epsilon(1e-10));
-
-  // Wrong before the middle, right after it: infinite, with a p value from the limit: 2 x 4 log 2 on 1 degree of
-  // freedom.
-  const std::vector<JudgedTrial> separated = {trial(true, true, 0), trial(true, true, 0.3), trial(true, false, 0.7),
-                                              trial(true, false, 1)};
-  const CorrectnessTrend rises = correctness_trend(separated);
-  CHECK(rises.status == TrendStatus::separated);
-  CHECK(rises.slope == kInf);
-  CHECK(std::isnan(rises.se));
-  CHECK(rises.p == Approx(std::erfc(std::sqrt(4 * std::log(2.0)))).epsilon(1e-10));
-  // Both answers at the very moment that separates them count as they fell.
-  const std::vector<JudgedTrial> nearly = {trial(true, false, 0), trial(true, false, 0.5), trial(true, true, 0.5),
-                                           trial(true, true, 1)};
-  const CorrectnessTrend falls = correctness_trend(nearly);
-  CHECK(falls.slope == -kInf);
-  CHECK(falls.p == Approx(std::erfc(std::sqrt(2 * std::log(2.0)))).epsilon(1e-10));
-
-  CHECK(correctness_trend(std::vector<JudgedTrial>{trial(true, false, 0), trial(true, false, 1)}).status ==
-        TrendStatus::no_variation);
-  CHECK(correctness_trend(std::vector<JudgedTrial>{trial(true, false, 0.5), trial(true, true, 0.5)}).status ==
-        TrendStatus::no_times);
-  CHECK(correctness_trend({}).status == TrendStatus::no_times);
 }
 
 TEST_CASE("drift over strata weighs each by its precision, and a stratum only against itself", "[analysis][trials]") {

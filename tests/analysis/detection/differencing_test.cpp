@@ -234,11 +234,11 @@ TEST_CASE("the derivatives of the differencing likelihood", "[analysis]") {
 }
 
 TEST_CASE("differencing rates at the edges", "[analysis]") {
-  CHECK(differencing_hit_rate(0, 0.7) == Approx(differencing_false_alarm_rate(0.7)).epsilon(1e-15));
+  CHECK(differencing_hit_rate(0, 0.7) == Approx(differencing_rates(1, 0.7).false_alarm).epsilon(1e-15));
   CHECK(differencing_hit_rate(kInf, 2) == 1);
   CHECK(differencing_hit_rate(3, 0) == 1);
   CHECK(differencing_rates(kInf, 2).miss == 0);
-  CHECK(differencing_false_alarm_rate(kInf) == 0);
+  CHECK(differencing_rates(1, kInf).false_alarm == 0);
   CHECK(differencing_tau(0, 1) == kInf);
   CHECK(differencing_tau(1, 0) == 0);
   // Just either side of the change between formulas.

@@ -2,6 +2,9 @@
 // mpmath, and what must hold for any counts.
 #include "analysis/detection/independent_observation.h"
 
+#include <cmath>
+
+#include <boost/math/quadrature/tanh_sinh.hpp>
 #include <rapidcheck.h>
 
 #include "analysis/detection/yes_no.h"
@@ -10,6 +13,35 @@
 
 using namespace jnd;
 using namespace jnd::testing;
+
+namespace {
+
+struct ObserverRates {
+  double hit, false_alarm;
+};
+
+// H and F of the likelihood-ratio observer by quadrature: "different" where ln cosh(delta u) > ln c + ln cosh(delta s), with
+// u and s the difference and the sum of two sensations over the root of 2.
+ObserverRates likelihood_ratio_rates(double dprime, double ln_c) {
+  const double delta = dprime / std::sqrt(2.0);
+  const auto ln_cosh = [](double x) {
+    return x < 1 ? std::log1p(2 * std::pow(std::sinh(x / 2), 2)) : x + std::log1p(std::exp(-2 * x)) - std::log(2.0);
+  };
+  const auto inverse = [](double y) { return y > 0 ? y + std::log1p(std::sqrt(-std::expm1(-2 * y))) : 0; };
+  const auto limit = [&](double s) { return inverse(ln_c + ln_cosh(delta * s)) / delta; };  // of |u|
+  const double first = inverse(-ln_c) / delta;  // below this s every u is "different"
+  boost::math::quadrature::tanh_sinh<double> quadrature;
+  const auto above = [&](auto function) { return quadrature.integrate(function, first, first + delta + 10, 1e-12); };
+  const auto density = [](double x) { return std::exp(-x * x / 2) / std::sqrt(2 * M_PI); };
+  const double hit =
+      above([&](double s) { return 2 * density(s) * (normal_cdf(delta - limit(s)) + normal_cdf(-delta - limit(s))); });
+  const double alarm =
+      above([&](double s) { return (density(s - delta) + density(s + delta)) * 2 * normal_cdf(-limit(s)); });
+  return {std::erf(first / std::sqrt(2.0)) + hit,
+          normal_cdf(first - delta) - normal_cdf(-delta) + normal_cdf(first + delta) - normal_cdf(delta) + alarm};
+}
+
+}  // namespace
 
 TEST_CASE("independent observation agrees with its reference", "[analysis]") {
   with_each_reference([](const Counts& counts, const nlohmann::json& one) {
@@ -44,10 +76,14 @@ TEST_CASE("the likelihood-ratio observer with rates next to 0 and 1", "[analysis
 TEST_CASE("an unbiased likelihood-ratio observer is the unit-slope one", "[analysis]") {
   // pmax = Phi(d'/2)^2 + Phi(-d'/2)^2.
   for (const double dprime : {0.3, 1.0, 2.5, 5.0}) {
-    const ObserverRates rates = likelihood_ratio_rates(dprime, 0);
     const double p = normal_cdf(0.5 * dprime), q = normal_cdf(-0.5 * dprime);
-    CHECK(rates.hit == Approx(p * p + q * q).epsilon(1e-12));
-    CHECK(rates.false_alarm == Approx(2 * p * q).epsilon(1e-11));
+    const double hit = p * p + q * q, alarm = 2 * p * q;
+    const ObserverRates rates = likelihood_ratio_rates(dprime, 0);
+    CHECK(rates.hit == Approx(hit).epsilon(1e-10));
+    CHECK(rates.false_alarm == Approx(alarm).epsilon(1e-10));
+    const LikelihoodRatioObserver found = likelihood_ratio_observer(hit, alarm, alarm, hit);
+    CHECK(found.dprime == Approx(dprime).epsilon(1e-9));
+    CHECK(found.ln_criterion == Approx(0).margin(1e-9));
   }
 }
 

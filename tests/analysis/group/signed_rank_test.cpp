@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <cstdint>
-#include <numeric>
 
 #include <rapidcheck.h>
 
@@ -87,18 +86,29 @@ TEST_CASE("the exact permutation p is a count of sign changes", "[analysis]") {
 }
 
 TEST_CASE("the distribution of V", "[analysis]") {
-  CHECK(signed_rank_distribution(0) == std::vector<double>{1});
-  CHECK(signed_rank_distribution(3) == std::vector<double>{0.125, 0.125, 0.125, 0.25, 0.125, 0.125, 0.125});
-  for (const int n : {1, 10, 49, 200}) {
-    const std::vector<double> p = signed_rank_distribution(n);
-    CHECK(p.size() == static_cast<std::size_t>(n * (n + 1) / 2 + 1));
-    CHECK(std::accumulate(p.begin(), p.end(), 0.0) == Approx(1).epsilon(1e-13));
-    CHECK(p.front() == std::ldexp(1.0, -n));
-    bool symmetric = true;
-    for (std::size_t v = 0; v < p.size(); ++v) symmetric = symmetric && relative(p[v], p[p.size() - 1 - v]) < 1e-13;
-    CHECK(symmetric);
+  // p of 1, -2, 3 and the like: twice the smaller tail of V, whose distribution is 1 1 1 2 1 1 1 in eighths.
+  const auto p_of = [](int n, int negative_rank) {
+    std::vector<double> differences;
+    for (int rank = 1; rank <= n; ++rank) differences.push_back(rank == negative_rank ? -rank : rank);
+    return signed_rank(differences).p_exact_permutation;
+  };
+  CHECK(p_of(3, 0) == 0.25);
+  CHECK(p_of(3, 1) == 0.5);
+  CHECK(p_of(3, 2) == 0.75);
+  CHECK(p_of(3, 3) == 1);
+  for (const int n : {10, 49, kLargestExactSignedRank}) {
+    CHECK(p_of(n, 0) == std::ldexp(1.0, 1 - n));
+    CHECK(p_of(n, 1) == std::ldexp(1.0, 2 - n));
+    CHECK(p_of(n, 3) == std::ldexp(5.0, 1 - n));  // V misses 0, 1, 2 or 3, the last in two ways
+    std::vector<double> balanced;                 // V as close to its middle as it can be: both tails hold half or more
+    int sum = 0;
+    for (int rank = n; rank >= 1; --rank) {
+      balanced.push_back(sum > 0 ? -rank : rank);
+      sum += sum > 0 ? -rank : rank;
+    }
+    CHECK(std::abs(sum) <= 1);
+    CHECK(signed_rank(balanced).p_exact_permutation == Approx(1).epsilon(1e-12));
   }
-  CHECK(signed_rank_distribution(1000).front() == std::ldexp(1.0, -1000));
 }
 
 TEST_CASE("where the exact p ends and the normal one begins", "[analysis]") {

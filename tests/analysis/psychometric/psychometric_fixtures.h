@@ -5,6 +5,7 @@
 #include <random>
 #include <vector>
 
+#include "analysis/numerics/normal.h"
 #include "analysis/numerics/special_values.h"
 #include "analysis/psychometric/psychometric.h"
 
@@ -31,6 +32,21 @@ inline double plain_cdf(PsychometricFunction function, double location, double s
       return 1 - std::exp(-std::pow(x / location, second));
     case PsychometricFunction::gumbel:
       return 1 - std::exp(-std::exp(second * (x - location)));
+  }
+  return 0;
+}
+
+// x with F(x) = p, 0 < p < 1.
+inline double plain_quantile(PsychometricFunction function, double location, double second, double p) {
+  switch (function) {
+    case PsychometricFunction::logistic:
+      return location + std::log(p / (1 - p)) / second;
+    case PsychometricFunction::gaussian:
+      return location + second * normal_quantile(p);
+    case PsychometricFunction::weibull:
+      return location * std::pow(-std::log(1 - p), 1 / second);
+    case PsychometricFunction::gumbel:
+      return location + std::log(-std::log(1 - p)) / second;
   }
   return 0;
 }

@@ -59,7 +59,7 @@ TEST_CASE("at each bound of a profile interval the likelihood, maximised anew, i
       return plain_log_likelihood(kComparison, function, location, second, 0, 0);
     };
     // Location at which a function with this second parameter has the quantity.
-    const auto unit = [&](double second, double p) { return psychometric_quantile(function, 1, second, p); };
+    const auto unit = [&](double second, double p) { return plain_quantile(function, 1, second, p); };
     const auto for_pse = [&](double pse, double second) {
       return function == PsychometricFunction::weibull ? pse / unit(second, 0.5) : pse - (unit(second, 0.5) - 1);
     };

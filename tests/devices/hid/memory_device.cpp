@@ -70,7 +70,6 @@ void MemoryDevice::step(std::uint64_t time_us) {
                   .hold_n_per_m = double{actuation_.hold_n_per_m},
                   .roll_rad = double{actuation_.roll_rad},
                   .pitch_rad = double{actuation_.pitch_rad}});
-  motor_.advance(0.001);
   jnd_fingertip_step(&firmware_);
 }
 

@@ -125,11 +125,7 @@ TEST_CASE("a map of one height, as lines and as a picture") {
   for (std::size_t at = csv.find(",0,\n"); at != std::string::npos; at = csv.find(",0,\n", at + 1)) ++empty;
   CHECK(empty == static_cast<std::size_t>(unreachable));
 
-  const std::string plot = condition_plot(map);
-  CHECK(std::count(plot.begin(), plot.end(), '\n') == 26);
-  CHECK(plot.rfind("  36.0 ", 0) == 0);
-  CHECK(plot.find("-30.0") != std::string::npos);
-  // Roll mirrors the platform in its symmetric leg: the picture reads the same upside down.
+  // Roll mirrors the platform in its symmetric leg: the map reads the same upside down.
   for (std::size_t r = 0; r < 25; ++r)
     for (std::size_t p = 0; p < 21; ++p)
       if (!std::isinf(map.at(r, p))) CHECK(map.at(r, p) == Approx(map.at(24 - r, p)).epsilon(1e-9));

@@ -350,11 +350,16 @@ TEST_CASE("a track of the Bayesian procedure has blocks of six, and ends with it
 
   // After each answer what the posterior of all answers so far says, catch trials included.
   REQUIRE(track.course.size() == track.levels.size());
-  const PosteriorConfiguration configuration = posterior_model(protocol, protocol.series[0]).configuration;
+  PosteriorConfiguration configuration = posterior_model(protocol, protocol.series[0]).configuration;
+  std::vector<double>& levels = configuration.levels;
+  levels = {0};
+  for (const double level : track.levels)
+    if (std::find(levels.begin(), levels.end(), level) == levels.end()) levels.push_back(level);
   PosteriorProcedure again(configuration);
   for (std::size_t i = 0; i < track.levels.size(); ++i) {
-    again.update_at(track.levels[i], track.correct[i]);
-    if (i % 2 == 1) again.update_at(0, false);  // every third answer was of a pair without a difference
+    const auto place = std::find(levels.begin(), levels.end(), track.levels[i]) - levels.begin();
+    again.update(static_cast<std::size_t>(place), track.correct[i]);
+    if (i % 2 == 1) again.update(0, false);  // every third answer was of a pair without a difference
     if (i + 1 == track.levels.size() && answers % 3 != 0) break;
     CHECK(track.course[i].jnd == Approx(std::exp(again.estimate().mean_ln_s)).epsilon(1e-9));
     CHECK(track.course[i].low == Approx(std::exp(again.ln_s_quantile(0.025))).epsilon(1e-9));
@@ -370,9 +375,10 @@ TEST_CASE("the posterior of all answers is what updates one by one lead to") {
   const double prior_sd = procedure.estimate().sd_ln_s;
   std::vector<AnsweredTrial> trials;
   for (int i = 0; i < 60; ++i) {
-    const double level = i % 3 == 2 ? 0 : procedure.level(procedure.choose(PosteriorSlot::different).level);
+    const std::size_t place = i % 3 == 2 ? 0 : procedure.choose(PosteriorSlot::different).level;
+    const double level = procedure.level(place);
     const bool different = i % 6 == 5 || level > 300;
-    procedure.update_at(level, different);
+    procedure.update(place, different);
     trials.push_back({{900, 900 - level}, 900, level > 0 ? 1 : 0, different ? 1 : 0});
   }
   std::reverse(trials.begin(), trials.end());
