@@ -60,9 +60,9 @@ if want faults; then
   JND_CAMPAIGN=7 beside "every write and sync fails" cases $tests/faults_tests "*every write and sync*"
   JND_CAMPAIGN=34 beside "bits flipped at rest" cases $tests/faults_tests "*flipped bit at rest*"
 fi
-want kills && beside "sessions killed 1000 times" tests/faults/kill_sessions.py build/release/runner/jnd --kills 1000
-want kills && beside "sessions on an external rig killed 100 times" \
-  tests/faults/kill_external_sessions.py build/release/runner/jnd $tests/patient_rig --kills 100
+want kills && JND_CAMPAIGN=28 beside "sessions killed 1000 times" tests/faults/kill_sessions.py build/release/runner/jnd
+want kills && JND_CAMPAIGN=13 beside "sessions on an external rig killed 100 times" \
+  tests/faults/kill_external_sessions.py build/release/runner/jnd $tests/patient_rig
 unless_skipped() { local status=0; "$@" || status=$?; [ "$status" -eq 77 ] || return "$status"; }
 want kills && JND_CAMPAIGN=10 beside "tasks of a real Slurm killed 40 times" unless_skipped tests/runner/cluster/slurm_test.py build/release/runner/jnd
 want power && JND_CAMPAIGN=12 beside "1000 power cuts" cases $tests/faults_tests "[power_loss]"

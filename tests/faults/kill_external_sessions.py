@@ -5,12 +5,11 @@ After every kill: each answer that the program had acknowledged is in the study,
 gone with its session. At the end every trial is there once, with the planned stimuli, and was delivered by the rig.
 The rig and the program have minutes for each other's words: what a busy machine does to them is no matter here.
 
-Usage: kill_external_sessions.py JND PATIENT_RIG [--kills N] [--seed N]        --kills 100 is the long form
+Usage: kill_external_sessions.py JND PATIENT_RIG [--seed N]        8 kills, times JND_CAMPAIGN
 """
 import argparse
 import contextlib
 import json
-import os
 import pathlib
 import random
 import re
@@ -20,6 +19,11 @@ import subprocess
 import sys
 import tempfile
 import time
+
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
+
+PATIENT_RIG = program.argument()
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 RIG = ROOT / "devices/external/examples/plain_rig.py"
@@ -141,15 +145,12 @@ class Campaign:
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("jnd")
-    parser.add_argument("patient_rig")
-    parser.add_argument("--kills", type=int, default=8)
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        campaign = Campaign(os.path.abspath(options.jnd), os.path.abspath(options.patient_rig), pathlib.Path(folder), options.seed)
+        campaign = Campaign(program.JND, PATIENT_RIG, pathlib.Path(folder), options.seed)
         write_inputs(campaign.folder)
-        campaign.run(options.kills)
+        campaign.run(program.campaign(8))
     print(f"{campaign.kills} kills in {campaign.studies} studies, {campaign.acknowledged} answers acknowledged, "
           f"{len(campaign.wrong)} faults found")
     for wrong in campaign.wrong:

@@ -7,7 +7,7 @@ session: simulated participants, the same with levels that their answers set by 
 a pseudo-terminal. A person's trial that was felt and not answered comes again at the end of its block, so there the tables are
 compared trial by trial, and answers with what the program said it saved.
 
-Usage: kill_sessions.py JND [--kills N] [--seed N]        --kills 1000 is the long form"""
+Usage: kill_sessions.py JND [--seed N]        36 kills, times JND_CAMPAIGN"""
 import argparse
 import contextlib
 import json
@@ -221,11 +221,10 @@ def campaign(name, make, folder, protocol, kills, generator):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--kills", type=int, default=program.campaign(36), help="of all four kinds of session together (default 36)")
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     generator = random.Random(options.seed)
-    each = -(-options.kills // 4)
+    each = -(-program.campaign(36) // 4)  # of each kind of session
     with tempfile.TemporaryDirectory() as folder:
         fixed, adaptive, posterior = (small_protocol(folder, name)
                                       for name in ("chinello2017", "adaptive-staircase", "adaptive-posterior"))
