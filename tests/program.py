@@ -100,14 +100,12 @@ def until_it_handles(number, process):
 
 
 def kill_within(process, seconds):
-    """Kills a program that runs longer; no assertion may rest on how far it has come. Returns whether it was killed."""
+    """Kills a program that runs longer; no assertion may rest on how far it has come. Returns whether it was killed, and what it printed."""
     try:
-        process.wait(timeout=seconds)
-        return False
+        return False, process.communicate(timeout=seconds)[0]
     except subprocess.TimeoutExpired:
         process.kill()
-        process.wait()
-        return True
+        return True, process.communicate()[0]
 
 
 class Terminal:

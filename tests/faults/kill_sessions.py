@@ -16,6 +16,7 @@ import random
 import re
 import select
 import sqlite3
+import subprocess
 import sys
 import tempfile
 import time
@@ -123,11 +124,10 @@ class Simulated:
 
     def run(self, kill_after):
         """True when the command finished by itself."""
-        with program.start(*self.command) as process:
-            if program.kill_within(process, kill_after):
-                return False
-            self.complaint = "" if process.returncode == 0 else f"ended with {process.returncode}: {process.stderr.read()}"
-        return True
+        with program.start(*self.command, stderr=subprocess.STDOUT) as process:
+            killed, said = program.kill_within(process, kill_after)
+        self.complaint = "" if killed or process.returncode == 0 else f"ended with {process.returncode}: {said}"
+        return not killed
 
 
 class Person:
