@@ -5,11 +5,10 @@ kept open per trial ends it. This is what sanitizers see of the program from out
 Usage: sessions_test.py JND PATIENT_RIG
 """
 import json
-import pathlib
 import resource
 import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2]))
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
 import program
 
 PATIENT_RIG = program.argument()
