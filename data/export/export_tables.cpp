@@ -123,7 +123,7 @@ void add_answer(TrialFields& fields, const Protocol& protocol, const std::string
                                     text.append(text.empty() ? "" : " ").append(csv_number(setting));
                                   return text;
                                 },
-                                {.unit = std::string(to_string(protocol.stimulus.unit))}));
+                                {.unit = to_string(protocol.stimulus.unit)}));
   if (protocol.task.sureness_levels > 0)
     fields.push_back(
         TrialField("sureness", "how sure of it, from 1", [](const R& r) { return r.record.answer.sureness; }));
@@ -277,7 +277,7 @@ std::string intervention_text(const FingerPresentation& finger) {
 void add_interval(IntervalFields& fields) {
   const auto add = [&](const char* name, const std::string& meaning, auto of, FieldTraits traits = {}) {
     fields.push_back(IntervalField(
-        name, meaning, [of](const ExportInterval& r) { return std::invoke(of, *r.presentation); }, std::move(traits)));
+        name, meaning, [of](const ExportInterval& r) { return std::invoke(of, *r.presentation); }, traits));
   };
   using P = Presentation;
   add("first_contact_s", "first contact after the interval began; empty without contact",
@@ -304,7 +304,7 @@ void add_said_by_rig(IntervalFields& fields, const Protocol& protocol) {
   fields.push_back(IntervalField(fmt::format("delivered_{}", name_suffix(protocol.stimulus.unit)),
                                  "what the rig says it delivered; empty where it does not say",
                                  [](const R& r) { return r.presentation->delivered; },
-                                 {.unit = std::string(to_string(protocol.stimulus.unit))}));
+                                 {.unit = to_string(protocol.stimulus.unit)}));
   fields.push_back(IntervalField("measured", "what else the rig measured, name=value separated by blanks",
                                  [](const R& r) { return measured_text(*r.presentation); }));
 }
@@ -319,7 +319,7 @@ void add_device(IntervalFields& fields, const Protocol& protocol, bool joints) {
         [of](const ExportInterval& r) {
           return r.finger == nullptr ? FieldValue() : field_value(std::invoke(of, *r.finger));
         },
-        std::move(traits)));
+        traits));
   };
   using F = FingerPresentation;
   const Unit unit = protocol.stimulus.unit;
@@ -371,7 +371,7 @@ std::vector<CsvColumn<ExportInterval>> interval_columns(const Protocol& protocol
           const auto place = static_cast<std::size_t>(r.interval);
           return place < stimuli.size() ? std::optional(stimuli[place]) : std::nullopt;
         },
-        {.unit = std::string(to_string(protocol.stimulus.unit))})};
+        {.unit = to_string(protocol.stimulus.unit)})};
   add_interval(fields);
   if (!protocol.rig.built_in()) add_said_by_rig(fields, protocol);
   if (!places.empty())

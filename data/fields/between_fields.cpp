@@ -7,8 +7,8 @@ namespace {
 constexpr const char* kKindsOfSessions = "real pilot simulated";
 
 template <typename Get>
-Field<BetweenRow> p_of(std::string key, std::string meaning, Get get, const std::string& title) {
-  return {std::move(key), std::move(meaning), get, {.title = title, .shown = Shown::p_value}};
+Field<BetweenRow> p_of(std::string_view key, std::string_view meaning, Get get, std::string_view title) {
+  return {key, meaning, get, {.title = title, .shown = Shown::p_value}};
 }
 
 void add_effects(Fields<BetweenRow>& fields) {

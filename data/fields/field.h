@@ -8,7 +8,7 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <functional>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -58,6 +58,15 @@ inline constexpr bool kIsNumber = std::is_arithmetic_v<T> && !std::is_same_v<T, 
 template <typename T>
 inline constexpr bool kIsNumber<std::optional<T>> = kIsNumber<T>;
 
+// What a member of a row, or a function of it, holds. std::invoke takes several times as long to compile.
+template <typename Get, typename Row>
+decltype(auto) read(const Get& get, const Row& row) {
+  if constexpr (std::is_member_object_pointer_v<Get>)
+    return (row.*get);
+  else
+    return get(row);
+}
+
 // How a table shows a number.
 enum class Shown {
   number,   // with the field's digits
@@ -66,13 +75,13 @@ enum class Shown {
   compact  // four digits that count, for numbers of any size
 };
 
-// What need not be said of every field.
+// What need not be said of every field. Its texts are read while the field is made, so temporary ones may be given there.
 struct FieldTraits {
-  std::optional<std::string> column{};  // of CSV files, where it is not the key; "" where they leave the field out
-  std::string unit{};
-  std::string levels{};                // of texts and flags: the values that occur, separated by blanks
-  std::optional<std::string> title{};  // above a column of a table, where it is not the key
-  int digits = 3;                      // of numbers in a table
+  std::optional<std::string_view> column{};  // of CSV files, where it is not the key; "" where they leave the field out
+  std::string_view unit{};
+  std::string_view levels{};                // of texts and flags: the values that occur, separated by blanks
+  std::optional<std::string_view> title{};  // above a column of a table, where it is not the key
+  int digits = 3;                           // of numbers in a table
   Shown shown = Shown::number;
   double factor = 1;  // of the number in a table: slopes are read per 100 N/m
   // Of CSV files: the type of the cells, where the value's own does not tell; whether a cell may hold several levels;
@@ -82,25 +91,14 @@ struct FieldTraits {
   Reveals reveals = Reveals::plan;
 };
 
-template <typename Row>
-struct Field {
-  // get: a member of the row, or a function of it.
-  template <typename Get>
-  Field(std::string name, std::string means, Get get, FieldTraits traits = {})
-      : key(std::move(name)),
-        column(traits.column.value_or(key)),
-        title(traits.title.value_or(key)),
-        meaning(std::move(means)),
-        unit(std::move(traits.unit)),
-        levels(std::move(traits.levels)),
-        number(kIsNumber<std::remove_cvref_t<std::invoke_result_t<Get, const Row&>>>),
-        digits(traits.digits),
-        shown(traits.shown),
-        factor(traits.factor),
-        type(traits.type.value_or(cell_type<std::remove_cvref_t<std::invoke_result_t<Get, const Row&>>>())),
-        several(traits.several),
-        reveals(traits.reveals),
-        of([get](const Row& row) { return field_value(std::invoke(get, row)); }) {}
+// A field without the type of its rows. Nothing of it is inline, as several hundred fields are made.
+class FieldCore {
+ public:
+  FieldCore(const FieldCore& other);
+  FieldCore(FieldCore&& other) noexcept;
+  FieldCore& operator=(const FieldCore& other);
+  FieldCore& operator=(FieldCore&& other) noexcept;
+  ~FieldCore();
 
   std::string key;  // dots lead into objects of JSON
   std::string column, title, meaning, unit, levels;
@@ -111,14 +109,44 @@ struct Field {
   CellType type;
   bool several;
   Reveals reveals;
-  std::function<FieldValue(const Row&)> of;
+
+ protected:
+  struct Getter {
+    virtual ~Getter();
+    virtual FieldValue of(const void* row) const = 0;
+  };
+  // Takes the getter over.
+  FieldCore(std::string_view name, std::string_view means, const FieldTraits& traits, bool is_number, CellType of_value,
+            const Getter* get);
+  std::shared_ptr<const Getter> getter;
+};
+
+template <typename Row>
+class Field : public FieldCore {
+ public:
+  // get: a member of the row, or a function of it.
+  template <typename Get>
+  Field(std::string_view name, std::string_view means, Get get, const FieldTraits& traits = {})
+      : FieldCore(name, means, traits, kIsNumber<ValueOf<Get>>, cell_type<ValueOf<Get>>(), new GetterOf<Get>(get)) {}
+
+  FieldValue of(const Row& row) const { return getter->of(&row); }
+
+ private:
+  template <typename Get>
+  using ValueOf = std::remove_cvref_t<decltype(read(std::declval<const Get&>(), std::declval<const Row&>()))>;
+  template <typename Get>
+  struct GetterOf final : Getter {
+    explicit GetterOf(Get from) : get(from) {}
+    FieldValue of(const void* row) const override { return field_value(read(get, *static_cast<const Row*>(row))); }
+    Get get;
+  };
 };
 
 // What JSON and tables have and CSV files have not.
 template <typename Row, typename Get>
-Field<Row> beside(std::string key, Get get, FieldTraits traits = {}) {
+Field<Row> beside(std::string_view key, Get get, FieldTraits traits = {}) {
   traits.column = "";
-  return {std::move(key), "", get, std::move(traits)};
+  return {key, "", get, traits};
 }
 
 template <typename Row>
@@ -139,7 +167,7 @@ std::vector<CsvColumn<Row>> csv_columns(const Fields<Row>& fields) {
   for (const Field<Row>& field : fields)
     if (!field.column.empty())
       columns.push_back({field.column, field.meaning, field.unit, field.levels,
-                         [get = field.of](const Row& row) { return csv_value(get(row)); }, field.reveals, field.type,
+                         [field](const Row& row) { return csv_value(field.of(row)); }, field.reveals, field.type,
                          field.several});
   return columns;
 }

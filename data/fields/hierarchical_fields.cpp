@@ -39,13 +39,13 @@ void add_standard(Fields<Row>& fields, const Protocol& protocol, const Series& s
 }
 
 // Of quantities of any size, or of stiffnesses.
-FieldTraits in_study_unit(const Protocol& protocol, const std::string& prefix, std::optional<std::string> title = {}) {
-  FieldTraits traits{.column = in_unit(prefix, protocol),
-                     .unit = std::string(to_string(protocol.stimulus.unit)),
-                     .title = std::move(title),
-                     .digits = stiffness_decimals(protocol)};
-  if (has_standards(protocol)) traits.shown = Shown::compact;
-  return traits;
+FieldTraits in_study_unit(const Protocol& protocol, std::string_view column,
+                          std::optional<std::string_view> title = {}) {
+  return {.column = column,
+          .unit = to_string(protocol.stimulus.unit),
+          .title = title,
+          .digits = stiffness_decimals(protocol),
+          .shown = has_standards(protocol) ? Shown::compact : Shown::number};
 }
 
 // What it means, of a study whose JND is not the usual one.
@@ -110,13 +110,14 @@ Fields<HierarchicalConditionRow> hierarchical_fields(const Protocol& protocol, S
            "jnd",
            "JND of the median person, the geometric mean over people; empty where status says why" +
                jnd_meaning(protocol),
-           [](const R& r) { return r.one->jnd; }, in_study_unit(protocol, "jnd_", jnd_title(protocol) + " " + unit)),
+           [](const R& r) { return r.one->jnd; },
+           in_study_unit(protocol, in_unit("jnd_", protocol), jnd_title(protocol) + " " + unit)),
        F(
            "ci_low", "lower end of its 95 % interval (profile likelihood); 0 where the answers leave it open",
-           [](const R& r) { return r.one->ci_low; }, in_study_unit(protocol, "jnd_ci95_low_")),
+           [](const R& r) { return r.one->ci_low; }, in_study_unit(protocol, in_unit("jnd_ci95_low_", protocol))),
        F(
            "ci_high", "upper end; Inf where the answers leave it open", [](const R& r) { return r.one->ci_high; },
-           in_study_unit(protocol, "jnd_ci95_high_")),
+           in_study_unit(protocol, in_unit("jnd_ci95_high_", protocol))),
        F("weber", has_standards(protocol) ? "that JND / standard" : "that JND / reference",
          [](const R& r) { return r.one->weber; }, {.title = "Weber", .shown = Shown::percent})});
   if (has_choices(protocol))
@@ -126,16 +127,16 @@ Fields<HierarchicalConditionRow> hierarchical_fields(const Protocol& protocol, S
              "pse",
              "point of subjective equality of the group: the standard plus the mean bias; empty without a JND, and where it "
              "is taken as the standard",
-             [](const R& r) { return r.one->pse; }, in_study_unit(protocol, "pse_", "PSE " + unit)),
+             [](const R& r) { return r.one->pse; }, in_study_unit(protocol, in_unit("pse_", protocol), "PSE " + unit)),
          F(
              "pse_low", "lower end of its 95 % interval (profile likelihood); -Inf where the answers leave it open",
-             [](const R& r) { return r.one->pse_low; }, in_study_unit(protocol, "pse_ci95_low_")),
+             [](const R& r) { return r.one->pse_low; }, in_study_unit(protocol, in_unit("pse_ci95_low_", protocol))),
          F(
              "pse_high", "upper end; Inf where the answers leave it open", [](const R& r) { return r.one->pse_high; },
-             in_study_unit(protocol, "pse_ci95_high_")),
+             in_study_unit(protocol, in_unit("pse_ci95_high_", protocol))),
          F(
              "bias", "PSE less the standard", [](const R& r) { return r.one->criterion; },
-             in_study_unit(protocol, "bias_", "bias " + unit))});
+             in_study_unit(protocol, in_unit("bias_", protocol), "bias " + unit))});
   else
     fields.push_back(F(
         "criterion",
@@ -297,15 +298,16 @@ Fields<HierarchicalVariantRow> hierarchical_variant_fields(const Protocol& proto
          {.levels = "ok zero at_limit not_identified not_converged"}),
        F(
            "jnd", "JND of the group with this in the model; empty where status or jnd_status says why",
-           [](const R& r) { return r.with->jnd; }, in_study_unit(protocol, "jnd_", jnd_title(protocol))),
+           [](const R& r) { return r.with->jnd; },
+           in_study_unit(protocol, in_unit("jnd_", protocol), jnd_title(protocol))),
        F(
            "ci_low",
            "lower end of its 95 % interval (profile likelihood); 0 where the answers leave it open; empty of lapse, and where a "
            "condition has no JND or the parameter no upper bound",
-           [](const R& r) { return r.with->ci_low; }, in_study_unit(protocol, "jnd_ci95_low_")),
+           [](const R& r) { return r.with->ci_low; }, in_study_unit(protocol, in_unit("jnd_ci95_low_", protocol))),
        F(
            "ci_high", "upper end; Inf where the answers leave it open", [](const R& r) { return r.with->ci_high; },
-           in_study_unit(protocol, "jnd_ci95_high_")),
+           in_study_unit(protocol, in_unit("jnd_ci95_high_", protocol))),
        F("width_ratio", "how many times as wide the interval of ln JND is as without this; empty where one is open",
          [](const R& r) { return r.width_ratio(); }, {.title = "times as wide", .digits = 2}),
        F("jnd_status", "what that JND is", [](const R& r) { return word_of(kSlopeStatusWords, r.with->status); },
@@ -330,24 +332,24 @@ Fields<HierarchicalPerson> hierarchical_person_fields(const Protocol& protocol, 
                "of the hierarchical model where the registered threshold is no JND; empty where its status says why"
              : "the registered JND of the participant, from these answers alone; empty where its status says why" +
                    jnd_meaning(protocol),
-         &R::separate, in_study_unit(protocol, "jnd_separate_", "separate " + jnd)),
+         &R::separate, in_study_unit(protocol, in_unit("jnd_separate_", protocol), "separate " + jnd)),
        F("separate_status", "what that is", &R::separate_status,
          {.levels = "ok no_sensitivity ceiling no_information"}),
        F("alone",
          "the JND from these answers alone by the observer of the hierarchical model; empty where its status "
          "says why",
-         &R::alone, in_study_unit(protocol, "jnd_alone_", "by its observer")),
+         &R::alone, in_study_unit(protocol, in_unit("jnd_alone_", protocol), "by its observer")),
        F("alone_status", "what that is", [](const R& r) { return word_of(kSlopeStatusWords, r.alone_status); },
          {.levels = kSlopeStatuses}),
        F("jnd",
          "the JND given everybody's answers, drawn towards the group's: exp of the mean of ln JND; empty where status "
          "says why",
-         &R::jnd, in_study_unit(protocol, "jnd_shrunken_", "shrunken " + jnd)),
+         &R::jnd, in_study_unit(protocol, in_unit("jnd_shrunken_", protocol), "shrunken " + jnd)),
        F("ln_sd", "standard deviation of ln JND given the same, at the group's estimates", &R::ln_sd,
          {.column = "ln_jnd_sd", .title = "sd of its ln"})});
   if (has_choices(protocol))
     fields.push_back(F("bias", "PSE less the standard, given the same; empty where that of the group is", &R::criterion,
-                       in_study_unit(protocol, "bias_", "bias")));
+                       in_study_unit(protocol, in_unit("bias_", protocol), "bias")));
   else
     fields.push_back(F("criterion", "criterion given the same, as in hierarchical.csv", &R::criterion));
   fields.push_back(F("status", "ok, missing (no counted trial), or no_group_jnd (nothing to be drawn towards)",

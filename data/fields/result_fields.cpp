@@ -22,9 +22,9 @@ std::string unit_name(const Protocol& protocol) {
 }
 
 template <typename Row, typename Get>
-Field<Row> p_field(std::string key, std::string meaning, Get get, FieldTraits traits = {}) {
+Field<Row> p_field(std::string_view key, std::string_view meaning, Get get, FieldTraits traits = {}) {
   traits.shown = Shown::p_value;
-  return {std::move(key), std::move(meaning), get, std::move(traits)};
+  return {key, meaning, get, traits};
 }
 
 template <typename Row>

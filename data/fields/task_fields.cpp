@@ -31,7 +31,7 @@ Field<Row> standard_of_row(const Protocol& protocol) {
             if (!task_of(protocol.task.kind).has_standard() && !protocol.task.modulus) return std::nullopt;
             return protocol.series[static_cast<std::size_t>(row.series)].standard;
           },
-          {.unit = std::string(to_string(protocol.stimulus.unit)), .title = "value"}};
+          {.unit = to_string(protocol.stimulus.unit), .title = "value"}};
 }
 
 const TaskOutcome& outcome_at(const std::vector<TaskOutcome>& outcomes, std::size_t place) {
