@@ -4,6 +4,7 @@
 
 #include "data/log/event_body.h"
 #include "data/study/study_impl.h"
+#include "protocols/input/json_text.h"
 
 namespace jnd {
 
@@ -21,7 +22,7 @@ std::vector<DevicePlace> device_places(const Study& study, const Protocol& proto
     for (const SessionInfo& session : sessions) {
       query.bind(1, session.id);
       if (query.executeStep()) {
-        const auto body = nlohmann::ordered_json::parse(query.getColumn(0).getString(), nullptr, false);
+        const auto body = json_if_valid(query.getColumn(0).getString());
         for (const Presentation& presentation : trial_record_from(body).presentations)
           for (const FingerPresentation& finger : presentation.fingers)
             if (finger.finger >= 0 && finger.finger < fingers) places.insert({finger.finger, finger.channel});

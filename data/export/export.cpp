@@ -25,6 +25,7 @@
 #include "data/study/study_impl.h"
 #include "data/study/trial_rows.h"
 #include "protocols/course/prescription.h"
+#include "protocols/input/json_text.h"
 #include "protocols/input/sha256.h"
 
 namespace jnd {
@@ -90,7 +91,7 @@ class RecordFiles {
   }
 
   ExportTrial trial_of(const SessionInfo& session, const Event& event) const {
-    ExportTrial row{session, event.seq, to_iso8601(event.stamp.utc_ns), trial_record_from(Json::parse(event.body)), {}};
+    ExportTrial row{session, event.seq, to_iso8601(event.stamp.utc_ns), trial_record_from(json_from(event.body)), {}};
     const TrialRecord& record = row.record;
     if (!record.trial.practice)
       row.excluded_reason =
@@ -105,7 +106,7 @@ class RecordFiles {
   }
 
   void add_voided(const SessionInfo& session, const Event& event, const std::set<std::pair<int, int>>& answered) {
-    const auto body = Json::parse(event.body);
+    const auto body = json_from(event.body);
     ExportVoided row{
         session, event.seq, to_iso8601(event.stamp.utc_ns), trial_from(body), whole_at(body, "attempt"), {}, {},
         {},      {}};
@@ -119,7 +120,7 @@ class RecordFiles {
   }
 
   void add_answer(const SessionInfo& session, const Event& event) {
-    const auto body = Json::parse(event.body);
+    const auto body = json_from(event.body);
     const auto text_at = [&](const char* key) {
       return body.contains(key) && body.at(key).is_string() ? body.at(key).get<std::string>() : std::string();
     };
@@ -146,7 +147,7 @@ void write_telemetry(const Study& study, const SessionInfo& session, const std::
                      TelemetryFiles& written, ExportFolder& files) {
   const std::string sub = "sub-" + session.participant + "/";
   for (const Event& event : events) {
-    const auto body = nlohmann::ordered_json::parse(event.body, nullptr, false);
+    const auto body = json_if_valid(event.body);
     const std::vector<TelemetryBlob> named = named_telemetry(body);
     if (named.empty()) continue;
     const std::vector<TelemetryBlob> stored = study.telemetry(session.id, event.seq);

@@ -12,6 +12,7 @@
 #include "data/log/event_body.h"
 #include "data/log/utc_time.h"
 #include "data/study/study_impl.h"
+#include "protocols/input/json_text.h"
 
 namespace jnd {
 
@@ -98,7 +99,7 @@ LogRow taken_back_row(const Event& completed, const Event& voided, const Json& a
 template <typename Read>
 LogRow read_row(const Event& event, Read&& read) {
   try {
-    return read(Json::parse(event.body));
+    return read(json_from(event.body));
   } catch (const Json::exception& error) {
     throw StorageError(fmt::format("session {}, event {} ({}): the body cannot be read: {}; run jnd verify",
                                    event.session, event.seq, event.kind, error.what()));

@@ -9,6 +9,7 @@
 #include "data/log/body_numbers.h"
 #include "data/log/presentation_body.h"
 #include "data/log/storage_error.h"
+#include "protocols/input/json_text.h"
 #include "protocols/tasks/task.h"
 
 namespace jnd {
@@ -220,7 +221,7 @@ std::string_view to_string(Question::Kind kind) noexcept {
 }
 
 std::string body_text(const Json& body) {
-  return body.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return json_text(body);
 }
 
 // device.fault: the cause of a stop and the last ticks before it, as a table with named columns.

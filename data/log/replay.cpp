@@ -9,6 +9,7 @@
 #include "data/log/body_numbers.h"
 #include "data/log/event_body.h"
 #include "data/log/storage_error.h"
+#include "protocols/input/json_text.h"
 
 namespace jnd {
 
@@ -155,7 +156,7 @@ SessionState replay(const std::vector<Event>& events) {
   SessionState state;
   for (const Event& event : events) {
     try {
-      if (const auto change = course_event_from(event.kind, Json::parse(event.body))) jnd::apply(*change, state);
+      if (const auto change = course_event_from(event.kind, json_from(event.body))) jnd::apply(*change, state);
     } catch (const StorageError& error) {
       throw StorageError(fmt::format("session {}, event {} ({}): {}; run jnd verify", event.session, event.seq,
                                      event.kind, error.what()));

@@ -11,6 +11,7 @@
 #include "data/log/trial_body.h"
 #include "data/study/study_impl.h"
 #include "data/study/trial_rows.h"
+#include "protocols/input/json_text.h"
 
 namespace jnd {
 
@@ -50,7 +51,7 @@ constexpr const char* kTrialsWithTicks =
 
 PressedTrial pressed(const Study::Impl& impl, const SessionInfo& session, SQLite::Statement& query) {
   const std::int64_t seq = query.getColumn(0).getInt64();
-  const TrialRecord record = trial_record_from(nlohmann::ordered_json::parse(query.getColumn(1).getString()));
+  const TrialRecord record = trial_record_from(json_from(query.getColumn(1).getString()));
   PressedTrial trial{session.participant, record.trial.index, record.trial.condition, {}};
   for (const TelemetryBlob& blob : impl.telemetry(session.id, seq))
     trial.intervals.push_back(press_trace(blob, record));

@@ -13,6 +13,7 @@
 #include "data/log/exploration_body.h"
 #include "data/log/storage_error.h"
 #include "data/results/study_analysis.h"
+#include "protocols/input/json_text.h"
 
 namespace jnd {
 
@@ -81,11 +82,11 @@ class EventReader {
   void read(const Event& event, std::size_t row) {
     try {
       if (event.kind == event_kind::kQuestionAnswered)
-        read_answer(Json::parse(event.body), row);
+        read_answer(json_from(event.body), row);
       else if (event.kind == event_kind::kExploration)
-        read_exploration(exploration_from(Json::parse(event.body), protocol_.stimulus.unit));
+        read_exploration(exploration_from(json_from(event.body), protocol_.stimulus.unit));
       else if (event.kind == event_kind::kExplorationVoided)
-        read_voided(Json::parse(event.body));
+        read_voided(json_from(event.body));
     } catch (const nlohmann::json::exception& error) {
       throw StorageError(fmt::format("session {}, event {} ({}): the body cannot be read: {}; run jnd verify",
                                      event.session, event.seq, event.kind, error.what()));

@@ -11,6 +11,7 @@
 #include "data/log/plain_name.h"
 #include "data/study/schema.h"
 #include "data/study/study_impl.h"
+#include "protocols/input/json_text.h"
 
 namespace jnd {
 
@@ -50,7 +51,7 @@ std::map<std::string, SessionInfo> opened_sessions(const std::string& path, SQLi
   while (query.executeStep()) {
     const std::string id = query.getColumn(0).getString();
     try {
-      SessionInfo info = opened_info(id, Json::parse(query.getColumn(1).getString()));
+      SessionInfo info = opened_info(id, json_from(query.getColumn(1).getString()));
       info.started = query.getColumn(2).getString();
       sessions.emplace(id, std::move(info));
     } catch (const StorageError& error) {
@@ -97,7 +98,7 @@ std::map<ParticipantKey, bool> excluded_participants(SQLite::Database& database)
   std::map<ParticipantKey, bool> excluded;
   while (query.executeStep()) {
     // A body that cannot be read is verify's to report.
-    const Json body = Json::parse(query.getColumn(0).getString(), nullptr, false);
+    const Json body = json_if_valid(query.getColumn(0).getString());
     if (!body.is_object()) continue;
     const std::optional<SessionKind> kind = session_kind_from(text_at(body, "kind"));
     const auto replace = body.find("replace");
@@ -125,7 +126,7 @@ std::vector<SessionInfo> Study::Impl::sessions() const {
                  "SELECT session, body, kind, max(seq) FROM event WHERE kind IN ('session.left', 'session.resumed') "
                  "GROUP BY session",
                  by_id, [](SessionInfo& info, SQLite::Statement& row) {
-                   const Json body = Json::parse(row.getColumn(1).getString(), nullptr, false);
+                   const Json body = json_if_valid(row.getColumn(1).getString());
                    if (info.state != "closed" || !body.is_object()) return;
                    const auto for_good = body.find("for_good");
                    info.ended_early = row.getColumn(2).getString() == event_kind::kLeft && for_good != body.end() &&

@@ -8,6 +8,7 @@
 #include "data/log/event_body.h"
 #include "data/log/utc_time.h"
 #include "data/study/study_impl.h"
+#include "protocols/input/json_text.h"
 
 namespace jnd {
 
@@ -89,7 +90,7 @@ std::vector<ExcludedParticipant> excluded_from(const Study& study) {
   for (const Event& event : study.study_events()) {
     if (event.kind != event_kind::kExcluded) continue;
     try {
-      const auto body = nlohmann::ordered_json::parse(event.body);
+      const auto body = json_from(event.body);
       const std::optional<SessionKind> kind = session_kind_from(body.at("kind").get<std::string>());
       if (!kind) throw StorageError(fmt::format("unknown kind of session \"{}\"", body.at("kind").get<std::string>()));
       excluded.push_back({body.at("participant").get<std::string>(), *kind, body.at("reason").get<std::string>(),

@@ -8,6 +8,7 @@
 #include "data/log/event_body.h"
 #include "data/study/schema.h"
 #include "data/study/study_impl.h"
+#include "protocols/input/json_text.h"
 
 namespace jnd {
 
@@ -36,7 +37,7 @@ bool tells_of_origin(std::string_view kind) {
 }
 
 Json kept_body(const Json& event) {
-  return Json::parse(event.value("body", ""), nullptr, false);
+  return json_if_valid(event.value("body", ""));
 }
 
 // The bodies that tell where the file came from, down to the first studies: what the second event of the chain says,
@@ -68,7 +69,7 @@ class Gathering {
       const std::string kind = query.getColumn(1).getString();
       facts_.hashes.insert(query.getColumn(3).getString());
       try {
-        take(seq, kind, Json::parse(query.getColumn(2).getString()));
+        take(seq, kind, json_from(query.getColumn(2).getString()));
       } catch (const Json::exception& error) {
         problem(seq, kind, fmt::format("the body cannot be read: {}", error.what()), Reveals::plan);
       }

@@ -22,6 +22,7 @@
 #include "data/verify/verify_session.h"
 #include "data/verify/verify_telemetry.h"
 #include "protocols/input/input_error.h"
+#include "protocols/input/json_text.h"
 #include "protocols/input/sha256.h"
 #include "protocols/reading/protocol_json.h"
 
@@ -174,7 +175,7 @@ class Verifier {
     const std::string where = fmt::format("Session {}, event {}", event.session, event.seq);
     if (!known_kind(event.kind)) problem(where, ": unknown kind \"{}\".", event.kind);
     try {
-      const Json body = Json::parse(event.body);
+      const Json body = json_from(event.body);
       telemetry_->check(event, body, report_.problems);
       if (check_)
         check_->check(event, body);

@@ -11,6 +11,7 @@
 #include "data/log/body_numbers.h"
 #include "data/log/event_body.h"
 #include "data/verify/course_of_questions.h"
+#include "protocols/input/json_text.h"
 #include "protocols/planning/adaptive_run.h"
 #include "protocols/tasks/task.h"
 
@@ -265,7 +266,7 @@ void check_course(const Protocol& protocol, const Plan& plan, const std::vector<
   const bool marks = std::any_of(events.begin(), events.end(),
                                  [](const Event& event) { return event.kind == event_kind::kTrialBegan; });
   Course course(protocol, plan, marks, problem);
-  for (const Event& event : events) course.follow(event, Json::parse(event.body));
+  for (const Event& event : events) course.follow(event, json_from(event.body));
 }
 
 }  // namespace jnd

@@ -17,6 +17,7 @@
 #include "data/verify/verify_course.h"
 #include "data/verify/verify_delivery.h"
 #include "protocols/input/input_error.h"
+#include "protocols/input/json_text.h"
 #include "protocols/planning/plan.h"
 #include "protocols/reading/protocol_json.h"
 
@@ -130,7 +131,7 @@ class DeepVerifier {
   }
 
   static std::uint64_t seed_of(const Event& opened) {
-    const auto text = Json::parse(opened.body).at("seed").get<std::string>();
+    const auto text = json_from(opened.body).at("seed").get<std::string>();
     const std::optional<std::uint64_t> seed = seed_from(text);
     if (!seed) throw StorageError(fmt::format("the seed \"{}\" is not a number of 64 bits", text));
     return *seed;
@@ -141,7 +142,7 @@ class DeepVerifier {
     if (event.kind != event_kind::kTrialCompleted && !exploration) return;
     const std::vector<TelemetryBlob> blobs = study_.telemetry(event.session, event.seq);
     if (blobs.empty()) return;
-    const Json body = Json::parse(event.body);
+    const Json body = json_from(event.body);
     const Unit unit = protocol.stimulus.unit;
     for (const TelemetryBlob& blob : blobs) {
       if (is_trace(blob.bytes)) continue;  // nothing of the event was computed from it

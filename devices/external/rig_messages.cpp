@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "protocols/input/json_text.h"
+
 namespace jnd {
 
 namespace {
@@ -9,7 +11,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::string line_of(const Json& message) {
-  return message.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(message) + "\n";
 }
 
 Json to_json(const RigExploration& exploration) {

@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "protocols/input/json_text.h"
 #include "protocols/input/read_file.h"
 #include "protocols/input/resources.h"
 #include "protocols/planning/allotment.h"
@@ -90,7 +91,7 @@ const char* plans_text(Plans plans) {
 }
 
 nlohmann::ordered_json value_json(const std::string& text) {
-  return text.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json::parse(text);
+  return text.empty() ? nlohmann::ordered_json(nullptr) : json_from(text);
 }
 
 void print_difference_json(const DiffOptions& options, const ProtocolDifference& difference, Plans plans) {

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/input/json_text.h"
 #include "protocols/planning/adaptive_run.h"
 #include "protocols/protocol.h"
 #include "protocols/tasks/task.h"
@@ -104,10 +105,6 @@ const TaskStart& start_of(TaskKind task) {
   return *std::find_if(kTasks.begin(), kTasks.end(), [&](const TaskStart& start) { return start.kind == task; });
 }
 
-ordered_json parsed(std::string_view text) {
-  return ordered_json::parse(text);
-}
-
 // The tasks' own questions are about stiffness.
 std::string question_about(const std::string& quantity, const TaskStart& start) {
   if (quantity == "stiffness") return std::string(start.asks);
@@ -145,7 +142,7 @@ ordered_json trial_section(const TaskStart& start, const Task& task, const TaskS
   }
   cues["question"] = {{"kind", "sound"}, {"say", question}};
   trial["cues"] = std::move(cues);
-  if (!start.keys.empty()) trial["keys"] = parsed(start.keys);
+  if (!start.keys.empty()) trial["keys"] = json_from(start.keys);
   return trial;
 }
 
@@ -165,7 +162,7 @@ void add_classes(ordered_json& protocol, const std::vector<double>& values) {
 }
 
 ordered_json conditions_section(const StartingPoint& point, const RigStart& rig) {
-  if (point.conditions.empty()) return {parsed(rig.condition)};
+  if (point.conditions.empty()) return {json_from(rig.condition)};
   ordered_json list = ordered_json::array();
   for (const StartingPoint::Condition& condition : point.conditions) {
     list.push_back({{"name", condition.name}, {"label", condition.label}});
@@ -299,7 +296,7 @@ StartingPoint filled_in(StartingPoint point) {
   if (explores) return point;
   const RigStart& rig = rig_start(point.rig);
   const TaskStart& start = start_of(point.task);
-  const ordered_json stimulus = parsed(rig.stimulus);
+  const ordered_json stimulus = json_from(rig.stimulus);
   if (point.quantity.empty()) point.quantity = stimulus["quantity"];
   if (point.question.empty()) point.question = question_about(point.quantity, start);
   if (point.unit.empty()) point.unit = stimulus["unit"];
@@ -323,11 +320,11 @@ ordered_json starting_protocol(const StartingPoint& given) {
 
   ordered_json protocol = opening(point.title);
   if (!point.language.empty()) protocol["language"] = point.language;
-  protocol["rig"] = parsed(rig.rig);
+  protocol["rig"] = json_from(rig.rig);
   if (point.rig == kSpecimenRig) protocol["rig"]["specimens"] = specimens(values, standard);
   protocol["paradigm"] = to_string(point.task);
   protocol["trial"] = trial_section(start, task, {}, point.question);
-  protocol["stimulus"] = parsed(rig.stimulus);
+  protocol["stimulus"] = json_from(rig.stimulus);
   protocol["stimulus"]["quantity"] = point.quantity;
   protocol["stimulus"]["unit"] = point.unit;
   if (pairs) protocol["stimulus"]["reference"] = standard;
@@ -353,7 +350,7 @@ ordered_json starting_protocol(const StartingPoint& given) {
        {"text", fmt::format("In each trial you feel what is presented and answer the question: {}", point.question)}}};
   if (!point.ratings.empty()) protocol["questions"] = ratings_section(point.ratings);
   protocol["feedback"] = "none";
-  protocol["analysis"] = parsed(start.analysis);
+  protocol["analysis"] = json_from(start.analysis);
   return protocol;
 }
 

@@ -11,6 +11,7 @@
 #include "data/log/event_body.h"
 #include "data/log/utc_time.h"
 #include "data/study/trial_rows.h"
+#include "protocols/input/json_text.h"
 #include "protocols/planning/condition_codes.h"
 #include "protocols/version.h"
 #include "runner/drawing/svg.h"
@@ -42,7 +43,7 @@ void add_trials(const Study& study, const SessionInfo& session, const std::set<s
                 CsvFile<ExportTrial>& trials) {
   for (const Event& event : study.events(session.id)) {
     if (event.kind != event_kind::kTrialCompleted || not_counted.contains(event.seq)) continue;
-    const auto body = nlohmann::ordered_json::parse(event.body, nullptr, false);
+    const auto body = json_if_valid(event.body);
     if (body.is_discarded())
       throw StorageError(fmt::format("session {}, event {} ({}): the body cannot be read; run jnd verify", session.id,
                                      event.seq, event.kind));

@@ -14,6 +14,7 @@
 #include "analysis/numerics/words.h"
 #include "data/files/draft.h"
 #include "protocols/input/input_error.h"
+#include "protocols/input/json_text.h"
 #include "protocols/input/sha256.h"
 #include "protocols/reading/protocol_json.h"
 #include "protocols/version.h"
@@ -155,7 +156,7 @@ StudyShard read_shard(const std::filesystem::path& file) {
         fmt::format("{}: is not a shard of simulated studies (give the files that --to has written)", name_of(file)));
   };
   try {
-    ordered_json json = ordered_json::parse(text.str());
+    ordered_json json = json_from(text.str());
     if (json.at("format") != kFormat) throw no_shard();
     const auto hash = json.at("sha256").get<std::string>();
     json.erase("sha256");

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "protocols/input/input_error.h"
+#include "protocols/input/json_text.h"
 #include "runner/terminal/terminal.h"
 
 namespace jnd {
@@ -28,7 +29,7 @@ inline nlohmann::ordered_json json_numbers(const std::vector<double>& values) {
 
 // One line for standard output, which may be a terminal; text that is not UTF-8 keeps its readable part.
 inline std::string json_line(const nlohmann::ordered_json& value) {
-  return printable_json(value.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  return printable_json(json_text(value));
 }
 
 // Prints one JSON document on a line.

@@ -10,6 +10,7 @@
 #include "analysis/numerics/words.h"
 #include "protocols/input/input_error.h"
 #include "protocols/input/json_reader.h"
+#include "protocols/input/json_text.h"
 #include "protocols/input/read_file.h"
 #include "protocols/input/sha256.h"
 
@@ -230,7 +231,7 @@ std::string to_json(const ButtonMapping& mapping) {
     json["buttons"].push_back(std::move(entry));
   }
   json["debounce_ms"] = mapping.debounce_ms;
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 }  // namespace jnd

@@ -1,13 +1,14 @@
 #include "devices/hid/calibration/calibration_certificate.h"
 
 #include <algorithm>
+#include <array>
 #include <ctime>
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include "devices/hid/report_words.h"
 #include "protocols/input/input_error.h"
+#include "protocols/input/json_text.h"
 #include "protocols/input/read_file.h"
 #include "protocols/input/sha256.h"
 
@@ -66,7 +67,7 @@ Json stiffness_json(const CalibrationRecord& record) {
 std::string hash_of(Json document) {
   document.erase("sha256");
   document.erase("id");
-  return sha256_hex(document.dump(-1, ' ', false, Json::error_handler_t::replace));
+  return sha256_hex(json_text(document));
 }
 
 }  // namespace
@@ -92,7 +93,11 @@ Json certificate_of(const CalibrationRecord& record) {
                     {"limit", finding.limit},
                     {"unit", finding.unit},
                     {"ok", finding.ok}});
-  const std::tm utc = fmt::gmtime(static_cast<std::time_t>(record.utc_ns / 1'000'000'000));
+  const auto seconds = static_cast<std::time_t>(record.utc_ns / 1'000'000'000);
+  std::tm utc{};
+  ::gmtime_r(&seconds, &utc);
+  std::array<char, 32> text{};
+  const std::string time(text.data(), std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &utc));
   Json document = {{"format", 1},
                    {"kind", kKind},
                    {"device",
@@ -101,8 +106,8 @@ Json certificate_of(const CalibrationRecord& record) {
                      {"finger", finger_word(record.identity.finger)},
                      {"firmware", firmware_text(record.identity)},
                      {"former_calibration_id", calibration_id_of(record.identity)}}},
-                   {"date", fmt::format("{:%Y-%m-%d}", utc)},
-                   {"utc", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", utc)},
+                   {"date", time.substr(0, time.find('T'))},
+                   {"utc", time},
                    {"program", record.program},
                    {"operator", record.operator_name},
                    {"reference", record.reference},
@@ -113,7 +118,7 @@ Json certificate_of(const CalibrationRecord& record) {
                    {"force", force_json(record)},
                    {"stiffness", stiffness_json(record)}};
   // As a reader of the file will have it, so that numbers and text have the very same bytes there.
-  document = Json::parse(document.dump(-1, ' ', false, Json::error_handler_t::replace));
+  document = json_from(json_text(document));
   const std::string hash = hash_of(document);
   document["sha256"] = hash;
   document["id"] = hash.substr(0, kIdDigits);
@@ -131,7 +136,7 @@ jnd_certificate stored_certificate(const Json& certificate) {
 }
 
 Json load_certificate(const std::filesystem::path& path) {
-  Json document = Json::parse(read_input_file(path), nullptr, false);
+  Json document = json_if_valid(read_input_file(path));
   const auto text = [&document](const char* key) {
     return document.is_object() && document.contains(key) && document[key].is_string()
                ? document[key].get<std::string>()
