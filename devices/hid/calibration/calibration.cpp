@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 
-#include <Eigen/Dense>
 #include <fmt/format.h>
 
+#include "analysis/numerics/box_newton.h"
+#include "analysis/numerics/moments.h"
 #include "analysis/numerics/special_values.h"
 #include "protocols/input/input_error.h"
 
@@ -48,15 +50,29 @@ std::vector<double> knots_among(std::vector<double> levels, std::size_t count) {
   return knots;
 }
 
-// Row: how the height at `sensor` follows from the first knot's height and the rises to each next one.
-Eigen::RowVectorXd basis(const std::vector<double>& knots, double sensor) {
-  Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(static_cast<Eigen::Index>(knots.size()));
-  row[0] = 1;
+// The line of least squares through places and values; flat where all places are the same.
+struct Line {
+  double slope = 0, intercept = 0;
+};
+Line line_through(std::span<const double> places, std::span<const double> values) {
+  const double middle = moments(places).mean, mean = moments(values).mean;
+  double products = 0, spread = 0;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    products += (places[i] - middle) * (values[i] - mean);
+    spread += (places[i] - middle) * (places[i] - middle);
+  }
+  const double slope = spread > 0 ? products / spread : 0;
+  return {slope, mean - slope * middle};
+}
+
+// How the height at `sensor` follows from the first knot's height and the rises to each next one.
+std::vector<double> basis(const std::vector<double>& knots, double sensor) {
+  std::vector<double> row = {1};
   for (std::size_t i = 1; i < knots.size(); ++i) {
     double share = (sensor - knots[i - 1]) / (knots[i] - knots[i - 1]);
     if (i > 1) share = std::max(share, 0.0);                 // below the first knot the first piece goes on
     if (i + 1 < knots.size()) share = std::min(share, 1.0);  // above the last one, the last piece
-    row[static_cast<Eigen::Index>(i)] = share;
+    row.push_back(share);
   }
   return row;
 }
@@ -68,33 +84,38 @@ struct Candidate {
 
 // Least squares with every rise at least its least: the best of all choices of rises held there. At most 2^5 of them.
 Candidate fit_rising(const std::vector<double>& knots, std::span<const ForcePoint> points) {
-  const auto size = static_cast<Eigen::Index>(knots.size());
-  Eigen::MatrixXd rows(static_cast<Eigen::Index>(points.size()), size);
-  Eigen::VectorXd known(static_cast<Eigen::Index>(points.size()));
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    rows.row(static_cast<Eigen::Index>(i)) = basis(knots, points[i].sensor.mean);
-    known[static_cast<Eigen::Index>(i)] = points[i].known_n;
-  }
-  Eigen::VectorXd least(size);
-  least[0] = 0;
-  for (Eigen::Index i = 1; i < size; ++i)
-    least[i] = kLeastSlope * (knots[static_cast<std::size_t>(i)] - knots[static_cast<std::size_t>(i) - 1]);
+  std::vector<std::vector<double>> rows;
+  for (const ForcePoint& point : points) rows.push_back(basis(knots, point.sensor.mean));
+  std::vector<double> least = {0};
+  for (std::size_t i = 1; i < knots.size(); ++i) least.push_back(kLeastSlope * (knots[i] - knots[i - 1]));
+  const auto left = [&](std::size_t point, const std::vector<double>& rises) {
+    return std::inner_product(rises.begin(), rises.end(), rows[point].begin(), -points[point].known_n);
+  };
 
   Candidate best;
-  Eigen::VectorXd best_rises;
-  for (unsigned held = 0; held < (1U << static_cast<unsigned>(size - 1)); ++held) {
-    std::vector<Eigen::Index> free = {0};
-    Eigen::VectorXd rises = least;
-    for (Eigen::Index i = 1; i < size; ++i)
-      if ((held & (1U << static_cast<unsigned>(i - 1))) == 0) free.push_back(i);
-    for (const Eigen::Index i : free) rises[i] = 0;
-    const Eigen::MatrixXd part = rows(Eigen::all, free);
-    const Eigen::VectorXd rest = known - rows * rises;
-    const Eigen::VectorXd solved = part.completeOrthogonalDecomposition().solve(rest);
-    rises(free) = solved;
-    if (((rises - least).tail(size - 1).array() < -1e-12).any()) continue;
-    const double sum = (rows * rises - known).squaredNorm();
-    if (sum >= best.sum_of_squares) continue;
+  std::vector<double> best_rises;
+  for (unsigned held = 0; held < 1U << (knots.size() - 1); ++held) {
+    std::vector<double> rises = least;
+    std::vector<std::size_t> free;
+    for (std::size_t i = 0; i < knots.size(); ++i)
+      if (((held << 1U) & (1U << i)) == 0) {
+        rises[i] = 0;
+        free.push_back(i);
+      }
+    std::vector<double> squares(free.size() * free.size()), solved(free.size());
+    for (std::size_t point = 0; point < points.size(); ++point)
+      for (std::size_t i = 0; i < free.size(); ++i) {
+        solved[i] -= rows[point][free[i]] * left(point, rises);
+        for (std::size_t j = 0; j < free.size(); ++j)
+          squares[i * free.size() + j] += rows[point][free[i]] * rows[point][free[j]];
+      }
+    if (!solve_positive_definite(squares, solved)) continue;
+    for (std::size_t i = 0; i < free.size(); ++i) rises[free[i]] = solved[i];
+    bool rising = true;
+    for (std::size_t i = 1; i < knots.size(); ++i) rising = rising && rises[i] - least[i] >= -1e-12;
+    double sum = 0;
+    for (std::size_t point = 0; point < points.size(); ++point) sum += std::pow(left(point, rises), 2);
+    if (!rising || sum >= best.sum_of_squares) continue;
     best.sum_of_squares = sum;
     best_rises = rises;
   }
@@ -143,13 +164,12 @@ void check_readings(std::span<const ForcePoint> points) {
     throw InputError(fmt::format("calibration: {} point{} at {} known force{}: at least three of three are needed",
                                  points.size(), points.size() == 1 ? "" : "s", levels.size(),
                                  levels.size() == 1 ? "" : "s"));
-  Eigen::MatrixX2d line(static_cast<Eigen::Index>(points.size()), 2);
-  Eigen::VectorXd sensor(static_cast<Eigen::Index>(points.size()));
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    line.row(static_cast<Eigen::Index>(i)) << 1, points[i].known_n;
-    sensor[static_cast<Eigen::Index>(i)] = points[i].sensor.mean;
+  std::vector<double> known, sensor;
+  for (const ForcePoint& point : points) {
+    known.push_back(point.known_n);
+    sensor.push_back(point.sensor.mean);
   }
-  const double gain = line.colPivHouseholderQr().solve(sensor).eval()[1];
+  const double gain = line_through(known, sensor).slope;
   if (!(gain >= kLeastGain && gain <= kMostGain))
     throw InputError(
         fmt::format("calibration: the sensor shows {:.3g} N for each known newton, where {:g} to {:g} can be: look "
@@ -175,14 +195,11 @@ ReadingSummary summarise_readings(std::span<const double> times_s, std::span<con
   ReadingSummary out;
   out.count = static_cast<int>(std::min(times_s.size(), values.size()));
   if (out.count < 2) throw InputError("calibration: fewer than two readings: the device tells nothing");
-  const auto n = static_cast<Eigen::Index>(out.count);
-  const Eigen::ArrayXd t = Eigen::Map<const Eigen::ArrayXd>(times_s.data(), n);
-  const Eigen::ArrayXd y = Eigen::Map<const Eigen::ArrayXd>(values.data(), n);
-  out.mean = y.mean();
-  const Eigen::ArrayXd from_mean = t - t.mean();
-  out.sd = std::sqrt((y - out.mean).square().sum() / static_cast<double>(n - 1));
-  const double spread = from_mean.square().sum();
-  out.drift_per_s = spread > 0 ? (from_mean * (y - out.mean)).sum() / spread : 0;
+  const auto n = static_cast<std::size_t>(out.count);
+  const Moments of_values = moments(values.first(n));
+  out.mean = of_values.mean;
+  out.sd = of_values.sd;
+  out.drift_per_s = line_through(times_s.first(n), values.first(n)).slope;
   return out;
 }
 
@@ -276,23 +293,26 @@ std::vector<CalibrationFinding> judge_force(const ForceFit& fit, std::span<const
 }
 
 StiffnessFit fit_stiffness(double asked_n_per_m, std::span<const StiffnessPoint> points) {
-  const auto n = static_cast<Eigen::Index>(points.size());
-  Eigen::ArrayXd depth(n), force(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    depth[i] = points[static_cast<std::size_t>(i)].depth_m;
-    force[i] = points[static_cast<std::size_t>(i)].force.mean;
+  std::vector<double> depth, force;
+  bool finite = asked_n_per_m > 0;
+  for (const StiffnessPoint& point : points) {
+    depth.push_back(point.depth_m);
+    force.push_back(point.force.mean);
+    finite = finite && std::isfinite(point.depth_m) && std::isfinite(point.force.mean);
   }
-  if (n < 3 || !depth.allFinite() || !force.allFinite() || !(asked_n_per_m > 0))
-    throw InputError(fmt::format("calibration: {} readings of a stiffness of {:g} N/m: at least three are needed", n,
-                                 asked_n_per_m));
-  const Eigen::ArrayXd from_mean = depth - depth.mean();
-  const double spread = from_mean.square().sum();
-  if (!(spread > 0)) throw InputError("calibration: all depths of a stiffness are the same: take different ones");
+  if (points.size() < 3 || !finite)
+    throw InputError(fmt::format("calibration: {} readings of a stiffness of {:g} N/m: at least three are needed",
+                                 points.size(), asked_n_per_m));
+  const auto [least, most] = std::minmax_element(depth.begin(), depth.end());
+  if (*least == *most) throw InputError("calibration: all depths of a stiffness are the same: take different ones");
   StiffnessFit fit;
   fit.asked_n_per_m = asked_n_per_m;
-  fit.slope_n_per_m = (from_mean * force).sum() / spread;
-  fit.intercept_n = force.mean() - fit.slope_n_per_m * depth.mean();
-  fit.rms_n = std::sqrt((fit.intercept_n + fit.slope_n_per_m * depth - force).square().mean());
+  const Line line = line_through(depth, force);
+  fit.slope_n_per_m = line.slope;
+  fit.intercept_n = line.intercept;
+  double sum = 0;
+  for (std::size_t i = 0; i < depth.size(); ++i) sum += std::pow(line.intercept + line.slope * depth[i] - force[i], 2);
+  fit.rms_n = std::sqrt(sum / static_cast<double>(depth.size()));
   return fit;
 }
 
