@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cctype>
-#include <regex>
 #include <sstream>
+#include <string_view>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -92,13 +92,15 @@ NamedCommand named_command(const CLI::App& program, const std::vector<std::strin
 std::string problem_of(const CLI::ParseError& error) {
   std::string text = error.what();
   // "--task: wich not in {which,yes-no}", from CLI::IsMember.
-  static const std::regex not_among(R"(([^:]+): (.*) not in \{(.*)\})");
-  if (std::smatch parts; std::regex_match(text, parts, not_among)) {
+  constexpr std::string_view kNotAmong = " not in {";
+  const std::size_t colon = text.find(": "), among = text.rfind(kNotAmong);
+  if (colon != std::string::npos && among != std::string::npos && among >= colon + 2 && text.ends_with('}')) {
+    const std::string given = text.substr(colon + 2, among - colon - 2);
     std::vector<std::string> words;
-    std::istringstream list(parts[3].str());
+    std::istringstream list(text.substr(among + kNotAmong.size(), text.size() - 1 - among - kNotAmong.size()));
     for (std::string word; std::getline(list, word, ',');) words.push_back(word);
-    return fmt::format("{} takes {}, not '{}'{}", parts[1].str(), listed({words.begin(), words.end()}), parts[2].str(),
-                       did_you_mean(parts[2].str(), words));
+    return fmt::format("{} takes {}, not '{}'{}", text.substr(0, colon), listed({words.begin(), words.end()}), given,
+                       did_you_mean(given, words));
   }
   if (text == "STUDY is required") return fmt::format("STUDY is missing, and {} names none", kStudyVariable);
   while (!text.empty() && (text.back() == '\n' || text.back() == '.')) text.pop_back();
