@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstddef>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -10,13 +12,13 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "analysis/ratings/identification.h"
 #include "analysis/ratings/rating_roc.h"
 #include "analysis/ratings/sureness.h"
 #include "protocols/input/csv_table.h"
 #include "runner/calc/calc.h"
-#include "runner/calc/csv_groups.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/json_output.h"
 #include "runner/terminal/number_text.h"
@@ -26,6 +28,46 @@
 namespace jnd {
 
 namespace {
+
+// Rows of one group, in the order of the file; without the column one group without a name.
+struct RowGroup {
+  std::optional<std::string> name;
+  std::vector<std::size_t> rows;
+};
+
+// Groups in the order of their first row.
+std::vector<RowGroup> row_groups(const CsvTable& table) {
+  std::vector<RowGroup> groups;
+  std::map<std::optional<std::string>, std::size_t> places;
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    std::optional<std::string> name;
+    if (table.has("group")) name = table.text(row, "group");
+    const auto [place, added] = places.try_emplace(name, groups.size());
+    if (added) groups.push_back({name, {}});
+    groups[place->second].rows.push_back(row);
+  }
+  return groups;
+}
+
+// Null without a name.
+nlohmann::ordered_json name_json(const RowGroup& group) {
+  return group.name ? nlohmann::ordered_json(*group.name) : nlohmann::ordered_json(nullptr);
+}
+
+// "all" without a name; printable.
+std::string name_text(const RowGroup& group) {
+  return printable(group.name.value_or("all"));
+}
+
+// Adds the count in column n of a row to sum. Throws InputError, located, where it is not a whole number of 0 or more,
+// or the sum would pass a thousand million.
+void add_count(const CsvTable& table, std::size_t row, int& sum) {
+  constexpr int kMost = 1'000'000'000;
+  const int n = table.integer(row, "n", 0, kMost);
+  if (n > kMost - sum)
+    table.fail(row, "n", "more than a thousand million answers of one kind", "leave out rows that were counted twice");
+  sum += n;
+}
 
 using nlohmann::ordered_json;
 using Align = TextTable::Align;

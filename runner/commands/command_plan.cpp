@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
 #include "data/study/blinding.h"
 #include "protocols/planning/adaptive_run.h"
@@ -9,10 +10,10 @@
 #include "protocols/planning/cohort.h"
 #include "protocols/planning/condition_codes.h"
 #include "protocols/planning/plan.h"
+#include "protocols/protocol.h"
 #include "protocols/tasks/same_different_task.h"
 #include "protocols/tasks/task.h"
 #include "runner/commands/commands.h"
-#include "runner/commands/plan_explorations.h"
 #include "runner/commands/power_options.h"
 #include "runner/commands/precision_options.h"
 #include "runner/opening/participant_names.h"
@@ -26,6 +27,43 @@
 namespace jnd {
 
 namespace {
+
+const Condition& condition_of(const Protocol& protocol, const ExplorationSlot& slot) {
+  return protocol.conditions[static_cast<std::size_t>(slot.condition)];
+}
+
+const std::string& object_of(const Protocol& protocol, const ExplorationSlot& slot) {
+  return protocol.explore->objects[static_cast<std::size_t>(slot.object)];
+}
+
+// A table of conditions and objects in order.
+void print_explorations(const Protocol& protocol, const Plan& plan) {
+  using Align = TextTable::Align;
+  TextTable table({"part", "block", "condition", "object", "s", ""},
+                  {Align::right, Align::right, Align::left, Align::left, Align::right, Align::left});
+  int block = 1;
+  for (const ExplorationSlot& slot : plan.explorations) {
+    if (slot.block != block) table.rule();
+    block = slot.block;
+    table.add({std::to_string(slot.index), std::to_string(slot.block), condition_of(protocol, slot).name,
+               object_of(protocol, slot), fmt::format("{:g}", slot.duration_s),
+               condition_of(protocol, slot).devices ? "with devices" : "without devices"});
+  }
+  fmt::print("{}", table.text());
+}
+
+// Rows of index, block, condition, devices, object and duration_s.
+nlohmann::ordered_json explorations_json(const Protocol& protocol, const Plan& plan) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const ExplorationSlot& slot : plan.explorations)
+    rows.push_back({{"index", slot.index},
+                    {"block", slot.block},
+                    {"condition", condition_of(protocol, slot).name},
+                    {"devices", condition_of(protocol, slot).devices},
+                    {"object", object_of(protocol, slot)},
+                    {"duration_s", slot.duration_s}});
+  return rows;
+}
 
 struct PlanOptions {
   std::string protocol;

@@ -1,8 +1,12 @@
 // jnd device calibrate: known forces against what the device measures, a certificate, and a table in the device.
 #include <filesystem>
+#include <optional>
+#include <string>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
 
 #include "devices/device_error.h"
 #include "devices/hid/calibration/calibration_bench.h"
@@ -15,7 +19,6 @@
 #include "runner/device_commands/device_options.h"
 #include "runner/device_commands/device_output.h"
 #include "runner/device_commands/hid_devices.h"
-#include "runner/device_commands/typing_operator.h"
 #include "runner/keys/interrupt.h"
 #include "runner/terminal/exit_code.h"
 #include "runner/terminal/standard_streams.h"
@@ -25,6 +28,41 @@
 namespace jnd {
 
 namespace {
+
+// Thread rule: one thread, the only one that reads standard input meanwhile.
+class TypingOperator final : public CalibrationOperator {
+ public:
+  void ask(const std::string& question) override;
+  std::optional<std::string> answer() override;
+  void say(const std::string& text) override;
+
+ private:
+  std::string typed_;  // of the line that is not complete
+};
+
+void TypingOperator::ask(const std::string& question) {
+  print_message("{}: ", printable(question));
+}
+
+void TypingOperator::say(const std::string& text) {
+  print_message("  {}\n", printable(text));
+}
+
+std::optional<std::string> TypingOperator::answer() {
+  pollfd ready{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
+  while (poll(&ready, 1, 0) > 0) {
+    char character = 0;
+    const ssize_t got = ::read(STDIN_FILENO, &character, 1);
+    if (got != 1) throw InputError("calibration: the input ended before the last point; nothing was changed");
+    if (character == '\n') {
+      std::string line;
+      line.swap(typed_);
+      return line;
+    }
+    typed_ += character;
+  }
+  return std::nullopt;
+}
 
 struct DeviceCalibrateOptions {
   std::string name;                       // serial number or path
