@@ -14,7 +14,7 @@ SHELL = r"""\bu?sleep\ ["'$\d.]|\btimeout\ ["'$\d-]|\bread\ -t"""
 PYTHON = r"""\bsleep\(|\btimeout=(?!(program\.)?GUARD_S\b|None\b)|\bsettimeout\(|\.(wait|join|get|poll|communicate)\((\w+, )?[\d.]
              |\b(monotonic|perf_counter|process_time|time|thread_time)(_ns)?\(\)|\bTimer\(|\balarm\(|\bselect\((?![^\n]*\],\ \[\]\))"""
 CPP = r"""\b(sleep_for|sleep_until|usleep|nanosleep|clock_nanosleep|sleep|alarm|setitimer|timerfd_settime)\(|_clock::now\(|\bclock_gettime\(
-          |\b(wait_for|wait_until)\(\w*lock|\bp?poll\((?![^;]*,\ -1\))|\b(minutes|seconds|milliseconds|microseconds)[({][\d']|\d(ms|us|s|min)\b(?=[;,)\ ])"""
+          |\b(wait_for|wait_until)\(\w*lock|\bp?poll\((?![^;]*,\ -1\))|\b(minutes(?!\(10\))|seconds|milliseconds|microseconds)[({][\d']|\d(ms|us|s|min)\b(?=[;,)\ ])"""
 EMBEDDED = r"""\btime\.(sleep|monotonic)\("""  # Python in a text of C++
 KINDS = {".py": [PYTHON, SHELL], ".cpp": [CPP, EMBEDDED, SHELL], ".h": [CPP, EMBEDDED, SHELL], ".c": [CPP], ".sh": [SHELL], "": [SHELL],
          ".txt": [r"\bTIMEOUT\b"]}

@@ -5,11 +5,11 @@ After every kill: each answer that the program had acknowledged is in the study,
 gone with its session. At the end every trial is there once, with the planned stimuli, and was delivered by the rig.
 The rig and the program have minutes for each other's words: what a busy machine does to them is no matter here.
 
-Usage: kill_external_sessions.py JND PATIENT_RIG [--seed N]        8 kills, times JND_CAMPAIGN
-"""
+Usage: kill_external_sessions.py JND PATIENT_RIG [--seed N]        8 kills, times JND_CAMPAIGN"""
 import argparse
 import contextlib
 import json
+import os
 import pathlib
 import random
 import re
@@ -24,13 +24,11 @@ sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
 import program
 
 PATIENT_RIG = program.argument()
-
-ROOT = pathlib.Path(__file__).resolve().parents[2]
+ROOT = program.ROOT
 RIG = ROOT / "devices/external/examples/plain_rig.py"
 SAVED = re.compile(r"saved: trial (\d+), (\w+)")
 FINISHED_BEFORE = "has finished this study"
 TRIALS = 4
-GUARD_S = 600
 
 
 def write_inputs(folder):
@@ -46,11 +44,11 @@ def write_inputs(folder):
     protocol["design"].update(trials_per_cell=TRIALS // 2, order={"series": "fixed", "conditions": "fixed"})
     protocol["analysis"]["contrasts"] = []
     (folder / "which.json").write_text(json.dumps(protocol), encoding="utf-8")
-    text = RIG.read_text(encoding="utf-8").replace("heard > 0.1", f"heard > {GUARD_S}")
+    text = RIG.read_text(encoding="utf-8").replace("heard > 0.1", f"heard > {program.GUARD_S}")
     text = text.replace("abs(elapsed_s % 1.0", "abs(10 * elapsed_s % 1.0")  # ten presses a second: sessions are over soon
     (folder / "rig.py").write_text(text, encoding="utf-8")
     (folder / "rig.json").write_text(json.dumps({"format": 1, "title": "plain rig", "external": {
-        "command": [sys.executable, str(folder / "rig.py")], "hello_s": GUARD_S, "prepare_s": GUARD_S}}), encoding="utf-8")
+        "command": [sys.executable, str(folder / "rig.py")], "hello_s": program.GUARD_S, "prepare_s": program.GUARD_S}}), encoding="utf-8")
 
 
 def running(text):
@@ -64,24 +62,18 @@ def running(text):
 
 
 class Campaign:
-    def __init__(self, jnd, patient_rig, folder, seed):
-        self.jnd, self.patient_rig, self.folder, self.generator = jnd, patient_rig, folder, random.Random(seed)
+    def __init__(self, folder, seed):
+        self.folder, self.generator = folder, random.Random(seed)
         self.kills = self.studies = self.acknowledged = self.voided = 0
         self.wrong = []
 
     def session(self, study, kill_after):
         """None where it was killed, else its exit code; with what it printed."""
-        process = subprocess.Popen(
-            [self.patient_rig, "rig.json", "run", "./which.json", "--study", study, "--participant", "P01", "--plain", "--seed", "4",
-             "--responder", "chinello2017", "--override-readiness", "a machine that runs tests"],
-            cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, text=True)
-        try:
-            said, _ = process.communicate(timeout=kill_after)
-            return process.returncode, said
-        except subprocess.TimeoutExpired:
-            process.kill()
-            said, _ = process.communicate()
-            return None, said
+        with program.start("rig.json", "run", "./which.json", "--study", study, "--participant", "P01", "--plain", "--seed", "4",
+                           "--responder", "chinello2017", "--override-readiness", "a machine that runs tests",
+                           program=PATIENT_RIG, folder=self.folder, stderr=subprocess.STDOUT) as process:
+            killed, said = program.kill_within(process, kill_after)
+        return None if killed else process.returncode, said
 
     def answers(self, study):
         """By their place in the session, which is what the screen names: a trial that was interrupted comes later."""
@@ -101,13 +93,13 @@ class Campaign:
             if answers.get(number) != answer:
                 self.wrong.append(f"{study}: answer {number}, {answer}, was acknowledged; the study has {answers.get(number)}")
         if (self.folder / study).exists():
-            verify = subprocess.run([self.jnd, "verify", study, "--deep"], cwd=self.folder, capture_output=True, text=True)
+            verify = program.run("verify", study, "--deep", folder=self.folder, code=None)
             if verify.returncode != 0:
-                self.wrong.append(f"{study}: {verify.stdout}{verify.stderr}")
+                self.wrong.append(f"{study}: {verify.said}")
         for left in running(str(self.folder / "rig.py")):
             with contextlib.suppress(ProcessLookupError):
                 with open(os.pidfd_open(left), "rb") as process:  # can be read once it has ended
-                    if not select.select([process], [], [], GUARD_S)[0]:
+                    if not select.select([process], [], [], program.GUARD_S)[0]:
                         self.wrong.append(f"{study}: the rig's process {left} is still there")
 
     def run(self, kills):
@@ -148,7 +140,7 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        campaign = Campaign(program.JND, PATIENT_RIG, pathlib.Path(folder), options.seed)
+        campaign = Campaign(pathlib.Path(folder), options.seed)
         write_inputs(campaign.folder)
         campaign.run(program.campaign(8))
     print(f"{campaign.kills} kills in {campaign.studies} studies, {campaign.acknowledged} answers acknowledged, "

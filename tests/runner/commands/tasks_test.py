@@ -1,21 +1,18 @@
 #!/usr/bin/env python3
 """Every task from outside: the shipped studies of others planned, rehearsed, verified, analysed, exported and reported; a session on specimens,
-keys in and screen out; and one on a rig of the laboratory's own.
-
-Usage: tasks_test.py JND PATIENT_RIG
-"""
-import csv
+keys in and screen out; and one on a rig of the laboratory's own."""
 import json
-import os
 import pathlib
 import sqlite3
 import subprocess
 import sys
 import tempfile
-import unittest
 
-JND, PATIENT_RIG = map(os.path.abspath, (sys.argv.pop(1), sys.argv.pop(1))) if len(sys.argv) > 2 else (None, None)
-ROOT = pathlib.Path(__file__).resolve().parents[3]
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
+
+PATIENT_RIG = program.argument()
+ROOT = program.ROOT
 # The rig's watchdog, too, is nothing for a busy machine; and its finger presses four times a second, to be done soon.
 PLAIN_RIG = (ROOT / "devices/external/examples/plain_rig.py").read_text().replace("heard > 0.1", "heard > 600").replace(
     "elapsed_s % 1.0", "4 * elapsed_s % 1.0")
@@ -31,27 +28,21 @@ TASKS = ("same-different", "which", "yes-no", "identify", "oddity", "abx", "magn
 ADAPTIVE = ("same-different", "which", "yes-no", "oddity", "abx")
 
 
-class Tasks(unittest.TestCase):
-    def setUp(self):
-        self.temporary = tempfile.TemporaryDirectory()
-        self.folder = pathlib.Path(self.temporary.name)
-        self.addCleanup(self.temporary.cleanup)
-
-    def jnd(self, *arguments, code=0, keys=None):
-        done = subprocess.run([JND, *map(str, arguments)], capture_output=True, text=True, cwd=self.folder, input=keys)
-        self.assertEqual(done.returncode, code, f"{arguments}: {done.stdout}{done.stderr}")
+class Tasks(program.Case):
+    def jnd(self, *arguments, keys=None, **options):
+        done = super().jnd(*arguments, input=keys, **options)
         return done.stdout + (done.stderr if keys is not None else "")
 
     def test_every_study_goes_all_the_way(self):
         for name, outcome in STUDIES.items():
             with self.subTest(name):
                 study = self.folder / f"{name}.sqlite"
-                self.assertTrue(json.loads(self.jnd("check", name, "--json"))["ok"])
-                plan = json.loads(self.jnd("plan", name, "--participant", 2, "--seed", 3, "--json"))["trials"]
+                self.assertTrue(program.parse(self.jnd("check", name, "--json"))["ok"])
+                plan = program.parse(self.jnd("plan", name, "--participant", 2, "--seed", 3, "--json"))["trials"]
                 self.assertIn("arrangements", self.jnd("plan", name, "--cohort", 4, "--seed", 3))
                 self.jnd("simulate", name, "--participants", 3, "--study", study, "--seed", 3)
                 self.jnd("verify", study, "--deep")
-                results = json.loads(self.jnd("analyze", study, "--json"))
+                results = program.parse(self.jnd("analyze", study, "--json"))
                 self.assertEqual(results["outcome"], outcome)
                 self.assertEqual(len({row["participant"] for row in results["participants"]}), 3)
                 used = [row["n_used"] for row in results["group"] if row["outcome"] == outcome]
@@ -64,8 +55,7 @@ class Tasks(unittest.TestCase):
                     suffix = next(column for column in rows[0] if column.startswith("stimulus_1_"))
                     self.assertEqual([float(row[suffix]) for row in rows if row["practice"] == "0"],
                                      [trial["stimuli"][0] for trial in main])
-                with open(self.folder / name / "dictionary.csv", newline="") as file:
-                    columns = {row["column"] for row in csv.DictReader(file)}
+                columns = {row["column"] for row in self.rows(name, "dictionary.csv")}
                 self.assertIn(outcome, columns)
                 self.assertIn("the task", (self.folder / name / "methods.md").read_text())
                 self.jnd("report", study, "--to", self.folder / f"{name}.html")
@@ -76,11 +66,11 @@ class Tasks(unittest.TestCase):
             with self.subTest(name):
                 study = f"{name}.sqlite"
                 self.jnd("simulate", name, "--participants", 4, "--study", study, "--seed", 5)
-                model = json.loads(self.jnd("analyze", study, "--json"))["hierarchical"]
+                model = program.parse(self.jnd("analyze", study, "--json"))["hierarchical"]
                 self.assertEqual(model["status"], "ok")
                 self.assertEqual(model["observer"], "choice" if task == "which" else "yes_no")
                 self.jnd("export", study, "--to", name)
-                said = json.loads(self.jnd("calc", "hierarchical", *self.counts(name, task), "--json"))
+                said = program.parse(self.jnd("calc", "hierarchical", *self.counts(name, task), "--json"))
                 places = {condition: place for place, condition in enumerate(said["conditions"])}
                 for one in model["conditions"]:
                     place = places[one["condition"]]
@@ -90,8 +80,7 @@ class Tasks(unittest.TestCase):
                         self.assertAlmostEqual(one["bias"], said["alpha"][place], delta=0.05)
                         self.assertTrue(one["pse_low"] < one["pse"] < one["pse_high"])
                 self.assertAlmostEqual(model["equal"]["p"], said["p_equal_mu"], delta=1e-4)
-                with open(self.folder / name / "hierarchical.csv", newline="") as file:
-                    rows = list(csv.DictReader(file))
+                rows = self.rows(name, "hierarchical.csv")
                 self.assertEqual([row["condition"] for row in rows], [one["condition"] for one in model["conditions"]])
                 self.assertEqual("pse_" in "".join(rows[0]), task == "which")
                 text = self.jnd("analyze", study, "--tests", "--participants")
@@ -144,7 +133,7 @@ class Tasks(unittest.TestCase):
                 command = ("simulate", name, "--participants", 3, "--seed", 4)
                 self.jnd(*command, "--study", f"{name}.sqlite")
                 kept = self.jnd("analyze", f"{name}.sqlite", "--json")
-                self.assertEqual(json.loads(self.jnd(*command, "--no-study", "--json")), json.loads(kept))
+                self.assertEqual(program.parse(self.jnd(*command, "--no-study", "--json")), json.loads(kept))
                 shown = self.jnd(*command, "--no-study")
                 self.assertIn(" by condition", shown)
         self.assertEqual(set(pathlib.Path(tempfile.gettempdir()).glob("jnd-simulated-*")), before)
@@ -155,13 +144,11 @@ class Tasks(unittest.TestCase):
             for rig in ("rrs3", "mckibben", "rrs3+mckibben", "external", "specimens"):
                 for procedure in ("constant", "staircase", "quest", "posterior"):
                     name = self.folder / f"{task}-{rig}-{procedure}.json"
-                    done = subprocess.run([JND, "new", name, "--task", task, "--rig", rig, "--procedure", procedure],
-                                          capture_output=True, text=True)
+                    done = program.run("new", name, "--task", task, "--rig", rig, "--procedure", procedure, code=(0, program.USAGE))
                     if done.returncode == 2:
                         refused.add((task, rig, procedure))
                         continue
-                    self.assertEqual(done.returncode, 0, done.stderr)
-                    checked = json.loads(self.jnd("check", name, "--json"))
+                    checked = program.parse(self.jnd("check", name, "--json"))
                     self.assertTrue(checked["ok"], (task, rig, procedure, checked["errors"]))
                     self.assertLess(max(map(len, name.read_text().splitlines())), 160)
                     if procedure == "constant" and rig in ("rrs3", "external") or rig == "external" and (
@@ -180,7 +167,7 @@ class Tasks(unittest.TestCase):
 
     def test_the_list_names_every_shipped_protocol(self):
         shipped = {path.stem for path in (ROOT / "protocols").rglob("*.json") if path.name != "protocol.schema.json"}
-        self.assertEqual({one["name"] for one in json.loads(self.jnd("new", "--list", "--json"))}, shipped)
+        self.assertEqual({one["name"] for one in program.parse(self.jnd("new", "--list", "--json"))}, shipped)
         listed = self.jnd("new", "--list")
         for task in (*TASKS, "explore"):
             self.assertIn(f"{task}: ", listed)
@@ -191,16 +178,10 @@ class Tasks(unittest.TestCase):
             self.jnd("new", *wrong, code=2)
         self.assertFalse((self.folder / "x.json").exists())
 
-    def rows(self, path):
-        with open(self.folder / path, newline="") as file:
-            return list(csv.DictReader(file))
-
     def session_on(self, rig, protocol, study, keys):
         """A session of P01 on a rig of the laboratory's own, verified and exported. Returns its trials."""
-        done = subprocess.run([PATIENT_RIG, rig, "run", protocol, "--study", f"{study}.sqlite", "--participant", "P01", "--plain",
-                               "--seed", "4", "--override-readiness", "a machine that runs tests"],
-                              capture_output=True, text=True, cwd=self.folder, input=keys)
-        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        super().jnd(rig, "run", protocol, "--study", f"{study}.sqlite", "--participant", "P01", "--plain",
+                    "--seed", "4", "--override-readiness", "a machine that runs tests", program=PATIENT_RIG, input=keys)
         self.jnd("verify", f"{study}.sqlite", "--deep")
         self.jnd("export", f"{study}.sqlite", "--to", study, "--kind", "pilot")
         return self.trials(study)
@@ -244,7 +225,7 @@ class Tasks(unittest.TestCase):
                               trial={"keys": {"less": "1", "more": "2", "accept": "0"}}, analysis={"outcome": "pse"},
                               rig={"specimens": [{"value": 500, "codes": ["7"]}, {"value": 800, "codes": ["K", "M"]},
                                                  {"value": 1200, "codes": ["5"]}]})
-        plan = json.loads(self.jnd("plan", protocol, "--participant", 1, "--seed", 4, "--json"))["trials"]
+        plan = program.parse(self.jnd("plan", protocol, "--participant", 1, "--seed", 4, "--json"))["trials"]
         starts = [trial["stimuli"][1] for trial in plan]
         self.assertEqual(sorted(starts), [500, 1200])
         keys = "".join(" " * 3 + ("2" if start == 500 else "1") + " " * 2 + "0" for start in starts)
@@ -275,7 +256,7 @@ class Tasks(unittest.TestCase):
         path.write_text(json.dumps(protocol))
         self.jnd("simulate", path, "--participants", 2, "--study", "q.sqlite", "--seed", 5)
         self.jnd("verify", "q.sqlite", "--deep")
-        results = json.loads(self.jnd("analyze", "q.sqlite", "--json"))
+        results = program.parse(self.jnd("analyze", "q.sqlite", "--json"))
         self.assertEqual(len(results["sureness"]), 2 * len(protocol["conditions"]))
         self.jnd("export", "q.sqlite", "--to", "q")
         trials = [row for row in self.trials("q", "P01") if row["practice"] == "0"]
@@ -290,7 +271,7 @@ class Tasks(unittest.TestCase):
                 counts[delta, category] = counts.get((delta, category), 0) + 1
         text = "delta,category,n\n" + "".join(f"{d:g},{c},{n}\n" for (d, c), n in sorted(counts.items()))
         (self.folder / "sure.csv").write_text(text)
-        calc = json.loads(self.jnd("calc", "sureness", "sure.csv", "--json"))
+        calc = program.parse(self.jnd("calc", "sureness", "sure.csv", "--json"))
         ours = next(row for row in results["sureness"] if row["participant"] == "P01" and row["condition"] == condition)
         self.assertAlmostEqual(ours["jnd"], calc["sigma"], places=6)
         self.assertIn("how sure", self.jnd("analyze", "q.sqlite", "--behaviour"))
@@ -302,13 +283,13 @@ class Tasks(unittest.TestCase):
                           "--plain", "--seed", 4, "--override-readiness", "a machine that runs tests", keys=(" " * 3 + "1") * 4)
         self.assertEqual(screen.count("Hand over"), 8, screen)
         codes = {500: "7", 800: "K", 1200: "5"}
-        plan = json.loads(self.jnd("plan", protocol, "--participant", 1, "--seed", 4, "--json"))["trials"]
+        plan = program.parse(self.jnd("plan", protocol, "--participant", 1, "--seed", 4, "--json"))["trials"]
         handed = [line.split("Hand over", 1)[1].split() for line in screen.splitlines() if "Hand over" in line]
         self.assertEqual([words[0] for words in handed], ["first:", "second:"] * 4)  # the interval it is for
         told = [words[1] for words in handed]
         self.assertEqual(told, [codes[value] for trial in plan for value in trial["stimuli"]])
         self.jnd("verify", "s.sqlite", "--deep")
-        results = json.loads(self.jnd("analyze", "s.sqlite", "--json", "--kind", "pilot"))
+        results = program.parse(self.jnd("analyze", "s.sqlite", "--json", "--kind", "pilot"))
         self.assertEqual(sum(row["n"] for row in results["answers"]), 4)
 
     def test_an_interval_ends_with_the_key_and_what_is_prescribed_is_said(self):
@@ -426,9 +407,9 @@ class Tasks(unittest.TestCase):
                               levels={"absolute": [300, 500]}, conditions=[
                                   {"name": "thumb", "label": "thumb", "parameters": {"finger": "thumb"}}], analysis={"contrasts": []})
         said = ""
-        with subprocess.Popen([PATIENT_RIG, rig, "run", protocol, "--study", "b.sqlite", "--participant", "P01", "--plain", "--seed",
-                               "4", "--override-readiness", "a machine that runs tests"], cwd=self.folder,
-                              stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as session:
+        with program.start(rig, "run", protocol, "--study", "b.sqlite", "--participant", "P01", "--plain", "--seed", "4",
+                           "--override-readiness", "a machine that runs tests", program=PATIENT_RIG, folder=self.folder,
+                           stdin=subprocess.PIPE, stderr=subprocess.STDOUT) as session:
             for line in session.stdout:
                 said += line
                 if "[space] when the participant is ready" in line:
@@ -509,9 +490,9 @@ class Tasks(unittest.TestCase):
             self.assertEqual(sorted(fingers.values()), ["index", "thumb"], request)
         self.assertEqual({request["value"] == 400 for request in requests}, {True, False})
         plain = self.rig_of(name="plain")
-        said = subprocess.run([JND, "check", protocol, "--rig", plain], capture_output=True, text=True, cwd=self.folder)
+        said = super().jnd("check", protocol, "--rig", plain, code=None)
         self.assertNotEqual(said.returncode, 0)
-        self.assertIn("side by side", said.stdout + said.stderr)
+        self.assertIn("side by side", said.said)
         rows = self.session_on(rig, protocol, "e", " 1" * 24)
         self.assertEqual(len(rows), 8)
         for row in rows:
@@ -522,12 +503,10 @@ class Tasks(unittest.TestCase):
 
     def test_a_protocol_that_the_rig_cannot_render_is_refused_before_anything_is_made(self):
         rig = self.rig_of()
-        done = subprocess.run([JND, "run", "lee2007-delay", "--study", "no.sqlite", "--participant", "P01", "--rig", rig],
-                              capture_output=True, text=True, cwd=self.folder, input="")
-        self.assertEqual(done.returncode, 3, done.stdout + done.stderr)
-        self.assertIn("delay", done.stderr)
+        refused = super().jnd("run", "lee2007-delay", "--study", "no.sqlite", "--participant", "P01", "--rig", rig, input="", code=program.INVALID)
+        self.assertIn("delay", refused.stderr)
         self.assertFalse((self.folder / "no.sqlite").exists())
 
 
 if __name__ == "__main__":
-    unittest.main(argv=[sys.argv[0], *sys.argv[1:]])
+    program.main()

@@ -7,20 +7,21 @@ import concurrent.futures
 import json
 import os
 import pathlib
-import subprocess
 import sys
 import tempfile
 
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
+
 import fake_services
 
-JND, RIG_LOOP, PATIENT = map(os.path.abspath, sys.argv[1:4])
-EXAMPLES = pathlib.Path(__file__).resolve().parents[3] / "devices/external/examples"
-PROTOCOLS = pathlib.Path(__file__).resolve().parents[3] / "protocols"
+RIG_LOOP, PATIENT = program.argument(), program.argument()
+EXAMPLES = program.ROOT / "devices/external/examples"
+PROTOCOLS = program.ROOT / "protocols"
 FAILURES = []
 AT_ONCE = 8  # they mostly wait
 LONG_S = 600
-# A rig that never flushes is one of the mistakes.
-ENVIRONMENT = {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}
+os.environ.pop("PYTHONUNBUFFERED", None)  # a rig that never flushes is one of the mistakes
 
 
 def check(ok, what):
@@ -30,7 +31,7 @@ def check(ok, what):
 
 
 def run(*arguments):
-    return subprocess.run([JND, "device", "test", "external", *arguments], capture_output=True, text=True, env=ENVIRONMENT)
+    return program.run("device", "test", "external", *arguments, code=None)
 
 
 def rig_file(folder, command, hello_s=LONG_S, prepare_s=LONG_S):
@@ -42,9 +43,8 @@ def rig_file(folder, command, hello_s=LONG_S, prepare_s=LONG_S):
 
 def tested(command, folder, hello_s=LONG_S, **limits):
     """The JSON of a test of this rig, which has minutes for everything but what has a limit."""
-    done = subprocess.run([PATIENT, rig_file(folder, command, hello_s), *(f"{key}={value}" for key, value in limits.items())],
-                          capture_output=True, text=True, env=ENVIRONMENT)
-    result = json.loads(done.stdout)
+    done = program.run(rig_file(folder, command, hello_s), *(f"{key}={value}" for key, value in limits.items()), program=PATIENT, code=None)
+    result = done.json
     check((done.returncode == 0) == result["ok"] and done.returncode in (0, 4), f"exit code {done.returncode}")
     check([entry["number"] for entry in result["checks"]] == list(range(1, len(result["checks"]) + 1)), "numbers")
     return result
@@ -144,12 +144,12 @@ def check_hostile_text(folder, before, after):
 def check_other_commands(folder):
     """doctor starts an external rig and says what it is; a session does not run on one that no protocol asks for."""
     path = rig_file(folder, ["python3", str(EXAMPLES / "plain_rig.py")])
-    doctor = [JND, "doctor", "--seconds", "0.1", "--json", "--rig", path]
-    checks = json.loads(subprocess.run(doctor, capture_output=True, text=True, env=ENVIRONMENT).stdout)["checks"]
+    doctor = ["doctor", "--seconds", "0.1", "--json", "--rig", path]
+    checks = program.run(*doctor, code=None).json["checks"]
     found = {entry["name"]: entry for entry in checks}
     check("stiffness 100 to 1000 N/m" in found["external rig: presents"]["found"], "doctor says what the rig presents")
-    done = subprocess.run([*doctor, "--protocol", "tutorial"], capture_output=True, text=True, env=ENVIRONMENT)
-    found = {entry["name"]: entry for entry in json.loads(done.stdout)["checks"]}
+    done = program.run(*doctor, "--protocol", "tutorial", code=None)
+    found = {entry["name"]: entry for entry in done.json["checks"]}
     check(found["external rig: protocol"]["verdict"] == "bad" and done.returncode == 1, "the protocol asks for another rig")
     asked = json.loads((PROTOCOLS / "studies/maereg2017.json").read_text(encoding="utf-8"))
     asked.update(assumed=[], levels={"absolute": [350, 450]}, conditions=[
@@ -159,14 +159,13 @@ def check_other_commands(folder):
     for levels, fits in (([350, 450], True), ([350, 4500], False)):
         asked["levels"] = {"absolute": levels}
         protocol.write_text(json.dumps(asked), encoding="utf-8")
-        done = subprocess.run([*doctor, "--protocol", str(protocol)], capture_output=True, text=True, env=ENVIRONMENT)
-        found = {entry["name"]: entry for entry in json.loads(done.stdout)["checks"]}
+        done = program.run(*doctor, "--protocol", str(protocol), code=None)
+        found = {entry["name"]: entry for entry in done.json["checks"]}
         check(found["external rig: protocol"]["verdict"] == ("ok" if fits else "bad"), f"doctor, {levels}: {found}")
-        done = subprocess.run([JND, "check", str(protocol), "--rig", path], capture_output=True, text=True, env=ENVIRONMENT)
+        done = program.run("check", protocol, "--rig", path, code=None)
         check(done.returncode == (0 if fits else 3), f"check, {levels}: {done.stdout}{done.stderr}")
         check(("4500 N/m is out of the rig's range" in done.stdout) != fits, f"check, {levels}: {done.stdout}")
-    done = subprocess.run([JND, "run", "tutorial", "--study", str(pathlib.Path(folder) / "s.sqlite"), "--participant", "P01",
-                           "--rig", path], capture_output=True, text=True, stdin=subprocess.DEVNULL)
+    done = program.run("run", "tutorial", "--study", str(pathlib.Path(folder) / "s.sqlite"), "--participant", "P01", "--rig", path, code=None)
     check(done.returncode == 3 and "an external rig is for protocols" in done.stderr, f"{done.returncode} {done.stderr}")
 
 
@@ -270,7 +269,7 @@ def main():
             path.write_text(json.dumps({"format": 1, "title": "T", "external": external}), encoding="utf-8")
             done = run("--rig", str(path))
             check(done.returncode == 3 and words in done.stderr, f"{external}: {done.returncode} {done.stderr}")
-        done = subprocess.run([JND, "device", "test", "rrs3", "--command", "a"], capture_output=True, text=True)
+        done = program.run("device", "test", "rrs3", "--command", "a", code=None)
         check(done.returncode == 2 and "jnd device test external" in done.stderr, done.stderr)
     print("FAILED" if FAILURES else "all examples pass, and every mistake is told")
     sys.exit(1 if FAILURES else 0)

@@ -1,42 +1,26 @@
 #!/usr/bin/env python3
-"""`jnd run --events` from outside: the events of whole sessions, readers that are stopped or gone, and the two example bridges.
-
-Usage: events_test.py JND
-"""
+"""`jnd run --events` from outside: the events of whole sessions, readers that are stopped or gone, and the two example bridges."""
 import contextlib
 import json
 import os
-import pathlib
 import pty
 import re
 import signal
-import subprocess
 import sys
-import tempfile
 import time
-import unittest
 
-JND = os.path.abspath(sys.argv[1])
-BRIDGES = pathlib.Path(__file__).resolve().parents[3] / "runner/events"
-DONE, INPUT = 0, 3
-GUARD_S = 600  # ends a test that hangs
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
+
+BRIDGES = program.ROOT / "runner/events"
 KEYS = {"time_s", "n", "event", "version", "program", "clock", "trial", "practice", "attempt", "interval", "response_s", "reason", "dropped"}
 
 
-class Events(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
-
-    def session(self, events, fds=(), protocol="tutorial", code=DONE):
+class Events(program.Case):
+    def session(self, events, fds=(), protocol="tutorial", code=0):
         self.begun_s = time.monotonic()
-        done = subprocess.run([JND, "run", protocol, "--study", self.folder / "study.sqlite", "--participant", "P01", "--responder",
-                               "chinello2017", "--fast", "--plain", "--seed", "1", "--events", str(events)], cwd=self.folder,
-                              stdin=subprocess.DEVNULL, capture_output=True, text=True, pass_fds=fds, timeout=GUARD_S)
-        said = done.stdout + done.stderr
-        self.assertEqual(done.returncode, code, said)
-        return said
+        return self.jnd("run", protocol, "--study", "study.sqlite", "--participant", "P01", "--responder", "chinello2017", "--fast", "--plain",
+                        "--seed", "1", "--events", events, pass_fds=fds, code=code).said
 
     def judge(self, lines, said):
         """Numbered, in the order of time, and one of each for each trial that the console showed."""
@@ -69,8 +53,7 @@ class Events(unittest.TestCase):
         events = self.judge(lines, said)
         self.assertNotIn("did not reach", said)
         # The plan's numbers, and nothing that tells the conditions, stimuli or answers.
-        plan = json.loads(subprocess.run([JND, "plan", "tutorial", "--participant", "1", "--seed", "1", "--json"], capture_output=True,
-                                         text=True, check=True).stdout)
+        plan = self.jnd("plan", "tutorial", "--participant", "1", "--seed", "1", "--json").json
         self.assertLessEqual({one["trial"] for one in events if "trial" in one}, {one["index"] for one in plan["trials"]})
         text = "".join(lines)
         for word in ("900", "400", '"S"', '"SV"', "same", "different", "condition", "correct", "stimul"):
@@ -88,12 +71,9 @@ class Events(unittest.TestCase):
         for how in (signal.SIGSTOP, signal.SIGKILL):
             path = self.folder / f"{how.name}.sock"
             # One is stopped before anybody comes; the other is gone with its first bytes.
-            reader = subprocess.Popen([sys.executable, "-c", "import os,signal,socket,sys\ns=socket.socket(socket.AF_UNIX)\n"
+            reader = self.started("-c", "import os,signal,socket,sys\ns=socket.socket(socket.AF_UNIX)\n"
                                        "s.bind(sys.argv[1]); s.listen(1); print('on', flush=True); c,_=s.accept(); c.recv(10)\n"
-                                       "os.kill(os.getpid(), signal.SIGKILL)", path], stdout=subprocess.PIPE)
-            self.addCleanup(reader.stdout.close)
-            self.addCleanup(reader.wait)
-            self.addCleanup(reader.kill)
+                                       "os.kill(os.getpid(), signal.SIGKILL)", path, program=sys.executable)
             reader.stdout.readline()
             if how == signal.SIGSTOP:
                 reader.send_signal(how)
@@ -117,24 +97,21 @@ class Events(unittest.TestCase):
         self.assertRegex(said, r"\d+ events did not reach the reader of --events: it was too slow, or gone")
 
     def test_places_that_cannot_be(self):
-        self.assertIn("no file descriptor of that number is open", self.session(77, code=INPUT))
-        self.assertIn("is for the console", self.session(1, code=INPUT))
-        self.assertIn("start the program that listens there first", self.session("none.sock", code=INPUT))
+        self.assertIn("no file descriptor of that number is open", self.session(77, code=program.INVALID))
+        self.assertIn("is for the console", self.session(1, code=program.INVALID))
+        self.assertIn("start the program that listens there first", self.session("none.sock", code=program.INVALID))
         self.assertFalse((self.folder / "study.sqlite").exists())
 
     def bridge(self, name, *arguments):
-        bridge = subprocess.Popen([sys.executable, BRIDGES / name, "bridge.sock", *arguments], cwd=self.folder, stdout=subprocess.PIPE, text=True)
-        self.addCleanup(bridge.stdout.close)
-        self.addCleanup(bridge.wait)
-        self.addCleanup(bridge.kill)
+        bridge = self.started(BRIDGES / name, "bridge.sock", *arguments, program=sys.executable)
         self.assertEqual(bridge.stdout.readline(), "waits at bridge.sock\n")
         return bridge
 
     def test_the_bridge_of_markers(self):
         bridge = self.bridge("lsl_markers.py", "--file", "markers.csv")
         said = self.session("bridge.sock")
-        self.assertEqual(bridge.wait(timeout=GUARD_S), 0)
-        rows = (self.folder / "markers.csv").read_text().splitlines()
+        self.assertEqual(bridge.wait(program.GUARD_S), 0)
+        rows = self.read("markers.csv").splitlines()
         self.assertEqual(rows[0], "time_s,marker")
         markers = [row.split(",")[1] for row in rows[1:]]
         self.assertEqual(markers[0], "hello")
@@ -147,7 +124,7 @@ class Events(unittest.TestCase):
         bridge = self.bridge("serial_pulses.py", os.ttyname(line), "--width-ms", "1")
         os.close(line)
         said = self.session("bridge.sock")
-        self.assertEqual(bridge.wait(timeout=GUARD_S), 0)
+        self.assertEqual(bridge.wait(program.GUARD_S), 0)
         pulses = b""
         with contextlib.suppress(OSError):  # its end
             while True:
@@ -160,4 +137,4 @@ class Events(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1] + sys.argv[2:], verbosity=2)
+    program.main()

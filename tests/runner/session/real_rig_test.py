@@ -1,11 +1,7 @@
 #!/usr/bin/env python3
 """Real sessions from outside, with the test program whose rig declares itself real: what only they do, and everything that is refused
-before a device is worn.
-
-Usage: real_rig_test.py JND JND_WITH_REAL_RIG
-"""
+before a device is worn."""
 import contextlib
-import csv
 import json
 import os
 import pathlib
@@ -17,23 +13,23 @@ import subprocess
 import sys
 import tempfile
 import time
-import unittest
 
-JND, REAL = (os.path.abspath(path) for path in sys.argv[1:3])
-DONE, PROBLEM, USAGE, INPUT, STORAGE, STOPPED = 0, 1, 2, 3, 5, 130
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
+
+REAL = program.argument()
 # A busy machine may be late, which real sessions refuse; that the finding is bad is one test's subject, not all.
 ANYWAY = ("--override-readiness", "a machine that runs tests")
-GUARD_S = 600  # ends a test that hangs
 ROOMS = {"protocols": "protocols", "profiles": "devices/profiles", "specs": "devices/specs", "objects": "devices/objects"}
 
 
 def is_memory(folder):
     """Whether a folder is gone when the machine stops: real sessions are refused there."""
-    kind = subprocess.run(["stat", "-f", "-c", "%T", folder], capture_output=True, text=True, check=True).stdout.strip()
+    kind = program.run("-f", "-c", "%T", folder, program="stat").stdout.strip()
     return kind in ("tmpfs", "ramfs")
 
 
-class RealRig(unittest.TestCase):
+class RealRig(program.Case):
     def setUp(self):
         place = next((place for place in (tempfile.gettempdir(), os.getcwd(), "/var/tmp") if not is_memory(place)), None)
         if place is None:
@@ -46,7 +42,7 @@ class RealRig(unittest.TestCase):
     def write_protocol(self, name, **changes):
         """Four short trials, without practice, breaks and questions."""
         path = self.folder / f"{name}.json"
-        subprocess.run([JND, "new", path, "--from", "tutorial"], check=True, stdout=subprocess.DEVNULL)
+        self.jnd("new", path, "--from", "tutorial")
         protocol = json.loads(path.read_text())
         for key in ("practice", "breaks", "questions", "assumed", "checklist", "instructions", "consent", "translations", "resume",
                     "published"):
@@ -57,20 +53,12 @@ class RealRig(unittest.TestCase):
         protocol["analysis"].pop("contrasts", None)
         protocol["analysis"].pop("tests", None)
         protocol.update(changes)
-        path.write_text(json.dumps(protocol))
-        return path
+        return self.write(f"{name}.json", protocol)
 
-    def run_session(self, *options, program=REAL, keys=" s" * 10, participant="P01", study=None, protocol=None, code=None, data=None):
-        environment = dict(os.environ, NO_COLOR="1")
-        if data:
-            environment["JND_DATA_DIR"] = str(data)
-        done = subprocess.run([program, "run", protocol or self.protocol, "--study", study or self.study, "--participant", participant,
-                               "--plain", "--realtime", "off", *options], input=keys, capture_output=True, text=True, env=environment,
-                              timeout=GUARD_S)
-        said = done.stdout + done.stderr
-        if code is not None:
-            self.assertEqual(done.returncode, code, said)
-        return said
+    def run_session(self, *options, on=REAL, keys=" s" * 10, participant="P01", study=None, protocol=None, code=None, data=None):
+        environment = {"NO_COLOR": "1", **({"JND_DATA_DIR": str(data)} if data else {})}
+        return program.run("run", protocol or self.protocol, "--study", study or self.study, "--participant", participant, "--plain",
+                           "--realtime", "off", *options, program=on, input=keys, env=environment, code=code).said
 
     def query(self, sql, study=None):
         with contextlib.closing(sqlite3.connect(study or self.study)) as connection:
@@ -82,9 +70,8 @@ class RealRig(unittest.TestCase):
     def data_folder(self, **calibration):
         """The shipped descriptions, with a calibration of the 3RRS device."""
         data = self.folder / "data"
-        source = pathlib.Path(__file__).resolve().parents[3]
         for room, path in ROOMS.items():
-            shutil.copytree(source / path, data / room, dirs_exist_ok=True)
+            shutil.copytree(program.ROOT / path, data / room, dirs_exist_ok=True)
         spec = data / "specs" / "rrs3.json"
         described = json.loads(spec.read_text())
         described.update(calibration)
@@ -94,7 +81,7 @@ class RealRig(unittest.TestCase):
     # What a real session is.
 
     def test_whole_session(self):
-        said = self.run_session(*ANYWAY, keys=" s" * 4, code=DONE)
+        said = self.run_session(*ANYWAY, keys=" s" * 4, code=0)
         self.assertIn("REAL SESSION", said)
         self.assertNotIn("REHEARSAL", said)
         self.assertEqual(self.query("SELECT DISTINCT kind FROM sessions"), [("real",)])
@@ -111,23 +98,23 @@ class RealRig(unittest.TestCase):
         self.assertEqual(found["devices"]["verdict"], "ok")
         self.assertEqual(found["keyboard"]["verdict"], "warn")  # a pipe
         self.assertEqual(stat.S_IMODE(self.study.stat().st_mode), 0o600)
-        subprocess.run([JND, "verify", self.study], check=True, stdout=subprocess.DEVNULL)
+        self.jnd("verify", self.study)
 
     def test_normal_program_has_no_real_sessions(self):
-        said = self.run_session("--kind", "real", program=JND, code=USAGE)
+        said = self.run_session("--kind", "real", on=program.JND, code=program.USAGE)
         self.assertIn("simulated", said)
         self.assertIn("pilot", said)  # what to do
         self.assertFalse(self.study.exists())
 
     def test_normal_program_is_pilot(self):
-        self.run_session("--fast", program=JND, keys=" s" * 4, code=DONE)
+        self.run_session("--fast", on=program.JND, keys=" s" * 4, code=0)
         self.assertEqual(self.query("SELECT DISTINCT kind FROM sessions"), [("pilot",)])
 
     def test_a_technician_sees_forces_and_the_session_says_so(self):
-        asked = self.run_session("--technician", *ANYWAY, keys="n", code=PROBLEM)
+        asked = self.run_session("--technician", *ANYWAY, keys="n", code=program.FOUND)
         self.assertIn("marked as unblinded", asked)
         self.assertEqual(self.query("SELECT count(*) FROM event WHERE kind = 'session.opened'"), [(0,)])
-        said = self.run_session("--technician", *ANYWAY, keys="y" + " s" * 4, code=DONE)
+        said = self.run_session("--technician", *ANYWAY, keys="y" + " s" * 4, code=0)
         self.assertIn("UNBLINDED", said)
         peaks = [float(peak) for peak in re.findall(r"thumb: peak (\d+\.\d+) N, \d+\.\d mm deep", said)]
         self.assertEqual(len(peaks), 8)  # two intervals of four trials
@@ -137,52 +124,49 @@ class RealRig(unittest.TestCase):
         for shown, delivered in zip(peaks, kept):
             self.assertAlmostEqual(shown, delivered, delta=0.006)
         self.assertEqual(self.bodies("session.unblinded"), [{"shown": "forces"}])
-        blind = self.run_session(*ANYWAY, participant="P02", code=DONE)
+        blind = self.run_session(*ANYWAY, participant="P02", code=0)
         self.assertNotIn("UNBLINDED", blind)
         self.assertNotRegex(blind, r"peak|mm deep|N of|N asked")
         self.assertEqual(len(self.bodies("session.unblinded")), 1)
-        subprocess.run([JND, "verify", self.study], check=True, stdout=subprocess.DEVNULL)
-        status = json.loads(subprocess.run([JND, "status", self.study, "--json"], check=True, capture_output=True, text=True).stdout)
+        self.jnd("verify", self.study)
+        status = self.jnd("status", self.study, "--json").json
         self.assertEqual([session["unblinded"] for session in status["sessions"]], [True, False])
-        table = subprocess.run([JND, "status", self.study], check=True, capture_output=True, text=True).stdout
+        table = self.jnd("status", self.study).stdout
         self.assertEqual(table.count("closed, unblinded"), 1, table)
 
     def test_results_tell_which_sessions_were_not_blind(self):
         for participant, options in (("P01", ("--technician",)), ("P02", ())):
-            self.run_session("--fast", *options, program=JND, keys=" s" * 4, participant=participant, code=DONE)  # a rehearsal is not asked about
-        printed = subprocess.run([JND, "analyze", self.study, "--kind", "pilot", "--json"], check=True, capture_output=True, text=True).stdout
-        self.assertIn("The operator saw the forces of the trials, and so the stimuli, in 1 of 2 sessions: P01.", json.loads(printed)["deviations"])
-        folder = self.folder / "export"
-        subprocess.run([JND, "export", self.study, "--kind", "pilot", "--to", folder], check=True, stdout=subprocess.DEVNULL)
-        with (folder / "sessions.csv").open(newline="") as file:
-            self.assertEqual([row["unblinded"] for row in csv.DictReader(file)], ["1", "0"])
-        with (folder / "log.csv").open(newline="") as file:
-            self.assertEqual([row["subject"] for row in csv.DictReader(file) if row["event"] == "session_unblinded"], ["forces"])
+            self.run_session("--fast", *options, on=program.JND, keys=" s" * 4, participant=participant, code=0)  # a rehearsal is not asked about
+        printed = self.jnd("analyze", self.study, "--kind", "pilot", "--json").json
+        self.assertIn("The operator saw the forces of the trials, and so the stimuli, in 1 of 2 sessions: P01.", printed["deviations"])
+        self.jnd("export", self.study, "--kind", "pilot", "--to", "export")
+        self.assertEqual([row["unblinded"] for row in self.rows("export", "sessions.csv")], ["1", "0"])
+        self.assertEqual([row["subject"] for row in self.rows("export", "log.csv") if row["event"] == "session_unblinded"], ["forces"])
 
     def test_forces_are_shown_of_the_programs_own_devices_only(self):
-        shipped = pathlib.Path(__file__).resolve().parents[3] / "protocols"
+        shipped = program.ROOT / "protocols"
         for device in ("external", "specimens"):
             with self.subTest(device):
                 protocol = next(path for path in sorted(shipped.rglob("*.json")) if json.loads(path.read_text()).get("rig", {}).get("device") == device)
-                said = self.run_session("--technician", program=JND, protocol=protocol, code=USAGE)
+                said = self.run_session("--technician", on=program.JND, protocol=protocol, code=program.USAGE)
                 self.assertIn(f'--technician shows the forces of this program\'s own devices, and this protocol\'s rig is "{device}"', said)
                 self.assertFalse(self.study.exists())
 
     def test_texts_that_stay_in_another_language_are_told_before_the_session(self):
         protocol = self.write_protocol("half", translations={"de": {"$.trial.cues.first.say": "Erste Kugel."}})
-        said = self.run_session("--fast", "--language", "DE", program=JND, keys=" s" * 8, protocol=protocol)
+        said = self.run_session("--fast", "--language", "DE", on=program.JND, keys=" s" * 8, protocol=protocol)
         self.assertIn('The translation "DE" leaves out 2 texts of the participant\'s: $.trial.cues.second.say, '
                       "$.trial.cues.question.say. They are shown in en.", " ".join(said.split()))
         self.assertLess(said.index("leaves out"), said.index("Erste Kugel."))
-        said = self.run_session("--fast", "--participant", "P02", program=JND, keys=" s" * 8, protocol=protocol)
+        said = self.run_session("--fast", "--participant", "P02", on=program.JND, keys=" s" * 8, protocol=protocol)
         self.assertNotIn("leaves out", said)
 
     def test_real_rig_rehearses_when_told(self):
-        self.run_session("--fast", "--kind", "pilot", keys=" s" * 4, code=DONE)
+        self.run_session("--fast", "--kind", "pilot", keys=" s" * 4, code=0)
         self.assertEqual(self.query("SELECT DISTINCT kind FROM sessions"), [("pilot",)])
 
     def test_real_session_is_not_hurried(self):
-        said = self.run_session("--fast", code=USAGE)
+        said = self.run_session("--fast", code=program.USAGE)
         self.assertIn("--fast", said)
         self.assertFalse(self.study.exists())
 
@@ -190,11 +174,11 @@ class RealRig(unittest.TestCase):
 
     def test_out_of_date_calibration_blocks(self):
         data = self.data_folder(calibrated="2020-01-01", calibration_valid_days=90)
-        said = self.run_session(data=data, code=PROBLEM)
+        said = self.run_session(data=data, code=program.FOUND)
         self.assertIn("2020-01-01", said)
         self.assertIn("--override-readiness", said)
         self.assertEqual(self.query("SELECT count(*) FROM sessions"), [(0,)])
-        said = self.run_session("--override-readiness", "calibrated by hand", data=data, keys=" s", code=STOPPED)
+        said = self.run_session("--override-readiness", "calibrated by hand", data=data, keys=" s", code=program.STOPPED)
         readiness = self.bodies("readiness.checked")
         self.assertEqual(len(readiness), 1)
         self.assertTrue(readiness[0]["blocked"])
@@ -203,12 +187,12 @@ class RealRig(unittest.TestCase):
 
     def test_empty_reason_overrides_nothing(self):
         data = self.data_folder(calibrated="2020-01-01", calibration_valid_days=90)
-        self.run_session("--override-readiness", "", data=data, code=PROBLEM)
+        self.run_session("--override-readiness", "", data=data, code=program.FOUND)
         self.assertEqual(self.query("SELECT count(*) FROM sessions"), [(0,)])
 
     def test_pilot_is_warned_of_calibration_only(self):
         data = self.data_folder(calibrated="2020-01-01", calibration_valid_days=90)
-        said = self.run_session("--fast", program=JND, data=data, keys=" s" * 4, code=DONE)
+        said = self.run_session("--fast", on=program.JND, data=data, keys=" s" * 4, code=0)
         self.assertIn("out of date", said)
 
     def test_loss_of_data_is_never_overridden(self):
@@ -216,50 +200,49 @@ class RealRig(unittest.TestCase):
             self.skipTest("SKIPPED: there is no folder in memory")
         with tempfile.TemporaryDirectory(dir="/dev/shm") as memory:
             study = pathlib.Path(memory) / "study.sqlite"
-            said = self.run_session(*ANYWAY, study=study, code=PROBLEM)
+            said = self.run_session(*ANYWAY, study=study, code=program.FOUND)
             self.assertIn("this is memory", said)
             self.assertIn("No reason", said)
             self.assertEqual(self.query("SELECT count(*) FROM sessions", study), [(0,)])
 
     def test_folder_that_cannot_be_written(self):
         # /proc/self takes no files, not even from root.
-        said = self.run_session(*ANYWAY, study="/proc/self/study.sqlite", code=STORAGE)
+        said = self.run_session(*ANYWAY, study="/proc/self/study.sqlite", code=program.STORAGE)
         self.assertIn("/proc/self/study.sqlite", said)
 
     # What is refused.
 
     def test_finished_participant(self):
-        self.run_session(*ANYWAY, keys=" s" * 4, code=DONE)
-        said = self.run_session(*ANYWAY, code=USAGE)
+        self.run_session(*ANYWAY, keys=" s" * 4, code=0)
+        said = self.run_session(*ANYWAY, code=program.USAGE)
         self.assertIn("has finished", said)
         self.assertIn("another code", said)
 
     def test_excluded_participant(self):
-        self.run_session(*ANYWAY, keys=" s", code=STOPPED)
-        subprocess.run([JND, "exclude", self.study, "--participant", "P01", "--kind", "real", "--reason", "felt unwell"], check=True, stdout=subprocess.DEVNULL)
-        said = self.run_session(*ANYWAY, code=USAGE)
+        self.run_session(*ANYWAY, keys=" s", code=program.STOPPED)
+        self.jnd("exclude", self.study, "--participant", "P01", "--kind", "real", "--reason", "felt unwell")
+        said = self.run_session(*ANYWAY, code=program.USAGE)
         self.assertIn("excluded", said)
 
     def test_second_participant_while_the_first_waits(self):
-        self.run_session(*ANYWAY, keys=" s", code=STOPPED)
-        said = self.run_session(*ANYWAY, participant="P02", code=USAGE)
-        for part in ("P01", "unfinished", "--new"):
-            self.assertIn(part, said)
+        self.run_session(*ANYWAY, keys=" s", code=program.STOPPED)
+        said = self.run_session(*ANYWAY, participant="P02", code=program.USAGE)
+        self.says(said, "P01", "unfinished", "--new")
         self.assertEqual(self.query("SELECT participant FROM sessions"), [("P01",)])
-        self.run_session(*ANYWAY, "--new", participant="P02", keys=" s", code=STOPPED)
+        self.run_session(*ANYWAY, "--new", participant="P02", keys=" s", code=program.STOPPED)
         self.assertEqual(self.query("SELECT participant, participant_number FROM sessions ORDER BY participant"), [("P01", 1), ("P02", 2)])
 
     def test_resumed_with_another_description_of_the_rig(self):
-        self.run_session(*ANYWAY, keys=" s", code=STOPPED)
+        self.run_session(*ANYWAY, keys=" s", code=program.STOPPED)
         data = self.data_folder(calibrated="2026-01-01")
-        said = self.run_session(*ANYWAY, data=data, code=USAGE)
+        said = self.run_session(*ANYWAY, data=data, code=program.USAGE)
         self.assertIn("another rig", said)
         self.assertEqual(len(self.bodies("session.resumed")), 0)
 
     def test_resumed(self):
         begun_s = time.monotonic()
-        self.run_session(*ANYWAY, keys=" s s", code=STOPPED)
-        said = self.run_session(*ANYWAY, keys=" s" * 4, code=DONE)
+        self.run_session(*ANYWAY, keys=" s s", code=program.STOPPED)
+        said = self.run_session(*ANYWAY, keys=" s" * 4, code=0)
         self.assertIn("Interrupted for", said)
         resumed = self.bodies("session.resumed")
         self.assertEqual(len(resumed), 1)
@@ -272,44 +255,43 @@ class RealRig(unittest.TestCase):
 
     def test_gap_that_is_too_long_needs_a_reason(self):
         protocol = self.write_protocol("strict", resume={"longest_gap_min": 0.0001})
-        self.run_session(*ANYWAY, protocol=protocol, keys=" s", code=STOPPED)
-        said = self.run_session(*ANYWAY, protocol=protocol, code=USAGE)
+        self.run_session(*ANYWAY, protocol=protocol, keys=" s", code=program.STOPPED)
+        said = self.run_session(*ANYWAY, protocol=protocol, code=program.USAGE)
         self.assertIn("longer than the protocol allows", said)
         self.assertIn("--accept-gap", said)
         self.assertEqual(len(self.bodies("session.resumed")), 0)
-        self.run_session(*ANYWAY, "--accept-gap", "a fire alarm", protocol=protocol, keys=" s" * 4, code=DONE)
+        self.run_session(*ANYWAY, "--accept-gap", "a fire alarm", protocol=protocol, keys=" s" * 4, code=0)
         resumed = self.bodies("session.resumed")
         self.assertEqual([(body["too_long"], body["reason"]) for body in resumed], [(True, "a fire alarm")])
 
     def test_study_open_in_another_process(self):
-        self.run_session(*ANYWAY, keys=" s", code=STOPPED)
+        self.run_session(*ANYWAY, keys=" s", code=program.STOPPED)
         # Waits for keys that never come, with the study open.
-        environment = dict(os.environ, NO_COLOR="1")
-        with subprocess.Popen([REAL, "run", self.protocol, "--study", self.study, "--participant", "P01", "--plain", "--realtime", "off", *ANYWAY],
-                              stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment) as holder:
+        with program.start("run", self.protocol, "--study", self.study, "--participant", "P01", "--plain", "--realtime", "off", *ANYWAY, program=REAL, env={"NO_COLOR": "1"},
+                           stdin=subprocess.PIPE, stderr=subprocess.STDOUT) as holder:
             try:
                 for line in holder.stdout:
                     if re.match(r"Trial \d+ of", line):
                         break
                 else:
                     self.fail("the first session did not begin")
-                said = self.run_session(*ANYWAY, code=STORAGE)
+                said = self.run_session(*ANYWAY, code=program.STORAGE)
                 self.assertIn(str(holder.pid), said)
             finally:
                 holder.stdin.close()
                 holder.stdout.read()
-            self.assertEqual(holder.wait(), STOPPED)
+            self.assertEqual(holder.wait(program.GUARD_S), program.STOPPED)
 
     def test_changed_protocol_is_shown(self):
-        self.run_session(*ANYWAY, keys=" s", code=STOPPED)
+        self.run_session(*ANYWAY, keys=" s", code=program.STOPPED)
         changed = json.loads(self.protocol.read_text())
         changed["trial"]["explore_s"] = 1.25
         self.protocol.write_text(json.dumps(changed))
-        said = self.run_session(*ANYWAY, code=INPUT)
+        said = self.run_session(*ANYWAY, code=program.INVALID)
         self.assertIn("explore_s", said)
         self.assertIn("1.25", said)
         self.assertEqual(len(self.bodies("session.resumed")), 0)
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1] + sys.argv[3:])
+    program.main()

@@ -1,48 +1,31 @@
 #!/usr/bin/env python3
 """Devices that are programs, from outside: `jnd device`, `jnd doctor` and whole sessions on the tutorial's study, on virtual
-devices that are served on a socket or started by the rig file; killed, cut off, and gone on with.
-
-Usage: served_device_test.py JND JND_VIRTUAL_DEVICE
-"""
+devices that are served on a socket or started by the rig file; killed, cut off, and gone on with."""
 import contextlib
 import json
 import os
-import pathlib
 import random
 import signal
 import sqlite3
 import subprocess
 import sys
-import tempfile
 import time
-import unittest
 
-JND, VIRTUAL = (os.path.abspath(path) for path in sys.argv[1:3])
-DONE, PROBLEM, USAGE, INPUT, DEVICE, STOPPED = 0, 1, 2, 3, 4, 130
-GUARD_S = 600  # ends a test that hangs
-TRIALS = 2 * min(10, max(1, round(float(os.environ.get("JND_CAMPAIGN", 1)))))  # of a session, after one of practice
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
+
+VIRTUAL = program.argument()
+TRIALS = 2 * min(10, program.campaign(1))  # of a session, after one of practice
 
 
 def at_priority(priority, *command):
     """A device keeps time by a timer of its own, and a bench should: where this login may, whatever else the machine does."""
-    may = subprocess.run(["chrt", "-f", str(priority), "true"], capture_output=True).returncode == 0
+    may = program.run("-f", priority, "true", program="chrt", code=None).returncode == 0
     return ["chrt", "-f", str(priority), *command] if may else [*command]
 
 
-def wait_until(condition):
-    """Looks every 10 ms; fails after ten minutes."""
-    guard = time.monotonic() + GUARD_S
-    while not condition():
-        if time.monotonic() > guard:
-            raise AssertionError("waited in vain for ten minutes")
-        time.sleep(0.01)
-
-
-class Served(unittest.TestCase):
+class Served(program.Case):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
         self.served = {}
         self.addCleanup(self.end_all)
         self.study = self.folder / "study.sqlite"
@@ -55,9 +38,9 @@ class Served(unittest.TestCase):
 
     def serve(self, serial, finger, *options):
         """A virtual device on FINGER.sock; returns when it can be connected to."""
-        process = subprocess.Popen(at_priority(60, VIRTUAL, "--socket", f"{finger}.sock", "--serial", serial, "--finger", finger,
-                                               "--log", f"{serial}.log", *options), cwd=self.folder, stdin=subprocess.DEVNULL,
-                                   stdout=subprocess.PIPE, text=True)
+        first, *words = at_priority(60, VIRTUAL, "--socket", f"{finger}.sock", "--serial", serial, "--finger", finger,
+                                               "--log", f"{serial}.log", *options)
+        process = program.start(*words, program=first, folder=self.folder, stderr=None)
         self.assertEqual(process.stdout.readline(), f"{serial} is served at {finger}.sock\n")
         if finger in self.served:
             self.served[finger].stdout.close()
@@ -68,9 +51,7 @@ class Served(unittest.TestCase):
         self.served[finger].wait()
 
     def rig(self, *devices):
-        path = self.folder / "booth.json"
-        path.write_text(json.dumps({"format": 1, "title": "Booth", "devices": list(devices)}))
-        return path
+        return self.write("booth.json", {"format": 1, "title": "Booth", "devices": list(devices)})
 
     def both_served(self):
         self.serve("RRS3-0001", "thumb")
@@ -78,14 +59,11 @@ class Served(unittest.TestCase):
         return self.rig({"finger": "thumb", "socket": "thumb.sock"},
                         {"finger": "index", "socket": "index.sock", "serial": "RRS3-0002"})
 
-    def started(self, serial, finger, *options):
+    def of_rig(self, serial, finger, *options):
         return {"finger": finger, "command": at_priority(60, VIRTUAL, "--inherited", "--serial", serial, "--finger", finger, *options)}
 
-    def jnd(self, *arguments, code=DONE):
-        done = subprocess.run([JND, *map(str, arguments)], cwd=self.folder, stdin=subprocess.DEVNULL, capture_output=True, text=True,
-                              timeout=GUARD_S)
-        said = done.stdout + done.stderr
-        self.assertEqual(done.returncode, code, f"{arguments}: {said}")
+    def jnd(self, *arguments, code=0):
+        said = super().jnd(*arguments, code=code).said
         self.assertNotIn("\033", said)
         return said
 
@@ -103,18 +81,16 @@ class Served(unittest.TestCase):
         protocol["translations"] = {}
         protocol["practice"].update(trials=1, criterion_correct=0.5, max_rounds=1)
         protocol["breaks"][0]["duration_s"] = 1
-        path.write_text(json.dumps(protocol))
-        return path
+        return self.write("study.json", protocol)
 
     def session(self, protocol, rig):
-        return subprocess.Popen([JND, "run", protocol, "--study", self.study, "--participant", "P01", "--responder", "chinello2017",
-                                 "--rig", rig, "--plain", "--seed", "7"], cwd=self.folder, stdin=subprocess.DEVNULL,
-                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        return program.start("run", protocol, "--study", self.study, "--participant", "P01", "--responder", "chinello2017",
+                                 "--rig", rig, "--plain", "--seed", "7", folder=self.folder, stderr=subprocess.STDOUT)
 
     def whole_session(self, protocol, rig):
         session = self.session(protocol, rig)
-        said, _ = session.communicate(timeout=GUARD_S)
-        self.assertEqual(session.returncode, DONE, said)
+        said, _ = session.communicate(timeout=program.GUARD_S)
+        self.assertEqual(session.returncode, 0, said)
         return said
 
     def bodies(self, kind):
@@ -151,13 +127,13 @@ class Served(unittest.TestCase):
     def benched(self, *arguments, repeats):
         """What a command prints that works with a device in real time. On a busy machine commands and readings come late, and
         device or program stops, as it should: then once more."""
-        guard = time.monotonic() + GUARD_S
+        guard = time.monotonic() + program.GUARD_S
         while True:
-            done = subprocess.run(at_priority(50, JND, *map(str, arguments)), cwd=self.folder, stdin=subprocess.DEVNULL,
-                                  capture_output=True, text=True, timeout=GUARD_S)
-            if done.returncode == DONE:
+            first, *words = at_priority(50, program.JND, *arguments)
+            done = program.run(*words, program=first, folder=self.folder, code=None)
+            if done.returncode == 0:
                 return done.stdout
-            said = done.stdout + done.stderr
+            said = done.said
             self.assertTrue(any(word in said for word in repeats), said)
             self.assertLess(time.monotonic(), guard, said)
 
@@ -171,7 +147,7 @@ class Served(unittest.TestCase):
         said = json.loads(self.jnd("device", "info", "thumb.sock", "--json"))
         self.assertEqual((said["serial"], said["transport"], said["finger"]), ("RRS3-0001", "socket", "thumb"))
         self.device_test("thumb.sock")
-        (self.folder / "points.csv").write_text("known_n,pushed_n\n" + "".join(f"{n},{n}\n" for n in (0.5, 1.5, 3)))
+        self.write("points.csv", "known_n,pushed_n\n" + "".join(f"{n},{n}\n" for n in (0.5, 1.5, 3)))
         stiffness = () if TRIALS > 2 else ("--no-stiffness",)  # half a minute
         calibrated = self.benched("device", "calibrate", "thumb.sock", "--operator", "A. Smith", "--reference-name", "a model",
                                   "--reference", "points.csv", "--yes", "--store", "--out", "certificate.json", *stiffness,
@@ -181,7 +157,7 @@ class Served(unittest.TestCase):
 
     def test_device_commands_on_the_devices_of_a_rig_file(self):
         self.serve("RRS3-0001", "thumb")
-        rig = self.rig({"finger": "thumb", "socket": "thumb.sock"}, self.started("RRS3-0002", "index"))
+        rig = self.rig({"finger": "thumb", "socket": "thumb.sock"}, self.of_rig("RRS3-0002", "index"))
         ours = [one for one in json.loads(self.jnd("device", "list", "--rig", rig, "--json"))["hid"] if one["ours"]]
         self.assertEqual({(one["serial"], one["transport"], one["finger"], one["usable"]) for one in ours},
                          {("RRS3-0001", "socket", "thumb", True), ("RRS3-0002", "program", "index", True)})
@@ -189,10 +165,10 @@ class Served(unittest.TestCase):
         self.device_test("RRS3-0002", "--rig", rig)
 
     def test_what_is_not_there_is_said(self):
-        self.assertIn("no device is served at none.sock", self.jnd("device", "info", "none.sock", code=DEVICE))
+        self.assertIn("no device is served at none.sock", self.jnd("device", "info", "none.sock", code=program.DEVICE))
         rig = self.rig({"finger": "thumb", "socket": "none.sock"}, {"finger": "index", "command": ["sh", "-c", "echo broken >&2; exit 3"]})
         said = self.jnd("run", "tutorial", "--study", self.study, "--participant", "P01", "--responder", "chinello2017", "--rig", rig,
-                        "--plain", code=DEVICE)
+                        "--plain", code=program.DEVICE)
         self.assertIn("no device for the thumb and the index finger is connected", said)
         self.assertIn("none.sock: start the program that serves it", said)
         self.assertIn("has ended (exit code 3), and said last: broken", said)
@@ -200,29 +176,27 @@ class Served(unittest.TestCase):
         self.assertIn("none.sock", self.jnd("device", "list", "--rig", rig))
         for wrong, message in (({"finger": "thumb", "socket": "a.sock", "command": ["b"]}, "leave one of them out"),
                                ({"finger": "thumb", "command": []}, "command"), ({"finger": "thumb", "socket": 3}, "socket")):
-            self.assertIn(message, self.jnd("device", "list", "--rig", self.rig(wrong), code=INPUT))
-        self.assertIn("--buttons", subprocess.run([VIRTUAL, "--buttons", "--socket", "x.sock"], cwd=self.folder, capture_output=True,
-                                                  text=True).stderr)
-        self.assertEqual(subprocess.run([VIRTUAL, "--socket", "no/such/x.sock"], cwd=self.folder, capture_output=True).returncode, DEVICE)
-        self.assertEqual(subprocess.run([VIRTUAL, "--inherited"], cwd=self.folder, stdin=subprocess.DEVNULL, capture_output=True,
-                                        close_fds=True).returncode, DEVICE)
+            self.assertIn(message, self.jnd("device", "list", "--rig", self.rig(wrong), code=program.INVALID))
+        self.assertIn("--buttons", program.run("--buttons", "--socket", "x.sock", program=VIRTUAL, folder=self.folder, code=None).stderr)
+        for wrong in (("--socket", "no/such/x.sock"), ("--inherited",)):
+            program.run(*wrong, program=VIRTUAL, folder=self.folder, code=program.DEVICE)
 
     def test_doctor_looks_whether_they_are_there(self):
         def finding(rig):
-            code = subprocess.run([JND, "doctor", "--rig", rig, "--seconds", "0.1", "--json"], cwd=self.folder, capture_output=True, text=True)
-            return next(one for one in json.loads(code.stdout)["checks"] if one["name"] == "devices")
+            done = program.run("doctor", "--rig", rig, "--seconds", "0.1", "--json", folder=self.folder, code=None)
+            return next(one for one in done.json["checks"] if one["name"] == "devices")
         served = {"finger": "thumb", "socket": "thumb.sock"}
         self.assertEqual(finding(self.rig(served))["verdict"], "bad")
         self.serve("RRS3-0001", "thumb")
         self.assertEqual(finding(self.rig(served))["verdict"], "ok")
-        found = finding(self.rig(served, self.started("RRS3-0002", "index")))
+        found = finding(self.rig(served, self.of_rig("RRS3-0002", "index")))
         self.assertEqual(found["verdict"], "ok")
         self.assertIn("a session starts", found["found"])
         self.assertIn("no program", finding(self.rig({"finger": "thumb", "command": ["jnd-no-such-program"]}))["found"])
 
     def test_a_session_on_a_served_device_and_one_that_it_starts(self):
         self.serve("RRS3-0001", "thumb")
-        rig = self.rig({"finger": "thumb", "socket": "thumb.sock"}, self.started("RRS3-0002", "index", "--log", "RRS3-0002.log"))
+        rig = self.rig({"finger": "thumb", "socket": "thumb.sock"}, self.of_rig("RRS3-0002", "index", "--log", "RRS3-0002.log"))
         said = self.whole_session(self.protocol(), rig)
         self.assertIn("Done. The session of P01 is complete", said)
         last = self.judge()
@@ -230,7 +204,7 @@ class Served(unittest.TestCase):
         self.assertTrue(all(one["received"] > 1000 for one in last["devices"]), last)
         for serial in ("RRS3-0001", "RRS3-0002"):
             self.judge_device(serial)
-        left = subprocess.run(["pgrep", "-f", f"{VIRTUAL} --inherited"], capture_output=True, text=True).stdout
+        left = program.run("-f", f"{VIRTUAL} --inherited", program="pgrep", code=None).stdout
         self.assertEqual([pid for pid in left.split() if os.path.realpath(f"/proc/{pid}/cwd") == str(self.folder)], [])
 
     def test_devices_killed_at_random_and_a_session_killed_and_gone_on_with(self):
@@ -250,7 +224,7 @@ class Served(unittest.TestCase):
                 serial = {"thumb": "RRS3-0001", "index": "RRS3-0002"}[finger]
                 # Before it is touched, under force, and after the first press.
                 events = len(self.pushed(serial)) + kills % 3
-                wait_until(lambda: len(self.pushed(serial)) >= events)
+                program.until(lambda: len(self.pushed(serial)) >= events)
                 kills += 1
                 self.kill(finger)
                 absent.append((serial, finger))
@@ -267,7 +241,7 @@ class Served(unittest.TestCase):
         self.assertEqual(session.returncode, -signal.SIGKILL)
         self.assertGreater(kills, 0)
         for serial in ("RRS3-0001", "RRS3-0002"):
-            wait_until(lambda: self.pushed(serial)[-1:] != ["push"])  # the host is gone: its watchdog lets go
+            program.until(lambda: self.pushed(serial)[-1:] != ["push"])  # the host is gone: its watchdog lets go
             self.judge_device(serial)
         self.whole_session(protocol, rig)
         self.judge()
@@ -283,4 +257,4 @@ class Served(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1] + sys.argv[3:], verbosity=2)
+    program.main()

@@ -1,22 +1,16 @@
 #!/usr/bin/env python3
 """The sounds of a whole session from outside: cues and masking noise through a player that notes what it is given, the bell where
-there is none, what `jnd doctor` says, and what a rig file may ask for.
-
-Usage: sound_test.py JND JND_VIRTUAL_DEVICE JND_WITH_REAL_RIG
-"""
+there is none, what `jnd doctor` says, and what a rig file may ask for."""
 import json
 import os
-import pathlib
-import subprocess
 import sys
-import tempfile
-import unittest
+
+sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
+import program
 
 # PACED: the program with a simulated rig that is never held up, however busy the machine is.
-JND, VIRTUAL, PACED = (os.path.abspath(path) for path in sys.argv[1:4])
-DONE, LATE, USAGE, INPUT, DEVICE = 0, 1, 2, 3, 4
-GUARD_S = 600  # ends a test that hangs
-TRIALS = 2 * min(10, max(1, round(float(os.environ.get("JND_CAMPAIGN", 1)))))
+VIRTUAL, PACED = program.argument(), program.argument()
+TRIALS = 2 * min(10, program.campaign(1))
 PLAYER = """#!/bin/sh
 for file in "$@"; do :; done
 case "$file" in *silence*) exit 0;; esac
@@ -25,11 +19,8 @@ case "$file" in *noise*|*metronome*) exec tail -f /dev/null;; esac
 """
 
 
-class Sound(unittest.TestCase):
+class Sound(program.Case):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
         (self.folder / "bin").mkdir()
         self.record = self.folder / "record"
 
@@ -38,19 +29,15 @@ class Sound(unittest.TestCase):
         path.write_text(PLAYER.format(record=self.record))
         path.chmod(0o755)
 
-    def jnd(self, *arguments, code=DONE, program=JND, keys=""):
-        environment = dict(os.environ, PATH=f"{self.folder / 'bin'}:/usr/bin:/bin", NO_COLOR="1", TMPDIR=str(self.folder),
-                           JND_TEST_RIG="paced")
-        done = subprocess.run([program, *map(str, arguments)], cwd=self.folder, env=environment, input=keys,
-                              capture_output=True, text=True, timeout=GUARD_S)
-        self.assertIn(done.returncode, code if isinstance(code, tuple) else (code,), done.stdout + done.stderr)
-        return done.stdout + done.stderr
+    def jnd(self, *arguments, keys="", **options):
+        environment = {"PATH": f"{self.folder / 'bin'}:/usr/bin:/bin", "NO_COLOR": "1", "TMPDIR": str(self.folder), "JND_TEST_RIG": "paced"}
+        return super().jnd(*arguments, input=keys, env=environment, **options).said
 
     def protocol(self, explore_s=0.5, **trial):
         """TRIALS of one condition."""
-        path = self.folder / "study.json"
-        self.jnd("new", path, "--from", "tutorial")
-        protocol = json.loads(path.read_text())
+        (self.folder / "study.json").unlink(missing_ok=True)
+        self.jnd("new", "study.json", "--from", "tutorial")
+        protocol = json.loads(self.read("study.json"))
         for key in ("practice", "breaks", "translations", "questions", "checklist", "consent", "assumed", "resume", "published"):
             protocol.pop(key, None)
         protocol["conditions"] = protocol["conditions"][:1]
@@ -59,17 +46,14 @@ class Sound(unittest.TestCase):
         protocol["design"].pop("run_limit")
         protocol["instructions"] = []
         protocol["trial"].update(explore_s=explore_s, gap_s=0.1, between_trials_s=0.1, max_attempts=10, **trial)
-        path.write_text(json.dumps(protocol))
-        return path
+        return self.write("study.json", protocol)
 
     def rig(self, sound):
-        path = self.folder / "booth.json"
         devices = [{"finger": finger, "command": [VIRTUAL, "--inherited", "--serial", serial, "--finger", finger]}
                    for finger, serial in (("thumb", "T-1"), ("index", "I-1"))]
-        path.write_text(json.dumps({"format": 1, "title": "Booth", "devices": devices, "sound": sound}))
-        return path
+        return self.write("booth.json", {"format": 1, "title": "Booth", "devices": devices, "sound": sound})
 
-    def run_session(self, *options, code=DONE, **how):
+    def run_session(self, *options, code=0, **how):
         return self.jnd("run", self.protocol_file, "--study", self.folder / "study.sqlite", "--participant", "P01", "--plain",
                         "--seed", "7", *options, code=code, **how)
 
@@ -125,7 +109,7 @@ class Sound(unittest.TestCase):
         self.assertEqual([said.count("First sphere."), said.count("Second sphere.")], [TRIALS, TRIALS], said)
         self.assertEqual(len({tuple(total) for name, *total in notes if name.startswith("metronome")}), 1, notes)
         self.assertEqual(said.count("Say: Once with every beat."), 1, said)
-        self.assertIn("prescribes a pace", self.run_session("--bell", "--responder", "chinello2017", "--rig", self.rig({}), code=USAGE))
+        self.assertIn("prescribes a pace", self.run_session("--bell", "--responder", "chinello2017", "--rig", self.rig({}), code=program.USAGE))
 
     def test_the_bell_rings_where_nothing_can_play_or_is_to(self):
         self.protocol_file = self.protocol()
@@ -142,26 +126,26 @@ class Sound(unittest.TestCase):
                 path.write_text("#!/bin/sh\nexit 1\n")
                 path.chmod(0o755)
         rig = self.rig({"masking": {"noise": "white"}})
-        self.assertIn("masking noise is asked for, and nothing can play it", self.run_session("--rig", rig, "--responder", "chinello2017", code=DEVICE))
-        self.assertIn("leave one of them out", self.run_session("--rig", rig, "--bell", "--responder", "chinello2017", code=USAGE))
+        self.assertIn("masking noise is asked for, and nothing can play it", self.run_session("--rig", rig, "--responder", "chinello2017", code=program.DEVICE))
+        self.assertIn("leave one of them out", self.run_session("--rig", rig, "--bell", "--responder", "chinello2017", code=program.USAGE))
         self.assertFalse((self.folder / "study.sqlite").exists())
 
     def test_what_a_rig_file_may_not_ask_for(self):
         self.player()
         self.protocol_file = self.protocol()
-        (self.folder / "text.wav").write_text("no sound")
+        self.write("text.wav", "no sound")
         for sound, message in (({"masking": {"noise": "pink", "level_db": 3}}, "$.sound.masking.level_db"),
                                ({"masking": {}}, "$.sound.masking.noise"), ({"masking": {"noise": "pink", "level_db": -6}}, "would be clipped"),
                                ({"cue": "text.wav"}, "text.wav: is no WAV file"), ({"cue": "none.wav"}, "none.wav"),
                                ({"masking": {"noise": "text.wav"}}, "text.wav: is no WAV file"), ({"volume": 3}, "$.sound.volume")):
-            self.assertIn(message, self.run_session("--rig", self.rig(sound), "--responder", "chinello2017", code=INPUT))
+            self.assertIn(message, self.run_session("--rig", self.rig(sound), "--responder", "chinello2017", code=program.INVALID))
 
     def test_doctor_says_what_plays(self):
         self.player("aplay")
         # A machine that runs tests may be late, which is a fault of its own.
-        found = {one["name"]: one for one in json.loads(self.jnd("doctor", "--seconds", "0.1", "--json", code=(DONE, LATE)))["checks"]}
+        found = {one["name"]: one for one in json.loads(self.jnd("doctor", "--seconds", "0.1", "--json", code=(0, program.FOUND)))["checks"]}
         self.assertEqual((found["sound"]["verdict"], found["sound"]["found"]), ("ok", "aplay plays"))
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1] + sys.argv[4:], verbosity=2)
+    program.main()
