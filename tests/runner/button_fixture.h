@@ -16,6 +16,7 @@
 #include "runner/session/fast_clock.h"
 #include "tests/catch.h"
 #include "tests/devices/hid/buttons/made_up_box.h"
+#include "tests/wait_until.h"
 
 namespace jnd::test {
 
@@ -112,7 +113,12 @@ struct ButtonBench {
     // What is down right after opening is no press.
     clock_of_machine.sleep_until_ns(clock_of_machine.now_ns() + ButtonDecoder::kOpening_ns + 50'000'000);
   }
-  void pedals(std::uint8_t down) { bus.send({down}); }
+  // Returns once the box has heard it.
+  void pedals(std::uint8_t down) {
+    bus.send({down});
+    bus.heard();
+  }
+  // At least so long: a busy machine makes it longer, and nothing rests on that.
   void wait_ms(int milliseconds) {
     clock_of_machine.sleep_until_ns(clock_of_machine.now_ns() + milliseconds * std::int64_t{1'000'000});
   }

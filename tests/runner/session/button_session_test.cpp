@@ -33,7 +33,7 @@ struct Session {
   Fault present() {
     if (++presented == stop_at) {
       bench.pedals(kStopPedal);
-      for (int i = 0; i < 100 && !rig.stop.latched(); ++i) bench.wait_ms(50);
+      CHECK(wait_until([this] { return rig.stop.latched(); }));
       bench.pedals(kNone);
       rig.stopped_by = to_string(rig.stop.source());
     }
@@ -78,7 +78,9 @@ TEST_CASE("A session is answered with pedals: every answer by the participant, w
     session.bench.wait_ms(40);
     session.bench.pedals(kNone);
   };
+  const std::int64_t began_ns = session.bench.clock_of_machine.now_ns();
   REQUIRE(session.run() == SessionEnd::completed);
+  const std::int64_t took_ns = session.bench.clock_of_machine.now_ns() - began_ns;
   const std::vector<TrialRecord> completed = replay(session.log.events()).completed;
   REQUIRE(completed.size() == 16);
   CHECK(asked == 16);
@@ -87,7 +89,7 @@ TEST_CASE("A session is answered with pedals: every answer by the participant, w
     CHECK(answer.said == ((i + 1) % 3 == 0 ? kClassSame : kClassDifferent));
     CHECK(answer.entered_by == EnteredBy::participant);
     CHECK(answer.response_time_s >= 0.02);
-    CHECK(answer.response_time_s < 5);
+    CHECK(answer.response_time_s < 1e-9 * static_cast<double>(took_ns));
   }
   CHECK(session.bodies(event_kind::kTrialVoided).empty());
 }
@@ -137,7 +139,7 @@ TEST_CASE("Readiness names the box that answers, and is bad where it has gone") 
   CHECK(fine.verdict == Verdict::ok);
   CHECK(fine.found.find("Foot pedal (05f3:00ff), same, different and stop") != std::string::npos);
   bench.bus.unplug();
-  for (int i = 0; i < 100 && bench.box.there(); ++i) bench.wait_ms(50);
+  CHECK(wait_until([&] { return !bench.box.there(); }));
   const Check gone = check_buttons(bench.box);
   CHECK(gone.verdict == Verdict::bad);
   CHECK_FALSE(gone.what_to_do.empty());

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
+#include <cstdint>
 #include <deque>
 #include <functional>
 #include <memory>
@@ -42,6 +43,12 @@ class MadeUpBus final : public HidBus {
     wires_->reports.push_back(report);
     wires_->changed.notify_all();
   }
+  // Until everything that was sent has been read and understood.
+  void heard() {
+    std::unique_lock lock(wires_->mutex);
+    const std::int64_t before = wires_->empty_reads;
+    wires_->changed.wait(lock, [&] { return wires_->reports.empty() && wires_->empty_reads > before; });
+  }
   void refuse(const std::string& why) {
     const std::scoped_lock lock(wires_->mutex);
     wires_->refusal = why;
@@ -59,6 +66,7 @@ class MadeUpBus final : public HidBus {
     std::condition_variable changed;
     std::vector<HidInfo> devices;
     std::deque<std::vector<std::uint8_t>> reports;
+    std::int64_t empty_reads = 0;
     std::string refusal;
     Answers answers;
   };
@@ -67,6 +75,10 @@ class MadeUpBus final : public HidBus {
     explicit Handle(std::shared_ptr<Wires> wires) : wires_(std::move(wires)) {}
     int read(std::span<std::uint8_t> bytes, int timeout_ms) noexcept override {
       std::unique_lock lock(wires_->mutex);
+      if (wires_->reports.empty()) {
+        ++wires_->empty_reads;
+        wires_->changed.notify_all();
+      }
       wires_->changed.wait_for(lock, std::chrono::milliseconds(timeout_ms),
                                [this] { return !wires_->reports.empty() || wires_->devices.empty(); });
       if (wires_->devices.empty()) return kHidGone;
