@@ -14,7 +14,7 @@ std::size_t place(int index) {
   return static_cast<std::size_t>(index);
 }
 
-const CellResult& cell_of(const StudyAnalysis& analysis, const std::string& participant, int condition, int series) {
+const CellResult& cell_of(const StudyAnalysis& analysis, std::string_view participant, int condition, int series) {
   for (const CellResult& cell : analysis.cells)
     if (cell.participant == participant && cell.condition == condition && cell.series == series) return cell;
   throw std::out_of_range("no such cell");

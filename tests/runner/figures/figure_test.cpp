@@ -6,6 +6,7 @@
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "analysis/numerics/special_values.h"
@@ -20,10 +21,10 @@ using namespace jnd;
 
 namespace {
 
-const Figure& figure_named(const std::vector<Figure>& figures, const std::string& id) {
+const Figure& figure_named(const std::vector<Figure>& figures, std::string_view id) {
   for (const Figure& figure : figures)
     if (figure.id == id) return figure;
-  throw std::runtime_error("no figure " + id);
+  throw std::runtime_error("no figure " + std::string(id));
 }
 
 // Attribute values that a reader of SVG would take for numbers but are none.

@@ -12,10 +12,10 @@ using namespace jnd;
 
 namespace {
 
-const ResultTable& table_named(const std::vector<ResultTable>& tables, const std::string& id) {
+const ResultTable& table_named(const std::vector<ResultTable>& tables, std::string_view id) {
   const auto found =
       std::find_if(tables.begin(), tables.end(), [&](const ResultTable& table) { return table.id == id; });
-  if (found == tables.end()) throw std::runtime_error("no table " + id);
+  if (found == tables.end()) throw std::runtime_error("no table " + std::string(id));
   return *found;
 }
 
