@@ -85,6 +85,12 @@ def short_protocol(name, path, **sections):
     return path
 
 
+def at_priority(priority, *command):
+    """A command at the priority of hardware, where this login may: a device keeps time whatever else the machine does."""
+    may = subprocess.run(["chrt", "-f", str(priority), "true"], capture_output=True).returncode == 0
+    return ["chrt", "-f", str(priority), *command] if may else [*command]
+
+
 def until(reached, what="what was waited for", process=None):
     """Waits for a state that nothing announces; fails if the process has ended before."""
     end = time.monotonic() + GUARD_S

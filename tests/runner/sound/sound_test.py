@@ -49,7 +49,7 @@ class Sound(program.Case):
         return self.write("study.json", protocol)
 
     def rig(self, sound):
-        devices = [{"finger": finger, "command": [VIRTUAL, "--inherited", "--serial", serial, "--finger", finger]}
+        devices = [{"finger": finger, "command": program.at_priority(60, VIRTUAL, "--inherited", "--serial", serial, "--finger", finger)}
                    for finger, serial in (("thumb", "T-1"), ("index", "I-1"))]
         return self.write("booth.json", {"format": 1, "title": "Booth", "devices": devices, "sound": sound})
 
@@ -62,16 +62,23 @@ class Sound(program.Case):
         return self.run_session("--realtime", "off", *options, program=PACED, keys=" s" * TRIALS)
 
     def until_noted(self, run, is_noted):
-        """run(explore_s) -> said, until the players had the time to note what they play: a busy machine may not let them."""
-        for explore_s in (0.5, 1, 2, 4, 8, 16, 32):
+        """run(explore_s) -> said, until no trial was given up and the players had the time to note what they play: a machine that is
+        busy may let neither be."""
+        seen = {"explore_s": 0.5}
+
+        def is_done():
             self.record.unlink(missing_ok=True)
             for file in self.folder.glob("study.sqlite*"):
                 file.unlink()
-            said = run(explore_s)
-            notes = [line.split() for line in self.record.read_text().splitlines()] if self.record.exists() else []
-            if is_noted(said, [name for name, *_ in notes]):
-                return said, notes
-        self.fail(f"not all sounds were noted: {notes}, {said}")
+            said = seen["said"] = run(seen["explore_s"])
+            notes = seen["notes"] = [line.split() for line in self.record.read_text().splitlines()] if self.record.exists() else []
+            if said.count("Same or different?") != TRIALS:
+                return False
+            seen["explore_s"] = min(2 * seen["explore_s"], 30)  # where it is to be run again
+            return is_noted(said, [name for name, *_ in notes])
+
+        program.until(is_done, f"a session whose sounds are all noted: {seen}")
+        return seen["said"], seen["notes"]
 
     def test_a_session_with_cues_and_masking_noise(self):
         """Through the rig file, on devices. A player may be ended before it notes anything, and trials may come again."""
@@ -87,11 +94,9 @@ class Sound(program.Case):
         self.assertNotIn("\a", said)
         sums = {name: {tuple(total) for one, *total in notes if one == name} for name in ("cue.wav", "noise.wav")}
         self.assertEqual([len(totals) for totals in sums.values()], [1, 1], notes)
-        questions = said.count("Same or different?")
         firsts = said.count("First sphere.")
-        self.assertEqual(questions, TRIALS)
         count = [name for name, *_ in notes].count
-        self.assertLessEqual(count("cue.wav"), questions + firsts + said.count("Second sphere."))
+        self.assertLessEqual(count("cue.wav"), TRIALS + firsts + said.count("Second sphere."))
         self.assertLessEqual(count("noise.wav"), firsts)
         self.assertEqual(list(self.folder.glob("jnd-sound-*")), [])
 
