@@ -9,6 +9,9 @@
 #include <thread>
 #include <utility>
 
+#include <pthread.h>
+#include <sched.h>
+
 #include "devices/hid/virtual/device_loop.h"
 #include "devices/hid/virtual/socket_port.h"
 #include "devices/hid/virtual/virtual_fingertip.h"
@@ -31,7 +34,12 @@ class ServedDevice {
   // Its program begins, or begins again; the socket is there when this returns.
   void start() {
     parts_ = std::make_unique<Parts>(options_, socket_, control_, log_);
-    thread_ = std::thread([this] { parts_->loop.run(); });
+    thread_ = std::thread([this] {
+      // A device keeps time by a timer of its own: where this login may, whatever else the machine does.
+      const sched_param of_hardware{.sched_priority = 60};
+      (void)pthread_setschedparam(pthread_self(), SCHED_FIFO, &of_hardware);
+      parts_->loop.run();
+    });
     (void)wait_until([this] { return std::filesystem::exists(socket_); });
   }
   // An order of a virtual device: "unplug 300".

@@ -251,8 +251,9 @@ TEST_CASE("a rig of served devices: unplugged while it presses, it stops, and go
   file.devices = {{"thumb", "RRS3-0001"}, {.finger = "index", .serial = "", .socket = index.socket()}};
   SteadyClock clock;
   const Protocol protocol = small_protocol();
-  const std::unique_ptr<Rig> rig = make_hid_rig(protocol, rrs3_rig(), file, shipped_profile("chinello2017"), 1, 42,
-                                                clock, bus, {}, std::chrono::minutes(10));
+  const std::unique_ptr<Rig> rig =
+      make_hid_rig(protocol, rrs3_rig(), file, shipped_profile("chinello2017"), 1, 42, clock, bus,
+                   {.realtime = RealtimePolicy::prefer}, std::chrono::minutes(10));
   CHECK(rig->connections().on_a_model());
   CHECK(rig->connections().devices[1].serial == "RRS3-0002");
   const auto felt = [&rig](double explore_s) {
