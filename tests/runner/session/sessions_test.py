@@ -65,9 +65,14 @@ class Sessions(program.Case):
 
     def test_a_rig_of_the_laboratorys_own(self):
         self.protocol("which", "external", 2, explore_s=0.5, gap_s=0, between_trials_s=0)
-        rig = program.ROOT / "devices/external/examples/plain_rig.py"
-        self.write("rig.json", {"format": 1, "title": "rig", "external": {"command": [sys.executable, str(rig)], "hello_s": 600,
-                                                                          "prepare_s": 600}})
+        content = json.loads(self.read("study.json"))
+        content["conditions"][0]["parameters"] = {"finger": "thumb"}
+        self.write("study.json", content)
+        example = (program.ROOT / "devices/external/examples/plain_rig.py").read_text(encoding="utf-8")
+        self.assertIn("heard > 0.1", example)  # its own watchdog, which a busy machine sets off
+        rig = self.write("rig.py", example.replace("heard > 0.1", f"heard > {program.GUARD_S}"))
+        self.write("rig.json", {"format": 1, "title": "rig", "external": {"command": [sys.executable, str(rig)],
+                                                                          "hello_s": program.GUARD_S, "prepare_s": program.GUARD_S}})
         self.session(*ANYWAY, program=PATIENT_RIG, before=("rig.json",), input=" " + " 1" * 12)
 
 
