@@ -30,8 +30,8 @@ ELSEWHERE = [
     (r"tests/long\.sh .*", "tests/run.sh", "hours"),
     (r"tests/fresh\.sh .*", "tests/long.sh", "it needs root, and makes a machine"),
     (r"tests/kernel/run\.sh build/dev( short.*)?", "tests/CMakeLists.txt", "minutes, in QEMU"),
-    (r"(tests/faults/kill_\w+\.py|tests/fuzz/run\.sh|tests/kernel/run\.sh build/dev long"
-     r"|(JND_\w+=\d+ )?build/release/tests/\w+_tests).*", "tests/long.sh", "campaigns of hours"),
+    (r"(JND_CAMPAIGN=\d+ )?(tests/faults/kill_\w+\.py|tests/runner/cluster/slurm_test\.py|tests/fuzz/run\.sh"
+     r"|tests/kernel/run\.sh build/dev long|build/release/tests/\w+_tests).*", "tests/long.sh", "campaigns of hours"),
     (r"cmake --preset bench && cmake --build --preset bench|build/bench/tests/bench/recovery_bench", "tests/long.sh", "minutes"),
     (r"build/bench/.*|tests/bench/.*", "", "the other benchmarks print ratios and assert nothing"),
     (r"devices/hid/firmware/build-arm\.sh --run", "tests/devices/hid/firmware/firmware_arm.sh", "needs a cross-compiler"),
