@@ -65,7 +65,7 @@ void ButtonBox::ask() {
   const std::int64_t now_ns = SteadyClock().now_ns();
   for (const ButtonChange& change : decoder_.settle(now_ns)) answers_.change(change);
   answers_.ask(now_ns);
-  stopped_ = false;
+  stopped_ns_ = 0;
 }
 
 ButtonsHeard ButtonBox::hear() {
@@ -76,7 +76,8 @@ ButtonsHeard ButtonBox::hear() {
   heard.answer = answers_.take(now_ns);
   heard.pending = answers_.pending().has_value();
   heard.trouble = answers_.trouble();
-  heard.stopped = stopped_;
+  heard.stopped = stopped_ns_ != 0;
+  if (heard.stopped && heard.answer && heard.answer->time_ns > stopped_ns_) heard.answer.reset();
   return heard;
 }
 
@@ -111,7 +112,7 @@ void ButtonBox::report(std::span<const std::uint8_t> bytes, std::int64_t time_ns
   const ButtonChanges changes = decoder_.feed(bytes, time_ns);
   if (changes.stops) {
     if (stop_ != nullptr) stop_->latch(StopSource::button);
-    stopped_ = true;
+    stopped_ns_ = time_ns;
     told_stop_ = false;
   }
   for (const ButtonChange& change : changes) answers_.change(change);

@@ -19,8 +19,8 @@ namespace jnd {
 
 // What has come of the question so far.
 struct ButtonsHeard {
-  std::optional<ButtonAnswer> answer;
-  bool pending = false;  // a press that has yet to stay alone
+  std::optional<ButtonAnswer> answer;  // never a press after the stop button's
+  bool pending = false;                // a press that has yet to stay alone
   AnswerTrouble trouble = AnswerTrouble::none;
   bool stopped = false;  // the stop button was pressed since the question
 };
@@ -71,7 +71,8 @@ class ButtonBox final : private HidListener {
   ButtonAnswers answers_;
   EmergencyStop* stop_ = nullptr;
   bool there_ = false, was_there_ = false;
-  bool stopped_ = false, told_stop_ = true;
+  bool told_stop_ = true;
+  std::int64_t stopped_ns_ = 0;  // when the stop button was pressed since the question; 0: it was not
   bool understood_ = false, told_strange_ = false;  // a report that the mapping speaks of has come
   std::size_t strange_bytes_ = 0;                   // of a report that it does not
   std::string refused_;                             // why it could not be opened

@@ -91,6 +91,7 @@ TEST_CASE("The stop pedal latches at once, from the box's own thread, and ends t
     CHECK(wait_until([&] { return stop.latched(); }));  // while the console asks for nothing
     CHECK(stop.source() == StopSource::button);
     bench.pedals(static_cast<std::uint8_t>(kStopPedal | kSame));
+    bench.wait_ms(100);  // until the press would be an answer
   };
   CHECK_FALSE(bench.ask(kLong_s));
   CHECK(bench.was_told("STOP by the button"));
