@@ -109,8 +109,15 @@ void answer(ScriptedTerminal& terminal, const std::string& key) {
   terminal.press_for(key, kReady);
 }
 
+// The first question of the checklist. What readiness found about a busy machine is to be read first.
+void to_checklist(ScriptedTerminal& terminal) {
+  const std::string question = "y once it is so";
+  terminal.wait_for(question + "|Before the session");
+  if (!terminal.shows(question)) terminal.press_for(" ", question);
+}
+
 void begin(ScriptedTerminal& terminal, Screens& screens) {
-  terminal.wait_for("y once it is so");
+  to_checklist(terminal);
   screens.require(terminal.full_screen(), "the session has a screen of its own");
   screens.check("checklist", terminal);
   terminal.press_for("y", "Enter: *y");
@@ -293,10 +300,7 @@ void present(const std::string& paced, const std::string& folder, Screens& scree
   ScriptedTerminal terminal({paced, "run", changed_tutorial(paced, folder, {{"explore_s", 60}}), "--study",
                              "slow.sqlite", "--participant", "P01", "--seed", "1", "--bell", "--realtime", "off"},
                             folder, 24, 80);
-  // What readiness found about this machine is to be read first.
-  const std::string first = "once it is so", note = "Before the session";
-  terminal.wait_for(first + "|" + note);
-  if (!terminal.shows(first)) terminal.press_for(" ", first);
+  to_checklist(terminal);
   for (const char* const next : {"Question 2 of 2", "Please look through"}) {
     terminal.press_for("y", "Enter: *y");
     terminal.press_for(kEnter, next);
@@ -322,7 +326,7 @@ void end_by(const std::string& jnd, const std::string& folder, int signal_number
   const std::string study = "signal" + std::to_string(signal_number) + ".sqlite";
   ScriptedTerminal terminal({jnd, "run", "tutorial", "--study", study, "--participant", "P01", "--seed", "1", "--fast"},
                             folder, 24, 80);
-  terminal.wait_for("y once it is so");
+  to_checklist(terminal);
   terminal.signal(signal_number);
   const int status = terminal.wait_for_end();
   const std::string name = "after signal " + std::to_string(signal_number);
