@@ -5,7 +5,9 @@ kept open per trial ends it. This is what sanitizers see of the program from out
 Usage: sessions_test.py JND PATIENT_RIG
 """
 import json
+import os
 import resource
+import subprocess
 import sys
 
 sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
@@ -62,6 +64,24 @@ class Sessions(program.Case):
     def test_specimens(self):
         self.protocol("which", "specimens", explore_s=0.5, gap_s=0, between_trials_s=0)
         self.session("--rig", "specimens", "--kind", "pilot", "--fast", *ANYWAY, input=" " + (" " * 3 + "1") * 36)
+
+    def test_no_file_stays_open_after_a_trial(self):
+        self.protocol("which", "specimens", explore_s=0.5, gap_s=0, between_trials_s=0)
+        process = self.started("run", "study.json", "--study", "s.sqlite", "--participant", "P01", "--plain", "--rig", "specimens", "--kind",
+                               "pilot", "--fast", *ANYWAY, stdin=subprocess.PIPE, stderr=subprocess.STDOUT)
+        process.stdin.write(" ")  # the instructions
+        shown, open_files = "", []
+        for trial in range(1, 37):
+            process.stdin.flush()
+            while f"Trial {trial} of 36" not in shown:  # then it waits for a key
+                line = process.stdout.readline()
+                self.assertTrue(line, shown)
+                shown += line
+            open_files.append(len(os.listdir(f"/proc/{process.pid}/fd")))
+            process.stdin.write(" " * 3 + "1")
+        process.stdin.close()
+        self.says(process.stdout.read(), "The session of P01 is complete")
+        self.assertLessEqual(open_files[-1], open_files[1] + 2, open_files)
 
     def test_a_rig_of_the_laboratorys_own(self):
         self.protocol("which", "external", 2, explore_s=0.5, gap_s=0, between_trials_s=0)
