@@ -1,6 +1,6 @@
-// Every call of the heap, counted at malloc itself, below operator new and Eigen: counted_heap.cpp replaces malloc and its kin in
-// the test programs that it is linked into. The sanitizers replace them too, so that with them, or without glibc, nothing is counted: a test then
-// says SKIPPED.
+// Counts every call of the heap at malloc itself, below operator new and Eigen: counted_heap.cpp replaces malloc and its
+// kin in the test programs that it is linked into. The sanitizers replace them too. With a sanitizer or without glibc
+// nothing is counted, and a test says SKIPPED.
 #pragma once
 
 #include <cstdint>
