@@ -1,12 +1,16 @@
 #include "runner/calc/calc.h"
 
-#include <CLI/CLI.hpp>
+#include "runner/calc/trials_input.h"
 
 namespace jnd {
 
-void add_input(CLI::App& command, CalcInput& input, const std::string& columns) {
+std::string not_above_0(const std::string& text) {
+  return number_in_option(text).value_or(0) > 0 ? "" : text + " is not a number above 0";
+}
+
+void add_input(const Command& command, CalcInput& input, const std::string& columns) {
   command.add_option("FILE", input.file, "a CSV file with the columns " + columns + "; - reads standard input")
-      ->required();
+      .required();
   command.add_flag("--json", input.json, "machine-readable");
 }
 

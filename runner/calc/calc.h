@@ -18,7 +18,10 @@ struct CalcInput {
 };
 
 // The positional FILE ("-": standard input) and --json. columns: for the help, such as "id, n_diff, hits".
-void add_input(CLI::App& command, CalcInput& input, const std::string& columns);
+void add_input(const Command& command, CalcInput& input, const std::string& columns);
+
+// What is wrong with a text that is no finite number above 0; empty where it is one.
+std::string not_above_0(const std::string& text);
 
 void add_calc_detection(CommandTree& calc);     // sdt, coverage
 void add_calc_choice(CommandTree& calc);        // mafc, oddity, duo-trio, abx, reminder

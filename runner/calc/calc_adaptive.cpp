@@ -3,7 +3,6 @@
 #include <optional>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "analysis/procedures/quest.h"
@@ -66,6 +65,8 @@ int staircase(const StaircaseOptions& options) {
 }
 
 enum class Placement { mean, mode, median };
+constexpr auto kPlacementWords =
+    words<Placement>({{"mean", Placement::mean}, {"mode", Placement::mode}, {"median", Placement::median}});
 
 struct QuestOptions {
   CalcInput input;
@@ -120,24 +121,24 @@ void add_calc_adaptive(CommandTree& calc) {
                  "jnd calc staircase answers.csv --start 400 --up 1 --down 2 --step-up 50 --step-down 50", staircase);
     add_input(command, options.input, "response (1 = correct, 0 = wrong)");
     StaircaseRule& rule = options.rule;
-    command.add_option("--start", rule.start, "first level")->required();
-    command.add_option("--up", rule.up, "so many wrong answers in a row raise the level")->required();
-    command.add_option("--down", rule.down, "so many correct answers in a row lower it")->required();
+    command.add_option("--start", rule.start, "first level").required();
+    command.add_option("--up", rule.up, "so many wrong answers in a row raise the level").required();
+    command.add_option("--down", rule.down, "so many correct answers in a row lower it").required();
     command.add_option("--step-up", rule.step_up, "added to the level; with --multiplicative it is multiplied by it")
-        ->required();
+        .required();
     command
         .add_option("--step-down", rule.step_down,
                     "subtracted from the level; with --multiplicative it is divided by it")
-        ->required();
+        .required();
     command.add_flag("--multiplicative", rule.multiplicative, "steps multiply and divide; above 1");
     command
         .add_option("--halve-after", rule.halve_after,
                     "reversals, counted from 1, that halve the steps (those that multiply: on the logarithm)")
-        ->delimiter(',');
+        .delimiter(',');
     command.add_flag("--accelerated", rule.accelerated,
                      "steps shrink (Kesten 1958): divided by 1 and 2 at the first answers, then by 2 + reversals; with "
                      "--up 1 --down 1. Steps of 90 up and 10 down go to 90 % correct");
-    command.add_option("--clamp", options.clamp, "lowest and highest level: LO,HI")->delimiter(',')->expected(2);
+    command.add_option("--clamp", options.clamp, "lowest and highest level: LO,HI").delimiter(',').values(2, 2);
   }
   const auto [command, options] =
       calc.add("quest", "A threshold by QUEST (Watson & Pelli 1983); levels are log10 of the stimulus",
@@ -146,20 +147,16 @@ void add_calc_adaptive(CommandTree& calc) {
             "response (1 = correct, 0 = wrong) and, optionally, x: the level really shown (else the "
             "recommended one)");
   QuestParameters& p = options.parameters;
-  command.add_option("--t-guess", p.t_guess, "expected threshold")->required();
-  command.add_option("--t-guess-sd", p.t_guess_sd, "standard deviation of that guess")->required();
-  command.add_option("--p-threshold", p.p_threshold, "share correct at threshold")->capture_default_str();
-  command.add_option("--beta", p.beta, "slope of the psychometric function")->capture_default_str();
-  command.add_option("--delta", p.delta, "share of answers given blindly")->capture_default_str();
-  command.add_option("--gamma", p.gamma, "share correct without a stimulus")->capture_default_str();
-  command.add_option("--grain", p.grain, "step of the grid of thresholds")->capture_default_str();
-  command.add_option("--range", p.range, "width of the grid, about the guess")->capture_default_str();
-  const std::map<std::string, Placement> places = {
-      {"mean", Placement::mean}, {"mode", Placement::mode}, {"median", Placement::median}};
-  command
-      .add_option("--place", options.place,
-                  "recommended level: mean (King-Smith et al. 1994; default), mode (Watson & Pelli), median")
-      ->transform(CLI::CheckedTransformer(places));
+  command.add_option("--t-guess", p.t_guess, "expected threshold").required();
+  command.add_option("--t-guess-sd", p.t_guess_sd, "standard deviation of that guess").required();
+  command.add_option("--p-threshold", p.p_threshold, "share correct at threshold").show_default();
+  command.add_option("--beta", p.beta, "slope of the psychometric function").show_default();
+  command.add_option("--delta", p.delta, "share of answers given blindly").show_default();
+  command.add_option("--gamma", p.gamma, "share correct without a stimulus").show_default();
+  command.add_option("--grain", p.grain, "step of the grid of thresholds").show_default();
+  command.add_option("--range", p.range, "width of the grid, about the guess").show_default();
+  command.add_choice("--place", options.place, kPlacementWords,
+                     "recommended level: mean (King-Smith et al. 1994; default), mode (Watson & Pelli), median");
 }
 
 }  // namespace jnd

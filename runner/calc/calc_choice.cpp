@@ -4,7 +4,6 @@
 #include <utility>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "analysis/choice/choice_dprime.h"
@@ -256,8 +255,8 @@ void add_calc_choice(CommandTree& calc) {
                "jnd calc mafc counts.csv --alternatives 3 --json", mafc);
   add_input(mafc_command, mafc_options.input, kCountColumns);
   mafc_command.add_option("--alternatives", mafc_options.alternatives, "intervals a trial: 2, 3 or 4")
-      ->required()
-      ->check(CLI::IsMember({2, 3, 4}));
+      .required()
+      .one_of({"2", "3", "4"});
 
   const auto [oddity_command, oddity_options] =
       calc.add("oddity", "d' of oddity: which of three is the odd one", "jnd calc oddity counts.csv", oddity);
@@ -273,7 +272,7 @@ void add_calc_choice(CommandTree& calc) {
   abx_command
       .add_option("--strategy", abx_options.strategy,
                   "how the observer decides: differencing or independent (observations)")
-      ->check(CLI::IsMember({"differencing", "independent"}));
+      .one_of({"differencing", "independent"});
   abx_command.add_flag("--rates", abx_options.rates, "hits and false alarms instead of right answers: free of bias");
 
   const auto [reminder_command, reminder_options] =
@@ -281,8 +280,8 @@ void add_calc_choice(CommandTree& calc) {
                "jnd calc reminder counts.csv --intervals 1", reminder);
   add_input(reminder_command, reminder_options.input, kRateColumns);
   reminder_command.add_option("--intervals", reminder_options.intervals, "after the reminder: 1 or 2")
-      ->required()
-      ->check(CLI::IsMember({1, 2}));
+      .required()
+      .one_of({"1", "2"});
 }
 
 }  // namespace jnd

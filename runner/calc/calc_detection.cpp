@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <map>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -173,9 +172,9 @@ void add_calc_detection(CommandTree& calc) {
       calc.add("coverage", "How often the intervals and tests of sdt are right, by exact enumeration",
                "jnd calc coverage --trials 12,48", coverage);
   command.add_option("--trials", options.trials, "trials per class, each 1 to 500")
-      ->delimiter(',')
-      ->check(CLI::Range(1, 500))
-      ->capture_default_str();
+      .delimiter(',')
+      .range(1, 500)
+      .show_default();
   command.add_flag("--json", options.json, "machine-readable, a line per number of trials and criterion");
 }
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "analysis/group/p_adjust.h"
@@ -136,14 +135,11 @@ void add_range(CommandTree& calc, const std::string& name, const std::string& wh
   const auto [command, options] =
       calc.add(name, what, "jnd calc " + name + " " + column + ".csv --groups 3 --df 34 --json", run);
   add_input(command, options.input, column);
-  command.add_option("--groups", options.groups, "how many means are compared (2 to 1000)")
-      ->required()
-      ->check(CLI::Range(2, 1000));
+  command.add_option("--groups", options.groups, "how many means are compared (2 to 1000)").required().range(2, 1000);
   command.add_option("--df", options.df, "degrees of freedom of the error, at least 1; inf for a known variance")
-      ->required()
-      ->check([](const std::string& text) {
-        double df = 0;
-        return CLI::detail::lexical_cast(text, df) && df >= 1 ? std::string() : "degrees of freedom are at least 1";
+      .required()
+      .check([](const std::string& text) {
+        return std::strtod(text.c_str(), nullptr) >= 1 ? "" : "degrees of freedom are at least 1";
       });
 }
 
@@ -156,12 +152,12 @@ void add_calc_group(CommandTree& calc) {
   add_input(compare, compared.input,
             "participant, condition, value (a row for every participant and condition), and "
             "optionally group: of participants with one row each, or with all conditions");
-  compare.footer(kDecimals + compare.get_footer());
+  compare.add_notes(kDecimals);
 
   const auto [ranks, paired] = calc.add("wilcoxon", "Signed-rank tests of paired ratings, corrected over the items",
                                         "jnd calc wilcoxon ratings.csv --json", wilcoxon);
   add_input(ranks, paired.input, "x, y, and item where there are several");
-  ranks.footer(kDecimals + ranks.get_footer());
+  ranks.add_notes(kDecimals);
 
   add_range(calc, "ptukey", "Tail probability of the studentised range", "q", ptukey);
   add_range(calc, "qtukey", "Quantile of the studentised range (p is the lower probability)", "p", qtukey);

@@ -1,12 +1,10 @@
 // jnd calc jnd: thresholds of every participant and condition in a CSV of counts, by every method side by side.
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <optional>
 #include <utility>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "analysis/thresholds/fit_quality.h"
@@ -340,22 +338,16 @@ void add_calc_jnd(CommandTree& calc) {
             "participant, condition, delta, n_diff, hits, n_same, false_alarms: a line a series (the same delta "
             "twice in a condition is two series)");
   command.add_option("--reference", options.reference, "base of the Weber fraction, in the unit of delta, above 0")
-      ->check([](const std::string& text) {
-        double value = 0;
-        const bool good =
-            std::from_chars(text.data(), text.data() + text.size(), value).ptr == text.data() + text.size() &&
-            value > 0 && std::isfinite(value);
-        return good ? std::string() : text + " is not a number above 0";
-      });
+      .check(not_above_0);
   command.add_option("--correction", options.correction, "how rates of 0 and 1 are corrected in the closed forms")
-      ->check(CLI::IsMember({"none", "loglinear", "half"}))
-      ->capture_default_str();
+      .one_of({"none", "loglinear", "half"})
+      .show_default();
   command
       .add_option("--bootstrap", options.bootstrap,
                   "replicates for an interval of least_squares and for the p values of the fits; 0: none")
-      ->check(CLI::Range(0, 1'000'000))
-      ->capture_default_str();
-  command.add_option("--seed", options.seed, "seed of the replicates")->capture_default_str();
+      .range(0, 1'000'000)
+      .show_default();
+  command.add_option("--seed", options.seed, "seed of the replicates").show_default();
   add_trial_options(command, options.trials, kSameDifferentUse);
 }
 

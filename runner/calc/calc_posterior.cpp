@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "analysis/procedures/posterior.h"
@@ -314,9 +313,9 @@ void add_calc_posterior(CommandTree& calc) {
   const auto [command, options] =
       calc.add("posterior", "Levels and estimates of the Bayesian adaptive procedure (Kontsevich & Tyler 1999)",
                "jnd calc posterior run.json --json", posterior);
-  command.add_option("FILE", options.file, "a configuration with its answers; - reads standard input")->required();
+  command.add_option("FILE", options.file, "a configuration with its answers; - reads standard input").required();
   command.add_flag("--json", options.json, "machine-readable");
-  command.footer(kPosteriorFile + command.get_footer());
+  command.add_notes(kPosteriorFile);
 }
 
 }  // namespace jnd

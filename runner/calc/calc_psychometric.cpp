@@ -8,7 +8,6 @@
 #include <stdexcept>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -183,26 +182,24 @@ void add_calc_psychometric(CommandTree& calc) {
                "jnd calc fit levels.csv --function gaussian --guess 0 --lapse free", fit);
   add_input(command, options.input, "x, n, k, and group where there are several");
   command.add_option("--function", options.function, "logistic, gaussian, weibull or gumbel")
-      ->required()
-      ->check(CLI::IsMember({"logistic", "gaussian", "weibull", "gumbel"}));
+      .required()
+      .one_of({"logistic", "gaussian", "weibull", "gumbel"});
   command.add_option("--guess", options.guess, "rate at the lowest levels: a number such as 0.5, or free (0 to 0.5)")
-      ->required();
+      .required();
   command
       .add_option("--lapse", options.lapse, "1 - rate at the highest levels: a number such as 0.02, or free (0 to 0.1)")
-      ->required();
+      .required();
   command.add_option("--estimator", options.estimator, "ml, or map: with a Beta(1.2, 10) prior on the lapse")
-      ->check(CLI::IsMember({"ml", "map"}))
-      ->capture_default_str();
+      .one_of({"ml", "map"})
+      .show_default();
   command.add_option("--interval", options.interval, "profile (of the likelihood) or bootstrap (parametric)")
-      ->check(CLI::IsMember({"profile", "bootstrap"}))
-      ->capture_default_str();
-  command.add_option("--confidence", options.confidence, "coverage of the intervals")
-      ->check(CLI::Range(0.5, 0.9999))
-      ->capture_default_str();
+      .one_of({"profile", "bootstrap"})
+      .show_default();
+  command.add_option("--confidence", options.confidence, "coverage of the intervals").range(0.5, 0.9999).show_default();
   command.add_option("--replicates", options.replicates, "how many samples the bootstrap draws")
-      ->check(CLI::Range(100, 1'000'000))
-      ->capture_default_str();
-  command.add_option("--seed", options.seed, "seed of the bootstrap")->capture_default_str();
+      .range(100, 1'000'000)
+      .show_default();
+  command.add_option("--seed", options.seed, "seed of the bootstrap").show_default();
   command.add_flag("--compare", options.compare,
                    "likelihood-ratio tests between groups: own location, own slope, both (maximum likelihood)");
   add_trial_options(command, options.trials, kFitUse);

@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -483,7 +482,7 @@ void add_calc_ratings(CommandTree& calc) {
   identify_command
       .add_option("--classes", identify_options.classes,
                   "names of stimuli and responses from low to high; without it sorted, numbers by size")
-      ->delimiter(',');
+      .delimiter(',');
 
   const auto [ratings_command, ratings_options] =
       calc.add("ratings", "d', d_a and the area under the ROC of rated detection",

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "analysis/scaling/adjustment.h"
@@ -367,8 +366,8 @@ void add_calc_scaling(CommandTree& calc) {
             "one, without start no effect of it");
   adjust
       .add_option("--standard", adjust_options.standard, "what was to be matched, above 0, in the unit of the settings")
-      ->required()
-      ->check(CLI::PositiveNumber);
+      .required()
+      .check(not_above_0);
 }
 
 }  // namespace jnd

@@ -1,5 +1,4 @@
 // jnd calc selftest.
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "analysis/selftest/selftest.h"

@@ -7,7 +7,6 @@
 #include <tuple>
 #include <utility>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -157,10 +156,10 @@ void add_calc_which(CommandTree& calc) {
   command
       .add_option("--lapse", options.lapse,
                   "share of trials answered by chance: a number such as 0.02, or free (0 to 0.1)")
-      ->capture_default_str();
+      .show_default();
   command.add_option("--link", options.link, "probit (normal distribution) or logit (logistic)")
-      ->check(CLI::IsMember({"probit", "logit"}))
-      ->capture_default_str();
+      .one_of({"probit", "logit"})
+      .show_default();
   command.add_flag(
       "--pse-is-standard", options.pse_is_standard,
       "the PSE is not estimated: for levels on one side of the standard, which do not tell it from the JND");

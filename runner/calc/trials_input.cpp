@@ -8,7 +8,6 @@
 #include <tuple>
 #include <utility>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -265,7 +264,7 @@ TrialTable trials_without_names(const CsvTable& table, const std::string& file, 
 const TrialUse kSameDifferentUse = {"the stimuli were different", {{"different", "same"}}, false, true};
 const TrialUse kWhichUse = {"the comparison was chosen", {{"comparison", "standard"}}, true, false};
 
-void add_trial_options(CLI::App& command, TrialOptions& options, const TrialUse& use) {
+void add_trial_options(const Command& command, TrialOptions& options, const TrialUse& use) {
   command.add_flag("--trials", options.trials,
                    "the table holds trials, a row each, of any program; the options below name its columns (trials.csv "
                    "of jnd export needs none)");
@@ -283,8 +282,8 @@ void add_trial_options(CLI::App& command, TrialOptions& options, const TrialUse&
     command.add_option("--sureness", options.sureness,
                        "with --trials, of same-different: column of how sure the answer was, a whole number");
     command.add_option("--sure-from", options.sure_from, "the least --sureness that counts as sure")
-        ->check(CLI::Range(1, 100))
-        ->capture_default_str();
+        .range(1, 100)
+        .show_default();
     command.add_option("--block", options.block,
                        "with --trials and --observer independent: column that names the trials that were mixed, of one "
                        "difference");

@@ -8,9 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace CLI {
-class App;
-}
+#include "runner/terminal/command_tree.h"
 
 namespace jnd {
 
@@ -38,7 +36,7 @@ struct TrialUse {
 // Of same-different trials: the answer "different", and differences, 0 on same trials. Of choices between two intervals.
 extern const TrialUse kSameDifferentUse, kWhichUse;
 
-void add_trial_options(CLI::App& command, TrialOptions& options, const TrialUse& use);
+void add_trial_options(const Command& command, TrialOptions& options, const TrialUse& use);
 
 struct CsvTrial {
   std::size_t unit = 0;  // in TrialTable::units

@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -99,20 +98,18 @@ void add_calc_hierarchical(CommandTree& calc) {
       "(the comparison's level; k: times it was chosen); for k may stand category (1: same sure, 2: same unsure, 3: "
       "different unsure, 4: different sure); with --observer independent also block, where there are several "
       "differences");
-  command.add_option("--task", options.task, "what was asked")
-      ->check(CLI::IsMember({"same-different", "which"}))
-      ->required();
+  command.add_option("--task", options.task, "what was asked").one_of({"same-different", "which"}).required();
   command
       .add_option(
           "--observer", options.observer,
           "of same-different: decided on the difference (yes-no), on its size (differencing), or by each interval "
           "itself (independent)")
-      ->check(CLI::IsMember({"yes-no", "differencing", "independent"}))
-      ->capture_default_str();
+      .one_of({"yes-no", "differencing", "independent"})
+      .show_default();
   command
       .add_option("--lapse", options.lapse,
                   "share of trials answered by chance: a number, or shared (estimated, the same for everybody)")
-      ->capture_default_str();
+      .show_default();
   command.add_flag("--overdispersion", options.overdispersion,
                    "estimate how much more alike the answers of one person, condition and level are than independent "
                    "ones");
@@ -123,21 +120,20 @@ void add_calc_hierarchical(CommandTree& calc) {
       .add_option("--random", options.random,
                   "what differs between people, with commas: tu (JND), tv (JND by condition), tw (criterion, PSE), rho "
                   "(correlation of tu and tw); none")
-      ->capture_default_str();
+      .show_default();
   command.add_flag("--one-jnd", options.one_jnd, "one JND for all conditions");
   command.add_flag("--people", options.people, "also each person's JND, beside the one from their answers alone");
   command
       .add_option("--bootstrap", options.bootstrap,
                   "draw so many studies without a difference between conditions, for the test of one JND")
-      ->check(CLI::Range(0, 100'000))
-      ->capture_default_str();
+      .range(0, 100'000)
+      .show_default();
   command.add_flag(fmt::format("--check{{{}}}", kPredictiveDraws), options.check,
                    fmt::format("whether the model draws answers like these: a posterior predictive check by {} draws, "
                                "or --check=N",
                                kPredictiveDraws));
-  command.add_option("--seed", options.seed, "of the drawn studies and of the check")->capture_default_str();
-  command.add_option("--threads", options.threads, "drawn studies at a time (default: one a processor)")
-      ->check(CLI::Range(1, 1024));
+  command.add_option("--seed", options.seed, "of the drawn studies and of the check").show_default();
+  command.add_option("--threads", options.threads, "drawn studies at a time (default: one a processor)").range(1, 1024);
   add_trial_options(command, options.trials, kHierarchicalUse);
 }
 

@@ -1,13 +1,14 @@
 #include "runner/calc_hierarchical/hierarchical_answers.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <memory>
 #include <set>
+#include <sstream>
 #include <tuple>
 #include <utility>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "protocols/input/csv_table.h"
@@ -42,8 +43,10 @@ HierarchicalModel hierarchical_model_of(const HierarchicalCommand& options) {
   model.one_mean = options.one_jnd;
   const std::map<std::string, bool*, std::less<>> parts = {
       {"tu", &model.tu}, {"tv", &model.tv}, {"tw", &model.tw}, {"rho", &model.rho}};
-  for (const std::string& name : CLI::detail::split(options.random, ',')) {
-    const std::string word = CLI::detail::trim_copy(name);
+  std::istringstream names(options.random);
+  for (std::string word; std::getline(names, word, ',');) {
+    word = word.substr(std::min(word.find_first_not_of(' '), word.size()));
+    word.erase(word.find_last_not_of(' ') + 1);
     if (word == "none" || word.empty()) continue;
     const auto part = parts.find(word);
     if (part == parts.end())

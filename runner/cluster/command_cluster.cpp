@@ -2,7 +2,6 @@
 #include <chrono>
 #include <filesystem>
 
-#include <CLI/CLI.hpp>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
@@ -184,39 +183,38 @@ void add_cluster(CommandTree& tree) {
       "cluster", "Run simulated studies on a cluster, in shards: write their job, submit it, follow it to the result",
       "jnd cluster campaign --shards 64 --time 02:00:00 --submit --follow -- plan chinello2017 --power",
       command_cluster);
-  command.add_option("FOLDER", options.folder, "the campaign's folder; made where it does not exist")->required();
+  command.add_option("FOLDER", options.folder, "the campaign's folder; made where it does not exist").required();
   command.add_option(
       "JOB", options.job,
       "behind --: what to run, plan PROTOCOL --power ... or simulate PROTOCOL --studies N ...; may be left out of a campaign that "
       "is there");
   command.add_option("--shards", options.shards, "into how many parts it is cut, each a task of one processor")
-      ->check(CLI::Range(1, Campaign::kMostShards));
+      .range(1, Campaign::kMostShards);
   command.add_flag("--submit", options.submit, "submit with sbatch what is neither there nor in the queue");
-  CLI::Option* const follow = command.add_flag(
+  const CommandOption follow = command.add_flag(
       "--follow", options.follow,
       "show how it gets on, submit again what was lost, and print the result; Ctrl-C leaves the jobs alone");
-  command.add_flag("--json", options.json, "the result, machine-readable")->needs(follow);
+  command.add_flag("--json", options.json, "the result, machine-readable").needs(follow);
   command
       .add_option("--retries", options.retries,
                   "how often a shard is submitted again that ends without getting on (default: 3)")
-      ->check(CLI::Range(0, 100));
+      .range(0, 100);
   command.add_option("--every", options.every_s, "seconds between two looks at the queue (default: 20)")
-      ->check(CLI::Range(0.05, 3600.0));
-  command.add_option("--partition", options.partition, "of the cluster")->type_name("NAME");
-  command.add_option("--time", options.time, "limit of one shard, such as 02:00:00")->type_name("TIME");
-  command.add_option("--account", options.account, "that the time is charged to")->type_name("NAME");
-  command.add_option("--memory", options.memory, "of one shard, such as 2G")->type_name("SIZE");
-  command.add_option("--at-once", options.at_once, "how many shards run at a time at most")->check(CLI::Range(1, 1000));
+      .range(0.05, 3600.0);
+  command.add_option("--partition", options.partition, "of the cluster").value_name("NAME");
+  command.add_option("--time", options.time, "limit of one shard, such as 02:00:00").value_name("TIME");
+  command.add_option("--account", options.account, "that the time is charged to").value_name("NAME");
+  command.add_option("--memory", options.memory, "of one shard, such as 2G").value_name("SIZE");
+  command.add_option("--at-once", options.at_once, "how many shards run at a time at most").range(1, 1000);
   command
       .add_option("--sbatch", options.sbatch, "another option of sbatch, such as --sbatch=--qos=long; may be repeated")
-      ->type_name("OPTION")
-      ->allow_extra_args(false);
-  command
-      .add_option("--setup", options.setup, "a line of shell before the program: 'module load gcc'; may be repeated")
-      ->type_name("LINE")
-      ->allow_extra_args(false);
+      .value_name("OPTION")
+      .one_at_a_time();
+  command.add_option("--setup", options.setup, "a line of shell before the program: 'module load gcc'; may be repeated")
+      .value_name("LINE")
+      .one_at_a_time();
   command.add_option("--program", options.program, "the jnd to run, where the cluster has another one than this")
-      ->type_name("FILE");
+      .value_name("FILE");
 }
 
 }  // namespace jnd

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <optional>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "data/export/export_folder.h"
@@ -58,6 +57,7 @@ struct AnalyzeOptions {
   bool replace = false;  // that folder, where an earlier one is there
   std::string methods;   // the file for the methods in words; empty: none
   std::string word;      // "all", behind --models
+  bool no_methods = false;
 
   bool shows(Section section) const { return all || sections[static_cast<std::size_t>(section)]; }
 };
@@ -207,7 +207,7 @@ int command_analyze(const AnalyzeOptions& options) {
 void add_analyze(CommandTree& tree) {
   const auto [command, options] = tree.add("analyze", "d', JND and Weber fractions by the registered plan",
                                            "jnd analyze s.sqlite", command_analyze);
-  command.add_option("STUDY", options.study, "the study's file")->required();
+  command.add_option("STUDY", options.study, "the study's file").required();
   add_kind_and_by(command, options.kind, options.by);
   for (const SectionOption& one : kSections)
     command.add_flag(one.option, options.sections[static_cast<std::size_t>(one.section)], one.what);
@@ -217,8 +217,8 @@ void add_analyze(CommandTree& tree) {
   command.add_option("--methods", options.methods, "also the methods in words, as Markdown, in this file");
   command.add_flag("--json", options.json, "machine-readable");
   // Scripts of before: nothing is written unasked any more, and --models needs no word.
-  command.add_flag("--no-methods")->group("");
-  command.add_option("WORD", options.word)->group("");
+  command.add_flag("--no-methods", options.no_methods, "").hidden();
+  command.add_option("WORD", options.word, "").hidden();
 }
 
 }  // namespace jnd

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <optional>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "data/results/study_comparisons.h"
@@ -243,7 +242,7 @@ bool report_check(const std::string& protocol) {
 void add_check(CommandTree& tree) {
   const auto [command, options] =
       tree.add("check", "Find every mistake in a protocol", "jnd check my-study.json", command_check);
-  command.add_option("PROTOCOL", options.protocols, "protocol files or names of shipped ones")->required();
+  command.add_option("PROTOCOL", options.protocols, "protocol files or names of shipped ones").required();
   command.add_option("--rig", options.rig,
                      "also start the external rig of this rig file, and look whether it can present what they ask");
   command.add_flag("--json", options.json, "one JSON object a file");

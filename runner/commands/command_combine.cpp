@@ -1,5 +1,4 @@
 // jnd combine: puts the shards of simulated studies together.
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "runner/commands/commands.h"
@@ -53,9 +52,9 @@ void add_combine(CommandTree& tree) {
   command
       .add_option("FILES", options.files,
                   "every file that plan --power --shard, or simulate --studies --shard, has written, in any order")
-      ->required();
+      .required();
   add_power_files(command, options.written);
-  command.get_option("--csv")->description(
+  command.option("--csv").description(
       "the numbers as CSV: of a power study also, as a file; of simulated studies in this folder");
   command.add_flag("--replace", options.replace, "replace the folder of an earlier run");
   command.add_flag("--json", options.json, "machine-readable, of a power study");

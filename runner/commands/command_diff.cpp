@@ -3,7 +3,6 @@
 #include <array>
 #include <optional>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "protocols/input/json_text.h"
@@ -158,9 +157,9 @@ int command_diff(const DiffOptions& options) {
 void add_diff(CommandTree& tree) {
   const auto [command, options] = tree.add("diff", "Say what differs between two protocols, and whether the plans do",
                                            "jnd diff chinello2017 chinello2017-balanced", command_diff);
-  command.add_option("OLD", options.before, "protocol file, or name of a shipped one")->required();
+  command.add_option("OLD", options.before, "protocol file, or name of a shipped one").required();
   command.add_option("NEW", options.after, "the other one; the exit code is 1 where they do not mean the same")
-      ->required();
+      .required();
   command.add_flag("--json", options.json, "machine-readable");
 }
 

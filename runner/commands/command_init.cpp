@@ -1,7 +1,6 @@
 // jnd init: asks what a protocol is to be, and writes it.
 #include <iostream>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "runner/commands/commands.h"

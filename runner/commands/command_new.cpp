@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <map>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "protocols/input/read_file.h"
@@ -129,14 +128,15 @@ void add_new(CommandTree& tree) {
   const auto [command, options] = tree.add("new", "Write a protocol to start from",
                                            "jnd new my-study.json --task which --rig external", command_new);
   command.add_option("FILE", options.file, "the file to write; it must not exist");
-  CLI::Option* from = command.add_option("--from", options.from, "the shipped protocol to copy (default: tutorial)");
+  const CommandOption from =
+      command.add_option("--from", options.from, "the shipped protocol to copy (default: tutorial)");
   command.add_option("--task", options.task, "instead a small one of this task")
-      ->check(CLI::IsMember(words_of_tasks()))
-      ->excludes(from);
+      .one_of(words_of_tasks())
+      .excludes(from);
   command.add_option("--rig", options.rig, "with --task: what presents the stimuli (default: rrs3)")
-      ->check(CLI::IsMember(words_of_rigs()));
+      .one_of(words_of_rigs());
   command.add_option("--procedure", options.procedure, "with --task: what sets the levels (default: constant)")
-      ->check(CLI::IsMember(words_of_procedures()));
+      .one_of(words_of_procedures());
   command.add_flag("--list", options.list, "which protocols are shipped, by task");
   command.add_flag("--json", options.json, "with --list: as JSON");
 }

@@ -1,5 +1,4 @@
 // jnd plan: every trial of a participant in order, the balance of a whole cohort, or what the design will measure.
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
@@ -329,7 +328,7 @@ int plan_of_protocol(const Protocol& protocol, std::uint64_t seed, const PlanOpt
 // What an order of trials does not depend on.
 void refuse_figures(const PrecisionOptions& options) {
   const auto refuse = [](const char* name, bool given) {
-    if (given) throw CLI::RequiresError(name, "--precision or --power");
+    if (given) refuse_without(name, "--precision or --power");
   };
   refuse("--jnd", !options.jnds.empty());
   refuse("--trials", !options.trials.empty());
@@ -338,10 +337,10 @@ void refuse_figures(const PrecisionOptions& options) {
 }
 
 int command_plan(const PlanOptions& options) {
-  if (options.protocol.empty() && !options.precision.asked && !options.study) throw CLI::RequiredError("PROTOCOL");
-  if (options.precision.asked && options.study) throw CLI::ExcludesError("--precision", "--study");
-  if (options.power.asked && options.study) throw CLI::ExcludesError("--power", "--study");
-  if (options.power.asked && options.precision.asked) throw CLI::ExcludesError("--power", "--precision");
+  if (options.protocol.empty() && !options.precision.asked && !options.study) refuse_missing("PROTOCOL");
+  if (options.precision.asked && options.study) refuse_together("--precision", "--study");
+  if (options.power.asked && options.study) refuse_together("--power", "--study");
+  if (options.power.asked && options.precision.asked) refuse_together("--power", "--precision");
   const std::uint64_t given_seed = options.seed.value_or(1);
   if (options.power.asked)
     return plan_power(options.protocol, given_seed, options.json, options.precision, options.power);
@@ -369,12 +368,10 @@ void add_plan(CommandTree& tree) {
                      "protocol file, or name of a shipped one (with --precision: chinello2017 where none is named)");
   command.add_option("--participant", options.participant,
                      "a number of the plan, such as 7, or a code: P07; of a study whoever has a session (default: 1)");
-  command.add_option("--session", options.session, "which of the participant's sessions (default: 1)")
-      ->check(CLI::Range(1, 20));
+  command.add_option("--session", options.session, "which of the participant's sessions (default: 1)").range(1, 20);
   command.add_option("--group", options.group,
                      "where groups are given: --participant counts its members; with --cohort: its balance alone");
-  command.add_option("--cohort", options.cohort, "show the balance over participants 1..N instead")
-      ->check(CLI::Range(1, 10'000));
+  command.add_option("--cohort", options.cohort, "show the balance over participants 1..N instead").range(1, 10'000);
   command.add_option("--seed", options.seed, "the study's seed (default: 1)");
   command.add_option("--study", options.study, "the plan of a study's participant, by its own protocol and seed");
   command.add_flag("--json", options.json, "machine-readable");

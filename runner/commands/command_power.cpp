@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <thread>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "data/files/draft.h"
@@ -209,7 +208,7 @@ void add_contrasts(Protocol& protocol) {
 
 }  // namespace
 
-void add_power_files(CLI::App& command, PowerFiles& files) {
+void add_power_files(const Command& command, PowerFiles& files) {
   command.add_option("--csv", files.csv, "also all numbers of the power study as a CSV file, a row each");
   command.add_option("--figure", files.figure, "also curves of power over the designs, as an SVG picture");
   command.add_option("--ademp", files.ademp,
@@ -232,46 +231,45 @@ void give_power_result(const PowerResult& result, const PowerFiles& files, bool 
     fmt::print("{}", power_text(result));
 }
 
-void add_power_options(CLI::App& plan, PowerOptions& options) {
-  CLI::Option* const power = plan.add_flag(
+void add_power_options(const Command& plan, PowerOptions& options) {
+  const CommandOption power = plan.add_flag(
       "--power", options.asked, "how often such a study finds what is there, and how precisely, by simulating it");
-  const auto add = [&](CLI::Option* option) { return option->needs(power); };
+  const auto add = [&](CommandOption option) { return option.needs(power); };
   add(plan.add_option("--effect", options.effects,
                       "how far apart the true JNDs are: 0 not at all, 1 as planned (default: 0,1)"))
-      ->check(CLI::Range(0.0, 10.0))
-      ->delimiter(',');
+      .range(0.0, 10.0)
+      .delimiter(',');
   add(plan.add_option("--group-factor", options.group_factors,
                       "how many times as large the true JNDs of a group of participants are: patients=1.4; in one "
                       "condition: patients/V=1.4 (default: 1)"))
-      ->delimiter(',');
+      .delimiter(',');
   add(plan.add_option("--analysis", options.analyses, "how studies are analysed (default: registered,hierarchical)"))
-      ->check(CLI::IsMember({"registered", "median", "log-ml", "hierarchical"}))
-      ->delimiter(',');
+      .one_of({"registered", "median", "log-ml", "hierarchical"})
+      .delimiter(',');
   add(plan.add_option("--interaction-cv", options.interaction_cv,
                       "spread of what a condition adds to a person's JND (default: 0.15)"))
-      ->check(CLI::Range(0.0, 2.0));
+      .range(0.0, 2.0);
   add(plan.add_option("--criterion", options.criterion,
                       "mean criterion: of d' where \"different\" begins; of choices the bias, in JNDs (default: 0.75; "
                       "differencing, ln tau: 0.5; choices: 0)"))
-      ->check(CLI::Range(-5.0, 5.0));
+      .range(-5.0, 5.0);
   add(plan.add_option("--criterion-sd", options.criterion_sd, "its spread between people (default: 0.3)"))
-      ->check(CLI::Range(0.0, 5.0));
-  add(plan.add_option("--lapses", options.lapses, "share of trials answered by a guess (default: 0)"))
-      ->check(CLI::Range(0.0, 0.9));
+      .range(0.0, 5.0);
+  add(plan.add_option("--lapses", options.lapses, "share of trials answered by a guess (default: 0)")).range(0.0, 0.9);
   add(plan.add_option("--drop-out", options.drop_out, "share of participants who leave nothing (default: 0)"))
-      ->check(CLI::Range(0.0, 0.9));
+      .range(0.0, 0.9);
   add(plan.add_option("--studies", options.studies, "how many are simulated of each design (default: 1000)"))
-      ->check(CLI::Range(1, kMostStudies));
+      .range(1, kMostStudies);
   add(plan.add_option("--wanted", options.wanted, "the power that the smallest design is to have (default: 0.8)"))
-      ->check(CLI::Range(0.01, 0.999));
+      .range(0.01, 0.999);
   add(plan.add_flag("--physics", options.physics,
                     "participants go through the simulated rig at 1 kHz, instead of answering by the response model"));
   add(plan.add_option("--profile", options.profile, "with --physics: profile file, or name of a shipped one"));
-  add(plan.add_option("--threads", options.threads, "studies at a time (default: one a processor)"))
-      ->check(CLI::Range(1, 1024));
+  add(plan.add_option("--threads", options.threads, "studies at a time (default: one a processor)")).range(1, 1024);
   add_shard_options(plan, options.shard, "--power");
   add_power_files(plan, options.files);
-  for (const char* const name : {"--csv", "--figure", "--ademp"}) plan.get_option(name)->needs(power)->excludes("--to");
+  for (const char* const name : {"--csv", "--figure", "--ademp"})
+    plan.option(name).needs(power).excludes(plan.option("--to"));
 }
 
 int plan_power(const std::string& name, std::uint64_t seed, bool json, const PrecisionOptions& precision,

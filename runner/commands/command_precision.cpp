@@ -2,7 +2,6 @@
 #include <charconv>
 #include <cmath>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "protocols/planning/planned_precision.h"
@@ -72,37 +71,37 @@ std::vector<PlannedJnd> asked_jnds(const std::vector<std::string>& arguments, co
   return jnds;
 }
 
-void add_precision_options(CLI::App& plan, PrecisionOptions& options) {
-  CLI::Option* precision =
+void add_precision_options(const Command& plan, PrecisionOptions& options) {
+  const CommandOption precision =
       plan.add_flag("--precision", options.asked, "how well this design will measure JNDs, instead of the order");
   plan.add_option("--jnd", options.jnds,
                   "true JND to plan for: a number for all conditions, or NAME=NUMBER for one (default: the published "
                   "values, else the Weber fractions of the simulated participants)")
-      ->allow_extra_args(false);
+      .one_at_a_time();
   plan.add_option("--trials", options.trials, "trials per cell (default: the protocol's); with --power several: 12,24")
-      ->check(CLI::Range(1, kMostTrials))
-      ->delimiter(',');
+      .range(1, kMostTrials)
+      .delimiter(',');
   plan.add_option("--participants", options.participants,
                   "participants (default: the protocol's); with --power several: 12,18,24")
-      ->check(CLI::Range(1, 1000))
-      ->delimiter(',');
+      .range(1, 1000)
+      .delimiter(',');
   plan.add_option("--between-cv", options.between_cv,
                   "spread of the participants' true JNDs, as a coefficient of variation (default: 0; with --power 0.3)")
-      ->check(CLI::Range(0.0, 2.0));
+      .range(0.0, 2.0);
   plan.add_option("--cv", options.cv, "wanted coefficient of variation of one participant's JND (default: 0.1)")
-      ->needs(precision)
-      ->check(CLI::Range(0.001, 10.0));
+      .needs(precision)
+      .range(0.001, 10.0);
   plan.add_option(
           "--simulated", options.simulated,
           "how many participants are simulated, of tasks other than same-different and of procedures (default: 400)")
-      ->needs(precision)
-      ->check(CLI::Range(20, 100000));
+      .needs(precision)
+      .range(20, 100000);
   plan.add_option(
           "--noise", options.noise,
           "the same of tasks by the standard deviation of a felt difference of two intervals, in the study's unit")
-      ->needs(precision)
-      ->check(CLI::Range(1e-9, kLargestJnd));
-  plan.add_flag("--markdown", options.markdown, "tables in Markdown")->needs(precision);
+      .needs(precision)
+      .range(1e-9, kLargestJnd);
+  plan.add_flag("--markdown", options.markdown, "tables in Markdown").needs(precision);
 }
 
 namespace {

@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <utility>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "data/methods/methods_text.h"
@@ -144,7 +143,7 @@ int command_report(const ReportOptions& options) {
 void add_report(CommandTree& tree) {
   const auto [command, options] = tree.add("report", "Write a page for people: figures, tables, cautions, methods",
                                            "jnd report s.sqlite", command_report);
-  command.add_option("STUDY", options.study, "the study's file")->required();
+  command.add_option("STUDY", options.study, "the study's file").required();
   command.add_option("--to", options.file, "the page (default: the study's name with -report.html, beside it)");
   command.add_option("--figures", options.figures_folder,
                      "the folder for the figures as SVG files (default: the page's name with -figures)");

@@ -1,6 +1,5 @@
 // jnd run: a session from this terminal. On simulated devices it is a rehearsal: kind pilot with a person at the keys,
 // kind simulated where a profile answers.
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "data/log/event_body.h"
@@ -389,10 +388,10 @@ int command_run(const RunOptions& options) {
 void add_run(CommandTree& tree) {
   const auto [command, options] = tree.add("run", "Run a session from this terminal, or go on with one",
                                            "jnd run tutorial --study pilot.sqlite --participant P01", command_run);
-  command.add_option("PROTOCOL", options.protocol, "protocol file, or name of a shipped one")->required();
+  command.add_option("PROTOCOL", options.protocol, "protocol file, or name of a shipped one").required();
   command.add_option("--study", options.study, "the study's file; made where it does not exist")
-      ->required()
-      ->envname(kStudyVariable);
+      .required()
+      .variable(kStudyVariable);
   command.add_option("--participant", options.participant,
                      "participant code (letters and digits), or a number: 1 is P01; asked for if not given");
   command.add_option("--seed", options.seed, "seed of a new study (default: drawn, and kept in the study)");
@@ -431,9 +430,9 @@ void add_run(CommandTree& tree) {
       "simulated (default), hid (the connected devices), specimens (the operator hands them over), or a rig file");
   command.add_flag("--fast", options.fast, "rehearse without waiting: stimuli and pauses take no time");
   command.add_option("--record", options.record, "what is kept: off, events (faults), full (every tick; default)")
-      ->check(CLI::IsMember({"off", "events", "full"}));
+      .one_of({"off", "events", "full"});
   command.add_option("--realtime", options.realtime, "real-time scheduling: off, prefer (default), require")
-      ->check(CLI::IsMember({"off", "prefer", "require"}));
+      .one_of({"off", "prefer", "require"});
 }
 
 }  // namespace jnd

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <thread>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "analysis/numerics/stop_request.h"
@@ -185,33 +184,32 @@ void add_simulate(CommandTree& tree) {
   const auto [command, options] =
       tree.add("simulate", "Run simulated participants through the study",
                "jnd simulate chinello2017 --participants 18 --study s.sqlite --seed 1", command_simulate);
-  command.add_option("PROTOCOL", options.protocol, "protocol file, or name of a shipped one")->required();
+  command.add_option("PROTOCOL", options.protocol, "protocol file, or name of a shipped one").required();
   command.add_option("--study", options.study, "the study's file; made where it does not exist");
   command.add_option("--participants", options.participants, "how many, numbered from 1 (default: 1)")
-      ->check(CLI::Range(1, 100'000));
+      .range(1, 100'000);
   command.add_option("--seed", options.seed,
                      "seed of a new study (default: drawn, printed and kept in the study; without a study 1)");
   command.add_option("--profile", options.profile, "profile file, or name of a shipped one (default: what fits)");
   command
       .add_option("--threads", options.threads,
                   "participants, or of many studies these, at a time (default: one a processor)")
-      ->check(CLI::Range(1, 1024));
-  CLI::Option* const studies =
+      .range(1, 1024);
+  const CommandOption studies =
       command
           .add_option("--studies", options.studies, "so many of them, each with a seed of its own: the results alone")
-          ->check(CLI::Range(1, 1'000'000));
-  CLI::Option* const csv = command.add_option(
+          .range(1, 1'000'000);
+  const CommandOption csv = command.add_option(
       "--csv", options.csv, "the results of these studies, below each other, as CSV files in this folder");
-  csv->needs(studies);
-  command.add_flag("--replace", options.replace, "replace that folder of an earlier run")->needs(csv);
+  csv.needs(studies);
+  command.add_flag("--replace", options.replace, "replace that folder of an earlier run").needs(csv);
   add_shard_options(command, options.shard, "--studies");
-  command.get_option("--to")->excludes(csv);
+  command.option("--to").excludes(csv);
   command.add_option("--record", options.record, "what is kept: off, events (faults; default), full (every tick)")
-      ->check(CLI::IsMember({"off", "events", "full"}));
+      .one_of({"off", "events", "full"});
   command.add_flag("--no-study", options.no_study, "keep nothing: print the group's result only");
   command.add_flag("--json", options.json, "machine-readable result of --no-study");
-  for (const char* const one : {"--study", "--no-study", "--json", "--record"})
-    studies->excludes(command.get_option(one));
+  for (const char* const one : {"--study", "--no-study", "--json", "--record"}) studies.excludes(command.option(one));
 }
 
 }  // namespace jnd

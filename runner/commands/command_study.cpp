@@ -4,7 +4,6 @@
 #include <string_view>
 #include <utility>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "data/export/export.h"
@@ -239,32 +238,32 @@ int command_export(const ExportOptions& options) {
 
 void add_status(CommandTree& tree) {
   const auto [command, options] = tree.add("status", "What a study holds", "jnd status s.sqlite", command_status);
-  command.add_option("STUDY", options.study, "the study's file")->required();
+  command.add_option("STUDY", options.study, "the study's file").required();
   command.add_flag("--json", options.json, "machine-readable");
 }
 
 void add_verify(CommandTree& tree) {
   const auto [command, options] =
       tree.add("verify", "Recompute every hash and every planned stimulus", "jnd verify s.sqlite", command_verify);
-  command.add_option("STUDY", options.study, "the study's file")->required();
+  command.add_option("STUDY", options.study, "the study's file").required();
   command.add_flag("--deep", options.deep,
                    "also every number that telemetry gives, the course of every session, and the file itself");
   command.add_flag("--json", options.json, "machine-readable");
 }
 
-void add_kind_and_by(CLI::App& command, std::optional<std::string>& kind, std::optional<std::string>& by) {
+void add_kind_and_by(const Command& command, std::optional<std::string>& kind, std::optional<std::string>& by) {
   command.add_option("--kind", kind, "real, pilot or simulated (default: the only one, or real)");
   command
       .add_option("--by", by,
                   "slopes over nominal or delivered stiffness differences (default: what the protocol registers)")
-      ->check(CLI::IsMember({"nominal", "delivered"}));
+      .one_of({"nominal", "delivered"});
 }
 
 void add_export(CommandTree& tree) {
   const auto [command, options] = tree.add("export", "Write the data and the results as CSV files for R and Python",
                                            "jnd export s.sqlite --to results", command_export);
-  command.add_option("STUDY", options.study, "the study's file")->required();
-  command.add_option("--to", options.folder, "the folder to write")->required();
+  command.add_option("STUDY", options.study, "the study's file").required();
+  command.add_option("--to", options.folder, "the folder to write").required();
   add_kind_and_by(command, options.kind, options.by);
   command.add_flag("--telemetry", options.telemetry, "also every tick of every interval, a file each");
   command.add_flag("--replace", options.replace, "replace the folder of an earlier export");

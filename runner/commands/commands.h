@@ -28,6 +28,6 @@ bool report_check(const std::string& protocol);
 
 // --kind and --by: which sessions are analysed, and over which stiffness differences. Where they are not given, the
 // only kind that there is, or real; and what the protocol registers.
-void add_kind_and_by(CLI::App& command, std::optional<std::string>& kind, std::optional<std::string>& by);
+void add_kind_and_by(const Command& command, std::optional<std::string>& kind, std::optional<std::string>& by);
 
 }  // namespace jnd

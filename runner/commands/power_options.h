@@ -16,7 +16,7 @@ namespace jnd {
 struct PowerFiles {
   std::string csv, ademp, figure;
 };
-void add_power_files(CLI::App& command, PowerFiles& files);
+void add_power_files(const Command& command, PowerFiles& files);
 // Throws InputError where one of them is there already.
 void refuse_existing(const PowerFiles& files);
 // Writes the files and prints the result.
@@ -38,7 +38,7 @@ struct PowerOptions {
   PowerFiles files;
 };
 // Adds the options to `jnd plan`.
-void add_power_options(CLI::App& plan, PowerOptions& options);
+void add_power_options(const Command& plan, PowerOptions& options);
 
 // name: a protocol's file, or the name of a shipped one. Returns the exit code. Throws UsageError where the options do
 // not fit the protocol, or one another.

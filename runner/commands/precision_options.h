@@ -7,10 +7,7 @@
 #include <vector>
 
 #include "protocols/planning/planned_precision.h"
-
-namespace CLI {
-class App;
-}
+#include "runner/terminal/command_tree.h"
 
 namespace jnd {
 
@@ -26,7 +23,7 @@ struct PrecisionOptions {
   std::optional<int> simulated;  // participants of a task whose precision is simulated
 };
 // Adds the options to `jnd plan`.
-void add_precision_options(CLI::App& plan, PrecisionOptions& options);
+void add_precision_options(const Command& plan, PrecisionOptions& options);
 
 // The JND of each condition: as the arguments of --jnd have it, else as planned. Throws UsageError.
 std::vector<PlannedJnd> asked_jnds(const std::vector<std::string>& arguments, const Protocol& protocol);

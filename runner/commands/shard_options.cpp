@@ -3,7 +3,6 @@
 #include <charconv>
 #include <optional>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "runner/keys/interrupt.h"
@@ -19,13 +18,13 @@ constexpr int kMostShards = 100'000;
 
 }  // namespace
 
-void add_shard_options(CLI::App& command, ShardOptions& options, const std::string& studies) {
-  CLI::Option* const to =
+void add_shard_options(const Command& command, ShardOptions& options, const std::string& studies) {
+  const CommandOption to =
       command.add_option("--to", options.to, "write what `jnd combine` reads to this file, instead of the result");
-  CLI::Option* const shard =
+  const CommandOption shard =
       command.add_option("--shard", options.shard, "one shard of the studies only, such as 3/64");
-  to->needs(command.get_option(studies));
-  shard->needs(to);
+  to.needs(command.option(studies));
+  shard.needs(to);
 }
 
 ShardPlace place_of(const ShardOptions& options) {

@@ -4,10 +4,7 @@
 #include <string>
 
 #include "runner/shards/study_shard.h"
-
-namespace CLI {
-class App;
-}
+#include "runner/terminal/command_tree.h"
 
 namespace jnd {
 
@@ -16,7 +13,7 @@ struct ShardOptions {
   std::string to;     // file of the shard; empty: none
 };
 // studies: the name of the option that both belong to, "--power".
-void add_shard_options(CLI::App& command, ShardOptions& options, const std::string& studies);
+void add_shard_options(const Command& command, ShardOptions& options, const std::string& studies);
 
 struct ShardPlace {
   int number = 1, of = 1;

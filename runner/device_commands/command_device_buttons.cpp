@@ -6,7 +6,6 @@
 #include <iterator>
 #include <system_error>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -135,13 +134,12 @@ void add_device_learn_buttons(CommandTree& device) {
   const auto [command, options] =
       device.add("learn-buttons", "Learn which buttons of a gamepad, keypad or pedal mean same and different",
                  "jnd device learn-buttons --to pedals.json --stop", command_device_learn_buttons);
-  command.add_option("--to", options.file, "the mapping to write, for jnd run --buttons; it must not exist")
-      ->required();
+  command.add_option("--to", options.file, "the mapping to write, for jnd run --buttons; it must not exist").required();
   command.add_option("--device", options.device,
                      "its path, such as /dev/hidraw0 (default: the only one, or asked for)");
   command.add_flag("--stop", options.with_stop, "also a button that stops the devices at any time");
   command.add_option("--debounce", options.debounce_ms, "how long a contact may bounce, ms (default: 10)")
-      ->check(CLI::Range(0, 200));
+      .range(0, 200);
 }
 
 }  // namespace jnd

@@ -3,7 +3,6 @@
 #include <optional>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <poll.h>
 #include <unistd.h>
@@ -226,7 +225,7 @@ void add_device_calibrate(CommandTree& device) {
                  "  jnd device calibrate FT-0001 --operator \"A. Smith\" --reference-name \"weights\" "
                  "--reference points.csv --store",
                  command_device_calibrate);
-  command.add_option("DEVICE", options.name, "a serial number or a path, as jnd device list shows them")->required();
+  command.add_option("DEVICE", options.name, "a serial number or a path, as jnd device list shows them").required();
   command.add_option("--rig", options.rig_file, "a rig file: its devices that are programs are looked for too");
   command.add_option("--reference", options.reference,
                      "interactive: known forces are typed; or a CSV file of them: known_n (N), and pushed_n (N) where "
@@ -234,11 +233,11 @@ void add_device_calibrate(CommandTree& device) {
   command
       .add_option("--push", options.push_n,
                   "N1,N2,...: forces with which the device presses the reference; what that shows is typed")
-      ->delimiter(',')
-      ->check(finite());
-  command.add_option("--operator", options.operator_name, "who calibrates")->required();
+      .delimiter(',')
+      .check(not_finite, "finite");
+  command.add_option("--operator", options.operator_name, "who calibrates").required();
   command.add_option("--reference-name", options.reference_name, "which scale or weights, such as an inventory number")
-      ->required();
+      .required();
   command.add_option("--remarks", options.remarks, "anything that should stand in the certificate");
   command.add_option("--out", options.out, "the certificate's file (default: SERIAL-DATE-ID.json in this folder)");
   command.add_flag("--no-stiffness", options.no_stiffness, "leave the check of 500, 700 and 900 N/m out");

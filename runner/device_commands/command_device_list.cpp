@@ -1,5 +1,4 @@
 // jnd device list and info: which rigs there are, what each can do, and which real devices are connected.
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "protocols/input/resources.h"
@@ -237,9 +236,8 @@ void add_device_info(CommandTree& device) {
   const auto [command, options] =
       device.add("info", "Everything a rig's description, or a connected device, says of itself",
                  "jnd device info rrs3\n  jnd device info FT-0001", command_device_info);
-  command
-      .add_option("RIG", options.rig, "a rig's name, a file that describes one, or a device's serial number or path")
-      ->required();
+  command.add_option("RIG", options.rig, "a rig's name, a file that describes one, or a device's serial number or path")
+      .required();
   command.add_option("--rig", options.rig_file, "a rig file: its devices that are programs are looked for too");
   command.add_flag("--json", options.json, "machine-readable");
 }

@@ -2,7 +2,6 @@
 #include <array>
 #include <cmath>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "data/fields/csv_writer.h"

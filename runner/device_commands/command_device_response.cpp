@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "data/fields/csv_writer.h"
@@ -264,13 +263,13 @@ int command_device_onset(const DeviceOnsetOptions& options) {
   return exit_code::kDone;
 }
 
-void add_loop(CLI::App& command, MckibbenLoopOptions& loop) {
+void add_loop(const Command& command, MckibbenLoopOptions& loop) {
   command.add_option("--spec", loop.spec, "another description of such a device");
   add_number(command, "--kp", loop.gains.kp, "proportional gain, V/N (default: 0.28, the paper's)");
   add_number(command, "--ki", loop.gains.ki, "integral gain, V/(N s) (default: 0)");
   add_number(command, "--kd", loop.gains.kd, "derivative gain, V s/N (default: 0)");
-  add_choice(command, "--tendon", loop.tendon, kTendonWords,
-             "bilateral: it can push too, as the paper's (15); unilateral: as a real one (default: bilateral)");
+  command.add_choice("--tendon", loop.tendon, kTendonWords,
+                     "bilateral: it can push too, as the paper's (15); unilateral: as a real one (default: bilateral)");
 }
 
 }  // namespace
@@ -298,11 +297,9 @@ void add_device_bode(CommandTree& device) {
   add_number(command, "--mean", options.mean_n, "mean of the commanded force, N (default: 10)");
   add_number(command, "--amplitude", options.amplitude_n, "amplitude of the commanded force, N (default: 8)");
   add_number(command, "--frequencies", options.frequencies_rad_per_s, "W1,W2,... rad/s (default: 1 to 1000)")
-      ->delimiter(',');
-  command.add_option("--settle", options.settle_cycles, "whole cycles to let pass (default: 6)")
-      ->check(CLI::Range(1, 10'000));
-  command.add_option("--measure", options.measure_cycles, "whole cycles to measure then (default: 3)")
-      ->check(CLI::Range(1, 10'000));
+      .delimiter(',');
+  command.add_option("--settle", options.settle_cycles, "whole cycles to let pass (default: 6)").range(1, 10'000);
+  command.add_option("--measure", options.measure_cycles, "whole cycles to measure then (default: 3)").range(1, 10'000);
   add_output(command, options.output, "the curve");
 }
 
@@ -313,8 +310,8 @@ void add_device_track(CommandTree& device) {
                "jnd device track mckibben --kobj 8,20,50 --kp 0.28 --frequency 0.5", command_device_track);
   add_loop(command, options.loop);
   add_number(command, "--kobj", options.kobj_n_per_rad, "stiffness of the object, N/rad; several with commas")
-      ->delimiter(',')
-      ->required();
+      .delimiter(',')
+      .required();
   add_number(command, "--frequency", options.frequency_hz, "frequency of the flexion, Hz (default: 0.5)");
   add_output(command, options.output, "the table");
 }
@@ -327,7 +324,7 @@ void add_device_onset(CommandTree& device) {
   command.add_option("--spec", options.spec, "another description of such a device");
   add_number(command, "--angle", options.angles_rad,
              "angle of the rocker, rad; several with commas (default: straight to flexed)")
-      ->delimiter(',');
+      .delimiter(',');
   add_output(command, options.output, "the table");
 }
 

@@ -1,7 +1,6 @@
 // jnd device stiffness: what a device renders of the stiffness that is asked of it.
 #include <algorithm>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "data/fields/csv_writer.h"
@@ -147,10 +146,10 @@ void add_rrs3_stiffness(CommandTree& stiffness) {
                                                 command_device_stiffness_rrs3);
   command.add_option("--spec", options.spec, "another description of such a device");
   add_number(command, "--stiffness", options.stiffness_n_per_m, "kS, N/m; several with commas")
-      ->delimiter(',')
-      ->required();
-  add_choice(command, "--mode", options.mode, kRenderingModeWords,
-             "rendering: wrench, pd or pd-literal (default: wrench)");
+      .delimiter(',')
+      .required();
+  command.add_choice("--mode", options.mode, kRenderingModeWords,
+                     "rendering: wrench, pd or pd-literal (default: wrench)");
   add_number(command, "--finger", options.finger_n_per_m, "stiffness of the finger's pulp, N/m (default: 1000)");
   add_number(command, "--roll", options.roll_rad, "inclination of the surface, rad (default: 0)");
   add_number(command, "--pitch", options.pitch_rad, "inclination of the surface, rad (default: 0)");
@@ -163,13 +162,13 @@ void add_mckibben_stiffness(CommandTree& stiffness) {
                     "jnd device stiffness mckibben --stiffness 8,50", command_device_stiffness_mckibben);
   command.add_option("--spec", options.spec, "another description of such a device");
   add_number(command, "--stiffness", options.stiffness_n_per_rad, "of the object, N/rad; several with commas")
-      ->delimiter(',')
-      ->required();
+      .delimiter(',')
+      .required();
   add_number(command, "--kp", options.kp,
              "proportional gain, V/N (default: both the paper's P control and the device's own)");
   add_number(command, "--ki", options.ki, "integral gain, V/(N s) (default: 0 beside another gain)");
   add_number(command, "--kd", options.kd, "derivative gain, V s/N (default: 0 beside another gain)");
-  add_choice(command, "--tendon", options.tendon, kTendonWords, "bilateral or unilateral (default: the device's own)");
+  command.add_choice("--tendon", options.tendon, kTendonWords, "bilateral or unilateral (default: the device's own)");
   add_number(command, "--frequency", options.frequency_hz, "frequency of the flexion, Hz (default: 0.5)");
   add_output(command, options.output, "the table");
 }

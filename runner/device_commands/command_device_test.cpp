@@ -1,7 +1,6 @@
 // jnd device test: a self-test that a technician reads, every line of it measured on the rig.
 #include <algorithm>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "devices/self_test/device_bench.h"
@@ -78,7 +77,7 @@ void add_device_test(CommandTree& device) {
   command
       .add_option("RIG", options.rig,
                   "a rig's name, a file that describes one, a device's serial number or path, or \"external\"")
-      ->required();
+      .required();
   command.add_option("--rig", options.rig_file,
                      "a rig file: where an external rig is; or its devices that are programs are looked for too");
   command.add_option("--command", options.command, "external: the rig's program and arguments, apart by blanks");

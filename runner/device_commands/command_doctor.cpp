@@ -3,7 +3,6 @@
 #include <optional>
 #include <utility>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <unistd.h>
@@ -215,7 +214,7 @@ void add_doctor(CommandTree& program) {
   command
       .add_option("--seconds", options.seconds,
                   "length of each of the measurements: two of lateness, and the rehearsal (default: 3)")
-      ->check(CLI::Range(0.1, 600.0));
+      .range(0.1, 600.0);
   command.add_option("--protocol", options.protocol, "is the machine fit for this one too: has it the tracker");
   command.add_option("--rig", options.rig, "and for this rig file: are its devices, tracker and buttons there");
   command.add_flag("--json", options.json, "machine-readable");

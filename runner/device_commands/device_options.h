@@ -1,38 +1,23 @@
 // What the device commands share: the options that several of them have.
 #pragma once
 
-#include <set>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
-#include "analysis/numerics/words.h"
 #include "runner/device_commands/device_output.h"
+#include "runner/terminal/command_tree.h"
 
 namespace jnd {
 
 // --json, and --csv where the answer can be a table: what_csv says what it writes, empty where there is none.
-void add_output(CLI::App& command, DeviceOutput& output, const std::string& what_csv);
+void add_output(const Command& command, DeviceOutput& output, const std::string& what_csv);
 
-// Refuses what is no finite number.
-const CLI::Validator& finite();
+// What is wrong with a text that is no finite number; empty where it is one, or no number at all, as the option itself says that.
+std::string not_finite(const std::string& text);
 
 // An option that is a finite number, or several of them. value: a number, std::optional or std::vector of it.
 template <typename T>
-CLI::Option* add_number(CLI::App& command, const std::string& name, T& value, const std::string& what) {
-  return command.add_option(name, value, what)->check(finite());
-}
-
-// An option whose value is one of some words. value: Enum or std::optional<Enum>.
-template <typename Enum, std::size_t N, typename Value>
-void add_choice(CLI::App& command, const std::string& name, Value& value, const WordTable<Enum, N>& words,
-                const std::string& what) {
-  std::set<std::string> known;  // in alphabetical order in the help
-  for (const auto& [word, its_value] : words) known.emplace(word);
-  command
-      .add_option_function<std::string>(
-          name, [&value, words](const std::string& word) { value = value_of(words, word).value(); }, what)
-      ->check(CLI::IsMember(known));
+CommandOption add_number(const Command& command, const std::string& name, T& value, const std::string& what) {
+  return command.add_option(name, value, what).check(not_finite, "finite");
 }
 
 }  // namespace jnd

@@ -91,19 +91,9 @@ constexpr std::size_t kLongestChoice = 32;
 std::vector<std::string> words_in_braces(const std::string& text) {
   const std::size_t begin = text.find('{'), end = text.rfind('}');
   std::vector<std::string> words;
-  if (begin == std::string::npos || end == std::string::npos || text.find("->") != std::string::npos) return words;
+  if (begin == std::string::npos || end == std::string::npos) return words;
   std::istringstream list(text.substr(begin + 1, end - begin - 1));
   for (std::string word; std::getline(list, word, ',');) words.push_back(word);
-  return words;
-}
-
-// "{mean->0,median->2} OR {0,2}" -> mean, median. What the parser writes of words that stand for an enumeration.
-std::vector<std::string> words_of_enumeration(const std::string& text) {
-  std::vector<std::string> words;
-  const std::size_t begin = text.find('{'), end = text.find('}');
-  if (begin == std::string::npos || end == std::string::npos || text.find("->") == std::string::npos) return words;
-  std::istringstream list(text.substr(begin + 1, end - begin - 1));
-  for (std::string word; std::getline(list, word, ',');) words.push_back(word.substr(0, word.find("->")));
   return words;
 }
 
@@ -132,7 +122,7 @@ std::string value_by_name(const std::string& command, const std::string& name, c
 }
 
 bool is_parsers_own(const std::string& type) {
-  return type == "TEXT" || type == "INT" || type == "UINT" || type == "FLOAT" || type == "ENUM";
+  return type == "TEXT" || type == "INT" || type == "UINT" || type == "FLOAT";
 }
 
 std::string value_of_option(const std::string& command, const CLI::Option& option, const OptionPage& page,
@@ -161,7 +151,6 @@ OptionPage option_page(const std::string& command, const CLI::Option& option) {
   const std::string full = option.get_type_name();
   const std::string type = full.substr(0, full.find(':'));
   page.words = words_in_braces(full);
-  if (page.words.empty()) page.words = words_of_enumeration(full);
   page.range = range_in(full);
   page.fallback = option.get_default_str();
   page.value = page.is_argument && is_parsers_own(type) ? page.name : value_of_option(command, option, page, type);

@@ -95,16 +95,14 @@ void add_completions(CommandTree& tree) {
       tree.add("completions", "Print what makes the Tab key complete commands, options and names in a shell",
                "jnd completions bash > ~/.local/share/bash-completion/completions/jnd", command_completions);
   options.program = &tree.parent();
-  command.add_option("SHELL", options.shell, "whose: bash, zsh or fish")
-      ->required()
-      ->check(CLI::IsMember(std::vector<std::string>{"bash", "zsh", "fish"}));
+  command.add_option("SHELL", options.shell, "whose: bash, zsh or fish").required().one_of({"bash", "zsh", "fish"});
 }
 
 void add_man(CommandTree& tree) {
   const auto [command, options] =
       tree.add("man", "Write the manual pages, one a command", "jnd man ~/.local/share/man/man1", command_man);
   options.program = &tree.parent();
-  command.add_option("FOLDER", options.folder, "where they go; pages of the same names are replaced")->required();
+  command.add_option("FOLDER", options.folder, "where they go; pages of the same names are replaced").required();
 }
 
 }  // namespace jnd

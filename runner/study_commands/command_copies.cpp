@@ -1,5 +1,4 @@
 // jnd backup, merge and recover: new files out of studies.
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "analysis/numerics/stop_request.h"
@@ -162,8 +161,8 @@ void add_backup(CommandTree& tree) {
   const auto [command, options] = tree.add("backup", "Copy a study, also while a session runs, and verify the copy",
                                            "jnd backup s.sqlite --to /media/usb/s-backup.sqlite", command_backup);
   command.add_flag("--json", options.json, "machine-readable");
-  command.add_option("STUDY", options.study, "the study's file")->required();
-  command.add_option("--to", options.to, "the file to write")->required();
+  command.add_option("STUDY", options.study, "the study's file").required();
+  command.add_option("--to", options.to, "the file to write").required();
   command.add_flag("--replace", options.replace, "replace an earlier backup, when the new one is whole");
 }
 
@@ -171,10 +170,8 @@ void add_merge(CommandTree& tree) {
   const auto [command, options] = tree.add("merge", "Bring studies of one protocol together in a new one",
                                            "jnd merge lab-a.sqlite lab-b.sqlite --to both.sqlite", command_merge);
   command.add_flag("--json", options.json, "machine-readable");
-  command.add_option("STUDIES", options.studies, "two or more studies; they are not changed")
-      ->required()
-      ->expected(2, 64);
-  command.add_option("--to", options.to, "the new study's file")->required();
+  command.add_option("STUDIES", options.studies, "two or more studies; they are not changed").required().values(2, 64);
+  command.add_option("--to", options.to, "the new study's file").required();
 }
 
 void add_recover(CommandTree& tree) {
@@ -182,8 +179,8 @@ void add_recover(CommandTree& tree) {
       tree.add("recover", "Save what can be read of a damaged study, to the last whole event, in a new one",
                "jnd recover damaged.sqlite --to saved.sqlite", command_recover);
   command.add_flag("--json", options.json, "machine-readable");
-  command.add_option("DAMAGED", options.damaged, "the damaged file; it is not changed")->required();
-  command.add_option("--to", options.to, "the new study's file")->required();
+  command.add_option("DAMAGED", options.damaged, "the damaged file; it is not changed").required();
+  command.add_option("--to", options.to, "the new study's file").required();
   command.add_option("--protocol", options.protocol, "the protocol's file, where the study's copy of it is lost");
 }
 

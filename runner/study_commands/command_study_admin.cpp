@@ -4,7 +4,6 @@
 #include <set>
 #include <utility>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "data/study/blinding.h"
@@ -63,7 +62,7 @@ NoteOptions with_study_of_variable(NoteOptions options) {
   const char* const study = std::getenv(kStudyVariable);
   std::error_code error;
   if (study == nullptr || options.study == study || std::filesystem::exists(options.study, error))
-    throw CLI::RequiredError("TEXT");
+    refuse_missing("TEXT");
   if (options.study.find(' ') == std::string::npos && options.study.ends_with(".sqlite"))
     throw UsageError(fmt::format("{}: there is no such study, and the name of one is no note", options.study));
   options.text = std::exchange(options.study, study);
@@ -148,7 +147,7 @@ void add_note(CommandTree& tree) {
   const auto [command, options] = tree.add("note", "Write a note into a study",
                                            "jnd note s.sqlite \"lab repainted\" --participant P01", command_note);
   command.add_flag("--json", options.json, "machine-readable");
-  command.add_option("STUDY", options.study, "the study's file")->required();
+  command.add_option("STUDY", options.study, "the study's file").required();
   command.add_option("TEXT", options.text, "what there is to say; alone, where JND_STUDY names the study");
   command.add_option("--participant", options.participant,
                      "the participant that it is about: a code, or a number (1 is P01)");
@@ -159,11 +158,11 @@ void add_exclude(CommandTree& tree) {
       tree.add("exclude", "Leave a participant out of every analysis; nothing is deleted",
                "jnd exclude s.sqlite --participant P03 --reason \"felt ill\" --replace", command_exclude);
   command.add_flag("--json", options.json, "machine-readable");
-  command.add_option("STUDY", options.study, "the study's file")->required();
-  command.add_option("--participant", options.participant, "the participant's code, or a number: 3 is P03")->required();
-  command.add_option("--reason", options.reason, "why, in a few words")->required();
+  command.add_option("STUDY", options.study, "the study's file").required();
+  command.add_option("--participant", options.participant, "the participant's code, or a number: 3 is P03").required();
+  command.add_option("--reason", options.reason, "why, in a few words").required();
   command.add_option("--kind", options.kind, "kind of sessions (default: the only one that the participant has)")
-      ->check(CLI::IsMember({"real", "pilot", "simulated"}));
+      .one_of({"real", "pilot", "simulated"});
   command.add_flag("--replace", options.replace, "the number is free again: the next newcomer gets the same plan");
 }
 
@@ -171,8 +170,8 @@ void add_unblind(CommandTree& tree) {
   const auto [command, options] = tree.add("unblind", "Show real results as they are, before the study is complete",
                                            "jnd unblind s.sqlite --reason \"interim safety check\"", command_unblind);
   command.add_flag("--json", options.json, "machine-readable");
-  command.add_option("STUDY", options.study, "the study's file")->required();
-  command.add_option("--reason", options.reason, "why, in a few words")->required();
+  command.add_option("STUDY", options.study, "the study's file").required();
+  command.add_option("--reason", options.reason, "why, in a few words").required();
 }
 
 }  // namespace jnd

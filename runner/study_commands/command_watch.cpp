@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <optional>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -151,7 +150,7 @@ void add_watch(CommandTree& tree) {
   const auto [command, options] =
       tree.add("watch", "Show the progress of a study and its open session, live; it changes nothing",
                "jnd watch s.sqlite", command_watch);
-  command.add_option("STUDY", options.study, "the study's file")->required();
+  command.add_option("STUDY", options.study, "the study's file").required();
   command.add_flag("--once", options.once, "print the board once, for scripts");
 }
 
