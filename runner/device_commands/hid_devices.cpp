@@ -58,7 +58,7 @@ std::string shipped_udev_rules() {
 
 bool names_a_rig(const std::string& name) {
   if (is_socket_path(name)) return false;
-  if (names_a_file(name)) return !name.starts_with("/dev/");  // such as /dev/hidraw0
+  if (names_a_file(name)) return !name.starts_with("/dev/hidraw") && !std::filesystem::is_character_file(name);
   const std::vector<std::string> shipped = shipped_names(Resource::device_spec);
   return std::find(shipped.begin(), shipped.end(), name) != shipped.end();
 }

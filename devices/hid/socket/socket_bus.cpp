@@ -173,7 +173,7 @@ std::vector<HidInfo> JoinedBus::list() {
 }
 
 std::unique_ptr<HidHandle> JoinedBus::open(const std::string& path) {
-  return path.starts_with("/dev/") ? second_->open(path) : first_->open(path);
+  return path.starts_with("/dev/hidraw") ? second_->open(path) : first_->open(path);
 }
 
 }  // namespace jnd

@@ -42,14 +42,13 @@ function now_s(line, word, clock) {
 }
 BEGIN {
   print "jnd-poses 1 units=m clock=monotonic"
-  for (;;) {
+  while ("while usleep 4000; do echo; done" | getline) {
     t = now_s()
     s = t / 0.8 - int(t / 0.8)
     x = 0.045 - 0.018 * (s < 0.5 ? s : 1 - s)
     printf "thumb %.6f %.6f 0 0 0.70710678 0 -0.70710678 0 n=%d\n", t, -x, n++
     printf "index %.6f %.6f 0 0 0.70710678 0 0.70710678 0 n=%d\n", t, x, n++
     fflush()
-    system("usleep 4000")
   }
 }
 PROGRAM

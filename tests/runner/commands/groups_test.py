@@ -16,6 +16,8 @@ BY_HAND = ("--rig", "specimens", "--plain", "--override-readiness", "a machine t
 
 
 class Groups(program.Case):
+    on_disk = True
+
     def jnd(self, *arguments, code=0, keys=None):
         done = super().jnd(*arguments, code=code, input=keys)
         return done.stdout + (done.stderr if keys is not None or code else "")

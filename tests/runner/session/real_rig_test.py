@@ -23,19 +23,10 @@ ANYWAY = ("--override-readiness", "a machine that runs tests")
 ROOMS = {"protocols": "protocols", "profiles": "devices/profiles", "specs": "devices/specs", "objects": "devices/objects"}
 
 
-def is_memory(folder):
-    """Whether a folder is gone when the machine stops: real sessions are refused there."""
-    kind = program.run("-f", "-c", "%T", folder, program="stat").stdout.strip()
-    return kind in ("tmpfs", "ramfs")
-
-
 class RealRig(program.Case):
+    on_disk = True
+
     def setUp(self):
-        place = next((place for place in (tempfile.gettempdir(), os.getcwd(), "/var/tmp") if not is_memory(place)), None)
-        if place is None:
-            self.skipTest("SKIPPED: there is no folder on a disk, and real sessions are refused in memory")
-        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="jnd-real-", dir=place))
-        self.addCleanup(shutil.rmtree, self.folder)
         self.study = self.folder / "study.sqlite"
         self.protocol = self.write_protocol("small")
 
@@ -196,7 +187,7 @@ class RealRig(program.Case):
         self.assertIn("out of date", said)
 
     def test_loss_of_data_is_never_overridden(self):
-        if not os.path.isdir("/dev/shm") or not is_memory("/dev/shm") or not os.access("/dev/shm", os.W_OK):
+        if not os.path.isdir("/dev/shm") or not program.is_memory("/dev/shm") or not os.access("/dev/shm", os.W_OK):
             self.skipTest("SKIPPED: there is no folder in memory")
         with tempfile.TemporaryDirectory(dir="/dev/shm") as memory:
             study = pathlib.Path(memory) / "study.sqlite"
