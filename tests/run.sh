@@ -49,6 +49,7 @@ step tests
 # see on a disk that is played. In memory, where there is room for it, none of them waits.
 if [ -z "${TMPDIR:-}" ] && [ "$(df --output=avail -BG /dev/shm 2>/dev/null | tr -dc 0-9)" -ge 4 ] 2>/dev/null; then
   TMPDIR=$(mktemp -d /dev/shm/jnd.XXXXXX)
+  chmod 1777 "$TMPDIR"  # as /tmp: some tests are another user
   export TMPDIR
   trap 'rm -rf "$TMPDIR"' EXIT
 fi
