@@ -40,6 +40,7 @@ campaign_of_unplugs() {
   small_protocol
   session "$3" > /tmp/session.out &
   session=$!
+  check "the session has begun" wait_for_push T1
   unplug_at_random "$1" T1 I1
   check "$1 unplugs in a session: it goes on and ends well" wait "$session"
   cat /tmp/session.out
