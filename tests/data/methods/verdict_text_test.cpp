@@ -60,7 +60,7 @@ TEST_CASE("a difference is named with its direction and p") {
   CHECK_FALSE(says(text, "finer in V than"));
 }
 
-TEST_CASE("where the hierarchical model is registered the verdict is of its ratios") {
+TEST_CASE("where the hierarchical model is registered the verdict is of its ratios", "[long]") {
   Protocol protocol = published();
   protocol.analysis.hierarchical = true;
   const StudyResults results = results_of_shares(protocol, {0.6, 0.3, 0.75}, 12);

@@ -60,7 +60,8 @@ std::vector<HierarchicalCell> cells_of(const TaskResults& results) {
   return cells;
 }
 
-TEST_CASE("the model of choices is that of their counts, its JND as registered, its criterion the bias", "[data]") {
+TEST_CASE("the model of choices is that of their counts, its JND as registered, its criterion the bias",
+          "[data][long]") {
   Protocol protocol = task_protocol("which", 500, {300, 400, 450, 500, 550, 600, 700});
   TaskResults results = patterned_task(protocol, {{-200, -100, -50, 0, 50, 100, 200}});
   HierarchicalModel of;
@@ -108,7 +109,7 @@ TEST_CASE("the model of choices is that of their counts, its JND as registered, 
   }
 }
 
-TEST_CASE("of several standards every one has its JND, on the scale of its own", "[data]") {
+TEST_CASE("of several standards every one has its JND, on the scale of its own", "[data][long]") {
   Protocol protocol = task_protocol("which", 100, {50, 75, 90, 110, 125, 150});
   protocol.series.push_back({.name = "ten times", .standard = 1000, .levels = {500, 750, 900, 1100, 1250, 1500}});
   const std::vector<double> shares = {-0.5, -0.25, -0.1, 0.1, 0.25, 0.5};

@@ -112,7 +112,7 @@ TEST_CASE("the model of a study is that of its counts", "[data]") {
   CHECK(model.equal_p == Approx(fit.p).epsilon(1e-9));
 }
 
-TEST_CASE("shrunken JNDs lie between what the answers alone say and the group", "[data]") {
+TEST_CASE("shrunken JNDs lie between what the answers alone say and the group", "[data][long]") {
   std::vector<CellCounts> counts = patterned_counts(8);
   for (std::size_t i = 0; i < 9; ++i) counts[i].counts = {12, 12 - static_cast<int>(i % 2), 12, 1};  // very fine
   for (std::size_t i = 9; i < 18; ++i) counts[i].counts = {12, 3 + static_cast<int>(i % 3), 12, 2};  // coarse
@@ -233,7 +233,7 @@ TEST_CASE("the differencing observer is that of a protocol which registers it", 
   CHECK(model.conditions.front().jnd != model_of(patterned_counts(4)).conditions.front().jnd);
 }
 
-TEST_CASE("somebody who judges each interval by itself takes equal stimuli by their series", "[data]") {
+TEST_CASE("somebody who judges each interval by itself takes equal stimuli by their series", "[data][long]") {
   Protocol independent = chinello();
   independent.analysis.model = "independent-observation";
   const std::vector<CellCounts> counts = patterned_counts(6);
@@ -329,7 +329,7 @@ TEST_CASE("what the model leaves out stands beside it, and changes nothing of it
   }
 }
 
-TEST_CASE("delivered differences are those of the cells, near enough", "[data]") {
+TEST_CASE("delivered differences are those of the cells, near enough", "[data][long]") {
   StudyAnalysis analysis = analyze_counts(patterned_counts(6), chinello(), SessionKind::simulated);
   const StudyHierarchical nominal = study_hierarchical(analysis, chinello());
   for (std::size_t i = 0; i < analysis.cells.size(); ++i) {

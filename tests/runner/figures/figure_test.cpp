@@ -573,7 +573,7 @@ TEST_CASE("names of users cannot leave their place in a figure") {
   }
 }
 
-TEST_CASE("equal stimuli that count as their series' stay in their panel") {
+TEST_CASE("equal stimuli that count as their series' stay in their panel", "[long]") {
   Protocol protocol = published_protocol();
   protocol.analysis.model = "independent-observation";
   StudyResults results =

@@ -310,7 +310,7 @@ TEST_CASE("a study through the rig that is interrupted does not count", "[power]
   stop_requested() = false;
 }
 
-TEST_CASE("tasks with estimates of their own have the power of their response model", "[power]") {
+TEST_CASE("tasks with estimates of their own have the power of their response model", "[power][long]") {
   for (const std::string name : {"lee2007-delay", "zoeller2020"}) {
     Protocol protocol = shipped(name);
     CAPTURE(name, to_string(protocol.task.kind));
@@ -356,7 +356,7 @@ TEST_CASE("tasks with estimates of their own have the power of their response mo
   }
 }
 
-TEST_CASE("the analyses of a drawn study", "[power]") {
+TEST_CASE("the analyses of a drawn study", "[power][long]") {
   const Protocol protocol = shipped("chinello2017");
   PowerQuestion question = question_of(protocol);
   question.participants = {12};

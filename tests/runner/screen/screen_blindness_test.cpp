@@ -151,7 +151,7 @@ std::vector<Shown> intervals(const Cues& cues, double stiffness, Hand hand, int 
 
 constexpr Cues kForce{.force = true, .vibration = false}, kVibration{.force = false, .vibration = true};
 
-TEST_CASE("From what the screen shows neither the stiffness nor the condition of an interval can be told") {
+TEST_CASE("From what the screen shows neither the stiffness nor the condition of an interval can be told", "[long]") {
   for (const Hand hand : {Hand::shipped, Hand::equally_hard}) {
     const std::vector<Shown> soft = intervals(kForce, 400, hand, 1), stiff = intervals(kForce, 900, hand, 1001),
                              buzzed = intervals(kVibration, 400, hand, 2001);

@@ -286,7 +286,8 @@ Told told_by(const Table& table, std::size_t label, std::size_t half) {
   return told;
 }
 
-TEST_CASE("From the numbers, bars and times on the screen and in jnd status a classifier learns nothing of the trial") {
+TEST_CASE("From the numbers, bars and times on the screen and in jnd status a classifier learns nothing of the trial",
+          "[long]") {
   const Protocol protocol = protocol_of_study();
   std::vector<std::vector<Sample>> sessions;
   for (std::uint32_t seed = 1; seed <= kSessions; ++seed) sessions.push_back(PlayedSession(protocol, seed).play());

@@ -32,7 +32,7 @@ using test::staircase;
 
 // Observers with P("different") = Phi((difference - 200) / 100), catch trials included: the staircases' mean threshold
 // is where the rule settles, that of QUEST is where its own psychometric function, fitted to nothing, agrees.
-TEST_CASE("Thresholds of known observers are found within their error") {
+TEST_CASE("Thresholds of known observers are found within their error", "[long]") {
   constexpr double kCriterion = 200, kSigma = 100;
   constexpr int kObservers = 40;
   const Protocol protocol = staircase(
@@ -90,7 +90,7 @@ TEST_CASE("QUEST finds the threshold of an observer with its psychometric functi
 
 // Observers with P("different") = Phi(difference / 220 - 0.75): the JND is found whatever the criterion, by the Bayesian
 // procedure and by a staircase whose answers are taken together.
-TEST_CASE("The posterior of all answers finds the JND of known observers") {
+TEST_CASE("The posterior of all answers finds the JND of known observers", "[long]") {
   constexpr double kJnd = 220, kCriterion = 0.75;
   constexpr int kObservers = 30;
   for (const Protocol& protocol : {posterior({{"trials", 48}}), joint_staircase(48)}) {
