@@ -22,7 +22,7 @@ MADE = {"methods.md", "job.sh", "loop.sh"}
 def files_of(root):
     found = []
     for folder, folders, names in os.walk(root):
-        folders[:] = [name for name in folders if name not in ("build", ".git")]
+        folders[:] = [name for name in folders if name not in ("build", ".git", "demo-results")]
         found += [str(pathlib.Path(folder, name).relative_to(root)) for name in names + folders]
     return found
 
