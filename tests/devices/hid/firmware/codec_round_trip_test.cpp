@@ -38,16 +38,18 @@ TEST_CASE("what is not allowed is refused", "[codec]") {
     using Record = decltype(empty);
     int taken = 0, refused = 0;
     REQUIRE(rc::check(std::string(codec.kKind), [&] {
-      auto record = jnd::codec::any_allowed<Record>();
-      jnd::codec::spoil(record);
-      std::vector<std::uint8_t> bytes(codec.kSize);
-      codec.encode(record, bytes.data());
-      Record back{};
-      const jnd_decode_result result = codec.decode(bytes.data(), bytes.size(), back);
-      RC_ASSERT(result == (jnd::codec::allowed(record) ? JND_DECODE_OK : JND_DECODE_RANGE));
-      (result == JND_DECODE_OK ? taken : refused) += 1;
+      for (int i = 0; i < 10; ++i) {  // of some kinds few values are refused
+        auto record = jnd::codec::any_allowed<Record>();
+        jnd::codec::spoil(record);
+        std::vector<std::uint8_t> bytes(codec.kSize);
+        codec.encode(record, bytes.data());
+        Record back{};
+        const jnd_decode_result result = codec.decode(bytes.data(), bytes.size(), back);
+        RC_ASSERT(result == (jnd::codec::allowed(record) ? JND_DECODE_OK : JND_DECODE_RANGE));
+        (result == JND_DECODE_OK ? taken : refused) += 1;
+      }
     }));
-    CHECK(taken + refused >= 100);
+    CHECK(taken + refused >= 1000);
     CHECK(refused > 0);
   });
 }
