@@ -201,20 +201,17 @@ void add_cluster(CommandTree& tree) {
       .range(0, 100);
   command.add_option("--every", options.every_s, "seconds between two looks at the queue (default: 20)")
       .range(0.05, 3600.0);
-  command.add_option("--partition", options.partition, "of the cluster").value_name("NAME");
-  command.add_option("--time", options.time, "limit of one shard, such as 02:00:00").value_name("TIME");
-  command.add_option("--account", options.account, "that the time is charged to").value_name("NAME");
-  command.add_option("--memory", options.memory, "of one shard, such as 2G").value_name("SIZE");
+  command.add_option("--partition", options.partition, "of the cluster");
+  command.add_option("--time", options.time, "limit of one shard, such as 02:00:00");
+  command.add_option("--account", options.account, "that the time is charged to");
+  command.add_option("--memory", options.memory, "of one shard, such as 2G");
   command.add_option("--at-once", options.at_once, "how many shards run at a time at most").range(1, 1000);
   command
       .add_option("--sbatch", options.sbatch, "another option of sbatch, such as --sbatch=--qos=long; may be repeated")
-      .value_name("OPTION")
       .one_at_a_time();
   command.add_option("--setup", options.setup, "a line of shell before the program: 'module load gcc'; may be repeated")
-      .value_name("LINE")
       .one_at_a_time();
-  command.add_option("--program", options.program, "the jnd to run, where the cluster has another one than this")
-      .value_name("FILE");
+  command.add_option("--program", options.program, "the jnd to run, where the cluster has another one than this");
 }
 
 }  // namespace jnd

@@ -53,9 +53,8 @@ void add_combine(CommandTree& tree) {
       .add_option("FILES", options.files,
                   "every file that plan --power --shard, or simulate --studies --shard, has written, in any order")
       .required();
-  add_power_files(command, options.written);
-  command.option("--csv").description(
-      "the numbers as CSV: of a power study also, as a file; of simulated studies in this folder");
+  add_power_files(command, options.written,
+                  "the numbers as CSV: of a power study also, as a file; of simulated studies in this folder");
   command.add_flag("--replace", options.replace, "replace the folder of an earlier run");
   command.add_flag("--json", options.json, "machine-readable, of a power study");
 }

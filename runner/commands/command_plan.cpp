@@ -328,7 +328,7 @@ int plan_of_protocol(const Protocol& protocol, std::uint64_t seed, const PlanOpt
 // What an order of trials does not depend on.
 void refuse_figures(const PrecisionOptions& options) {
   const auto refuse = [](const char* name, bool given) {
-    if (given) refuse_without(name, "--precision or --power");
+    if (given) refuse_arguments(fmt::format("{} requires --precision or --power", name));
   };
   refuse("--jnd", !options.jnds.empty());
   refuse("--trials", !options.trials.empty());
@@ -337,10 +337,10 @@ void refuse_figures(const PrecisionOptions& options) {
 }
 
 int command_plan(const PlanOptions& options) {
-  if (options.protocol.empty() && !options.precision.asked && !options.study) refuse_missing("PROTOCOL");
-  if (options.precision.asked && options.study) refuse_together("--precision", "--study");
-  if (options.power.asked && options.study) refuse_together("--power", "--study");
-  if (options.power.asked && options.precision.asked) refuse_together("--power", "--precision");
+  if (options.protocol.empty() && !options.precision.asked && !options.study) refuse_arguments("PROTOCOL is required");
+  if (options.precision.asked && options.study) refuse_arguments("--precision excludes --study");
+  if (options.power.asked && options.study) refuse_arguments("--power excludes --study");
+  if (options.power.asked && options.precision.asked) refuse_arguments("--power excludes --precision");
   const std::uint64_t given_seed = options.seed.value_or(1);
   if (options.power.asked)
     return plan_power(options.protocol, given_seed, options.json, options.precision, options.power);

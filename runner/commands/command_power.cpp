@@ -208,8 +208,8 @@ void add_contrasts(Protocol& protocol) {
 
 }  // namespace
 
-void add_power_files(const Command& command, PowerFiles& files) {
-  command.add_option("--csv", files.csv, "also all numbers of the power study as a CSV file, a row each");
+void add_power_files(const Command& command, PowerFiles& files, const std::string& csv) {
+  command.add_option("--csv", files.csv, csv);
   command.add_option("--figure", files.figure, "also curves of power over the designs, as an SVG picture");
   command.add_option("--ademp", files.ademp,
                      "also the plan of the simulation in Markdown: aims, data, estimands, methods, performance");
@@ -267,7 +267,7 @@ void add_power_options(const Command& plan, PowerOptions& options) {
   add(plan.add_option("--profile", options.profile, "with --physics: profile file, or name of a shipped one"));
   add(plan.add_option("--threads", options.threads, "studies at a time (default: one a processor)")).range(1, 1024);
   add_shard_options(plan, options.shard, "--power");
-  add_power_files(plan, options.files);
+  add_power_files(plan, options.files, "also all numbers of the power study as a CSV file, a row each");
   for (const char* const name : {"--csv", "--figure", "--ademp"})
     plan.option(name).needs(power).excludes(plan.option("--to"));
 }

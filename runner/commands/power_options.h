@@ -16,7 +16,8 @@ namespace jnd {
 struct PowerFiles {
   std::string csv, ademp, figure;
 };
-void add_power_files(const Command& command, PowerFiles& files);
+// csv: what --csv does.
+void add_power_files(const Command& command, PowerFiles& files, const std::string& csv);
 // Throws InputError where one of them is there already.
 void refuse_existing(const PowerFiles& files);
 // Writes the files and prints the result.

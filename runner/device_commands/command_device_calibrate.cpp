@@ -234,7 +234,7 @@ void add_device_calibrate(CommandTree& device) {
       .add_option("--push", options.push_n,
                   "N1,N2,...: forces with which the device presses the reference; what that shows is typed")
       .delimiter(',')
-      .check(not_finite, "finite");
+      .check(not_finite);
   command.add_option("--operator", options.operator_name, "who calibrates").required();
   command.add_option("--reference-name", options.reference_name, "which scale or weights, such as an inventory number")
       .required();

@@ -13,10 +13,11 @@ namespace jnd {
 
 namespace {
 
-// What an option of that name takes; with the command before it, in that command alone. One that is not here and takes
-// text says so itself with type_name().
+// What an option of that name takes; with the command before it, in that command alone. Each one
+// that takes text is here.
 constexpr auto kValues = std::to_array<std::pair<std::string_view, std::string_view>>({
     {"--accept-gap", "REASON"},
+    {"--account", "NAME"},
     {"--ademp", "FILE"},
     {"--answer", "COLUMN"},
     {"--batch", "FILE"},
@@ -39,16 +40,19 @@ constexpr auto kValues = std::to_array<std::pair<std::string_view, std::string_v
     {"--language", "LANGUAGE"},
     {"--lapse", "RATE|free"},
     {"--level", "COLUMN"},
+    {"--memory", "SIZE"},
     {"--methods", "FILE"},
     {"--operator", "NAME"},
     {"--order", "COLUMN"},
     {"--out", "FILE"},
     {"--override-readiness", "REASON"},
     {"--participant", "CODE"},
+    {"--partition", "NAME"},
     {"--pose", "PZ,ROLL,PITCH"},
     {"--positive", "WORD"},
     {"--press", "CODE:TRIAL"},
     {"--profile", "PROFILE"},
+    {"--program", "FILE"},
     {"--protocol", "PROTOCOL"},
     {"--random", "LIST"},
     {"--reason", "REASON"},
@@ -56,11 +60,14 @@ constexpr auto kValues = std::to_array<std::pair<std::string_view, std::string_v
     {"--remarks", "TEXT"},
     {"--responder", "PROFILE"},
     {"--rig", "FILE"},
+    {"--sbatch", "OPTION"},
+    {"--setup", "LINE"},
     {"--shard", "K/N"},
     {"--spec", "FILE"},
     {"--standard", "NUMBER|COLUMN"},
     {"--study", "STUDY"},
     {"--sureness", "COLUMN"},
+    {"--time", "TIME"},
     {"--to", "FILE"},
     {"--wrench", "FX,FY,FZ,MX,MY,MZ"},
     {"jnd analyze --csv", "FOLDER"},
@@ -113,7 +120,7 @@ std::string_view known_value(const std::string& name) {
   return found == kValues.end() ? std::string_view() : found->second;
 }
 
-// The value's name where the command did not say one: by the option's name, else by the type.
+// The value's name: by the option's name where it is text, else by the type.
 std::string value_by_name(const std::string& command, const std::string& name, const std::string& type) {
   if (type == "INT" || type == "UINT") return "N";
   if (type != "TEXT") return "NUMBER";
@@ -121,13 +128,8 @@ std::string value_by_name(const std::string& command, const std::string& name, c
   return std::string(!in_command.empty() ? in_command : known_value(name));
 }
 
-bool is_parsers_own(const std::string& type) {
-  return type == "TEXT" || type == "INT" || type == "UINT" || type == "FLOAT";
-}
-
 std::string value_of_option(const std::string& command, const CLI::Option& option, const OptionPage& page,
                             const std::string& type) {
-  if (!is_parsers_own(type)) return type;
   const std::string choice = fmt::format("{}", fmt::join(page.words, "|"));
   if (!page.words.empty()) return choice.size() <= kLongestChoice ? choice : "WORD";
   const std::string one = value_by_name(command, page.name, type);
@@ -153,7 +155,7 @@ OptionPage option_page(const std::string& command, const CLI::Option& option) {
   page.words = words_in_braces(full);
   page.range = range_in(full);
   page.fallback = option.get_default_str();
-  page.value = page.is_argument && is_parsers_own(type) ? page.name : value_of_option(command, option, page, type);
+  page.value = page.is_argument ? page.name : value_of_option(command, option, page, type);
   return page;
 }
 

@@ -62,7 +62,7 @@ NoteOptions with_study_of_variable(NoteOptions options) {
   const char* const study = std::getenv(kStudyVariable);
   std::error_code error;
   if (study == nullptr || options.study == study || std::filesystem::exists(options.study, error))
-    refuse_missing("TEXT");
+    refuse_arguments("TEXT is required");
   if (options.study.find(' ') == std::string::npos && options.study.ends_with(".sqlite"))
     throw UsageError(fmt::format("{}: there is no such study, and the name of one is no note", options.study));
   options.text = std::exchange(options.study, study);

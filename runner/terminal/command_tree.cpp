@@ -4,85 +4,61 @@
 
 namespace jnd {
 
-const CommandOption& CommandOption::required() const {
-  option_->required();
-  return *this;
+CommandOption CommandOption::required() const {
+  return option_->required();
 }
 
-const CommandOption& CommandOption::one_of(std::vector<std::string> words) const {
-  option_->check(CLI::IsMember(std::move(words)));
-  return *this;
+CommandOption CommandOption::one_of(std::vector<std::string> words) const {
+  return option_->check(CLI::IsMember(std::move(words)));
 }
 
-const CommandOption& CommandOption::range(int least, int most) const {
-  option_->check(CLI::Range(least, most));
-  return *this;
+CommandOption CommandOption::range(int least, int most) const {
+  return option_->check(CLI::Range(least, most));
 }
 
-const CommandOption& CommandOption::range(double least, double most) const {
-  option_->check(CLI::Range(least, most));
-  return *this;
+CommandOption CommandOption::range(double least, double most) const {
+  return option_->check(CLI::Range(least, most));
 }
 
-const CommandOption& CommandOption::check(const std::function<std::string(const std::string&)>& why_not,
-                                          const std::string& name) const {
-  option_->check(CLI::Validator([why_not](std::string& text) { return why_not(text); }, "", name));
-  return *this;
+CommandOption CommandOption::check(const std::function<std::string(const std::string&)>& why_not) const {
+  return option_->check(why_not);
 }
 
-const CommandOption& CommandOption::show_default() const {
-  option_->capture_default_str();
-  return *this;
+CommandOption CommandOption::show_default() const {
+  return option_->capture_default_str();
 }
 
-const CommandOption& CommandOption::delimiter(char between) const {
-  option_->delimiter(between);
-  return *this;
+CommandOption CommandOption::delimiter(char between) const {
+  return option_->delimiter(between);
 }
 
-const CommandOption& CommandOption::values(int least, int most) const {
-  option_->expected(least, most);
-  return *this;
+CommandOption CommandOption::values(int least, int most) const {
+  return option_->expected(least, most);
 }
 
-const CommandOption& CommandOption::one_at_a_time() const {
-  option_->allow_extra_args(false);
-  return *this;
+CommandOption CommandOption::one_at_a_time() const {
+  return option_->allow_extra_args(false);
 }
 
-const CommandOption& CommandOption::needs(const CommandOption& other) const {
-  option_->needs(other.option_);
-  return *this;
+CommandOption CommandOption::needs(const CommandOption& other) const {
+  return option_->needs(other.option_);
 }
 
-const CommandOption& CommandOption::excludes(const CommandOption& other) const {
-  option_->excludes(other.option_);
-  return *this;
+CommandOption CommandOption::excludes(const CommandOption& other) const {
+  return option_->excludes(other.option_);
 }
 
-const CommandOption& CommandOption::value_name(const std::string& name) const {
-  option_->type_name(name);
-  return *this;
+CommandOption CommandOption::variable(const std::string& name) const {
+  return option_->envname(name);
 }
 
-const CommandOption& CommandOption::variable(const std::string& name) const {
-  option_->envname(name);
-  return *this;
-}
-
-const CommandOption& CommandOption::hidden() const {
-  option_->group("");
-  return *this;
-}
-
-const CommandOption& CommandOption::description(const std::string& what) const {
-  option_->description(what);
-  return *this;
+CommandOption CommandOption::hidden() const {
+  return option_->group("");
 }
 
 template <typename Value>
 CommandOption Command::add_option(const std::string& name, Value& value, const std::string& what) const {
-  return CommandOption(*command_->add_option(name, value, what));
+  return command_->add_option(name, value, what);
 }
 
 template CommandOption Command::add_option(const std::string&, std::string&, const std::string&) const;
@@ -99,19 +75,19 @@ template CommandOption Command::add_option(const std::string&, std::vector<doubl
 
 CommandOption Command::add_word(const std::string& name, const std::function<void(const std::string&)>& take,
                                 const std::string& what) const {
-  return CommandOption(*command_->add_option_function<std::string>(name, take, what));
+  return command_->add_option_function<std::string>(name, take, what);
 }
 
 CommandOption Command::add_flag(const std::string& name, bool& value, const std::string& what) const {
-  return CommandOption(*command_->add_flag(name, value, what));
+  return command_->add_flag(name, value, what);
 }
 
 CommandOption Command::add_flag(const std::string& name, int& value, const std::string& what) const {
-  return CommandOption(*command_->add_flag(name, value, what));
+  return command_->add_flag(name, value, what);
 }
 
 CommandOption Command::option(const std::string& name) const {
-  return CommandOption(*command_->get_option(name));
+  return command_->get_option(name);
 }
 
 void Command::add_notes(const std::string& text) const {
@@ -135,16 +111,8 @@ CommandTree CommandTree::add_group(const std::string& name, const std::string& w
   return {group, chosen_};
 }
 
-void refuse_missing(const std::string& name) {
-  throw CLI::RequiredError(name);
-}
-
-void refuse_without(const std::string& name, const std::string& others) {
-  throw CLI::RequiresError(name, others);
-}
-
-void refuse_together(const std::string& one, const std::string& other) {
-  throw CLI::ExcludesError(one, other);
+void refuse_arguments(const std::string& problem) {
+  throw CLI::ParseError(problem, CLI::ExitCodes::BaseClass);
 }
 
 }  // namespace jnd

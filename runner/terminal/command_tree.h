@@ -1,6 +1,6 @@
 // The tree of the program's commands. Each command adds itself in its own source: its options, help, example and what it
-// runs; a small file collects them. Only this wing, help and runner/command_line.cpp see the parser itself, whose headers
-// cost each source that includes them seconds.
+// runs; a small file collects them. Only this wing, help and runner/command_line.cpp see the parser itself: its headers
+// cost each source that includes them two to four seconds.
 #pragma once
 
 #include <cstdint>
@@ -24,24 +24,22 @@ namespace jnd {
 // An option of a command or one of its arguments, while it is described. Each call returns the option again.
 class CommandOption {
  public:
-  explicit CommandOption(CLI::Option& option) : option_(&option) {}
-  const CommandOption& required() const;
-  const CommandOption& one_of(std::vector<std::string> words) const;
-  const CommandOption& range(int least, int most) const;
-  const CommandOption& range(double least, double most) const;
-  // why_not: empty for a value that will do, else what is wrong with it. name: stands in the help, where not empty.
-  const CommandOption& check(const std::function<std::string(const std::string&)>& why_not,
-                             const std::string& name = "") const;
-  const CommandOption& show_default() const;               // in the help: what the value holds now
-  const CommandOption& delimiter(char between) const;      // of several values in one word
-  const CommandOption& values(int least, int most) const;  // how many it takes
-  const CommandOption& one_at_a_time() const;              // one value each time that the option is given
-  const CommandOption& needs(const CommandOption& other) const;
-  const CommandOption& excludes(const CommandOption& other) const;
-  const CommandOption& value_name(const std::string& name) const;
-  const CommandOption& variable(const std::string& name) const;  // of the environment, which stands in for it
-  const CommandOption& hidden() const;                           // from the help
-  const CommandOption& description(const std::string& what) const;
+  CommandOption(CLI::Option* option)
+      : option_(option) {}  // NOLINT(google-explicit-constructor): as the parser returns it
+  CommandOption required() const;
+  CommandOption one_of(std::vector<std::string> words) const;
+  CommandOption range(int least, int most) const;
+  CommandOption range(double least, double most) const;
+  // why_not: empty for a value that will do, else what is wrong with it.
+  CommandOption check(const std::function<std::string(const std::string&)>& why_not) const;
+  CommandOption show_default() const;               // in the help: what the value holds now
+  CommandOption delimiter(char between) const;      // of several values in one word
+  CommandOption values(int least, int most) const;  // how many it takes
+  CommandOption one_at_a_time() const;              // one value each time that the option is given
+  CommandOption needs(const CommandOption& other) const;
+  CommandOption excludes(const CommandOption& other) const;
+  CommandOption variable(const std::string& name) const;  // of the environment, which stands in for it
+  CommandOption hidden() const;                           // from the help
 
  private:
   CLI::Option* option_;
@@ -116,9 +114,7 @@ class CommandTree {
   std::string heading_;
 };
 
-// What a command finds of its arguments only when it runs, said as the parser says it.
-[[noreturn]] void refuse_missing(const std::string& name);
-[[noreturn]] void refuse_without(const std::string& name, const std::string& others);
-[[noreturn]] void refuse_together(const std::string& one, const std::string& other);
+// What is wrong with the arguments and was found only when the command runs; said as the parser says it.
+[[noreturn]] void refuse_arguments(const std::string& problem);
 
 }  // namespace jnd

@@ -40,7 +40,8 @@ class SocketBus final : public HidBus {
   std::vector<std::unique_ptr<Source>> sources_;
 };
 
-// Two buses as one: what either lists, and opened where it is listed. A path that begins with "/dev/hidraw" is of the second.
+// Two buses as one: what either lists, and opened where it is listed. A path that begins with "/dev/hidraw" is of the
+// second.
 class JoinedBus final : public HidBus {
  public:
   JoinedBus(std::unique_ptr<HidBus> first, std::unique_ptr<HidBus> second);
