@@ -45,8 +45,8 @@ cmake --build --preset "$preset" --target jnd -- --quiet
 step "build of the tests"
 cmake --build --preset "$preset" -- --quiet
 step tests
-# Tests flush to disk thousands of times, and nothing that they check depends on the disk: what a cut of power leaves, they
-# see on a disk that is played. In memory, where there is room for it, none of them waits.
+# Tests flush thousands of times and would wait for the disk. What a cut of power leaves is tested on a disk that is played, and
+# what needs a real one looks for it (on_disk in program.py).
 if [ -z "${TMPDIR:-}" ] && [ "$(df --output=avail -BG /dev/shm 2>/dev/null | tr -dc 0-9)" -ge 4 ] 2>/dev/null; then
   TMPDIR=$(mktemp -d /dev/shm/jnd.XXXXXX)
   chmod 1777 "$TMPDIR"  # as /tmp: some tests are another user
