@@ -24,8 +24,7 @@ namespace jnd {
 // An option of a command or one of its arguments, while it is described. Each call returns the option again.
 class CommandOption {
  public:
-  CommandOption(CLI::Option* option)
-      : option_(option) {}  // NOLINT(google-explicit-constructor): as the parser returns it
+  CommandOption(CLI::Option* option) : option_(option) {}  // not explicit: the parser returns these
   CommandOption required() const;
   CommandOption one_of(std::vector<std::string> words) const;
   CommandOption range(int least, int most) const;
