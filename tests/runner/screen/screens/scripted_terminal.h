@@ -179,27 +179,51 @@ class ScriptedTerminal {
       marks += "/" + std::to_string(cell.bg.indexed.idx);
     return marks;
   }
-  std::string line(int row, bool styles) const {
+  VTermScreenCell cell(int row, int column) const {
+    VTermScreenCell found{};
+    vterm_screen_get_cell(screen_, {row, column}, &found);
+    return found;
+  }
+  static bool blank(const VTermScreenCell& cell) { return cell.chars[0] == 0 || cell.chars[0] == ' '; }
+  // Of a blank on a coloured ground only the ground is seen, and ncurses 6.4 and 6.5 differ in the rest of its style: it
+  // has that of the letters beside it on the same ground.
+  std::vector<std::string> styles(int row) const {
+    std::vector<std::string> found;
+    std::vector<bool> bare;
+    for (int column = 0; column < columns_; ++column) {
+      const VTermScreenCell at = cell(row, column);
+      std::string now = style(at);
+      bare.push_back(blank(at) && now.find('/') != now.npos && now.find_first_of("ru") == now.npos);
+      found.push_back(bare.back() ? now.substr(now.find('/')) : now);
+    }
+    const auto take = [&](std::size_t to, std::size_t from) {
+      if (bare[to] && found[from].ends_with(found[to]) && found[from].find_first_of("ru") == std::string::npos)
+        found[to] = found[from];
+    };
+    for (std::size_t i = 1; i < found.size(); ++i) take(i, i - 1);
+    for (std::size_t i = found.size(); i-- > 1;) take(i - 1, i);
+    return found;
+  }
+  std::string line(int row, bool styled) const {
     std::string text, before, spaces;
+    const std::vector<std::string> looks = styles(row);
     for (int column = 0; column < columns_;) {
-      VTermScreenCell cell{};
-      vterm_screen_get_cell(screen_, {row, column}, &cell);
-      const std::string now = style(cell);
-      const bool blank = cell.chars[0] == 0 || cell.chars[0] == ' ';
-      if (styles && now != before) {
+      const VTermScreenCell at = cell(row, column);
+      const std::string now = looks[static_cast<std::size_t>(column)];
+      if (styled && now != before) {
         text += spaces + "{" + now + "}";
         spaces.clear();
         before = now;
       }
-      if (blank && now.empty()) {
+      if (blank(at) && now.empty()) {
         spaces += ' ';
       } else {
         text += spaces;
         spaces.clear();
-        if (blank) text += ' ';
-        for (int i = 0; !blank && i < VTERM_MAX_CHARS_PER_CELL && cell.chars[i] != 0; ++i) append(text, cell.chars[i]);
+        if (blank(at)) text += ' ';
+        for (int i = 0; !blank(at) && i < VTERM_MAX_CHARS_PER_CELL && at.chars[i] != 0; ++i) append(text, at.chars[i]);
       }
-      column += cell.width > 0 ? cell.width : 1;
+      column += at.width > 0 ? at.width : 1;
     }
     return text;
   }
