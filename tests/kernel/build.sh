@@ -16,7 +16,7 @@ mkdir -p "$root"/{bin,etc,modules,proc,sys,dev,guest}
 : > "$root/modules/order"
 add_module() {
   local file needs need
-  file=$(find "$kernel/lib/modules" -name "${1//_/-}.ko*" -o -name "${1//-/_}.ko*" | head -1)
+  file=$(find "$kernel" -name "${1//_/-}.ko*" -o -name "${1//-/_}.ko*" | head -1)
   [ -n "$file" ] || return 0 # built in
   grep -qx "$(basename "${file%.xz}")" "$root/modules/order" && return
   case $file in

@@ -63,12 +63,9 @@ if [ -z "$package" ]; then
   package=$(kernel_package)
 fi
 [ -n "$package" ] || skip "no kernel package is known: $metapackage is not in the package lists"
-if [ "$flavour" = cloud ]; then
-  unpack "$package" "$cache/$package" './boot/vmlinuz-*' './lib/modules/*/kernel/drivers/hid/*'
-else
-  unpack "$package" "$cache/$package" './boot/vmlinuz-*' './lib/modules/*/kernel/drivers/hid/*' \
-    './lib/modules/*/kernel/drivers/usb/*' './lib/modules/*/kernel/fs/configfs/*'
-fi
+wanted=('./boot/vmlinuz-*' '*/lib/modules/*/kernel/drivers/hid/*')  # /lib is in /usr from Debian 13 on
+[ "$flavour" = cloud ] || wanted+=('*/lib/modules/*/kernel/drivers/usb/*' '*/lib/modules/*/kernel/fs/configfs/*')
+unpack "$package" "$cache/$package" "${wanted[@]}"
 unpack busybox-static "$cache/busybox" '*/bin/busybox'
 unpack udev "$cache/udev" '*/bin/udevadm'
 echo "$cache/$package $cache/busybox $cache/udev"
