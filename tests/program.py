@@ -162,12 +162,16 @@ class Case(unittest.TestCase):
 
     on_disk = False  # for real sessions, which are refused in memory
 
+    def skipTest(self, reason):
+        print(f"SKIPPED: {self.id()}: {reason}", file=sys.stderr)
+        super().skipTest(reason)
+
     @functools.cached_property
     def folder(self):
         places = (tempfile.gettempdir(), os.getcwd(), "/var/tmp")
         place = next((place for place in places if not self.on_disk or not is_memory(place)), None)
         if place is None:
-            self.skipTest("SKIPPED: there is no folder on a disk, and real sessions are refused in memory")
+            self.skipTest("there is no folder on a disk, and real sessions are refused in memory")
         made = tempfile.TemporaryDirectory(dir=place)
         self.addCleanup(made.cleanup)
         return pathlib.Path(made.name).resolve()

@@ -61,7 +61,7 @@ step
 echo
 echo "The ten slowest tests, s:"
 slowest_tests "$log"
-skips=$(grep -hoE "SKIPPED.*|skipped=[0-9]+" "build/$preset/Testing/Temporary/LastTest.log" || true)
+skips=$(grep -ho "SKIPPED.*" "build/$preset/Testing/Temporary/LastTest.log" || true)
 [ -z "$skips" ] && echo "Skipped: 0" || printf 'Skipped: %d\n%s\n' "$(wc -l <<<"$skips")" "$skips"
 echo "Preset $preset:"
 print_steps

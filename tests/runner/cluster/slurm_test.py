@@ -125,8 +125,7 @@ class OnSlurm(program.Case):
         self.ends_with(self.start(plan=POWER))
         mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", shards], capture_output=True, text=True)
         if mounted.returncode != 0:
-            print(f"SKIPPED: no full disk, because mount is not permitted here: {mounted.stderr.strip()}", file=sys.stderr)
-            self.skipTest("mount is not permitted")
+            self.skipTest(f"no full disk, because mount is not permitted here: {mounted.stderr.strip()}")
         self.addCleanup(subprocess.run, ["umount", "--lazy", shards])
         self.assertEqual(self.ends_with(self.start("--submit", "--follow", "--retries", "1", plan=POWER), 1), "")
         self.assertIn("the disk is full", self.told())

@@ -115,7 +115,7 @@ class FileTrouble(program.Case):
         place.mkdir(exist_ok=True)
         mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", ",".join(options), "tmpfs", place], capture_output=True)
         if mounted.returncode != 0:
-            self.skipTest("SKIPPED: no disk in memory can be mounted here")
+            self.skipTest("no disk in memory can be mounted here")
         self.addCleanup(subprocess.run, ["umount", place], check=True)
         return place
 

@@ -188,7 +188,7 @@ class RealRig(program.Case):
 
     def test_loss_of_data_is_never_overridden(self):
         if not os.path.isdir("/dev/shm") or not program.is_memory("/dev/shm") or not os.access("/dev/shm", os.W_OK):
-            self.skipTest("SKIPPED: there is no folder in memory")
+            self.skipTest("there is no folder in memory")
         with tempfile.TemporaryDirectory(dir="/dev/shm") as memory:
             study = pathlib.Path(memory) / "study.sqlite"
             said = self.run_session(*ANYWAY, study=study, code=program.FOUND)
