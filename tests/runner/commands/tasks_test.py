@@ -24,6 +24,7 @@ STUDIES = {"leib2015": "pse", "jones1997-viscosity": "weber", "pang1991": "thres
            "lee2007-delay": "threshold", "identify-stiffness2025": "information", "brown2019-prosthesis": "jnd",
            "singhala2020": "weber", "abx-stiffness": "jnd", "jones-hunter1990": "weber", "sandpaper-hands2013": "correct"}
 
+READY = "[space] when the participant is ready"
 TASKS = ("same-different", "which", "yes-no", "identify", "oddity", "abx", "magnitude", "adjust")
 ADAPTIVE = ("same-different", "which", "yes-no", "oddity", "abx")
 
@@ -185,6 +186,17 @@ class Tasks(program.Case):
         self.jnd("verify", f"{study}.sqlite", "--deep")
         self.jnd("export", f"{study}.sqlite", "--to", study, "--kind", "pilot")
         return self.trials(study)
+
+    def asked(self, keys, *arguments, **options):
+        """A session in lines; each key is pressed when a line holds the text that it answers. Returns what was said."""
+        said = ""
+        with program.start(*arguments, folder=self.folder, stdin=subprocess.PIPE, stderr=subprocess.STDOUT, **options) as session:
+            for line in session.stdout:
+                said += line
+                session.stdin.write("".join(key for text, key in keys.items() if text in line))
+                session.stdin.flush()
+        self.assertEqual(session.returncode, 0, said)
+        return said
 
     def trials(self, folder, participant=None):
         return [row for row in self.rows(f"{folder}/trials.csv") if participant in (None, row["participant"])]
@@ -374,9 +386,10 @@ class Tasks(program.Case):
                                   {"name": "thumb", "label": "thumb", "parameters": {"finger": "thumb"}}], analysis={"contrasts": []})
         rows = self.session_on(rig, protocol, "e", " 1" * 12)
         self.assertEqual(len(rows), 4)
-        # The program itself gives a rig 100 ms while it presents: then trials are void, and come again.
-        last = self.jnd("run", protocol, "--study", "own.sqlite", "--participant", "P01", "--rig", rig, "--plain", "--seed", 4,
-                        "--override-readiness", "a machine that runs tests", keys=" 1" * 2000)
+        # The program itself gives a rig 100 ms while it presents, and 200 ms to stop: then trials are void and come again, and
+        # the rig is started anew.
+        last = self.asked({READY: " ", "[1] first": "1"}, "run", protocol, "--study", "own.sqlite", "--participant", "P01", "--rig", rig,
+                          "--plain", "--seed", "4", "--override-readiness", "a machine that runs tests")
         self.assertRegex(last, r"\n  rig       slowest answer \d+ of 100 ms while it presented, \d+ of 2000 ms while it waited\n")
         self.jnd("verify", "own.sqlite", "--deep")
         self.jnd("export", "e.sqlite", "--to", "t", "--kind", "pilot", "--telemetry")
@@ -406,16 +419,8 @@ class Tasks(program.Case):
         protocol = self.small("maereg2017", design={"trials_per_cell": 2, "order": {"series": "fixed", "conditions": "fixed"}}, trial=ONE_PRESS,
                               levels={"absolute": [300, 500]}, conditions=[
                                   {"name": "thumb", "label": "thumb", "parameters": {"finger": "thumb"}}], analysis={"contrasts": []})
-        said = ""
-        with program.start(rig, "run", protocol, "--study", "b.sqlite", "--participant", "P01", "--plain", "--seed", "4",
-                           "--override-readiness", "a machine that runs tests", program=PATIENT_RIG, folder=self.folder,
-                           stdin=subprocess.PIPE, stderr=subprocess.STDOUT) as session:
-            for line in session.stdout:
-                said += line
-                if "[space] when the participant is ready" in line:
-                    session.stdin.write(" ")
-                    session.stdin.flush()
-        self.assertEqual(session.returncode, 0, said)
+        self.asked({READY: " "}, rig, "run", protocol, "--study", "b.sqlite", "--participant", "P01", "--plain", "--seed", "4",
+                   "--override-readiness", "a machine that runs tests", program=PATIENT_RIG)
         self.jnd("verify", "b.sqlite", "--deep")
         self.jnd("export", "b.sqlite", "--to", "b", "--kind", "pilot")
         rows = self.trials("b")
