@@ -2,11 +2,9 @@
 """Every task from outside: the shipped studies of others planned, rehearsed, verified, analysed, exported and reported; a session on specimens,
 keys in and screen out; and one on a rig of the laboratory's own."""
 import json
-import pathlib
 import sqlite3
 import subprocess
 import sys
-import tempfile
 
 sys.path.append(__file__.rpartition("/tests/")[0] + "/tests")
 import program
@@ -128,16 +126,16 @@ class Tasks(program.Case):
         self.jnd("verify", "a.sqlite", code=1)
 
     def test_a_simulation_that_keeps_nothing_finds_what_a_kept_one_does(self):
-        before = set(pathlib.Path(tempfile.gettempdir()).glob("jnd-simulated-*"))
+        own = {"TMPDIR": str(self.folder)}
         for name in ("maereg2017", "jones-hunter1990", "chinello2017-experiment2"):
             with self.subTest(name):
                 command = ("simulate", name, "--participants", 3, "--seed", 4)
                 self.jnd(*command, "--study", f"{name}.sqlite")
                 kept = self.jnd("analyze", f"{name}.sqlite", "--json")
-                self.assertEqual(program.parse(self.jnd(*command, "--no-study", "--json")), json.loads(kept))
-                shown = self.jnd(*command, "--no-study")
+                self.assertEqual(program.parse(self.jnd(*command, "--no-study", "--json", env=own)), json.loads(kept))
+                shown = self.jnd(*command, "--no-study", env=own)
                 self.assertIn(" by condition", shown)
-        self.assertEqual(set(pathlib.Path(tempfile.gettempdir()).glob("jnd-simulated-*")), before)
+        self.assertEqual(list(self.folder.glob("jnd-simulated-*")), [])
 
     def test_a_protocol_to_start_from_of_every_task_rig_and_procedure(self):
         refused = set()
