@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 source runner/setup.sh
 # shellcheck disable=SC2086
 install_missing $packages_to_build catch2 librapidcheck-dev libvalijson-dev libbenchmark-dev python3 sqlite3 zstd mold \
-  ccache clang clang-tidy git qemu-system-x86 cpio || exit 2
+  ccache clang clang-tidy git qemu-system-x86 cpio xz-utils || exit 2
 logs=$(mktemp -d)
 trap 'rm -rf "$logs"' EXIT
 part() {  # part NAME COMMAND...

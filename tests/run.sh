@@ -19,7 +19,7 @@ step packages
 install_missing $packages_to_build catch2 librapidcheck-dev libvalijson-dev python3 sqlite3 zstd mold
 if [ "$preset" = dev ] || [ "$preset" = release ] || [ "${JND_ALL_TESTS:-OFF}" = ON ]; then
   wanted "chromium poppler-utils" "the report in a browser"
-  wanted "qemu-system-x86 cpio" "the program against a real HID stack"
+  wanted "qemu-system-x86 cpio xz-utils" "the program against a real HID stack"
   wanted "bash-completion zsh fish" "what Tab offers in these shells"
   wanted "slurmctld slurmd slurm-client munge" "jnd cluster on a real scheduler"
   wanted r-base-core "recompute.R of an export"

@@ -31,8 +31,8 @@ skip() {
   echo "SKIPPED: tests/kernel: $*"
   exit 77
 }
-for program in qemu-system-x86_64 cpio cc python3; do
-  command -v "$program" >/dev/null || skip "$program is missing (Debian: qemu-system-x86 cpio gcc python3)"
+for program in qemu-system-x86_64 cpio xz cc python3; do
+  command -v "$program" >/dev/null || skip "$program is missing (Debian: qemu-system-x86 cpio xz-utils gcc python3)"
 done
 [ "$(dpkg --print-architecture 2>/dev/null)" = amd64 ] || skip "the guest is an amd64 Debian; this machine is not"
 
